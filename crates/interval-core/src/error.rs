@@ -1,0 +1,56 @@
+//! Misuse of the library: one variant a cause. A numerical outcome is never an error but a [`Status`](crate::Status).
+
+use thiserror::Error as ThisError;
+
+/// What a caller did wrong, with what was given and what is needed.
+#[derive(Debug, Clone, PartialEq, Eq, ThisError)]
+pub enum Error {
+    /// A bound is NaN.
+    #[error("bound {index} is NaN; give a number, or an infinity for an open end")]
+    NotANumber {
+        /// Flat position of the bound.
+        index: usize,
+    },
+    /// A lower bound lies above its upper bound.
+    #[error("the lower bound exceeds the upper bound at entry {index}; swap them or mend the data")]
+    ReversedBounds {
+        /// Flat position of the entry.
+        index: usize,
+    },
+    /// An interval without a finite point, such as \[inf, inf\].
+    #[error("entry {index} has no finite point; a lower bound must be below +inf and an upper bound above -inf")]
+    NoFinitePoint {
+        /// Flat position of the entry.
+        index: usize,
+    },
+    /// Two shapes do not fit.
+    #[error("{what} has {given} entries where {needed} are needed")]
+    Shape {
+        /// The operand.
+        what: &'static str,
+        /// The number given.
+        given: usize,
+        /// The number needed.
+        needed: usize,
+    },
+    /// A square matrix is needed.
+    #[error("a square matrix is needed, this one is {rows} by {columns}")]
+    NotSquare {
+        /// Rows given.
+        rows: usize,
+        /// Columns given.
+        columns: usize,
+    },
+    /// A count that has to be positive.
+    #[error("{what} must be at least 1")]
+    Zero {
+        /// The count.
+        what: &'static str,
+    },
+    /// Text that is no interval literal.
+    #[error("'{text}' is not an interval; write [lower, upper] or a number, for example [0.1, 0.2]")]
+    Text {
+        /// The text given.
+        text: String,
+    },
+}

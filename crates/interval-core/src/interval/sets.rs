@@ -1,0 +1,42 @@
+//! Intervals as sets.
+
+use super::Interval;
+
+impl Interval {
+    /// Whether no number is inside.
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        self.lo > self.hi
+    }
+
+    /// Whether both bounds are finite and something is inside.
+    #[must_use]
+    pub fn is_bounded(self) -> bool {
+        self.lo.is_finite() && self.hi.is_finite()
+    }
+
+    /// Whether the number `x` is inside; infinities and NaN never are.
+    #[must_use]
+    pub fn contains(self, x: f64) -> bool {
+        x.is_finite() && self.lo <= x && x <= self.hi
+    }
+
+    /// Whether every member of this interval is in `other`.
+    #[must_use]
+    pub fn subset(self, other: Self) -> bool {
+        self.is_empty() || (other.lo <= self.lo && self.hi <= other.hi)
+    }
+
+    /// The common members.
+    #[must_use]
+    pub fn intersection(self, other: Self) -> Self {
+        let common = Self::raw(self.lo.max(other.lo), self.hi.min(other.hi));
+        if common.is_empty() { Self::EMPTY } else { common }
+    }
+
+    /// The smallest interval that holds both.
+    #[must_use]
+    pub fn hull(self, other: Self) -> Self {
+        Self::raw(self.lo.min(other.lo), self.hi.max(other.hi))
+    }
+}

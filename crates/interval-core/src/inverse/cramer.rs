@@ -1,0 +1,80 @@
+//! Interval Cramer's rule, the method of Nirmala and Ganesan (paper, section IV.B) in outward-rounded arithmetic: ratios of
+//! interval determinants. It refuses when the determinant contains 0.
+
+use super::{Certificate, Outcome, UNBOUNDED};
+use crate::error::Error;
+use crate::interval::Interval;
+use crate::matrix::IntervalMatrix;
+
+/// Orders above this are refused: the expansion has `2^n` minors, and is hopelessly wide long before.
+pub const ORDER_LIMIT: usize = 10;
+
+/// Encloses the inverse by cofactors over the determinant.
+///
+/// # Errors
+/// A matrix that is not square.
+pub fn cramer(a: &IntervalMatrix) -> Result<Outcome, Error> {
+    let n = a.order()?;
+    let det = match determinant(a) {
+        Ok(det) => det,
+        Err(refusal) => return Ok(refusal),
+    };
+    let mut entries = Vec::with_capacity(n * n);
+    for i in 0..n {
+        for j in 0..n {
+            let cofactor = minor(a, j, i);
+            entries.push(if (i + j) % 2 == 0 { cofactor / det } else { -cofactor / det });
+        }
+    }
+    let certificate = Certificate::Determinant { lo: det.lo(), hi: det.hi() };
+    let value = IntervalMatrix::from_entries(n, n, &entries);
+    if !value.is_bounded() {
+        return Ok(Outcome::not_applicable("a ratio of determinants overflows"));
+    }
+    Ok(Outcome::enclosed(&value, certificate))
+}
+
+/// The interval determinant of a square matrix, or the refusal where it contains 0.
+pub(crate) fn determinant(a: &IntervalMatrix) -> Result<Interval, Outcome> {
+    if !a.is_bounded() {
+        return Err(Outcome::not_applicable(UNBOUNDED));
+    }
+    if a.rows() > ORDER_LIMIT {
+        return Err(Outcome::not_applicable(format!("order {} exceeds {ORDER_LIMIT}, the limit of Cramer's rule", a.rows())));
+    }
+    let det = expand_all(a);
+    if det.lo() <= 0.0 && det.hi() >= 0.0 {
+        return Err(Outcome::not_applicable(format!("the interval determinant {det} contains 0")));
+    }
+    Ok(det)
+}
+
+/// An enclosure of every member's determinant; the order is at most [`ORDER_LIMIT`].
+pub(crate) fn expand_all(a: &IntervalMatrix) -> Interval {
+    let every: Vec<usize> = (0..a.rows()).collect();
+    expand(a, &every, &every)
+}
+
+/// The determinant without row `i` and column `j`.
+fn minor(a: &IntervalMatrix, i: usize, j: usize) -> Interval {
+    let without = |skip: usize| (0..a.rows()).filter(move |&k| k != skip).collect::<Vec<_>>();
+    expand(a, &without(i), &without(j))
+}
+
+/// Laplace expansion by rows with shared minors: `minors[mask]` is the determinant of the first `|mask|` rows in the
+/// columns of `mask`.
+fn expand(a: &IntervalMatrix, rows: &[usize], columns: &[usize]) -> Interval {
+    let n = columns.len();
+    let mut minors = vec![Interval::ONE; 1 << n];
+    for mask in 1_usize..1 << n {
+        let row = rows[mask.count_ones() as usize - 1];
+        let mut sum = Interval::ZERO;
+        for (position, &column) in columns.iter().enumerate().filter(|(k, _)| mask >> k & 1 == 1) {
+            let term = a.get(row, column) * minors[mask & !(1 << position)];
+            let after = (mask >> (position + 1)).count_ones();
+            sum = if after % 2 == 0 { sum + term } else { sum - term };
+        }
+        minors[mask] = sum;
+    }
+    minors[(1 << n) - 1]
+}

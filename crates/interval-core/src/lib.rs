@@ -1,0 +1,33 @@
+//! Interval arithmetic, interval matrices and bounded-error regression with outward rounding.
+//!
+//! # What is promised
+//! - Every operation on [`Interval`] returns a set that contains the exact result for every choice of members of its
+//!   operands. Add, subtract, multiply, divide, square and square root return the *tightest* such interval of doubles.
+//! - Every function that returns the status [`Status::Enclosed`](status::Status) has *proved* its bounds in directed
+//!   rounding or exact integer arithmetic; an approximation in plain floats is only ever the starting point of a proof.
+//! - A proof that fails is a value ([`Status::NotProved`](status::Status)), never a warning.
+//! - Results do not depend on the number of threads.
+//!
+//! # What is not promised
+//! - `inverse::published` and `inverse::published_hull` follow a paper literally. They are *not* enclosures, and say so.
+//! - The floating-point environment has to be the default one (round to nearest, subnormals kept);
+//!   [`rounding::environment_is_default`] checks it.
+
+pub mod error;
+pub mod exact;
+pub mod interval;
+pub mod inverse;
+pub mod linear_program;
+pub mod matrix;
+pub mod regression;
+pub mod regularity;
+pub mod rounding;
+pub mod status;
+pub mod systems;
+
+mod approximate;
+
+pub use error::Error;
+pub use interval::Interval;
+pub use matrix::IntervalMatrix;
+pub use status::Status;

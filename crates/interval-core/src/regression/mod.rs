@@ -1,0 +1,26 @@
+//! Parameters of interval rows `A theta = y`.
+
+mod feasible;
+mod inflation;
+mod normal_equations;
+mod orthant;
+
+pub use feasible::{BoundCertificate, FeasibleSet, OrthantOutcome, OrthantResult, feasible_set};
+pub use normal_equations::{NormalEquations, normal_equations};
+
+use crate::error::Error;
+use crate::interval::Interval;
+use crate::matrix::IntervalMatrix;
+
+fn check_rows(a: &IntervalMatrix, y: &[Interval]) -> Result<(), Error> {
+    if y.len() != a.rows() {
+        return Err(Error::Shape { what: "the right-hand side", given: y.len(), needed: a.rows() });
+    }
+    if a.columns() == 0 {
+        return Err(Error::Zero { what: "the number of columns" });
+    }
+    if a.rows() == 0 {
+        return Err(Error::Zero { what: "the number of rows" });
+    }
+    Ok(())
+}

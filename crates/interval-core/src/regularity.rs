@@ -1,0 +1,125 @@
+//! Is every member of an interval matrix nonsingular? Answers with a certificate.
+
+use crate::approximate;
+use crate::exact;
+use crate::interval::Interval;
+use crate::matrix::IntervalMatrix;
+
+/// The largest order for which all vertex matrices are examined: 2^(2n-1) of them.
+pub const VERTEX_LIMIT: usize = 4;
+
+/// The verdict on an interval matrix.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Regularity {
+    /// Every member is nonsingular.
+    Regular(Witness),
+    /// Some member is singular.
+    Singular(SingularMember),
+    /// Neither was proved.
+    NotProved,
+}
+
+/// Why an interval matrix is regular.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Witness {
+    /// `||I - R A|| <= norm < 1` in the maximum row sum norm for this `R` (row-major): `R A` and with it `A` is
+    /// nonsingular for every member.
+    Contraction {
+        /// An approximate inverse of the midpoint, row-major.
+        approximate_inverse: Vec<f64>,
+        /// Upper bound of the norm.
+        norm: f64,
+    },
+    /// The determinants of all vertex matrices `A_c - T_y Delta T_z` have this strict sign (Baumann 1984).
+    VertexDeterminants {
+        /// -1 or 1.
+        sign: i8,
+    },
+}
+
+/// Why an interval matrix holds a singular member.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SingularMember {
+    /// This member (row-major) has determinant zero, exactly.
+    Member(Vec<f64>),
+    /// These two members (row-major) have determinants of opposite sign: on the segment between them one is zero.
+    OppositeSigns(Vec<f64>, Vec<f64>),
+}
+
+/// Proves regularity by contraction, or for small orders decides it by the vertex determinants.
+///
+/// The matrix is square and bounded.
+#[must_use]
+pub fn regularity(a: &IntervalMatrix) -> Regularity {
+    if let Some(witness) = contraction(a) {
+        return Regularity::Regular(witness);
+    }
+    if a.rows() > VERTEX_LIMIT {
+        return Regularity::NotProved;
+    }
+    let n = a.rows();
+    let mut first: Option<(i8, Vec<f64>)> = None;
+    for vertex in vertices(a) {
+        let sign = exact::determinant_sign(&vertex, n);
+        if sign == 0 {
+            return Regularity::Singular(SingularMember::Member(vertex));
+        }
+        match &first {
+            None => first = Some((sign, vertex)),
+            Some((other, member)) if *other != sign => {
+                return Regularity::Singular(SingularMember::OppositeSigns(member.clone(), vertex));
+            }
+            Some(_) => {}
+        }
+    }
+    Regularity::Regular(Witness::VertexDeterminants { sign: first.map_or(1, |(sign, _)| sign) })
+}
+
+/// `||I - R A|| < 1` for an approximate inverse `R` of the midpoint (METHODS 4.1, strong regularity).
+fn contraction(a: &IntervalMatrix) -> Option<Witness> {
+    let n = a.rows();
+    let approximate_inverse = approximate::inverse(&a.midpoint(), n)?;
+    let norm = residual(&approximate_inverse, a).norm();
+    (norm < 1.0).then_some(Witness::Contraction { approximate_inverse, norm })
+}
+
+/// `I - R A` for a point matrix `R`, row-major.
+pub(crate) fn residual(r: &[f64], a: &IntervalMatrix) -> IntervalMatrix {
+    let n = a.rows();
+    let mut entries = Vec::with_capacity(n * n);
+    for i in 0..n {
+        for j in 0..n {
+            let start = if i == j { Interval::ONE } else { Interval::ZERO };
+            entries.push((0..n).fold(start, |sum, k| {
+                let factor = r[i * n + k];
+                sum - Interval::raw(factor, factor) * a.get(k, j)
+            }));
+        }
+    }
+    IntervalMatrix::from_entries(n, n, &entries)
+}
+
+/// The vertex matrices `A_c - T_y Delta T_z` for sign vectors `y`, `z` with `y_1 = 1`, row-major. `y_i z_j = 1` takes the
+/// lower bound, so the entries are exact.
+pub(crate) fn vertices(a: &IntervalMatrix) -> impl Iterator<Item = Vec<f64>> + '_ {
+    let n = a.rows();
+    (0..1_usize << (2 * n - 1)).map(move |bits| {
+        let (y, z) = (bits >> n, bits & ((1 << n) - 1));
+        let mut vertex = Vec::with_capacity(n * n);
+        for i in 0..n {
+            for j in 0..n {
+                let opposite = ((y >> i) ^ (z >> j)) & 1 == 1;
+                let at = i * n + j;
+                vertex.push(if opposite { a.hi()[at] } else { a.lo()[at] });
+            }
+        }
+        vertex
+    })
+}
+
+/// Each column's largest magnitude.
+pub(crate) fn column_norms(a: &IntervalMatrix) -> Vec<f64> {
+    (0..a.columns())
+        .map(|j| (0..a.rows()).map(|i| a.get(i, j).magnitude()).fold(0.0, f64::max))
+        .collect()
+}

@@ -1,0 +1,148 @@
+//! Scalar operations rounded down and up, each the tightest double on its side.
+//!
+//! Source: Kashiwagi's emulation of directed rounding by error-free transformations, with two changes. The error of a sum
+//! is taken by Dekker's fast two-sum on ordered operands, in which nothing but the sum itself can overflow. The error of
+//! a product or quotient is taken by one fused multiply-add, whose sign is exact as long as its result cannot underflow;
+//! below `SAFE` the operands are scaled by powers of two first.
+//!
+//! Infinite operands give the limit; `inf - inf`, `0 * inf`, `0 / 0` and `inf / inf` give NaN and are the caller's to avoid.
+
+/// 2^-969: a product of this size or larger has an error term that is a multiple of 2^-1074, hence exact.
+const SAFE: f64 = f64::from_bits((1023 - 969) << 52);
+const TWO_100: f64 = f64::from_bits((1023 + 100) << 52);
+const TWO_200: f64 = f64::from_bits((1023 + 200) << 52);
+const TWO_537: f64 = f64::from_bits((1023 + 537) << 52);
+const TWO_800: f64 = f64::from_bits((1023 + 800) << 52);
+const SMALLEST: f64 = f64::from_bits(1);
+
+/// `a + b` rounded up.
+#[must_use]
+#[inline]
+pub fn add_up(a: f64, b: f64) -> f64 {
+    let sum = a + b;
+    if !sum.is_finite() {
+        return saturate_up(sum, a, b);
+    }
+    let (large, small) = if a.abs() >= b.abs() { (a, b) } else { (b, a) };
+    // |small| <= |large| and a finite sum: sum - large is exact (Dekker), so the error is too.
+    if small - (sum - large) > 0.0 { sum.next_up() } else { sum }
+}
+
+/// `a + b` rounded down.
+#[must_use]
+#[inline]
+pub fn add_down(a: f64, b: f64) -> f64 {
+    -add_up(-a, -b)
+}
+
+/// `a - b` rounded up.
+#[must_use]
+#[inline]
+pub fn sub_up(a: f64, b: f64) -> f64 {
+    add_up(a, -b)
+}
+
+/// `a - b` rounded down.
+#[must_use]
+#[inline]
+pub fn sub_down(a: f64, b: f64) -> f64 {
+    -add_up(-a, b)
+}
+
+/// `a * b` rounded up.
+#[must_use]
+#[inline]
+pub fn mul_up(a: f64, b: f64) -> f64 {
+    let product = a * b;
+    if !product.is_finite() {
+        return saturate_up(product, a, b);
+    }
+    if a == 0.0 || b == 0.0 {
+        return product;
+    }
+    let too_low = if product.abs() >= SAFE {
+        a.mul_add(b, -product) > 0.0
+    } else {
+        // |ab| < 2^-969 and |a|, |b| >= 2^-1074 bound both operands by 2^105: scaling cannot overflow, and the scaled
+        // product is a multiple of 2^-1074, so the fused error is exact.
+        let (x, y) = (a * TWO_537, b * TWO_537);
+        let scaled = x * y;
+        let candidate = (product * TWO_537) * TWO_537;
+        candidate < scaled || (candidate == scaled && x.mul_add(y, -scaled) > 0.0)
+    };
+    if too_low { product.next_up() } else { product }
+}
+
+/// `a * b` rounded down.
+#[must_use]
+#[inline]
+pub fn mul_down(a: f64, b: f64) -> f64 {
+    -mul_up(-a, b)
+}
+
+/// `a / b` rounded up, for `b != 0`.
+#[must_use]
+#[inline]
+pub fn div_up(a: f64, b: f64) -> f64 {
+    let (a, b) = if b < 0.0 { (-a, -b) } else { (a, b) };
+    let quotient = a / b;
+    if a == 0.0 || a.is_infinite() || b.is_infinite() {
+        return quotient;
+    }
+    if !quotient.is_finite() {
+        return saturate_up(quotient, a, b);
+    }
+    let (numerator, denominator) = if a.abs() >= SAFE {
+        (a, b)
+    } else if b < TWO_800 {
+        (a * TWO_200, b * TWO_200)
+    } else {
+        // |a / b| < 2^-1769: far below the smallest double.
+        return if a > 0.0 { SMALLEST } else { -0.0 };
+    };
+    // The sign of quotient * denominator - numerator, rounded once, is the sign of the exact difference.
+    if quotient.mul_add(denominator, -numerator) < 0.0 { quotient.next_up() } else { quotient }
+}
+
+/// `a / b` rounded down, for `b != 0`.
+#[must_use]
+#[inline]
+pub fn div_down(a: f64, b: f64) -> f64 {
+    -div_up(-a, b)
+}
+
+/// The square root of `x >= 0` rounded up.
+#[must_use]
+#[inline]
+pub fn sqrt_up(x: f64) -> f64 {
+    let root = x.sqrt();
+    if sqrt_residual(root, x) > 0.0 { root.next_up() } else { root }
+}
+
+/// The square root of `x >= 0` rounded down.
+#[must_use]
+#[inline]
+pub fn sqrt_down(x: f64) -> f64 {
+    let root = x.sqrt();
+    if sqrt_residual(root, x) < 0.0 { root.next_down() } else { root }
+}
+
+/// A number with the sign of `x - root^2`; zero where there is no rounding.
+#[inline]
+fn sqrt_residual(root: f64, x: f64) -> f64 {
+    if x == 0.0 || !x.is_finite() {
+        return 0.0;
+    }
+    if x >= SAFE {
+        (-root).mul_add(root, x)
+    } else {
+        let root = root * TWO_100;
+        (-root).mul_add(root, x * TWO_200)
+    }
+}
+
+/// Rounding up of an overflow: from finite operands -inf becomes the lowest double, everything else stands.
+#[cold]
+fn saturate_up(result: f64, a: f64, b: f64) -> f64 {
+    if result == f64::NEG_INFINITY && a.is_finite() && b.is_finite() { f64::MIN } else { result }
+}

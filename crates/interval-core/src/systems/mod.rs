@@ -1,0 +1,20 @@
+//! Square interval systems `A x = b`: the methods of [`inverse`](crate::inverse) with a right-hand side.
+
+mod cramer;
+mod krawczyk;
+
+pub use cramer::cramer;
+pub use krawczyk::krawczyk;
+
+use crate::error::Error;
+use crate::interval::Interval;
+use crate::matrix::IntervalMatrix;
+
+/// The right-hand side as a column, once the shapes are known to fit.
+fn column(a: &IntervalMatrix, b: &[Interval]) -> Result<IntervalMatrix, Error> {
+    let n = a.order()?;
+    if b.len() != n {
+        return Err(Error::Shape { what: "the right-hand side", given: b.len(), needed: n });
+    }
+    Ok(IntervalMatrix::from_entries(n, 1, b))
+}

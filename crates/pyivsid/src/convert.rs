@@ -1,0 +1,140 @@
+//! Results of the core as plain Python objects.
+
+use interval_core::inverse::{Certificate, Endpoints, Outcome};
+use interval_core::regression::{BoundCertificate, FeasibleSet, NormalEquations, OrthantOutcome};
+use interval_core::regularity::{SingularMember, Witness};
+use interval_core::{Interval, IntervalMatrix};
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+/// Two arrays of bounds of the given shape.
+pub fn bounds<'py>(py: Python<'py>, lower: &[f64], upper: &[f64], shape: (usize, usize)) -> PyResult<Bound<'py, PyAny>> {
+    let lower = PyArray1::from_slice(py, lower).reshape([shape.0, shape.1])?;
+    let upper = PyArray1::from_slice(py, upper).reshape([shape.0, shape.1])?;
+    Ok((lower, upper).into_pyobject(py)?.into_any())
+}
+
+pub fn interval_matrix<'py>(py: Python<'py>, a: &IntervalMatrix) -> PyResult<Bound<'py, PyAny>> {
+    bounds(py, a.lo(), a.hi(), (a.rows(), a.columns()))
+}
+
+/// Lower and upper bounds as two one-dimensional arrays.
+pub fn interval_vector<'py>(py: Python<'py>, x: &[Interval]) -> PyResult<Bound<'py, PyAny>> {
+    let lower = PyArray1::from_iter(py, x.iter().map(|v| v.lo()));
+    let upper = PyArray1::from_iter(py, x.iter().map(|v| v.hi()));
+    Ok((lower, upper).into_pyobject(py)?.into_any())
+}
+
+pub fn witness<'py>(py: Python<'py>, witness: &Witness, n: usize) -> PyResult<Bound<'py, PyDict>> {
+    let found = PyDict::new(py);
+    match witness {
+        Witness::Contraction { approximate_inverse, norm } => {
+            found.set_item("kind", "contraction")?;
+            found.set_item("approximate_inverse", PyArray1::from_slice(py, approximate_inverse).reshape([n, n])?)?;
+            found.set_item("norm", norm)?;
+        }
+        Witness::VertexDeterminants { sign } => {
+            found.set_item("kind", "vertex_determinants")?;
+            found.set_item("sign", sign)?;
+        }
+    }
+    Ok(found)
+}
+
+pub fn singular<'py>(py: Python<'py>, member: &SingularMember, n: usize) -> PyResult<Bound<'py, PyDict>> {
+    let found = PyDict::new(py);
+    let square = |m: &[f64]| PyArray1::from_slice(py, m).reshape([n, n]);
+    match member {
+        SingularMember::Member(m) => {
+            found.set_item("kind", "singular_member")?;
+            found.set_item("member", square(m)?)?;
+        }
+        SingularMember::OppositeSigns(a, b) => {
+            found.set_item("kind", "opposite_determinants")?;
+            found.set_item("members", (square(a)?, square(b)?))?;
+        }
+    }
+    Ok(found)
+}
+
+fn certificate<'py>(py: Python<'py>, certificate: &Certificate, n: usize) -> PyResult<Bound<'py, PyDict>> {
+    match certificate {
+        Certificate::Regular(w) => witness(py, w, n),
+        Certificate::Singular(m) => singular(py, m, n),
+        Certificate::Determinant { lo, hi } => {
+            let found = PyDict::new(py);
+            found.set_item("kind", "determinant")?;
+            found.set_item("determinant", (lo, hi))?;
+            Ok(found)
+        }
+    }
+}
+
+/// `value` has `n` rows and as many columns as it fills.
+pub fn outcome<'py>(py: Python<'py>, outcome: &Outcome, n: usize) -> PyResult<Bound<'py, PyDict>> {
+    let found = PyDict::new(py);
+    found.set_item("status", outcome.status.name())?;
+    found.set_item("value", match &outcome.value {
+        Some(Endpoints { lower, upper }) => Some(bounds(py, lower, upper, (n, lower.len() / n))?),
+        None => None,
+    })?;
+    found.set_item("certificate", match &outcome.certificate {
+        Some(c) => Some(certificate(py, c, n)?),
+        None => None,
+    })?;
+    found.set_item("reason", &outcome.reason)?;
+    Ok(found)
+}
+
+pub fn normal_equations<'py>(py: Python<'py>, result: &NormalEquations) -> PyResult<Bound<'py, PyDict>> {
+    let found = PyDict::new(py);
+    found.set_item("status", result.status.name())?;
+    found.set_item("parameters", match &result.parameters {
+        Some(p) => Some(interval_vector(py, p)?),
+        None => None,
+    })?;
+    found.set_item("improper", result.improper)?;
+    found.set_item("gram", interval_matrix(py, &result.gram)?)?;
+    found.set_item("inverse", outcome(py, &result.inverse, result.gram.rows())?)?;
+    Ok(found)
+}
+
+fn bound_certificate<'py>(py: Python<'py>, c: &BoundCertificate) -> PyResult<Bound<'py, PyDict>> {
+    let found = PyDict::new(py);
+    found.set_item("column", c.column)?;
+    found.set_item("end", if c.upper { "upper" } else { "lower" })?;
+    found.set_item("bound", c.bound)?;
+    found.set_item("rows", &c.rows)?;
+    found.set_item("signs", &c.signs)?;
+    Ok(found)
+}
+
+pub fn feasible_set<'py>(py: Python<'py>, set: &FeasibleSet) -> PyResult<Bound<'py, PyDict>> {
+    let orthants = PyList::empty(py);
+    for orthant in &set.orthants {
+        let entry = PyDict::new(py);
+        entry.set_item("signs", &orthant.signs)?;
+        match &orthant.outcome {
+            OrthantOutcome::Empty { rows } => {
+                entry.set_item("empty", true)?;
+                entry.set_item("rows", rows)?;
+            }
+            OrthantOutcome::Bounded(certificates) => {
+                entry.set_item("empty", false)?;
+                let list = certificates.iter().map(|c| bound_certificate(py, c)).collect::<PyResult<Vec<_>>>()?;
+                entry.set_item("bounds", list)?;
+            }
+        }
+        orthants.append(entry)?;
+    }
+    let found = PyDict::new(py);
+    found.set_item("status", set.status.name())?;
+    found.set_item("parameters", interval_vector(py, &set.parameters)?)?;
+    found.set_item("inflation", set.inflation)?;
+    found.set_item("centre", set.centre.as_ref().map(|c| PyArray1::from_slice(py, c)))?;
+    found.set_item("directions", &set.directions)?;
+    found.set_item("orthants", orthants)?;
+    found.set_item("reason", &set.reason)?;
+    Ok(found)
+}

@@ -1,0 +1,22 @@
+//! Python's door to `interval-core`: borrow, detach from the interpreter, call, convert. No arithmetic and no decisions.
+
+mod arrays;
+mod convert;
+mod elementwise;
+mod linalg;
+mod regression;
+
+use pyo3::prelude::*;
+
+/// The compiled core of ivsid.
+#[pymodule(name = "_core")]
+mod core_module {
+    #[pymodule_export]
+    use super::elementwise::{
+        binary, check_bounds, environment_is_default, format_interval, measure, outward_decimal, parse_interval, unary,
+    };
+    #[pymodule_export]
+    use super::linalg::{gram, inverse, matmul, norm, regularity, solve};
+    #[pymodule_export]
+    use super::regression::{feasible_set, normal_equations};
+}

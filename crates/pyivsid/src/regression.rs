@@ -1,0 +1,38 @@
+//! Parameters of interval rows.
+
+use crate::arrays::{intervals, matrix, refusal, vector};
+use crate::convert;
+use crate::linalg::inverse_method;
+use interval_core::regression;
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// Interval least squares by normal equations (eq. 14) with the named inverse.
+#[pyfunction]
+pub fn normal_equations<'py>(
+    py: Python<'py>,
+    rows: (PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>),
+    right: (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>),
+    method: &str,
+    partitions: u64,
+) -> PyResult<Bound<'py, PyDict>> {
+    let a = matrix(&rows.0, &rows.1)?;
+    let y = intervals(vector(&right.0)?, vector(&right.1)?).map_err(|e| refusal(&e))?;
+    let invert = inverse_method(method, partitions)?;
+    let result = py.detach(|| regression::normal_equations(&a, &y, invert)).map_err(|e| refusal(&e))?;
+    convert::normal_equations(py, &result)
+}
+
+/// The proved hull of all parameters that are consistent with every row.
+#[pyfunction]
+pub fn feasible_set<'py>(
+    py: Python<'py>,
+    rows: (PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>),
+    right: (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>),
+) -> PyResult<Bound<'py, PyDict>> {
+    let a = matrix(&rows.0, &rows.1)?;
+    let y = intervals(vector(&right.0)?, vector(&right.1)?).map_err(|e| refusal(&e))?;
+    let set = py.detach(|| regression::feasible_set(&a, &y)).map_err(|e| refusal(&e))?;
+    convert::feasible_set(py, &set)
+}

@@ -1,0 +1,33 @@
+"""ivsid: guaranteed system identification for unmanned marine vehicles.
+
+From logged demands, accelerations, velocities and yaw rates to parameter intervals that are proved under stated bounds on
+sensors and thrust. See the README for the commands, and ``docs/`` for the user's guide.
+"""
+
+from importlib.metadata import version
+
+from ivsid import linalg, regression
+from ivsid.errors import IvsidError
+from ivsid.identification import Identification, Parameter, identify
+from ivsid.intervals import EndpointPair, Interval, IntervalArray
+from ivsid.log import Log, read_log
+from ivsid.vehicle import Vehicle, read_vehicle
+
+__version__ = version("ivsid")
+
+__all__ = [
+    "EndpointPair",
+    "Identification",
+    "Interval",
+    "IntervalArray",
+    "IvsidError",
+    "Log",
+    "Parameter",
+    "Vehicle",
+    "__version__",
+    "identify",
+    "linalg",
+    "read_log",
+    "read_vehicle",
+    "regression",
+]

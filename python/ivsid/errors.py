@@ -1,0 +1,5 @@
+"""What a user can do wrong, said in one sentence: what was given, what is needed, what to do."""
+
+
+class IvsidError(ValueError):
+    """Unusable input. Its text is one sentence for the user; the command line prints it and exits with 2."""

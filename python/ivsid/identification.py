@@ -1,0 +1,295 @@
+"""Method by name -> parameter intervals with their status, what they assume, and their certificates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from ivsid import regression
+from ivsid.effects import CHANNELS, Term, terms_of
+from ivsid.errors import IvsidError
+from ivsid.intervals import FloatArray
+from ivsid.linalg import DEFAULT_PARTITIONS, INVERSE_METHODS
+from ivsid.log import Log
+from ivsid.regression_rows import WINDOW, RegressionRows, build_rows
+from ivsid.sensors import BoundedLog, bound_log
+from ivsid.vehicle import Vehicle
+
+METHODS: Final = ("feasible", *INVERSE_METHODS)
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """An interval of one parameter. ``improper`` marks bounds that the published method left reversed.
+
+    ``lower`` and ``upper`` are infinite where no bound was proved.
+    """
+
+    lower: float
+    upper: float
+    unit: str
+    symbol: str
+
+    @property
+    def midpoint(self) -> float:
+        """Centre of a bounded interval, else the finite end, else NaN."""
+        ends = [e for e in (self.lower, self.upper) if np.isfinite(e)]
+        return float(np.mean(ends)) if ends else float("nan")
+
+    @property
+    def width(self) -> float:
+        """upper - lower."""
+        return self.upper - self.lower
+
+
+@dataclass(frozen=True)
+class Identification:
+    """What a method says of the parameters.
+
+    Attributes:
+        method: its name.
+        status: ``enclosed``, ``empty``, ``unbounded``, ``not_applicable`` or, for the published methods, ``not_proved``.
+        guaranteed: true only where every step is proved.
+        assumes: what the guarantee rests on.
+        parameters: by id; empty where no interval exists.
+        estimate: a point for simulation: midpoints, or the parameter of least inflation.
+        inflation: the smallest factor on all row radii at which a parameter is consistent (an estimate), or None.
+        improper: entries of published inverses that came out reversed.
+        reason: why there is no (proved) result.
+        directions: by parameter id, in which the data leave the set open.
+        certificates: per bound, the rows that prove it.
+        rows: how many rows each channel has.
+        notes: what was found in the log.
+        options: method options, to repeat the run.
+        vehicle: the vehicle file.
+        log_name: the log's file name.
+        log_sha256: hash of the log.
+    """
+
+    method: str
+    status: str
+    guaranteed: bool
+    assumes: tuple[str, ...]
+    parameters: dict[str, Parameter]
+    estimate: dict[str, float]
+    inflation: float | None
+    improper: int
+    reason: str | None
+    directions: tuple[dict[str, float], ...]
+    certificates: tuple[dict[str, Any], ...]
+    rows: dict[str, int]
+    notes: tuple[str, ...]
+    options: dict[str, Any]
+    vehicle: Vehicle
+    log_name: str
+    log_sha256: str
+
+
+@dataclass(frozen=True)
+class _Block:
+    """Parameters that share rows, and what a method said of them."""
+
+    columns: tuple[int, ...]
+    status: str
+    lower: FloatArray | None
+    upper: FloatArray | None
+    centre: FloatArray | None
+    inflation: float | None
+    improper: int
+    reason: str | None
+    directions: tuple[FloatArray, ...]
+    certificates: tuple[dict[str, Any], ...]
+
+
+def identify(
+    vehicle: Vehicle,
+    log: Log,
+    method: str = "feasible",
+    *,
+    partitions: int | None = None,
+    form: str = "total",
+    rows: str = "auto",
+    window: float = WINDOW,
+) -> Identification:
+    """Parameter intervals of the vehicle file's model from a log.
+
+    Args:
+        vehicle: the checked vehicle file.
+        log: the checked log.
+        method: ``feasible`` (all parameters that are consistent with every row; guaranteed), or interval least squares
+            (eq. 14) with the inverse ``exact``, ``krawczyk``, ``cramer``, ``published`` or ``published-hull``.
+        partitions: N of the published methods.
+        form: ``total`` mass, or ``added`` mass with the rigid-body mass known (eq. 6, second form).
+        rows: ``auto``, ``pointwise``, ``integral`` or ``both``.
+        window: length of integral rows [s].
+
+    Raises:
+        IvsidError: unusable input, in one sentence.
+    """
+    if method not in METHODS:
+        raise IvsidError(f"method '{method}' is not available; choose one of {', '.join(METHODS)}")
+    terms = terms_of(vehicle, form)
+    bounded = bound_log(log, vehicle)
+    made = build_rows(bounded, vehicle, terms, added_mass=form == "added", kind=rows, window=window)
+    options = {"partitions": partitions or DEFAULT_PARTITIONS, "form": form, "rows": rows, "window": window}
+    return identify_rows(made, bounded, vehicle, method, options)
+
+
+def identify_rows(
+    rows: RegressionRows, bounded: BoundedLog, vehicle: Vehicle, method: str, options: dict[str, Any]
+) -> Identification:
+    """The same from rows that stand already, so that several methods can share them."""
+    if method not in METHODS:
+        raise IvsidError(f"method '{method}' is not available; choose one of {', '.join(METHODS)}")
+    blocks = [_solve(rows, columns, method, options["partitions"]) for columns in _blocks(rows)]
+    parameters, estimate = _gather(rows.terms, blocks)
+    status = _overall([b.status for b in blocks])
+    proved = status in ("enclosed", "empty", "unbounded")
+    inflations = [b.inflation for b in blocks]
+    directions = tuple(
+        {rows.terms[c].id: float(x) for c, x in zip(b.columns, d, strict=True) if x} for b in blocks for d in b.directions
+    )
+    reasons = [b.reason for b in blocks if b.reason]
+    return Identification(
+        method=method,
+        status=status,
+        guaranteed=proved and bounded.rule.guaranteed,
+        assumes=_assumptions(rows, bounded, vehicle),
+        parameters=parameters if status != "empty" else {},
+        estimate=estimate,
+        inflation=None if not inflations or None in inflations else max(i for i in inflations if i is not None),
+        improper=sum(b.improper for b in blocks),
+        reason="; ".join(dict.fromkeys(reasons)) or None,
+        directions=directions,
+        certificates=tuple(c for b in blocks for c in b.certificates),
+        rows={name: int((rows.channel == k).sum()) for k, name in enumerate(CHANNELS)},
+        notes=bounded.log.notes,
+        options=options,
+        vehicle=vehicle,
+        log_name=bounded.log.name,
+        log_sha256=bounded.log.sha256,
+    )
+
+
+def _assumptions(rows: RegressionRows, bounded: BoundedLog, vehicle: Vehicle) -> tuple[str, ...]:
+    lines = [bounded.rule.sentence, "thrust accuracy" if vehicle.thrusters else "accuracy of the logged forces"]
+    if bounded.ambient != (0.0, 0.0):
+        force, moment = bounded.ambient
+        lines.append(f"ambient force within {force:.3g} N and moment within {moment:.3g} N m")
+    hold = "held from its row to the next" if vehicle.log.demand == "hold" else "linear from its row to the next"
+    return (*lines, *rows.assumes, f"each demand is {hold}", "model structure")
+
+
+def _overall(statuses: Sequence[str]) -> str:
+    """The weakest statement, except that one contradiction falsifies the whole model."""
+    for status in ("empty", "not_applicable", "singular", "not_proved", "unbounded"):
+        if status in statuses:
+            return "not_applicable" if status == "singular" else status
+    return "enclosed"
+
+
+def _blocks(rows: RegressionRows) -> list[tuple[int, ...]]:
+    """Columns that are linked by a common row: each set can be solved on its own."""
+    used = (rows.matrix.lower != 0) | (rows.matrix.upper != 0)
+    remaining, blocks = set(range(used.shape[1])), []
+    while remaining:
+        group = {min(remaining)}
+        while True:
+            touched = used[:, sorted(group)].any(axis=1)
+            grown = group | {j for j in remaining if used[touched, j].any()}
+            if grown == group:
+                break
+            group = grown
+        remaining -= group
+        blocks.append(tuple(sorted(group)))
+    return blocks
+
+
+def _solve(rows: RegressionRows, columns: tuple[int, ...], method: str, partitions: int) -> _Block:
+    used = (rows.matrix.lower != 0) | (rows.matrix.upper != 0)
+    # Rows without any parameter say nothing of this block; where the model has one block they falsify it, so they stay.
+    mine = used[:, list(columns)].any(axis=1)
+    idle = ~used.any(axis=1)
+    if columns[0] == 0:
+        mine = mine | idle
+    part = rows.take(mine, columns)
+    ids = [t.id for t in part.terms]
+    if not part.time.size:
+        n = len(columns)
+        reason = f"no row holds {', '.join(ids)}"
+        if method != "feasible":
+            return _Block(columns, "not_applicable", None, None, None, None, 0, reason, (), ())
+        free = tuple(np.eye(n))
+        return _Block(columns, "unbounded", np.full(n, -np.inf), np.full(n, np.inf), None, 0.0, 0, reason, free, ())
+    if method == "feasible":
+        found = regression.feasible_set(part.matrix, part.right)
+        lower, upper = (found.value.lower, found.value.upper) if found.value is not None else (None, None)
+        certificates = _certificates(part, found)
+        directions = tuple(found.directions) if found.status == "unbounded" else ()
+        return _Block(
+            columns, found.status, lower, upper, found.centre, found.inflation, 0, found.reason, directions, certificates
+        )
+    fit = regression.normal_equations(part.matrix, part.right, method, partitions)
+    lower, upper = (fit.value.lower, fit.value.upper) if fit.value is not None else (None, None)
+    reason = f"{', '.join(ids)}: {fit.inverse.reason}" if fit.inverse.reason else None
+    return _Block(columns, fit.status, lower, upper, None, None, fit.improper, reason, (), ())
+
+
+def _gather(terms: Sequence[Term], blocks: Sequence[_Block]) -> tuple[dict[str, Parameter], dict[str, float]]:
+    """Parameters and the point estimate, in the order of the model."""
+    parameters: dict[str, Parameter] = {}
+    estimate: dict[str, float] = {}
+    for j, term in enumerate(terms):
+        block = next(b for b in blocks if j in b.columns)
+        k = block.columns.index(j)
+        if block.lower is not None and block.upper is not None:
+            parameters[term.id] = Parameter(float(block.lower[k]), float(block.upper[k]), term.unit, term.symbol)
+        if block.status == "enclosed" or block.centre is None:
+            if term.id in parameters and np.isfinite(parameters[term.id].midpoint):
+                estimate[term.id] = parameters[term.id].midpoint
+        else:
+            estimate[term.id] = float(block.centre[k])
+    return parameters, estimate
+
+
+def _certificates(rows: RegressionRows, found: regression.FeasibleSet) -> tuple[dict[str, Any], ...]:
+    """Per orthant and bound: the interval rows used (hexadecimal floats), their times, and which end of each is meant."""
+    ids = [t.id for t in rows.terms]
+
+    def row(entry: tuple[int, bool, float]) -> dict[str, Any]:
+        index, lower_side, multiplier = entry
+        matrix, right = rows.matrix[index], rows.right[index]
+        return {
+            "row": int(index),
+            "channel": CHANNELS[rows.channel[index]],
+            "time": float(rows.time[index]),
+            "duration": float(rows.duration[index]),
+            "side": "lower" if lower_side else "upper",
+            "multiplier": multiplier,
+            "lower": [x.hex() for x in matrix.lower.tolist()],
+            "upper": [x.hex() for x in matrix.upper.tolist()],
+            "right": [float(right.lower).hex(), float(right.upper).hex()],
+        }
+
+    certificates = []
+    for orthant in found.certificate:
+        signs = dict(zip(ids, orthant["signs"], strict=True))
+        if orthant["empty"]:
+            certificates.append({"proves": "empty", "orthant": signs, "rows": [row(e) for e in orthant["rows"]]})
+            continue
+        for bound in orthant["bounds"]:
+            certificates.append(
+                {
+                    "proves": "bound",
+                    "orthant": signs,
+                    "parameter": ids[bound["column"]],
+                    "end": bound["end"],
+                    "bound": bound["bound"].hex(),
+                    "rows": [row(e) for e in bound["rows"]],
+                    "signs": [{"parameter": ids[j], "multiplier": m} for j, m in bound["signs"]],
+                }
+            )
+    return tuple(certificates)

@@ -1,0 +1,56 @@
+"""Quantities that move in time: their interval at a moment or over a step, with an interval of their rate of change."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from ivsid.intervals import IntervalArray
+
+Scalar: TypeAlias = "Motion | float"
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A value and its time derivative; the operators follow the rules of differentiation.
+
+    With the rates bounded by stated limits this gives the Lipschitz constant that a quadrature needs (METHODS 5.2).
+    """
+
+    value: IntervalArray
+    rate: IntervalArray
+
+    def __add__(self, other: Scalar) -> Motion:
+        if isinstance(other, Motion):
+            return Motion(self.value + other.value, self.rate + other.rate)
+        return Motion(self.value + other, self.rate)
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Motion:
+        return Motion(-self.value, -self.rate)
+
+    def __sub__(self, other: Scalar) -> Motion:
+        return self + (-other)
+
+    def __rsub__(self, other: float) -> Motion:
+        return (-self) + other
+
+    def __mul__(self, other: Scalar) -> Motion:
+        if isinstance(other, Motion):
+            return Motion(self.value * other.value, self.rate * other.value + self.value * other.rate)
+        return Motion(self.value * other, self.rate * other)
+
+    __rmul__ = __mul__
+
+    def __abs__(self) -> Motion:
+        both = self.rate.hull(-self.rate)
+        return Motion(abs(self.value), both)
+
+    def square(self) -> Motion:
+        """``x^2``."""
+        return Motion(self.value.square(), 2.0 * self.value * self.rate)
+
+    def signed_square(self) -> Motion:
+        """``x |x|``."""
+        return Motion(self.value.signed_square(), 2.0 * abs(self.value) * self.rate)

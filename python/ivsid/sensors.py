@@ -1,0 +1,197 @@
+"""Readings to intervals: inertial noise (paper eq. 15), Doppler velocity (eq. 16-17), and how sure the bounds are."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.stats import norm
+
+from ivsid.errors import IvsidError
+from ivsid.intervals import IntervalArray
+from ivsid.log import Log
+from ivsid.vehicle import InertialSensor, Sensors, Vehicle, VelocitySensor
+
+DEFAULT_CONFIDENCE: Final = 0.999
+# Relative slack that covers the float evaluation of half-widths and quantiles.
+ROUNDING: Final = 1e-9
+
+# Channel, the section of [sensors] that bounds it, axis.
+_INERTIAL: Final = (("udot", 0), ("vdot", 1), ("ax", 0), ("ay", 1))
+_PLAIN: Final = (("force_X", "force"), ("force_Y", "force"), ("moment_N", "moment"), ("rdot", "yaw_acceleration"))
+
+
+@dataclass(frozen=True)
+class Rule:
+    """How many standard deviations bound a log.
+
+    Attributes:
+        sigmas: the factor k.
+        confidence: the probability that every error of the log stays inside, or None under the paper's rule.
+        errors: how many errors the union bound counts.
+    """
+
+    sigmas: float
+    confidence: float | None
+    errors: int
+
+    @property
+    def guaranteed(self) -> bool:
+        """Whether the bounds hold with a stated probability for the whole log."""
+        return self.confidence is not None
+
+    @property
+    def sentence(self) -> str:
+        """The assumption, as printed in results."""
+        if self.confidence is None:
+            return f"every sensor error stays within {self.sigmas:g} sigma at its sample (the paper's rule; not a bound for a log)"
+        return (
+            f"sensor bounds hold at every sample (probability >= {self.confidence:g} under the stated noise; "
+            f"{self.sigmas:.2f} sigma for {self.errors} errors)"
+        )
+
+
+@dataclass(frozen=True)
+class BoundedLog:
+    """A log whose channels are intervals.
+
+    Attributes:
+        log: the readings.
+        channels: an interval for each sample of each channel that is bounded; a missing sample is every number.
+        present: where each channel has a sample.
+        rule: how noise was turned into bounds.
+        ambient: half-widths (force [N], moment [N m]) of the force that nobody models.
+    """
+
+    log: Log
+    channels: Mapping[str, IntervalArray]
+    present: Mapping[str, NDArray[np.bool_]]
+    rule: Rule
+    ambient: tuple[float, float]
+
+
+def sigma_published(n: float, b: float, dt: float, t: float) -> float:
+    """Eq. 15, sigma_c = N/sqrt(dt) + sqrt(dt/t) B, as printed: the paper's rule, not a bound (METHODS 5.1)."""
+    return n / math.sqrt(dt) + math.sqrt(dt / t) * b
+
+
+def half_width(sensor: InertialSensor, axis: int, dt: float, rule: Rule, duration: float) -> float:
+    """Half-width of an inertial channel, in the unit of the channel.
+
+    With ``confidence``: k N/sqrt(dt) + k B, the union bound over white noise and Gauss-Markov bias (METHODS 5.1), plus the
+    reflection bound of a rate random walk. With ``sigmas``: k times eq. 15 with t = ``bias_time``.
+    """
+    bias, bias_time = sensor.axis(axis)
+    walk = _walk(sensor, axis)
+    k = rule.sigmas
+    if rule.confidence is None:
+        noise = k * sigma_published(walk, bias, dt, bias_time)
+        drift = k * sensor.rate_random_walk * math.sqrt(duration)
+    else:
+        noise = k * walk / math.sqrt(dt) + k * bias
+        drift = _walk_reach(rule, sensor.rate_random_walk, duration)
+    return (noise + drift + sensor.accuracy) * (1 + ROUNDING)
+
+
+def _walk(sensor: InertialSensor, axis: int) -> float:
+    walk = sensor.random_walk
+    return walk[axis] if isinstance(walk, tuple) else walk
+
+
+def _walk_reach(rule: Rule, rate: float, duration: float) -> float:
+    """P(max |W| > a) <= 4 (1 - Phi(a / (s sqrt(T)))): the walk counts as four of the rule's errors."""
+    return rule.sigmas * rate * math.sqrt(duration)
+
+
+def doppler(reading: ArrayLike | IntervalArray, sensor: VelocitySensor) -> IntervalArray:
+    """The true velocity [m/s]: (reading +- accuracy) / (1 + s), s in [-e, e], or one half of it where the sign is known.
+
+    Corrects eq. 16-17, which print the same end twice (READING_NOTES).
+    """
+    e, sign = sensor.scale_factor_error, sensor.scale_factor_sign
+    scale = IntervalArray(0.0 if sign > 0 else -e, 0.0 if sign < 0 else e) + 1.0
+    centre = reading if isinstance(reading, IntervalArray) else IntervalArray(reading)
+    return (centre + IntervalArray(-sensor.accuracy, sensor.accuracy)) / scale
+
+
+def doppler_paper(reading: ArrayLike, accuracy: float, scale_factor_error: float) -> IntervalArray:
+    """Eq. 16 with its upper end corrected: [(u - acc)/(1 - sfe), (u + acc)/(1 - sfe)], a scale error of known size."""
+    return IntervalArray.around(reading, accuracy) / (1.0 - IntervalArray(scale_factor_error))
+
+
+def doppler_drift(scale_factor_error: float, speed: float, duration: float) -> float:
+    """Along-track drift [m] of a scale factor error: 0.4 % at 2 m/s is 28.8 m in an hour (paper, V.A)."""
+    return scale_factor_error * speed * duration
+
+
+def rule_for(sensors: Sensors, errors: int) -> Rule:
+    """The factor k: as given by ``sigmas``, or from ``confidence`` by the union bound over this many errors."""
+    if sensors.sigmas is not None:
+        return Rule(sensors.sigmas, None, errors)
+    confidence = DEFAULT_CONFIDENCE if sensors.confidence is None else sensors.confidence
+    k = float(norm.isf((1 - confidence) / (2 * max(errors, 1))))
+    return Rule(k * (1 + ROUNDING), confidence, errors)
+
+
+def bound_log(log: Log, vehicle: Vehicle) -> BoundedLog:
+    """Encloses every channel of the log that the vehicle file bounds.
+
+    Raises:
+        IvsidError: a sensor section is missing for a logged channel, or samples are averaged.
+    """
+    sensors = vehicle.sensors
+    sections: dict[str, tuple[InertialSensor, int]] = {}
+    for name, axis in _INERTIAL:
+        if name in log.columns and sensors.acceleration is not None:
+            sections[name] = (sensors.acceleration, axis)
+    if "r" in log.columns and sensors.yaw_rate is not None:
+        sections["r"] = (sensors.yaw_rate, 0)
+    for name, (sensor, _) in sections.items():
+        if sensor.sampling == "averaged":
+            raise IvsidError(
+                f"sampling = 'averaged' of the sensor behind {name} is not supported yet; log instantaneous samples, or leave "
+                "the column out and let the rates be enclosed from velocities"
+            )
+    rule = rule_for(sensors, _count(log, sections, vehicle))
+    duration = float(log.t[-1] - log.t[0])
+    radii: dict[str, float] = {
+        name: half_width(sensor, axis, log.period, rule, duration) for name, (sensor, axis) in sections.items()
+    }
+    for name, section in _PLAIN:
+        plain = getattr(sensors, section)
+        if name in log.columns and plain is not None:
+            radii[name] = plain.accuracy
+    channels, present = {}, {}
+    for name, values in log.columns.items():
+        there = ~np.isnan(values)
+        filled = np.where(there, values, 0.0)
+        if name in radii:
+            slack = 4 * np.spacing(np.abs(filled)) if name in log.converted else 0.0
+            bounded = IntervalArray.around(filled, radii[name] + slack)
+        elif name in ("u", "v") and sensors.velocity is not None:
+            slack = 4 * np.spacing(np.abs(filled)) if name in log.converted else 0.0
+            bounded = doppler(IntervalArray.around(filled, slack), sensors.velocity)
+        else:
+            continue
+        lower, upper = np.where(there, bounded.lower, -np.inf), np.where(there, bounded.upper, np.inf)
+        channels[name], present[name] = IntervalArray(lower, upper), there
+    ambient = (0.0, 0.0)
+    if vehicle.ambient is not None:
+        k = rule.sigmas * (1 + ROUNDING)
+        ambient = (k * vehicle.ambient.force, k * vehicle.ambient.moment)
+    return BoundedLog(log, channels, present, rule, ambient)
+
+
+def _count(log: Log, sections: Mapping[str, tuple[InertialSensor, int]], vehicle: Vehicle) -> int:
+    """Errors that the union bound covers: each sample of white noise, of bias, of ambient force; four for a walk."""
+    n = log.t.size
+    count = 0
+    for sensor, axis in sections.values():
+        count += n * (_walk(sensor, axis) > 0) + n * (sensor.axis(axis)[0] > 0) + 4 * (sensor.rate_random_walk > 0)
+    if vehicle.ambient is not None:
+        count += n * (2 * (vehicle.ambient.force > 0) + (vehicle.ambient.moment > 0))
+    return int(count)

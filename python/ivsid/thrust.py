@@ -1,0 +1,198 @@
+"""Demand to thrust: tables (monotone), polynomials, gains, each with a bound on its error (paper eq. 18-20, Table III)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import PchipInterpolator
+
+from ivsid import units
+from ivsid.errors import IvsidError
+from ivsid.intervals import IntervalArray
+from ivsid.vehicle import Thruster, Vehicle
+
+# Table III of the paper: demand [%] and average thrust [N]; and the coefficients printed below eq. 18, highest first.
+TABLE_III: Final = (
+    (15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0, 85.0),
+    (4.654, 6.297, 8.204, 10.407, 12.325, 14.463, 17.347, 19.526, 24.024, 33.221, 40.725, 54.319, 59.243, 72.768, 78.924),
+)
+PUBLISHED_CUBIC: Final = (0.0003, -0.015, 0.6008, -1.0902)
+# Interpolation in floats is good to about 1e-14 of the table's largest thrust.
+ROUNDING: Final = 1e-12
+
+Curve = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+
+
+@dataclass(frozen=True)
+class ThrustCurve:
+    """The static curve of one thruster."""
+
+    thruster: Thruster
+
+    @cached_property
+    def _table(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        table = self.thruster.table
+        if table is None:
+            raise IvsidError(f"thruster {self.thruster.name} has no table")
+        demand = np.array(table.demand)
+        thrust = np.array(table.thrust) * units.factor(table.unit, units.FORCE, "a thrust table")
+        if demand[0] > 0 and thrust[0] > 0:
+            demand, thrust = np.r_[0.0, demand], np.r_[0.0, thrust]
+        return demand, thrust
+
+    @cached_property
+    def _curve(self) -> Curve:
+        t = self.thruster
+        if t.table is not None:
+            return table_curve(*self._table, linear_start=t.table.demand[0] > 0 and t.table.thrust[0] > 0)
+        coefficients = np.array(t.polynomial if t.polynomial is not None else (t.gain, 0.0), dtype=np.float64)
+        return lambda d: np.polyval(coefficients, d)
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """The demands that the curve covers, neutral included."""
+        if self.thruster.table is None:
+            return -np.inf, np.inf
+        demand = self._table[0]
+        return float(demand[0]) + self.thruster.neutral, float(demand[-1]) + self.thruster.neutral
+
+    @cached_property
+    def largest(self) -> float:
+        """The largest |thrust| of the table [N]; 0 without one."""
+        return float(np.abs(self._table[1]).max()) if self.thruster.table is not None else 0.0
+
+    def value(self, demand: ArrayLike) -> NDArray[np.float64]:
+        """Thrust [N] at each demand, in plain floats.
+
+        Raises:
+            IvsidError: a demand outside the table, unless the thruster says ``outside = "hold"``.
+        """
+        d = np.asarray(demand, dtype=np.float64)
+        low, high = self.range
+        outside = (d < low) | (d > high)
+        if outside.any() and self.thruster.outside != "hold":
+            raise IvsidError(
+                f"demand {d[outside].flat[0]:g} of thruster {self.thruster.name} lies outside its table ({low:g} to {high:g}); "
+                'extend the table, or set outside = "hold" to keep its end values'
+            )
+        return self._curve(np.clip(d, low, high) - self.thruster.neutral)
+
+    def interval(self, demand: ArrayLike) -> IntervalArray:
+        """Thrust [N] +- (absolute + relative |T|)."""
+        value = self.value(demand)
+        accuracy = self.thruster.accuracy
+        size = np.abs(value)
+        radius = accuracy.absolute + accuracy.relative * size
+        # The radius and the curve itself are computed in floats; what that can lose is added.
+        return IntervalArray.around(value, radius * (1 + ROUNDING) + ROUNDING * np.maximum(size, self.largest))
+
+
+def table_curve(demand: NDArray[np.float64], thrust: NDArray[np.float64], *, linear_start: bool = False) -> Curve:
+    """A monotone piecewise cubic (PCHIP; Fritsch and Carlson) through the points; the first piece straight if asked for."""
+    if len(demand) == 2:
+        return lambda d: np.interp(d, demand, thrust)
+    if not linear_start:
+        return PchipInterpolator(demand, thrust)
+    if len(demand) == 3:
+        return lambda d: np.interp(d, demand, thrust)
+    rest = PchipInterpolator(demand[1:], thrust[1:])
+    slope = thrust[1] / demand[1]
+    return lambda d: np.where(d < demand[1], slope * d, rest(np.maximum(d, demand[1])))
+
+
+@dataclass(frozen=True)
+class GeneralisedForce:
+    """X, Y [N] and moment N [N m] on the hull, shape (n,) each (paper eq. 19-20 for any number of thrusters)."""
+
+    X: IntervalArray
+    Y: IntervalArray
+    N: IntervalArray
+
+
+def directions(thruster: Thruster) -> tuple[IntervalArray, IntervalArray, IntervalArray]:
+    """Shares of a thrust in X, Y and N: cos a, sin a, x sin a - y cos a."""
+    x, y = thruster.position
+    cosine, sine = _enclosed(np.cos(thruster.azimuth)), _enclosed(np.sin(thruster.azimuth))
+    return cosine, sine, sine * x - cosine * y
+
+
+def _enclosed(value: float) -> IntervalArray:
+    """A cosine or sine from the C library, good to one unit in the last place; 0, 1 and -1 at azimuth 0 are exact."""
+    if value in (0.0, 1.0, -1.0):
+        return IntervalArray(value)
+    return IntervalArray(np.nextafter(np.nextafter(value, -2), -2), np.nextafter(np.nextafter(value, 2), 2))
+
+
+def combine(vehicle: Vehicle, thrusts: Mapping[str, IntervalArray]) -> GeneralisedForce:
+    """Sums the thrusts [N] of all thrusters by name into X, Y, N."""
+    shape = next(iter(thrusts.values())).shape
+    total = [IntervalArray(np.zeros(shape)) for _ in range(3)]
+    for thruster in vehicle.thrusters:
+        for k, share in enumerate(directions(thruster)):
+            total[k] = total[k] + thrusts[thruster.name] * share
+    return GeneralisedForce(*total)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """One candidate for a bollard-pull table: ``name``, coefficients (highest first, empty for a table), residuals [N]."""
+
+    name: str
+    coefficients: tuple[float, ...]
+    predicted: NDArray[np.float64]
+    residual: NDArray[np.float64]
+
+    @property
+    def rms(self) -> float:
+        """Root of the mean squared residual [N]."""
+        return float(np.sqrt(np.mean(self.residual**2)))
+
+    @property
+    def largest(self) -> float:
+        """Largest absolute residual [N]."""
+        return float(np.abs(self.residual).max())
+
+
+@dataclass(frozen=True)
+class Bollard:
+    """A bollard-pull table with its candidate models."""
+
+    demand: NDArray[np.float64]
+    thrust: NDArray[np.float64]
+    fits: tuple[Fit, ...]
+    dead_band: tuple[float, float] | None
+    monotone: bool
+
+    @property
+    def recommended(self) -> Fit:
+        """The table itself; a polynomial only if it misses by less than 1 % of the largest thrust."""
+        limit = 0.01 * float(np.abs(self.thrust).max())
+        polynomials = sorted((f for f in self.fits if f.coefficients and "least" in f.name), key=lambda f: len(f.coefficients))
+        good = [f for f in polynomials if f.largest <= limit]
+        return good[0] if good else next(f for f in self.fits if not f.coefficients)
+
+
+def examine(demand: NDArray[np.float64], thrust: NDArray[np.float64], published: tuple[float, ...] | None = None) -> Bollard:
+    """Fits the published cubic (if given), least-squares polynomials of degree 1 to 5, and the monotone table.
+
+    Residuals are model minus table: positive where the model promises too much.
+    """
+    fits = []
+    if published is not None:
+        predicted = np.polyval(published, demand)
+        fits.append(Fit("published cubic", tuple(published), predicted, predicted - thrust))
+    for degree in range(1, min(6, len(demand))):
+        polynomial = np.polynomial.Polynomial.fit(demand, thrust, degree).convert()
+        predicted = polynomial(demand)
+        name = f"least-squares polynomial of degree {degree}"
+        fits.append(Fit(name, tuple(float(c) for c in polynomial.coef[::-1]), predicted, predicted - thrust))
+    predicted = table_curve(demand, thrust)(demand)
+    fits.append(Fit("monotone table (PCHIP)", (), predicted, predicted - thrust))
+    zero = np.flatnonzero(np.abs(thrust) <= 1e-9 * np.abs(thrust).max())
+    band = (float(demand[zero[0]]), float(demand[zero[-1]])) if zero.size > 1 else None
+    return Bollard(demand, thrust, tuple(fits), band, bool((np.diff(thrust) >= 0).all()))

@@ -1,0 +1,49 @@
+"""Units at the edge; everything inside is SI and radians."""
+
+import math
+from typing import Final
+
+from ivsid.errors import IvsidError
+
+FORCE: Final = {"N": 1.0, "kN": 1e3, "kgf": 9.80665, "gf": 9.80665e-3, "lbf": 4.4482216152605}
+TIME: Final = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
+ANGLE: Final = {"rad": 1.0, "deg": math.pi / 180.0}
+
+# Units of a foreign log's columns.
+COLUMN: Final = {
+    **FORCE,
+    **ANGLE,
+    **TIME,
+    "m": 1.0,
+    "mm": 1e-3,
+    "m/s": 1.0,
+    "mm/s": 1e-3,
+    "km/h": 1.0 / 3.6,
+    "kn": 1852.0 / 3600.0,
+    "rad/s": 1.0,
+    "deg/s": math.pi / 180.0,
+    "rad/s^2": 1.0,
+    "deg/s^2": math.pi / 180.0,
+    "m/s^2": 1.0,
+    "g": 9.80665,
+    "N m": 1.0,
+    "%": 1.0,
+    "1": 1.0,
+    "V": 1.0,
+}
+
+
+def factor(unit: str, table: dict[str, float], what: str) -> float:
+    """The SI value of one ``unit``.
+
+    Raises:
+        IvsidError: where the unit is not in the table.
+    """
+    if unit not in table:
+        raise IvsidError(f"unit '{unit}' of {what} is unknown; use one of {', '.join(table)}")
+    return table[unit]
+
+
+def random_walk_from_deg_per_sqrt_hour(value: float) -> float:
+    """Angle random walk from deg/sqrt(h), the unit of Table II (READING_NOTES), to rad/sqrt(s)."""
+    return math.radians(value) / 60.0

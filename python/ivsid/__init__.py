@@ -11,6 +11,7 @@ from ivsid.errors import IvsidError
 from ivsid.identification import Identification, Parameter, identify
 from ivsid.intervals import EndpointPair, Interval, IntervalArray
 from ivsid.log import Log, read_log
+from ivsid.validation import Validation, validate
 from ivsid.vehicle import Vehicle, read_vehicle
 
 __version__ = version("ivsid")
@@ -23,6 +24,7 @@ __all__ = [
     "IvsidError",
     "Log",
     "Parameter",
+    "Validation",
     "Vehicle",
     "__version__",
     "identify",
@@ -30,4 +32,5 @@ __all__ = [
     "read_log",
     "read_vehicle",
     "regression",
+    "validate",
 ]

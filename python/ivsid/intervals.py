@@ -517,3 +517,8 @@ def _matmul(a: Operand, b: Operand) -> IntervalArray:
     shape = (*x.shape[:-1], *(y.shape[1:] if y.ndim == 2 else ()))
     result = IntervalArray._raw(product, shape)
     return result if shape else cast(IntervalArray, _scalar(result))
+
+
+def outward_decimal(x: float, *, up: bool) -> str:
+    """The shortest decimal that reads back as ``x`` and does not lie above it, or with ``up`` below it."""
+    return _core.outward_decimal(x, up)

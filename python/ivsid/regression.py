@@ -114,3 +114,11 @@ def _rows(A: Operand, y: Operand) -> tuple[tuple[FloatArray, FloatArray], tuple[
         return np.ascontiguousarray(v.lower), np.ascontiguousarray(v.upper)
 
     return contiguous(rows), contiguous(right)
+
+
+def gram(A: Operand) -> IntervalArray:
+    """A'A with squares on its diagonal, as ``normal_equations`` forms it; A has shape (m, n)."""
+    rows = A if isinstance(A, IntervalArray) else IntervalArray(np.asarray(A, dtype=np.float64))
+    if rows.ndim != 2 or 0 in rows.shape:
+        raise IvsidError(f"rows of shape {rows.shape} were given; shape (m, n) with m, n >= 1 is needed")
+    return IntervalArray(*_core.gram(np.ascontiguousarray(rows.lower), np.ascontiguousarray(rows.upper)))

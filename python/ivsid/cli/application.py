@@ -1,0 +1,175 @@
+"""``ivsid``: one function a command."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from importlib.metadata import version
+from pathlib import Path
+from typing import Annotated, Any
+
+import click
+import typer
+from rich.console import Console
+
+from ivsid.errors import IvsidError
+
+app = typer.Typer(
+    name="ivsid",
+    help="Guaranteed system identification for unmanned marine vehicles.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+Out = Annotated[Path | None, typer.Option("--out", help="Folder for result.json, figures and report.html.", show_default="ivsid-COMMAND")]
+Json = Annotated[bool, typer.Option("--json", help="Print only the JSON of result.json.")]
+Seed = Annotated[int | None, typer.Option("--seed", min=0, help="Seed of the random numbers.")]
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"ivsid {version('ivsid')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    _version_wanted: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")] = False,
+) -> None:
+    """Options of every command."""
+
+
+@app.command()
+def demo(out: Out = None, json: Json = False, seed: Seed = None) -> None:
+    """The paper's experiment end to end on a twin of its vehicle."""
+    _run("demo", out, json, lambda w, p: w.demo(seed=seed, progress=p))
+
+
+@app.command()
+def simulate(
+    vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML).")],
+    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML).")],
+    out: Out = None,
+    json: Json = False,
+    seed: Seed = None,
+    effect: Annotated[list[str] | None, typer.Option("--effect", help="A further term with its value, ID=VALUE; may repeat.")] = None,
+) -> None:
+    """A log with sensor noise from a known truth."""
+    effects = dict(_effect(e) for e in effect or [])
+    _run("simulate", out, json, lambda w, p: w.simulate(vehicle, scenario, seed=seed, effects=effects, progress=p))
+
+
+@app.command()
+def allan(
+    log: Annotated[Path, typer.Argument(help="Static recording (CSV or Parquet).")],
+    out: Out = None,
+    json: Json = False,
+    columns: Annotated[str, typer.Option("--columns", help="Channels, separated by commas; by default every inertial one.")] = "",
+    time: Annotated[str | None, typer.Option("--time", help="Name of the time column [s].")] = None,
+) -> None:
+    """Allan deviation per channel, noise coefficients, bounds, ready for a vehicle file."""
+    chosen = [c.strip() for c in columns.split(",") if c.strip()]
+    _run("allan", out, json, lambda w, p: w.allan(log, columns=chosen, time=time, progress=p))
+
+
+@app.command()
+def thrust(
+    table: Annotated[Path, typer.Argument(help="Bollard-pull table (CSV or Parquet).")],
+    out: Out = None,
+    json: Json = False,
+    demand_column: Annotated[str | None, typer.Option("--demand-column", help="Name of the demand column.")] = None,
+    thrust_column: Annotated[str | None, typer.Option("--thrust-column", help="Name of the thrust column.")] = None,
+    unit: Annotated[str | None, typer.Option("--unit", help="Unit of the thrust: N, kN, kgf, gf, lbf.")] = None,
+) -> None:
+    """Thrust models of a bollard-pull table: residuals, and which to use."""
+    _run(
+        "thrust",
+        out,
+        json,
+        lambda w, p: w.thrust(table, demand_column=demand_column, thrust_column=thrust_column, unit=unit, progress=p),
+    )
+
+
+@app.command()
+def identify(
+    vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML).")],
+    log: Annotated[Path, typer.Argument(help="Log (CSV or Parquet).")],
+    method: Annotated[str, typer.Option("--method", help="feasible, exact, krawczyk, cramer, published or published-hull.")] = "feasible",
+    partitions: Annotated[int | None, typer.Option("--partitions", min=1, help="N of the published methods.")] = None,
+    form: Annotated[str, typer.Option("--form", help="total, or added: the rigid-body mass is known and left out.")] = "total",
+    rows: Annotated[str, typer.Option("--rows", help="auto, pointwise, integral or both.")] = "auto",
+    window: Annotated[float, typer.Option("--window", help="Length of integral rows [s].")] = 1.0,
+    out: Out = None,
+    json: Json = False,
+) -> None:
+    """Parameter intervals."""
+    _run(
+        "identify",
+        out,
+        json,
+        lambda w, p: w.identify(vehicle, log, method, partitions=partitions, form=form, rows=rows, window=window, progress=p),
+    )
+
+
+@app.command()
+def validate(
+    fit: Annotated[Path, typer.Argument(help="Folder or result.json of ivsid identify.")],
+    log: Annotated[Path, typer.Argument(help="Another log (CSV or Parquet).")],
+    out: Out = None,
+    json: Json = False,
+) -> None:
+    """Predicted against measured force and moment, simulated against measured motion."""
+    _run("validate", out, json, lambda w, p: w.validate(fit, log, progress=p))
+
+
+def _effect(text: str) -> tuple[str, float]:
+    id_, _, value = text.partition("=")
+    try:
+        return id_.strip(), float(value)
+    except ValueError:
+        raise IvsidError(f"--effect {text} is not understood; write ID=VALUE, for example drag.surge.linear=4") from None
+
+
+def _run(command: str, out: Path | None, json: bool, work: Callable[[Any, Callable[[str], None]], Any]) -> None:
+    """Checks the folder, works, writes, prints."""
+    folder = out if out is not None else Path(f"ivsid-{command}")
+    from ivsid import records, report, workflow  # noqa: PLC0415 - the heavy imports wait until a command runs
+
+    records.check_writable(folder)
+    console = Console(stderr=True, quiet=json)
+    with console.status(command) as status:
+        made = work(workflow, lambda step: status.update(f"{command}: {step}"))
+        report.write(made, folder)
+    if json:
+        typer.echo(records.to_json(made.record))
+        return
+    for line in made.lines:
+        typer.echo(line)
+    typer.echo(f"written to {folder}/ (report.html, result.json, {len(made.drawings)} figures)")
+
+
+def main() -> None:
+    """The entry point: sentences instead of tracebacks."""
+    command = typer.main.get_command(app)
+    try:
+        code = command.main(standalone_mode=False)
+    except click.exceptions.Abort:
+        code = 130
+    except click.ClickException as error:
+        typer.echo(f"ivsid: {error.format_message()} (ivsid --help shows what is possible)", err=True)
+        code = 2
+    except IvsidError as error:
+        typer.echo(f"ivsid: {error}", err=True)
+        code = 2
+    except BrokenPipeError:
+        code = 0
+    except (KeyboardInterrupt, EOFError):
+        code = 130
+    except MemoryError:
+        typer.echo("ivsid: not enough memory for this input; give a shorter log", err=True)
+        code = 2
+    except Exception as error:  # noqa: BLE001 - a fault of ours must not show as a traceback either
+        typer.echo(f"ivsid: an internal fault, {type(error).__name__}: {error}; please report it with the command and its files", err=True)
+        code = 1
+    sys.exit(code if isinstance(code, int) else 0)

@@ -1,0 +1,10 @@
+"""Each command as calls in order: read, bound, compute, and put into a report. No mathematics of its own."""
+
+from ivsid.workflow.allan import allan
+from ivsid.workflow.demo import demo
+from ivsid.workflow.identify import identify
+from ivsid.workflow.simulate import simulate
+from ivsid.workflow.thrust import thrust
+from ivsid.workflow.validate import validate
+
+__all__ = ["allan", "demo", "identify", "simulate", "thrust", "validate"]

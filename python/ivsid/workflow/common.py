@@ -1,0 +1,104 @@
+"""Sections that several reports share."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+import polars as pl
+from numpy.typing import NDArray
+
+from ivsid import report
+from ivsid.identification import Identification
+from ivsid.intervals import outward_decimal
+from ivsid.validation import Validation
+
+Progress: TypeAlias = Callable[[str], None]
+
+MEANING = {
+    "enclosed": "every parameter that is consistent with the log lies in these intervals",
+    "empty": "no parameter is consistent with every row: the model, the thrust accuracy or a sensor bound is wrong",
+    "unbounded": "the log leaves some direction open; the ends that are given hold",
+    "not_proved": "numbers without a proof: they enclose nothing",
+    "not_applicable": "the method's own conditions do not hold on these data",
+}
+
+
+def silent(_: str) -> None:
+    """Progress for nobody."""
+
+
+def shown(lower: float, upper: float, digits: int = 6) -> str:
+    """An interval for people, rounded outward; open ends as words."""
+    return f"[{_end(lower, digits, up=False)}, {_end(upper, digits, up=True)}]"
+
+
+def _end(x: float, digits: int, *, up: bool) -> str:
+    if not math.isfinite(x):
+        return "no bound"
+    if x == 0:
+        return "0"
+    places = digits - 1 - math.floor(math.log10(abs(x)))
+    scaled = float(f"{x:.{digits}g}")
+    if (scaled < x) if up else (scaled > x):
+        scaled += (1 if up else -1) * 10.0**-places
+    text = f"{scaled:.{digits}g}"
+    # Rounding to a few digits is done in floats: where it landed on the wrong side, the exact decimal is shown.
+    safe = float(text) >= x if up else float(text) <= x
+    return text if safe else outward_decimal(x, up=up)
+
+
+def method_table(fits: Sequence[Identification]) -> dict[str, Any]:
+    """One row a method and parameter."""
+    rows: list[list[Any]] = []
+    for fit in fits:
+        ids = list(fit.parameters) or ["–"]
+        for k, id_ in enumerate(ids):
+            p = fit.parameters.get(id_)
+            bounds = shown(p.lower, p.upper) if p else "–"
+            width = p.width if p and math.isfinite(p.width) else None
+            head = [fit.method, fit.status, fit.guaranteed] if k == 0 else ["", "", ""]
+            rows.append([*head, id_, p.unit if p else "", bounds, width])
+    return report.table(["method", "status", "guaranteed", "parameter", "unit", "interval", "width"], rows)
+
+
+def parameter_lines(fit: Identification) -> list[str]:
+    """What the terminal shows of an identification."""
+    lines = [f"method {fit.method}: {fit.status}, {'guaranteed' if fit.guaranteed else 'NOT guaranteed'}; {MEANING[fit.status]}"]
+    lines += [f"  {id_:<24} {shown(p.lower, p.upper):>32} {p.unit}" for id_, p in fit.parameters.items()]
+    if fit.status == "empty" and fit.estimate:
+        lines.append("  parameter of least inflation: " + ", ".join(f"{k} {v:.5g}" for k, v in fit.estimate.items()))
+    if fit.inflation is not None:
+        lines.append(f"  inflation {fit.inflation:.3g} (below 1: the data agree with the model with room to spare)")
+    if fit.reason:
+        lines.append(f"  {fit.reason}")
+    for direction in fit.directions:
+        lines.append("  left open along: " + " ".join(f"{v:+.3g} {k}" for k, v in direction.items()))
+    return lines
+
+
+def validation_table(result: Validation) -> dict[str, Any]:
+    """Errors of the predicted force and moment."""
+    rows = [
+        [f.channel, "N m" if f.channel == "yaw" else "N", f.time.size, f.mean, f.sigma, f.mean_absolute, 100 * f.coverage, f.falsified]
+        for f in result.forces
+    ]
+    header = ["channel", "unit", "rows", "mean error", "sigma", "mean |error|", "inside bounds [%]", "contradicting rows"]
+    return report.table(header, rows)
+
+
+def motion_table(result: Validation) -> dict[str, Any]:
+    """Errors of the simulated motion."""
+    motion = result.motion
+    if motion.reason:
+        return report.text(f"No simulated motion: {motion.reason}.")
+    units = {"u": "m/s", "v": "m/s", "r": "rad/s", "position": "m"}
+    rows = [[k, units[k], motion.window["position" if k == "position" else "velocity"], motion.rms[k], motion.median[k]] for k in motion.rms]
+    return report.table(["quantity", "unit", "window [s]", "rms error", "median over windows"], rows)
+
+
+def csv(t: NDArray[np.float64], columns: dict[str, NDArray[np.float64]]) -> str:
+    """A log as CSV text; the decimals read back as the same doubles."""
+    return pl.DataFrame({"t": t, **columns}).write_csv()

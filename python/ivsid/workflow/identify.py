@@ -1,0 +1,80 @@
+"""``ivsid identify``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ivsid import figures, identification, report
+from ivsid.identification import Identification
+from ivsid.log import Log, read_log
+from ivsid.regression_rows import WINDOW
+from ivsid.report import Report, Section
+from ivsid.results import identification_record
+from ivsid.vehicle import read_vehicle
+from ivsid.workflow.common import MEANING, Progress, method_table, parameter_lines, silent
+
+
+def identify(
+    vehicle: str | Path,
+    log: str | Path,
+    method: str = "feasible",
+    *,
+    partitions: int | None = None,
+    form: str = "total",
+    rows: str = "auto",
+    window: float = WINDOW,
+    progress: Progress = silent,
+) -> Report:
+    """Reads both files, identifies, reports."""
+    progress("reading")
+    checked = read_vehicle(vehicle)
+    data = read_log(log, checked.log)
+    progress(f"identifying by {method} on {data.t.size} samples")
+    fit = identification.identify(checked, data, method, partitions=partitions, form=form, rows=rows, window=window)
+    progress("drawing")
+    return identification_report(fit, data)
+
+
+def identification_report(fit: Identification, log: Log) -> Report:
+    """The report of one identification."""
+    drawings = (figures.intervals([fit]), figures.channels(log))
+    word = "guaranteed under the assumptions below" if fit.guaranteed else "not guaranteed"
+    summary = f"{fit.vehicle.name}, method {fit.method}: {fit.status} ({MEANING[fit.status]}); {word}."
+    inflation = "no factor on the bounds makes the rows consistent" if fit.inflation is None else f"{fit.inflation:.4g}"
+    facts = [f"rows: {', '.join(f'{n} {c}' for c, n in fit.rows.items())}"]
+    if fit.method == "feasible":
+        facts.append(f"inflation (smallest factor on all row radii with a consistent parameter): {inflation}")
+    if fit.improper:
+        facts.append(f"improper entries in the published inverse: {fit.improper}")
+    if fit.reason:
+        facts.append(fit.reason)
+    facts += [f"the data leave open: {' '.join(f'{v:+.3g} {k}' for k, v in d.items())}" for d in fit.directions]
+    sections = [
+        Section("Parameters", (method_table([fit]), report.drawing(drawings[0]), report.bullets(facts))),
+        Section("What this rests on", (report.bullets(fit.assumes),)),
+        Section("The log", (report.drawing(drawings[1]), *_notes(fit, log))),
+    ]
+    if fit.status == "empty":
+        sections.insert(1, _contradiction(fit))
+    lines = parameter_lines(fit) + [f"  note: {n}" for n in fit.notes]
+    return Report(f"Identification of {fit.vehicle.name}", summary, identification_record(fit), tuple(sections), drawings, {}, tuple(lines))
+
+
+def _notes(fit: Identification, log: Log) -> list[dict[str, object]]:
+    notes = [*fit.notes]
+    if log.ignored:
+        notes.append(f"columns not used: {', '.join(log.ignored)}")
+    return [report.bullets(notes)] if notes else []
+
+
+def _contradiction(fit: Identification) -> Section:
+    """The few rows that prove the model wrong."""
+    rows = [
+        [", ".join(f"{k} {'≥' if s > 0 else '≤'} 0" for k, s in c["orthant"].items() if s), r["channel"], r["time"], r["duration"], r["side"]]
+        for c in fit.certificates
+        if c["proves"] == "empty"
+        for r in c["rows"]
+    ]
+    table = report.table(["signs", "channel", "time [s]", "window [s]", "side"], rows[:60])
+    words = report.text("For each combination of signs, these rows contradict each other. They are the samples to look at.")
+    return Section("Why no parameter fits", (words, table))

@@ -1,0 +1,55 @@
+"""``ivsid simulate``."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+
+from ivsid import figures, report, simulation
+from ivsid.log import Log
+from ivsid.records import to_json
+from ivsid.report import Report, Section
+from ivsid.results import envelope
+from ivsid.scenario import read_scenario
+from ivsid.vehicle import read_vehicle
+from ivsid.workflow.common import Progress, csv, silent
+
+
+def simulate(
+    vehicle: str | Path,
+    scenario: str | Path,
+    *,
+    seed: int | None = None,
+    effects: Mapping[str, float] | None = None,
+    progress: Progress = silent,
+) -> Report:
+    """Reads both files, simulates, and leaves the log and, apart from it, the truth."""
+    checked, programme = read_vehicle(vehicle), read_scenario(scenario)
+    progress(f"simulating {programme.duration:g} s at {programme.rate:g} Hz")
+    made = simulation.simulate(checked, programme, seed, effects)
+    text = csv(made.t, made.columns)
+    digest = hashlib.sha256(text.encode()).hexdigest()
+    log = Log("log.csv", digest, made.t, made.columns)
+    used = made.truth["seed"]
+    inputs = {
+        Path(vehicle).name: checked.sha256,
+        Path(scenario).name: hashlib.sha256(Path(scenario).read_bytes()).hexdigest(),
+    }
+    record = {
+        **envelope("simulate", inputs, used),
+        "log": {"name": "log.csv", "sha256": digest, "samples": made.t.size, "columns": ["t", *made.columns]},
+        "truth": "truth.json",
+    }
+    drawing = figures.channels(log)
+    sections = (Section("The log", (report.drawing(drawing), report.text("The truth stands in truth.json."))),)
+    summary = f"{made.t.size} samples of {checked.name}, seed {used}."
+    return Report(
+        f"Simulation of {checked.name}",
+        summary,
+        record,
+        sections,
+        (drawing,),
+        {"log.csv": text, "truth.json": to_json(made.truth) + "\n"},
+        (summary, "  log.csv: the log; truth.json: what is true of it"),
+    )

@@ -1,0 +1,122 @@
+"""``ivsid thrust``."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+
+from ivsid import figures, report, units
+from ivsid.errors import IvsidError
+from ivsid.log import numeric, read_table
+from ivsid.report import Report, Section
+from ivsid.results import bollard_record, envelope
+from ivsid.thrust import PUBLISHED_CUBIC, Bollard, examine
+from ivsid.workflow.common import Progress, silent
+
+DEMANDS = ("demand", "pwm", "command", "throttle", "rpm")
+THRUSTS = ("thrust", "force")
+
+
+def thrust(
+    path: str | Path,
+    *,
+    demand_column: str | None = None,
+    thrust_column: str | None = None,
+    unit: str | None = None,
+    progress: Progress = silent,
+) -> Report:
+    """Reads a bollard-pull table, fits the candidates, says which to use."""
+    progress("reading")
+    frame, digest = read_table(path)
+    demand_name = _column(frame, demand_column, DEMANDS, "demand", path)
+    thrust_name = _column(frame, thrust_column, THRUSTS, "thrust", path)
+    symbol = unit or _unit(thrust_name)
+    factor = units.factor(symbol, units.FORCE, f"column {thrust_name}")
+    demand, force = numeric(frame, demand_name, str(path)), numeric(frame, thrust_name, str(path)) * factor
+    there = np.isfinite(demand) & np.isfinite(force)
+    demand, force = demand[there], force[there]
+    if demand.size < 3:
+        raise IvsidError(f"{path} has {demand.size} complete rows; a thrust table needs at least 3")
+    order = np.argsort(demand, kind="stable")
+    demand, force = demand[order], force[order]
+    if (np.diff(demand) == 0).any():
+        twice = demand[:-1][np.diff(demand) == 0][0]
+        raise IvsidError(f"{path}: demand {twice:g} stands more than once; average its thrusts into one row")
+    percent = demand[0] >= 0 and demand[-1] <= 100
+    progress("fitting")
+    table = examine(demand, force, PUBLISHED_CUBIC if percent else None)
+    drawing = figures.thrust_curve(table, demand_unit=_given_unit(demand_name) or ("%" if percent else demand_name))
+    snippet = thruster_toml(table)
+    record = {**envelope("thrust", {Path(path).name: digest}), "unit": symbol, **bollard_record(table), "toml": snippet}
+    best = table.recommended
+    summary = (
+        f"{demand.size} points, thrust {force.min():.4g} to {force.max():.4g} N; use the {best.name} "
+        f"(largest residual {best.largest:.3g} N)."
+    )
+    notes = [*_notes(table, percent)]
+    sections = (
+        Section("Candidates", (fit_table(table), report.drawing(drawing), report.bullets(notes))),
+        Section("For the vehicle file", (report.code(snippet),)),
+    )
+    lines = [summary, *(f"  {f.name:<38} rms {f.rms:8.4g} N, largest {f.largest:8.4g} N" for f in table.fits), *(f"  note: {n}" for n in notes)]
+    return Report(f"Thrust model of {Path(path).name}", summary, record, sections, (drawing,), {"thruster.toml": snippet}, tuple(lines))
+
+
+def fit_table(table: Bollard) -> dict[str, object]:
+    """One row a candidate."""
+    rows = [[f.name, ", ".join(f"{c:.5g}" for c in f.coefficients) or "–", f.rms, f.largest] for f in table.fits]
+    return report.table(["model", "coefficients, highest first", "rms residual [N]", "largest residual [N]"], rows)
+
+
+def _notes(table: Bollard, percent: bool) -> list[str]:
+    notes = []
+    if not percent:
+        notes.append("the published cubic (eq. 18) is left out: its demand is a percentage, this table's is not")
+    if table.dead_band is not None:
+        notes.append(f"no thrust between demands {table.dead_band[0]:g} and {table.dead_band[1]:g}: a dead band")
+    if not table.monotone:
+        notes.append("the thrust does not grow with every demand; the table is followed as it is")
+    forward, reverse = table.thrust.max(), -table.thrust.min()
+    if reverse > 0:
+        notes.append(f"forward and reverse differ: {forward:.4g} N against {reverse:.4g} N, ratio {reverse / forward:.3g}")
+    return notes
+
+
+def thruster_toml(table: Bollard) -> str:
+    """A thruster's table for a vehicle file, its demands from the middle of the dead band where that is not zero."""
+    neutral = 0.0
+    if table.dead_band is not None and not table.dead_band[0] <= 0 <= table.dead_band[1]:
+        neutral = 0.5 * (table.dead_band[0] + table.dead_band[1])
+    demand = ", ".join(f"{d - neutral:g}" for d in table.demand)
+    force = ", ".join(f"{t:.6g}" for t in table.thrust)
+    shift = f"neutral = {neutral:g}\n" if neutral else ""
+    return f'[[thrusters]]\nname = "name"\nposition = [0.0, 0.0]\nazimuth = 0.0\n{shift}table = {{ demand = [{demand}], thrust = [{force}] }}\n'
+
+
+def _column(frame: pl.DataFrame, given: str | None, hints: tuple[str, ...], what: str, path: str | Path) -> str:
+    if given is not None:
+        if given not in frame.columns:
+            raise IvsidError(f"{path} has no column {given}; it has {', '.join(frame.columns)}")
+        return given
+    for hint in hints:
+        found = [c for c in frame.columns if hint in c.lower()]
+        if found:
+            return found[0]
+    raise IvsidError(f"{path} has no column that looks like a {what} ({', '.join(hints)}); name it with --{what}-column (it has {', '.join(frame.columns)})")
+
+
+def _given_unit(name: str) -> str | None:
+    found = re.search(r"[\(\[]([^\)\]]+)[\)\]]", name)
+    return found.group(1).strip() if found else None
+
+
+def _unit(name: str) -> str:
+    """The unit in a header such as ``Force (Kg f)``; newton where there is none."""
+    given = _given_unit(name)
+    if given is None:
+        return "N"
+    compact = given.replace(" ", "").lower()
+    return next((u for u in units.FORCE if u.lower() == compact), given)

@@ -75,7 +75,9 @@ def allan_deviation(channel: str, values: NDArray[np.float64], period: float) ->
         IvsidError: too few samples, missing ones, or a constant channel.
     """
     if values.size < MINIMUM_SAMPLES:
-        raise IvsidError(f"channel {channel} has {values.size} samples; an Allan deviation needs at least {MINIMUM_SAMPLES}")
+        raise IvsidError(
+            f"channel {channel} has {values.size} samples; an Allan deviation needs at least {MINIMUM_SAMPLES}"
+        )
     if np.isnan(values).any():
         raise IvsidError(f"channel {channel} misses samples; an Allan deviation needs a gap-free record: cut one out")
     if np.ptp(values) == 0:
@@ -114,7 +116,9 @@ def _variance(tau: NDArray[np.float64], n: float, b: float, t: float) -> NDArray
     return np.asarray(n * n / tau + 2 * b * b / x * hump, dtype=np.float64)
 
 
-def _fit(taus: NDArray[np.float64], deviation: NDArray[np.float64], error: NDArray[np.float64]) -> tuple[float, float, float]:
+def _fit(
+    taus: NDArray[np.float64], deviation: NDArray[np.float64], error: NDArray[np.float64]
+) -> tuple[float, float, float]:
     """N, B, T by weighted least squares on the logarithm of the curve, from several starts."""
     weight = deviation / error
     n0 = float(np.median(deviation[:3] * np.sqrt(taus[:3])))

@@ -58,7 +58,9 @@ def constrict(
     accepted = 0
     for _ in range(STEPS):
         trials = [c for j in range(lower.size) for c in _halves(box, j)]
-        judged = [(e, h, c) for c in trials for h, e in [_judge(matrix, c, measured, scale)] if h >= needed and e < error]
+        judged = [
+            (e, h, c) for c in trials for h, e in [_judge(matrix, c, measured, scale)] if h >= needed and e < error
+        ]
         if not judged:
             break
         error, held, box = min(judged, key=lambda x: x[0])

@@ -27,7 +27,9 @@ class Dynamics:
     Velocities are tuples (u, v, r) of floats, or of arrays of equal shape for many runs at once.
     """
 
-    def __init__(self, terms: Sequence[Term], values: Mapping[str, float], mx: float, my: float, mass: float = 0.0) -> None:
+    def __init__(
+        self, terms: Sequence[Term], values: Mapping[str, float], mx: float, my: float, mass: float = 0.0
+    ) -> None:
         missing = [t.id for t in terms if t.id not in values]
         if missing:
             raise IvsidError(f"no value is known for {', '.join(missing)}; the model cannot be simulated")
@@ -68,7 +70,9 @@ class Dynamics:
         u, v, r = (x + h / 6.0 * (a + 2 * b + 2 * c + d) for x, a, b, c, d in zip(nu, k1, k2, k3, k4, strict=True))
         return u, v, r
 
-    def runs(self, starts: NDArray[np.float64], forces: NDArray[np.float64], steps: NDArray[np.float64]) -> NDArray[np.float64]:
+    def runs(
+        self, starts: NDArray[np.float64], forces: NDArray[np.float64], steps: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
         """Many runs at once.
 
         Args:

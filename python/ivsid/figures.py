@@ -59,7 +59,13 @@ def allan_curves(curves: Mapping[str, AllanDeviation], name: str, title: str, un
     for k, (channel, a) in enumerate(curves.items()):
         colour = COLOURS[k % len(COLOURS)]
         axes.loglog(a.taus, a.deviation, ".", color=colour, label=channel)
-        axes.fill_between(a.taus, np.maximum(a.deviation - a.error, a.deviation * 0.05), a.deviation + a.error, color=colour, alpha=0.2)
+        axes.fill_between(
+            a.taus,
+            np.maximum(a.deviation - a.error, a.deviation * 0.05),
+            a.deviation + a.error,
+            color=colour,
+            alpha=0.2,
+        )
         axes.loglog(a.taus, a.model(a.taus), "-", color=colour, lw=1)
     axes.set_xlabel("averaging time [s]")
     axes.set_ylabel(f"Allan deviation [{unit}]")
@@ -69,7 +75,9 @@ def allan_curves(curves: Mapping[str, AllanDeviation], name: str, title: str, un
     return _finish(name, title, caption, figure)
 
 
-def thrust_curve(table: Bollard, name: str = "thrust", title: str = "Thrust against demand", demand_unit: str = "%") -> Drawing:
+def thrust_curve(
+    table: Bollard, name: str = "thrust", title: str = "Thrust against demand", demand_unit: str = "%"
+) -> Drawing:
     """Bollard-pull points with the candidate curves, and their residuals."""
     figure = Figure(figsize=(8.5, 4.2), layout="constrained")
     left, right = figure.subplots(1, 2)
@@ -77,7 +85,9 @@ def thrust_curve(table: Bollard, name: str = "thrust", title: str = "Thrust agai
     left.plot(table.demand, table.thrust, "o", ms=3, color=COLOURS[5], label="table")
     shown = [f for f in table.fits if "published" in f.name or "degree 3" in f.name or not f.coefficients]
     for k, fit in enumerate(shown):
-        curve = np.polyval(fit.coefficients, fine) if fit.coefficients else table_curve(table.demand, table.thrust)(fine)
+        curve = (
+            np.polyval(fit.coefficients, fine) if fit.coefficients else table_curve(table.demand, table.thrust)(fine)
+        )
         left.plot(fine, curve, color=COLOURS[k], lw=1.2, label=fit.name)
         right.plot(table.demand, fit.residual, ".-", color=COLOURS[k], lw=1, label=f"{fit.name}: rms {fit.rms:.3g} N")
     left.set_ylabel("thrust [N]")
@@ -86,12 +96,14 @@ def thrust_curve(table: Bollard, name: str = "thrust", title: str = "Thrust agai
         axes.set_xlabel(f"demand [{demand_unit}]")
         axes.grid(True, alpha=0.3)
         axes.legend(fontsize=7)
-    return _finish(name, title, "Left: the bollard-pull table and the candidate models. Right: what each model misses.", figure)
+    return _finish(
+        name, title, "Left: the bollard-pull table and the candidate models. Right: what each model misses.", figure
+    )
 
 
 def intervals(fits: Sequence[Identification], name: str = "parameters") -> Drawing:
     """Parameter intervals of one or more methods."""
-    ids = [i for i in dict.fromkeys(i for f in fits for i in (*f.parameters, *f.estimate))]
+    ids = list(dict.fromkeys(i for f in fits for i in (*f.parameters, *f.estimate)))
     figure = Figure(figsize=(8.5, 1.0 + 0.42 * len(fits) * max(len(ids), 1) ** 0.5 + 1.2), layout="constrained")
     panels = np.atleast_1d(figure.subplots(1, max(len(ids), 1)))
     for axes, id_ in zip(panels, ids, strict=False):
@@ -102,14 +114,29 @@ def intervals(fits: Sequence[Identification], name: str = "parameters") -> Drawi
                 axes.plot([p.lower, p.upper], [row, row], color=colour, lw=4, solid_capstyle="butt")
                 axes.plot([p.lower, p.upper], [row, row], "|", color=colour, ms=10)
             else:
-                axes.text(0.5, row, "no bound" if p else fit.status, transform=axes.get_yaxis_transform(), ha="center", va="center", fontsize=7)
+                axes.text(
+                    0.5,
+                    row,
+                    "no bound" if p else fit.status,
+                    transform=axes.get_yaxis_transform(),
+                    ha="center",
+                    va="center",
+                    fontsize=7,
+                )
         unit = next((f.parameters[id_].unit for f in fits if id_ in f.parameters), "")
         axes.set_xlabel(f"{id_} [{unit}]", fontsize=8)
-        axes.set_yticks(range(len(fits)), [f.method for f in fits] if axes is panels[0] else [""] * len(fits), fontsize=8)
+        axes.set_yticks(
+            range(len(fits)), [f.method for f in fits] if axes is panels[0] else [""] * len(fits), fontsize=8
+        )
         axes.set_ylim(len(fits) - 0.4, -0.6)
         axes.tick_params(axis="x", labelsize=7)
         axes.grid(True, axis="x", alpha=0.3)
-    return _finish(name, "Parameter intervals by method", "Green: guaranteed under the stated assumptions. Red: not guaranteed.", figure)
+    return _finish(
+        name,
+        "Parameter intervals by method",
+        "Green: guaranteed under the stated assumptions. Red: not guaranteed.",
+        figure,
+    )
 
 
 def force_mid(check: ForceCheck, name: str, title: str) -> Drawing:
@@ -121,7 +148,9 @@ def force_mid(check: ForceCheck, name: str, title: str) -> Drawing:
     axes.plot(check.time[s], check.predicted_mid[s], color=COLOURS[0], lw=0.6, alpha=0.8, label="predicted, mid-value")
     _time_axes(axes, check)
     unit = "N m" if check.channel == "yaw" else "N"
-    caption = f"Error: mean {check.mean:.3g} {unit}, standard deviation {check.sigma:.3g} {unit} over {check.time.size} rows."
+    caption = (
+        f"Error: mean {check.mean:.3g} {unit}, standard deviation {check.sigma:.3g} {unit} over {check.time.size} rows."
+    )
     return _finish(name, title, caption, figure)
 
 
@@ -150,7 +179,9 @@ def _time_axes(axes: Any, check: ForceCheck) -> None:
 def motion(check: MotionCheck, name: str = "motion") -> Drawing:
     """Simulated against measured velocities, window by window."""
     figure = Figure(figsize=(8.5, 5.4), layout="constrained")
-    for k, (label, axes) in enumerate(zip(("u [m/s]", "v [m/s]", "r [rad/s]"), figure.subplots(3, 1, sharex=True), strict=True)):
+    for k, (label, axes) in enumerate(
+        zip(("u [m/s]", "v [m/s]", "r [rad/s]"), figure.subplots(3, 1, sharex=True), strict=True)
+    ):
         s = _thin(check.time.size)
         axes.plot(check.time[s], check.measured[s, k], color=COLOURS[5], lw=0.8, label="measured")
         axes.plot(check.time[s], check.simulated[s, k], ".", ms=1.2, color=COLOURS[1], label="simulated")
@@ -160,7 +191,12 @@ def motion(check: MotionCheck, name: str = "motion") -> Drawing:
     figure.axes[0].legend(fontsize=8, loc="upper right")
     window = check.window.get("velocity", 0.0)
     text = ", ".join(f"{k} {v:.3g}" for k, v in check.rms.items())
-    return _finish(name, "Simulated against measured motion", f"Restarted from the measured state every {window:g} s. Rms: {text}.", figure)
+    return _finish(
+        name,
+        "Simulated against measured motion",
+        f"Restarted from the measured state every {window:g} s. Rms: {text}.",
+        figure,
+    )
 
 
 def channels(log: Log, name: str = "log") -> Drawing:

@@ -41,7 +41,7 @@ class Parameter:
 
     @property
     def width(self) -> float:
-        """upper - lower."""
+        """Upper - lower."""
         return self.upper - self.lower
 
 
@@ -150,7 +150,9 @@ def identify_rows(
     proved = status in ("enclosed", "empty", "unbounded")
     inflations = [b.inflation for b in blocks]
     directions = tuple(
-        {rows.terms[c].id: float(x) for c, x in zip(b.columns, d, strict=True) if x} for b in blocks for d in b.directions
+        {rows.terms[c].id: float(x) for c, x in zip(b.columns, d, strict=True) if x}
+        for b in blocks
+        for d in b.directions
     )
     reasons = [b.reason for b in blocks if b.reason]
     return Identification(
@@ -230,12 +232,21 @@ def _solve(rows: RegressionRows, columns: tuple[int, ...], method: str, partitio
         certificates = _certificates(part, found)
         directions = tuple(found.directions) if found.status == "unbounded" else ()
         return _Block(
-            columns, found.status, lower, upper, found.centre, found.inflation, 0, found.reason, directions, certificates
+            columns,
+            found.status,
+            lower,
+            upper,
+            found.centre,
+            found.inflation,
+            0,
+            found.reason,
+            directions,
+            certificates,
         )
     fit = regression.normal_equations(part.matrix, part.right, method, partitions)
     lower, upper = (fit.value.lower, fit.value.upper) if fit.value is not None else (None, None)
-    reason = f"{', '.join(ids)}: {fit.inverse.reason}" if fit.inverse.reason else None
-    return _Block(columns, fit.status, lower, upper, None, None, fit.improper, reason, (), ())
+    why = f"{', '.join(ids)}: {fit.inverse.reason}" if fit.inverse.reason else None
+    return _Block(columns, fit.status, lower, upper, None, None, fit.improper, why, (), ())
 
 
 def _gather(terms: Sequence[Term], blocks: Sequence[_Block]) -> tuple[dict[str, Parameter], dict[str, float]]:

@@ -42,7 +42,9 @@ def _floats(values: ArrayLike, what: str) -> FloatArray:
         if array.dtype.kind in "iu" and large.any():
             exact = all(int(f) == int(i) for f, i in zip(floats[large], array[large], strict=True))
             if not exact:
-                raise IvsidError(f"{what} has an integer beyond 2**53 without an exact double; enclose it by two bounds")
+                raise IvsidError(
+                    f"{what} has an integer beyond 2**53 without an exact double; enclose it by two bounds"
+                )
         return floats
     raise IvsidError(f"{what} is of type {array.dtype}; give float64 numbers")
 
@@ -149,7 +151,7 @@ class IntervalArray:
 
     @property
     def width(self) -> FloatArray:
-        """upper - lower, rounded up."""
+        """Upper - lower, rounded up."""
         return self._measure("width")
 
     @property
@@ -170,12 +172,12 @@ class IntervalArray:
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Whether each number is inside."""
         p = _floats(points, "the points")
-        return cast(NDArray[np.bool_], np.isfinite(p) & (self._lower <= p) & (p <= self._upper))
+        return np.isfinite(p) & (self._lower <= p) & (p <= self._upper)
 
     def subset(self, other: IntervalArray | Interval) -> NDArray[np.bool_]:
         """Whether each interval lies in the other's."""
         o = _interval_array(other)
-        return cast(NDArray[np.bool_], self.empty | ((o.lower <= self._lower) & (self._upper <= o.upper)))
+        return self.empty | ((o.lower <= self._lower) & (self._upper <= o.upper))
 
     def intersection(self, other: Operand) -> IntervalArray:
         """The common members; see ``empty``."""
@@ -348,7 +350,7 @@ class Interval:
 
     @property
     def width(self) -> float:
-        """upper - lower, rounded up."""
+        """Upper - lower, rounded up."""
         return float(self._array().width)
 
     @property
@@ -371,11 +373,11 @@ class Interval:
 
     def intersection(self, other: Interval) -> Interval:
         """The common members."""
-        return self._binary("intersection", other)
+        return cast(Interval, self._binary("intersection", other))
 
     def hull(self, other: Interval) -> Interval:
         """The smallest interval that holds both."""
-        return self._binary("hull", other)
+        return cast(Interval, self._binary("hull", other))
 
     def _binary(self, op: str, other: Operand, *, reverse: bool = False) -> Any:
         result = _binary(op, other, self) if reverse else _binary(op, self, other)

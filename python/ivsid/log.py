@@ -77,7 +77,9 @@ def read_table(path: str | Path) -> tuple[pl.DataFrame, str]:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise IvsidError(f"log {path} cannot be read ({error.strerror}); give the path of a CSV or Parquet file") from None
+        raise IvsidError(
+            f"log {path} cannot be read ({error.strerror}); give the path of a CSV or Parquet file"
+        ) from None
     digest = hashlib.sha256(data).hexdigest()
     if data[:2] == b"\x1f\x8b":
         try:
@@ -92,7 +94,9 @@ def read_table(path: str | Path) -> tuple[pl.DataFrame, str]:
         text = _text(data, path)
         if "," not in text.split("\n", 1)[0] and text.count("\n") > 0 and not _single_column(text):
             raise IvsidError(f"{path} has no comma in its header; a log is comma-separated with a header row")
-        frame = pl.read_csv(io.StringIO(text), infer_schema=False, null_values=list(MISSING), truncate_ragged_lines=False)
+        frame = pl.read_csv(
+            io.StringIO(text), infer_schema=False, null_values=list(MISSING), truncate_ragged_lines=False
+        )
     except pl.exceptions.PolarsError as error:
         first = str(error).splitlines()[0]
         raise IvsidError(f"{path} is not a readable CSV or Parquet table ({first}); mend or export it again") from None
@@ -232,7 +236,9 @@ def _without_held(columns: dict[str, NDArray[np.float64]]) -> tuple[dict[str, ND
         if starts.size < 10 or np.median(np.diff(starts)) < 2:
             continue
         kept[name] = np.where(repeated, np.nan, values)
-        notes.append(f"{name} holds each value over {np.median(np.diff(starts)):.0f} rows; only the first is a measurement")
+        notes.append(
+            f"{name} holds each value over {np.median(np.diff(starts)):.0f} rows; only the first is a measurement"
+        )
     return kept, notes
 
 

@@ -170,7 +170,9 @@ class _Builder:
         rdot = channels.get("rdot", entire)
         limits = self.vehicle.sensors.limits
         if "rdot" not in channels and limits.yaw_acceleration is not None and self._needs_rdot(channel):
-            rdot = IntervalArray(np.full(self.t.shape, -limits.yaw_acceleration), np.full(self.t.shape, limits.yaw_acceleration))
+            rdot = IntervalArray(
+                np.full(self.t.shape, -limits.yaw_acceleration), np.full(self.t.shape, limits.yaw_acceleration)
+            )
             assumes.append(f"the yaw acceleration never exceeds {limits.yaw_acceleration:g} rad/s^2")
         state = State(u, v, r, udot, vdot, rdot, ax, ay)
         zero = IntervalArray(np.zeros(self.t.shape))
@@ -223,7 +225,13 @@ class _Builder:
         return IntervalArray(-reach, reach)
 
     def _rows(
-        self, index: int, matrix: IntervalArray, right: IntervalArray, time: FloatArray, duration: FloatArray, assumes: Sequence[str]
+        self,
+        index: int,
+        matrix: IntervalArray,
+        right: IntervalArray,
+        time: FloatArray,
+        duration: FloatArray,
+        assumes: Sequence[str],
     ) -> RegressionRows:
         channel = np.full(time.shape, index, dtype=np.int64)
         return RegressionRows(self.terms, matrix, right, channel, time, duration, tuple(assumes))
@@ -289,7 +297,8 @@ class _Quadrature:
         over_steps: Motion = columns(State(ranges["u"], ranges["v"], ranges["r"], 0.0, 0.0, 0.0))[channel]
         lipschitz = np.broadcast_to(over_steps.rate.magnitude, self.steps.shape)
         error = IntervalArray(-lipschitz, lipschitz) * self.steps * 0.25
-        return (at_nodes.value[:-1] + at_nodes.value[1:]) * 0.5 + error
+        trapezoid: IntervalArray = (at_nodes.value[:-1] + at_nodes.value[1:]) * 0.5 + error
+        return trapezoid
 
 
 def _unit(derivative: str) -> State:
@@ -307,11 +316,12 @@ def _complete(whole: NDArray[np.bool_], count: int) -> NDArray[np.int64]:
 
 
 def _array(column: Any, zero: IntervalArray) -> IntervalArray:
-    return zero if column is None else column + zero
+    result: IntervalArray = zero if column is None else column + zero
+    return result
 
 
 def _finite(a: IntervalArray) -> NDArray[np.bool_]:
-    return np.isfinite(a.lower).all(axis=1) & np.isfinite(a.upper).all(axis=1)
+    return np.asarray(np.isfinite(a.lower).all(axis=1) & np.isfinite(a.upper).all(axis=1))
 
 
 def _forces(bounded: BoundedLog, vehicle: Vehicle) -> _Forces:
@@ -330,7 +340,9 @@ def _forces(bounded: BoundedLog, vehicle: Vehicle) -> _Forces:
     for name, section in (("force_X", "force"), ("force_Y", "force"), ("moment_N", "moment")):
         log.column(name, "because the vehicle file has no thrusters")
         if name not in bounded.channels:
-            raise IvsidError(f"the vehicle file has no [sensors.{section}] accuracy; it is needed to bound column {name}")
+            raise IvsidError(
+                f"the vehicle file has no [sensors.{section}] accuracy; it is needed to bound column {name}"
+            )
         values.append(bounded.channels[name])
         present &= bounded.present[name]
     return _Forces((values[0], values[1], values[2]), present, vehicle.log.demand == "hold")

@@ -69,7 +69,12 @@ def drawing(d: Drawing) -> dict[str, Any]:
 
 def table(header: Sequence[str], rows: Iterable[Sequence[Any]], caption: str = "") -> dict[str, Any]:
     """A table; numbers stand right, yes and no in colour."""
-    return {"kind": "table", "caption": caption, "header": list(header), "rows": [[_cell(c) for c in row] for row in rows]}
+    return {
+        "kind": "table",
+        "caption": caption,
+        "header": list(header),
+        "rows": [[_cell(c) for c in row] for row in rows],
+    }
 
 
 def _cell(value: Any) -> dict[str, str]:

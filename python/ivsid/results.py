@@ -64,7 +64,9 @@ def read_identification(path: str | Path) -> Identification:
     try:
         record = json.loads(file.read_text())
     except OSError as error:
-        raise IvsidError(f"fit {file} cannot be read ({error.strerror}); give the --out folder of ivsid identify") from None
+        raise IvsidError(
+            f"fit {file} cannot be read ({error.strerror}); give the --out folder of ivsid identify"
+        ) from None
     except ValueError:
         raise IvsidError(f"fit {file} is not JSON; give the --out folder of ivsid identify") from None
     if not isinstance(record, dict) or record.get("command") != "identify":

@@ -61,7 +61,9 @@ class Scenario(BaseModel):
     @model_validator(mode="after")
     def _size(self) -> Self:
         if not 2 <= self.duration * self.rate <= 1e7:
-            raise IvsidError(f"{self.duration:g} s at {self.rate:g} Hz is {self.duration * self.rate:g} samples; 2 to 1e7 are possible")
+            raise IvsidError(
+                f"{self.duration:g} s at {self.rate:g} Hz is {self.duration * self.rate:g} samples; 2 to 1e7 are possible"
+            )
         if self.environment:
             known = ", ".join(self.environment)
             raise IvsidError(f"environment ({known}) is not simulated in this version; leave the section out")
@@ -88,7 +90,9 @@ class Scenario(BaseModel):
                     made += 1
 
 
-def _command(s: Segment, time: float, turn: int, signs: tuple[float, float]) -> tuple[float, float, float, float, float]:
+def _command(
+    s: Segment, time: float, turn: int, signs: tuple[float, float]
+) -> tuple[float, float, float, float, float]:
     levels = s.demand if isinstance(s.demand, tuple) else (s.demand,)
     common, differential, reference, gain = levels[0], s.differential, s.yaw_rate, s.yaw_gain
     match s.manoeuvre:

@@ -150,7 +150,7 @@ def _run(
     exact = {n: table[:, j] for j, n in enumerate(names)}
     exact["ax"] = exact["udot"] - exact["v"] * exact["r"]
     exact["ay"] = exact["vdot"] + exact["u"] * exact["r"]
-    return np.arange(len(rows)) * h, exact, list(np.array(demands).T)
+    return np.arange(len(rows), dtype=np.float64) * h, exact, list(np.array(demands).T)
 
 
 def _ground(nu: tuple[Any, Any, Any], psi: float) -> tuple[float, float]:
@@ -177,7 +177,11 @@ def gauss_markov(n: int, h: float, deviation: float, time: float, rng: np.random
 
 
 def _sense(
-    vehicle: Vehicle, scenario: Scenario, t: NDArray[np.float64], exact: dict[str, NDArray[np.float64]], rng: np.random.Generator
+    vehicle: Vehicle,
+    scenario: Scenario,
+    t: NDArray[np.float64],
+    exact: dict[str, NDArray[np.float64]],
+    rng: np.random.Generator,
 ) -> tuple[dict[str, NDArray[np.float64]], dict[str, Any]]:
     sensors, n, h = vehicle.sensors, t.size, 1.0 / scenario.rate
     quiet = scenario.noise == "none"

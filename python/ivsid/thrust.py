@@ -19,7 +19,23 @@ from ivsid.vehicle import Thruster, Vehicle
 # Table III of the paper: demand [%] and average thrust [N]; and the coefficients printed below eq. 18, highest first.
 TABLE_III: Final = (
     (15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0, 85.0),
-    (4.654, 6.297, 8.204, 10.407, 12.325, 14.463, 17.347, 19.526, 24.024, 33.221, 40.725, 54.319, 59.243, 72.768, 78.924),
+    (
+        4.654,
+        6.297,
+        8.204,
+        10.407,
+        12.325,
+        14.463,
+        17.347,
+        19.526,
+        24.024,
+        33.221,
+        40.725,
+        54.319,
+        59.243,
+        72.768,
+        78.924,
+    ),
 )
 PUBLISHED_CUBIC: Final = (0.0003, -0.015, 0.6008, -1.0902)
 # Interpolation in floats is good to about 1e-14 of the table's largest thrust.
@@ -51,7 +67,7 @@ class ThrustCurve:
         if t.table is not None:
             return table_curve(*self._table, linear_start=t.table.demand[0] > 0 and t.table.thrust[0] > 0)
         coefficients = np.array(t.polynomial if t.polynomial is not None else (t.gain, 0.0), dtype=np.float64)
-        return lambda d: np.polyval(coefficients, d)
+        return lambda d: np.asarray(np.polyval(coefficients, d), dtype=np.float64)
 
     @property
     def range(self) -> tuple[float, float]:
@@ -172,23 +188,27 @@ class Bollard:
     def recommended(self) -> Fit:
         """The table itself; a polynomial only if it misses by less than 1 % of the largest thrust."""
         limit = 0.01 * float(np.abs(self.thrust).max())
-        polynomials = sorted((f for f in self.fits if f.coefficients and "least" in f.name), key=lambda f: len(f.coefficients))
+        polynomials = sorted(
+            (f for f in self.fits if f.coefficients and "least" in f.name), key=lambda f: len(f.coefficients)
+        )
         good = [f for f in polynomials if f.largest <= limit]
         return good[0] if good else next(f for f in self.fits if not f.coefficients)
 
 
-def examine(demand: NDArray[np.float64], thrust: NDArray[np.float64], published: tuple[float, ...] | None = None) -> Bollard:
+def examine(
+    demand: NDArray[np.float64], thrust: NDArray[np.float64], published: tuple[float, ...] | None = None
+) -> Bollard:
     """Fits the published cubic (if given), least-squares polynomials of degree 1 to 5, and the monotone table.
 
     Residuals are model minus table: positive where the model promises too much.
     """
     fits = []
     if published is not None:
-        predicted = np.polyval(published, demand)
+        predicted = np.asarray(np.polyval(published, demand), dtype=np.float64)
         fits.append(Fit("published cubic", tuple(published), predicted, predicted - thrust))
     for degree in range(1, min(6, len(demand))):
         polynomial = np.polynomial.Polynomial.fit(demand, thrust, degree).convert()
-        predicted = polynomial(demand)
+        predicted = np.asarray(polynomial(demand), dtype=np.float64)
         name = f"least-squares polynomial of degree {degree}"
         fits.append(Fit(name, tuple(float(c) for c in polynomial.coef[::-1]), predicted, predicted - thrust))
     predicted = table_curve(demand, thrust)(demand)

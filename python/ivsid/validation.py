@@ -148,12 +148,14 @@ def simulate_windows(fit: Identification, log: Log) -> MotionCheck:
     mass = vehicle.hull.mass
     x_g, y_g = vehicle.hull.centre_of_gravity
     try:
-        model = Dynamics(terms_of(vehicle, fit.options["form"]), fit.estimate, mass * x_g, mass * y_g, mass if added else 0.0)
+        model = Dynamics(
+            terms_of(vehicle, fit.options["form"]), fit.estimate, mass * x_g, mass * y_g, mass if added else 0.0
+        )
     except IvsidError as refusal:
         return MotionCheck({}, {}, {}, np.zeros(0), nothing, nothing, str(refusal))
     nu = np.stack([log.columns[n] for n in ("u", "v", "r")], axis=1)
     force = nominal_force(vehicle, log)
-    complete = np.isfinite(nu).all(axis=1) & np.isfinite(force).all(axis=1)
+    complete: NDArray[np.bool_] = np.asarray(np.isfinite(nu).all(axis=1) & np.isfinite(force).all(axis=1))
     window, rms, median = {}, {}, {}
     starts, count = _windows(log, complete, VELOCITY_WINDOW)
     if not starts.size:
@@ -173,9 +175,7 @@ def simulate_windows(fit: Identification, log: Log) -> MotionCheck:
     if position is not None:
         window["position"] = POSITION_WINDOW
         rms["position"], median["position"] = float(np.sqrt(np.mean(position**2))), float(np.median(position))
-    return MotionCheck(
-        window, rms, median, log.t[at].ravel(), simulated.reshape(-1, 3), nu[at].reshape(-1, 3), None
-    )
+    return MotionCheck(window, rms, median, log.t[at].ravel(), simulated.reshape(-1, 3), nu[at].reshape(-1, 3), None)
 
 
 def _position_error(

@@ -248,7 +248,9 @@ def read_vehicle(path: str | Path) -> Vehicle:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise IvsidError(f"vehicle file {path} cannot be read ({error.strerror}); give the path of a TOML file") from None
+        raise IvsidError(
+            f"vehicle file {path} cannot be read ({error.strerror}); give the path of a TOML file"
+        ) from None
     try:
         text = data.decode()
     except UnicodeDecodeError:
@@ -302,7 +304,9 @@ def _path(location: tuple[Any, ...], table: Any, *, keep_last: bool) -> list[Any
     path: list[Any] = []
     here = table
     for k, step in enumerate(location):
-        inside = (isinstance(here, dict) and step in here) or (isinstance(here, (list, tuple)) and isinstance(step, int))
+        inside = (isinstance(here, dict) and step in here) or (
+            isinstance(here, (list, tuple)) and isinstance(step, int)
+        )
         if inside:
             path.append(step)
             here = here[step] if not isinstance(step, int) or step < len(here) else None

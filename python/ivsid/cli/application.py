@@ -22,7 +22,10 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-Out = Annotated[Path | None, typer.Option("--out", help="Folder for result.json, figures and report.html.", show_default="ivsid-COMMAND")]
+Out = Annotated[
+    Path | None,
+    typer.Option("--out", help="Folder for result.json, figures and report.html.", show_default="ivsid-COMMAND"),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print only the JSON of result.json.")]
 Seed = Annotated[int | None, typer.Option("--seed", min=0, help="Seed of the random numbers.")]
 
@@ -35,7 +38,9 @@ def _version(wanted: bool) -> None:
 
 @app.callback()
 def _root(
-    _version_wanted: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")] = False,
+    _version_wanted: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
 ) -> None:
     """Options of every command."""
 
@@ -53,7 +58,9 @@ def simulate(
     out: Out = None,
     json: Json = False,
     seed: Seed = None,
-    effect: Annotated[list[str] | None, typer.Option("--effect", help="A further term with its value, ID=VALUE; may repeat.")] = None,
+    effect: Annotated[
+        list[str] | None, typer.Option("--effect", help="A further term with its value, ID=VALUE; may repeat.")
+    ] = None,
 ) -> None:
     """A log with sensor noise from a known truth."""
     effects = dict(_effect(e) for e in effect or [])
@@ -65,7 +72,9 @@ def allan(
     log: Annotated[Path, typer.Argument(help="Static recording (CSV or Parquet).")],
     out: Out = None,
     json: Json = False,
-    columns: Annotated[str, typer.Option("--columns", help="Channels, separated by commas; by default every inertial one.")] = "",
+    columns: Annotated[
+        str, typer.Option("--columns", help="Channels, separated by commas; by default every inertial one.")
+    ] = "",
     time: Annotated[str | None, typer.Option("--time", help="Name of the time column [s].")] = None,
 ) -> None:
     """Allan deviation per channel, noise coefficients, bounds, ready for a vehicle file."""
@@ -95,9 +104,13 @@ def thrust(
 def identify(
     vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML).")],
     log: Annotated[Path, typer.Argument(help="Log (CSV or Parquet).")],
-    method: Annotated[str, typer.Option("--method", help="feasible, exact, krawczyk, cramer, published or published-hull.")] = "feasible",
+    method: Annotated[
+        str, typer.Option("--method", help="feasible, exact, krawczyk, cramer, published or published-hull.")
+    ] = "feasible",
     partitions: Annotated[int | None, typer.Option("--partitions", min=1, help="N of the published methods.")] = None,
-    form: Annotated[str, typer.Option("--form", help="total, or added: the rigid-body mass is known and left out.")] = "total",
+    form: Annotated[
+        str, typer.Option("--form", help="total, or added: the rigid-body mass is known and left out.")
+    ] = "total",
     rows: Annotated[str, typer.Option("--rows", help="auto, pointwise, integral or both.")] = "auto",
     window: Annotated[float, typer.Option("--window", help="Length of integral rows [s].")] = 1.0,
     out: Out = None,
@@ -108,7 +121,9 @@ def identify(
         "identify",
         out,
         json,
-        lambda w, p: w.identify(vehicle, log, method, partitions=partitions, form=form, rows=rows, window=window, progress=p),
+        lambda w, p: w.identify(
+            vehicle, log, method, partitions=partitions, form=form, rows=rows, window=window, progress=p
+        ),
     )
 
 
@@ -128,7 +143,9 @@ def _effect(text: str) -> tuple[str, float]:
     try:
         return id_.strip(), float(value)
     except ValueError:
-        raise IvsidError(f"--effect {text} is not understood; write ID=VALUE, for example drag.surge.linear=4") from None
+        raise IvsidError(
+            f"--effect {text} is not understood; write ID=VALUE, for example drag.surge.linear=4"
+        ) from None
 
 
 def _run(command: str, out: Path | None, json: bool, work: Callable[[Any, Callable[[str], None]], Any]) -> None:
@@ -169,7 +186,10 @@ def main() -> None:
     except MemoryError:
         typer.echo("ivsid: not enough memory for this input; give a shorter log", err=True)
         code = 2
-    except Exception as error:  # noqa: BLE001 - a fault of ours must not show as a traceback either
-        typer.echo(f"ivsid: an internal fault, {type(error).__name__}: {error}; please report it with the command and its files", err=True)
+    except Exception as error:
+        typer.echo(
+            f"ivsid: an internal fault, {type(error).__name__}: {error}; please report it with the command and its files",
+            err=True,
+        )
         code = 1
     sys.exit(code if isinstance(code, int) else 0)

@@ -37,6 +37,7 @@ def terms_of(vehicle: Vehicle, form: str = "total") -> tuple[Term, ...]:
     if form not in ("total", "added"):
         raise IvsidError(f"form '{form}' is unknown; use total or added")
     wanted = vehicle.model.terms
+    terms: tuple[Term, ...]
     if wanted == "paper":
         return PAPER_TERMS if form == "total" else PAPER_ADDED_MASS_TERMS
     if wanted is None:

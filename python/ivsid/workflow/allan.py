@@ -39,7 +39,9 @@ class Recording:
     sha256: str
 
 
-def allan(log: str | Path, *, columns: Sequence[str] = (), time: str | None = None, progress: Progress = silent) -> Report:
+def allan(
+    log: str | Path, *, columns: Sequence[str] = (), time: str | None = None, progress: Progress = silent
+) -> Report:
     """Reads a static recording and analyses every inertial channel."""
     progress("reading")
     recording = _record(log, columns, time)
@@ -51,7 +53,10 @@ def allan(log: str | Path, *, columns: Sequence[str] = (), time: str | None = No
     groups: dict[tuple[str, str], dict[str, AllanDeviation]] = {}
     for name, curve in curves.items():
         groups.setdefault(_quantity(name), {})[name] = curve
-    drawings = tuple(figures.allan_curves(c, f"allan_{q}", f"Allan deviation, {q.replace('_', ' ')}", u) for (q, u), c in groups.items())
+    drawings = tuple(
+        figures.allan_curves(c, f"allan_{q}", f"Allan deviation, {q.replace('_', ' ')}", u)
+        for (q, u), c in groups.items()
+    )
     snippet = sensors_toml(curves)
     rule = rule_for(Sensors(), 2 * samples * len(curves))
     record = {
@@ -61,7 +66,9 @@ def allan(log: str | Path, *, columns: Sequence[str] = (), time: str | None = No
         "channels": allan_record(curves),
         "sigmas": rule.sigmas,
         "confidence": rule.confidence,
-        "bounds": {n: rule.sigmas * (a.random_walk / np.sqrt(recording.period) + a.bias_instability) for n, a in curves.items()},
+        "bounds": {
+            n: rule.sigmas * (a.random_walk / np.sqrt(recording.period) + a.bias_instability) for n, a in curves.items()
+        },
         "toml": snippet,
         "notes": recording.notes,
     }
@@ -72,9 +79,23 @@ def allan(log: str | Path, *, columns: Sequence[str] = (), time: str | None = No
         Section("For the vehicle file", (report.code(snippet),)),
     )
     summary = f"{samples} samples at {1 / recording.period:.4g} Hz, {samples * recording.period:.4g} s; {len(curves)} channels."
-    lines = [summary, *(f"  {r[0]:<10} N {r[2]:.4g}, B {r[3]:.4g} (T {r[4]:.4g} s{'' if r[5] else ', not resolved'}), sigma_c {r[7]:.4g}, half-width {r[9]:.4g} {r[1]}" for r in rows)]
+    lines = [
+        summary,
+        *(
+            f"  {r[0]:<10} N {r[2]:.4g}, B {r[3]:.4g} (T {r[4]:.4g} s{'' if r[5] else ', not resolved'}), sigma_c {r[7]:.4g}, half-width {r[9]:.4g} {r[1]}"
+            for r in rows
+        ),
+    ]
     lines += [f"  note: {n}" for n in recording.notes]
-    return Report(f"Allan analysis of {Path(log).name}", summary, record, sections, drawings, {"sensors.toml": snippet}, tuple(lines))
+    return Report(
+        f"Allan analysis of {Path(log).name}",
+        summary,
+        record,
+        sections,
+        drawings,
+        {"sensors.toml": snippet},
+        tuple(lines),
+    )
 
 
 def _reading(sigmas: float) -> list[str]:
@@ -89,14 +110,36 @@ def _reading(sigmas: float) -> list[str]:
 def coefficient_rows(curves: Mapping[str, AllanDeviation], bounds: Mapping[str, float]) -> list[list[Any]]:
     """One row a channel, for tables."""
     return [
-        [n, _quantity(n)[1], a.random_walk, a.bias_instability, a.bias_time, a.resolved, a.floor, a.sigma_c, 3 * a.sigma_c, float(bounds[n])]
+        [
+            n,
+            _quantity(n)[1],
+            a.random_walk,
+            a.bias_instability,
+            a.bias_time,
+            a.resolved,
+            a.floor,
+            a.sigma_c,
+            3 * a.sigma_c,
+            float(bounds[n]),
+        ]
         for n, a in curves.items()
     ]
 
 
 def coefficient_table(rows: list[list[Any]]) -> dict[str, Any]:
     """The same as a table of the report."""
-    header = ["channel", "unit", "N [unit/√s]", "B [unit]", "T [s]", "hump resolved", "floor/0.664", "σ_c (eq. 15)", "3 σ_c", "half-width"]
+    header = [
+        "channel",
+        "unit",
+        "N [unit/√s]",
+        "B [unit]",
+        "T [s]",
+        "hump resolved",
+        "floor/0.664",
+        "σ_c (eq. 15)",
+        "3 σ_c",
+        "half-width",
+    ]
     return report.table(header, rows)
 
 
@@ -114,7 +157,11 @@ def sensors_toml(curves: Mapping[str, AllanDeviation]) -> str:
     def pair(values: list[float]) -> str:
         return number(values[0]) if len(values) == 1 else f"[{', '.join(number(v) for v in values)}]"
 
-    accelerations = [a for n, a in curves.items() if _quantity(n)[0] == "acceleration" and not re.search(r"z", n.split("_")[-1] if "_" in n else n)][:2]
+    accelerations = [
+        a
+        for n, a in curves.items()
+        if _quantity(n)[0] == "acceleration" and not re.search(r"z", n.split("_")[-1] if "_" in n else n)
+    ][:2]
     rates = [a for n, a in curves.items() if _quantity(n)[0] == "yaw_rate"]
     yaw = next((a for a in rates if re.search(r"(^r$|z)", a.channel)), rates[-1] if rates else None)
     for section, found in (("acceleration", accelerations), ("yaw_rate", [yaw] if yaw else [])):
@@ -133,7 +180,9 @@ def _record(path: str | Path, columns: Sequence[str], time: str | None) -> Recor
     frame, digest = read_table(path)
     name = time or next((c for c in TIMES if c in frame.columns), None)
     if name is None or name not in frame.columns:
-        raise IvsidError(f"{path} has no time column {name or 'among ' + ', '.join(TIMES)}; name it with --time (it has {', '.join(frame.columns[:12])})")
+        raise IvsidError(
+            f"{path} has no time column {name or 'among ' + ', '.join(TIMES)}; name it with --time (it has {', '.join(frame.columns[:12])})"
+        )
     t = numeric(frame, name, str(path))
     if t.size < 2 or not np.isfinite(t).all() or (np.diff(t) <= 0).any():
         raise IvsidError(f"{path}: column {name} must increase strictly without missing cells; sort the recording")
@@ -141,7 +190,9 @@ def _record(path: str | Path, columns: Sequence[str], time: str | None) -> Recor
     chosen = chosen or [c for c in frame.columns if c != name]
     missing = [c for c in chosen if c not in frame.columns]
     if missing or not chosen:
-        raise IvsidError(f"{path} has no column {', '.join(missing) or 'to analyse'}; it has {', '.join(frame.columns)}")
+        raise IvsidError(
+            f"{path} has no column {', '.join(missing) or 'to analyse'}; it has {', '.join(frame.columns)}"
+        )
     values = {c: numeric(frame, c, str(path)) for c in chosen}
     steps = np.diff(t)
     usual = float(np.median(steps))
@@ -159,5 +210,7 @@ def _record(path: str | Path, columns: Sequence[str], time: str | None) -> Recor
     period = float((span[-1] - span[0]) / (span.size - 1))
     jitter = float(np.diff(span).std() / period)
     if jitter > 0.01:
-        notes.append(f"the sampling is uneven (standard deviation of the step {100 * jitter:.0f} % of its mean); its mean is taken as the period")
+        notes.append(
+            f"the sampling is uneven (standard deviation of the step {100 * jitter:.0f} % of its mean); its mean is taken as the period"
+        )
     return Recording({c: v[part] for c, v in values.items()}, period, tuple(notes), digest)

@@ -66,7 +66,9 @@ def method_table(fits: Sequence[Identification]) -> dict[str, Any]:
 
 def parameter_lines(fit: Identification) -> list[str]:
     """What the terminal shows of an identification."""
-    lines = [f"method {fit.method}: {fit.status}, {'guaranteed' if fit.guaranteed else 'NOT guaranteed'}; {MEANING[fit.status]}"]
+    lines = [
+        f"method {fit.method}: {fit.status}, {'guaranteed' if fit.guaranteed else 'NOT guaranteed'}; {MEANING[fit.status]}"
+    ]
     lines += [f"  {id_:<24} {shown(p.lower, p.upper):>32} {p.unit}" for id_, p in fit.parameters.items()]
     if fit.status == "empty" and fit.estimate:
         lines.append("  parameter of least inflation: " + ", ".join(f"{k} {v:.5g}" for k, v in fit.estimate.items()))
@@ -82,10 +84,28 @@ def parameter_lines(fit: Identification) -> list[str]:
 def validation_table(result: Validation) -> dict[str, Any]:
     """Errors of the predicted force and moment."""
     rows = [
-        [f.channel, "N m" if f.channel == "yaw" else "N", f.time.size, f.mean, f.sigma, f.mean_absolute, 100 * f.coverage, f.falsified]
+        [
+            f.channel,
+            "N m" if f.channel == "yaw" else "N",
+            f.time.size,
+            f.mean,
+            f.sigma,
+            f.mean_absolute,
+            100 * f.coverage,
+            f.falsified,
+        ]
         for f in result.forces
     ]
-    header = ["channel", "unit", "rows", "mean error", "sigma", "mean |error|", "inside bounds [%]", "contradicting rows"]
+    header = [
+        "channel",
+        "unit",
+        "rows",
+        "mean error",
+        "sigma",
+        "mean |error|",
+        "inside bounds [%]",
+        "contradicting rows",
+    ]
     return report.table(header, rows)
 
 
@@ -95,7 +115,10 @@ def motion_table(result: Validation) -> dict[str, Any]:
     if motion.reason:
         return report.text(f"No simulated motion: {motion.reason}.")
     units = {"u": "m/s", "v": "m/s", "r": "rad/s", "position": "m"}
-    rows = [[k, units[k], motion.window["position" if k == "position" else "velocity"], motion.rms[k], motion.median[k]] for k in motion.rms]
+    rows = [
+        [k, units[k], motion.window["position" if k == "position" else "velocity"], motion.rms[k], motion.median[k]]
+        for k in motion.rms
+    ]
     return report.table(["quantity", "unit", "window [s]", "rms error", "median over windows"], rows)
 
 

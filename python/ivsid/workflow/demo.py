@@ -27,7 +27,16 @@ from ivsid.simulation import Simulated, gauss_markov
 from ivsid.validation import Validation
 from ivsid.vehicle import AccelerationSensor, Vehicle, parse_vehicle
 from ivsid.workflow.allan import coefficient_rows, coefficient_table
-from ivsid.workflow.common import Progress, csv, method_table, motion_table, parameter_lines, shown, silent, validation_table
+from ivsid.workflow.common import (
+    Progress,
+    csv,
+    method_table,
+    motion_table,
+    parameter_lines,
+    shown,
+    silent,
+    validation_table,
+)
 from ivsid.workflow.thrust import fit_table
 from ivsid.workflow.validate import validation_drawings, validation_lines
 
@@ -61,7 +70,7 @@ def demo(*, seed: int | None = None, progress: Progress = silent) -> Report:
     progress(f"static recording of {STATIC_HOURS:g} h, Allan analysis")
     curves = _static(vehicle, 100 + shift)
     progress("thrust models of Table III")
-    table_iii = thrust.examine(*(np.array(c) for c in thrust.TABLE_III), thrust.PUBLISHED_CUBIC)
+    table_iii = thrust.examine(np.array(thrust.TABLE_III[0]), np.array(thrust.TABLE_III[1]), thrust.PUBLISHED_CUBIC)
     progress("identifying by every method")
     bounded = bound_log(train.log, vehicle)
     total = build_rows(bounded, vehicle, terms_of(vehicle))
@@ -80,7 +89,9 @@ def demo(*, seed: int | None = None, progress: Progress = silent) -> Report:
         "truth": train.made.truth["parameters"],
         "allan": allan_record(curves),
         "thrust": bollard_record(table_iii),
-        "identifications": [{k: v for k, v in identification_record(f).items() if k not in ("certificates", "vehicle")} for f in fits],
+        "identifications": [
+            {k: v for k, v in identification_record(f).items() if k not in ("certificates", "vehicle")} for f in fits
+        ],
         "published_inverse": worth,
         "constriction": _constriction_record(added, narrowed),
         "validation": validation_record(checks[0]),
@@ -92,7 +103,15 @@ def demo(*, seed: int | None = None, progress: Progress = silent) -> Report:
     extra["truth.json"] = to_json({"train": train.made.truth, "test": test.made.truth}) + "\n"
     extra["identify/result.json"] = to_json(identification_record(feasible)) + "\n"
     lines = _lines(fits, worth, checks)
-    return Report("The paper, end to end: SWAN identified by interval analysis", lines[0], record, sections, drawings, extra, lines)
+    return Report(
+        "The paper, end to end: SWAN identified by interval analysis",
+        lines[0],
+        record,
+        sections,
+        drawings,
+        extra,
+        lines,
+    )
 
 
 def _data(name: str) -> str:
@@ -117,7 +136,11 @@ def _static(vehicle: Vehicle, seed: int) -> dict[str, AllanDeviation]:
     n, h = round(STATIC_HOURS * 3600 * STATIC_RATE), 1 / STATIC_RATE
     sensors = vehicle.sensors
     curves = {}
-    for name, sensor, axis in (("ax", sensors.acceleration, 0), ("ay", sensors.acceleration, 1), ("r", sensors.yaw_rate, 0)):
+    for name, sensor, axis in (
+        ("ax", sensors.acceleration, 0),
+        ("ay", sensors.acceleration, 1),
+        ("r", sensors.yaw_rate, 0),
+    ):
         if sensor is None:
             continue
         walk = sensor.walk(axis) if isinstance(sensor, AccelerationSensor) else sensor.random_walk
@@ -167,19 +190,24 @@ def _worth(rows: RegressionRows, fits: list[Identification]) -> dict[str, Any]:
         found["exact"] = {"lower": exact.value.lower, "upper": exact.value.upper}
     feasible = fits[0].parameters
     found["width_over_feasible"] = {
-        f.method: {i: f.parameters[i].width / feasible[i].width for i in feasible if i in f.parameters} for f in fits[1:] if feasible
+        f.method: {i: f.parameters[i].width / feasible[i].width for i in feasible if i in f.parameters}
+        for f in fits[1:]
+        if feasible
     }
     return found
 
 
 def _constriction_record(rows: RegressionRows, c: Constriction) -> dict[str, Any]:
-    boxes = {t.id: {"lower": low, "upper": high, "unit": t.unit} for t, low, high in zip(rows.terms, c.lower, c.upper, strict=True)}
+    boxes = {
+        t.id: {"lower": low, "upper": high, "unit": t.unit}
+        for t, low, high in zip(rows.terms, c.lower, c.upper, strict=True)
+    }
     return {"guaranteed": False, "parameters": boxes, "coverage": c.coverage, "error": c.error, "steps": c.steps}
 
 
 def _paper_numbers() -> dict[str, Any]:
     """Numbers printed in the paper that can be computed again (READING_NOTES)."""
-    q = IntervalArray([[2, -2], [-1.5, -2]], [[4, 2], [4.5, 3.5]])
+    q = IntervalArray(np.array([[2, -2], [-1.5, -2]]), np.array([[4, 2], [4.5, 3.5]]))
     one = IntervalArray([[1.0]], [[2.0]])
     literal = linalg.inverse(one, "published", 10)
     exact = linalg.inverse(one, "exact")
@@ -190,7 +218,10 @@ def _paper_numbers() -> dict[str, Any]:
         "radius": q.radius,
         "doppler_drift_per_hour": doppler_drift(0.004, 2.0, 3600.0),
         "inverse_of_1_2": {"exact": _pair(exact.value), "published_10": _pair(literal.value)},
-        "sigma_c": {"x": sigma_published(0.0018, 3.0e-4, 0.05, 670.0), "y": sigma_published(0.002, 2.8e-4, 0.05, 100.0)},
+        "sigma_c": {
+            "x": sigma_published(0.0018, 3.0e-4, 0.05, 670.0),
+            "y": sigma_published(0.002, 2.8e-4, 0.05, 100.0),
+        },
         "velocity_2": [float(u.lower[0]), float(u.upper[0])],
     }
 
@@ -200,12 +231,20 @@ def _pair(value: Any) -> list[float]:
 
 
 def _drawings(
-    log: Log, curves: dict[str, AllanDeviation], table: thrust.Bollard, fits: list[Identification], checks: list[Validation]
+    log: Log,
+    curves: dict[str, AllanDeviation],
+    table: thrust.Bollard,
+    fits: list[Identification],
+    checks: list[Validation],
 ) -> tuple[Drawing, ...]:
     accelerations = {k: v for k, v in curves.items() if k != "r"}
     first = (
-        figures.allan_curves(accelerations, "fig1_allan_acceleration", "Fig. 1: Allan deviation of the accelerations (twin)", "m/s²"),
-        figures.allan_curves({"r": curves["r"]}, "fig2_allan_yaw_rate", "Fig. 2: Allan deviation of the yaw rate (twin)", "rad/s"),
+        figures.allan_curves(
+            accelerations, "fig1_allan_acceleration", "Fig. 1: Allan deviation of the accelerations (twin)", "m/s²"
+        ),
+        figures.allan_curves(
+            {"r": curves["r"]}, "fig2_allan_yaw_rate", "Fig. 2: Allan deviation of the yaw rate (twin)", "rad/s"
+        ),
         figures.thrust_curve(table, "fig3_thrust", "Fig. 3: thrust against demand, Table III"),
         figures.channels(log, "train"),
         figures.intervals(fits),
@@ -233,16 +272,34 @@ def _sections(
         Section("The twin", (report.bullets(_twin(vehicle, train)), shown_figures["train"], _table_iv(vehicle))),
         Section(
             "Sensors (Table II, eq. 15, Figs 1-2)",
-            (coefficient_table([[*r[:-1], None] for r in rows]), shown_figures["fig1_allan_acceleration"], shown_figures["fig2_allan_yaw_rate"]),
+            (
+                coefficient_table([[*r[:-1], None] for r in rows]),
+                shown_figures["fig1_allan_acceleration"],
+                shown_figures["fig2_allan_yaw_rate"],
+            ),
         ),
-        Section("Thrust (Table III, eq. 18, Fig. 3)", (report.text(_thrust_words(table)), fit_table(table), shown_figures["fig3_thrust"])),
-        Section("Parameters by every method", (method_table(fits), shown_figures["parameters"], report.bullets(fits[0].assumes))),
+        Section(
+            "Thrust (Table III, eq. 18, Fig. 3)",
+            (report.text(_thrust_words(table)), fit_table(table), shown_figures["fig3_thrust"]),
+        ),
+        Section(
+            "Parameters by every method",
+            (method_table(fits), shown_figures["parameters"], report.bullets(fits[0].assumes)),
+        ),
         Section("What the published inverse is worth", _worth_parts(worth)),
         Section("Table V", _table_v(fits[0], published, narrowed, vehicle)),
-        Section("Validation on the second trial, feasible parameters (Figs 4-7)", (validation_table(checks[0]), *validated, motion_table(checks[0]))),
+        Section(
+            "Validation on the second trial, feasible parameters (Figs 4-7)",
+            (validation_table(checks[0]), *validated, motion_table(checks[0])),
+        ),
         Section(
             "Validation of the constricted intervals",
-            (report.text("The heuristic's intervals claim nothing; this is what they do on the second trial."), validation_table(checks[1]), *heuristic, _errors(checks)),
+            (
+                report.text("The heuristic's intervals claim nothing; this is what they do on the second trial."),
+                validation_table(checks[1]),
+                *heuristic,
+                _errors(checks),
+            ),
         ),
         Section("Numbers of the paper, computed again", (_reproduced(),)),
     )
@@ -266,7 +323,7 @@ def _table_iv(vehicle: Vehicle) -> dict[str, Any]:
 
 
 def _thrust_words(table: thrust.Bollard) -> str:
-    at = {d: r for d, r in zip(table.demand, table.fits[0].residual, strict=True)}
+    at = dict(zip(table.demand, table.fits[0].residual, strict=True))
     return (
         f"The printed coefficients of eq. 18 miss Table III by {at[15.0]:+.1f} N at 15 %, {at[50.0]:+.1f} N at 50 % and "
         f"{at[85.0]:+.1f} N at 85 %. The table is followed instead."
@@ -280,14 +337,20 @@ def _worth_parts(worth: dict[str, Any]) -> tuple[dict[str, Any], ...]:
         if method in worth:
             w = worth[method]
             rows.append([method, f"{w['improper']} of {entries}", f"{w.get('enclosed_entries', '–')} of {entries}"])
-    first = report.table(["inverse of A'A (mass, drag)", "improper entries", "entries that enclose the exact hull's"], rows, f"N = {worth['partitions']} partitions")
+    first = report.table(
+        ["inverse of A'A (mass, drag)", "improper entries", "entries that enclose the exact hull's"],
+        rows,
+        f"N = {worth['partitions']} partitions",
+    )
     widths = [[m, i, float(r)] for m, ratios in worth["width_over_feasible"].items() for i, r in ratios.items()]
     second = report.table(["method (eq. 14)", "parameter", "width over the feasible set's"], widths)
     values = []
     for i, j in np.ndindex(*np.shape(worth["published"]["lower"])):
         cells: list[Any] = [f"({i + 1}, {j + 1})"]
         for method in ("published", "published-hull", "exact"):
-            cells.append(f"[{worth[method]['lower'][i, j]:.6g}, {worth[method]['upper'][i, j]:.6g}]" if method in worth else "–")
+            cells.append(
+                f"[{worth[method]['lower'][i, j]:.6g}, {worth[method]['upper'][i, j]:.6g}]" if method in worth else "–"
+            )
         values.append(cells)
     third = report.table(["entry of (A'A)⁻¹", "eq. 11 literally", "hull over both sets", "exact hull"], values)
     words = report.text(
@@ -297,7 +360,9 @@ def _worth_parts(worth: dict[str, Any]) -> tuple[dict[str, Any], ...]:
     return words, first, third, second
 
 
-def _table_v(feasible: Identification, published: Identification, narrowed: Constriction, vehicle: Vehicle) -> tuple[dict[str, Any], ...]:
+def _table_v(
+    feasible: Identification, published: Identification, narrowed: Constriction, vehicle: Vehicle
+) -> tuple[dict[str, Any], ...]:
     ids = ("mass.surge", "drag.surge.quadratic", "inertia.yaw")
     rows = []
     for (label, printed), id_, added_id in zip(TABLE_V.items(), ids, published.parameters, strict=True):
@@ -318,7 +383,13 @@ def _table_v(feasible: Identification, published: Identification, narrowed: Cons
                 ours,
             ]
         )
-    header = ["parameter", "paper, Table V", "eq. 11 and 14 on the twin (not guaranteed)", "the same, constricted (not guaranteed)", "feasible (guaranteed)"]
+    header = [
+        "parameter",
+        "paper, Table V",
+        "eq. 11 and 14 on the twin (not guaranteed)",
+        "the same, constricted (not guaranteed)",
+        "feasible (guaranteed)",
+    ]
     words = report.text(
         "Added mass with the rigid-body mass known (second form of eq. 6). The paper's widths of 40, 40 and 90 are the mark of its heuristic "
         f"constriction; ours accepted {narrowed.steps} halvings and kept {100 * narrowed.coverage:.1f} % of the measured forces inside."
@@ -332,7 +403,11 @@ def _errors(checks: list[Validation]) -> dict[str, Any]:
         for f in check.forces:
             printed = PRINTED_ERRORS.get(f.channel)
             rows.append([check.fit.method, f.channel, f.mean_absolute, f.mean, f.sigma, *(printed or (None, None))])
-    return report.table(["method", "channel", "mean |error|", "mean error", "sigma", "paper mean", "paper sigma"], rows, "Errors beside the paper's printed ones")
+    return report.table(
+        ["method", "channel", "mean |error|", "mean error", "sigma", "paper mean", "paper sigma"],
+        rows,
+        "Errors beside the paper's printed ones",
+    )
 
 
 def _reproduced() -> dict[str, Any]:
@@ -347,7 +422,11 @@ def _reproduced() -> dict[str, Any]:
         ["inverse of [1, 2], eq. 11 with N = 10", "–", f"[{low:.6g}, {high:.6g}], improper"],
         ["sigma_c of ax at 0.05 s (eq. 15)", "–", float(n["sigma_c"]["x"])],
         ["sigma_c of ay at 0.05 s (eq. 15)", "–", float(n["sigma_c"]["y"])],
-        ["velocity of a reading of 2 m/s (eq. 16, corrected)", "–", f"[{n['velocity_2'][0]:.6g}, {n['velocity_2'][1]:.6g}]"],
+        [
+            "velocity of a reading of 2 m/s (eq. 16, corrected)",
+            "–",
+            f"[{n['velocity_2'][0]:.6g}, {n['velocity_2'][1]:.6g}]",
+        ],
     ]
     return report.table(["number", "printed", "computed"], rows)
 
@@ -362,6 +441,8 @@ def _lines(fits: list[Identification], worth: dict[str, Any], checks: list[Valid
     for method in ("published", "published-hull"):
         if method in worth:
             w = worth[method]
-            lines.append(f"{method} inverse: {w['improper']} of {worth['entries']} entries improper, {w.get('enclosed_entries', 0)} enclose the exact hull's")
+            lines.append(
+                f"{method} inverse: {w['improper']} of {worth['entries']} entries improper, {w.get('enclosed_entries', 0)} enclose the exact hull's"
+            )
     lines += validation_lines(checks[0])
     return tuple(lines)

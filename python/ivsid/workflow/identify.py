@@ -57,7 +57,15 @@ def identification_report(fit: Identification, log: Log) -> Report:
     if fit.status == "empty":
         sections.insert(1, _contradiction(fit))
     lines = parameter_lines(fit) + [f"  note: {n}" for n in fit.notes]
-    return Report(f"Identification of {fit.vehicle.name}", summary, identification_record(fit), tuple(sections), drawings, {}, tuple(lines))
+    return Report(
+        f"Identification of {fit.vehicle.name}",
+        summary,
+        identification_record(fit),
+        tuple(sections),
+        drawings,
+        {},
+        tuple(lines),
+    )
 
 
 def _notes(fit: Identification, log: Log) -> list[dict[str, object]]:
@@ -70,11 +78,19 @@ def _notes(fit: Identification, log: Log) -> list[dict[str, object]]:
 def _contradiction(fit: Identification) -> Section:
     """The few rows that prove the model wrong."""
     rows = [
-        [", ".join(f"{k} {'≥' if s > 0 else '≤'} 0" for k, s in c["orthant"].items() if s), r["channel"], r["time"], r["duration"], r["side"]]
+        [
+            ", ".join(f"{k} {'≥' if s > 0 else '≤'} 0" for k, s in c["orthant"].items() if s),
+            r["channel"],
+            r["time"],
+            r["duration"],
+            r["side"],
+        ]
         for c in fit.certificates
         if c["proves"] == "empty"
         for r in c["rows"]
     ]
     table = report.table(["signs", "channel", "time [s]", "window [s]", "side"], rows[:60])
-    words = report.text("For each combination of signs, these rows contradict each other. They are the samples to look at.")
+    words = report.text(
+        "For each combination of signs, these rows contradict each other. They are the samples to look at."
+    )
     return Section("Why no parameter fits", (words, table))

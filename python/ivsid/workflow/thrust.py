@@ -61,8 +61,20 @@ def thrust(
         Section("Candidates", (fit_table(table), report.drawing(drawing), report.bullets(notes))),
         Section("For the vehicle file", (report.code(snippet),)),
     )
-    lines = [summary, *(f"  {f.name:<38} rms {f.rms:8.4g} N, largest {f.largest:8.4g} N" for f in table.fits), *(f"  note: {n}" for n in notes)]
-    return Report(f"Thrust model of {Path(path).name}", summary, record, sections, (drawing,), {"thruster.toml": snippet}, tuple(lines))
+    lines = [
+        summary,
+        *(f"  {f.name:<38} rms {f.rms:8.4g} N, largest {f.largest:8.4g} N" for f in table.fits),
+        *(f"  note: {n}" for n in notes),
+    ]
+    return Report(
+        f"Thrust model of {Path(path).name}",
+        summary,
+        record,
+        sections,
+        (drawing,),
+        {"thruster.toml": snippet},
+        tuple(lines),
+    )
 
 
 def fit_table(table: Bollard) -> dict[str, object]:
@@ -81,7 +93,9 @@ def _notes(table: Bollard, percent: bool) -> list[str]:
         notes.append("the thrust does not grow with every demand; the table is followed as it is")
     forward, reverse = table.thrust.max(), -table.thrust.min()
     if reverse > 0:
-        notes.append(f"forward and reverse differ: {forward:.4g} N against {reverse:.4g} N, ratio {reverse / forward:.3g}")
+        notes.append(
+            f"forward and reverse differ: {forward:.4g} N against {reverse:.4g} N, ratio {reverse / forward:.3g}"
+        )
     return notes
 
 
@@ -105,7 +119,9 @@ def _column(frame: pl.DataFrame, given: str | None, hints: tuple[str, ...], what
         found = [c for c in frame.columns if hint in c.lower()]
         if found:
             return found[0]
-    raise IvsidError(f"{path} has no column that looks like a {what} ({', '.join(hints)}); name it with --{what}-column (it has {', '.join(frame.columns)})")
+    raise IvsidError(
+        f"{path} has no column that looks like a {what} ({', '.join(hints)}); name it with --{what}-column (it has {', '.join(frame.columns)})"
+    )
 
 
 def _given_unit(name: str) -> str | None:

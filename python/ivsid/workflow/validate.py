@@ -27,12 +27,20 @@ def validate(fit: str | Path, log: str | Path, *, progress: Progress = silent) -
     summary = validation_summary(result)
     parts = [report.drawing(d) for d in drawings]
     sections = (
-        Section("Predicted against measured force and moment", (validation_table(result), *parts[: 2 * len(result.forces)])),
+        Section(
+            "Predicted against measured force and moment", (validation_table(result), *parts[: 2 * len(result.forces)])
+        ),
         Section("Simulated against measured motion", (motion_table(result), *parts[2 * len(result.forces) :])),
         Section("What this rests on", (report.bullets([*known.assumes, *result.notes]),)),
     )
     return Report(
-        f"Validation of {known.vehicle.name}", summary, validation_record(result), sections, drawings, {}, tuple(validation_lines(result))
+        f"Validation of {known.vehicle.name}",
+        summary,
+        validation_record(result),
+        sections,
+        drawings,
+        {},
+        tuple(validation_lines(result)),
     )
 
 
@@ -41,9 +49,15 @@ def validation_drawings(result: Validation, prefix: str = "") -> tuple[Drawing, 
     drawings = []
     for f in result.forces:
         title = TITLES[f.channel]
-        drawings.append(figures.force_mid(f, f"{prefix}{f.channel}_mid", f"Predicted mid-values of {title} against measured"))
+        drawings.append(
+            figures.force_mid(f, f"{prefix}{f.channel}_mid", f"Predicted mid-values of {title} against measured")
+        )
         guaranteed = result.fit.guaranteed and bool(result.fit.parameters)
-        drawings.append(figures.force_bounds(f, f"{prefix}{f.channel}_bounds", f"Predicted bounds of {title} against measured", guaranteed=guaranteed))
+        drawings.append(
+            figures.force_bounds(
+                f, f"{prefix}{f.channel}_bounds", f"Predicted bounds of {title} against measured", guaranteed=guaranteed
+            )
+        )
     if result.motion.reason is None:
         drawings.append(figures.motion(result.motion, f"{prefix}motion"))
     return tuple(drawings)
@@ -68,5 +82,9 @@ def validation_lines(result: Validation) -> list[str]:
             f"{100 * f.coverage:.1f} % of measured values inside the bounds"
         )
     motion = result.motion
-    lines.append(f"  motion: {motion.reason}" if motion.reason else "  motion rms: " + ", ".join(f"{k} {v:.4g}" for k, v in motion.rms.items()))
+    lines.append(
+        f"  motion: {motion.reason}"
+        if motion.reason
+        else "  motion rms: " + ", ".join(f"{k} {v:.4g}" for k, v in motion.rms.items())
+    )
     return lines

@@ -1,0 +1,52 @@
+# Every target does its own set-up in .venv, from locked dependencies. Needs Rust, Python 3.11 or later and a C compiler.
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+VENV := .venv
+BIN := $(VENV)/bin
+OUT ?= out/demo
+RUST_SOURCES := $(shell find crates -name '*.rs' -o -name 'Cargo.toml') Cargo.toml Cargo.lock
+
+.PHONY: demo test check bench docs build format clean
+
+demo: build
+	$(BIN)/ivsid demo --out $(OUT)
+
+test: build
+	cargo test --locked
+	$(BIN)/pytest -n auto
+
+check: build
+	cargo fmt --all --check
+	cargo clippy --locked --workspace --all-targets -- -D warnings
+	$(BIN)/ruff format --check python tests examples
+	$(BIN)/ruff check python tests examples
+	$(BIN)/mypy
+	$(BIN)/stubtest ivsid._core --mypy-config-file pyproject.toml
+	$(BIN)/lint-imports
+	$(MAKE) docs
+
+docs: build
+	RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps
+	$(BIN)/sphinx-build -q -W --keep-going docs docs/_build/html
+
+bench:
+	cargo bench --locked
+
+build: $(VENV)/.built
+
+format: build
+	cargo fmt --all
+	$(BIN)/ruff format python tests examples
+	$(BIN)/ruff check --fix python tests examples
+
+$(VENV)/.ready: requirements/lock.txt
+	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "Python 3.11 or later is needed; set PYTHON=/path/to/it")'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --disable-pip-version-check --requirement requirements/lock.txt
+	touch $@
+
+$(VENV)/.built: $(VENV)/.ready $(RUST_SOURCES) pyproject.toml
+	VIRTUAL_ENV=$(abspath $(VENV)) $(BIN)/maturin develop --release --locked --quiet
+	touch $@
+
+clean:
+	rm -rf $(VENV) target out docs/_build python/ivsid/*.so

@@ -38,7 +38,7 @@ def _floats(values: ArrayLike, what: str) -> FloatArray:
         return cast(FloatArray, array)
     if array.dtype.kind in "biu" or array.dtype in (np.float32, np.float16):
         floats = array.astype(np.float64)
-        large = np.abs(floats) > 2.0**53
+        large = np.abs(floats) >= 2.0**53
         if array.dtype.kind in "iu" and large.any():
             exact = all(int(f) == int(i) for f, i in zip(floats[large], array[large], strict=True))
             if not exact:
@@ -434,7 +434,8 @@ class Interval:
         self._lower, self._upper = state
 
     def __repr__(self) -> str:
-        return f"Interval('{_text(self._lower, self._upper)}')"
+        # The decimals are outward, and as float literals they read back as the same doubles.
+        return f"Interval({outward_decimal(self._lower, up=False)}, {outward_decimal(self._upper, up=True)})"
 
     def __str__(self) -> str:
         return _text(self._lower, self._upper)

@@ -63,19 +63,17 @@ def inverse(A: Operand, method: str = "exact", partitions: int | None = None) ->
     Raises:
         IvsidError: wrong shape, NaN, reversed bounds, or an unknown method.
     """
-    _known(method, INVERSE_METHODS)
-    number = DEFAULT_PARTITIONS if partitions is None else partitions
-    if not isinstance(number, (int, np.integer)) or not 0 < number < 2**63:
-        raise IvsidError(f"partitions = {number!r} is not usable; give a whole number of at least 1")
+    check_method(method, INVERSE_METHODS)
+    number = partition_count(partitions)
     matrix = _matrix(A)
     if matrix.ndim == 3:
-        return [_inverse(matrix[k], method, int(number)) for k in range(matrix.shape[0])]
-    return _inverse(matrix, method, int(number))
+        return [_inverse(matrix[k], method, number) for k in range(matrix.shape[0])]
+    return _inverse(matrix, method, number)
 
 
 def _inverse(matrix: IntervalArray, method: str, partitions: int) -> Result:
     found = _core.inverse(*_square(matrix), method, partitions)
-    return _result(method, found, matrix.shape)
+    return make_result(method, found, matrix.shape)
 
 
 def solve(A: Operand, b: Operand, method: str = "krawczyk") -> Result:
@@ -89,13 +87,13 @@ def solve(A: Operand, b: Operand, method: str = "krawczyk") -> Result:
     Raises:
         IvsidError: wrong shapes, NaN, reversed bounds, or an unknown method.
     """
-    _known(method, SOLVE_METHODS)
+    check_method(method, SOLVE_METHODS)
     matrix = _matrix(A)
     right = b if isinstance(b, IntervalArray) else IntervalArray(_points(b))
     if right.shape != matrix.shape[-1:]:
         raise IvsidError(f"the right-hand side has shape {right.shape}; for this matrix it must be {matrix.shape[-1:]}")
     lower, upper = np.ascontiguousarray(right.lower), np.ascontiguousarray(right.upper)
-    return _result(method, _core.solve(*_square(matrix), (lower, upper), method), right.shape)
+    return make_result(method, _core.solve(*_square(matrix), (lower, upper), method), right.shape)
 
 
 def regularity(A: Operand) -> Regularity:
@@ -110,7 +108,16 @@ def norm(A: Operand) -> float:
     return _core.norm(np.ascontiguousarray(matrix.lower), np.ascontiguousarray(matrix.upper))
 
 
-def _known(method: str, methods: tuple[str, ...]) -> None:
+def partition_count(partitions: int | None) -> int:
+    """N of the published methods, checked; 1000 where none is given."""
+    number = DEFAULT_PARTITIONS if partitions is None else partitions
+    if not isinstance(number, (int, np.integer)) or not 0 < number < 2**63:
+        raise IvsidError(f"partitions = {number!r} is not usable; give a whole number of at least 1")
+    return int(number)
+
+
+def check_method(method: str, methods: tuple[str, ...]) -> None:
+    """Refuses a name that is not among the methods."""
     if method not in methods:
         raise IvsidError(f"method '{method}' is not available; choose one of {', '.join(methods)}")
 
@@ -136,7 +143,8 @@ def _square(matrix: IntervalArray) -> tuple[FloatArray, FloatArray]:
     return np.ascontiguousarray(matrix.lower), np.ascontiguousarray(matrix.upper)
 
 
-def _result(method: str, found: dict[str, Any], shape: tuple[int, ...]) -> Result:
+def make_result(method: str, found: dict[str, Any], shape: tuple[int, ...]) -> Result:
+    """The core's answer as a ``Result``; only an enclosure becomes an ``IntervalArray``."""
     value: IntervalArray | EndpointPair | None = None
     if found["value"] is not None:
         lower, upper = (end.reshape(shape) for end in found["value"])

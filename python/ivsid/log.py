@@ -26,6 +26,7 @@ COLUMNS: Final = (
 # What a turn of the body axes from forward-left-up to forward-right-down does; earth axes are handled apart.
 _FLU_FLIPPED: Final = ("v", "r", "vdot", "rdot", "ay", "force_Y", "moment_N")
 MISSING: Final = ("", "nan", "NaN", "NAN", "null")
+# A needed channel may be slow or drop out, but not be away for most of the log.
 LIMIT_MISSING: Final = 0.5
 
 
@@ -64,7 +65,14 @@ class Log:
                 f"{self.name} has no column {name}, which is needed {why}; it has {has}: "
                 "add it, or map it under [log] in the vehicle file"
             )
-        return self.columns[name]
+        values = self.columns[name]
+        longest, at = _longest_run(np.isnan(values))
+        if longest > LIMIT_MISSING * values.size:
+            raise IvsidError(
+                f"{self.name}: column {name} misses {longest} samples in a row from t = {self.t[at]:.6g} s, more than half of the "
+                f"log, and is needed {why}; cut the log to the part that has it, or give another log"
+            )
+        return values
 
 
 def read_table(path: str | Path) -> tuple[pl.DataFrame, str]:
@@ -242,6 +250,16 @@ def _without_held(columns: dict[str, NDArray[np.float64]]) -> tuple[dict[str, ND
     return kept, notes
 
 
+def _longest_run(flags: NDArray[np.bool_]) -> tuple[int, int]:
+    """Length and start of the longest stretch of true values; (0, 0) where there is none."""
+    edges = np.flatnonzero(np.diff(np.r_[0, flags.astype(int), 0]))
+    if not edges.size:
+        return 0, 0
+    lengths = edges[1::2] - edges[::2]
+    longest = int(np.argmax(lengths))
+    return int(lengths[longest]), int(edges[2 * longest])
+
+
 def _missing(columns: dict[str, NDArray[np.float64]], t: NDArray[np.float64], source: str) -> list[str]:
     notes = []
     for name, values in columns.items():
@@ -249,9 +267,9 @@ def _missing(columns: dict[str, NDArray[np.float64]], t: NDArray[np.float64], so
         if gone.all():
             raise IvsidError(f"{source}: column {name} has no sample at all; fill it or leave the column out")
         if gone.any():
-            edges = np.flatnonzero(np.diff(np.r_[0, gone.astype(int), 0]))
-            longest = int((edges[1::2] - edges[::2]).max())
-            notes.append(f"{name} misses {int(gone.sum())} of {gone.size} samples, at most {longest} in a row")
+            notes.append(
+                f"{name} misses {int(gone.sum())} of {gone.size} samples, at most {_longest_run(gone)[0]} in a row"
+            )
     steps = np.diff(t)
     gaps = steps > 2.5 * np.median(steps)
     if gaps.any():

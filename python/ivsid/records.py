@@ -8,6 +8,7 @@ import os
 import shutil
 import tempfile
 from collections.abc import Mapping
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,12 @@ class Lower(float):
 
 class Upper(float):
     """A number printed rounded up."""
+
+
+def envelope(command: str, inputs: dict[str, str], seed: int | None = None) -> dict[str, Any]:
+    """What every result.json starts with; ``inputs`` maps names to SHA-256."""
+    listed = [{"name": name, "sha256": digest} for name, digest in inputs.items()]
+    return {"ivsid": version("ivsid"), "command": command, "inputs": listed, "seed": seed}
 
 
 def to_json(value: Any, indent: int = 0) -> str:

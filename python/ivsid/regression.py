@@ -10,7 +10,7 @@ import numpy as np
 from ivsid import _core
 from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray, IntervalArray, Operand
-from ivsid.linalg import DEFAULT_PARTITIONS, INVERSE_METHODS, Result, _known, _result
+from ivsid.linalg import INVERSE_METHODS, Result, check_method, make_result, partition_count
 
 
 @dataclass(frozen=True)
@@ -93,12 +93,12 @@ def feasible_set(A: Operand, y: Operand) -> FeasibleSet:
 
 def normal_equations(A: Operand, y: Operand, method: str = "exact", partitions: int | None = None) -> NormalEquations:
     """Interval least squares with the named inverse; arguments as in ``feasible_set`` and ``linalg.inverse``."""
-    _known(method, INVERSE_METHODS)
+    check_method(method, INVERSE_METHODS)
     rows, right = _rows(A, y)
-    found = _core.normal_equations(rows, right, method, partitions or DEFAULT_PARTITIONS)
+    found = _core.normal_equations(rows, right, method, partition_count(partitions))
     value = None if found["parameters"] is None else IntervalArray(*found["parameters"])
     gram = IntervalArray(*found["gram"])
-    inverse = _result(method, found["inverse"], gram.shape)
+    inverse = make_result(method, found["inverse"], gram.shape)
     return NormalEquations(found["status"], value, found["improper"], gram, inverse)
 
 

@@ -146,9 +146,8 @@ class _Builder:
         return any(n in self.bounded.channels for n in names)
 
     def _channel(self, name: str) -> IntervalArray:
-        log = self.bounded.log
+        self.bounded.log.column(name, "by the equations of motion")
         if name not in self.bounded.channels:
-            log.column(name, "by the equations of motion")
             section = {"u": "velocity", "v": "velocity", "r": "yaw_rate"}[name]
             raise IvsidError(
                 f"vehicle file {self.vehicle.source or self.vehicle.name} has no [sensors.{section}]; it is needed to bound column {name}"

@@ -274,8 +274,9 @@ def validated(model: type[_T], table: dict[str, Any], source: str) -> _T:
     try:
         return model.model_validate(table)
     except ValidationError as error:
-        # A misspelt key also shows as a missing one: say what was written.
-        faults = sorted(error.errors(), key=lambda f: f["type"] != "extra_forbidden")
+        # A misspelt key also shows as a missing one, and a wrong table as "not a string": say what is most particular.
+        order = ("extra_forbidden", "value_error")
+        faults = sorted(error.errors(), key=lambda f: order.index(f["type"]) if f["type"] in order else len(order))
         raise IvsidError(_sentence(model, faults[0], table, source)) from None
 
 

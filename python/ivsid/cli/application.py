@@ -8,7 +8,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
 
-import click
 import typer
 from rich.console import Console
 
@@ -166,15 +165,21 @@ def _run(command: str, out: Path | None, json: bool, work: Callable[[Any, Callab
     typer.echo(f"written to {folder}/ (report.html, result.json, {len(made.drawings)} figures)")
 
 
+def _usage(error: typer.TyperException) -> str:
+    """What Typer says of wrong usage, on one line."""
+    words = error.format_message() if hasattr(error, "format_message") else str(error)
+    return " ".join(words.split())
+
+
 def main() -> None:
     """The entry point: sentences instead of tracebacks."""
     command = typer.main.get_command(app)
     try:
         code = command.main(standalone_mode=False)
-    except click.exceptions.Abort:
+    except typer.Abort:
         code = 130
-    except click.ClickException as error:
-        typer.echo(f"ivsid: {error.format_message()} (ivsid --help shows what is possible)", err=True)
+    except typer.TyperException as error:
+        typer.echo(f"ivsid: {_usage(error)} (ivsid --help shows what is possible)", err=True)
         code = 2
     except IvsidError as error:
         typer.echo(f"ivsid: {error}", err=True)

@@ -15,8 +15,9 @@ from ivsid import figures, report
 from ivsid.allan import AllanDeviation, allan_deviation
 from ivsid.errors import IvsidError
 from ivsid.log import numeric, read_table
+from ivsid.records import envelope
 from ivsid.report import Report, Section
-from ivsid.results import allan_record, envelope
+from ivsid.results import allan_record
 from ivsid.sensors import rule_for
 from ivsid.vehicle import Sensors
 from ivsid.workflow.common import Progress, silent

@@ -17,10 +17,10 @@ from ivsid.figures import Drawing
 from ivsid.identification import Identification, Parameter
 from ivsid.intervals import EndpointPair, Interval, IntervalArray
 from ivsid.log import Log
-from ivsid.records import to_json
+from ivsid.records import envelope, to_json
 from ivsid.regression_rows import RegressionRows, build_rows
 from ivsid.report import Report, Section
-from ivsid.results import allan_record, bollard_record, envelope, identification_record, validation_record
+from ivsid.results import allan_record, bollard_record, validation_record
 from ivsid.scenario import parse_scenario
 from ivsid.sensors import BoundedLog, bound_log, doppler_drift, doppler_paper, sigma_published
 from ivsid.simulation import Simulated, gauss_markov
@@ -90,7 +90,7 @@ def demo(*, seed: int | None = None, progress: Progress = silent) -> Report:
         "allan": allan_record(curves),
         "thrust": bollard_record(table_iii),
         "identifications": [
-            {k: v for k, v in identification_record(f).items() if k not in ("certificates", "vehicle")} for f in fits
+            {k: v for k, v in f.record().items() if k not in ("certificates", "vehicle")} for f in fits
         ],
         "published_inverse": worth,
         "constriction": _constriction_record(added, narrowed),
@@ -101,7 +101,7 @@ def demo(*, seed: int | None = None, progress: Progress = silent) -> Report:
     sections = _sections(vehicle, train, curves, table_iii, fits, worth, published_added, narrowed, checks, drawings)
     extra: dict[str, str | bytes] = {"swan.toml": vehicle.text, "train.csv": train.text, "test.csv": test.text}
     extra["truth.json"] = to_json({"train": train.made.truth, "test": test.made.truth}) + "\n"
-    extra["identify/result.json"] = to_json(identification_record(feasible)) + "\n"
+    extra["identify/result.json"] = to_json(feasible.record()) + "\n"
     lines = _lines(fits, worth, checks)
     return Report(
         "The paper, end to end: SWAN identified by interval analysis",

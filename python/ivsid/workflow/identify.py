@@ -9,7 +9,6 @@ from ivsid.identification import Identification
 from ivsid.log import Log, read_log
 from ivsid.regression_rows import WINDOW
 from ivsid.report import Report, Section
-from ivsid.results import identification_record
 from ivsid.vehicle import read_vehicle
 from ivsid.workflow.common import MEANING, Progress, method_table, parameter_lines, silent
 
@@ -60,7 +59,7 @@ def identification_report(fit: Identification, log: Log) -> Report:
     return Report(
         f"Identification of {fit.vehicle.name}",
         summary,
-        identification_record(fit),
+        fit.record(),
         tuple(sections),
         drawings,
         {},

@@ -8,9 +8,8 @@ from pathlib import Path
 
 from ivsid import figures, report, simulation
 from ivsid.log import Log
-from ivsid.records import to_json
+from ivsid.records import envelope, to_json
 from ivsid.report import Report, Section
-from ivsid.results import envelope
 from ivsid.scenario import read_scenario
 from ivsid.vehicle import read_vehicle
 from ivsid.workflow.common import Progress, csv, silent

@@ -11,8 +11,9 @@ import polars as pl
 from ivsid import figures, report, units
 from ivsid.errors import IvsidError
 from ivsid.log import numeric, read_table
+from ivsid.records import envelope
 from ivsid.report import Report, Section
-from ivsid.results import bollard_record, envelope
+from ivsid.results import bollard_record
 from ivsid.thrust import PUBLISHED_CUBIC, Bollard, examine
 from ivsid.workflow.common import Progress, silent
 

@@ -6,9 +6,10 @@ from pathlib import Path
 
 from ivsid import figures, report, validation
 from ivsid.figures import Drawing
+from ivsid.identification import read_identification
 from ivsid.log import read_log
 from ivsid.report import Report, Section
-from ivsid.results import read_identification, validation_record
+from ivsid.results import validation_record
 from ivsid.validation import Validation
 from ivsid.workflow.common import Progress, motion_table, silent, validation_table
 

@@ -11,81 +11,15 @@ import numpy as np
 from ivsid import regression
 from ivsid.effects import CHANNELS, Term, terms_of
 from ivsid.errors import IvsidError
+from ivsid.identification.fit import Identification, Parameter
 from ivsid.intervals import FloatArray
-from ivsid.linalg import DEFAULT_PARTITIONS, INVERSE_METHODS
+from ivsid.linalg import INVERSE_METHODS, partition_count
 from ivsid.log import Log
 from ivsid.regression_rows import WINDOW, RegressionRows, build_rows
 from ivsid.sensors import BoundedLog, bound_log
 from ivsid.vehicle import Vehicle
 
 METHODS: Final = ("feasible", *INVERSE_METHODS)
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """An interval of one parameter. ``improper`` marks bounds that the published method left reversed.
-
-    ``lower`` and ``upper`` are infinite where no bound was proved.
-    """
-
-    lower: float
-    upper: float
-    unit: str
-    symbol: str
-
-    @property
-    def midpoint(self) -> float:
-        """Centre of a bounded interval, else the finite end, else NaN."""
-        ends = [e for e in (self.lower, self.upper) if np.isfinite(e)]
-        return float(np.mean(ends)) if ends else float("nan")
-
-    @property
-    def width(self) -> float:
-        """Upper - lower."""
-        return self.upper - self.lower
-
-
-@dataclass(frozen=True)
-class Identification:
-    """What a method says of the parameters.
-
-    Attributes:
-        method: its name.
-        status: ``enclosed``, ``empty``, ``unbounded``, ``not_applicable`` or, for the published methods, ``not_proved``.
-        guaranteed: true only where every step is proved.
-        assumes: what the guarantee rests on.
-        parameters: by id; empty where no interval exists.
-        estimate: a point for simulation: midpoints, or the parameter of least inflation.
-        inflation: the smallest factor on all row radii at which a parameter is consistent (an estimate), or None.
-        improper: entries of published inverses that came out reversed.
-        reason: why there is no (proved) result.
-        directions: by parameter id, in which the data leave the set open.
-        certificates: per bound, the rows that prove it.
-        rows: how many rows each channel has.
-        notes: what was found in the log.
-        options: method options, to repeat the run.
-        vehicle: the vehicle file.
-        log_name: the log's file name.
-        log_sha256: hash of the log.
-    """
-
-    method: str
-    status: str
-    guaranteed: bool
-    assumes: tuple[str, ...]
-    parameters: dict[str, Parameter]
-    estimate: dict[str, float]
-    inflation: float | None
-    improper: int
-    reason: str | None
-    directions: tuple[dict[str, float], ...]
-    certificates: tuple[dict[str, Any], ...]
-    rows: dict[str, int]
-    notes: tuple[str, ...]
-    options: dict[str, Any]
-    vehicle: Vehicle
-    log_name: str
-    log_sha256: str
 
 
 @dataclass(frozen=True)
@@ -134,7 +68,7 @@ def identify(
     terms = terms_of(vehicle, form)
     bounded = bound_log(log, vehicle)
     made = build_rows(bounded, vehicle, terms, added_mass=form == "added", kind=rows, window=window)
-    options = {"partitions": partitions or DEFAULT_PARTITIONS, "form": form, "rows": rows, "window": window}
+    options = {"partitions": partition_count(partitions), "form": form, "rows": rows, "window": window}
     return identify_rows(made, bounded, vehicle, method, options)
 
 
@@ -169,6 +103,7 @@ def identify_rows(
         certificates=tuple(c for b in blocks for c in b.certificates),
         rows={name: int((rows.channel == k).sum()) for k, name in enumerate(CHANNELS)},
         notes=bounded.log.notes,
+        ignored=bounded.log.ignored,
         options=options,
         vehicle=vehicle,
         log_name=bounded.log.name,

@@ -1,0 +1,159 @@
+"""What an identification is, as a value and as a file (INTERFACE.md, result.json)."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ivsid.errors import IvsidError
+from ivsid.records import Lower, Upper, envelope, to_json, write_whole
+from ivsid.vehicle import Vehicle, parse_vehicle
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """An interval of one parameter. ``improper`` marks bounds that the published method left reversed.
+
+    ``lower`` and ``upper`` are infinite where no bound was proved.
+    """
+
+    lower: float
+    upper: float
+    unit: str
+    symbol: str
+
+    @property
+    def midpoint(self) -> float:
+        """Centre of a bounded interval, else the finite end, else NaN."""
+        ends = [e for e in (self.lower, self.upper) if np.isfinite(e)]
+        return float(np.mean(ends)) if ends else float("nan")
+
+    @property
+    def width(self) -> float:
+        """Upper - lower."""
+        return self.upper - self.lower
+
+    def record(self) -> dict[str, Any]:
+        """As in result.json, bounds rounded outward."""
+        return {"lower": Lower(self.lower), "upper": Upper(self.upper), "unit": self.unit, "symbol": self.symbol}
+
+
+@dataclass(frozen=True)
+class Identification:
+    """What a method says of the parameters.
+
+    Attributes:
+        method: its name.
+        status: ``enclosed``, ``empty``, ``unbounded``, ``not_applicable`` or, for the published methods, ``not_proved``.
+        guaranteed: true only where every step is proved.
+        assumes: what the guarantee rests on.
+        parameters: by id; empty where no interval exists.
+        estimate: a point for simulation: midpoints, or the parameter of least inflation.
+        inflation: the smallest factor on all row radii at which a parameter is consistent (an estimate), or None.
+        improper: entries of published inverses that came out reversed.
+        reason: why there is no (proved) result.
+        directions: by parameter id, in which the data leave the set open.
+        certificates: per bound, the rows that prove it.
+        rows: how many rows each channel has.
+        notes: what was found in the log.
+        ignored: columns of the log that nothing used.
+        options: method options, to repeat the run.
+        vehicle: the vehicle file.
+        log_name: the log's file name.
+        log_sha256: hash of the log.
+    """
+
+    method: str
+    status: str
+    guaranteed: bool
+    assumes: tuple[str, ...]
+    parameters: dict[str, Parameter]
+    estimate: dict[str, float]
+    inflation: float | None
+    improper: int
+    reason: str | None
+    directions: tuple[dict[str, float], ...]
+    certificates: tuple[dict[str, Any], ...]
+    rows: dict[str, int]
+    notes: tuple[str, ...]
+    ignored: tuple[str, ...]
+    options: dict[str, Any]
+    vehicle: Vehicle
+    log_name: str
+    log_sha256: str
+
+    def record(self) -> dict[str, Any]:
+        """An identification as in INTERFACE.md, with what is needed to use it again."""
+        inputs = {Path(self.vehicle.source or "vehicle.toml").name: self.vehicle.sha256, self.log_name: self.log_sha256}
+        return {
+            **envelope("identify", inputs),
+            "method": self.method,
+            "status": self.status,
+            "guaranteed": self.guaranteed,
+            "assumes": self.assumes,
+            "parameters": {k: p.record() for k, p in self.parameters.items()},
+            "inflation": self.inflation,
+            "estimate": self.estimate,
+            "improper": self.improper,
+            "reason": self.reason,
+            "directions": self.directions,
+            "rows": self.rows,
+            "notes": self.notes,
+            "ignored": self.ignored,
+            "options": self.options,
+            "vehicle_source": self.vehicle.source,
+            "vehicle": self.vehicle.text,
+            "certificates": self.certificates,
+            "certificate": [c for c in self.certificates if c["proves"] == "empty"] if self.status == "empty" else None,
+        }
+
+    def save(self, path: str | Path) -> None:
+        """Writes the result; a path without ``.json`` is a folder that gets a result.json."""
+        target = Path(path)
+        write_whole(target if target.suffix == ".json" else target / "result.json", to_json(self.record()) + "\n")
+
+
+def read_identification(path: str | Path) -> Identification:
+    """Reads the result of ``ivsid identify``: its folder, or its result.json.
+
+    Raises:
+        IvsidError: the file is missing, damaged, or the result of another command.
+    """
+    path = Path(path)
+    file = path / "result.json" if path.is_dir() else path
+    try:
+        record = json.loads(file.read_text())
+    except OSError as error:
+        raise IvsidError(
+            f"fit {file} cannot be read ({error.strerror}); give the --out folder of ivsid identify"
+        ) from None
+    except ValueError:
+        raise IvsidError(f"fit {file} is not JSON; give the --out folder of ivsid identify") from None
+    if not isinstance(record, dict) or record.get("command") != "identify":
+        raise IvsidError(f"{file} is not the result of ivsid identify; run that first and give its --out folder")
+    try:
+        return _identification(record)
+    except (KeyError, TypeError, AttributeError):
+        raise IvsidError(f"{file} is damaged or of another version; run ivsid identify again") from None
+
+
+def _identification(record: dict[str, Any]) -> Identification:
+    given = {f.name: record[f.name] for f in fields(Identification) if f.name in record}
+    infinite = {"lower": float("-inf"), "upper": float("inf")}
+    parameters = {
+        k: Parameter(**{**p, **{end: infinite[end] for end in infinite if p[end] is None}})
+        for k, p in record["parameters"].items()
+    }
+    given |= {
+        "parameters": parameters,
+        "vehicle": parse_vehicle(record["vehicle"], record["vehicle_source"]),
+        "log_name": record["inputs"][1]["name"],
+        "log_sha256": record["inputs"][1]["sha256"],
+    }
+    for name in ("assumes", "directions", "certificates", "notes", "ignored"):
+        given[name] = tuple(given[name])
+    return Identification(**given)

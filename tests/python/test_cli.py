@@ -1,0 +1,177 @@
+"""The command line: what each command leaves behind, and that bad input gets one sentence, code 2, and no file."""
+
+import csv
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from conftest import as_log, embedded
+from ivsid.workflow.common import csv as as_csv
+
+COMMAND = [sys.executable, "-c", "from ivsid.cli import main; main()"]
+
+
+def run(*arguments, cwd=None):
+    return subprocess.run(
+        [*COMMAND, *map(str, arguments)], capture_output=True, text=True, cwd=cwd, timeout=300, check=False
+    )
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, twin):
+    place = tmp_path_factory.mktemp("cli")
+    (place / "swan.toml").write_text(embedded("swan.toml"))
+    (place / "scenario.toml").write_text(embedded("swan_train.toml").replace("duration = 300.0", "duration = 40.0", 1))
+    (place / "log.csv").write_text(as_csv(twin.t, twin.columns))
+    return place
+
+
+def test_identify_and_validate_leave_their_files(folder, twin):
+    made = run("identify", folder / "swan.toml", folder / "log.csv", "--out", folder / "fit")
+    assert made.returncode == 0, made.stderr
+    assert "guaranteed" in made.stdout and "mass.surge" in made.stdout
+    record = json.loads((folder / "fit" / "result.json").read_text())
+    assert record["command"] == "identify" and record["status"] == "enclosed" and record["guaranteed"] is True
+    truth = twin.truth["parameters"]["mass.surge"]
+    mass = record["parameters"]["mass.surge"]
+    assert mass["lower"] <= truth <= mass["upper"] and mass["unit"] == "kg" and mass["symbol"] == "m - X_udot"
+    assert len(record["inputs"][0]["sha256"]) == 64 and record["vehicle"] == embedded("swan.toml")
+    page = (folder / "fit" / "report.html").read_text()
+    assert "http://" not in page and "https://" not in page and "data:image/png;base64," in page
+    assert {"parameters.png", "parameters.svg", "log.png", "log.svg"} <= {p.name for p in (folder / "fit").iterdir()}
+    checked = run("validate", folder / "fit", folder / "log.csv", "--out", folder / "check", "--json")
+    assert checked.returncode == 0, checked.stderr
+    printed = json.loads(checked.stdout)
+    assert printed == json.loads((folder / "check" / "result.json").read_text())
+    assert printed["force"]["surge"]["falsified_samples"] == 0
+
+
+def test_the_same_input_gives_the_same_bytes(folder):
+    for out in ("one", "two"):
+        assert run("identify", folder / "swan.toml", folder / "log.csv", "--out", folder / out).returncode == 0
+    for path in sorted((folder / "one").iterdir()):
+        assert path.read_bytes() == (folder / "two" / path.name).read_bytes(), path.name
+
+
+def test_simulate_writes_a_log_and_keeps_the_truth_apart(folder):
+    arguments = ("simulate", folder / "swan.toml", folder / "scenario.toml", "--seed", 5)
+    made = run(*arguments, "--effect", "drag.surge.linear=4", "--out", folder / "sim")
+    assert made.returncode == 0, made.stderr
+    truth = json.loads((folder / "sim" / "truth.json").read_text())
+    assert truth["parameters"]["drag.surge.linear"] == 4 and truth["seed"] == 5
+    with (folder / "sim" / "log.csv").open() as file:
+        rows = list(csv.reader(file))
+    assert rows[0] == ["t", "u", "v", "r", "ax", "ay", "demand_port", "demand_starboard"] and len(rows) == 801
+    assert "4" not in json.loads((folder / "sim" / "result.json").read_text())["log"]["columns"]
+    again = run(*arguments, "--effect", "drag.surge.linear=4", "--out", folder / "sim2")
+    assert again.returncode == 0
+    assert (folder / "sim" / "log.csv").read_bytes() == (folder / "sim2" / "log.csv").read_bytes()
+
+
+def test_allan_and_thrust_on_small_files(folder):
+    rng = np.random.default_rng(0)
+    static = {"ax": rng.standard_normal(3000) * 0.01, "r": rng.standard_normal(3000) * 0.002}
+    (folder / "static.csv").write_text(as_csv(np.arange(3000) * 0.05, static))
+    made = run("allan", folder / "static.csv", "--out", folder / "allan", "--json")
+    assert made.returncode == 0, made.stderr
+    record = json.loads(made.stdout)
+    assert record["channels"]["ax"]["random_walk"] == pytest.approx(0.01 * np.sqrt(0.05), rel=0.1)
+    assert "[sensors.acceleration]" in record["toml"] and "[sensors.yaw_rate]" in record["toml"]
+    (folder / "table.csv").write_text("PWM (us),Force (Kg f)\n1100,-2\n1300,-1\n1480,0\n1520,0\n1700,1.2\n1900,2.4\n")
+    made = run("thrust", folder / "table.csv", "--out", folder / "thrust", "--json")
+    assert made.returncode == 0, made.stderr
+    record = json.loads(made.stdout)
+    assert record["unit"] == "kgf" and record["dead_band"] == [1480, 1520] and "neutral = 1500" in record["toml"]
+
+
+BAD_LOGS = {
+    "empty.csv": b"",
+    "row.csv": b"t,u\n0,1\n",
+    "binary.csv": os.urandom(3000),
+    "backwards.csv": b"t,u,v,r\n0,1,1,1\n1,1,1,1\n0.5,1,1,1\n",
+    "missing.csv": b"t,u,v,r\n0,1,1,1\n1,1,1,1\n",
+    "words.csv": b"t,u\n0,1\n1,quick\n",
+}
+
+
+@pytest.mark.parametrize("name", BAD_LOGS)
+@pytest.mark.parametrize("command", ["identify", "allan"])
+def test_bad_logs_get_one_sentence(folder, name, command):
+    (folder / name).write_bytes(BAD_LOGS[name])
+    arguments = [folder / "swan.toml", folder / name] if command == "identify" else [folder / name]
+    refused(run(command, *arguments, "--out", folder / "bad"), folder / "bad")
+
+
+def refused(made, out: Path, *parts: str):
+    assert made.returncode == 2, (made.stdout, made.stderr)
+    assert "Traceback" not in made.stderr and made.stdout == ""
+    assert len(made.stderr.strip().splitlines()) == 1, made.stderr
+    assert not out.exists(), "no half-written output"
+    for part in parts:
+        assert part in made.stderr
+
+
+def test_other_bad_input(folder, twin):
+    out = folder / "refused"
+    swan, log = folder / "swan.toml", folder / "log.csv"
+    misspelt = folder / "misspelt.toml"
+    misspelt.write_text(embedded("swan.toml").replace("mass =", "mas ="))
+    refused(run("identify", misspelt, log, "--out", out), out, "hull.mas", "did you mean mass")
+    columns = {**twin.columns, "demand_port": twin.columns["demand_port"] + 80}
+    (folder / "outside.csv").write_text(as_csv(twin.t, columns))
+    refused(run("identify", swan, folder / "outside.csv", "--out", out), out, "outside its table (0 to 85)")
+    gone = {**twin.columns, "u": np.where(np.arange(twin.t.size) > 100, np.nan, twin.columns["u"])}
+    (folder / "gone.csv").write_text(as_csv(twin.t, gone))
+    refused(run("identify", swan, folder / "gone.csv", "--out", out), out, "column u misses", "in a row")
+    refused(run("identify", swan, folder / "nothing.csv", "--out", out), out, "cannot be read")
+    refused(run("identify", swan, log, "--method", "magic", "--out", out), out, "'magic' is not available")
+    refused(run("validate", folder, log, "--out", out), out, "cannot be read")
+    refused(run("validate", folder / "swan.toml", log, "--out", out), out, "not JSON")
+    refused(run("simulate", swan, swan, "--out", out), out, "swan.toml")
+    refused(
+        run("simulate", swan, folder / "scenario.toml", "--effect", "drag.magic=1", "--out", out), out, "not simulated"
+    )
+    refused(run("simulate", swan, folder / "scenario.toml", "--effect", "drag", "--out", out), out, "ID=VALUE")
+    refused(run("thrust", log, "--out", out), out, "--thrust-column")
+    refused(run("fly"), out, "No such command")
+    refused(run("identify", swan), out, "LOG")
+
+
+def test_an_unwritable_folder_is_refused_before_any_work(folder):
+    (folder / "file").write_text("here")
+    made = run("identify", folder / "swan.toml", folder / "log.csv", "--out", folder / "file" / "deep")
+    assert made.returncode == 2 and "cannot be written" in made.stderr and "Traceback" not in made.stderr
+    made = run("identify", folder / "swan.toml", folder / "log.csv", "--out", "/proc/ivsid")
+    assert made.returncode == 2 and "cannot be written" in made.stderr and "Traceback" not in made.stderr
+
+
+def test_json_prints_nothing_else_and_matches_the_file(folder):
+    made = run("identify", folder / "swan.toml", folder / "log.csv", "--out", folder / "j", "--json")
+    assert made.returncode == 0 and json.loads(made.stdout) == json.loads((folder / "j" / "result.json").read_text())
+
+
+def test_version_and_help():
+    assert run("--version").stdout.startswith("ivsid 0.")
+    shown = run("--help")
+    assert shown.returncode == 0
+    for name in ("demo", "simulate", "allan", "thrust", "identify", "validate"):
+        assert name in shown.stdout
+
+
+def test_wide_logs_are_listed_in_the_result(folder, twin):
+    (folder / "wide.csv").write_text(as_csv(twin.t, {**twin.columns, "temperature": twin.t}))
+    made = run("identify", folder / "swan.toml", folder / "wide.csv", "--out", folder / "wide", "--json")
+    assert "temperature" in json.loads(made.stdout)["ignored"]
+
+
+def test_as_log_is_what_the_file_says(folder, twin):
+    from ivsid import read_log
+
+    read = read_log(folder / "log.csv")
+    for name, column in as_log(twin).columns.items():
+        np.testing.assert_array_equal(read.columns[name], column)

@@ -1,0 +1,128 @@
+"""From a log to parameter intervals."""
+
+import json
+
+import numpy as np
+import pytest
+
+from conftest import as_log
+from ivsid import IvsidError, identify
+from ivsid.identification import METHODS, read_identification
+from ivsid.records import to_json, write_whole
+from ivsid.simulation import simulate
+from ivsid.vehicle import parse_vehicle
+
+
+def drawn(programme, seed):
+    """A scenario whose truth is drawn, too."""
+    rng = np.random.default_rng(seed)
+    truth = {
+        "mass.surge": float(rng.uniform(55, 90)),
+        "drag.surge.quadratic": float(rng.uniform(150, 400)),
+        "inertia.yaw": float(rng.uniform(7, 20)),
+    }
+    return programme.model_copy(update={"truth": truth, "noise": "uniform", "duration": 60.0})
+
+
+@pytest.mark.parametrize("part", range(4))
+def test_the_feasible_interval_holds_the_truth_in_100_twins(swan, programme, part):
+    for seed in range(25 * part, 25 * part + 25):
+        made = simulate(swan, drawn(programme, seed), seed)
+        fit = identify(swan, as_log(made))
+        assert fit.status in ("enclosed", "unbounded") and fit.guaranteed, seed
+        for id_, value in made.truth["parameters"].items():
+            p = fit.parameters[id_]
+            assert p.lower <= value <= p.upper, (seed, id_)
+        assert fit.inflation <= 1.0, seed
+
+
+def test_guaranteed_methods_hold_the_truth_and_the_others_say_that_they_do_not_know(swan, twin):
+    log = as_log(twin)
+    fits = {m: identify(swan, log, m) for m in METHODS}
+    for method, fit in fits.items():
+        if fit.guaranteed:
+            for id_, value in twin.truth["parameters"].items():
+                assert fit.parameters[id_].lower <= value <= fit.parameters[id_].upper, (method, id_)
+        if method.startswith("published"):
+            assert not fit.guaranteed and fit.status in ("not_proved", "not_applicable")
+    assert fits["feasible"].guaranteed
+    for method in ("exact", "krawczyk", "cramer"):
+        for id_, p in fits[method].parameters.items():
+            assert p.width > fits["feasible"].parameters[id_].width
+
+
+def test_added_mass_form_is_the_total_form_shifted_or_wider(swan, twin):
+    total = identify(swan, as_log(twin)).parameters["mass.surge"]
+    added = identify(swan, as_log(twin), form="added").parameters["added_mass.surge"]
+    truth = twin.truth["parameters"]["mass.surge"] - swan.hull.mass
+    assert added.lower <= truth <= added.upper
+    # The known mass stands on the other side of each row, so its acceleration's interval counts twice.
+    assert added.lower <= total.lower - swan.hull.mass + 1e-9 and total.upper - swan.hull.mass - 1e-9 <= added.upper
+
+
+def test_a_wrong_model_is_proved_wrong_with_its_rows(swan, programme):
+    truth = {**programme.truth, "drag.surge.linear": 60.0}
+    made = simulate(swan, programme.model_copy(update={"noise": "uniform", "truth": truth}), 4)
+    fit = identify(swan, as_log(made))
+    assert fit.status == "empty" and fit.guaranteed and not fit.parameters
+    assert fit.inflation > 1
+    record = json.loads(to_json(fit.record()))
+    assert record["certificate"] and all(c["rows"] for c in record["certificate"])
+    row = record["certificate"][0]["rows"][0]
+    assert {"time", "channel", "lower", "upper", "right", "multiplier"} <= set(row)
+    assert float.fromhex(row["lower"][0]) <= float.fromhex(row["upper"][0])
+    assert set(fit.estimate) == {"mass.surge", "drag.surge.quadratic", "inertia.yaw"}
+
+
+def test_three_sigma_results_are_not_called_guaranteed(swan, twin):
+    vehicle = parse_vehicle(swan.text.replace("confidence = 0.999", "sigmas = 9"), "nine.toml")
+    fit = identify(vehicle, as_log(twin))
+    assert fit.status == "enclosed" and not fit.guaranteed
+    assert any("not a bound for a log" in a for a in fit.assumes)
+
+
+def test_a_vehicle_at_rest_leaves_its_parameters_open(swan, twin):
+    from ivsid.log import Log
+
+    rng = np.random.default_rng(0)
+    still = {k: np.zeros(200) + (rng.standard_normal(200) * 1e-6) for k in ("u", "v", "r", "ax", "ay")}
+    still |= {"demand_port": np.zeros(200), "demand_starboard": np.zeros(200)}
+    fit = identify(swan, Log("still.csv", "", np.arange(200) * 0.05, still))
+    assert fit.status == "unbounded"
+    record = json.loads(to_json(fit.record()))
+    assert record["parameters"]["mass.surge"]["upper"] is None
+    assert fit.directions
+
+
+def test_a_fit_survives_the_file(swan, twin, tmp_path):
+    fit = identify(swan, as_log(twin))
+    fit.save(tmp_path / "fit" / "result.json")
+    again = read_identification(tmp_path / "fit")
+    assert again.parameters == fit.parameters and again.estimate == fit.estimate
+    assert again.vehicle == fit.vehicle and again.guaranteed
+
+
+def test_files_that_are_no_fit_are_refused(tmp_path):
+    for text, sentence in (
+        ("{}", "not the result of ivsid identify"),
+        ("[", "not JSON"),
+        ('{"command": "identify"}', "damaged"),
+    ):
+        write_whole(tmp_path / "result.json", text)
+        with pytest.raises(IvsidError, match=sentence):
+            read_identification(tmp_path)
+    with pytest.raises(IvsidError, match="cannot be read"):
+        read_identification(tmp_path / "none")
+
+
+def test_wrong_options_are_refused(swan, twin):
+    log = as_log(twin)
+    for options, sentence in (
+        ({"method": "magic"}, "'magic' is not available; choose one of feasible"),
+        ({"form": "half"}, "total or added"),
+        ({"rows": "some"}, "pointwise"),
+        ({"window": -1.0}, "positive length"),
+        ({"partitions": -3, "method": "published"}, "at least 1"),
+    ):
+        with pytest.raises(IvsidError, match=sentence):
+            identify(swan, log, **options)

@@ -1,0 +1,108 @@
+"""Logs: formats, column maps, and one sentence for each fault."""
+
+import gzip
+
+import numpy as np
+import polars as pl
+import pytest
+
+from ivsid import IvsidError, read_log
+from ivsid.vehicle import LogMap
+
+GOOD = "t,u,v,r,other\n0,1,0,0,x\n0.1,1.1,0,0.01,y\n0.2,1.2,nan,0.02,z\n0.3,1.3,,0.03,z\n"
+
+
+def written(tmp_path, data, name="log.csv"):
+    path = tmp_path / name
+    path.write_bytes(data if isinstance(data, bytes) else data.encode())
+    return path
+
+
+def test_csv_gzip_and_parquet_are_the_same(tmp_path):
+    plain = read_log(written(tmp_path, GOOD))
+    packed = read_log(written(tmp_path, gzip.compress(GOOD.encode()), "log.csv.gz"))
+    frame = pl.read_csv(GOOD.encode(), null_values=["nan"]).with_columns(pl.col("v").cast(pl.Float64))
+    frame.write_parquet(tmp_path / "log.parquet")
+    table = read_log(tmp_path / "log.parquet")
+    for log in (packed, table):
+        assert (log.t == plain.t).all()
+        for name, column in plain.columns.items():
+            np.testing.assert_array_equal(log.columns[name], column)
+    assert plain.ignored == ("other",)
+    assert any("v misses 2 of 4 samples, at most 2 in a row" in n for n in plain.notes)
+
+
+def test_byte_order_mark_and_windows_line_ends(tmp_path):
+    log = read_log(written(tmp_path, b"\xef\xbb\xbf" + GOOD.replace("\n", "\r\n").encode()))
+    assert list(log.columns) == ["u", "v", "r"]
+
+
+def test_columns_are_mapped_scaled_and_turned(tmp_path):
+    text = "stamp,uu,gz,vv\n" + "".join(f"{10**18 + k * 10**8},{k},{2 * k},{3 * k}\n" for k in range(4))
+    mapping = LogMap.model_validate(
+        {
+            "columns": {"u": "uu", "r": {"from": "gz", "scale": -1.0, "unit": "deg/s"}, "v": "vv"},
+            "time": {"from": "stamp", "unit": "ns"},
+            "frame": "flu",
+        }
+    )
+    log = read_log(written(tmp_path, text), mapping)
+    np.testing.assert_allclose(np.diff(log.t), 0.1, rtol=1e-6)
+    np.testing.assert_allclose(log.columns["r"], np.radians([0, 2, 4, 6]))
+    np.testing.assert_allclose(log.columns["v"], [0, -3, -6, -9])
+    assert "r" in log.converted and "u" not in log.converted
+
+
+def test_held_values_are_no_measurements(tmp_path):
+    rng = np.random.default_rng(0)
+    u = np.repeat(rng.standard_normal(40), 6)
+    r = rng.standard_normal(240)
+    text = "t,u,r\n" + "".join(f"{k / 6},{a},{b}\n" for k, (a, b) in enumerate(zip(u, r, strict=True)))
+    log = read_log(written(tmp_path, text))
+    assert np.isfinite(log.columns["u"]).sum() == 40
+    assert np.isfinite(log.columns["r"]).all()
+    assert any("u holds each value over 6 rows" in n for n in log.notes)
+
+
+def test_a_vehicle_at_rest_is_not_held(tmp_path):
+    text = "t,u\n" + "".join(f"{k},0\n" for k in range(100))
+    assert np.isfinite(read_log(written(tmp_path, text)).columns["u"]).all()
+
+
+@pytest.mark.parametrize(
+    ("data", "parts"),
+    [
+        ("", ["is empty"]),
+        ("   \n", ["is empty"]),
+        ("t,u\n", ["0 rows", "at least 2"]),
+        ("t,u\n0,1\n", ["1 row;", "at least 2"]),
+        ("time_x,u\n0,1\n1,2\n", ["no column t"]),
+        ("t,u\n0,1\n2,1\n1,1\n", ["time goes from 2 s to 1 s at row 4"]),
+        ("t,u\n0,1\n0,1\n", ["must increase strictly"]),
+        ("t,u\n0,1\n,1\n", ["time is missing in row 3"]),
+        ("t,u\n0,1\n1,fast\n", ["column u holds 'fast' in row 3"]),
+        ("t,u\n0,1\n1,inf\n", ["infinite in row 3"]),
+        ("t,u\n0,\n1,\n", ["column u has no sample"]),
+        ("t;u\n0;1\n1;2\n", ["no comma in its header"]),
+        ("t,u\n0,1\n1,2,3\n", ["not a readable CSV"]),
+        (bytes(range(256)) * 20, ["binary file"]),
+        (b"\x89PNG\r\n\x1a\n" + b"\x00" * 64, ["binary file"]),
+        (b"\x1f\x8bbroken", ["damaged gzip"]),
+        (b"PAR1broken", ["not a readable CSV or Parquet"]),
+    ],
+)
+def test_one_sentence_for_each_fault(tmp_path, data, parts):
+    with pytest.raises(IvsidError) as caught:
+        read_log(written(tmp_path, data))
+    sentence = str(caught.value)
+    assert "\n" not in sentence and "log.csv" in sentence
+    for part in parts:
+        assert part in sentence
+
+
+def test_unknown_targets_of_a_map_are_refused(tmp_path):
+    path = written(tmp_path, GOOD)
+    with pytest.raises(IvsidError, match="maps 'speed'"):
+        read_log(path, LogMap.model_validate({"columns": {"speed": "u"}}))
+    with pytest.raises(IvsidError, match="no column nothing"):
+        read_log(path, LogMap.model_validate({"columns": {"u": "nothing"}}))

@@ -1,0 +1,136 @@
+"""Rows hold at the truth: the one property that everything after them rests on."""
+
+import numpy as np
+import pytest
+
+from conftest import as_log
+from ivsid import IntervalArray, IvsidError
+from ivsid.effects import CATALOGUE, terms_of
+from ivsid.log import Log
+from ivsid.motion import Motion
+from ivsid.regression_rows import build_rows
+from ivsid.sensors import bound_log
+from ivsid.simulation import simulate
+from ivsid.vehicle import parse_vehicle
+
+FULL = [
+    "mass.surge",
+    "mass.sway",
+    "inertia.yaw",
+    "drag.surge.quadratic",
+    "drag.sway.quadratic",
+    "drag.surge.linear",
+    "drag.surge.sideslip",
+    "drag.sway.linear",
+    "drag.sway.yaw_rate",
+    "drag.yaw.linear",
+    "drag.yaw.quadratic",
+    "drag.lift.sway",
+    "drag.lift.yaw",
+    "coupling.cg_x",
+    "coupling.cg_y",
+    "added_mass.munk",
+]
+VALUES = dict(zip(FULL, [60, 75, 8, 200, 300, 20, 30, 15, 4, 1.5, 2, 10, -3, 1.0, 0.4, 6], strict=True))
+
+
+def violated(rows, values) -> int:
+    """Rows whose interval equation misses the true parameter."""
+    theta = IntervalArray(np.array([values[t.id] for t in rows.terms], dtype=float))
+    residual = rows.matrix @ theta - rows.right
+    return int((~residual.contains(np.zeros(residual.shape))).sum())
+
+
+@pytest.mark.parametrize("kind", ["auto", "pointwise", "integral", "both"])
+def test_rows_hold_at_the_truth(swan, twin, kind):
+    rows = build_rows(bound_log(as_log(twin), swan), swan, terms_of(swan), kind=kind)
+    assert rows.time.size > 3000
+    assert violated(rows, twin.truth["parameters"]) == 0
+
+
+@pytest.mark.parametrize("window", [0.05, 0.5, 2.0])
+def test_every_catalogue_term_in_rows_and_in_motion(swan, programme, window):
+    terms = ", ".join(f'"{i}"' for i in FULL)
+    text = swan.text.replace('terms = "paper"', f"terms = [{terms}]")
+    vehicle = parse_vehicle(text, "full.toml")
+    assert {t.id for t in terms_of(vehicle)} == set(CATALOGUE)
+    made = simulate(vehicle, programme.model_copy(update={"noise": "uniform", "truth": VALUES}), 3)
+    assert np.abs(made.exact["udot"]).max() < 2.5 and np.abs(made.exact["rdot"]).max() < 1.5, "the stated limits hold"
+    rows = build_rows(bound_log(as_log(made), vehicle), vehicle, terms_of(vehicle), kind="both", window=window)
+    assert set(rows.channel) == {0, 1, 2}
+    assert violated(rows, VALUES) == 0
+
+
+def test_added_mass_form_holds_at_the_truth(swan, twin):
+    rows = build_rows(bound_log(as_log(twin), swan), swan, terms_of(swan, "added"), added_mass=True)
+    values = twin.truth["parameters"]
+    values = {**values, "added_mass.surge": values["mass.surge"] - swan.hull.mass}
+    assert violated(rows, values) == 0
+
+
+def test_missing_samples_and_gaps_leave_rows_out(swan, twin):
+    columns = {k: v.copy() for k, v in twin.columns.items()}
+    columns["u"][100:200] = np.nan
+    columns["demand_port"][300] = np.nan
+    t = twin.t.copy()
+    t[500:] += 3.0
+    log = Log("gaps.csv", "", t, columns)
+    rows = build_rows(bound_log(log, swan), swan, terms_of(swan))
+    assert violated(rows, twin.truth["parameters"]) == 0
+    surge = rows.time[rows.channel == 0]
+    assert not np.isin(t[100:200], surge).any() and t[300] not in surge
+    yaw = rows.channel == 2
+    across = (rows.time[yaw] < t[500]) & (rows.time[yaw] + rows.duration[yaw] > t[499] + 1e-9)
+    assert not across.any()
+
+
+def test_measured_derivatives_are_preferred(swan, twin):
+    text = swan.text + "\n[sensors.yaw_acceleration]\naccuracy = 0.001\n"
+    vehicle = parse_vehicle(text, "rdot.toml")
+    columns = {**twin.columns, "rdot": twin.exact["rdot"], "udot": twin.exact["udot"], "vdot": twin.exact["vdot"]}
+    rows = build_rows(bound_log(Log("r.csv", "", twin.t, columns), vehicle), vehicle, terms_of(vehicle))
+    assert (rows.duration == 0).all() and violated(rows, twin.truth["parameters"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("drop", "edit", "sentence"),
+    [
+        (["u"], ("", ""), "no column u"),
+        (["demand_port"], ("", ""), "no column demand_port.*thruster port"),
+        (
+            ["ax", "ay"],
+            ("[sensors.limits]\nacceleration = 2.5\nyaw_acceleration = 1.5\n", ""),
+            "needs \\[sensors.limits\\]",
+        ),
+        (
+            [],
+            ("[sensors.limits]\nacceleration = 2.5\nyaw_acceleration = 1.5\n", ""),
+            "yaw acceleration|needs \\[sensors.limits\\]",
+        ),
+    ],
+)
+def test_what_is_missing_is_said(swan, twin, drop, edit, sentence):
+    vehicle = parse_vehicle(swan.text.replace(*edit) if edit[0] else swan.text, "swan.toml")
+    columns = {k: v for k, v in twin.columns.items() if k not in drop}
+    with pytest.raises(IvsidError, match=sentence):
+        build_rows(bound_log(Log("x.csv", "", twin.t, columns), vehicle), vehicle, terms_of(vehicle))
+
+
+def test_rates_of_change_bound_the_difference():
+    rng = np.random.default_rng(1)
+    for name, function in {
+        "product": lambda a, b: a * b,
+        "square": lambda a, b: a.square() + b if hasattr(a, "square") else a * a + b,
+        "drag": lambda a, b: (a.signed_square() if hasattr(a, "signed_square") else a * abs(a)) - 2.0 * b,
+        "modulus": lambda a, b: abs(a) * b,
+        "reversed": lambda a, b: 1.0 - a,
+    }.items():
+        a0, b0, da, db = rng.uniform(-1, 1, 4)
+        s = np.linspace(0, 1, 101)
+        a, b = a0 + da * s, b0 + db * s
+        ranges = [Motion(IntervalArray(x.min(), x.max()), IntervalArray(d)) for x, d in ((a, da), (b, db))]
+        found = function(*ranges)
+        exact = function(a, b)
+        assert found.value.lower - 1e-12 <= exact.min() and exact.max() <= found.value.upper + 1e-12, name
+        slope = np.abs(np.diff(exact)).max() * 100
+        assert slope <= found.rate.magnitude + 1e-9, name

@@ -1,0 +1,81 @@
+"""Thrust curves and their bounds."""
+
+import numpy as np
+import pytest
+
+from ivsid import IvsidError
+from ivsid.thrust import TABLE_III, ThrustCurve, combine, examine
+from ivsid.vehicle import Thruster, Vehicle
+
+
+def thruster(**changes) -> Thruster:
+    table = {"demand": TABLE_III[0], "thrust": TABLE_III[1]}
+    return Thruster.model_validate({"name": "p", "table": table, **changes})
+
+
+def test_the_table_is_followed_monotonically_and_to_zero():
+    curve = ThrustCurve(thruster())
+    np.testing.assert_allclose(curve.value(np.array(TABLE_III[0])), TABLE_III[1], rtol=1e-12)
+    fine = curve.value(np.linspace(0, 85, 2000))
+    assert (np.diff(fine) >= 0).all() and fine[0] == 0
+    assert curve.value(7.5) == pytest.approx(4.654 / 2)
+
+
+def test_demands_outside_are_refused_or_held():
+    for demand in (86.0, -1.0):
+        with pytest.raises(IvsidError, match=f"demand {demand:g} of thruster p lies outside its table \\(0 to 85\\)"):
+            ThrustCurve(thruster()).value([20.0, demand])
+    held = ThrustCurve(thruster(outside="hold"))
+    assert held.value([100.0, -5.0]) == pytest.approx([78.924, 0.0], abs=1e-12)
+
+
+def test_the_interval_holds_every_error_inside_the_accuracy():
+    curve = ThrustCurve(thruster(accuracy={"absolute": 0.5, "relative": 0.02}))
+    demand = np.linspace(0, 85, 300)
+    value = curve.value(demand)
+    bound = 0.5 + 0.02 * np.abs(value)
+    for share in (-1, -0.3, 0, 1):
+        assert curve.interval(demand).contains(value + share * bound).all()
+    assert (curve.interval(demand).width <= 2 * bound * (1 + 1e-9) + 1e-9).all()
+
+
+def test_units_neutral_polynomial_and_gain():
+    kgf = ThrustCurve(thruster(table={"demand": [0, 1, 2], "thrust": [0, 1, 2], "unit": "kgf"}))
+    assert kgf.value(1.0) == pytest.approx(9.80665)
+    pwm = ThrustCurve(thruster(table={"demand": [-400, 0, 400], "thrust": [-1, 0, 2]}, neutral=1500))
+    assert pwm.value([1100.0, 1500.0, 1900.0]).tolist() == [-1.0, 0.0, 2.0]
+    with pytest.raises(IvsidError, match="1100 to 1900"):
+        pwm.value(1000.0)
+    assert ThrustCurve(Thruster(name="q", polynomial=(2.0, 0.0, 1.0))).value(3.0) == 19.0
+    assert ThrustCurve(Thruster(name="q", gain=0.5)).value(-4.0) == -2.0
+
+
+def test_forces_and_moment_of_any_number_of_thrusters():
+    vehicle = Vehicle.model_validate(
+        {
+            "name": "v",
+            "hull": {"mass": 1},
+            "thrusters": [
+                {"name": "a", "position": [-1.0, -0.5], "gain": 1.0},
+                {"name": "b", "position": [-1.0, 0.5], "gain": 1.0},
+                {"name": "c", "position": [2.0, 0.0], "azimuth": np.pi / 2, "gain": 1.0},
+            ],
+        }
+    )
+    thrusts = {
+        t.name: ThrustCurve(t).interval(np.array([d])) for t, d in zip(vehicle.thrusters, (3.0, 1.0, 2.0), strict=True)
+    }
+    total = combine(vehicle, thrusts)
+    # X = 3 + 1, Y = 2, N = 0.5 * 3 - 0.5 * 1 + 2 * 2
+    for found, exact in ((total.X, 4.0), (total.Y, 2.0), (total.N, 5.0)):
+        assert found.midpoint[0] == pytest.approx(exact) and found.width[0] < 1e-9
+    assert total.X.contains([4.0]).all()
+
+
+def test_a_line_is_recommended_for_a_straight_table_and_dead_bands_are_found():
+    x = np.linspace(-10, 10, 41)
+    assert "degree 1" in examine(x, 2 * x).recommended.name
+    y = np.where(np.abs(x) < 3, 0.0, x)
+    table = examine(x, y)
+    assert table.dead_band == (-2.5, 2.5)
+    assert table.recommended.name == "monotone table (PCHIP)"

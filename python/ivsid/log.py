@@ -28,6 +28,7 @@ _FLU_FLIPPED: Final = ("v", "r", "vdot", "rdot", "ay", "force_Y", "moment_N")
 MISSING: Final = ("", "nan", "NaN", "NAN", "null")
 # A needed channel may be slow or drop out, but not be away for most of the log.
 LIMIT_MISSING: Final = 0.5
+EPOCH: Final = 1e6
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class Log:
     Attributes:
         name: of the file.
         sha256: hash of its bytes.
-        t: times [s], strictly increasing, shape (n,).
+        t: times [s], strictly increasing, shape (n,); from the first row where the file's are epochs or not in seconds.
         columns: the contract's columns, shape (n,) each; NaN is a missing sample.
         ignored: names of columns that were not understood.
         notes: sentences about what is missing, held or uneven; never silently mended.
@@ -165,8 +166,7 @@ def read_log(path: str | Path, mapping: LogMap | None = None) -> Log:
     if time not in frame.columns:
         raise IvsidError(f"{source} has no column {time} for the time; it has {', '.join(frame.columns[:12])}")
     scale = units.factor(mapping.time.unit, units.TIME, "the time column") if mapping.time else 1.0
-    stamps = numeric(frame, time, source)
-    t = _clock(stamps, scale, source)
+    t = _clock(_since_start(frame, time, source, scale), source)
     columns: dict[str, NDArray[np.float64]] = {}
     used, converted = {time}, set[str]()
     for wanted in _wanted(frame, mapping):
@@ -204,14 +204,31 @@ def _wanted(frame: pl.DataFrame, mapping: LogMap) -> list[str]:
     return list(dict.fromkeys([*known, *demands]))
 
 
-def _clock(stamps: NDArray[np.float64], scale: float, source: str) -> NDArray[np.float64]:
+def _since_start(frame: pl.DataFrame, name: str, source: str, scale: float) -> NDArray[np.float64]:
+    """Times [s]. Large stamps (epochs) have too few digits left in a double: they count from the first row, taken off exactly."""
+    stamps = numeric(frame, name, source)
+    if stamps.size == 0 or not (abs(stamps[0]) > EPOCH or scale != 1.0):
+        return stamps
+    series = frame[name]
+    try:
+        exact = (
+            series.str.strip_chars().cast(pl.Decimal(38, 9))
+            if series.dtype == pl.String
+            else series.cast(pl.Decimal(38, 9))
+        )
+        difference = (exact - exact[0]).cast(pl.Float64).to_numpy()
+    except pl.exceptions.PolarsError:
+        difference = stamps - stamps[0]
+    return np.asarray(difference * scale, dtype=np.float64)
+
+
+def _clock(stamps: NDArray[np.float64], source: str) -> NDArray[np.float64]:
     if stamps.size < 2:
         raise IvsidError(f"{source} has {stamps.size} row{'s' * (stamps.size != 1)}; at least 2 samples are needed")
     if np.isnan(stamps).any():
         row = int(np.argmax(np.isnan(stamps)))
         raise IvsidError(f"{source}: the time is missing in row {row + 2}; every row needs one")
-    # Large stamps (epochs in ns) lose their fraction in a product: the first one is taken off exactly before scaling.
-    t = stamps if scale == 1.0 else stamps[0] * scale + (stamps - stamps[0]) * scale
+    t = stamps
     steps = np.diff(t)
     if (steps <= 0).any():
         row = int(np.argmax(steps <= 0))

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ivsid.effects import CHANNELS, Columns, State, Term, rigid_body
 from ivsid.errors import IvsidError
-from ivsid.intervals import FloatArray, IntervalArray
+from ivsid.intervals import FloatArray, Interval, IntervalArray
 from ivsid.motion import Motion
 from ivsid.sensors import BoundedLog
 from ivsid.thrust import GeneralisedForce, ThrustCurve, combine
@@ -25,6 +25,8 @@ from ivsid.vehicle import Vehicle
 WINDOW: Final = 1.0
 # A step this much longer than the usual one is a gap: demands in it are unknown.
 GAP: Final = 2.5
+# m x_G and m y_G are products of two doubles, rounded once: this factor holds what that can lose.
+PRODUCT: Final = Interval(1 - 2.0**-52, 1 + 2.0**-52)
 KINDS: Final = ("auto", "pointwise", "integral", "both")
 
 
@@ -176,7 +178,7 @@ class _Builder:
         state = State(u, v, r, udot, vdot, rdot, ax, ay)
         zero = IntervalArray(np.zeros(self.t.shape))
         columns = [_array(term.columns(state).get(channel), zero) for term in self.terms]
-        right = self.forces.values[index] - _array(self._known(state).get(channel), zero)
+        right = self.forces.values[index] - _array(self._known(state).get(channel), zero) * PRODUCT
         right = right + self._ambient(channel)
         matrix = IntervalArray.stack(columns, axis=1)
         usable = self.forces.present & _finite(matrix) & _finite(right.reshape(-1, 1))
@@ -213,7 +215,9 @@ class _Builder:
         columns = [quadrature.mean(term.columns, channel) for term in self.terms]
         forces = self.forces.values[index]
         thrust = forces[:-1] if self.forces.held else forces[:-1].hull(forces[1:])
-        right = quadrature.window_mean(thrust) - quadrature.mean(self._known, channel) + self._ambient(channel)
+        right = (
+            quadrature.window_mean(thrust) - quadrature.mean(self._known, channel) * PRODUCT + self._ambient(channel)
+        )
         matrix = IntervalArray.stack(columns, axis=1)
         durations = self.t[starts + count] - self.t[starts]
         return self._rows(index, matrix, right, self.t[starts], durations, quadrature.assumes)

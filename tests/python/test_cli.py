@@ -139,7 +139,7 @@ def test_other_bad_input(folder, twin):
     refused(run("simulate", swan, folder / "scenario.toml", "--effect", "drag", "--out", out), out, "ID=VALUE")
     refused(run("thrust", log, "--out", out), out, "--thrust-column")
     refused(run("fly"), out, "No such command")
-    refused(run("identify", swan), out, "LOG")
+    refused(run("identify", swan), out, "Missing argument", "log")
 
 
 def test_an_unwritable_folder_is_refused_before_any_work(folder):

@@ -47,7 +47,7 @@ def test_columns_are_mapped_scaled_and_turned(tmp_path):
         }
     )
     log = read_log(written(tmp_path, text), mapping)
-    np.testing.assert_allclose(np.diff(log.t), 0.1, rtol=1e-6)
+    np.testing.assert_allclose(log.t, [0.0, 0.1, 0.2, 0.3], rtol=1e-15)
     np.testing.assert_allclose(log.columns["r"], np.radians([0, 2, 4, 6]))
     np.testing.assert_allclose(log.columns["v"], [0, -3, -6, -9])
     assert "r" in log.converted and "u" not in log.converted
@@ -106,3 +106,9 @@ def test_unknown_targets_of_a_map_are_refused(tmp_path):
         read_log(path, LogMap.model_validate({"columns": {"speed": "u"}}))
     with pytest.raises(IvsidError, match="no column nothing"):
         read_log(path, LogMap.model_validate({"columns": {"u": "nothing"}}))
+
+
+def test_epochs_keep_their_digits(tmp_path):
+    text = "t,u\n" + "".join(f"17{10**8 + k}.{123456 + 50 * k:06d},{k}\n" for k in range(4))
+    log = read_log(written(tmp_path, text))
+    np.testing.assert_allclose(np.diff(log.t), 1.00005, rtol=1e-13)

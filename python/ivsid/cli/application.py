@@ -179,7 +179,8 @@ def main() -> None:
     except typer.Abort:
         code = 130
     except typer.TyperException as error:
-        typer.echo(f"ivsid: {_usage(error)} (ivsid --help shows what is possible)", err=True)
+        if words := _usage(error):
+            typer.echo(f"ivsid: {words} (ivsid --help shows what is possible)", err=True)
         code = 2
     except IvsidError as error:
         typer.echo(f"ivsid: {error}", err=True)

@@ -46,21 +46,15 @@ pub fn ratio_up(value: &BigRational) -> f64 {
 /// A finite double within a few units of `value`, or the end of the range.
 fn nearby(value: &BigRational) -> f64 {
     let x = value.to_f64().unwrap_or(f64::NAN);
-    if x.is_nan() {
-        0.0
-    } else {
-        x.clamp(f64::MIN, f64::MAX)
-    }
+    if x.is_nan() { 0.0 } else { x.clamp(f64::MIN, f64::MAX) }
 }
 
 /// Integers `m` and the exponent `e` with `values[i] = m[i] * 2^e` exactly; the values are finite.
 fn integers(values: &[f64]) -> (Vec<BigInt>, i64) {
     let parts: Vec<(i64, i64)> = values.iter().map(|&x| decode(x)).collect();
     let least = parts.iter().filter(|p| p.0 != 0).map(|p| p.1).min().unwrap_or(0);
-    let scaled = parts
-        .iter()
-        .map(|&(m, e)| if m == 0 { BigInt::zero() } else { BigInt::from(m) << (e - least) })
-        .collect();
+    let scaled =
+        parts.iter().map(|&(m, e)| if m == 0 { BigInt::zero() } else { BigInt::from(m) << (e - least) }).collect();
     (scaled, least)
 }
 
@@ -69,8 +63,7 @@ fn decode(x: f64) -> (i64, i64) {
     let bits = x.to_bits();
     let biased = i64::try_from((bits >> 52) & 0x7ff).unwrap_or(0);
     let fraction = i64::try_from(bits & 0x000f_ffff_ffff_ffff).unwrap_or(0);
-    let (mantissa, exponent) =
-        if biased == 0 { (fraction, -1074) } else { (fraction | (1 << 52), biased - 1075) };
+    let (mantissa, exponent) = if biased == 0 { (fraction, -1074) } else { (fraction | (1 << 52), biased - 1075) };
     if mantissa == 0 {
         return (0, 0);
     }
@@ -200,11 +193,7 @@ pub fn from_decimal(text: &str) -> Option<BigRational> {
 
 fn decimal_value(digits: BigInt, exponent: i64) -> BigRational {
     let power = BigInt::from(10).pow(u32::try_from(exponent.unsigned_abs()).unwrap_or(u32::MAX));
-    if exponent >= 0 {
-        BigRational::from_integer(digits * power)
-    } else {
-        BigRational::new(digits, power)
-    }
+    if exponent >= 0 { BigRational::from_integer(digits * power) } else { BigRational::new(digits, power) }
 }
 
 /// The shortest decimal that reads back as `x` and lies on the outer side of it: not above `x`, or with `up` not below.
@@ -214,7 +203,14 @@ pub fn outward_decimal(x: f64, up: bool) -> String {
         return "0".into();
     }
     if !x.is_finite() {
-        return if x.is_nan() { "nan" } else if x > 0.0 { "inf" } else { "-inf" }.into();
+        return if x.is_nan() {
+            "nan"
+        } else if x > 0.0 {
+            "inf"
+        } else {
+            "-inf"
+        }
+        .into();
     }
     let exact = rational(x);
     for precision in 0..40 {

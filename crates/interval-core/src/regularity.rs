@@ -119,7 +119,5 @@ pub(crate) fn vertices(a: &IntervalMatrix) -> impl Iterator<Item = Vec<f64>> + '
 
 /// Each column's largest magnitude.
 pub(crate) fn column_norms(a: &IntervalMatrix) -> Vec<f64> {
-    (0..a.columns())
-        .map(|j| (0..a.rows()).map(|i| a.get(i, j).magnitude()).fold(0.0, f64::max))
-        .collect()
+    (0..a.columns()).map(|j| (0..a.rows()).map(|i| a.get(i, j).magnitude()).fold(0.0, f64::max)).collect()
 }

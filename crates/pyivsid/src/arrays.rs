@@ -22,9 +22,10 @@ pub fn intervals(lo: &[f64], hi: &[f64]) -> Result<Vec<Interval>, Error> {
     }
     lo.iter()
         .zip(hi)
-        .map(|(&l, &h)| match (l, h) {
+        .enumerate()
+        .map(|(index, (&l, &h))| match (l, h) {
             (f64::INFINITY, f64::NEG_INFINITY) => Ok(Interval::EMPTY),
-            _ => Interval::new(l, h),
+            _ => Interval::at(l, h, index),
         })
         .collect()
 }

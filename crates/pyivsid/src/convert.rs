@@ -9,7 +9,12 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
 /// Two arrays of bounds of the given shape.
-pub fn bounds<'py>(py: Python<'py>, lower: &[f64], upper: &[f64], shape: (usize, usize)) -> PyResult<Bound<'py, PyAny>> {
+pub fn bounds<'py>(
+    py: Python<'py>,
+    lower: &[f64],
+    upper: &[f64],
+    shape: (usize, usize),
+) -> PyResult<Bound<'py, PyAny>> {
     let lower = PyArray1::from_slice(py, lower).reshape([shape.0, shape.1])?;
     let upper = PyArray1::from_slice(py, upper).reshape([shape.0, shape.1])?;
     Ok((lower, upper).into_pyobject(py)?.into_any())
@@ -75,14 +80,20 @@ fn certificate<'py>(py: Python<'py>, certificate: &Certificate, n: usize) -> PyR
 pub fn outcome<'py>(py: Python<'py>, outcome: &Outcome, n: usize) -> PyResult<Bound<'py, PyDict>> {
     let found = PyDict::new(py);
     found.set_item("status", outcome.status.name())?;
-    found.set_item("value", match &outcome.value {
-        Some(Endpoints { lower, upper }) => Some(bounds(py, lower, upper, (n, lower.len() / n))?),
-        None => None,
-    })?;
-    found.set_item("certificate", match &outcome.certificate {
-        Some(c) => Some(certificate(py, c, n)?),
-        None => None,
-    })?;
+    found.set_item(
+        "value",
+        match &outcome.value {
+            Some(Endpoints { lower, upper }) => Some(bounds(py, lower, upper, (n, lower.len() / n))?),
+            None => None,
+        },
+    )?;
+    found.set_item(
+        "certificate",
+        match &outcome.certificate {
+            Some(c) => Some(certificate(py, c, n)?),
+            None => None,
+        },
+    )?;
     found.set_item("reason", &outcome.reason)?;
     Ok(found)
 }
@@ -90,10 +101,13 @@ pub fn outcome<'py>(py: Python<'py>, outcome: &Outcome, n: usize) -> PyResult<Bo
 pub fn normal_equations<'py>(py: Python<'py>, result: &NormalEquations) -> PyResult<Bound<'py, PyDict>> {
     let found = PyDict::new(py);
     found.set_item("status", result.status.name())?;
-    found.set_item("parameters", match &result.parameters {
-        Some(p) => Some(interval_vector(py, p)?),
-        None => None,
-    })?;
+    found.set_item(
+        "parameters",
+        match &result.parameters {
+            Some(p) => Some(interval_vector(py, p)?),
+            None => None,
+        },
+    )?;
     found.set_item("improper", result.improper)?;
     found.set_item("gram", interval_matrix(py, &result.gram)?)?;
     found.set_item("inverse", outcome(py, &result.inverse, result.gram.rows())?)?;

@@ -2,7 +2,7 @@
 
 use crate::arrays::{intervals, refusal, vector};
 use crate::convert::interval_vector;
-use interval_core::{Interval, rounding};
+use interval_core::{Error, Interval, rounding};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -17,20 +17,18 @@ pub fn environment_is_default() -> bool {
 #[pyfunction]
 pub fn check_bounds(py: Python<'_>, lo: PyReadonlyArray1<'_, f64>, hi: PyReadonlyArray1<'_, f64>) -> PyResult<()> {
     let (lo, hi) = (vector(&lo)?, vector(&hi)?);
-    py.detach(|| match lo.len() == hi.len() {
-        true => lo.iter().zip(hi).enumerate().find_map(|(index, (&l, &h))| match Interval::new(l, h) {
-            Ok(_) => None,
-            Err(interval_core::Error::NotANumber { .. }) => Some(interval_core::Error::NotANumber { index }),
-            Err(interval_core::Error::ReversedBounds { .. }) => Some(interval_core::Error::ReversedBounds { index }),
-            Err(_) => Some(interval_core::Error::NoFinitePoint { index }),
-        }),
-        false => Some(interval_core::Error::Shape { what: "the upper bound", given: hi.len(), needed: lo.len() }),
-    })
-    .map_or(Ok(()), |e| Err(refusal(&e)))
+    py.detach(|| intervals_at(lo, hi)).map_err(|e| refusal(&e))
 }
 
+/// Only checks; unlike `intervals`, an empty entry is refused.
+fn intervals_at(lo: &[f64], hi: &[f64]) -> Result<(), Error> {
+    if lo.len() != hi.len() {
+        return Err(Error::Shape { what: "the upper bound", given: hi.len(), needed: lo.len() });
+    }
+    lo.iter().zip(hi).enumerate().try_for_each(|(index, (&l, &h))| Interval::at(l, h, index).map(|_| ()))
+}
 
-/// `op` is one of neg, abs, square, sqrt, signed_square. Empty results have reversed infinite bounds.
+/// `op` is one of neg, abs, square, sqrt, `signed_square`. Empty results have reversed infinite bounds.
 #[pyfunction]
 pub fn unary<'py>(
     py: Python<'py>,
@@ -74,7 +72,7 @@ pub fn binary<'py>(
     let result = py.detach(|| {
         let (x, y) = (intervals(alo, ahi)?, intervals(blo, bhi)?);
         if x.len() != y.len() {
-            return Err(interval_core::Error::Shape { what: "the second operand", given: y.len(), needed: x.len() });
+            return Err(Error::Shape { what: "the second operand", given: y.len(), needed: x.len() });
         }
         Ok(x.into_iter().zip(y).map(|(x, y)| f(x, y)).collect::<Vec<_>>())
     });

@@ -10,8 +10,11 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+/// From a matrix to what a method says of its inverse.
+pub type Method = Box<dyn Fn(&IntervalMatrix) -> Result<Outcome, Error> + Send + Sync>;
+
 /// An inverse method by name.
-pub fn inverse_method(name: &str, partitions: u64) -> PyResult<Box<dyn Fn(&IntervalMatrix) -> Result<Outcome, Error> + Send + Sync>> {
+pub fn inverse_method(name: &str, partitions: u64) -> PyResult<Method> {
     Ok(match name {
         "published" => Box::new(move |a| methods::published(a, partitions)),
         "published-hull" => Box::new(move |a| methods::published_hull(a, partitions)),

@@ -1,9 +1,7 @@
 //! Arithmetic: each result is the tightest interval of doubles that contains every exact result (IEEE 1788, 10.6.1).
 
 use super::Interval;
-use crate::rounding::{
-    add_down, add_up, div_up, mul_down, mul_up, sqrt_down, sqrt_up, sub_down, sub_up,
-};
+use crate::rounding::{add_down, add_up, div_up, mul_down, mul_up, sqrt_down, sqrt_up, sub_down, sub_up};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 impl Add for Interval {
@@ -93,10 +91,7 @@ impl Mul for Interval {
             (Mixed, NonNegative) => ((a, d), (b, d)),
             (Mixed, NonPositive) => ((b, c), (a, c)),
             (Mixed, Mixed) => {
-                return Self::raw(
-                    bound_down(a, d).min(bound_down(b, c)),
-                    bound_up(a, c).max(bound_up(b, d)),
-                );
+                return Self::raw(bound_down(a, d).min(bound_down(b, c)), bound_up(a, c).max(bound_up(b, d)));
             }
         };
         Self::raw(bound_down(p, q), bound_up(r, s))

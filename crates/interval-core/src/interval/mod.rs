@@ -41,10 +41,14 @@ impl Interval {
     /// # Errors
     /// NaN, reversed bounds, and bounds without a finite number between them are refused.
     pub fn new(lo: f64, hi: f64) -> Result<Self, Error> {
-        Self::checked(lo, hi, 0)
+        Self::at(lo, hi, 0)
     }
 
-    pub(crate) fn checked(lo: f64, hi: f64, index: usize) -> Result<Self, Error> {
+    /// The same for the entry `index` of an array, which a refusal names.
+    ///
+    /// # Errors
+    /// As [`Interval::new`].
+    pub fn at(lo: f64, hi: f64, index: usize) -> Result<Self, Error> {
         if lo.is_nan() || hi.is_nan() {
             Err(Error::NotANumber { index })
         } else if lo > hi {

@@ -17,7 +17,7 @@ pub fn cramer(a: &IntervalMatrix) -> Result<Outcome, Error> {
     let n = a.order()?;
     let det = match determinant(a) {
         Ok(det) => det,
-        Err(refusal) => return Ok(refusal),
+        Err(refusal) => return Ok(Outcome::not_applicable(refusal)),
     };
     let mut entries = Vec::with_capacity(n * n);
     for i in 0..n {
@@ -34,17 +34,17 @@ pub fn cramer(a: &IntervalMatrix) -> Result<Outcome, Error> {
     Ok(Outcome::enclosed(&value, certificate))
 }
 
-/// The interval determinant of a square matrix, or the refusal where it contains 0.
-pub(crate) fn determinant(a: &IntervalMatrix) -> Result<Interval, Outcome> {
+/// The interval determinant of a square matrix, or why it cannot divide where it contains 0.
+pub(crate) fn determinant(a: &IntervalMatrix) -> Result<Interval, String> {
     if !a.is_bounded() {
-        return Err(Outcome::not_applicable(UNBOUNDED));
+        return Err(UNBOUNDED.into());
     }
     if a.rows() > ORDER_LIMIT {
-        return Err(Outcome::not_applicable(format!("order {} exceeds {ORDER_LIMIT}, the limit of Cramer's rule", a.rows())));
+        return Err(format!("order {} exceeds {ORDER_LIMIT}, the limit of Cramer's rule", a.rows()));
     }
     let det = expand_all(a);
     if det.lo() <= 0.0 && det.hi() >= 0.0 {
-        return Err(Outcome::not_applicable(format!("the interval determinant {det} contains 0")));
+        return Err(format!("the interval determinant {det} contains 0"));
     }
     Ok(det)
 }

@@ -41,7 +41,15 @@ pub fn exact(a: &IntervalMatrix) -> Result<Outcome, Error> {
             Some(bounds) => bounds
                 .into_iter()
                 .zip(inverse)
-                .map(|((lo, hi), x)| if x < lo { (x, hi) } else if x > hi { (lo, x) } else { (lo, hi) })
+                .map(|((lo, hi), x)| {
+                    if x < lo {
+                        (x, hi)
+                    } else if x > hi {
+                        (lo, x)
+                    } else {
+                        (lo, hi)
+                    }
+                })
                 .collect(),
         });
     }

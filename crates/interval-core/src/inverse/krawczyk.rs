@@ -46,8 +46,7 @@ pub(crate) fn enclose_solution(a: &IntervalMatrix, b: &IntervalMatrix) -> Outcom
     if starts.iter().any(|s| !s.is_finite()) {
         return Outcome::not_applicable("the start box of the iteration overflows");
     }
-    let entries: Vec<Interval> =
-        (0..n).flat_map(|_| starts.iter().map(|&s| Interval::raw(-s, s))).collect();
+    let entries: Vec<Interval> = (0..n).flat_map(|_| starts.iter().map(|&s| Interval::raw(-s, s))).collect();
     let mut x = IntervalMatrix::from_entries(n, b.columns(), &entries);
     for _ in 0..ITERATIONS {
         let Some(next) = e.multiply(&x).ok().and_then(|ex| yb.add(&ex).intersection(&x)) else {

@@ -8,8 +8,8 @@ mod published;
 pub use cramer::cramer;
 pub(crate) use cramer::{determinant, expand_all};
 pub use exact_hull::exact;
-pub use krawczyk::krawczyk;
 pub(crate) use krawczyk::enclose_solution;
+pub use krawczyk::krawczyk;
 pub use published::{published, published_hull};
 
 use crate::matrix::IntervalMatrix;

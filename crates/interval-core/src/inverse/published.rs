@@ -1,7 +1,7 @@
 //! The partitioned hull inverse of the paper, literally (section IV.C, eq. 11-13), and the hull over both of its sets.
 //!
-//! With `delta = Delta / N` the sets are `I = {lo + k delta}` and `S = {hi - k delta}`, `k = 0 .. N - 1` (READING_NOTES: the
-//! printed `n` is `N`). Eq. 11 takes the smallest inverse over `I` and the largest over `S`. Entries of the inverse that
+//! With `delta = Delta / N` the sets are `I = {lo + k delta}` and `S = {hi - k delta}`, `k = 0 .. N - 1` (in the paper's step 2 the
+//! printed `n` stands for `N`). Eq. 11 takes the smallest inverse over `I` and the largest over `S`. Entries of the inverse that
 //! fall while `A` grows come out improper, and in two dimensions or more both sets lie on one diagonal of the box of
 //! matrices, so the result encloses nothing. Its status is never `Enclosed`.
 
@@ -30,7 +30,8 @@ pub fn published_hull(a: &IntervalMatrix, partitions: u64) -> Result<Outcome, Er
     Ok(match sweep(a, partitions)? {
         Err(refusal) => refusal,
         Ok(sweep) => {
-            let pair = |f: fn(f64, f64) -> f64, x: Vec<f64>, y: Vec<f64>| x.into_iter().zip(y).map(|(x, y)| f(x, y)).collect();
+            let pair =
+                |f: fn(f64, f64) -> f64, x: Vec<f64>, y: Vec<f64>| x.into_iter().zip(y).map(|(x, y)| f(x, y)).collect();
             not_an_enclosure(Endpoints {
                 lower: pair(f64::min, sweep.infima.lower, sweep.suprema.lower),
                 upper: pair(f64::max, sweep.infima.upper, sweep.suprema.upper),

@@ -62,8 +62,7 @@ impl<'a, P: HalfSpaces> Simplex<'a, P> {
     pub(crate) fn minimise(&self, objective: &[f64]) -> Answer {
         let n = self.problem.dimension();
         let c: Vec<f64> = objective.iter().zip(&self.scale).map(|(c, s)| c * s).collect();
-        let mut rows: Vec<Row> =
-            (0..n).map(|column| Row::AtInfinity { column, negative: c[column] > 0.0 }).collect();
+        let mut rows: Vec<Row> = (0..n).map(|column| Row::AtInfinity { column, negative: c[column] > 0.0 }).collect();
         let patience = 50 * n + 200;
         for step in 0..20 * patience {
             let Some(state) = self.factorise(&rows, &c) else { return Answer::Failed };
@@ -74,13 +73,11 @@ impl<'a, P: HalfSpaces> Simplex<'a, P> {
             let mut g = vec![0.0; n];
             self.row(Row::Given(entering), &mut g);
             let alpha = state.basis.solve_transposed(&g);
-            match leaving(&rows, &alpha, &state.multipliers, careful) {
-                Some(position) => rows[position] = Row::Given(entering),
-                None => {
-                    rows.push(Row::Given(entering));
-                    return Answer::Infeasible { rows };
-                }
-            }
+            let Some(position) = leaving(&rows, &alpha, &state.multipliers, careful) else {
+                rows.push(Row::Given(entering));
+                return Answer::Infeasible { rows };
+            };
+            rows[position] = Row::Given(entering);
         }
         match self.factorise(&rows, &c) {
             Some(state) => self.finish(&rows, &state, &c),

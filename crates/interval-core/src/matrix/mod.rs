@@ -40,7 +40,7 @@ impl IntervalMatrix {
             return Err(Error::Shape { what: "the upper bound", given: hi.len(), needed });
         }
         for (index, (&l, &h)) in lo.iter().zip(&hi).enumerate() {
-            Interval::checked(l, h, index)?;
+            Interval::at(l, h, index)?;
         }
         Ok(Self { rows, columns, lo, hi })
     }
@@ -159,8 +159,7 @@ impl IntervalMatrix {
 
     /// Entrywise intersection; `None` where an entry would be empty. The shapes are equal.
     pub(crate) fn intersection(&self, other: &Self) -> Option<Self> {
-        let entries: Vec<Interval> =
-            self.entries().zip(other.entries()).map(|(a, b)| a.intersection(b)).collect();
+        let entries: Vec<Interval> = self.entries().zip(other.entries()).map(|(a, b)| a.intersection(b)).collect();
         if entries.iter().any(|x| x.is_empty()) {
             return None;
         }

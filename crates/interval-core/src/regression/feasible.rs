@@ -9,9 +9,7 @@ use super::inflation::{Attained, Inflation};
 use super::orthant::Orthant;
 use crate::error::Error;
 use crate::interval::Interval;
-use crate::linear_program::{
-    Answer, Bound, HalfSpaces, Row, Simplex, exact_bound, farkas, proved_box, safe_bound,
-};
+use crate::linear_program::{Answer, Bound, HalfSpaces, Row, Simplex, exact_bound, farkas, proved_box, safe_bound};
 use crate::matrix::IntervalMatrix;
 use crate::status::Status;
 use num_traits::ToPrimitive;
@@ -97,7 +95,8 @@ pub fn feasible_set(a: &IntervalMatrix, y: &[Interval]) -> Result<FeasibleSet, E
     let n = a.columns();
     let signed: Vec<usize> = (0..n).filter(|&j| (0..a.rows()).any(|i| a.get(i, j).width() > 0.0)).collect();
     if signed.len() > SIGN_LIMIT {
-        let reason = format!("{} parameters have uncertain regressors; at most {SIGN_LIMIT} are possible", signed.len());
+        let reason =
+            format!("{} parameters have uncertain regressors; at most {SIGN_LIMIT} are possible", signed.len());
         return Ok(FeasibleSet {
             status: Status::NotApplicable,
             parameters: vec![Interval::ENTIRE; n],
@@ -152,10 +151,7 @@ fn hull(orthants: &[OrthantResult], n: usize) -> Vec<Interval> {
             };
             part[bound.column] = part[bound.column].intersection(limit);
         }
-        // Two proved ends that cross prove the orthant empty as well.
-        if part.iter().all(|x| !x.is_empty()) {
-            parameters.iter_mut().zip(part).for_each(|(whole, x)| *whole = whole.hull(x));
-        }
+        parameters.iter_mut().zip(part).for_each(|(whole, x)| *whole = whole.hull(x));
     }
     parameters
 }
@@ -181,7 +177,7 @@ fn examine(orthant: &Orthant<'_>, directions: &mut Vec<Vec<f64>>) -> OrthantOutc
             proposals.push(match search.minimise(&objective) {
                 Answer::Basis { rows, .. } => Some(Bound { column, direction, rows }),
                 Answer::Unbounded { ray } => {
-                    note_direction(directions, ray);
+                    note_direction(directions, &ray);
                     None
                 }
                 Answer::Infeasible { rows } => match farkas(orthant, &rows) {
@@ -198,12 +194,31 @@ fn examine(orthant: &Orthant<'_>, directions: &mut Vec<Vec<f64>>) -> OrthantOutc
     }
     let every: Option<Vec<Bound>> = proposals.iter().cloned().collect();
     let around = every.and_then(|bounds| proved_box(orthant, &bounds));
-    let certificates = proposals
+    let certificates: Vec<BoundCertificate> = proposals
         .into_iter()
         .enumerate()
         .map(|(k, proposal)| certify(orthant, k / 2, k % 2 == 1, proposal, around.as_deref()))
         .collect();
-    OrthantOutcome::Bounded(certificates)
+    match contradiction(&certificates, orthant.signs()) {
+        Some(rows) => OrthantOutcome::Empty { rows },
+        None => OrthantOutcome::Bounded(certificates),
+    }
+}
+
+/// The rows of two proved ends that cross, or of one end on the wrong side of zero: they prove the orthant empty as well.
+fn contradiction(certificates: &[BoundCertificate], signs: &[i8]) -> Option<Vec<(usize, bool, f64)>> {
+    certificates.chunks_exact(2).zip(signs).find_map(|(ends, &sign)| {
+        let (lower, upper) = (&ends[0], &ends[1]);
+        if lower.bound > upper.bound {
+            Some([lower.rows.clone(), upper.rows.clone()].concat())
+        } else if sign > 0 && upper.bound < 0.0 {
+            Some(upper.rows.clone())
+        } else if sign < 0 && lower.bound > 0.0 {
+            Some(lower.rows.clone())
+        } else {
+            None
+        }
+    })
 }
 
 /// One proved end, infinite where nothing is proved.
@@ -249,7 +264,7 @@ fn split(orthant: &Orthant<'_>, rows: &[(Row, f64)]) -> Weighted {
 }
 
 /// Keeps a direction that differs from those known (up to sign and length).
-fn note_direction(directions: &mut Vec<Vec<f64>>, ray: Vec<f64>) {
+fn note_direction(directions: &mut Vec<Vec<f64>>, ray: &[f64]) {
     let largest = ray.iter().fold(0.0_f64, |a, x| if x.abs() > a.abs() { *x } else { a });
     if largest == 0.0 || !largest.is_finite() {
         return;

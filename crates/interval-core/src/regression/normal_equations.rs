@@ -50,9 +50,11 @@ fn apply(inverse: &Endpoints, right: &[Interval]) -> Vec<Interval> {
         .chunks_exact(right.len())
         .zip(inverse.upper.chunks_exact(right.len()))
         .map(|(lower, upper)| {
-            lower.iter().zip(upper).zip(right).fold(Interval::ZERO, |sum, ((&l, &u), &y)| {
-                sum + Interval::raw(l.min(u), l.max(u)) * y
-            })
+            lower
+                .iter()
+                .zip(upper)
+                .zip(right)
+                .fold(Interval::ZERO, |sum, ((&l, &u), &y)| sum + Interval::raw(l.min(u), l.max(u)) * y)
         })
         .collect()
 }

@@ -20,6 +20,11 @@ impl<'a> Orthant<'a> {
     pub(crate) fn new(a: &'a IntervalMatrix, y: &'a [Interval], signs: &'a [i8]) -> Self {
         Self { a, y, signs }
     }
+
+    /// The sign of each unknown, 0 where it needs none.
+    pub(crate) fn signs(&self) -> &[i8] {
+        self.signs
+    }
 }
 
 impl HalfSpaces for Orthant<'_> {

@@ -14,14 +14,13 @@ pub fn cramer(a: &IntervalMatrix, b: &[Interval]) -> Result<Outcome, Error> {
     let right = column(a, b)?;
     let det = match determinant(a) {
         Ok(det) => det,
-        Err(refusal) => return Ok(refusal),
+        Err(refusal) => return Ok(Outcome::not_applicable(refusal)),
     };
     let n = a.rows();
     let x: Vec<Interval> = (0..n)
         .map(|i| {
-            let entries: Vec<Interval> = (0..n * n)
-                .map(|at| if at % n == i { right.get(at / n, 0) } else { a.get(at / n, at % n) })
-                .collect();
+            let entries: Vec<Interval> =
+                (0..n * n).map(|at| if at % n == i { right.get(at / n, 0) } else { a.get(at / n, at % n) }).collect();
             expand_all(&IntervalMatrix::from_entries(n, n, &entries)) / det
         })
         .collect();

@@ -1,0 +1,254 @@
+//! Inverses and square systems: soundness against exact vertex inverses, tightness apart, honest refusals.
+#![allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::items_after_statements,
+    reason = "test data are small numbers"
+)]
+
+mod common;
+
+use common::{Random, invert, is_down, is_up, q};
+use interval_core::inverse::{Outcome, cramer, exact, krawczyk, published, published_hull};
+use interval_core::regularity::{Regularity, regularity};
+use interval_core::{Interval, IntervalMatrix, Status, systems};
+use num_rational::BigRational;
+use num_traits::{Signed, Zero};
+
+fn matrix(n: usize, lo: &[f64], hi: &[f64]) -> IntervalMatrix {
+    IntervalMatrix::new(n, n, lo.to_vec(), hi.to_vec()).expect("a good matrix")
+}
+
+/// All matrices of end points: a superset of the vertex matrices that the theory needs.
+fn corners(a: &IntervalMatrix) -> Vec<Vec<f64>> {
+    let size = a.rows() * a.columns();
+    let count = if size <= 9 { 1_usize << size } else { 512 };
+    let mut random = Random(size as u64);
+    (0..count)
+        .map(|k| {
+            let bits = if size <= 9 { k as u64 } else { random.bits() };
+            (0..size).map(|i| if bits >> i & 1 == 0 { a.lo()[i] } else { a.hi()[i] }).collect()
+        })
+        .collect()
+}
+
+/// Exact extremes of each entry of the inverse over the corners; `None` where one is singular or signs differ.
+fn hull(a: &IntervalMatrix) -> Option<Vec<(BigRational, BigRational)>> {
+    let mut found: Option<Vec<(BigRational, BigRational)>> = None;
+    let mut positive = None;
+    for corner in corners(a) {
+        let entries: Vec<BigRational> = corner.iter().map(|&x| q(x)).collect();
+        let (determinant, inverse) = invert(&entries, a.rows());
+        let inverse = inverse?;
+        if *positive.get_or_insert(determinant.is_positive()) != determinant.is_positive() {
+            return None;
+        }
+        found = Some(match found {
+            None => inverse.into_iter().map(|x| (x.clone(), x)).collect(),
+            Some(f) => f.into_iter().zip(inverse).map(|((l, h), x)| (l.min(x.clone()), h.max(x))).collect(),
+        });
+    }
+    found
+}
+
+fn families(n: usize, seed: u64) -> Vec<(&'static str, IntervalMatrix)> {
+    let mut random = Random(seed);
+    let mut made = Vec::new();
+    let mut add = |name, centre: Vec<f64>, radius: Vec<f64>| {
+        let lo: Vec<f64> = centre.iter().zip(&radius).map(|(c, r)| c - r).collect();
+        let hi: Vec<f64> = centre.iter().zip(&radius).map(|(c, r)| c + r).collect();
+        made.push((name, matrix(n, &lo, &hi)));
+    };
+    let size = n * n;
+    let diagonal = |i: usize| i.is_multiple_of(n + 1);
+    let dominant: Vec<f64> =
+        (0..size).map(|i| random.unit() + if diagonal(i) { 2.0 * n as f64 } else { 0.0 }).collect();
+    add("diagonally dominant", dominant.clone(), dominant.iter().map(|x| 0.05 * x.abs()).collect());
+    add("thin", dominant.clone(), dominant.iter().map(|x| 1e-14 * x.abs()).collect());
+    add("points", dominant.clone(), vec![0.0; size]);
+    let mass: Vec<f64> = (0..size).map(|i| if diagonal(i) { 60.0 } else { 3.0 * random.unit() }).collect();
+    add("mass", mass, vec![1.5; size]);
+    let random_centre: Vec<f64> = (0..size).map(|_| random.unit()).collect();
+    add("random", random_centre.clone(), vec![0.01; size]);
+    add("wide", random_centre, vec![0.3; size]);
+    let mixed: Vec<f64> = (0..size).map(|i| if diagonal(i) { 1.0 } else { 0.0 }).collect();
+    add("unit midpoint", mixed.clone(), vec![0.2 / n as f64; size]);
+    add("zero inside", mixed, vec![1.5; size]);
+    let scaled: Vec<f64> =
+        dominant.iter().enumerate().map(|(i, x)| x * 10.0_f64.powi(if i / n == 0 { -150 } else { 100 })).collect();
+    add("badly scaled", scaled.clone(), scaled.iter().map(|x| 0.01 * x.abs()).collect());
+    let nearly: Vec<f64> = (0..size).map(|i| 1.0 + if diagonal(i) { 1e-7 } else { 0.0 }).collect();
+    add("nearly singular", nearly, vec![1e-12; size]);
+    add("singular", vec![1.0; size], vec![0.1; size]);
+    made
+}
+
+fn check(name: &str, outcome: &Outcome, hull: Option<&Vec<(BigRational, BigRational)>>) -> bool {
+    if outcome.status != Status::Enclosed {
+        assert!(outcome.value.is_none(), "{name}: a value without a proof");
+        return false;
+    }
+    let hull = hull.unwrap_or_else(|| panic!("{name}: a finite answer for a singular interval matrix"));
+    let value = outcome.value.as_ref().expect("a value");
+    for (k, (least, most)) in hull.iter().enumerate() {
+        assert!(q(value.lower[k]) <= *least && *most <= q(value.upper[k]), "{name}: entry {k} is not enclosed");
+    }
+    true
+}
+
+#[test]
+fn every_enclosure_holds_all_vertex_inverses() {
+    let mut counts = [0; 3];
+    for n in 1..=4 {
+        for seed in 0..if n < 4 { 6 } else { 1 } {
+            for (name, a) in families(n, seed) {
+                let exactly = hull(&a);
+                let name = format!("{name}, n = {n}, seed {seed}");
+                for (k, method) in [krawczyk, cramer, exact].into_iter().enumerate() {
+                    let outcome = method(&a).expect("a square matrix");
+                    counts[k] += usize::from(check(&name, &outcome, exactly.as_ref()));
+                }
+            }
+        }
+    }
+    assert!(counts.iter().all(|&c| c > 60), "each method must succeed often enough to be tested: {counts:?}");
+}
+
+#[test]
+fn exact_is_the_hull_rounded_once() {
+    for n in 1..=3 {
+        for seed in 0..3 {
+            for (name, a) in families(n, seed) {
+                let outcome = exact(&a).expect("square");
+                match hull(&a) {
+                    Some(exactly) => {
+                        let value = outcome.value.unwrap_or_else(|| panic!("{name}: the hull exists"));
+                        for (k, (least, most)) in exactly.iter().enumerate() {
+                            assert!(is_down(value.lower[k], least), "{name}, n = {n}: entry {k} from below");
+                            assert!(is_up(value.upper[k], most), "{name}, n = {n}: entry {k} from above");
+                        }
+                    }
+                    None => assert_eq!(outcome.status, Status::Singular, "{name}, n = {n}"),
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn regularity_agrees_with_exact_determinants() {
+    let mut verdicts = [0; 2];
+    let mut random = Random(3);
+    for n in 1..=3 {
+        for _ in 0..400 {
+            let centre: Vec<f64> = (0..n * n).map(|_| random.unit()).collect();
+            let r = 0.4 * random.unit().abs();
+            let a = matrix(
+                n,
+                &centre.iter().map(|c| c - r).collect::<Vec<_>>(),
+                &centre.iter().map(|c| c + r).collect::<Vec<_>>(),
+            );
+            match (regularity(&a), hull(&a).is_some()) {
+                (Regularity::Regular(_), true) => verdicts[0] += 1,
+                (Regularity::Singular(_), false) => verdicts[1] += 1,
+                (verdict, truth) => panic!("{verdict:?} for an interval matrix whose regularity is {truth}"),
+            }
+        }
+    }
+    assert!(verdicts.iter().all(|&v| v > 50), "{verdicts:?}");
+}
+
+#[test]
+fn regular_but_not_strongly_regular() {
+    let mut random = Random(9);
+    let mut met = 0;
+    for _ in 0..3000 {
+        let n = 2 + (random.bits() % 2) as usize;
+        let centre: Vec<f64> = (0..n * n).map(|_| random.unit()).collect();
+        let r = 0.35 * random.unit().abs();
+        let a = matrix(
+            n,
+            &centre.iter().map(|c| c - r).collect::<Vec<_>>(),
+            &centre.iter().map(|c| c + r).collect::<Vec<_>>(),
+        );
+        if krawczyk(&a).expect("square").status == Status::NotApplicable
+            && exact(&a).expect("square").status == Status::Enclosed
+        {
+            assert!(check("not strongly regular", &exact(&a).expect("square"), hull(&a).as_ref()));
+            met += 1;
+        }
+    }
+    assert!(met >= 20, "only {met} such matrices were met");
+}
+
+#[test]
+fn numbers_of_the_paper() {
+    let q = matrix(2, &[2.0, -2.0, -1.5, -2.0], &[4.0, 2.0, 4.5, 3.5]);
+    assert_eq!(q.norm(), 8.0);
+    assert_eq!(q.radius()[3], 2.75);
+    let one = matrix(1, &[1.0], &[2.0]);
+    let ends = |o: Outcome| o.value.map(|v| (v.lower[0], v.upper[0])).expect("a value");
+    assert_eq!(ends(exact(&one).unwrap()), (0.5, 1.0));
+    assert_eq!(ends(published_hull(&one, 1000).unwrap()), (0.5, 1.0));
+    let (low, high) = ends(published(&one, 1000).unwrap());
+    let d = 0.0005;
+    assert!((low - 1.0 / (1.5 - d)).abs() < 1e-12 && (high - 1.0 / (1.5 + d)).abs() < 1e-12 && low > high);
+}
+
+#[test]
+fn the_published_sweep_claims_nothing_and_does_not_depend_on_threads() {
+    for (name, a) in families(3, 1) {
+        for partitions in [1, 7, 4096, 10_000] {
+            let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+            let crowd = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
+            for method in [published, published_hull] {
+                let one = alone.install(|| method(&a, partitions)).unwrap();
+                assert_eq!(one, crowd.install(|| method(&a, partitions)).unwrap(), "{name}");
+                assert_ne!(one.status, Status::Enclosed, "{name}");
+                assert!(one.certificate.is_none() && one.reason.is_some());
+            }
+        }
+    }
+    assert!(published(&matrix(1, &[1.0], &[2.0]), 0).is_err());
+    assert!(published(&IntervalMatrix::new(1, 2, vec![1.0; 2], vec![1.0; 2]).unwrap(), 5).is_err());
+}
+
+#[test]
+fn systems_hold_the_solutions_of_their_corners() {
+    let mut solved = 0;
+    for n in 1..=3 {
+        for seed in 20..24 {
+            for (name, a) in families(n, seed) {
+                let b: Vec<Interval> = (0..n).map(|i| Interval::new(i as f64 - 0.5, i as f64 + 0.5).unwrap()).collect();
+                for method in [systems::krawczyk, systems::cramer] {
+                    let outcome = method(&a, &b).unwrap();
+                    let Some(value) = &outcome.value else { continue };
+                    solved += 1;
+                    for corner in corners(&a).iter().step_by(11) {
+                        let entries: Vec<BigRational> = corner.iter().map(|&x| q(x)).collect();
+                        let inverse = invert(&entries, n).1.unwrap_or_else(|| panic!("{name} is singular but solved"));
+                        for ends in 0..1_usize << n {
+                            for i in 0..n {
+                                let x = (0..n).fold(BigRational::zero(), |sum, j| {
+                                    let y = if ends >> j & 1 == 0 { b[j].lo() } else { b[j].hi() };
+                                    sum + &inverse[i * n + j] * q(y)
+                                });
+                                assert!(q(value.lower[i]) <= x && x <= q(value.upper[i]), "{name}, n = {n}");
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(solved > 100, "{solved}");
+    assert!(systems::krawczyk(&matrix(1, &[1.0], &[2.0]), &[]).is_err());
+}
+
+#[test]
+fn unbounded_matrices_are_not_applicable() {
+    let a = matrix(2, &[f64::NEG_INFINITY, 0.0, 0.0, 1.0], &[1.0, 0.0, 0.0, 1.0]);
+    for outcome in [krawczyk(&a), cramer(&a), exact(&a), published(&a, 5), published_hull(&a, 5)] {
+        assert_eq!(outcome.unwrap().status, Status::NotApplicable);
+    }
+}

@@ -173,7 +173,7 @@ def _time_axes(axes: Any, check: ForceCheck) -> None:
     axes.set_xlabel("time [s]")
     axes.set_ylabel(FORCE_LABEL[check.channel])
     axes.grid(True, alpha=0.3)
-    axes.legend(loc="upper right", fontsize=8)
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False, fontsize=8)
 
 
 def motion(check: MotionCheck, name: str = "motion") -> Drawing:
@@ -188,7 +188,7 @@ def motion(check: MotionCheck, name: str = "motion") -> Drawing:
         axes.set_ylabel(label)
         axes.grid(True, alpha=0.3)
     axes.set_xlabel("time [s]")
-    figure.axes[0].legend(fontsize=8, loc="upper right")
+    figure.axes[0].legend(fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
     window = check.window.get("velocity", 0.0)
     text = ", ".join(f"{k} {v:.3g}" for k, v in check.rms.items())
     return _finish(
@@ -215,7 +215,7 @@ def channels(log: Log, name: str = "log") -> Drawing:
             values: NDArray[np.float64] = log.columns[column]
             axes.plot(log.t[s], values[s], lw=0.7, color=COLOURS[k % len(COLOURS)], label=column)
         axes.set_ylabel(label, fontsize=8)
-        axes.legend(fontsize=7, loc="upper right")
+        axes.legend(fontsize=7, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, frameon=False)
         axes.grid(True, alpha=0.3)
     panels[-1].set_xlabel("time [s]")
     return _finish(name, f"The log {log.name}", f"{log.t.size} samples, median step {log.period:.4g} s.", figure)

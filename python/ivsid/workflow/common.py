@@ -73,7 +73,12 @@ def parameter_lines(fit: Identification) -> list[str]:
     if fit.status == "empty" and fit.estimate:
         lines.append("  parameter of least inflation: " + ", ".join(f"{k} {v:.5g}" for k, v in fit.estimate.items()))
     if fit.inflation is not None:
-        lines.append(f"  inflation {fit.inflation:.3g} (below 1: the data agree with the model with room to spare)")
+        room = (
+            "the data agree with the model with room to spare"
+            if fit.inflation < 1
+            else "by this factor all bounds would have to grow"
+        )
+        lines.append(f"  inflation {fit.inflation:.3g}: {room}")
     if fit.reason:
         lines.append(f"  {fit.reason}")
     for direction in fit.directions:

@@ -29,6 +29,8 @@ MISSING: Final = ("", "nan", "NaN", "NAN", "null")
 # A needed channel may be slow or drop out, but not be away for most of the log.
 LIMIT_MISSING: Final = 0.5
 EPOCH: Final = 1e6
+# Decimals kept of a large stamp: 23 digits are left before the point.
+DECIMALS: Final = 15
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,8 @@ class Log:
         columns: the contract's columns, shape (n,) each; NaN is a missing sample.
         ignored: names of columns that were not understood.
         notes: sentences about what is missing, held or uneven; never silently mended.
-        converted: columns that were scaled or shifted in floats, and so carry a rounding error.
+        rounding: what a conversion of a column may have lost, shape (n,), beside the reading of its decimals.
+        time_rounding: the same for the times [s].
     """
 
     name: str
@@ -51,12 +54,24 @@ class Log:
     columns: Mapping[str, NDArray[np.float64]]
     ignored: tuple[str, ...] = ()
     notes: tuple[str, ...] = field(default=())
-    converted: frozenset[str] = frozenset()
+    rounding: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    time_rounding: float = 0.0
 
     @property
     def period(self) -> float:
         """The median step of time [s]."""
         return float(np.median(np.diff(self.t)))
+
+    @property
+    def time_error(self) -> float:
+        """How far a time may be from what its decimals say [s]."""
+        return float(np.spacing(np.abs(self.t).max())) + self.time_rounding
+
+    def error(self, name: str) -> NDArray[np.float64]:
+        """How far each value of a column may be from what its decimals say; 0 where it is missing."""
+        values = np.nan_to_num(self.columns[name])
+        lost: NDArray[np.float64] = np.spacing(np.abs(values)) + self.rounding.get(name, 0.0)
+        return lost
 
     def column(self, name: str, why: str) -> NDArray[np.float64]:
         """A column that is needed, or one sentence that says so."""
@@ -160,15 +175,21 @@ def read_log(path: str | Path, mapping: LogMap | None = None) -> Log:
         IvsidError: what is wrong with the file, in one sentence.
     """
     mapping = mapping or LogMap()
+    if isinstance(mapping.columns.get("t"), Column):
+        raise IvsidError(
+            '[log] columns maps t with a table; write time = { from = "...", unit = "..." } under [log] instead'
+        )
     frame, digest = read_table(path)
     source = str(path)
     time = mapping.time.from_ if mapping.time else _name_of(mapping, "t")
     if time not in frame.columns:
         raise IvsidError(f"{source} has no column {time} for the time; it has {', '.join(frame.columns[:12])}")
     scale = units.factor(mapping.time.unit, units.TIME, "the time column") if mapping.time else 1.0
-    t = _clock(_since_start(frame, time, source, scale), source)
+    t, time_rounding = _since_start(frame, time, source, scale)
+    _check_clock(t, source)
     columns: dict[str, NDArray[np.float64]] = {}
-    used, converted = {time}, set[str]()
+    rounding: dict[str, NDArray[np.float64]] = {}
+    used = {time}
     for wanted in _wanted(frame, mapping):
         rule = mapping.columns.get(wanted, wanted)
         column = rule if isinstance(rule, Column) else Column.model_validate({"from": rule})
@@ -179,15 +200,17 @@ def read_log(path: str | Path, mapping: LogMap | None = None) -> Log:
         used.add(column.from_)
         values = numeric(frame, column.from_, source)
         if column.factor != 1.0 or column.offset != 0.0:
-            values = values * column.factor + column.offset
-            converted.add(wanted)
+            scaled = values * column.factor
+            values = scaled + column.offset
+            # Three roundings (factor, product, sum), each of half a unit of the larger operand.
+            rounding[wanted] = 4 * np.spacing(np.abs(np.nan_to_num(scaled)) + abs(column.offset))
         columns[wanted] = values
     if mapping.frame == "flu":
         columns = _turned(columns)
     columns, notes = _without_held(columns)
     notes += _missing(columns, t, source)
     ignored = tuple(c for c in frame.columns if c not in used)
-    return Log(Path(path).name, digest, t, columns, ignored, tuple(notes), frozenset(converted))
+    return Log(Path(path).name, digest, t, columns, ignored, tuple(notes), rounding, time_rounding)
 
 
 def _name_of(mapping: LogMap, column: str) -> str:
@@ -204,31 +227,28 @@ def _wanted(frame: pl.DataFrame, mapping: LogMap) -> list[str]:
     return list(dict.fromkeys([*known, *demands]))
 
 
-def _since_start(frame: pl.DataFrame, name: str, source: str, scale: float) -> NDArray[np.float64]:
-    """Times [s]. Large stamps (epochs) have too few digits left in a double: they count from the first row, taken off exactly."""
+def _since_start(frame: pl.DataFrame, name: str, source: str, scale: float) -> tuple[NDArray[np.float64], float]:
+    """Times [s] and what was lost. Large stamps (epochs) have too few digits left in a double: they count from the first row."""
     stamps = numeric(frame, name, source)
     if stamps.size == 0 or not (abs(stamps[0]) > EPOCH or scale != 1.0):
-        return stamps
+        return stamps, 0.0
     series = frame[name]
+    kind = pl.Decimal(38, DECIMALS)
     try:
-        exact = (
-            series.str.strip_chars().cast(pl.Decimal(38, 9))
-            if series.dtype == pl.String
-            else series.cast(pl.Decimal(38, 9))
-        )
-        difference = (exact - exact[0]).cast(pl.Float64).to_numpy()
+        exact = series.str.strip_chars().cast(kind) if series.dtype == pl.String else series.cast(kind)
+        difference, lost = (exact - exact[0]).cast(pl.Float64).to_numpy(), 2 * 10.0**-DECIMALS
     except pl.exceptions.PolarsError:
-        difference = stamps - stamps[0]
-    return np.asarray(difference * scale, dtype=np.float64)
+        difference, lost = stamps - stamps[0], 2 * float(np.spacing(np.nanmax(np.abs(stamps))))
+    t = np.asarray(difference * scale, dtype=np.float64)
+    return t, scale * lost + 2 * float(np.spacing(np.nanmax(np.abs(t))))
 
 
-def _clock(stamps: NDArray[np.float64], source: str) -> NDArray[np.float64]:
-    if stamps.size < 2:
-        raise IvsidError(f"{source} has {stamps.size} row{'s' * (stamps.size != 1)}; at least 2 samples are needed")
-    if np.isnan(stamps).any():
-        row = int(np.argmax(np.isnan(stamps)))
+def _check_clock(t: NDArray[np.float64], source: str) -> None:
+    if t.size < 2:
+        raise IvsidError(f"{source} has {t.size} row{'s' * (t.size != 1)}; at least 2 samples are needed")
+    if np.isnan(t).any():
+        row = int(np.argmax(np.isnan(t)))
         raise IvsidError(f"{source}: the time is missing in row {row + 2}; every row needs one")
-    t = stamps
     steps = np.diff(t)
     if (steps <= 0).any():
         row = int(np.argmax(steps <= 0))
@@ -236,7 +256,6 @@ def _clock(stamps: NDArray[np.float64], source: str) -> NDArray[np.float64]:
             f"{source}: time goes from {t[row]:.6g} s to {t[row + 1]:.6g} s at row {row + 3}; it must increase strictly: "
             "sort the log or drop repeated rows"
         )
-    return t
 
 
 def _turned(columns: dict[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
@@ -256,15 +275,27 @@ def _without_held(columns: dict[str, NDArray[np.float64]]) -> tuple[dict[str, ND
         values = columns.get(name)
         if values is None:
             continue
-        repeated = np.r_[False, values[1:] == values[:-1]]
-        starts = np.flatnonzero(~repeated)
-        if starts.size < 10 or np.median(np.diff(starts)) < 2:
+        there = np.flatnonzero(np.isfinite(values))
+        repeated = np.zeros(values.shape, dtype=bool)
+        repeated[there[1:]] = values[there[1:]] == values[there[:-1]]
+        runs = np.diff(np.flatnonzero(~repeated[there]))
+        if not _held(runs):
             continue
         kept[name] = np.where(repeated, np.nan, values)
         notes.append(
-            f"{name} holds each value over {np.median(np.diff(starts)):.0f} rows; only the first is a measurement"
+            f"{name} holds each value over {runs.mean():.3g} rows; only the first of each run is a measurement"
         )
     return kept, notes
+
+
+def _held(runs: NDArray[np.int64]) -> bool:
+    """Whether runs of equal values are those of a slower sensor: long as a rule, or of two neighbouring lengths only.
+
+    A coarse but live channel repeats by chance, with runs of any length; one value for ever is a vehicle at rest.
+    """
+    if runs.size < 4 or runs.max() < 2:
+        return False
+    return bool(np.median(runs) >= 2 or runs[1:].max() - runs[1:].min() <= 1)
 
 
 def _longest_run(flags: NDArray[np.bool_]) -> tuple[int, int]:

@@ -7,7 +7,7 @@ import math
 import os
 import shutil
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -26,9 +26,12 @@ class Upper(float):
     """A number printed rounded up."""
 
 
-def envelope(command: str, inputs: dict[str, str], seed: int | None = None) -> dict[str, Any]:
+def envelope(
+    command: str, inputs: Mapping[str, str] | Sequence[tuple[str, str]], seed: int | None = None
+) -> dict[str, Any]:
     """What every result.json starts with; ``inputs`` maps names to SHA-256."""
-    listed = [{"name": name, "sha256": digest} for name, digest in inputs.items()]
+    pairs = inputs.items() if isinstance(inputs, Mapping) else inputs
+    listed = [{"name": name, "sha256": digest} for name, digest in pairs]
     return {"ivsid": version("ivsid"), "command": command, "inputs": listed, "seed": seed}
 
 

@@ -19,14 +19,14 @@ from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray, Interval, IntervalArray
 from ivsid.motion import Motion
 from ivsid.sensors import BoundedLog
-from ivsid.thrust import GeneralisedForce, ThrustCurve, combine
+from ivsid.thrust import ThrustCurve, combine
 from ivsid.vehicle import Vehicle
 
 WINDOW: Final = 1.0
 # A step this much longer than the usual one is a gap: demands in it are unknown.
 GAP: Final = 2.5
-# m x_G and m y_G are products of two doubles, rounded once: this factor holds what that can lose.
-PRODUCT: Final = Interval(1 - 2.0**-52, 1 + 2.0**-52)
+# Decimals of the mass and the centre of gravity are rounded, and their products too: this factor holds what that can lose.
+PRODUCT: Final = Interval(1 - 2.0**-50, 1 + 2.0**-50)
 KINDS: Final = ("auto", "pointwise", "integral", "both")
 
 
@@ -63,11 +63,11 @@ class RegressionRows:
 
 @dataclass(frozen=True)
 class _Forces:
-    """Known forces by channel at each row, where they are known, and whether a demand is held to the next row."""
+    """Known forces by channel: at each row, and over each step to the next one; and where they are known."""
 
     values: tuple[IntervalArray, IntervalArray, IntervalArray]
+    steps: tuple[IntervalArray, IntervalArray, IntervalArray]
     present: NDArray[np.bool_]
-    held: bool
 
 
 def build_rows(
@@ -133,6 +133,8 @@ class _Builder:
         x_g, y_g = vehicle.hull.centre_of_gravity
         self.mx, self.my, self.mass = vehicle.hull.mass * x_g, vehicle.hull.mass * y_g, known_mass
         self.t = bounded.log.t
+        # The decimals of a time may round, and a difference of doubles too: steps are enclosed like everything else.
+        self.clock = IntervalArray.around(self.t, bounded.log.time_error)
         self.forces = _forces(bounded, vehicle)
         for name in ("u", "v", "r"):
             self._channel(name)
@@ -174,7 +176,7 @@ class _Builder:
             rdot = IntervalArray(
                 np.full(self.t.shape, -limits.yaw_acceleration), np.full(self.t.shape, limits.yaw_acceleration)
             )
-            assumes.append(f"the yaw acceleration never exceeds {limits.yaw_acceleration:g} rad/s^2")
+            assumes.append(f"|rdot| never exceeds {limits.yaw_acceleration!r} rad/s^2")
         state = State(u, v, r, udot, vdot, rdot, ax, ay)
         zero = IntervalArray(np.zeros(self.t.shape))
         columns = [_array(term.columns(state).get(channel), zero) for term in self.terms]
@@ -207,16 +209,14 @@ class _Builder:
         for n in names:
             there &= self.bounded.present[n]
         whole = there[1:] & there[:-1] & (steps <= GAP * np.median(steps))
-        if not self.forces.held:
-            whole = whole & there[1:]
         starts = _complete(whole, count)
-        spans = IntervalArray(self.t[starts + count]) - IntervalArray(self.t[starts])
+        spans = self.clock[starts + count] - self.clock[starts]
         quadrature = _Quadrature(self, steps, starts, count, spans)
         columns = [quadrature.mean(term.columns, channel) for term in self.terms]
-        forces = self.forces.values[index]
-        thrust = forces[:-1] if self.forces.held else forces[:-1].hull(forces[1:])
         right = (
-            quadrature.window_mean(thrust) - quadrature.mean(self._known, channel) * PRODUCT + self._ambient(channel)
+            quadrature.window_mean(self.forces.steps[index])
+            - quadrature.mean(self._known, channel) * PRODUCT
+            + self._ambient(channel)
         )
         matrix = IntervalArray.stack(columns, axis=1)
         durations = self.t[starts + count] - self.t[starts]
@@ -247,8 +247,7 @@ class _Quadrature:
         self, builder: _Builder, steps: FloatArray, starts: NDArray[np.int64], count: int, spans: IntervalArray
     ) -> None:
         self.builder, self.starts, self.count, self.spans = builder, starts, count, spans
-        # A difference of doubles may round: the step is enclosed like everything else.
-        self.steps = IntervalArray(builder.t[1:]) - IntervalArray(builder.t[:-1])
+        self.steps = builder.clock[1:] - builder.clock[:-1]
         self.assumes: list[str] = []
 
     def window_mean(self, per_step: IntervalArray) -> IntervalArray:
@@ -285,7 +284,7 @@ class _Quadrature:
                 "in the vehicle file (they bound the quadrature); state them, or log accelerations"
             )
         self.assumes.append(
-            f"accelerations never exceed {limits.acceleration:g} m/s^2 and {limits.yaw_acceleration:g} rad/s^2"
+            f"|udot| and |vdot| never exceed {limits.acceleration!r} m/s^2, |rdot| {limits.yaw_acceleration!r} rad/s^2"
         )
         reach = {"u": limits.acceleration, "v": limits.acceleration, "r": limits.yaw_acceleration}
         nodes, ranges = {}, {}
@@ -328,18 +327,24 @@ def _finite(a: IntervalArray) -> NDArray[np.bool_]:
 
 
 def _forces(bounded: BoundedLog, vehicle: Vehicle) -> _Forces:
-    log = bounded.log
+    log, held = bounded.log, vehicle.log.demand == "hold"
+    present = np.ones(log.t.shape, dtype=bool)
     if vehicle.thrusters:
-        thrusts, present = {}, np.ones(log.t.shape, dtype=bool)
+        at_rows, over_steps = {}, {}
         for thruster in vehicle.thrusters:
-            demand = log.column(f"demand_{thruster.name}", f"for thruster {thruster.name}")
+            name = f"demand_{thruster.name}"
+            demand, error = log.column(name, f"for thruster {thruster.name}"), log.error(name)
             there = ~np.isnan(demand)
             present &= there
             # A missing demand is not used; any demand that is allowed stands in for it.
-            thrusts[thruster.name] = ThrustCurve(thruster).interval(np.where(there, demand, demand[there][0]))
-        total: GeneralisedForce = combine(vehicle, thrusts)
-        return _Forces((total.X, total.Y, total.N), present, vehicle.log.demand == "hold")
-    values, present = [], np.ones(log.t.shape, dtype=bool)
+            demand = np.where(there, demand, demand[there][0])
+            curve = ThrustCurve(thruster)
+            at_rows[thruster.name] = thrust = curve.interval(demand, error=error)
+            ramp = thrust[:-1] if held else curve.interval(demand[:-1], demand[1:], np.maximum(error[:-1], error[1:]))
+            over_steps[thruster.name] = ramp
+        total, steps = combine(vehicle, at_rows), combine(vehicle, over_steps)
+        return _Forces((total.X, total.Y, total.N), (steps.X, steps.Y, steps.N), present)
+    values = []
     for name, section in (("force_X", "force"), ("force_Y", "force"), ("moment_N", "moment")):
         log.column(name, "because the vehicle file has no thrusters")
         if name not in bounded.channels:
@@ -348,4 +353,5 @@ def _forces(bounded: BoundedLog, vehicle: Vehicle) -> _Forces:
             )
         values.append(bounded.channels[name])
         present &= bounded.present[name]
-    return _Forces((values[0], values[1], values[2]), present, vehicle.log.demand == "hold")
+    ramps = [v[:-1] if held else v[:-1].hull(v[1:]) for v in values]
+    return _Forces((values[0], values[1], values[2]), (ramps[0], ramps[1], ramps[2]), present)

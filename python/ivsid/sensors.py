@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -79,8 +79,10 @@ def sigma_published(n: float, b: float, dt: float, t: float) -> float:
     return n / math.sqrt(dt) + math.sqrt(dt / t) * b
 
 
-def half_width(sensor: InertialSensor, axis: int, dt: float, rule: Rule, duration: float) -> float:
-    """Half-width of an inertial channel, in the unit of the channel.
+def half_width(
+    sensor: InertialSensor, axis: int, dt: float | NDArray[np.float64], rule: Rule, duration: float
+) -> NDArray[np.float64]:
+    """Half-width of an inertial channel, in the unit of the channel, for each time ``dt`` [s] that a sample averages.
 
     With ``confidence``: k N/sqrt(dt) + k B, the union bound over white noise and Gauss-Markov bias (METHODS 5.1), plus the
     reflection bound of a rate random walk. With ``sigmas``: k times eq. 15 with t = ``bias_time``.
@@ -89,12 +91,13 @@ def half_width(sensor: InertialSensor, axis: int, dt: float, rule: Rule, duratio
     walk = _walk(sensor, axis)
     k = rule.sigmas
     if rule.confidence is None:
-        noise = k * sigma_published(walk, bias, dt, bias_time)
+        noise = np.asarray(k * sigma_published(walk, bias, float(np.max(dt)), bias_time))
         drift = k * sensor.rate_random_walk * math.sqrt(duration)
     else:
-        noise = k * walk / math.sqrt(dt) + k * bias
+        noise = np.asarray(k * walk / np.sqrt(dt) + k * bias)
         drift = _walk_reach(rule, sensor.rate_random_walk, duration)
-    return (noise + drift + sensor.accuracy) * (1 + ROUNDING)
+    width: NDArray[np.float64] = (noise + drift + sensor.accuracy) * (1 + ROUNDING)
+    return width
 
 
 def _walk(sensor: InertialSensor, axis: int) -> float:
@@ -113,9 +116,10 @@ def doppler(reading: ArrayLike | IntervalArray, sensor: VelocitySensor) -> Inter
     Corrects eq. 16-17, which print the same end twice (READING_NOTES).
     """
     e, sign = sensor.scale_factor_error, sensor.scale_factor_sign
+    e, accuracy = (float(np.nextafter(x, np.inf)) if x else 0.0 for x in (e, sensor.accuracy))
     scale = IntervalArray(0.0 if sign > 0 else -e, 0.0 if sign < 0 else e) + 1.0
     centre = reading if isinstance(reading, IntervalArray) else IntervalArray(reading)
-    return (centre + IntervalArray(-sensor.accuracy, sensor.accuracy)) / scale
+    return (centre + IntervalArray(-accuracy, accuracy)) / scale
 
 
 def doppler_paper(reading: ArrayLike, accuracy: float, scale_factor_error: float) -> IntervalArray:
@@ -156,10 +160,11 @@ def bound_log(log: Log, vehicle: Vehicle) -> BoundedLog:
                 f"sampling = 'averaged' of the sensor behind {name} is not supported yet; log instantaneous samples, or leave "
                 "the column out and let the rates be enclosed from velocities"
             )
-    rule = rule_for(sensors, _count(log, sections, vehicle))
+    rule = rule_for(sensors, count_errors(log.t.size, sections.values(), vehicle))
     duration = float(log.t[-1] - log.t[0])
-    radii: dict[str, float] = {
-        name: half_width(sensor, axis, log.period, rule, duration) for name, (sensor, axis) in sections.items()
+    interval = _sampling_interval(log)
+    radii: dict[str, float | NDArray[np.float64]] = {
+        name: half_width(sensor, axis, interval, rule, duration) for name, (sensor, axis) in sections.items()
     }
     for name, section in _PLAIN:
         plain = getattr(sensors, section)
@@ -169,12 +174,13 @@ def bound_log(log: Log, vehicle: Vehicle) -> BoundedLog:
     for name, values in log.columns.items():
         there = ~np.isnan(values)
         filled = np.where(there, values, 0.0)
+        reading = IntervalArray.around(filled, log.error(name))
         if name in radii:
-            slack = 4 * np.spacing(np.abs(filled)) if name in log.converted else 0.0
-            bounded = IntervalArray.around(filled, radii[name] + slack)
+            # The decimals of a bound are rounded to a double, too: the next one up holds them.
+            radius = np.nextafter(radii[name], np.inf)
+            bounded = reading + IntervalArray(-radius, radius)
         elif name in ("u", "v") and sensors.velocity is not None:
-            slack = 4 * np.spacing(np.abs(filled)) if name in log.converted else 0.0
-            bounded = doppler(IntervalArray.around(filled, slack), sensors.velocity)
+            bounded = doppler(reading, sensors.velocity)
         else:
             continue
         lower, upper = np.where(there, bounded.lower, -np.inf), np.where(there, bounded.upper, np.inf)
@@ -186,12 +192,23 @@ def bound_log(log: Log, vehicle: Vehicle) -> BoundedLog:
     return BoundedLog(log, channels, present, rule, ambient)
 
 
-def _count(log: Log, sections: Mapping[str, tuple[InertialSensor, int]], vehicle: Vehicle) -> int:
-    """Errors that the union bound covers: each sample of white noise, of bias, of ambient force; four for a walk."""
-    n = log.t.size
+def count_errors(n: int, sensors: Iterable[tuple[InertialSensor, int]], vehicle: Vehicle) -> int:
+    """Errors that the union bound covers in a log of n samples, for each inertial channel's sensor and axis.
+
+    Each sample of white noise and of bias counts once; a rate random walk counts as four; ambient force counts at each sample
+    and once more for its mean over the window that starts there.
+    """
     count = 0
-    for sensor, axis in sections.values():
+    for sensor, axis in sensors:
         count += n * (_walk(sensor, axis) > 0) + n * (sensor.axis(axis)[0] > 0) + 4 * (sensor.rate_random_walk > 0)
     if vehicle.ambient is not None:
-        count += n * (2 * (vehicle.ambient.force > 0) + (vehicle.ambient.moment > 0))
+        count += 2 * n * (2 * (vehicle.ambient.force > 0) + (vehicle.ambient.moment > 0))
     return int(count)
+
+
+def _sampling_interval(log: Log) -> NDArray[np.float64]:
+    """The time over which each sample averages white noise: the log's period, or less where rows stand closer."""
+    steps = np.diff(log.t)
+    closest = np.minimum(np.r_[steps[0], steps], np.r_[steps, steps[-1]])
+    interval: NDArray[np.float64] = np.minimum(closest, log.period)
+    return interval

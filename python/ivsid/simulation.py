@@ -13,7 +13,7 @@ from ivsid.dynamics import Dynamics
 from ivsid.effects import CATALOGUE, PAPER_TERMS, Term, terms_of
 from ivsid.errors import IvsidError
 from ivsid.scenario import Scenario
-from ivsid.sensors import half_width, rule_for
+from ivsid.sensors import count_errors, half_width, rule_for
 from ivsid.thrust import ThrustCurve, directions
 from ivsid.vehicle import InertialSensor, Thruster, Vehicle
 
@@ -196,7 +196,7 @@ def _sense(
             columns[name] = (1 + scale) * exact[name] + error
     inertial: list[tuple[str, InertialSensor | None, int]] = [("r", sensors.yaw_rate, 0)]
     inertial += [("ax", sensors.acceleration, 0), ("ay", sensors.acceleration, 1)]
-    count = sum(2 * n for _, s, _ in inertial if s is not None)
+    count = count_errors(n, [(s, a) for _, s, a in inertial if s is not None], vehicle)
     for name, sensor, axis in inertial:
         if sensor is None:
             continue
@@ -208,7 +208,7 @@ def _sense(
             error = error + _bounded(sensor.accuracy, n, "gaussian", rng)
         else:
             reach = half_width(sensor, axis, h, rule_for(sensors, count), float(t[-1]))
-            error = _bounded(reach, n, scenario.noise, rng)
+            error = _bounded(float(reach), n, scenario.noise, rng)
         columns[name] = exact[name] + error
     for name, plain in (("psi", sensors.heading), ("x", sensors.position), ("y", sensors.position)):
         if plain is not None:

@@ -98,14 +98,49 @@ class ThrustCurve:
             )
         return self._curve(np.clip(d, low, high) - self.thruster.neutral)
 
-    def interval(self, demand: ArrayLike) -> IntervalArray:
-        """Thrust [N] +- (absolute + relative |T|)."""
-        value = self.value(demand)
+    def interval(self, demand: ArrayLike, to: ArrayLike | None = None, error: ArrayLike = 0.0) -> IntervalArray:
+        """Thrust [N] +- (absolute + relative |T|) at each demand, or over all demands from it ``to`` another one.
+
+        Args:
+            demand: demands, as logged.
+            to: the other ends of ranges of demands; none for single demands.
+            error: how far a logged demand may be from the one that was sent.
+
+        Raises:
+            IvsidError: a demand outside the table, as ``value``.
+        """
+        d = np.asarray(demand, dtype=np.float64)
+        other = d if to is None else np.asarray(to, dtype=np.float64)
+        for end in (d, other):
+            self.value(end)  # refuses what lies outside
+        reach = np.asarray(error, dtype=np.float64)
+        thrust = self._over(np.minimum(d, other) - reach, np.maximum(d, other) + reach)
         accuracy = self.thruster.accuracy
-        size = np.abs(value)
-        radius = accuracy.absolute + accuracy.relative * size
-        # The radius and the curve itself are computed in floats; what that can lose is added.
-        return IntervalArray.around(value, radius * (1 + ROUNDING) + ROUNDING * np.maximum(size, self.largest))
+        radius = (accuracy.absolute + accuracy.relative * thrust.magnitude) * (1 + ROUNDING)
+        return thrust + IntervalArray(-radius, radius)
+
+    def _over(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> IntervalArray:
+        """The curve's range over demands from ``low`` to ``high``."""
+        t = self.thruster
+        if t.table is None:
+            d = IntervalArray(low, high) - t.neutral
+            coefficients = t.polynomial if t.polynomial is not None else (t.gain or 0.0, 0.0)
+            total = IntervalArray(np.zeros(d.shape))
+            for c in coefficients:
+                # The decimals of the file are enclosed.
+                total = total * d + IntervalArray.around(c, np.spacing(abs(c)))
+            return total
+        # Between its knots the curve is monotone: its extremes stand at the ends of the range and at the knots inside.
+        first, last = self.range
+        ends = [self._curve(np.clip(e, first, last) - t.neutral) for e in (low, high)]
+        least, most = np.minimum(*ends), np.maximum(*ends)
+        for knot, thrust in zip(*self._table, strict=True):
+            inside = (low <= knot + t.neutral) & (knot + t.neutral <= high)
+            least = np.where(inside, np.minimum(least, thrust), least)
+            most = np.where(inside, np.maximum(most, thrust), most)
+        # The table's decimals and the interpolation are rounded.
+        slack = ROUNDING * self.largest
+        return IntervalArray(least, most) + IntervalArray(-slack, slack)
 
 
 def table_curve(demand: NDArray[np.float64], thrust: NDArray[np.float64], *, linear_start: bool = False) -> Curve:
@@ -132,16 +167,17 @@ class GeneralisedForce:
 
 def directions(thruster: Thruster) -> tuple[IntervalArray, IntervalArray, IntervalArray]:
     """Shares of a thrust in X, Y and N: cos a, sin a, x sin a - y cos a."""
-    x, y = thruster.position
-    cosine, sine = _enclosed(np.cos(thruster.azimuth)), _enclosed(np.sin(thruster.azimuth))
+    x, y = (IntervalArray.around(p, np.spacing(abs(p))) for p in thruster.position)
+    if thruster.azimuth == 0.0:
+        cosine, sine = IntervalArray(1.0), IntervalArray(0.0)
+    else:
+        cosine, sine = _enclosed(np.cos(thruster.azimuth)), _enclosed(np.sin(thruster.azimuth))
     return cosine, sine, sine * x - cosine * y
 
 
 def _enclosed(value: float) -> IntervalArray:
-    """A cosine or sine from the C library, good to one unit in the last place; 0, 1 and -1 at azimuth 0 are exact."""
-    if value in (0.0, 1.0, -1.0):
-        return IntervalArray(value)
-    return IntervalArray(np.nextafter(np.nextafter(value, -2), -2), np.nextafter(np.nextafter(value, 2), 2))
+    """A cosine or sine: the C library is good to one unit in the last place, and the azimuth's decimals to half of one."""
+    return IntervalArray.around(value, 8 * np.spacing(1.0))
 
 
 def combine(vehicle: Vehicle, thrusts: Mapping[str, IntervalArray]) -> GeneralisedForce:

@@ -108,8 +108,16 @@ def validate(fit: Identification, log: Log) -> Validation:
         kind=fit.options["rows"],
         window=fit.options["window"],
     )
-    forces = tuple(_force_check(fit, rows, k, name) for k, name in enumerate(CHANNELS) if (rows.channel == k).any())
+    forces = tuple(_force_check(fit, rows, k, name) for k, name in enumerate(CHANNELS) if _checkable(fit, rows, k))
     return Validation(fit, log.name, log.sha256, forces, simulate_windows(fit, log), log.notes)
+
+
+def _checkable(fit: Identification, rows: RegressionRows, index: int) -> bool:
+    """Whether the channel has rows, and the fit a value for every parameter in them."""
+    here = rows.matrix[rows.channel == index]
+    used = ((here.lower != 0) | (here.upper != 0)).any(axis=0)
+    known = {*fit.estimate, *fit.parameters}
+    return here.shape[0] > 0 and all(t.id in known for t, u in zip(rows.terms, used, strict=True) if u)
 
 
 def _force_check(fit: Identification, rows: RegressionRows, index: int, channel: str) -> ForceCheck:

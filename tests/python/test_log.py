@@ -50,7 +50,7 @@ def test_columns_are_mapped_scaled_and_turned(tmp_path):
     np.testing.assert_allclose(log.t, [0.0, 0.1, 0.2, 0.3], rtol=1e-15)
     np.testing.assert_allclose(log.columns["r"], np.radians([0, 2, 4, 6]))
     np.testing.assert_allclose(log.columns["v"], [0, -3, -6, -9])
-    assert "r" in log.converted and "u" not in log.converted
+    assert (log.error("r") > np.spacing(np.abs(log.columns["r"]))).all()
 
 
 def test_held_values_are_no_measurements(tmp_path):
@@ -112,3 +112,27 @@ def test_epochs_keep_their_digits(tmp_path):
     text = "t,u\n" + "".join(f"17{10**8 + k}.{123456 + 50 * k:06d},{k}\n" for k in range(4))
     log = read_log(written(tmp_path, text))
     np.testing.assert_allclose(np.diff(log.t), 1.00005, rtol=1e-13)
+
+
+@pytest.mark.parametrize(("log_rate", "sensor_rate", "seconds"), [(6, 1, 8), (6, 5, 60), (6, 4.7, 60), (10, 3, 30)])
+def test_sensors_a_little_slower_than_the_log_are_held(tmp_path, log_rate, sensor_rate, seconds):
+    t = np.arange(seconds * log_rate) / log_rate
+    u = np.sin(np.floor(t * sensor_rate + 1e-9) / sensor_rate)
+    text = "t,u\n" + "".join(f"{a},{b}\n" for a, b in zip(t, u, strict=True))
+    log = read_log(written(tmp_path, text))
+    kept = np.isfinite(log.columns["u"])
+    assert kept.sum() == len(np.unique(np.floor(t * sensor_rate + 1e-9)))
+    assert any("holds each value" in n for n in log.notes)
+
+
+def test_a_coarse_channel_that_is_alive_is_kept(tmp_path):
+    rng = np.random.default_rng(1)
+    r = np.round(rng.standard_normal(500) * 2.0)
+    assert (np.diff(r) == 0).sum() > 30
+    text = "t,r\n" + "".join(f"{k / 10},{b}\n" for k, b in enumerate(r))
+    assert np.isfinite(read_log(written(tmp_path, text)).columns["r"]).all()
+
+
+def test_a_time_column_with_a_unit_belongs_under_time(tmp_path):
+    with pytest.raises(IvsidError, match="write time ="):
+        read_log(written(tmp_path, GOOD), LogMap.model_validate({"columns": {"t": {"from": "t", "unit": "ms"}}}))

@@ -11,6 +11,7 @@ from ivsid.motion import Motion
 from ivsid.regression_rows import build_rows
 from ivsid.sensors import bound_log
 from ivsid.simulation import simulate
+from ivsid.thrust import ThrustCurve
 from ivsid.vehicle import parse_vehicle
 
 FULL = [
@@ -134,3 +135,49 @@ def test_rates_of_change_bound_the_difference():
         assert found.value.lower - 1e-12 <= exact.min() and exact.max() <= found.value.upper + 1e-12, name
         slope = np.abs(np.diff(exact)).max() * 100
         assert slope <= found.rate.magnitude + 1e-9, name
+
+
+def test_linear_demands_sweep_each_curve_on_its_own(swan):
+    """Two thrusters that ramp against each other: the sum of the ends is no bound for what lies between."""
+    text = swan.text.replace("centre_of_gravity = [-0.00106, -0.00295]", "").replace(
+        'terms = "paper"', 'terms = ["mass.surge"]'
+    )
+    vehicle = parse_vehicle(text + '\n[log]\ndemand = "linear"\n', "ramp.toml")
+    t = np.arange(200) * 1.0
+    up = np.where(np.arange(200) % 2 == 0, 15.0, 85.0)
+    demands = {"port": up, "starboard": 100.0 - up}
+    fine = np.linspace(0, 1, 2001)
+    curve = ThrustCurve(vehicle.thrusters[0])
+    inside = [
+        sum(curve.value(a + (b - a) * fine) for a, b in ((d[k], d[k + 1]) for d in demands.values())).mean()
+        for k in (0, 1)
+    ]
+    mass = 60.0
+    mean = np.array([inside[k % 2] for k in range(199)])
+    u = np.r_[0.0, np.cumsum(mean / mass)]
+    columns = {"u": u, "v": np.zeros(200), "r": np.zeros(200), **{f"demand_{n}": d for n, d in demands.items()}}
+    rows = build_rows(bound_log(Log("ramp.csv", "", t, columns), vehicle), vehicle, terms_of(vehicle), window=1.0)
+    surge = rows.take(rows.channel == 0, [0])
+    residual = surge.matrix @ IntervalArray(np.array([mass])) - surge.right
+    assert residual.contains(np.zeros(residual.shape)).all() and residual.size > 150
+
+
+def test_decimal_times_and_readings_are_enclosed(swan):
+    """t = k/10 and u = 3 t are no doubles; the exact equation m udot = X must still lie in every row."""
+    text = (
+        'name = "exact"\n[hull]\nmass = 10\n[sensors.velocity]\naccuracy = 0\n[sensors.yaw_rate]\naccuracy = 0\n'
+        "[sensors.force]\naccuracy = 0\n[sensors.moment]\naccuracy = 0\n[sensors.limits]\nacceleration = 3\nyaw_acceleration = 1\n"
+        '[model]\nterms = ["mass.surge"]\n'
+    )
+    vehicle = parse_vehicle(text, "exact.toml")
+    k = np.arange(400)
+    columns = {n: np.zeros(400) for n in ("v", "r", "force_Y", "moment_N")} | {
+        "u": k * 3 / 10,
+        "force_X": np.full(400, 21.0),
+    }
+    log = Log("exact.csv", "", np.array([float(f"{i / 10:.1f}") for i in k]), columns)
+    rows = build_rows(bound_log(log, vehicle), vehicle, terms_of(vehicle), window=0.5)
+    surge = rows.take(rows.channel == 0, [0])
+    residual = surge.matrix @ IntervalArray(np.array([7.0])) - surge.right
+    assert residual.contains(np.zeros(residual.shape)).all()
+    assert residual.width.max() < 1e-9

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ivsid.effects import terms_of
 from ivsid.errors import IvsidError
 from ivsid.records import Lower, Upper, envelope, to_json, write_whole
 from ivsid.vehicle import Vehicle, parse_vehicle
@@ -57,7 +58,8 @@ class Identification:
         improper: entries of published inverses that came out reversed.
         reason: why there is no (proved) result.
         directions: by parameter id, in which the data leave the set open.
-        certificates: per bound, the rows that prove it.
+        certificates: per bound, the rows that prove it; ``block`` numbers sets of parameters that share no row.
+        contradictions: the blocks without a consistent parameter.
         rows: how many rows each channel has.
         notes: what was found in the log.
         ignored: columns of the log that nothing used.
@@ -78,6 +80,7 @@ class Identification:
     reason: str | None
     directions: tuple[dict[str, float], ...]
     certificates: tuple[dict[str, Any], ...]
+    contradictions: tuple[int, ...]
     rows: dict[str, int]
     notes: tuple[str, ...]
     ignored: tuple[str, ...]
@@ -86,9 +89,17 @@ class Identification:
     log_name: str
     log_sha256: str
 
+    @property
+    def falsifying(self) -> list[dict[str, Any]]:
+        """The certificates of the blocks that hold no parameter: the few rows that prove the model wrong."""
+        return [c for c in self.certificates if c["proves"] == "empty" and c["block"] in self.contradictions]
+
     def record(self) -> dict[str, Any]:
         """An identification as in INTERFACE.md, with what is needed to use it again."""
-        inputs = {Path(self.vehicle.source or "vehicle.toml").name: self.vehicle.sha256, self.log_name: self.log_sha256}
+        inputs = [
+            (Path(self.vehicle.source or "vehicle.toml").name, self.vehicle.sha256),
+            (self.log_name, self.log_sha256),
+        ]
         return {
             **envelope("identify", inputs),
             "method": self.method,
@@ -108,7 +119,8 @@ class Identification:
             "vehicle_source": self.vehicle.source,
             "vehicle": self.vehicle.text,
             "certificates": self.certificates,
-            "certificate": [c for c in self.certificates if c["proves"] == "empty"] if self.status == "empty" else None,
+            "contradictions": self.contradictions,
+            "certificate": self.falsifying or None,
         }
 
     def save(self, path: str | Path) -> None:
@@ -137,7 +149,7 @@ def read_identification(path: str | Path) -> Identification:
         raise IvsidError(f"{file} is not the result of ivsid identify; run that first and give its --out folder")
     try:
         return _identification(record)
-    except (KeyError, TypeError, AttributeError):
+    except (KeyError, TypeError, AttributeError, IndexError):
         raise IvsidError(f"{file} is damaged or of another version; run ivsid identify again") from None
 
 
@@ -154,6 +166,12 @@ def _identification(record: dict[str, Any]) -> Identification:
         "log_name": record["inputs"][1]["name"],
         "log_sha256": record["inputs"][1]["sha256"],
     }
-    for name in ("assumes", "directions", "certificates", "notes", "ignored"):
+    numbers = [e for p in parameters.values() for e in (p.lower, p.upper)] + list(given["estimate"].values())
+    if not all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in numbers):
+        raise TypeError("bounds and estimates are numbers")
+    ids = {t.id for t in terms_of(given["vehicle"], given["options"]["form"])}
+    if given["status"] in ("enclosed", "unbounded") and set(parameters) != ids:
+        raise KeyError("the parameters are those of the model")
+    for name in ("assumes", "directions", "certificates", "notes", "ignored", "contradictions"):
         given[name] = tuple(given[name])
     return Identification(**given)

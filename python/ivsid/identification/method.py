@@ -100,7 +100,8 @@ def identify_rows(
         improper=sum(b.improper for b in blocks),
         reason="; ".join(dict.fromkeys(reasons)) or None,
         directions=directions,
-        certificates=tuple(c for b in blocks for c in b.certificates),
+        certificates=tuple({**c, "block": k} for k, b in enumerate(blocks) for c in b.certificates),
+        contradictions=tuple(k for k, b in enumerate(blocks) if b.status == "empty"),
         rows={name: int((rows.channel == k).sum()) for k, name in enumerate(CHANNELS)},
         notes=bounded.log.notes,
         ignored=bounded.log.ignored,
@@ -112,12 +113,29 @@ def identify_rows(
 
 
 def _assumptions(rows: RegressionRows, bounded: BoundedLog, vehicle: Vehicle) -> tuple[str, ...]:
-    lines = [bounded.rule.sentence, "thrust accuracy" if vehicle.thrusters else "accuracy of the logged forces"]
+    lines = [bounded.rule.sentence, _force_accuracy(vehicle)]
     if bounded.ambient != (0.0, 0.0):
         force, moment = bounded.ambient
         lines.append(f"ambient force within {force:.3g} N and moment within {moment:.3g} N m")
+    for thruster in vehicle.thrusters:
+        claims = [
+            k for k in ("time_constant", "dead_band", "limit", "reverse_factor") if getattr(thruster, k) is not None
+        ]
+        if claims:
+            lines.append(
+                f"the thrust of {thruster.name} follows its curve at once: its claimed {', '.join(claims)} is not applied"
+            )
+        if thruster.outside == "hold":
+            lines.append(f"beyond its table the thrust of {thruster.name} keeps the end values")
     hold = "held from its row to the next" if vehicle.log.demand == "hold" else "linear from its row to the next"
-    return (*lines, *rows.assumes, f"each demand is {hold}", "model structure")
+    return (*lines, *rows.assumes, f"each {'demand' if vehicle.thrusters else 'force'} is {hold}", "model structure")
+
+
+def _force_accuracy(vehicle: Vehicle) -> str:
+    if not vehicle.thrusters:
+        return "accuracy of the logged forces"
+    each = {t.name: f"{t.accuracy.absolute!r} N + {t.accuracy.relative!r} |T|" for t in vehicle.thrusters}
+    return "thrust accuracy: " + "; ".join(f"{name} within {bound}" for name, bound in each.items())
 
 
 def _overall(statuses: Sequence[str]) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -46,7 +47,7 @@ def _end(x: float, digits: int, *, up: bool) -> str:
         scaled += (1 if up else -1) * 10.0**-places
     text = f"{scaled:.{digits}g}"
     # Rounding to a few digits is done in floats: where it landed on the wrong side, the exact decimal is shown.
-    safe = float(text) >= x if up else float(text) <= x
+    safe = Fraction(text) >= Fraction(x) if up else Fraction(text) <= Fraction(x)
     return text if safe else outward_decimal(x, up=up)
 
 

@@ -84,8 +84,7 @@ def _contradiction(fit: Identification) -> Section:
             r["duration"],
             r["side"],
         ]
-        for c in fit.certificates
-        if c["proves"] == "empty"
+        for c in fit.falsifying
         for r in c["rows"]
     ]
     table = report.table(["signs", "channel", "time [s]", "window [s]", "side"], rows[:60])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import hashlib
 import io
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -124,7 +125,13 @@ def read_table(path: str | Path) -> tuple[pl.DataFrame, str]:
     except pl.exceptions.PolarsError as error:
         first = str(error).splitlines()[0]
         raise IvsidError(f"{path} is not a readable CSV or Parquet table ({first}); mend or export it again") from None
-    return frame.rename({c: c.strip() for c in frame.columns}), digest
+    names = [c.strip() for c in frame.columns]
+    twice = next((n for n in names if names.count(n) > 1 or re.search(r"_duplicated_\d+$", n)), None)
+    if twice is not None:
+        raise IvsidError(
+            f"{path} has the column {re.sub(r'_duplicated_[0-9]+$', '', twice)} more than once; each needs its own name"
+        )
+    return frame.rename(dict(zip(frame.columns, names, strict=True))), digest
 
 
 def _text(data: bytes, path: Path) -> str:

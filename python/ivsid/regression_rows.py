@@ -96,6 +96,11 @@ def build_rows(
         raise IvsidError(f"rows '{kind}' are unknown; use {', '.join(KINDS)}")
     if not 0 < window < np.inf:
         raise IvsidError(f"a window of {window} s is not usable; give a positive length, such as 1.0")
+    if kind != "pointwise" and window > bounded.log.t[-1] - bounded.log.t[0]:
+        length = bounded.log.t[-1] - bounded.log.t[0]
+        raise IvsidError(
+            f"a window of {window:g} s is longer than {bounded.log.name}, {length:.4g} s; give a shorter --window"
+        )
     builder = _Builder(bounded, vehicle, tuple(terms), vehicle.hull.mass if added_mass else 0.0)
     parts = []
     for index, channel in enumerate(CHANNELS):

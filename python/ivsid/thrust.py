@@ -238,6 +238,8 @@ def examine(
 
     Residuals are model minus table: positive where the model promises too much.
     """
+    if not np.abs(thrust).max() > 0:
+        raise IvsidError("the table has no thrust at all; look at its thrust column and unit")
     fits = []
     if published is not None:
         predicted = np.asarray(np.polyval(published, demand), dtype=np.float64)

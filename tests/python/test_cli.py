@@ -175,3 +175,16 @@ def test_as_log_is_what_the_file_says(folder, twin):
     read = read_log(folder / "log.csv")
     for name, column in as_log(twin).columns.items():
         np.testing.assert_array_equal(read.columns[name], column)
+
+
+def test_more_bad_input(folder):
+    out = folder / "refused2"
+    swan, log = folder / "swan.toml", folder / "log.csv"
+    refused(run("identify", swan, log, "--window", "1e9", "--out", out), out, "longer than log.csv")
+    (folder / "twice.csv").write_text("t,u,u\n0,1,2\n1,2,3\n")
+    refused(run("identify", swan, folder / "twice.csv", "--out", out), out, "column u more than once")
+    (folder / "dead.csv").write_text("demand,thrust\n1,0\n2,0\n3,0\n")
+    refused(run("thrust", folder / "dead.csv", "--out", out), out, "no thrust at all")
+    scenario = embedded("swan_train.toml").replace('"mass.surge" = 60.45', '"mass.surge" = -5', 1)
+    (folder / "negative.toml").write_text(scenario)
+    refused(run("simulate", swan, folder / "negative.toml", "--out", out), out, "grows without bound")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
@@ -173,6 +174,8 @@ def _usage(error: typer.TyperException) -> str:
 
 def main() -> None:
     """The entry point: sentences instead of tracebacks."""
+    # What overflows on the way to a refusal is said in that sentence, not by NumPy.
+    warnings.filterwarnings("ignore", category=RuntimeWarning)
     command = typer.main.get_command(app)
     try:
         code = command.main(standalone_mode=False)

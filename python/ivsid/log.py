@@ -289,9 +289,12 @@ def _without_held(columns: dict[str, NDArray[np.float64]]) -> tuple[dict[str, ND
         if not _held(runs):
             continue
         kept[name] = np.where(repeated, np.nan, values)
-        notes.append(
-            f"{name} holds each value over {runs.mean():.3g} rows; only the first of each run is a measurement"
-        )
+        if np.median(runs) >= 2:
+            notes.append(
+                f"{name} holds each value over {runs.mean():.3g} rows; only the first of each run is a measurement"
+            )
+        else:
+            notes.append(f"{name} repeats its value in {int(repeated.sum())} rows, which are not taken as measurements")
     return kept, notes
 
 

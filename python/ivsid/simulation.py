@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.dynamics import Dynamics
-from ivsid.effects import CATALOGUE, PAPER_TERMS, Term, terms_of
+from ivsid.effects import CATALOGUE, PAPER_TERMS, TYPICAL, Term, terms_of
 from ivsid.errors import IvsidError
 from ivsid.scenario import Scenario
 from ivsid.sensors import count_errors, half_width, rule_for
@@ -71,6 +71,16 @@ def simulate(
         "thrust_error": {c.thruster.name: c.description for c in curves},
     }
     return Simulated(t, columns, truth, exact)
+
+
+def hidden_effect(vehicle: Vehicle, seed: int) -> dict[str, float]:
+    """An effect drawn from the seed: none in one of three, else a term that the model lacks at 0.1 to 3 times its typical size."""
+    rng = np.random.default_rng([seed, 0x1D])
+    absent = [i for i in TYPICAL if i not in {t.id for t in terms_of(vehicle)}]
+    if rng.uniform() < 1 / 3 or not absent:
+        return {}
+    chosen = absent[int(rng.integers(len(absent)))]
+    return {chosen: TYPICAL[chosen] * float(np.exp(rng.uniform(np.log(0.1), np.log(3.0))))}
 
 
 def _terms(vehicle: Vehicle, values: Mapping[str, float]) -> tuple[Term, ...]:

@@ -188,3 +188,34 @@ def test_more_bad_input(folder):
     scenario = embedded("swan_train.toml").replace('"mass.surge" = 60.45', '"mass.surge" = -5', 1)
     (folder / "negative.toml").write_text(scenario)
     refused(run("simulate", swan, folder / "negative.toml", "--out", out), out, "grows without bound")
+
+
+def test_a_hidden_effect_is_named_in_the_truth_alone(folder):
+    drawn = set()
+    for seed in range(6):
+        out = folder / f"hidden{seed}"
+        made = run("simulate", folder / "swan.toml", folder / "scenario.toml", "--hide", seed, "--out", out)
+        assert made.returncode == 0, made.stderr
+        effects = json.loads((out / "truth.json").read_text())["effects"]
+        drawn |= set(effects) or {"none"}
+        for name in effects:
+            for path in out.iterdir():
+                if path.name != "truth.json":
+                    assert name.encode() not in path.read_bytes(), path.name
+            assert name not in made.stdout
+    assert len(drawn) > 2
+    refused(
+        run(
+            "simulate",
+            folder / "swan.toml",
+            folder / "scenario.toml",
+            "--hide",
+            1,
+            "--effect",
+            "drag.surge.linear=1",
+            "--out",
+            folder / "h",
+        ),
+        folder / "h",
+        "leave --effect out",
+    )

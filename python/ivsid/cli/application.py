@@ -61,10 +61,18 @@ def simulate(
     effect: Annotated[
         list[str] | None, typer.Option("--effect", help="A further term with its value, ID=VALUE; may repeat.")
     ] = None,
+    hide: Annotated[
+        int | None, typer.Option("--hide", min=0, help="Draw a hidden effect from this seed; only truth.json names it.")
+    ] = None,
 ) -> None:
     """A log with sensor noise from a known truth."""
     effects = dict(_effect(e) for e in effect or [])
-    _run("simulate", out, json, lambda w, p: w.simulate(vehicle, scenario, seed=seed, effects=effects, progress=p))
+    _run(
+        "simulate",
+        out,
+        json,
+        lambda w, p: w.simulate(vehicle, scenario, seed=seed, effects=effects, hide=hide, progress=p),
+    )
 
 
 @app.command()

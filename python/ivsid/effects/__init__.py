@@ -12,6 +12,7 @@ from ivsid.effects.catalogue import (
     PAPER_ADDED_MASS_TERMS,
     PAPER_TERMS,
     PLAIN_TERMS,
+    TYPICAL,
     terms_of,
 )
 from ivsid.effects.rigid_body import rigid_body
@@ -24,6 +25,7 @@ __all__ = [
     "PAPER_ADDED_MASS_TERMS",
     "PAPER_TERMS",
     "PLAIN_TERMS",
+    "TYPICAL",
     "Columns",
     "State",
     "Term",

@@ -11,6 +11,21 @@ from ivsid.vehicle import Vehicle
 
 CATALOGUE: Final[dict[str, Term]] = {t.id: t for t in (*inertia.FAMILY, *drag.FAMILY)}
 
+# Typical sizes for a vehicle of 50 kg and 1 m at about 1 m/s (EFFECTS.md, section 2): what `simulate --hide` scales.
+TYPICAL: Final = {
+    "drag.surge.linear": 4.0,
+    "drag.surge.sideslip": 30.0,
+    "drag.sway.linear": 8.0,
+    "drag.sway.yaw_rate": 4.0,
+    "drag.yaw.linear": 1.0,
+    "drag.yaw.quadratic": 2.0,
+    "drag.lift.sway": 10.0,
+    "drag.lift.yaw": -3.0,
+    "coupling.cg_x": 1.5,
+    "coupling.cg_y": 0.5,
+    "added_mass.munk": 6.0,
+}
+
 PLAIN_TERMS: Final = (
     inertia.MASS_SURGE,
     inertia.MASS_SWAY,

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from ivsid import figures, report, simulation
+from ivsid.errors import IvsidError
 from ivsid.log import Log
 from ivsid.records import envelope, to_json
 from ivsid.report import Report, Section
@@ -21,10 +22,15 @@ def simulate(
     *,
     seed: int | None = None,
     effects: Mapping[str, float] | None = None,
+    hide: int | None = None,
     progress: Progress = silent,
 ) -> Report:
-    """Reads both files, simulates, and leaves the log and, apart from it, the truth."""
+    """Reads both files, simulates, and leaves the log and, apart from it, the truth; ``hide`` draws the effect from a seed."""
     checked, programme = read_vehicle(vehicle), read_scenario(scenario)
+    if hide is not None:
+        if effects:
+            raise IvsidError("--hide draws the effect itself; leave --effect out")
+        effects = simulation.hidden_effect(checked, hide)
     progress(f"simulating {programme.duration:g} s at {programme.rate:g} Hz")
     made = simulation.simulate(checked, programme, seed, effects)
     text = csv(made.t, made.columns)

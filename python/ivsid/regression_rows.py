@@ -358,5 +358,6 @@ def _forces(bounded: BoundedLog, vehicle: Vehicle) -> _Forces:
             )
         values.append(bounded.channels[name])
         present &= bounded.present[name]
-    ramps = [v[:-1] if held else v[:-1].hull(v[1:]) for v in values]
+    # Unlike a demand, a logged force need not be held to the next row: between two rows it lies between their values.
+    ramps = [v[:-1].hull(v[1:]) for v in values]
     return _Forces((values[0], values[1], values[2]), (ramps[0], ramps[1], ramps[2]), present)

@@ -181,3 +181,21 @@ def test_decimal_times_and_readings_are_enclosed(swan):
     residual = surge.matrix @ IntervalArray(np.array([7.0])) - surge.right
     assert residual.contains(np.zeros(residual.shape)).all()
     assert residual.width.max() < 1e-9
+
+
+def test_a_logged_force_may_move_between_its_rows():
+    """X = 20 + 10 sin t drives a mass of 7 kg; the force is sampled, not held."""
+    text = (
+        'name = "force"\n[hull]\nmass = 10\n[sensors.velocity]\naccuracy = 0.0001\n[sensors.yaw_rate]\naccuracy = 0.0001\n'
+        "[sensors.force]\naccuracy = 0.05\n[sensors.moment]\naccuracy = 0.05\n"
+        '[sensors.limits]\nacceleration = 5\nyaw_acceleration = 1\n[model]\nterms = ["mass.surge"]\n'
+    )
+    vehicle = parse_vehicle(text, "force.toml")
+    t = np.arange(600) * 0.1
+    u = (20 * t + 10 * (1 - np.cos(t))) / 7.0
+    zero = np.zeros(600)
+    columns = {"u": u, "v": zero, "r": zero, "force_X": 20 + 10 * np.sin(t), "force_Y": zero, "moment_N": zero}
+    rows = build_rows(bound_log(Log("force.csv", "", t, columns), vehicle), vehicle, terms_of(vehicle), window=0.3)
+    surge = rows.take(rows.channel == 0, [0])
+    residual = surge.matrix @ IntervalArray(np.array([7.0])) - surge.right
+    assert residual.contains(np.zeros(residual.shape)).all() and residual.size > 500

@@ -127,8 +127,12 @@ def _assumptions(rows: RegressionRows, bounded: BoundedLog, vehicle: Vehicle) ->
             )
         if thruster.outside == "hold":
             lines.append(f"beyond its table the thrust of {thruster.name} keeps the end values")
-    hold = "held from its row to the next" if vehicle.log.demand == "hold" else "linear from its row to the next"
-    return (*lines, *rows.assumes, f"each {'demand' if vehicle.thrusters else 'force'} is {hold}", "model structure")
+    if vehicle.thrusters:
+        hold = "held from its row to the next" if vehicle.log.demand == "hold" else "linear from its row to the next"
+        lines.append(f"each demand is {hold}")
+    else:
+        lines.append("between two rows each logged force lies between their values")
+    return (*lines, *rows.assumes, "model structure")
 
 
 def _force_accuracy(vehicle: Vehicle) -> str:

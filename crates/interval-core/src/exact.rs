@@ -59,7 +59,7 @@ fn integers(values: &[f64]) -> (Vec<BigInt>, i64) {
 }
 
 /// Mantissa and exponent with `x = m * 2^e`, trailing zeros removed.
-fn decode(x: f64) -> (i64, i64) {
+pub(crate) fn decode(x: f64) -> (i64, i64) {
     let bits = x.to_bits();
     let biased = i64::try_from((bits >> 52) & 0x7ff).unwrap_or(0);
     let fraction = i64::try_from(bits & 0x000f_ffff_ffff_ffff).unwrap_or(0);
@@ -168,27 +168,70 @@ fn scaled_ratio(numerator: BigInt, denominator: &BigInt, exponent: i64) -> BigRa
 const DECIMAL_LIMIT: i64 = 5_000;
 const DIGIT_LIMIT: usize = 4_000;
 
-/// The exact value of a decimal number such as `-12.5e-3`; `None` where the text is not one.
+/// The exact value of a number such as `-12.5e-3`, `2/3` or `0x1.8p-1`; `None` where the text is not one.
 #[must_use]
-pub fn from_decimal(text: &str) -> Option<BigRational> {
+pub fn from_text(text: &str) -> Option<BigRational> {
     let (negative, unsigned) = match text.as_bytes().first()? {
         b'-' => (true, &text[1..]),
         b'+' => (false, &text[1..]),
         _ => (false, text),
     };
-    let (mantissa, exponent) = match unsigned.find(['e', 'E']) {
-        Some(at) => (&unsigned[..at], unsigned[at + 1..].parse::<i64>().ok()?),
-        None => (unsigned, 0),
+    let magnitude = if let Some((numerator, denominator)) = unsigned.split_once('/') {
+        let (n, d) = (natural(numerator, 10)?, natural(denominator, 10)?);
+        if d.is_zero() {
+            return None;
+        }
+        BigRational::new(n, d)
+    } else if let Some(digits) = unsigned.strip_prefix("0x").or_else(|| unsigned.strip_prefix("0X")) {
+        hexadecimal(digits)?
+    } else {
+        decimal(unsigned)?
     };
-    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
-    let digits: String = [whole, fraction].concat();
-    if digits.is_empty() || digits.len() > DIGIT_LIMIT || !digits.bytes().all(|c| c.is_ascii_digit()) {
+    Some(if negative { -magnitude } else { magnitude })
+}
+
+fn natural(digits: &str, radix: u32) -> Option<BigInt> {
+    let allowed = !digits.is_empty() && digits.len() <= DIGIT_LIMIT && digits.chars().all(|c| c.is_digit(radix));
+    if allowed { BigInt::parse_bytes(digits.as_bytes(), radix) } else { None }
+}
+
+/// An exponent such as `+12`, cut off where it decides alone.
+fn exponent_value(text: &str) -> Option<i64> {
+    let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
+    if digits.is_empty() || !digits.bytes().all(|c| c.is_ascii_digit()) {
         return None;
     }
-    let places = i64::try_from(fraction.len()).ok()?;
-    let exponent = exponent.saturating_sub(places).clamp(-3 * DECIMAL_LIMIT, 3 * DECIMAL_LIMIT);
-    let magnitude = decimal_value(digits.parse().ok()?, exponent);
-    Some(if negative { -magnitude } else { magnitude })
+    let magnitude = digits.parse::<i64>().unwrap_or(i64::MAX).min(4 * DECIMAL_LIMIT);
+    Some(if text.starts_with('-') { -magnitude } else { magnitude })
+}
+
+fn decimal(text: &str) -> Option<BigRational> {
+    let (mantissa, exponent) = match text.find(['e', 'E']) {
+        Some(at) => (&text[..at], exponent_value(&text[at + 1..])?),
+        None => (text, 0),
+    };
+    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    let digits = natural(&[whole, fraction].concat(), 10)?;
+    Some(decimal_value(digits, exponent - i64::try_from(fraction.len()).ok()?))
+}
+
+fn hexadecimal(text: &str) -> Option<BigRational> {
+    let (mantissa, exponent) = match text.find(['p', 'P']) {
+        Some(at) => (&text[..at], exponent_value(&text[at + 1..])?),
+        None => (text, 0),
+    };
+    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    let digits = natural(&[whole, fraction].concat(), 16)?;
+    Some(scaled_ratio(digits, &BigInt::one(), exponent - 4 * i64::try_from(fraction.len()).ok()?))
+}
+
+/// `digits * 10^exponent` for an unsigned decimal mantissa such as `3.560`, with the size of its last place.
+pub(crate) fn decimal_with_place(mantissa: &str, exponent: &str) -> Option<(BigRational, BigRational)> {
+    let exponent = if exponent.is_empty() { 0 } else { exponent_value(exponent)? };
+    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    let digits = natural(&[whole, fraction].concat(), 10)?;
+    let place = exponent - i64::try_from(fraction.len()).ok()?;
+    Some((decimal_value(digits, place), decimal_value(BigInt::one(), place)))
 }
 
 fn decimal_value(digits: BigInt, exponent: i64) -> BigRational {

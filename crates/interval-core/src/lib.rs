@@ -13,12 +13,14 @@
 //! - The floating-point environment has to be the default one (round to nearest, subnormals kept);
 //!   [`rounding::environment_is_default`] checks it.
 
+mod elementary;
 pub mod error;
 pub mod exact;
 pub mod interval;
 pub mod inverse;
 pub mod linear_program;
 pub mod matrix;
+pub mod reductions;
 pub mod regression;
 pub mod regularity;
 pub mod rounding;
@@ -28,6 +30,6 @@ pub mod systems;
 mod approximate;
 
 pub use error::Error;
-pub use interval::Interval;
+pub use interval::{DecoratedInterval, Decoration, Interval};
 pub use matrix::IntervalMatrix;
 pub use status::Status;

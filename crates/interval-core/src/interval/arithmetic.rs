@@ -142,6 +142,18 @@ fn quotient_up(x: f64, y: f64) -> f64 {
 }
 
 impl Interval {
+    /// `{1 / x : x != 0}`.
+    ///
+    /// ```
+    /// # use interval_core::Interval;
+    /// assert_eq!(Interval::new(2.0, 4.0)?.recip(), Interval::new(0.25, 0.5)?);
+    /// # Ok::<(), interval_core::Error>(())
+    /// ```
+    #[must_use]
+    pub fn recip(self) -> Self {
+        Self::ONE / self
+    }
+
     /// `{x^2}`: tighter than `x * x` where the interval holds both signs.
     #[must_use]
     pub fn square(self) -> Self {

@@ -1,9 +1,20 @@
 //! Closed intervals of doubles.
 
 mod arithmetic;
+mod cancel;
+mod decorated;
+mod elementary;
+mod fused;
+mod integer;
 mod measures;
+mod power;
+mod relations;
+mod reverse;
 mod sets;
 mod text;
+
+pub use decorated::{DecoratedInterval, Decoration};
+pub use relations::Overlap;
 
 use crate::error::Error;
 use std::fmt;

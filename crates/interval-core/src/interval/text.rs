@@ -1,55 +1,170 @@
-//! Text in and out. Reading rounds outward from the exact decimal value; writing rounds outward from the exact double.
+//! Text in and out (IEEE 1788, clauses 9.7 and 12.11). Reading rounds outward from the exact value of the literal; writing
+//! rounds outward from the exact doubles.
 
 use super::Interval;
 use crate::error::Error;
-use crate::exact::{from_decimal, outward_decimal, ratio_down, ratio_up};
+use crate::exact::{decimal_with_place, decode, from_text, outward_decimal, ratio_down, ratio_up};
+use num_rational::BigRational;
 use std::fmt;
 use std::str::FromStr;
+
+/// What a literal says, exactly.
+pub(super) enum Literal {
+    Empty,
+    NotAnInterval,
+    /// Bounds, `None` for an open end.
+    Bounds(Option<BigRational>, Option<BigRational>),
+    /// The same from a midpoint and a radius, which are never out of order.
+    Around(Option<BigRational>, Option<BigRational>),
+}
+
+/// Reads an undecorated literal: `[l, u]`, `[x]`, `[empty]`, `[entire]`, `[nai]`, `m?rue`, or a plain number.
+pub(super) fn literal(text: &str) -> Option<Literal> {
+    let text = text.trim();
+    let Some(rest) = text.strip_prefix('[') else {
+        return match text.split_once('?') {
+            Some((mantissa, tail)) => uncertain(mantissa, tail),
+            None => from_text(text).map(|x| Literal::Bounds(Some(x.clone()), Some(x))),
+        };
+    };
+    let inner = rest.strip_suffix(']')?.trim();
+    match inner.to_ascii_lowercase().as_str() {
+        "" | "empty" => return Some(Literal::Empty),
+        "entire" => return Some(Literal::Bounds(None, None)),
+        "nai" => return Some(Literal::NotAnInterval),
+        _ => {}
+    }
+    let Some((lower, upper)) = inner.split_once(',') else {
+        return from_text(inner).map(|x| Literal::Bounds(Some(x.clone()), Some(x)));
+    };
+    Some(Literal::Bounds(bound(lower.trim(), "-")?, bound(upper.trim(), "+")?))
+}
+
+/// A bound: a number, nothing, or the infinity of its side.
+fn bound(text: &str, side: &str) -> Option<Option<BigRational>> {
+    let lower = text.to_ascii_lowercase();
+    let unsigned = match lower.strip_prefix(side) {
+        Some(rest) => rest,
+        None if side == "+" => lower.as_str(),
+        None if lower.is_empty() => "",
+        None => return from_text(text).map(Some),
+    };
+    if matches!(unsigned, "inf" | "infinity") || text.is_empty() { Some(None) } else { from_text(text).map(Some) }
+}
+
+/// `mantissa ? radius direction e exponent`: the number within so many units of its last place (half of one where none are
+/// given, any number for a second `?`), to both sides, up (`u`) or down (`d`).
+fn uncertain(mantissa: &str, tail: &str) -> Option<Literal> {
+    let (negative, digits) = match mantissa.as_bytes().first()? {
+        b'-' => (true, &mantissa[1..]),
+        b'+' => (false, &mantissa[1..]),
+        _ => (false, mantissa),
+    };
+    let (head, exponent) = match tail.find(['e', 'E']) {
+        Some(at) if tail.len() > at + 1 => (&tail[..at], &tail[at + 1..]),
+        Some(_) => return None,
+        None => (tail, ""),
+    };
+    let (radius, down, up) = match head.as_bytes().last() {
+        Some(b'u' | b'U') => (&head[..head.len() - 1], false, true),
+        Some(b'd' | b'D') => (&head[..head.len() - 1], true, false),
+        _ => (head, true, true),
+    };
+    let (magnitude, place) = decimal_with_place(digits, exponent)?;
+    let centre = if negative { -magnitude } else { magnitude };
+    let width = match radius {
+        "?" => None,
+        "" => Some(place / BigRational::from_integer(2.into())),
+        count if count.bytes().all(|c| c.is_ascii_digit()) => Some(place * from_text(count)?),
+        _ => return None,
+    };
+    let end = |open: bool, sign: i32| match (&width, open) {
+        (_, false) => Some(centre.clone()),
+        (None, true) => None,
+        (Some(w), true) => Some(&centre + w * BigRational::from_integer(sign.into())),
+    };
+    Some(Literal::Around(end(down, -1), end(up, 1)))
+}
+
+fn refusal(text: &str) -> Error {
+    Error::Text { text: text.chars().take(80).collect() }
+}
+
+fn round_outward(lower: Option<&BigRational>, upper: Option<&BigRational>) -> Interval {
+    Interval::raw(lower.map_or(f64::NEG_INFINITY, ratio_down), upper.map_or(f64::INFINITY, ratio_up))
+}
+
+impl Interval {
+    /// The standard's `textToInterval`: as [`FromStr`], but bounds in the wrong order are accepted where their roundings
+    /// overlap. The flag says that the order could not be told from doubles (the signal `PossiblyUndefinedOperation`).
+    ///
+    /// # Errors
+    /// Text that is no literal, and bounds that are reversed beyond rounding.
+    ///
+    /// ```
+    /// # use interval_core::Interval;
+    /// let (x, doubtful) = Interval::from_literal("[1.0000000000000002, 1.0000000000000001]")?;
+    /// assert!(doubtful && x.contains(1.0));
+    /// # Ok::<(), interval_core::Error>(())
+    /// ```
+    pub fn from_literal(text: &str) -> Result<(Self, bool), Error> {
+        match literal(text).ok_or_else(|| refusal(text))? {
+            Literal::Empty => Ok((Self::EMPTY, false)),
+            Literal::NotAnInterval => Err(refusal(text)),
+            Literal::Bounds(Some(l), Some(u)) if l != u && ratio_up(&l) > ratio_down(&u) => {
+                if l > u && ratio_down(&l) >= ratio_up(&u) {
+                    return Err(Error::ReversedBounds { index: 0 });
+                }
+                let (l, u) = if l > u { (u, l) } else { (l, u) };
+                Ok((round_outward(Some(&l), Some(&u)), true))
+            }
+            Literal::Bounds(l, u) | Literal::Around(l, u) => Ok((round_outward(l.as_ref(), u.as_ref()), false)),
+        }
+    }
+
+    /// Hexadecimal bounds, without rounding: reads back as the same doubles (the standard's `intervalToExact`).
+    ///
+    /// ```
+    /// # use interval_core::Interval;
+    /// assert_eq!(Interval::new(-0.75, 2.0)?.to_exact(), "[-0x3p-2, 0x1p1]");
+    /// # Ok::<(), interval_core::Error>(())
+    /// ```
+    #[must_use]
+    pub fn to_exact(self) -> String {
+        if self.is_empty() {
+            return "[empty]".into();
+        }
+        format!("[{}, {}]", hexadecimal(self.lo), hexadecimal(self.hi))
+    }
+}
+
+fn hexadecimal(x: f64) -> String {
+    if x.is_infinite() {
+        return if x > 0.0 { "inf" } else { "-inf" }.into();
+    }
+    let (mantissa, exponent) = decode(x);
+    let sign = if mantissa < 0 { "-" } else { "" };
+    format!("{sign}0x{:x}p{exponent}", mantissa.unsigned_abs())
+}
 
 impl FromStr for Interval {
     type Err = Error;
 
-    /// Reads `[lower, upper]`, `[number]`, `number`, `[empty]` or `[entire]`. Numbers are decimals; `inf` is an open end.
+    /// Reads every undecorated literal of the standard, and a plain number: `[0.1, 0.2]`, `[1/3]`, `[-inf, 0x1.8p3]`,
+    /// `[1,]`, `3.56?1`, `-10?2ue3`, `[empty]`, `[entire]`, `0.1`. The order of the bounds is judged exactly.
     ///
     /// ```
-    /// let tenth: interval_core::Interval = "0.1".parse()?;
-    /// assert!(tenth.lo() < tenth.hi());
+    /// let third: interval_core::Interval = "[1/3]".parse()?;
+    /// assert_eq!(third.lo().next_up(), third.hi());
     /// # Ok::<(), interval_core::Error>(())
     /// ```
     fn from_str(text: &str) -> Result<Self, Error> {
-        let refusal = || Error::Text { text: text.chars().take(80).collect() };
-        let trimmed = text.trim();
-        let inner = match trimmed.strip_prefix('[') {
-            Some(rest) => rest.strip_suffix(']').ok_or_else(refusal)?,
-            None => trimmed,
-        };
-        match inner.trim().to_ascii_lowercase().as_str() {
-            "empty" => return Ok(Self::EMPTY),
-            "entire" => return Ok(Self::ENTIRE),
-            _ => {}
+        match literal(text).ok_or_else(|| refusal(text))? {
+            Literal::Empty => Ok(Self::EMPTY),
+            Literal::NotAnInterval => Err(refusal(text)),
+            Literal::Bounds(Some(l), Some(u)) if l > u => Err(Error::ReversedBounds { index: 0 }),
+            Literal::Bounds(l, u) | Literal::Around(l, u) => Ok(round_outward(l.as_ref(), u.as_ref())),
         }
-        let (lower, upper) = inner.split_once(',').unwrap_or((inner, inner));
-        let exact = |part: &str| from_decimal(part.trim());
-        let open = |part: &str| match part.trim().to_ascii_lowercase().as_str() {
-            "inf" | "+inf" | "infinity" | "+infinity" => Some(f64::INFINITY),
-            "-inf" | "-infinity" => Some(f64::NEG_INFINITY),
-            _ => None,
-        };
-        let pair = (exact(lower), exact(upper));
-        if let (Some(a), Some(b)) = &pair
-            && a > b
-        {
-            return Err(Error::ReversedBounds { index: 0 });
-        }
-        let lo = match &pair.0 {
-            Some(value) => ratio_down(value),
-            None => open(lower).ok_or_else(refusal)?,
-        };
-        let hi = match &pair.1 {
-            Some(value) => ratio_up(value),
-            None => open(upper).ok_or_else(refusal)?,
-        };
-        Self::new(lo, hi)
     }
 }
 

@@ -6,7 +6,9 @@
 
 mod scalar;
 
-pub use scalar::{add_down, add_up, div_down, div_up, mul_down, mul_up, sqrt_down, sqrt_up, sub_down, sub_up};
+pub use scalar::{
+    add_down, add_up, div_down, div_up, fma_down, fma_up, mul_down, mul_up, sqrt_down, sqrt_up, sub_down, sub_up,
+};
 
 use std::hint::black_box;
 

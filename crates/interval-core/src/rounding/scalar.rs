@@ -13,6 +13,7 @@ const TWO_100: f64 = f64::from_bits((1023 + 100) << 52);
 const TWO_200: f64 = f64::from_bits((1023 + 200) << 52);
 const TWO_537: f64 = f64::from_bits((1023 + 537) << 52);
 const TWO_800: f64 = f64::from_bits((1023 + 800) << 52);
+const HALF_MAX: f64 = f64::MAX / 2.0;
 const SMALLEST: f64 = f64::from_bits(1);
 
 /// `a + b` rounded up.
@@ -145,4 +146,46 @@ fn sqrt_residual(root: f64, x: f64) -> f64 {
 #[cold]
 fn saturate_up(result: f64, a: f64, b: f64) -> f64 {
     if result == f64::NEG_INFINITY && a.is_finite() && b.is_finite() { f64::MIN } else { result }
+}
+
+/// `a * b + c` rounded up once; infinite operands give the limit.
+#[must_use]
+#[inline]
+pub fn fma_up(a: f64, b: f64, c: f64) -> f64 {
+    let nearest = a.mul_add(b, c);
+    if !nearest.is_finite() {
+        return if c.is_finite() { saturate_up(nearest, a, b) } else { nearest };
+    }
+    let product = a * b;
+    let moderate = product.abs().max(c.abs()).max(nearest.abs()) < HALF_MAX;
+    let too_low = if moderate && (product.abs() >= SAFE || a == 0.0 || b == 0.0) {
+        // a b = product + e exactly. The sum of product, c, -nearest and e is grown into an expansion whose parts do not
+        // overlap (Shewchuk, Discrete Comput. Geom. 18 (1997) 305-363): the largest that is not zero has its sign.
+        let e = a.mul_add(b, -product);
+        let (h1, h0) = two_sum(product, c);
+        let (q, h0) = two_sum(-nearest, h0);
+        let (h2, h1) = two_sum(q, h1);
+        let (q, g0) = two_sum(e, h0);
+        let (q, g1) = two_sum(q, h1);
+        let (g3, g2) = two_sum(q, h2);
+        [g3, g2, g1, g0].into_iter().find(|&x| x != 0.0).is_some_and(|x| x > 0.0)
+    } else {
+        crate::reductions::sign_of_fused(a, b, c, nearest) == std::cmp::Ordering::Greater
+    };
+    if too_low { nearest.next_up() } else { nearest }
+}
+
+/// `a * b + c` rounded down once.
+#[must_use]
+#[inline]
+pub fn fma_down(a: f64, b: f64, c: f64) -> f64 {
+    -fma_up(-a, b, -c)
+}
+
+/// The sum and its error, for sums that do not overflow.
+#[inline]
+fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let b_part = sum - a;
+    (sum, (a - (sum - b_part)) + (b - b_part))
 }

@@ -1,0 +1,224 @@
+//! Balls over the integers: `(mid +- rad) * 2^exp`, the arithmetic of the last resort, in which nothing rounds unseen.
+//!
+//! Every operation returns a ball that holds the exact result for all members of its operands; `shorten` keeps the
+//! midpoint at a number of bits and moves what it cuts into the radius.
+
+use num_bigint::{BigInt, BigUint, Sign};
+use num_traits::{One, Signed, ToPrimitive, Zero};
+
+/// The numbers within `rad * 2^exp` of `mid * 2^exp`; `rad >= 0`.
+#[derive(Debug, Clone)]
+pub(crate) struct Ball {
+    pub mid: BigInt,
+    pub rad: BigInt,
+    pub exp: i64,
+}
+
+fn bits(x: &BigInt) -> i64 {
+    i64::try_from(x.bits()).unwrap_or(i64::MAX)
+}
+
+/// `x * 2^shift`, rounded down where `shift` is negative.
+fn shifted(x: &BigInt, shift: i64) -> BigInt {
+    let by = shift.unsigned_abs();
+    if shift >= 0 { x << by } else { x >> by }
+}
+
+impl Ball {
+    pub fn exact(mid: BigInt, exp: i64) -> Self {
+        Self { mid, rad: BigInt::zero(), exp }
+    }
+
+    pub fn integer(x: i64) -> Self {
+        Self::exact(BigInt::from(x), 0)
+    }
+
+    /// A finite double.
+    pub fn from_f64(x: f64) -> Self {
+        let (mantissa, exp) = crate::exact::decode(x);
+        Self::exact(BigInt::from(mantissa), exp)
+    }
+
+    /// Whether it is one number.
+    pub fn is_exact(&self) -> bool {
+        self.rad.is_zero()
+    }
+
+    /// The sign that all members have; 0 where they differ.
+    pub fn sign(&self) -> i32 {
+        if self.mid.magnitude() <= self.rad.magnitude() {
+            0
+        } else if self.mid.is_positive() {
+            1
+        } else {
+            -1
+        }
+    }
+
+    /// The midpoint to double precision: for choosing a method, never for a bound.
+    pub fn approximate(&self) -> f64 {
+        let cut = (bits(&self.mid) - 60).max(0);
+        let top = shifted(&self.mid, -cut).to_f64().unwrap_or(0.0);
+        let exponent = (self.exp + cut).clamp(-4000, 4000);
+        // Two steps, so that no factor overflows on the way to a subnormal number.
+        let half = i32::try_from(exponent / 2).unwrap_or(0);
+        let rest = i32::try_from(exponent).unwrap_or(0) - half;
+        top * 2.0_f64.powi(half) * 2.0_f64.powi(rest)
+    }
+
+    /// The same ball, or a slightly larger one, with a midpoint of at most `precision` bits.
+    pub fn shorten(self, precision: i64) -> Self {
+        let cut = bits(&self.mid).max(bits(&self.rad)) - precision;
+        if cut <= 0 {
+            return self;
+        }
+        let exact = self.is_exact() && self.mid.trailing_zeros().is_some_and(|z| i64::try_from(z).unwrap_or(0) >= cut);
+        let mid = shifted(&self.mid, -cut);
+        let rad = if exact { BigInt::zero() } else { shifted(&self.rad, -cut) + 2 };
+        Self { mid, rad, exp: self.exp + cut }
+    }
+
+    pub fn neg(self) -> Self {
+        Self { mid: -self.mid, ..self }
+    }
+
+    pub fn add(&self, other: &Self) -> Self {
+        let exp = self.exp.min(other.exp);
+        let (a, b) = (self.exp - exp, other.exp - exp);
+        Self {
+            mid: shifted(&self.mid, a) + shifted(&other.mid, b),
+            rad: shifted(&self.rad, a) + shifted(&other.rad, b),
+            exp,
+        }
+    }
+
+    pub fn sub(&self, other: &Self) -> Self {
+        self.add(&other.clone().neg())
+    }
+
+    pub fn mul(&self, other: &Self) -> Self {
+        let rad = self.mid.abs() * &other.rad + other.mid.abs() * &self.rad + &self.rad * &other.rad;
+        Self { mid: &self.mid * &other.mid, rad, exp: self.exp + other.exp }
+    }
+
+    /// Times a power of two.
+    pub fn scale(self, power: i64) -> Self {
+        Self { exp: self.exp + power, ..self }
+    }
+
+    /// The quotient to about `precision` bits; `None` where the divisor may be zero.
+    pub fn div(&self, other: &Self, precision: i64) -> Option<Self> {
+        let least = other.mid.abs() - &other.rad;
+        if !least.is_positive() {
+            return None;
+        }
+        let shift = (precision + bits(&other.mid) - bits(&self.mid)).max(0);
+        let numerator = shifted(&self.mid, shift);
+        let mid = &numerator / &other.mid;
+        // |x/y - m/d| <= (|x - m| + |m/d| |y - d|) / |y|, and one more for the truncated quotient.
+        let rad = if self.is_exact() && other.is_exact() && (&mid * &other.mid) == numerator {
+            BigInt::zero()
+        } else {
+            (shifted(&self.rad, shift) + (mid.abs() + 1) * &other.rad) / least + 2
+        };
+        Some(Self { mid, rad, exp: self.exp - other.exp - shift })
+    }
+
+    /// Divided by a positive integer.
+    pub fn div_integer(&self, divisor: u64) -> Self {
+        let guard = 64;
+        let numerator = &self.mid << guard;
+        let rad = ((&self.rad << guard) / divisor) + 2;
+        Self { mid: numerator / divisor, rad, exp: self.exp - 64 }
+    }
+
+    /// The square root to about `precision` bits; `None` where a member may be negative.
+    pub fn sqrt(&self, precision: i64) -> Option<Self> {
+        if self.is_exact() && self.mid.is_zero() {
+            return Some(self.clone());
+        }
+        let mut shift = (2 * precision - bits(&self.mid)).max(0);
+        if (self.exp - shift) % 2 != 0 {
+            shift += 1;
+        }
+        let (mid, rad) = (shifted(&self.mid, shift), shifted(&self.rad, shift));
+        let least = &mid - &rad;
+        if !least.is_positive() {
+            return None;
+        }
+        let root = mid.sqrt();
+        let rad = if self.is_exact() && &root * &root == mid {
+            BigInt::zero()
+        } else {
+            // |sqrt(x) - sqrt(m)| <= |x - m| / sqrt(least).
+            rad / least.sqrt() + 2
+        };
+        Some(Self { mid: root, rad, exp: (self.exp - shift) / 2 })
+    }
+
+    /// An integer within one of the midpoint.
+    pub fn nearby_integer(&self) -> BigInt {
+        if self.exp >= 0 {
+            return shifted(&self.mid, self.exp);
+        }
+        let half = BigInt::one() << (-self.exp - 1).unsigned_abs();
+        shifted(&(&self.mid + half), self.exp)
+    }
+
+    /// The lower end rounded down and the upper end rounded up to doubles.
+    pub fn outward(&self) -> (f64, f64) {
+        (dyadic_down(&(&self.mid - &self.rad), self.exp), -dyadic_down(&-(&self.mid + &self.rad), self.exp))
+    }
+
+    /// The largest double below and the smallest above the number inside, where the ball is small enough to tell.
+    pub fn bracket(&self) -> Option<(f64, f64)> {
+        let (low, high) = (&self.mid - &self.rad, &self.mid + &self.rad);
+        let down = dyadic_down(&low, self.exp);
+        let up = -dyadic_down(&-&high, self.exp);
+        (down == dyadic_down(&high, self.exp) && up == -dyadic_down(&-low, self.exp)).then_some((down, up))
+    }
+}
+
+/// The largest double not above `m * 2^exp`.
+pub(crate) fn dyadic_down(m: &BigInt, exp: i64) -> f64 {
+    if m.is_zero() {
+        return 0.0;
+    }
+    let length = bits(m);
+    let top = length + exp;
+    if top > 1024 {
+        return if m.is_positive() { f64::MAX } else { f64::NEG_INFINITY };
+    }
+    if top < -1074 {
+        return if m.is_positive() { 0.0 } else { -f64::from_bits(1) };
+    }
+    // Position of the last bit that a double keeps at this size.
+    let unit = (top - 53).max(-1074);
+    let mantissa = shifted(m, exp - unit);
+    let magnitude: &BigUint = mantissa.magnitude();
+    let Some(integer) = magnitude.to_u64() else { return f64::NEG_INFINITY };
+    // At most 2^53: exact; the two factors keep the scaling exact in the subnormal range.
+    let value = compose(integer, unit);
+    if mantissa.sign() == Sign::Minus { -value } else { value }
+}
+
+/// `m * 2^unit` for `m <= 2^53` and a result that is a double, or infinite.
+fn compose(m: u64, unit: i64) -> f64 {
+    if m == 0 {
+        return 0.0;
+    }
+    if m == 1 << 53 {
+        return compose(1 << 52, unit + 1);
+    }
+    let shift = u64::from(m.leading_zeros()) - 11;
+    let (normal, exponent) = (m << shift, unit - i64::try_from(shift).unwrap_or(0));
+    let biased = exponent + 1075;
+    if biased >= 2047 {
+        f64::INFINITY
+    } else if biased >= 1 {
+        let field = u64::try_from(biased).unwrap_or(0);
+        f64::from_bits((field << 52) | (normal & ((1 << 52) - 1)))
+    } else {
+        f64::from_bits(normal >> (1 - biased).unsigned_abs())
+    }
+}

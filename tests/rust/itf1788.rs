@@ -98,7 +98,10 @@ fn judge(file: &str, statement: &Statement, tally: &mut Tally) {
     if let Some(tightest) = corrected(&statement.operation, &statement.operands) {
         println!("{place}: expects {expected:?}, the tightest interval is {tightest}");
         // Only the known expectation is corrected; any other fails.
-        let known = Interval::new(f64::NEG_INFINITY, f64::INFINITY).ok().into_iter().chain(Interval::new(f64::NEG_INFINITY, 0.0));
+        let known = Interval::new(f64::NEG_INFINITY, f64::INFINITY)
+            .ok()
+            .into_iter()
+            .chain(Interval::new(f64::NEG_INFINITY, 0.0));
         if known.into_iter().any(|k| matches!(expected.as_slice(), [Value::Bare(e)] if *e == k)) {
             expected = vec![Value::Bare(tightest)];
         }
@@ -109,7 +112,10 @@ fn judge(file: &str, statement: &Statement, tally: &mut Tally) {
     let signals = statement.signal.as_deref() == outcome.signal;
     if !all(slack) || !signals {
         let (given, signal) = (&outcome.values, outcome.signal);
-        tally.failed.push(format!("{place}: expected {:?} {:?}, got {given:?} {signal:?}", statement.results, statement.signal));
+        tally.failed.push(format!(
+            "{place}: expected {:?} {:?}, got {given:?} {signal:?}",
+            statement.results, statement.signal
+        ));
         return;
     }
     tally.passed += 1;
@@ -130,10 +136,8 @@ fn run_source(file: &str, source: &str, tally: &mut Tally) {
 }
 
 fn folder() -> PathBuf {
-    std::env::var_os("IVSID_ITF1788").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/itf1788"),
-        PathBuf::from,
-    )
+    std::env::var_os("IVSID_ITF1788")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/itf1788"), PathBuf::from)
 }
 
 #[test]

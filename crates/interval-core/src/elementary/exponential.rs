@@ -96,11 +96,7 @@ pub(crate) fn exp2(x: f64) -> Bracket {
     if whole == x {
         #[expect(clippy::cast_possible_truncation, reason = "an integer below 2^11")]
         let k = x as i64;
-        return Bracket::exact(if k >= -1022 {
-            power_of_two(k)
-        } else {
-            power_of_two(k + 200) * power_of_two(-200)
-        });
+        return Bracket::exact(if k >= -1022 { power_of_two(k) } else { power_of_two(k + 200) * power_of_two(-200) });
     }
     let tables = &*TABLES;
     let (m, k) = kernel(tables.ln2.mul_f64(x - whole), tables);

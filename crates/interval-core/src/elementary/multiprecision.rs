@@ -45,7 +45,11 @@ fn inverse_series(n: u64, alternating: bool, precision: i64) -> Ball {
     let mut k = 0_u64;
     while !power.is_zero() {
         let term = &power / (2 * k + 1);
-        if alternating && k % 2 == 1 { sum -= term } else { sum += term }
+        if alternating && k % 2 == 1 {
+            sum -= term
+        } else {
+            sum += term
+        }
         power /= n * n;
         k += 1;
     }

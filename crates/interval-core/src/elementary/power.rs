@@ -147,7 +147,6 @@ fn exact_root(x: f64, k: i64) -> Option<f64> {
     Some(root.outward().0)
 }
 
-
 /// `v^(1/y)` for finite positive `v` and finite `y`, not zero.
 pub(crate) fn root(v: f64, y: f64) -> Bracket {
     if v == 1.0 || y == 1.0 {
@@ -169,7 +168,12 @@ pub(crate) fn root(v: f64, y: f64) -> Bracket {
     let error = size.abs().mul_add(2.0 * logarithm::ERROR, exponential::ERROR);
     exponential::finish(m, k, error).unwrap_or_else(|| {
         exactly_or(
-            |p| multiprecision::exp(&multiprecision::log(&Ball::from_f64(v), p + 64)?.div(&Ball::from_f64(y), p + 64)?, p),
+            |p| {
+                multiprecision::exp(
+                    &multiprecision::log(&Ball::from_f64(v), p + 64)?.div(&Ball::from_f64(y), p + 64)?,
+                    p,
+                )
+            },
             |candidate| candidate > 0.0 && pow(candidate, y) == Bracket::exact(v),
         )
     })
@@ -198,7 +202,9 @@ fn exactly_or(evaluate: impl Fn(i64) -> Option<Ball>, is_exact: impl Fn(f64) -> 
             return Bracket { down, up };
         }
         let near = ball.approximate();
-        if let Some(exact) = [near, near.next_up(), near.next_down()].into_iter().find(|&x| x.is_finite() && is_exact(x)) {
+        if let Some(exact) =
+            [near, near.next_up(), near.next_down()].into_iter().find(|&x| x.is_finite() && is_exact(x))
+        {
             return Bracket::exact(exact);
         }
     }

@@ -30,12 +30,12 @@ fn reduce(x: f64, tables: &Tables) -> (Dd, i64) {
     (r, count)
 }
 
-/// `sin r` and `cos r`, `|r| < 0.7855`: `r = c + h`, `c = j/64`, `|h| < 2^-7`.
+/// `sin r` or `cos r`, `|r| < 0.7855`: `r = c + h`, `c = j/64`, `|h| < 2^-7`.
 ///
 /// `h^5/120` (2^-42) and `h^4/24` (2^-32.6) with what follows are evaluated in double: 2^-84 absolute, against a sine of
 /// at least 2^-7 where `j > 0`, and below `h^4` relative where `j = 0`: 2^-76 relative.
 #[inline(always)]
-fn kernel(r: Dd, tables: &Tables) -> (Dd, Dd) {
+fn kernel(r: Dd, cosine: bool, tables: &Tables) -> Dd {
     let a = r.with_sign(r.hi);
     let j = nearest(a.hi * 64.0);
     let h = a.add_f64(-j / 64.0);
@@ -47,70 +47,82 @@ fn kernel(r: Dd, tables: &Tables) -> (Dd, Dd) {
     let cos_less_one = square.scale(-0.5).add_f64(z * z * cos_tail);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index of at most 51")]
     let (s, c) = tables.sin_cos[j as usize];
-    let sin = s + (c * sin_h + s * cos_less_one);
-    let cos = c + (c * cos_less_one - s * sin_h);
-    (sin.with_sign(r.hi), cos)
+    // sin(c + h) and cos(c + h) by the addition theorems, in one form: x + (x (cos h - 1) + y sin h).
+    let (x, y) = if cosine { (c, -s) } else { (s, c) };
+    let value = x + (x * cos_less_one + y * sin_h);
+    if cosine { value } else { value.with_sign(r.hi) }
 }
 
-/// `sin x` and `cos x` for `|x| <= 2^27`.
-#[inline(always)]
-fn both(x: f64, tables: &Tables) -> (Dd, Dd) {
-    let (r, k) = reduce(x, tables);
-    let (s, c) = kernel(r, tables);
-    match k & 3 {
-        0 => (s, c),
-        1 => (c, -s),
-        2 => (-s, -c),
-        _ => (-c, s),
+/// A finite angle, reduced once for all that is asked of it.
+#[derive(Clone, Copy)]
+pub(crate) struct Angle {
+    x: f64,
+    /// Remainder and count of quarter turns, for angles up to [`MODERATE`].
+    reduced: Option<(Dd, i64)>,
+}
+
+impl Angle {
+    #[inline(always)]
+    pub fn new(x: f64) -> Self {
+        Self { x, reduced: if x.abs() <= MODERATE { Some(reduce(x, &TABLES)) } else { None } }
+    }
+
+    /// The number `q` with `q pi/2 <= x < (q + 1) pi/2`; equality only at 0. `None` beyond all integers of 63 bits.
+    #[inline(always)]
+    pub fn quarter_turns(&self) -> Option<i64> {
+        match self.reduced {
+            // The sign of r is right: its relative error is far below one.
+            Some((r, k)) => Some(if r.hi < 0.0 { k - 1 } else { k }),
+            None => turns_of_large(self.x),
+        }
+    }
+
+    /// The function with its maximum at 0 (`top` = 0, the cosine) or after a quarter turn (1, the sine).
+    #[inline(always)]
+    pub fn wave(&self, top: i64) -> Bracket {
+        let x = self.x;
+        if x.abs() < TINY {
+            return match (top, x == 0.0) {
+                (0, true) => Bracket::exact(1.0),
+                (0, false) => Bracket::within(1.0),
+                (_, true) => Bracket::exact(x),
+                (_, false) => Bracket::within(x),
+            };
+        }
+        if let Some((r, k)) = self.reduced {
+            // sin(r + k pi/2) = cos(r + (k - 1) pi/2)
+            let turn = (k - top) & 3;
+            let value = kernel(r, turn % 2 == 0, &TABLES);
+            if let Some(bracket) = decide(if turn == 1 || turn == 2 { -value } else { value }, ERROR) {
+                return bracket;
+            }
+        }
+        exactly(x, |s, c, _| Some(if top == 0 { c } else { s }))
+    }
+
+    /// `tan x`.
+    #[inline(always)]
+    pub fn tan(&self) -> Bracket {
+        let x = self.x;
+        if x.abs() < TINY {
+            return if x == 0.0 { Bracket::exact(x) } else { Bracket::beyond(x) };
+        }
+        if let Some((r, k)) = self.reduced {
+            let (s, c) = (kernel(r, false, &TABLES), kernel(r, true, &TABLES));
+            if let Some(bracket) = decide(if k & 1 == 0 { s.div(c) } else { -c.div(s) }, ERROR) {
+                return bracket;
+            }
+        }
+        exactly(x, |s, c, p| s.div(&c, p))
     }
 }
 
-/// The number `q` with `q pi/2 <= x < (q + 1) pi/2`; equality only at 0. `None` beyond all integers of 63 bits.
-pub(crate) fn quarter_turns(x: f64) -> Option<i64> {
-    if x.abs() <= MODERATE {
-        // The sign of r is right: its relative error is far below one.
-        let (r, k) = reduce(x, &TABLES);
-        return Some(if r.hi < 0.0 { k - 1 } else { k });
-    }
+#[cold]
+fn turns_of_large(x: f64) -> Option<i64> {
     if x.abs() > 4.0e18 {
         return None;
     }
     (7..14).find_map(|step| sin_cos(&Ball::from_f64(x), 1 << step)).and_then(|(_, _, q): (_, _, BigInt)| q.to_i64())
-}
-
-/// `sin x` for finite `x`.
-#[inline(always)]
-pub(crate) fn sin(x: f64) -> Bracket {
-    if x.abs() < TINY {
-        return if x == 0.0 { Bracket::exact(x) } else { Bracket::within(x) };
-    }
-    let found = if x.abs() <= MODERATE { decide(both(x, &TABLES).0, ERROR) } else { None };
-    found.unwrap_or_else(|| exactly(x, |s, _, _| Some(s)))
-}
-
-/// `cos x` for finite `x`.
-#[inline(always)]
-pub(crate) fn cos(x: f64) -> Bracket {
-    if x.abs() < TINY {
-        return if x == 0.0 { Bracket::exact(1.0) } else { Bracket::within(1.0) };
-    }
-    let found = if x.abs() <= MODERATE { decide(both(x, &TABLES).1, ERROR) } else { None };
-    found.unwrap_or_else(|| exactly(x, |_, c, _| Some(c)))
-}
-
-/// `tan x` for finite `x`.
-#[inline(always)]
-pub(crate) fn tan(x: f64) -> Bracket {
-    if x.abs() < TINY {
-        return if x == 0.0 { Bracket::exact(x) } else { Bracket::beyond(x) };
-    }
-    let found = if x.abs() <= MODERATE {
-        let (s, c) = both(x, &TABLES);
-        decide(s.div(c), ERROR)
-    } else {
-        None
-    };
-    found.unwrap_or_else(|| exactly(x, |s, c, p| s.div(&c, p)))
 }
 
 #[cold]

@@ -8,11 +8,12 @@ impl Add for Interval {
     type Output = Self;
 
     /// `[a + c, b + d]`.
+    #[inline]
     fn add(self, other: Self) -> Self {
         if self.is_empty() || other.is_empty() {
             return Self::EMPTY;
         }
-        Self::raw(add_down(self.lo, other.lo), add_up(self.hi, other.hi))
+        Self::made(add_down(self.lo, other.lo), add_up(self.hi, other.hi))
     }
 }
 
@@ -20,11 +21,12 @@ impl Sub for Interval {
     type Output = Self;
 
     /// `[a - d, b - c]`.
+    #[inline]
     fn sub(self, other: Self) -> Self {
         if self.is_empty() || other.is_empty() {
             return Self::EMPTY;
         }
-        Self::raw(sub_down(self.lo, other.hi), sub_up(self.hi, other.lo))
+        Self::made(sub_down(self.lo, other.hi), sub_up(self.hi, other.lo))
     }
 }
 
@@ -33,7 +35,7 @@ impl Neg for Interval {
 
     /// `[-b, -a]`, exact.
     fn neg(self) -> Self {
-        Self::raw(-self.hi, -self.lo)
+        Self::made(-self.hi, -self.lo)
     }
 }
 
@@ -75,6 +77,7 @@ impl Mul for Interval {
     /// b <= 0     [ad, bc]       [bd, ac]       [ad, ac]
     /// a < 0 < b  [ad, bd]       [bc, ac]       [min(ad, bc), max(ac, bd)]
     /// ```
+    #[inline]
     fn mul(self, other: Self) -> Self {
         use Sign::{Mixed, NonNegative, NonPositive};
         if self.is_empty() || other.is_empty() {
@@ -91,10 +94,10 @@ impl Mul for Interval {
             (Mixed, NonNegative) => ((a, d), (b, d)),
             (Mixed, NonPositive) => ((b, c), (a, c)),
             (Mixed, Mixed) => {
-                return Self::raw(bound_down(a, d).min(bound_down(b, c)), bound_up(a, c).max(bound_up(b, d)));
+                return Self::made(bound_down(a, d).min(bound_down(b, c)), bound_up(a, c).max(bound_up(b, d)));
             }
         };
-        Self::raw(bound_down(p, q), bound_up(r, s))
+        Self::made(bound_down(p, q), bound_up(r, s))
     }
 }
 
@@ -103,6 +106,7 @@ impl Div for Interval {
 
     /// The hull of `{x / y : y != 0}`. A divisor of exactly zero gives the empty interval, one with zero inside gives
     /// everything, one with zero at an end a half line.
+    #[inline]
     fn div(self, other: Self) -> Self {
         if self.is_empty() || other.is_empty() || (other.lo == 0.0 && other.hi == 0.0) {
             return Self::EMPTY;
@@ -120,7 +124,7 @@ impl Div for Interval {
         let (a, b, c, d) = (self.lo, self.hi, other.lo, other.hi);
         let lo = if a >= 0.0 { quotient_down(a, d) } else { quotient_down(a, c) };
         let hi = if b <= 0.0 { quotient_up(b, d) } else { quotient_up(b, c) };
-        Self::raw(lo, hi)
+        Self::made(lo, hi)
     }
 }
 
@@ -161,7 +165,7 @@ impl Interval {
             return Self::EMPTY;
         }
         let (small, large) = (self.mignitude(), self.magnitude());
-        Self::raw(bound_down(small, small), bound_up(large, large))
+        Self::made(bound_down(small, small), bound_up(large, large))
     }
 
     /// The square root of the non-negative part; empty where there is none.
@@ -170,7 +174,7 @@ impl Interval {
         if self.is_empty() || self.hi < 0.0 {
             return Self::EMPTY;
         }
-        Self::raw(sqrt_down(self.lo.max(0.0)), sqrt_up(self.hi))
+        Self::made(sqrt_down(self.lo.max(0.0)), sqrt_up(self.hi))
     }
 
     /// `{|x|}`, exact.
@@ -179,7 +183,7 @@ impl Interval {
         if self.is_empty() {
             return Self::EMPTY;
         }
-        Self::raw(self.mignitude(), self.magnitude())
+        Self::made(self.mignitude(), self.magnitude())
     }
 
     /// `{x |x|}`, the quadratic drag law: odd and increasing, so both ends are those of the operand.
@@ -188,7 +192,7 @@ impl Interval {
         if self.is_empty() {
             return Self::EMPTY;
         }
-        Self::raw(
+        Self::made(
             if self.lo < 0.0 { -mul_up(self.lo, self.lo) } else { mul_down(self.lo, self.lo) },
             if self.hi < 0.0 { -mul_down(self.hi, self.hi) } else { mul_up(self.hi, self.hi) },
         )
@@ -200,7 +204,7 @@ impl Interval {
         if self.is_empty() || other.is_empty() {
             return Self::EMPTY;
         }
-        Self::raw(self.lo.max(other.lo), self.hi.max(other.hi))
+        Self::made(self.lo.max(other.lo), self.hi.max(other.hi))
     }
 
     /// `{min(x, y)}`, exact.
@@ -209,6 +213,6 @@ impl Interval {
         if self.is_empty() || other.is_empty() {
             return Self::EMPTY;
         }
-        Self::raw(self.lo.min(other.lo), self.hi.min(other.hi))
+        Self::made(self.lo.min(other.lo), self.hi.min(other.hi))
     }
 }

@@ -28,7 +28,7 @@ impl Interval {
         if excess == Ordering::Less {
             return Self::ENTIRE;
         }
-        Self::raw(sub_down(self.lo, y.lo), sub_up(self.hi, y.hi))
+        Self::made(sub_down(self.lo, y.lo), sub_up(self.hi, y.hi))
     }
 
     /// As [`cancel_minus`](Self::cancel_minus) with `-y`.

@@ -150,10 +150,8 @@ impl DecoratedInterval {
         let (interval, doubtful) = Interval::from_literal(bare)?;
         let Some(asked) = suffix else { return Ok((interval.into(), doubtful)) };
         // An interval that only its rounding made unbounded may still say com: it is weakened, not refused.
-        let bounded_text = matches!(
-            literal(bare),
-            Some(Literal::Bounds(Some(_), Some(_)) | Literal::Around(Some(_), Some(_)))
-        );
+        let bounded_text =
+            matches!(literal(bare), Some(Literal::Bounds(Some(_), Some(_)) | Literal::Around(Some(_), Some(_))));
         let carried = Self::new(interval, asked);
         let weakened = carried.decoration < asked && !(bounded_text && asked == Decoration::Com);
         if asked == Decoration::Ill || weakened { Err(refusal()) } else { Ok((carried, doubtful)) }

@@ -3,12 +3,14 @@
 
 use super::Interval;
 use crate::elementary as point;
-use crate::elementary::Bracket;
 
-/// `[f(a), f(b)]` for an increasing function.
-#[inline(always)]
-fn increasing(x: Interval, f: impl Fn(f64) -> Bracket) -> Interval {
-    if x.is_empty() { Interval::EMPTY } else { Interval::raw(f(x.lo).down, f(x.hi).up) }
+/// `[f(a), f(b)]` for an increasing function. A macro, because a function passed as a value would be compiled without the
+/// features of the slice kernels that this is inlined into.
+macro_rules! increasing {
+    ($x:expr, $f:path) => {{
+        let x = $x;
+        if x.is_empty() { Interval::EMPTY } else { Interval::made($f(x.lo).down, $f(x.hi).up) }
+    }};
 }
 
 /// Whether some integer `q` with `first < q <= last` is `residue` modulo `period`.
@@ -27,31 +29,29 @@ impl Interval {
     /// assert_eq!((e.lo(), e.hi()), (2.718281828459045, 2.7182818284590455));
     /// ```
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn exp(self) -> Self {
-        increasing(self, point::exp)
+        increasing!(self, point::exp)
     }
 
     /// `{2^x}`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn exp2(self) -> Self {
-        increasing(self, point::exp2)
+        increasing!(self, point::exp2)
     }
 
     /// `{10^x}`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn exp10(self) -> Self {
-        increasing(self, point::exp10)
+        increasing!(self, point::exp10)
     }
 
+    /// The members that have a logarithm, with 0 for their limit.
     #[inline(always)]
-    fn logarithm(self, f: impl Fn(f64) -> Bracket) -> Self {
-        if self.hi <= 0.0 {
-            return Self::EMPTY;
-        }
-        increasing(Self::raw(self.lo.max(0.0), self.hi), f)
+    fn positive_part(self) -> Self {
+        if self.hi <= 0.0 { Self::EMPTY } else { Self::made(self.lo.max(0.0), self.hi) }
     }
 
     /// `{ln x : x > 0}`.
@@ -63,48 +63,50 @@ impl Interval {
     /// # Ok::<(), interval_core::Error>(())
     /// ```
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn ln(self) -> Self {
-        self.logarithm(point::log)
+        increasing!(self.positive_part(), point::log)
     }
 
     /// `{log2 x : x > 0}`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn log2(self) -> Self {
-        self.logarithm(point::log2)
+        increasing!(self.positive_part(), point::log2)
     }
 
     /// `{log10 x : x > 0}`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn log10(self) -> Self {
-        self.logarithm(point::log10)
+        increasing!(self.positive_part(), point::log10)
     }
 
-    /// Range of the sine or cosine `f`, which has its maxima where a number of quarter turns `q = top` modulo 4 is
-    /// completed, and its minima two later.
+    /// Range of the sine or cosine, which has its maxima where a number of quarter turns `q = top` modulo 4 is completed, and
+    /// its minima two later.
     #[inline(always)]
-    fn wave(self, f: impl Fn(f64) -> Bracket, top: i64) -> Self {
+    fn wave(self, top: i64) -> Self {
         if self.is_empty() {
             return Self::EMPTY;
         }
         if !self.is_bounded() || self.hi - self.lo > 7.0 {
             return Self::UNIT;
         }
+        let a = point::Angle::new(self.lo);
         if self.lo == self.hi {
-            let value = f(self.lo);
-            return Self::raw(value.down, value.up);
+            let value = a.wave(top);
+            return Self::made(value.down, value.up);
         }
-        let (Some(first), Some(last)) = (point::quarter_turns(self.lo), point::quarter_turns(self.hi)) else {
+        let b = point::Angle::new(self.hi);
+        let (Some(first), Some(last)) = (a.quarter_turns(), b.quarter_turns()) else {
             return Self::UNIT;
         };
         let (low, high) = (passes(first, last, top + 2, 4), passes(first, last, top, 4));
         if low && high {
             return Self::UNIT;
         }
-        let (a, b) = (f(self.lo), f(self.hi));
-        Self::raw(if low { -1.0 } else { a.down.min(b.down) }, if high { 1.0 } else { a.up.max(b.up) })
+        let (a, b) = (a.wave(top), b.wave(top));
+        Self::made(if low { -1.0 } else { a.down.min(b.down) }, if high { 1.0 } else { a.up.max(b.up) })
     }
 
     /// `{sin x}`, x in radians.
@@ -115,21 +117,21 @@ impl Interval {
     /// # Ok::<(), interval_core::Error>(())
     /// ```
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn sin(self) -> Self {
-        self.wave(point::sin, 1)
+        self.wave(1)
     }
 
     /// `{cos x}`, x in radians.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn cos(self) -> Self {
-        self.wave(point::cos, 0)
+        self.wave(0)
     }
 
     /// `{tan x}`, x in radians; everything where a pole lies inside.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn tan(self) -> Self {
         if self.is_empty() {
             return Self::EMPTY;
@@ -137,37 +139,38 @@ impl Interval {
         if !self.is_bounded() {
             return Self::ENTIRE;
         }
-        if self.lo != self.hi {
-            let (Some(first), Some(last)) = (point::quarter_turns(self.lo), point::quarter_turns(self.hi)) else {
-                return Self::ENTIRE;
-            };
-            if passes(first, last, 1, 2) {
-                return Self::ENTIRE;
-            }
+        let a = point::Angle::new(self.lo);
+        if self.lo == self.hi {
+            let value = a.tan();
+            return Self::made(value.down, value.up);
         }
-        increasing(self, point::tan)
+        let b = point::Angle::new(self.hi);
+        match (a.quarter_turns(), b.quarter_turns()) {
+            (Some(first), Some(last)) if !passes(first, last, 1, 2) => Self::made(a.tan().down, b.tan().up),
+            _ => Self::ENTIRE,
+        }
     }
 
     /// `{asin x : -1 <= x <= 1}`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn asin(self) -> Self {
-        increasing(self.intersection(Self::UNIT), point::asin)
+        increasing!(self.intersection(Self::UNIT), point::asin)
     }
 
     /// `{acos x : -1 <= x <= 1}`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn acos(self) -> Self {
         let x = self.intersection(Self::UNIT);
-        if x.is_empty() { Self::EMPTY } else { Self::raw(point::acos(x.hi).down, point::acos(x.lo).up) }
+        if x.is_empty() { Self::EMPTY } else { Self::made(point::acos(x.hi).down, point::acos(x.lo).up) }
     }
 
     /// `{atan x}`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn atan(self) -> Self {
-        increasing(self, point::atan)
+        increasing!(self, point::atan)
     }
 
     /// `{atan2(y, x) : (x, y) != (0, 0)}` with `self` as `y`: the angle of the point (x, y) in (-pi, pi].
@@ -181,7 +184,7 @@ impl Interval {
     /// # Ok::<(), interval_core::Error>(())
     /// ```
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn atan2(self, x: Self) -> Self {
         let y = self;
         if y.is_empty() || x.is_empty() || (y == Self::ZERO && x == Self::ZERO) {
@@ -189,7 +192,7 @@ impl Interval {
         }
         if y.lo < 0.0 && y.hi >= 0.0 && x.lo < 0.0 {
             let turn = point::atan2(0.0, -1.0).up;
-            return Self::raw(-turn, turn);
+            return Self::made(-turn, turn);
         }
         if y.lo < 0.0 && y.hi <= 0.0 {
             return -Self::upper_half(-y, x);
@@ -198,7 +201,7 @@ impl Interval {
             return Self::upper_half(y, x);
         }
         // The right half plane: the steepest directions are at the smallest x.
-        Self::raw(point::atan2(y.lo, x.lo).down, point::atan2(y.hi, x.lo).up)
+        Self::made(point::atan2(y.lo, x.lo).down, point::atan2(y.hi, x.lo).up)
     }
 
     /// Angles of a box with `y >= 0`, which fall as `x` grows.
@@ -217,54 +220,54 @@ impl Interval {
         } else {
             point::atan2(y.hi, x.lo).up
         };
-        Self::raw(least, greatest)
+        Self::made(least, greatest)
     }
 
     /// `{sinh x}`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn sinh(self) -> Self {
-        increasing(self, point::sinh)
+        increasing!(self, point::sinh)
     }
 
     /// `{cosh x}`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn cosh(self) -> Self {
-        increasing(self.abs(), point::cosh)
+        increasing!(self.abs(), point::cosh)
     }
 
     /// `{tanh x}`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn tanh(self) -> Self {
-        increasing(self, point::tanh)
+        increasing!(self, point::tanh)
     }
 
     /// `{arsinh x}`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn asinh(self) -> Self {
-        increasing(self, point::asinh)
+        increasing!(self, point::asinh)
     }
 
     /// `{arcosh x : x >= 1}`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn acosh(self) -> Self {
         if self.hi < 1.0 {
             return Self::EMPTY;
         }
-        increasing(Self::raw(self.lo.max(1.0), self.hi), point::acosh)
+        increasing!(Self::made(self.lo.max(1.0), self.hi), point::acosh)
     }
 
     /// `{artanh x : -1 < x < 1}`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn atanh(self) -> Self {
         if self.hi <= -1.0 || self.lo >= 1.0 {
             return Self::EMPTY;
         }
-        increasing(self.intersection(Self::UNIT), point::atanh)
+        increasing!(self.intersection(Self::UNIT), point::atanh)
     }
 }

@@ -20,7 +20,7 @@ impl Interval {
         let corners = [(self.lo, y.lo), (self.lo, y.hi), (self.hi, y.lo), (self.hi, y.hi)];
         let lo = corners.iter().map(|&(p, q)| down(p, q, z.lo)).fold(f64::INFINITY, f64::min);
         let hi = corners.iter().map(|&(p, q)| up(p, q, z.hi)).fold(f64::NEG_INFINITY, f64::max);
-        Self::raw(lo, hi)
+        Self::made(lo, hi)
     }
 }
 

@@ -1,5 +1,7 @@
 //! Closed intervals of doubles.
 
+#![expect(clippy::inline_always, reason = "operations are compiled again inside functions with wider instruction sets")]
+
 mod arithmetic;
 mod cancel;
 mod decorated;
@@ -82,6 +84,12 @@ impl Interval {
     /// The caller has established the invariant.
     pub(crate) const fn raw(lo: f64, hi: f64) -> Self {
         Self { lo, hi }
+    }
+
+    /// The same for a computed result, in which no zero is negative: then equal intervals have equal bits.
+    #[inline(always)]
+    pub(crate) const fn made(lo: f64, hi: f64) -> Self {
+        Self { lo: lo + 0.0, hi: hi + 0.0 }
     }
 
     /// The lower bound; +inf for the empty interval.

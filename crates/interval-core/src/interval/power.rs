@@ -7,11 +7,7 @@ use crate::elementary::Bracket;
 /// `x^n` of a bound, `n > 0`: infinite bounds are limits.
 #[inline(always)]
 fn bound(x: f64, n: i32) -> Bracket {
-    if x.is_infinite() {
-        Bracket::exact(if n % 2 == 0 { f64::INFINITY } else { x })
-    } else {
-        point::pown(x, n)
-    }
+    if x.is_infinite() { Bracket::exact(if n % 2 == 0 { f64::INFINITY } else { x }) } else { point::pown(x, n) }
 }
 
 /// `x^n` of a bound that is not zero, `n < 0`.
@@ -43,7 +39,7 @@ impl Interval {
     /// # Ok::<(), interval_core::Error>(())
     /// ```
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn powi(self, n: i32) -> Self {
         if self.is_empty() {
             return Self::EMPTY;
@@ -56,7 +52,7 @@ impl Interval {
         }
         if n > 0 {
             let x = if n % 2 == 0 { self.abs() } else { self };
-            return Self::raw(bound(x.lo, n).down, bound(x.hi, n).up);
+            return Self::made(bound(x.lo, n).down, bound(x.hi, n).up);
         }
         if self.lo == 0.0 && self.hi == 0.0 {
             return Self::EMPTY;
@@ -67,7 +63,7 @@ impl Interval {
         }
         let lo = if x.hi == 0.0 { f64::NEG_INFINITY } else { reciprocal_bound(x.hi, n).down };
         let hi = if x.lo == 0.0 { f64::INFINITY } else { reciprocal_bound(x.lo, n).up };
-        Self::raw(lo, hi)
+        Self::made(lo, hi)
     }
 
     /// `{x^y : x > 0, or x = 0 and y > 0}`.
@@ -82,7 +78,7 @@ impl Interval {
     /// # Ok::<(), interval_core::Error>(())
     /// ```
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn pow(self, exponent: Self) -> Self {
         let y = exponent;
         if self.is_empty() || y.is_empty() || self.hi < 0.0 || (self.hi == 0.0 && y.hi <= 0.0) {
@@ -105,6 +101,6 @@ impl Interval {
         } else {
             (corner(a, d).down.min(corner(b, c).down), corner(a, c).up.max(corner(b, d).up))
         };
-        Self::raw(lo, hi)
+        Self::made(lo, hi)
     }
 }

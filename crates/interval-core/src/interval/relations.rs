@@ -104,10 +104,7 @@ impl Interval {
     #[must_use]
     pub fn strict_less(self, other: Self) -> bool {
         (self.is_empty() && other.is_empty())
-            || (!self.is_empty()
-                && !other.is_empty()
-                && strictly(self.lo, other.lo)
-                && strictly(self.hi, other.hi))
+            || (!self.is_empty() && !other.is_empty() && strictly(self.lo, other.lo) && strictly(self.hi, other.hi))
     }
 
     /// Whether no member of `self` lies above one of `other`.

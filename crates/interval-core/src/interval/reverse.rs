@@ -12,7 +12,7 @@ fn clip(x: Interval, from: Bracket, to: Bracket) -> Interval {
     if x.is_empty() || x.lo > to.down || x.hi < from.up {
         return Interval::EMPTY;
     }
-    Interval::raw(if x.lo >= from.up { x.lo } else { from.down }, if x.hi <= to.down { x.hi } else { to.up })
+    Interval::made(if x.lo >= from.up { x.lo } else { from.down }, if x.hi <= to.down { x.hi } else { to.up })
 }
 
 /// An end of a set of solutions; a limit that no solution attains is open, and a double.
@@ -30,7 +30,6 @@ fn clip_ends(x: Interval, from: End, to: End) -> Interval {
     clip(x, from.at, to.at)
 }
 
-
 /// The hull of the parts of `x` on `[from, to]` and on `[-to, -from]`.
 fn clip_both(x: Interval, from: Bracket, to: Bracket) -> Interval {
     clip(x, to.neg(), from.neg()).hull(clip(x, from, to))
@@ -43,11 +42,7 @@ fn square_root(x: f64) -> Bracket {
 /// The branches of a periodic function on whose pieces `n` it is monotone: least and greatest solutions in `x`.
 ///
 /// `branch(n)` are the ends of the solutions on piece `n`, which has some; `piece(t)` is the number of the piece of `t`.
-fn periodic(
-    x: Interval,
-    piece: impl Fn(f64) -> Option<i64>,
-    branch: impl Fn(i64) -> (Bracket, Bracket),
-) -> Interval {
+fn periodic(x: Interval, piece: impl Fn(f64) -> Option<i64>, branch: impl Fn(i64) -> (Bracket, Bracket)) -> Interval {
     let part = |n: i64| {
         let (from, to) = branch(n);
         clip(x, from, to)
@@ -64,7 +59,7 @@ fn periodic(
         // Beyond 4e18 neighbouring doubles lie many periods apart; x itself encloses.
         return x;
     };
-    if first.is_empty() || last.is_empty() { Interval::EMPTY } else { Interval::raw(first.lo, last.hi) }
+    if first.is_empty() || last.is_empty() { Interval::EMPTY } else { Interval::made(first.lo, last.hi) }
 }
 
 /// `n pi + sign v` for the angle `v` that `angle` computes on balls; `v` itself where `n` is 0.
@@ -131,12 +126,12 @@ impl Interval {
         if n == 0 {
             return if self.contains(1.0) { x } else { Self::EMPTY };
         }
-        let positive = Self::raw(self.lo.max(0.0), self.hi);
+        let positive = Self::made(self.lo.max(0.0), self.hi);
         let right = if positive.lo > positive.hi { Self::EMPTY } else { positive_roots(positive, n, x) };
         let left = if n % 2 == 0 {
             if positive.lo > positive.hi { Self::EMPTY } else { -positive_roots(positive, n, -x) }
         } else {
-            let negative = -Self::raw(self.lo, self.hi.min(0.0));
+            let negative = -Self::made(self.lo, self.hi.min(0.0));
             if negative.lo > negative.hi { Self::EMPTY } else { -positive_roots(negative, n, -x) }
         };
         left.hull(right)
@@ -160,7 +155,7 @@ impl Interval {
         let end = |n, sign, v: f64| shifted_angle(n, sign, point::asin(v), |p| asin_ball(v, p));
         periodic(
             x,
-            |t| point::quarter_turns(t).map(|q| (q + 1).div_euclid(2)),
+            |t| point::Angle::new(t).quarter_turns().map(|q| (q + 1).div_euclid(2)),
             |n| if n % 2 == 0 { (end(n, 1, c.lo), end(n, 1, c.hi)) } else { (end(n, -1, c.hi), end(n, -1, c.lo)) },
         )
     }
@@ -176,7 +171,7 @@ impl Interval {
         let end = |n, sign, v: f64| shifted_angle(n, sign, point::acos(v), |p| acos_ball(v, p));
         periodic(
             x,
-            |t| point::quarter_turns(t).map(|q| q.div_euclid(2)),
+            |t| point::Angle::new(t).quarter_turns().map(|q| q.div_euclid(2)),
             |n| {
                 if n % 2 == 0 {
                     (end(n, 1, c.hi), end(n, 1, c.lo))
@@ -203,7 +198,7 @@ impl Interval {
         };
         periodic(
             x,
-            |t| point::quarter_turns(t).map(|q| (q + 1).div_euclid(2)),
+            |t| point::Angle::new(t).quarter_turns().map(|q| (q + 1).div_euclid(2)),
             |n| (end(n, self.lo), end(n, self.hi)),
         )
     }
@@ -246,8 +241,8 @@ impl Interval {
             return [Self::ENTIRE, Self::EMPTY];
         }
         // The two halves of b apart; the one that is only zero has no quotient.
-        let left = c / Self::raw(b.lo, 0.0);
-        let right = c / Self::raw(0.0, b.hi);
+        let left = c / Self::made(b.lo, 0.0);
+        let right = c / Self::made(0.0, b.hi);
         let mut parts = if c.lo > 0.0 { [left, right] } else { [right, left] };
         if parts[0].is_empty() {
             parts.swap(0, 1);
@@ -363,7 +358,8 @@ impl Interval {
     /// ```
     #[must_use]
     pub fn pow_rev_base(self, c: Self, x: Self) -> Self {
-        let (y, c, x) = (self, c.intersection(Self::raw(0.0, f64::INFINITY)), x.intersection(Self::raw(0.0, f64::INFINITY)));
+        let (y, c, x) =
+            (self, c.intersection(Self::made(0.0, f64::INFINITY)), x.intersection(Self::made(0.0, f64::INFINITY)));
         if y.is_empty() || c.is_empty() || x.is_empty() {
             return Self::EMPTY;
         }
@@ -395,17 +391,13 @@ impl Interval {
     /// ```
     #[must_use]
     pub fn pow_rev_exponent(self, c: Self, x: Self) -> Self {
-        let half_line = Self::raw(0.0, f64::INFINITY);
+        let half_line = Self::made(0.0, f64::INFINITY);
         let (b, c) = (self.intersection(half_line), c.intersection(half_line));
         if b.is_empty() || c.is_empty() || x.is_empty() {
             return Self::EMPTY;
         }
         // 0^t = 0 for t > 0.
-        let zero_base = if b.lo == 0.0 && c.lo == 0.0 && x.hi > 0.0 {
-            x.intersection(half_line)
-        } else {
-            Self::EMPTY
-        };
+        let zero_base = if b.lo == 0.0 && c.lo == 0.0 && x.hi > 0.0 { x.intersection(half_line) } else { Self::EMPTY };
         if b.hi == 0.0 || c.hi == 0.0 {
             return zero_base;
         }

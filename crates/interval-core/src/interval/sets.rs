@@ -30,13 +30,13 @@ impl Interval {
     /// The common members.
     #[must_use]
     pub fn intersection(self, other: Self) -> Self {
-        let common = Self::raw(self.lo.max(other.lo), self.hi.min(other.hi));
+        let common = Self::made(self.lo.max(other.lo), self.hi.min(other.hi));
         if common.is_empty() { Self::EMPTY } else { common }
     }
 
     /// The smallest interval that holds both.
     #[must_use]
     pub fn hull(self, other: Self) -> Self {
-        Self::raw(self.lo.min(other.lo), self.hi.max(other.hi))
+        Self::made(self.lo.min(other.lo), self.hi.max(other.hi))
     }
 }

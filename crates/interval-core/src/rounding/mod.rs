@@ -5,6 +5,7 @@
 //! processor is never touched.
 
 mod scalar;
+pub mod slices;
 
 pub use scalar::{
     add_down, add_up, div_down, div_up, fma_down, fma_up, mul_down, mul_up, sqrt_down, sqrt_up, sub_down, sub_up,

@@ -1,0 +1,133 @@
+//! Eight doubles in a register of AVX-512, whose instructions carry their rounding with them.
+
+#![expect(unsafe_code, reason = "intrinsics; reached only through the door, which has asked the processor")]
+
+use super::door::Block;
+use std::arch::x86_64::{
+    __m512d, __mmask8, _CMP_LE_OQ, _CMP_LT_OQ, _CMP_UNORD_Q, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEG_INF,
+    _MM_FROUND_TO_POS_INF, _mm512_add_pd, _mm512_add_round_pd, _mm512_castpd_si512, _mm512_castsi512_pd,
+    _mm512_cmp_pd_mask, _mm512_div_round_pd, _mm512_loadu_pd, _mm512_mask_blend_pd, _mm512_max_pd, _mm512_min_pd,
+    _mm512_mul_round_pd, _mm512_set1_epi64, _mm512_set1_pd, _mm512_setzero_pd, _mm512_sqrt_round_pd, _mm512_storeu_pd,
+    _mm512_sub_pd, _mm512_sub_round_pd, _mm512_xor_si512,
+};
+
+const DOWN: i32 = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
+const UP: i32 = _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC;
+
+/// Eight doubles.
+#[derive(Clone, Copy)]
+pub(super) struct Avx512(__m512d);
+
+type Outcome = (Avx512, Avx512, bool);
+
+// SAFETY of every block below: the door calls these functions only inside functions with AVX-512F, on a processor that has
+// it; loads and stores are of slices whose length is asserted.
+impl Block for Avx512 {
+    const N: usize = 8;
+
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        assert!(from.len() >= 8);
+        Self(unsafe { _mm512_loadu_pd(from.as_ptr()) })
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        assert!(to.len() >= 8);
+        unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
+    }
+}
+
+/// -0 becomes +0.
+#[inline(always)]
+fn plain_zero(x: __m512d) -> Avx512 {
+    Avx512(unsafe { _mm512_add_pd(x, _mm512_setzero_pd()) })
+}
+
+#[inline(always)]
+fn neg(x: __m512d) -> __m512d {
+    unsafe { _mm512_castsi512_pd(_mm512_xor_si512(_mm512_castpd_si512(x), _mm512_set1_epi64(i64::MIN))) }
+}
+
+#[inline(always)]
+fn less(x: __m512d, y: __m512d) -> __mmask8 {
+    unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(x, y) }
+}
+
+#[inline(always)]
+fn select(mask: __mmask8, yes: __m512d, no: __m512d) -> __m512d {
+    unsafe { _mm512_mask_blend_pd(mask, no, yes) }
+}
+
+/// Whether no lane is NaN or infinite: the difference of the bounds tells.
+#[inline(always)]
+fn bounded(lo: __m512d, hi: __m512d) -> bool {
+    unsafe { less(_mm512_sub_pd(hi, lo), _mm512_set1_pd(f64::INFINITY)) == 0xff }
+}
+
+/// Infinities add up to what they should; only an empty operand beside an unbounded one gives NaN.
+#[inline(always)]
+pub(super) fn add(a: Avx512, b: Avx512, c: Avx512, d: Avx512) -> Outcome {
+    unsafe {
+        let (lo, hi) = (_mm512_add_round_pd::<DOWN>(a.0, c.0), _mm512_add_round_pd::<UP>(b.0, d.0));
+        (plain_zero(lo), plain_zero(hi), _mm512_cmp_pd_mask::<_CMP_UNORD_Q>(lo, hi) == 0)
+    }
+}
+
+#[inline(always)]
+pub(super) fn sub(a: Avx512, b: Avx512, c: Avx512, d: Avx512) -> Outcome {
+    unsafe {
+        let (lo, hi) = (_mm512_sub_round_pd::<DOWN>(a.0, d.0), _mm512_sub_round_pd::<UP>(b.0, c.0));
+        (plain_zero(lo), plain_zero(hi), _mm512_cmp_pd_mask::<_CMP_UNORD_Q>(lo, hi) == 0)
+    }
+}
+
+/// As the kernel's: two products a bound, chosen by the signs of `a` and `b`. A product of zero and infinity is NaN; where
+/// the minimum or maximum passes over it the other product is the right result, else the result is not bounded.
+#[inline(always)]
+pub(super) fn mul(a: Avx512, b: Avx512, c: Avx512, d: Avx512) -> Outcome {
+    unsafe {
+        let zero = _mm512_setzero_pd();
+        let (a_negative, b_negative) = (less(a.0, zero), less(b.0, zero));
+        let (ya, za) = (select(a_negative, d.0, c.0), select(a_negative, c.0, d.0));
+        let (yb, zb) = (select(b_negative, d.0, c.0), select(b_negative, c.0, d.0));
+        let lo = _mm512_min_pd(_mm512_mul_round_pd::<DOWN>(a.0, ya), _mm512_mul_round_pd::<DOWN>(b.0, yb));
+        let hi = _mm512_max_pd(_mm512_mul_round_pd::<UP>(a.0, za), _mm512_mul_round_pd::<UP>(b.0, zb));
+        (plain_zero(lo), plain_zero(hi), bounded(lo, hi))
+    }
+}
+
+#[inline(always)]
+pub(super) fn div(a: Avx512, b: Avx512, c: Avx512, d: Avx512) -> Outcome {
+    unsafe {
+        let zero = _mm512_setzero_pd();
+        let turn = less(d.0, zero);
+        let (a, b) = (select(turn, neg(b.0), a.0), select(turn, neg(a.0), b.0));
+        let (c, d) = (select(turn, neg(d.0), c.0), select(turn, neg(c.0), d.0));
+        let lo = _mm512_div_round_pd::<DOWN>(a, select(less(a, zero), c, d));
+        let hi = _mm512_div_round_pd::<UP>(b, select(less(b, zero), d, c));
+        // A bounded quotient of non-empty intervals by one without zero; an empty divisor turns into c > d.
+        let ordered = _mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b) & _mm512_cmp_pd_mask::<_CMP_LE_OQ>(c, d);
+        let sound = (ordered & less(zero, c)) == 0xff && bounded(lo, hi);
+        (plain_zero(lo), plain_zero(hi), sound)
+    }
+}
+
+#[inline(always)]
+pub(super) fn square(a: Avx512, b: Avx512) -> Outcome {
+    unsafe {
+        let small = _mm512_max_pd(_mm512_max_pd(a.0, neg(b.0)), _mm512_setzero_pd());
+        let large = _mm512_max_pd(neg(a.0), b.0);
+        let (lo, hi) = (_mm512_mul_round_pd::<DOWN>(small, small), _mm512_mul_round_pd::<UP>(large, large));
+        // An empty interval has an infinite smallest magnitude.
+        (plain_zero(lo), plain_zero(hi), bounded(lo, hi))
+    }
+}
+
+#[inline(always)]
+pub(super) fn sqrt(a: Avx512, b: Avx512) -> Outcome {
+    unsafe {
+        let lo = _mm512_sqrt_round_pd::<DOWN>(_mm512_max_pd(a.0, _mm512_setzero_pd()));
+        let hi = _mm512_sqrt_round_pd::<UP>(b.0);
+        (plain_zero(lo), plain_zero(hi), bounded(lo, hi))
+    }
+}

@@ -1,0 +1,293 @@
+//! The door: operations by name, the back end chosen once, loops over blocks.
+
+#![cfg_attr(target_arch = "x86_64", expect(unsafe_code, reason = "calls of functions whose features were asked for"))]
+
+use super::kernel::{self, Lanes};
+use super::operations::{Binary, Bounds, BoundsMut, Unary};
+use super::portable::Portable;
+use crate::error::Error;
+use crate::interval::Interval;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::OnceLock;
+
+/// Where the operations on slices run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Backend {
+    /// The instructions that every processor of the architecture has.
+    Portable,
+    /// AVX2 and FMA.
+    Avx2,
+    /// AVX-512F, with AVX2 and FMA.
+    Avx512,
+}
+
+impl Backend {
+    /// All of them, the most capable last.
+    pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
+
+    /// Whether this processor has it.
+    #[must_use]
+    pub fn is_available(self) -> bool {
+        match self {
+            Self::Portable => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => is_x86_feature_detected!("avx512f") && Self::Avx2.is_available(),
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => false,
+        }
+    }
+
+    /// The one in use: the most capable that this processor has.
+    ///
+    /// ```
+    /// use interval_core::rounding::slices::Backend;
+    /// assert!(Backend::chosen().is_available());
+    /// ```
+    #[must_use]
+    pub fn chosen() -> Self {
+        static CHOSEN: OnceLock<Backend> = OnceLock::new();
+        *CHOSEN.get_or_init(|| {
+            Self::ALL.into_iter().rev().find(|backend| backend.is_available()).unwrap_or(Self::Portable)
+        })
+    }
+
+    /// `portable`, `avx2` or `avx512`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Portable => "portable",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+        }
+    }
+}
+
+/// A vector that blocks of a slice are read into.
+pub(super) trait Block: Copy {
+    const N: usize;
+    fn load(from: &[f64]) -> Self;
+    fn store(self, to: &mut [f64]);
+}
+
+impl<L: Lanes> Block for L {
+    const N: usize = <L as Lanes>::N;
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        <L as Lanes>::load(from)
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        <L as Lanes>::store(self, to);
+    }
+}
+
+// The loops over blocks: `fast` on two vectors at a time, `slow` on the intervals of a block for which it is not sound and on
+// the rest. Macros, because a function passed as a value would be compiled without the features of the caller.
+macro_rules! unary_blocks {
+    ($block:ty, $x:ident, $out:ident, $fast:path, $slow:expr) => {{
+        let n = <$block as Block>::N;
+        let mut start = 0;
+        let operands = $x.lo.chunks_exact(2 * n).zip($x.hi.chunks_exact(2 * n));
+        let results = $out.lo.chunks_exact_mut(2 * n).zip($out.hi.chunks_exact_mut(2 * n));
+        for ((a, b), (low, high)) in operands.zip(results) {
+            let ((a, a2), (b, b2)) = (a.split_at(n), b.split_at(n));
+            let (lo, hi, sound) = $fast(<$block>::load(a), <$block>::load(b));
+            let (lo2, hi2, sound2) = $fast(<$block>::load(a2), <$block>::load(b2));
+            if sound & sound2 {
+                lo.store(&mut low[..n]);
+                hi.store(&mut high[..n]);
+                lo2.store(&mut low[n..]);
+                hi2.store(&mut high[n..]);
+            } else {
+                for k in 0..2 * n {
+                    let result: Interval = $slow($x.get(start + k));
+                    (low[k], high[k]) = (result.lo(), result.hi());
+                }
+            }
+            start += 2 * n;
+        }
+        for k in start..$x.lo.len() {
+            $out.set(k, $slow($x.get(k)));
+        }
+    }};
+}
+
+macro_rules! binary_blocks {
+    ($block:ty, $x:ident, $y:ident, $out:ident, $fast:path, $slow:expr) => {{
+        let n = <$block as Block>::N;
+        let mut start = 0;
+        let first = $x.lo.chunks_exact(2 * n).zip($x.hi.chunks_exact(2 * n));
+        let second = $y.lo.chunks_exact(2 * n).zip($y.hi.chunks_exact(2 * n));
+        let results = $out.lo.chunks_exact_mut(2 * n).zip($out.hi.chunks_exact_mut(2 * n));
+        for (((a, b), (c, d)), (low, high)) in first.zip(second).zip(results) {
+            let ((a, a2), (b, b2)) = (a.split_at(n), b.split_at(n));
+            let ((c, c2), (d, d2)) = (c.split_at(n), d.split_at(n));
+            let (lo, hi, sound) = $fast(<$block>::load(a), <$block>::load(b), <$block>::load(c), <$block>::load(d));
+            let (lo2, hi2, sound2) =
+                $fast(<$block>::load(a2), <$block>::load(b2), <$block>::load(c2), <$block>::load(d2));
+            if sound & sound2 {
+                lo.store(&mut low[..n]);
+                hi.store(&mut high[..n]);
+                lo2.store(&mut low[n..]);
+                hi2.store(&mut high[n..]);
+            } else {
+                for k in 0..2 * n {
+                    let result: Interval = $slow($x.get(start + k), $y.get(start + k));
+                    (low[k], high[k]) = (result.lo(), result.hi());
+                }
+            }
+            start += 2 * n;
+        }
+        for k in start..$x.lo.len() {
+            $out.set(k, $slow($x.get(k), $y.get(k)));
+        }
+    }};
+}
+
+/// The transformations on vectors `L`, the rest one by one.
+#[inline(always)]
+fn unary_on<L: Lanes>(op: Unary, x: Bounds<'_>, mut out: BoundsMut<'_>) {
+    match op {
+        Unary::Neg => unary_blocks!(L, x, out, kernel::neg, Neg::neg),
+        Unary::Abs => unary_blocks!(L, x, out, kernel::abs, Interval::abs),
+        Unary::Square => unary_blocks!(L, x, out, kernel::square, Interval::square),
+        Unary::Sqrt => unary_blocks!(L, x, out, kernel::sqrt, Interval::sqrt),
+        _ => op.one_by_one(x, out),
+    }
+}
+
+#[inline(always)]
+fn binary_on<L: Lanes>(op: Binary, x: Bounds<'_>, y: Bounds<'_>, mut out: BoundsMut<'_>) {
+    match op {
+        Binary::Add => binary_blocks!(L, x, y, out, kernel::add, Add::add),
+        Binary::Sub => binary_blocks!(L, x, y, out, kernel::sub, Sub::sub),
+        Binary::Mul => binary_blocks!(L, x, y, out, kernel::mul, Mul::mul),
+        Binary::Div => binary_blocks!(L, x, y, out, kernel::div, Div::div),
+        Binary::Min => binary_blocks!(L, x, y, out, kernel::min, Interval::min),
+        Binary::Max => binary_blocks!(L, x, y, out, kernel::max, Interval::max),
+        Binary::Hull => binary_blocks!(L, x, y, out, kernel::hull, Interval::hull),
+        Binary::Intersection => binary_blocks!(L, x, y, out, kernel::intersection, Interval::intersection),
+        _ => op.one_by_one((x, y), out),
+    }
+}
+
+/// Functions compiled for processors that have more than the baseline.
+#[cfg(target_arch = "x86_64")]
+mod wide {
+    use super::super::avx2::Avx2;
+    use super::super::avx512::{self, Avx512};
+    use super::{Add, Binary, Block, Bounds, BoundsMut, Div, Interval, Mul, Sub, Unary, binary_on, unary_on};
+
+    #[target_feature(enable = "avx2,fma")]
+    pub fn unary_avx2(op: Unary, x: Bounds<'_>, out: BoundsMut<'_>) {
+        unary_on::<Avx2>(op, x, out);
+    }
+
+    #[target_feature(enable = "avx2,fma")]
+    pub fn binary_avx2(op: Binary, x: Bounds<'_>, y: Bounds<'_>, out: BoundsMut<'_>) {
+        binary_on::<Avx2>(op, x, y, out);
+    }
+
+    #[target_feature(enable = "avx512f,avx2,fma")]
+    pub fn unary_avx512(op: Unary, x: Bounds<'_>, mut out: BoundsMut<'_>) {
+        match op {
+            Unary::Square => unary_blocks!(Avx512, x, out, avx512::square, Interval::square),
+            Unary::Sqrt => unary_blocks!(Avx512, x, out, avx512::sqrt, Interval::sqrt),
+            _ => unary_on::<Avx2>(op, x, out),
+        }
+    }
+
+    #[target_feature(enable = "avx512f,avx2,fma")]
+    pub fn binary_avx512(op: Binary, x: Bounds<'_>, y: Bounds<'_>, mut out: BoundsMut<'_>) {
+        match op {
+            Binary::Add => binary_blocks!(Avx512, x, y, out, avx512::add, Add::add),
+            Binary::Sub => binary_blocks!(Avx512, x, y, out, avx512::sub, Sub::sub),
+            Binary::Mul => binary_blocks!(Avx512, x, y, out, avx512::mul, Mul::mul),
+            Binary::Div => binary_blocks!(Avx512, x, y, out, avx512::div, Div::div),
+            _ => binary_on::<Avx2>(op, x, y, out),
+        }
+    }
+}
+
+fn fits(what: &'static str, given: usize, needed: usize) -> Result<(), Error> {
+    if given == needed { Ok(()) } else { Err(Error::Shape { what, given, needed }) }
+}
+
+/// `op` on every interval of a slice.
+///
+/// # Errors
+/// Different lengths.
+///
+/// ```
+/// use interval_core::rounding::slices::{Bounds, BoundsMut, Unary, unary};
+/// let (mut lo, mut hi) = ([0.0; 2], [0.0; 2]);
+/// let x = Bounds::new(&[1.0, -2.0], &[2.0, 1.0])?;
+/// unary(Unary::Square, x, BoundsMut { lo: &mut lo, hi: &mut hi })?;
+/// assert_eq!((lo, hi), ([1.0, 0.0], [4.0, 4.0]));
+/// # Ok::<(), interval_core::Error>(())
+/// ```
+pub fn unary(op: Unary, x: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> {
+    unary_with(Backend::chosen(), op, x, out)
+}
+
+/// `op` on every pair of intervals of two slices.
+///
+/// # Errors
+/// Different lengths.
+///
+/// ```
+/// use interval_core::rounding::slices::{Binary, Bounds, BoundsMut, binary};
+/// let (mut lo, mut hi) = ([0.0], [0.0]);
+/// let (x, y) = (Bounds::new(&[1.0], &[2.0])?, Bounds::new(&[-3.0], &[4.0])?);
+/// binary(Binary::Mul, x, y, BoundsMut { lo: &mut lo, hi: &mut hi })?;
+/// assert_eq!((lo, hi), ([-6.0], [8.0]));
+/// # Ok::<(), interval_core::Error>(())
+/// ```
+pub fn binary(op: Binary, x: Bounds<'_>, y: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> {
+    binary_with(Backend::chosen(), op, x, y, out)
+}
+
+/// [`unary`] on a back end of the caller's choice; the portable one where the processor lacks it.
+///
+/// # Errors
+/// Different lengths.
+pub fn unary_with(backend: Backend, op: Unary, x: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> {
+    fits("the lower result", out.lo.len(), x.lo.len())?;
+    fits("the upper result", out.hi.len(), x.lo.len())?;
+    match backend {
+        // SAFETY: the features were found on this processor.
+        #[cfg(target_arch = "x86_64")]
+        Backend::Avx512 if backend.is_available() => unsafe { wide::unary_avx512(op, x, out) },
+        #[cfg(target_arch = "x86_64")]
+        Backend::Avx2 if backend.is_available() => unsafe { wide::unary_avx2(op, x, out) },
+        _ => unary_on::<Portable>(op, x, out),
+    }
+    Ok(())
+}
+
+/// [`binary`] on a back end of the caller's choice; the portable one where the processor lacks it.
+///
+/// # Errors
+/// Different lengths.
+pub fn binary_with(
+    backend: Backend,
+    op: Binary,
+    x: Bounds<'_>,
+    y: Bounds<'_>,
+    out: BoundsMut<'_>,
+) -> Result<(), Error> {
+    fits("the second operand", y.lo.len(), x.lo.len())?;
+    fits("the lower result", out.lo.len(), x.lo.len())?;
+    fits("the upper result", out.hi.len(), x.lo.len())?;
+    match backend {
+        // SAFETY: the features were found on this processor.
+        #[cfg(target_arch = "x86_64")]
+        Backend::Avx512 if backend.is_available() => unsafe { wide::binary_avx512(op, x, y, out) },
+        #[cfg(target_arch = "x86_64")]
+        Backend::Avx2 if backend.is_available() => unsafe { wide::binary_avx2(op, x, y, out) },
+        _ => binary_on::<Portable>(op, x, y, out),
+    }
+    Ok(())
+}

@@ -1,0 +1,26 @@
+//! Interval operations on slices: one door, several back ends, the same bits from each.
+//!
+//! Results are the tightest intervals, which are unique, and a zero is always +0: so whichever back end the processor
+//! allows, and however a slice is cut, the bits are those of the operators of [`Interval`].
+//!
+//! - *portable*: error-free transformations on small arrays that the compiler turns into the vector registers of the
+//!   baseline (SSE2, NEON); products by Dekker's splitting where no fused multiply-add is at hand.
+//! - *AVX2 + FMA*: the same transformations with intrinsics.
+//! - *AVX-512*: the instructions round downward and upward themselves.
+//!
+//! Blocks with operands on which a transformation is not exact (infinities, empty intervals, results near the ends of the
+//! range) are redone one interval at a time.
+
+#![expect(clippy::inline_always, reason = "kernels are compiled inside functions with wider instruction sets")]
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod door;
+mod kernel;
+mod operations;
+mod portable;
+
+pub use door::{Backend, binary, binary_with, unary, unary_with};
+pub use operations::{Binary, Bounds, BoundsMut, Unary};

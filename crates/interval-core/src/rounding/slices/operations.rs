@@ -1,0 +1,167 @@
+//! The operations by name, and the slices they read and write.
+
+use crate::error::Error;
+use crate::interval::Interval;
+
+/// Lower and upper bounds of the intervals of a slice; the empty one is `[inf, -inf]`.
+#[derive(Debug, Clone, Copy)]
+pub struct Bounds<'a> {
+    pub(super) lo: &'a [f64],
+    pub(super) hi: &'a [f64],
+}
+
+impl<'a> Bounds<'a> {
+    /// Bounds that satisfy the invariant of [`Interval`].
+    ///
+    /// # Errors
+    /// Different lengths, NaN, reversed bounds other than the empty interval, and intervals without a finite point.
+    pub fn new(lo: &'a [f64], hi: &'a [f64]) -> Result<Self, Error> {
+        if lo.len() != hi.len() {
+            return Err(Error::Shape { what: "the upper bound", given: hi.len(), needed: lo.len() });
+        }
+        // One sweep without a branch decides; only a refusal looks for its place.
+        let sound = lo.iter().zip(hi).fold(true, |sound, (&l, &h)| {
+            let proper = (l <= h) & (l < f64::INFINITY) & (h > f64::NEG_INFINITY);
+            let empty = (l == f64::INFINITY) & (h == f64::NEG_INFINITY);
+            sound & (proper | empty)
+        });
+        if !sound {
+            for (index, (&l, &h)) in lo.iter().zip(hi).enumerate() {
+                if !(l == f64::INFINITY && h == f64::NEG_INFINITY) {
+                    Interval::at(l, h, index)?;
+                }
+            }
+        }
+        Ok(Self { lo, hi })
+    }
+
+    pub(super) fn get(self, i: usize) -> Interval {
+        Interval::raw(self.lo[i], self.hi[i])
+    }
+}
+
+/// Where results go: two slices of the operands' length.
+#[derive(Debug)]
+pub struct BoundsMut<'a> {
+    /// Lower bounds.
+    pub lo: &'a mut [f64],
+    /// Upper bounds.
+    pub hi: &'a mut [f64],
+}
+
+impl BoundsMut<'_> {
+    pub(super) fn set(&mut self, i: usize, x: Interval) {
+        (self.lo[i], self.hi[i]) = (x.lo(), x.hi());
+    }
+}
+
+// Loops as macros: a closure would be compiled without the features of the function that the loop stands in.
+macro_rules! unary_each {
+    ($x:ident, $out:ident, $f:expr) => {
+        for k in 0..$x.lo.len() {
+            $out.set(k, $f($x.get(k)));
+        }
+    };
+}
+
+macro_rules! binary_each {
+    ($operands:ident, $out:ident, $f:expr) => {{
+        let (x, y) = $operands;
+        for k in 0..x.lo.len() {
+            $out.set(k, $f(x.get(k), y.get(k)));
+        }
+    }};
+}
+
+/// Operations by name, each with the function of [`Interval`] that it is.
+macro_rules! operations {
+    ($(#[$doc:meta])* $kind:ident, $each:ident, $operands:ty, $signature:ty,
+     $($name:ident $text:literal => $f:expr,)*) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum $kind {
+            $(#[doc = concat!("`", stringify!($f), "`.")] $name,)*
+        }
+
+        impl $kind {
+            /// All of them.
+            pub const ALL: &'static [Self] = &[$(Self::$name,)*];
+
+            /// The name by which [`from_name`](Self::from_name) knows it.
+            #[must_use]
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$name => $text,)* }
+            }
+
+            /// The operation of that name.
+            #[must_use]
+            pub fn from_name(name: &str) -> Option<Self> {
+                match name { $($text => Some(Self::$name),)* _ => None }
+            }
+
+            /// The operation on one interval: what every back end computes, bit for bit.
+            #[must_use]
+            pub fn scalar(self) -> $signature {
+                match self { $(Self::$name => $f,)* }
+            }
+
+            /// One interval after the other, compiled with the features of the caller.
+            #[inline(always)]
+            pub(super) fn one_by_one(self, operands: $operands, mut out: BoundsMut<'_>) {
+                match self { $(Self::$name => $each!(operands, out, $f),)* }
+            }
+        }
+    };
+}
+
+operations! {
+    /// Operations of one operand.
+    Unary, unary_each, Bounds<'_>, fn(Interval) -> Interval,
+    Neg "neg" => |x: Interval| -x,
+    Abs "abs" => Interval::abs,
+    Square "square" => Interval::square,
+    SignedSquare "signed_square" => Interval::signed_square,
+    Sqrt "sqrt" => Interval::sqrt,
+    Recip "recip" => Interval::recip,
+    Exp "exp" => Interval::exp,
+    Exp2 "exp2" => Interval::exp2,
+    Exp10 "exp10" => Interval::exp10,
+    Ln "ln" => Interval::ln,
+    Log2 "log2" => Interval::log2,
+    Log10 "log10" => Interval::log10,
+    Sin "sin" => Interval::sin,
+    Cos "cos" => Interval::cos,
+    Tan "tan" => Interval::tan,
+    Asin "asin" => Interval::asin,
+    Acos "acos" => Interval::acos,
+    Atan "atan" => Interval::atan,
+    Sinh "sinh" => Interval::sinh,
+    Cosh "cosh" => Interval::cosh,
+    Tanh "tanh" => Interval::tanh,
+    Asinh "asinh" => Interval::asinh,
+    Acosh "acosh" => Interval::acosh,
+    Atanh "atanh" => Interval::atanh,
+    Sign "sign" => Interval::sign,
+    Ceil "ceil" => Interval::ceil,
+    Floor "floor" => Interval::floor,
+    Trunc "trunc" => Interval::trunc,
+    RoundTiesEven "round_ties_even" => Interval::round_ties_even,
+    Round "round" => Interval::round,
+}
+
+operations! {
+    /// Operations of two operands.
+    Binary, binary_each, (Bounds<'_>, Bounds<'_>), fn(Interval, Interval) -> Interval,
+    Add "add" => |x: Interval, y: Interval| x + y,
+    Sub "sub" => |x: Interval, y: Interval| x - y,
+    Mul "mul" => |x: Interval, y: Interval| x * y,
+    Div "div" => |x: Interval, y: Interval| x / y,
+    Min "min" => Interval::min,
+    Max "max" => Interval::max,
+    Hull "hull" => Interval::hull,
+    Intersection "intersection" => Interval::intersection,
+    Pow "pow" => Interval::pow,
+    Atan2 "atan2" => Interval::atan2,
+    CancelMinus "cancel_minus" => Interval::cancel_minus,
+    CancelPlus "cancel_plus" => Interval::cancel_plus,
+}

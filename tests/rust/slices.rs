@@ -1,0 +1,175 @@
+//! Every back end gives the bits of the scalar operators, on any operands and however a slice is cut.
+//!
+//! `IVSID_CASES` sets the number of operand pairs of an operation and back end (default 1e6 for arithmetic).
+#![allow(clippy::cast_possible_truncation, reason = "random bits are cut on purpose")]
+
+mod common;
+
+use common::Random;
+use interval_core::rounding::slices::{Backend, Binary, Bounds, BoundsMut, Unary, binary_with, unary_with};
+use interval_core::{Error, Interval};
+
+/// Intervals with the bounds that hurt: points, wide and unbounded ones, the empty one, zeros of both signs.
+fn spicy_interval(random: &mut Random) -> Interval {
+    let choice = random.bits();
+    let (a, b) = (random.spicy(), random.spicy());
+    let (lo, hi) = if a <= b { (a, b) } else { (b, a) };
+    match choice % 32 {
+        0 => Interval::EMPTY,
+        1 => Interval::ENTIRE,
+        2 => Interval::new(f64::NEG_INFINITY, hi).expect("a half line"),
+        3 => Interval::new(lo, f64::INFINITY).expect("a half line"),
+        4 => Interval::new(0.0, hi.abs()).expect("ordered"),
+        5 => Interval::new(-hi.abs(), -0.0).expect("ordered"),
+        6 => Interval::new(-0.0, 0.0).expect("ordered"),
+        7..=11 => Interval::point(a).expect("finite"),
+        12..=15 => Interval::new(a, a.next_up()).unwrap_or(Interval::ONE),
+        16..=23 => {
+            // Moderate numbers, where the fast paths run.
+            let (a, b) = (random.unit(), random.unit());
+            Interval::new(a.min(b), a.max(b)).expect("ordered")
+        }
+        _ => Interval::new(lo, hi).expect("ordered"),
+    }
+}
+
+fn cases(default: usize) -> usize {
+    std::env::var("IVSID_CASES").ok().and_then(|n| n.parse::<f64>().ok()).map_or(default, |n| n as usize)
+}
+
+fn split(x: &[Interval]) -> (Vec<f64>, Vec<f64>) {
+    (x.iter().map(|v| v.lo()).collect(), x.iter().map(|v| v.hi()).collect())
+}
+
+fn bits(x: Interval) -> (u64, u64) {
+    (x.lo().to_bits(), x.hi().to_bits())
+}
+
+const BLOCK: usize = 10_007;
+
+/// Fewer cases where each costs a transcendental function.
+fn share(name: &str, all: usize) -> usize {
+    let cheap = [
+        "neg",
+        "abs",
+        "square",
+        "signed_square",
+        "sqrt",
+        "recip",
+        "add",
+        "sub",
+        "mul",
+        "div",
+        "min",
+        "max",
+        "hull",
+        "intersection",
+        "sign",
+        "ceil",
+        "floor",
+        "trunc",
+        "round",
+        "round_ties_even",
+    ];
+    if cheap.contains(&name) { all } else { all / 20 }
+}
+
+#[test]
+fn one_operand() {
+    for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
+        for &op in Unary::ALL {
+            let mut random = Random(11);
+            let mut left = share(op.name(), cases(1_000_000));
+            while left > 0 {
+                let x: Vec<Interval> = (0..BLOCK.min(left)).map(|_| spicy_interval(&mut random)).collect();
+                left -= x.len();
+                let (lo, hi) = split(&x);
+                let (mut low, mut high) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+                let bounds = Bounds::new(&lo, &hi).expect("sound bounds");
+                unary_with(backend, op, bounds, BoundsMut { lo: &mut low, hi: &mut high }).expect("equal lengths");
+                for (i, &operand) in x.iter().enumerate() {
+                    let scalar = op.scalar()(operand);
+                    let given = (low[i].to_bits(), high[i].to_bits());
+                    assert_eq!(given, bits(scalar), "{backend:?} {} {}: {scalar}", op.name(), operand.to_exact());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn two_operands() {
+    for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
+        for &op in Binary::ALL {
+            let mut random = Random(12);
+            let mut left = share(op.name(), cases(1_000_000));
+            while left > 0 {
+                let n = BLOCK.min(left);
+                left -= n;
+                let x: Vec<Interval> = (0..n).map(|_| spicy_interval(&mut random)).collect();
+                let y: Vec<Interval> = (0..n).map(|_| spicy_interval(&mut random)).collect();
+                let ((a, b), (c, d)) = (split(&x), split(&y));
+                let (mut low, mut high) = (vec![0.0; n], vec![0.0; n]);
+                let (left, right) = (Bounds::new(&a, &b).expect("sound"), Bounds::new(&c, &d).expect("sound"));
+                let out = BoundsMut { lo: &mut low, hi: &mut high };
+                binary_with(backend, op, left, right, out).expect("equal lengths");
+                for i in 0..n {
+                    let scalar = op.scalar()(x[i], y[i]);
+                    let given = (low[i].to_bits(), high[i].to_bits());
+                    let operands = (x[i].to_exact(), y[i].to_exact());
+                    assert_eq!(given, bits(scalar), "{backend:?} {} {operands:?}: {scalar}", op.name());
+                }
+            }
+        }
+    }
+}
+
+/// All pairs of bounds from a short list, as first and as second operands, in every lane of a block.
+#[test]
+fn corners_in_every_lane() {
+    let inf = f64::INFINITY;
+    let ends =
+        [-inf, -f64::MAX, -1.5, -f64::MIN_POSITIVE, -5e-324, -0.0, 0.0, 5e-324, 1e-300, 1.0, 3.0, 1e200, f64::MAX, inf];
+    let mut all = vec![Interval::EMPTY];
+    for a in ends {
+        all.extend(ends.iter().filter_map(|&b| Interval::new(a, b).ok()));
+    }
+    for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
+        for &op in &Binary::ALL[..8] {
+            for &y in &all {
+                // A quiet neighbourhood keeps the fast path alive up to the lane that matters.
+                for shift in 0..3 {
+                    let x: Vec<Interval> = (0..shift).map(|_| Interval::ONE).chain(all.iter().copied()).collect();
+                    let ((a, b), (c, d)) = (split(&x), split(&vec![y; x.len()]));
+                    let (mut low, mut high) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+                    let (left, right) = (Bounds::new(&a, &b).expect("sound"), Bounds::new(&c, &d).expect("sound"));
+                    let out = BoundsMut { lo: &mut low, hi: &mut high };
+                    binary_with(backend, op, left, right, out).expect("equal lengths");
+                    for (i, &operand) in x.iter().enumerate() {
+                        let given = (low[i].to_bits(), high[i].to_bits());
+                        let scalar = op.scalar()(operand, y);
+                        let text = (operand.to_exact(), y.to_exact());
+                        assert_eq!(given, bits(scalar), "{backend:?} {} {text:?}: {scalar}", op.name());
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn bad_bounds_are_refused_with_their_place() {
+    let inf = f64::INFINITY;
+    assert_eq!(Bounds::new(&[1.0, f64::NAN], &[2.0, 3.0]).err(), Some(Error::NotANumber { index: 1 }));
+    assert_eq!(Bounds::new(&[1.0, 3.0], &[2.0, 2.0]).err(), Some(Error::ReversedBounds { index: 1 }));
+    assert_eq!(Bounds::new(&[inf], &[inf]).err(), Some(Error::NoFinitePoint { index: 0 }));
+    assert!(Bounds::new(&[inf], &[-inf]).is_ok());
+    assert!(Bounds::new(&[1.0], &[]).is_err());
+}
+
+#[test]
+fn names_go_both_ways() {
+    assert!(Unary::ALL.iter().all(|op| Unary::from_name(op.name()) == Some(*op)));
+    assert!(Binary::ALL.iter().all(|op| Binary::from_name(op.name()) == Some(*op)));
+    assert_eq!(Unary::from_name("cube"), None);
+}

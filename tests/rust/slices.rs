@@ -160,11 +160,59 @@ fn corners_in_every_lane() {
 #[test]
 fn bad_bounds_are_refused_with_their_place() {
     let inf = f64::INFINITY;
-    assert_eq!(Bounds::new(&[1.0, f64::NAN], &[2.0, 3.0]).err(), Some(Error::NotANumber { index: 1 }));
-    assert_eq!(Bounds::new(&[1.0, 3.0], &[2.0, 2.0]).err(), Some(Error::ReversedBounds { index: 1 }));
-    assert_eq!(Bounds::new(&[inf], &[inf]).err(), Some(Error::NoFinitePoint { index: 0 }));
-    assert!(Bounds::new(&[inf], &[-inf]).is_ok());
+    let cases = [
+        (f64::NAN, 3.0, Error::NotANumber { index: 37 }),
+        (1.0, f64::NAN, Error::NotANumber { index: 37 }),
+        (3.0, 2.0, Error::ReversedBounds { index: 37 }),
+        (inf, inf, Error::NoFinitePoint { index: 37 }),
+        (-inf, -inf, Error::NoFinitePoint { index: 37 }),
+    ];
+    for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
+        for n in [38, 64, 100] {
+            for (lo, hi, cause) in &cases {
+                let (good_lo, good_hi) = (vec![1.0; n], vec![2.0; n]);
+                let (mut bad_lo, mut bad_hi) = (good_lo.clone(), good_hi.clone());
+                (bad_lo[37], bad_hi[37]) = (*lo, *hi);
+                let good = Bounds::new(&good_lo, &good_hi).expect("equal lengths");
+                let bad = Bounds::new(&bad_lo, &bad_hi).expect("equal lengths");
+                let (mut low, mut high) = (vec![0.0; n], vec![0.0; n]);
+                for op in Binary::ALL {
+                    for (x, y) in [(good, bad), (bad, good)] {
+                        let out = BoundsMut { lo: &mut low, hi: &mut high };
+                        let refused = binary_with(backend, *op, x, y, out);
+                        assert_eq!(refused.as_ref().err(), Some(cause), "{backend:?} {}", op.name());
+                    }
+                }
+                for op in Unary::ALL {
+                    let refused = unary_with(backend, *op, bad, BoundsMut { lo: &mut low, hi: &mut high });
+                    assert_eq!(refused.as_ref().err(), Some(cause), "{backend:?} {}", op.name());
+                }
+            }
+        }
+    }
     assert!(Bounds::new(&[1.0], &[]).is_err());
+}
+
+/// The door asks the processor: under upward rounding, or with subnormal numbers flushed, nothing is computed.
+#[cfg(target_arch = "x86_64")]
+#[test]
+#[expect(unsafe_code, reason = "the control register is changed and restored, with only the call in between")]
+fn a_changed_rounding_mode_is_refused() {
+    const UPWARD: u32 = 0x4000;
+    const FLUSH_TO_ZERO: u32 = 0x8000;
+    const DENORMALS_ARE_ZERO: u32 = 0x0040;
+    let (lo, hi) = ([1.0], [2.0]);
+    let x = Bounds::new(&lo, &hi).expect("equal lengths");
+    for change in [0, UPWARD, 0x2000, 0x6000, FLUSH_TO_ZERO, DENORMALS_ARE_ZERO] {
+        let (mut low, mut high) = ([0.0], [0.0]);
+        let (mut old, mut new) = (0_u32, 0_u32);
+        unsafe { std::arch::asm!("stmxcsr [{}]", in(reg) &raw mut old) };
+        new |= old | change;
+        unsafe { std::arch::asm!("ldmxcsr [{}]", in(reg) &raw const new) };
+        let result = unary_with(Backend::Portable, Unary::Square, x, BoundsMut { lo: &mut low, hi: &mut high });
+        unsafe { std::arch::asm!("ldmxcsr [{}]", in(reg) &raw const old) };
+        assert_eq!(result, if change == 0 { Ok(()) } else { Err(Error::Environment) }, "{change:x}");
+    }
 }
 
 #[test]

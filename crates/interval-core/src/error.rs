@@ -47,6 +47,12 @@ pub enum Error {
         /// The count.
         what: &'static str,
     },
+    /// The processor rounds otherwise than to nearest, or flushes subnormal numbers to zero.
+    #[error(
+        "the processor does not round to nearest or flushes subnormal numbers to zero; undo the change of the \
+         floating-point mode"
+    )]
+    Environment,
     /// Text that is no interval literal.
     #[error("'{text}' is not an interval; write [lower, upper] or a number, for example [0.1, 0.2]")]
     Text {

@@ -6,9 +6,9 @@ use super::door::Block;
 use std::arch::x86_64::{
     __m512d, __mmask8, _CMP_LE_OQ, _CMP_LT_OQ, _CMP_UNORD_Q, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEG_INF,
     _MM_FROUND_TO_POS_INF, _mm512_add_pd, _mm512_add_round_pd, _mm512_castpd_si512, _mm512_castsi512_pd,
-    _mm512_cmp_pd_mask, _mm512_div_round_pd, _mm512_loadu_pd, _mm512_mask_blend_pd, _mm512_max_pd, _mm512_min_pd,
-    _mm512_mul_round_pd, _mm512_set1_epi64, _mm512_set1_pd, _mm512_setzero_pd, _mm512_sqrt_round_pd, _mm512_storeu_pd,
-    _mm512_sub_pd, _mm512_sub_round_pd, _mm512_xor_si512,
+    _mm512_cmp_pd_mask, _mm512_div_round_pd, _mm512_loadu_pd, _mm512_mask_blend_pd, _mm512_mask_cmp_pd_mask,
+    _mm512_max_pd, _mm512_min_pd, _mm512_mul_round_pd, _mm512_set1_epi64, _mm512_set1_pd, _mm512_setzero_pd,
+    _mm512_sqrt_round_pd, _mm512_storeu_pd, _mm512_sub_pd, _mm512_sub_round_pd, _mm512_xor_si512,
 };
 
 const DOWN: i32 = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
@@ -35,6 +35,14 @@ impl Block for Avx512 {
         assert!(to.len() >= 8);
         unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
     }
+    #[inline(always)]
+    fn proper(lo: Self, hi: Self) -> bool {
+        unsafe { not_negative(0xff, _mm512_sub_pd(hi.0, lo.0)) == 0xff }
+    }
+    #[inline(always)]
+    fn both_proper(a: Self, b: Self, c: Self, d: Self) -> bool {
+        unsafe { not_negative(not_negative(0xff, _mm512_sub_pd(b.0, a.0)), _mm512_sub_pd(d.0, c.0)) == 0xff }
+    }
 }
 
 /// -0 becomes +0.
@@ -56,6 +64,12 @@ fn less(x: __m512d, y: __m512d) -> __mmask8 {
 #[inline(always)]
 fn select(mask: __mmask8, yes: __m512d, no: __m512d) -> __m512d {
     unsafe { _mm512_mask_blend_pd(mask, no, yes) }
+}
+
+/// The lanes of `mask` that are at least zero.
+#[inline(always)]
+fn not_negative(mask: __mmask8, x: __m512d) -> __mmask8 {
+    unsafe { _mm512_mask_cmp_pd_mask::<_CMP_LE_OQ>(mask, _mm512_setzero_pd(), x) }
 }
 
 /// Whether no lane is NaN or infinite: the difference of the bounds tells.

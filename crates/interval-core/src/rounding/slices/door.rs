@@ -4,9 +4,13 @@
 
 use super::kernel::{self, Lanes};
 use super::operations::{Binary, Bounds, BoundsMut, Unary};
-use super::portable::Portable;
+#[cfg(not(target_arch = "x86_64"))]
+use super::portable::Arrays as Portable;
+#[cfg(target_arch = "x86_64")]
+use super::sse2::Sse2 as Portable;
 use crate::error::Error;
 use crate::interval::Interval;
+use crate::rounding;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::OnceLock;
 
@@ -69,6 +73,11 @@ pub(super) trait Block: Copy {
     const N: usize;
     fn load(from: &[f64]) -> Self;
     fn store(self, to: &mut [f64]);
+    /// Whether every lane is an interval with a finite point. `hi - lo >= 0` says all of it: the difference is NaN for a
+    /// bound that is NaN and for two equal infinities, and underflow is gradual.
+    fn proper(lo: Self, hi: Self) -> bool;
+    /// The same of two intervals.
+    fn both_proper(a: Self, b: Self, c: Self, d: Self) -> bool;
 }
 
 impl<L: Lanes> Block for L {
@@ -80,6 +89,15 @@ impl<L: Lanes> Block for L {
     #[inline(always)]
     fn store(self, to: &mut [f64]) {
         <L as Lanes>::store(self, to);
+    }
+    #[inline(always)]
+    fn proper(lo: Self, hi: Self) -> bool {
+        L::all(L::splat(0.0).less_equal(hi.sub(lo)))
+    }
+    #[inline(always)]
+    fn both_proper(a: Self, b: Self, c: Self, d: Self) -> bool {
+        let zero = L::splat(0.0);
+        L::all(L::both(zero.less_equal(b.sub(a)), zero.less_equal(d.sub(c))))
     }
 }
 
@@ -93,24 +111,27 @@ macro_rules! unary_blocks {
         let results = $out.lo.chunks_exact_mut(2 * n).zip($out.hi.chunks_exact_mut(2 * n));
         for ((a, b), (low, high)) in operands.zip(results) {
             let ((a, a2), (b, b2)) = (a.split_at(n), b.split_at(n));
-            let (lo, hi, sound) = $fast(<$block>::load(a), <$block>::load(b));
-            let (lo2, hi2, sound2) = $fast(<$block>::load(a2), <$block>::load(b2));
-            if sound & sound2 {
+            let (a, b) = (<$block>::load(a), <$block>::load(b));
+            let (a2, b2) = (<$block>::load(a2), <$block>::load(b2));
+            let (lo, hi, sound) = $fast(a, b);
+            let (lo2, hi2, sound2) = $fast(a2, b2);
+            if sound & sound2 & <$block>::proper(a, b) & <$block>::proper(a2, b2) {
                 lo.store(&mut low[..n]);
                 hi.store(&mut high[..n]);
                 lo2.store(&mut low[n..]);
                 hi2.store(&mut high[n..]);
             } else {
                 for k in 0..2 * n {
-                    let result: Interval = $slow($x.get(start + k));
+                    let result: Interval = $slow($x.get(start + k)?);
                     (low[k], high[k]) = (result.lo(), result.hi());
                 }
             }
             start += 2 * n;
         }
         for k in start..$x.lo.len() {
-            $out.set(k, $slow($x.get(k)));
+            $out.set(k, $slow($x.get(k)?));
         }
+        Ok(())
     }};
 }
 
@@ -124,31 +145,34 @@ macro_rules! binary_blocks {
         for (((a, b), (c, d)), (low, high)) in first.zip(second).zip(results) {
             let ((a, a2), (b, b2)) = (a.split_at(n), b.split_at(n));
             let ((c, c2), (d, d2)) = (c.split_at(n), d.split_at(n));
-            let (lo, hi, sound) = $fast(<$block>::load(a), <$block>::load(b), <$block>::load(c), <$block>::load(d));
-            let (lo2, hi2, sound2) =
-                $fast(<$block>::load(a2), <$block>::load(b2), <$block>::load(c2), <$block>::load(d2));
-            if sound & sound2 {
+            let (a, b, c, d) = (<$block>::load(a), <$block>::load(b), <$block>::load(c), <$block>::load(d));
+            let (a2, b2, c2, d2) = (<$block>::load(a2), <$block>::load(b2), <$block>::load(c2), <$block>::load(d2));
+            let (lo, hi, sound) = $fast(a, b, c, d);
+            let (lo2, hi2, sound2) = $fast(a2, b2, c2, d2);
+            let proper = <$block>::both_proper(a, b, c, d) & <$block>::both_proper(a2, b2, c2, d2);
+            if sound & sound2 & proper {
                 lo.store(&mut low[..n]);
                 hi.store(&mut high[..n]);
                 lo2.store(&mut low[n..]);
                 hi2.store(&mut high[n..]);
             } else {
                 for k in 0..2 * n {
-                    let result: Interval = $slow($x.get(start + k), $y.get(start + k));
+                    let result: Interval = $slow($x.get(start + k)?, $y.get(start + k)?);
                     (low[k], high[k]) = (result.lo(), result.hi());
                 }
             }
             start += 2 * n;
         }
         for k in start..$x.lo.len() {
-            $out.set(k, $slow($x.get(k), $y.get(k)));
+            $out.set(k, $slow($x.get(k)?, $y.get(k)?));
         }
+        Ok(())
     }};
 }
 
 /// The transformations on vectors `L`, the rest one by one.
 #[inline(always)]
-fn unary_on<L: Lanes>(op: Unary, x: Bounds<'_>, mut out: BoundsMut<'_>) {
+fn unary_on<L: Lanes>(op: Unary, x: Bounds<'_>, mut out: BoundsMut<'_>) -> Result<(), Error> {
     match op {
         Unary::Neg => unary_blocks!(L, x, out, kernel::neg, Neg::neg),
         Unary::Abs => unary_blocks!(L, x, out, kernel::abs, Interval::abs),
@@ -159,7 +183,7 @@ fn unary_on<L: Lanes>(op: Unary, x: Bounds<'_>, mut out: BoundsMut<'_>) {
 }
 
 #[inline(always)]
-fn binary_on<L: Lanes>(op: Binary, x: Bounds<'_>, y: Bounds<'_>, mut out: BoundsMut<'_>) {
+fn binary_on<L: Lanes>(op: Binary, x: Bounds<'_>, y: Bounds<'_>, mut out: BoundsMut<'_>) -> Result<(), Error> {
     match op {
         Binary::Add => binary_blocks!(L, x, y, out, kernel::add, Add::add),
         Binary::Sub => binary_blocks!(L, x, y, out, kernel::sub, Sub::sub),
@@ -178,20 +202,20 @@ fn binary_on<L: Lanes>(op: Binary, x: Bounds<'_>, y: Bounds<'_>, mut out: Bounds
 mod wide {
     use super::super::avx2::Avx2;
     use super::super::avx512::{self, Avx512};
-    use super::{Add, Binary, Block, Bounds, BoundsMut, Div, Interval, Mul, Sub, Unary, binary_on, unary_on};
+    use super::{Add, Binary, Block, Bounds, BoundsMut, Div, Error, Interval, Mul, Sub, Unary, binary_on, unary_on};
 
     #[target_feature(enable = "avx2,fma")]
-    pub fn unary_avx2(op: Unary, x: Bounds<'_>, out: BoundsMut<'_>) {
-        unary_on::<Avx2>(op, x, out);
+    pub fn unary_avx2(op: Unary, x: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> {
+        unary_on::<Avx2>(op, x, out)
     }
 
     #[target_feature(enable = "avx2,fma")]
-    pub fn binary_avx2(op: Binary, x: Bounds<'_>, y: Bounds<'_>, out: BoundsMut<'_>) {
-        binary_on::<Avx2>(op, x, y, out);
+    pub fn binary_avx2(op: Binary, x: Bounds<'_>, y: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> {
+        binary_on::<Avx2>(op, x, y, out)
     }
 
     #[target_feature(enable = "avx512f,avx2,fma")]
-    pub fn unary_avx512(op: Unary, x: Bounds<'_>, mut out: BoundsMut<'_>) {
+    pub fn unary_avx512(op: Unary, x: Bounds<'_>, mut out: BoundsMut<'_>) -> Result<(), Error> {
         match op {
             Unary::Square => unary_blocks!(Avx512, x, out, avx512::square, Interval::square),
             Unary::Sqrt => unary_blocks!(Avx512, x, out, avx512::sqrt, Interval::sqrt),
@@ -200,7 +224,7 @@ mod wide {
     }
 
     #[target_feature(enable = "avx512f,avx2,fma")]
-    pub fn binary_avx512(op: Binary, x: Bounds<'_>, y: Bounds<'_>, mut out: BoundsMut<'_>) {
+    pub fn binary_avx512(op: Binary, x: Bounds<'_>, y: Bounds<'_>, mut out: BoundsMut<'_>) -> Result<(), Error> {
         match op {
             Binary::Add => binary_blocks!(Avx512, x, y, out, avx512::add, Add::add),
             Binary::Sub => binary_blocks!(Avx512, x, y, out, avx512::sub, Sub::sub),
@@ -218,7 +242,7 @@ fn fits(what: &'static str, given: usize, needed: usize) -> Result<(), Error> {
 /// `op` on every interval of a slice.
 ///
 /// # Errors
-/// Different lengths.
+/// Different lengths, bounds that are no interval, and a changed rounding mode.
 ///
 /// ```
 /// use interval_core::rounding::slices::{Bounds, BoundsMut, Unary, unary};
@@ -235,7 +259,7 @@ pub fn unary(op: Unary, x: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> 
 /// `op` on every pair of intervals of two slices.
 ///
 /// # Errors
-/// Different lengths.
+/// Different lengths, bounds that are no interval, and a changed rounding mode.
 ///
 /// ```
 /// use interval_core::rounding::slices::{Binary, Bounds, BoundsMut, binary};
@@ -252,8 +276,9 @@ pub fn binary(op: Binary, x: Bounds<'_>, y: Bounds<'_>, out: BoundsMut<'_>) -> R
 /// [`unary`] on a back end of the caller's choice; the portable one where the processor lacks it.
 ///
 /// # Errors
-/// Different lengths.
+/// Different lengths, bounds that are no interval, and a changed rounding mode.
 pub fn unary_with(backend: Backend, op: Unary, x: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> {
+    rounding::check_environment()?;
     fits("the lower result", out.lo.len(), x.lo.len())?;
     fits("the upper result", out.hi.len(), x.lo.len())?;
     match backend {
@@ -264,13 +289,12 @@ pub fn unary_with(backend: Backend, op: Unary, x: Bounds<'_>, out: BoundsMut<'_>
         Backend::Avx2 if backend.is_available() => unsafe { wide::unary_avx2(op, x, out) },
         _ => unary_on::<Portable>(op, x, out),
     }
-    Ok(())
 }
 
 /// [`binary`] on a back end of the caller's choice; the portable one where the processor lacks it.
 ///
 /// # Errors
-/// Different lengths.
+/// Different lengths, bounds that are no interval, and a changed rounding mode.
 pub fn binary_with(
     backend: Backend,
     op: Binary,
@@ -278,6 +302,7 @@ pub fn binary_with(
     y: Bounds<'_>,
     out: BoundsMut<'_>,
 ) -> Result<(), Error> {
+    rounding::check_environment()?;
     fits("the second operand", y.lo.len(), x.lo.len())?;
     fits("the lower result", out.lo.len(), x.lo.len())?;
     fits("the upper result", out.hi.len(), x.lo.len())?;
@@ -289,5 +314,47 @@ pub fn binary_with(
         Backend::Avx2 if backend.is_available() => unsafe { wide::binary_avx2(op, x, y, out) },
         _ => binary_on::<Portable>(op, x, y, out),
     }
-    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::portable::Arrays;
+    use super::{Binary, Bounds, BoundsMut, Unary, binary_on, unary_on};
+
+    /// The arrays of other architectures, on this one: the bits of the scalar operators on all pairs of hard bounds.
+    #[test]
+    fn arrays_agree_with_the_operators() {
+        let inf = f64::INFINITY;
+        let ends =
+            [-inf, -f64::MAX, -1.5, -1e-300, -5e-324, -0.0, 0.0, f64::MIN_POSITIVE, 0.1, 3.0, 1e200, f64::MAX, inf];
+        let mut x = vec![(inf, -inf); 3];
+        for a in ends {
+            x.extend(ends.iter().filter(|&&b| a <= b && a < inf && b > -inf).map(|&b| (a, b)));
+        }
+        x.extend([(1.0, 1.1); 8]);
+        let (lo, hi): (Vec<f64>, Vec<f64>) = x.into_iter().unzip();
+        let (mut low, mut high) = (vec![0.0; lo.len()], vec![0.0; lo.len()]);
+        let bounds = Bounds::new(&lo, &hi).expect("equal lengths");
+        for op in [Unary::Neg, Unary::Abs, Unary::Square, Unary::Sqrt] {
+            unary_on::<Arrays>(op, bounds, BoundsMut { lo: &mut low, hi: &mut high }).expect("sound bounds");
+            for i in 0..lo.len() {
+                let scalar = op.scalar()(bounds.get(i).expect("sound"));
+                assert_eq!([low[i], high[i]].map(f64::to_bits), [scalar.lo(), scalar.hi()].map(f64::to_bits));
+            }
+        }
+        for shift in 0..lo.len() {
+            let (mut c, mut d) = (lo.clone(), hi.clone());
+            c.rotate_left(shift);
+            d.rotate_left(shift);
+            let other = Bounds::new(&c, &d).expect("equal lengths");
+            for &op in &Binary::ALL[..8] {
+                let out = BoundsMut { lo: &mut low, hi: &mut high };
+                binary_on::<Arrays>(op, bounds, other, out).expect("sound bounds");
+                for i in 0..lo.len() {
+                    let scalar = op.scalar()(bounds.get(i).expect("sound"), other.get(i).expect("sound"));
+                    assert_eq!([low[i], high[i]].map(f64::to_bits), [scalar.lo(), scalar.hi()].map(f64::to_bits));
+                }
+            }
+        }
+    }
 }

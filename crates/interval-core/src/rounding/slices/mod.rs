@@ -3,8 +3,8 @@
 //! Results are the tightest intervals, which are unique, and a zero is always +0: so whichever back end the processor
 //! allows, and however a slice is cut, the bits are those of the operators of [`Interval`].
 //!
-//! - *portable*: error-free transformations on small arrays that the compiler turns into the vector registers of the
-//!   baseline (SSE2, NEON); products by Dekker's splitting where no fused multiply-add is at hand.
+//! - *portable*: error-free transformations in the vector registers that every processor of the architecture has: SSE2 with
+//!   products by Dekker's splitting; elsewhere small arrays that the compiler maps to them (NEON has a fused product).
 //! - *AVX2 + FMA*: the same transformations with intrinsics.
 //! - *AVX-512*: the instructions round downward and upward themselves.
 //!
@@ -20,7 +20,10 @@ mod avx512;
 mod door;
 mod kernel;
 mod operations;
+#[cfg(any(test, not(target_arch = "x86_64")))]
 mod portable;
+#[cfg(target_arch = "x86_64")]
+mod sse2;
 
 pub use door::{Backend, binary, binary_with, unary, unary_with};
 pub use operations::{Binary, Bounds, BoundsMut, Unary};

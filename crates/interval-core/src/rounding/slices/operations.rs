@@ -11,32 +11,25 @@ pub struct Bounds<'a> {
 }
 
 impl<'a> Bounds<'a> {
-    /// Bounds that satisfy the invariant of [`Interval`].
+    /// Bounds of equally many intervals. Their values are looked at by the operation, on the way.
     ///
     /// # Errors
-    /// Different lengths, NaN, reversed bounds other than the empty interval, and intervals without a finite point.
+    /// Different lengths.
     pub fn new(lo: &'a [f64], hi: &'a [f64]) -> Result<Self, Error> {
-        if lo.len() != hi.len() {
-            return Err(Error::Shape { what: "the upper bound", given: hi.len(), needed: lo.len() });
+        if lo.len() == hi.len() {
+            Ok(Self { lo, hi })
+        } else {
+            Err(Error::Shape { what: "the upper bound", given: hi.len(), needed: lo.len() })
         }
-        // One sweep without a branch decides; only a refusal looks for its place.
-        let sound = lo.iter().zip(hi).fold(true, |sound, (&l, &h)| {
-            let proper = (l <= h) & (l < f64::INFINITY) & (h > f64::NEG_INFINITY);
-            let empty = (l == f64::INFINITY) & (h == f64::NEG_INFINITY);
-            sound & (proper | empty)
-        });
-        if !sound {
-            for (index, (&l, &h)) in lo.iter().zip(hi).enumerate() {
-                if !(l == f64::INFINITY && h == f64::NEG_INFINITY) {
-                    Interval::at(l, h, index)?;
-                }
-            }
-        }
-        Ok(Self { lo, hi })
     }
 
-    pub(super) fn get(self, i: usize) -> Interval {
-        Interval::raw(self.lo[i], self.hi[i])
+    /// The interval at `i`.
+    ///
+    /// # Errors
+    /// Bounds that are none: NaN, reversed ones other than the empty interval's, no finite point.
+    pub(super) fn get(self, i: usize) -> Result<Interval, Error> {
+        let (lo, hi) = (self.lo[i], self.hi[i]);
+        if lo == f64::INFINITY && hi == f64::NEG_INFINITY { Ok(Interval::EMPTY) } else { Interval::at(lo, hi, i) }
     }
 }
 
@@ -59,7 +52,7 @@ impl BoundsMut<'_> {
 macro_rules! unary_each {
     ($x:ident, $out:ident, $f:expr) => {
         for k in 0..$x.lo.len() {
-            $out.set(k, $f($x.get(k)));
+            $out.set(k, $f($x.get(k)?));
         }
     };
 }
@@ -68,7 +61,7 @@ macro_rules! binary_each {
     ($operands:ident, $out:ident, $f:expr) => {{
         let (x, y) = $operands;
         for k in 0..x.lo.len() {
-            $out.set(k, $f(x.get(k), y.get(k)));
+            $out.set(k, $f(x.get(k)?, y.get(k)?));
         }
     }};
 }
@@ -107,8 +100,9 @@ macro_rules! operations {
 
             /// One interval after the other, compiled with the features of the caller.
             #[inline(always)]
-            pub(super) fn one_by_one(self, operands: $operands, mut out: BoundsMut<'_>) {
+            pub(super) fn one_by_one(self, operands: $operands, mut out: BoundsMut<'_>) -> Result<(), Error> {
                 match self { $(Self::$name => $each!(operands, out, $f),)* }
+                Ok(())
             }
         }
     };

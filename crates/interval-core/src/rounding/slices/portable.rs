@@ -6,15 +6,15 @@ const WIDTH: usize = 4;
 
 /// Four doubles.
 #[derive(Clone, Copy)]
-pub(super) struct Portable([f64; WIDTH]);
+pub(super) struct Arrays([f64; WIDTH]);
 
 /// All bits of a lane set, or none.
 #[derive(Clone, Copy)]
 pub(super) struct Flags([u64; WIDTH]);
 
 #[inline(always)]
-fn each(f: impl Fn(usize) -> f64) -> Portable {
-    Portable(std::array::from_fn(f))
+fn each(f: impl Fn(usize) -> f64) -> Arrays {
+    Arrays(std::array::from_fn(f))
 }
 
 #[inline(always)]
@@ -49,7 +49,7 @@ fn halves(x: f64) -> (f64, f64) {
     (high, x - high)
 }
 
-impl Lanes for Portable {
+impl Lanes for Arrays {
     type Mask = Flags;
     const N: usize = WIDTH;
 

@@ -56,3 +56,10 @@ pub(crate) fn least_squares(a: &[f64], b: &[f64], n: usize) -> Vec<f64> {
         _ => vec![0.0; n],
     }
 }
+
+/// The product of an `m` by `k` and a `k` by `n` matrix, all row-major, in any order of summation.
+pub(crate) fn product(a: &[f64], b: &[f64], m: usize, k: usize, n: usize) -> Vec<f64> {
+    // Row-major storage is that of the transposes, whose product is the transpose of the product.
+    let (left, right) = (DMatrix::from_column_slice(n, k, b), DMatrix::from_column_slice(k, m, a));
+    (left * right).as_slice().to_vec()
+}

@@ -28,6 +28,7 @@ pub mod status;
 pub mod systems;
 
 mod approximate;
+mod parallel;
 
 pub use error::Error;
 pub use interval::{DecoratedInterval, Decoration, Interval};

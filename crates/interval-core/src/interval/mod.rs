@@ -12,6 +12,8 @@ mod measures;
 mod power;
 mod relations;
 mod reverse;
+#[cfg(feature = "serde")]
+mod serialize;
 mod sets;
 mod text;
 

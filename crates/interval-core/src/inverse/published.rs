@@ -8,8 +8,8 @@
 use super::{Endpoints, Outcome, UNBOUNDED};
 use crate::error::Error;
 use crate::matrix::IntervalMatrix;
+use crate::parallel;
 use crate::status::Status;
-use rayon::prelude::*;
 
 /// Eq. 11 as printed; improper entries are kept.
 ///
@@ -69,18 +69,16 @@ fn sweep(a: &IntervalMatrix, partitions: u64) -> Result<Result<Sweep, Outcome>, 
     }
     #[expect(clippy::cast_precision_loss, reason = "the published step is a plain float; nothing is claimed of it")]
     let step: Vec<f64> = a.lo().iter().zip(a.hi()).map(|(l, h)| (0.5 * h - 0.5 * l) / partitions as f64).collect();
-    let extremes = (0..partitions.div_ceil(CHUNK))
-        .into_par_iter()
-        .map(|chunk| {
-            let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(partitions);
-            let infima = extremes(a.lo(), &step, 1.0, range.clone(), n)?;
-            Some((infima, extremes(a.hi(), &step, -1.0, range, n)?))
-        })
-        .reduce_with(|x, y| match (x, y) {
-            (Some(x), Some(y)) => Some((merge(x.0, y.0), merge(x.1, y.1))),
-            _ => None,
-        })
-        .flatten();
+    let chunk_extremes = |chunk: u64| {
+        let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(partitions);
+        let infima = extremes(a.lo(), &step, 1.0, range.clone(), n)?;
+        Some((infima, extremes(a.hi(), &step, -1.0, range, n)?))
+    };
+    let extremes = parallel::map_reduce(partitions.div_ceil(CHUNK), chunk_extremes, |x, y| match (x, y) {
+        (Some(x), Some(y)) => Some((merge(x.0, y.0), merge(x.1, y.1))),
+        _ => None,
+    })
+    .flatten();
     Ok(match extremes {
         Some((infima, suprema)) => Ok(Sweep { infima, suprema }),
         None => Err(Outcome::not_applicable("a matrix of the sweep is singular or its inverse overflows")),

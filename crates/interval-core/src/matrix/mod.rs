@@ -4,7 +4,7 @@ mod product;
 
 use crate::error::Error;
 use crate::interval::Interval;
-use crate::rounding::add_up;
+use crate::rounding::{add_up, mul_up, sqrt_up};
 
 /// A `rows` by `columns` interval matrix. No entry is empty.
 #[derive(Debug, Clone, PartialEq)]
@@ -145,6 +145,48 @@ impl IntervalMatrix {
         (0..self.rows)
             .map(|i| (0..self.columns).fold(0.0, |sum, j| add_up(sum, self.get(i, j).magnitude())))
             .fold(0.0, f64::max)
+    }
+
+    /// The maximum column sum of magnitudes, rounded up.
+    #[must_use]
+    pub fn norm_one(&self) -> f64 {
+        (0..self.columns)
+            .map(|j| (0..self.rows).fold(0.0, |sum, i| add_up(sum, self.get(i, j).magnitude())))
+            .fold(0.0, f64::max)
+    }
+
+    /// The root of the sum of squared magnitudes (Frobenius), rounded up.
+    #[must_use]
+    pub fn norm_frobenius(&self) -> f64 {
+        sqrt_up(self.entries().map(Interval::magnitude).fold(0.0, |sum, x| add_up(sum, mul_up(x, x))))
+    }
+
+    /// Smallest absolute values, row-major.
+    #[must_use]
+    pub fn mignitude(&self) -> Vec<f64> {
+        self.entries().map(Interval::mignitude).collect()
+    }
+
+    /// Largest absolute values, row-major.
+    #[must_use]
+    pub fn magnitude(&self) -> Vec<f64> {
+        self.entries().map(Interval::magnitude).collect()
+    }
+
+    /// Ostrowski's comparison matrix, row-major: mignitudes on the diagonal, negative magnitudes elsewhere.
+    ///
+    /// ```
+    /// use interval_core::IntervalMatrix;
+    /// let a = IntervalMatrix::new(2, 2, vec![3.0, -1.0, 0.5, -4.0], vec![4.0, 2.0, 0.5, -2.0])?;
+    /// assert_eq!(a.comparison(), [3.0, -2.0, -0.5, 2.0]);
+    /// # Ok::<(), interval_core::Error>(())
+    /// ```
+    #[must_use]
+    pub fn comparison(&self) -> Vec<f64> {
+        let entry = |(at, x): (usize, Interval)| {
+            if at / self.columns == at % self.columns { x.mignitude() } else { -x.magnitude() }
+        };
+        self.entries().enumerate().map(entry).collect()
     }
 
     /// The transpose.

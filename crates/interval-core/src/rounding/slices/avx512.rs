@@ -145,3 +145,31 @@ pub(super) fn sqrt(a: Avx512, b: Avx512) -> Outcome {
         (plain_zero(lo), plain_zero(hi), bounded(lo, hi))
     }
 }
+
+/// A row times 16 packed columns. All bounds are finite: a lower sum can only fall to -inf, an upper one only rise to inf,
+/// so nothing is NaN.
+#[inline(always)]
+pub(super) fn group_product(a: (&[f64], &[f64]), block: (&[f64], &[f64]), sums: &mut ([f64; 16], [f64; 16])) {
+    unsafe {
+        let zero = _mm512_setzero_pd();
+        let (mut lo, mut hi) = ([zero; 2], [zero; 2]);
+        let rows = block.0.chunks_exact(16).zip(block.1.chunks_exact(16));
+        for ((&from, &to), (c_row, d_row)) in a.0.iter().zip(a.1).zip(rows) {
+            let (from_negative, to_negative) = (if from < 0.0 { 0xff } else { 0 }, if to < 0.0 { 0xff } else { 0 });
+            let (x, y) = (_mm512_set1_pd(from), _mm512_set1_pd(to));
+            for half in 0..2 {
+                let (c, d) = (Avx512::load(&c_row[8 * half..]).0, Avx512::load(&d_row[8 * half..]).0);
+                let p = _mm512_mul_round_pd::<DOWN>(x, select(from_negative, d, c));
+                let q = _mm512_mul_round_pd::<DOWN>(y, select(to_negative, d, c));
+                let r = _mm512_mul_round_pd::<UP>(x, select(from_negative, c, d));
+                let s = _mm512_mul_round_pd::<UP>(y, select(to_negative, c, d));
+                lo[half] = _mm512_add_round_pd::<DOWN>(lo[half], _mm512_min_pd(p, q));
+                hi[half] = _mm512_add_round_pd::<UP>(hi[half], _mm512_max_pd(r, s));
+            }
+        }
+        for half in 0..2 {
+            plain_zero(lo[half]).store(&mut sums.0[8 * half..]);
+            plain_zero(hi[half]).store(&mut sums.1[8 * half..]);
+        }
+    }
+}

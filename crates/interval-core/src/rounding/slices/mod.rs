@@ -22,8 +22,10 @@ mod kernel;
 mod operations;
 #[cfg(any(test, not(target_arch = "x86_64")))]
 mod portable;
+mod product;
 #[cfg(target_arch = "x86_64")]
 mod sse2;
 
 pub use door::{Backend, binary, binary_with, unary, unary_with};
 pub use operations::{Binary, Bounds, BoundsMut, Unary};
+pub(crate) use product::Packed;

@@ -1,0 +1,44 @@
+//! Work shared between threads where there is enough of it. Without the feature `rayon` everything runs on the caller's.
+
+/// Operations below which starting threads costs more than it saves.
+const WORTHWHILE: usize = 1 << 18;
+
+/// `work(i, lo, hi)` on every row of `width` entries of two slices; rows do not depend on each other, so neither does the
+/// result on the number of threads.
+pub(crate) fn rows(
+    operations: usize,
+    width: usize,
+    lo: &mut [f64],
+    hi: &mut [f64],
+    work: impl Fn(usize, &mut [f64], &mut [f64]) + Sync,
+) {
+    if width == 0 {
+        return;
+    }
+    if cfg!(feature = "rayon") && operations >= WORTHWHILE {
+        #[cfg(feature = "rayon")]
+        {
+            use rayon::prelude::*;
+            lo.par_chunks_mut(width).zip(hi.par_chunks_mut(width)).enumerate().for_each(|(i, (l, h))| work(i, l, h));
+        }
+        return;
+    }
+    lo.chunks_mut(width).zip(hi.chunks_mut(width)).enumerate().for_each(|(i, (l, h))| work(i, l, h));
+}
+
+/// `merge` of `map(0)`, `map(1)`, ..., `None` for none. The merge is associative and commutative to the bit.
+#[cfg(feature = "rayon")]
+pub(crate) fn map_reduce<T: Send>(
+    count: u64,
+    map: impl Fn(u64) -> T + Sync + Send,
+    merge: impl Fn(T, T) -> T + Sync + Send,
+) -> Option<T> {
+    use rayon::prelude::*;
+    (0..count).into_par_iter().map(map).reduce_with(merge)
+}
+
+/// `merge` of `map(0)`, `map(1)`, ..., `None` for none.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn map_reduce<T>(count: u64, map: impl Fn(u64) -> T, merge: impl Fn(T, T) -> T) -> Option<T> {
+    (0..count).map(map).reduce(merge)
+}

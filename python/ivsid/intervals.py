@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from typing import Any, Self, TypeAlias, cast
 
@@ -20,15 +19,47 @@ if not _core.environment_is_default():
         "here: undo the change of the floating-point mode before importing it"
     )
 
-_BINARY = {
+Interval = _core.Interval
+
+_BINARY: dict[np.ufunc, str] = {
     np.add: "add",
     np.subtract: "sub",
     np.multiply: "mul",
     np.true_divide: "div",
     np.minimum: "min",
     np.maximum: "max",
+    np.arctan2: "atan2",
 }
-_UNARY = {np.negative: "neg", np.absolute: "abs", np.square: "square", np.sqrt: "sqrt"}
+_UNARY: dict[np.ufunc, str] = {
+    np.negative: "neg",
+    np.absolute: "abs",
+    np.fabs: "abs",
+    np.square: "square",
+    np.sqrt: "sqrt",
+    np.reciprocal: "recip",
+    np.exp: "exp",
+    np.exp2: "exp2",
+    np.log: "ln",
+    np.log2: "log2",
+    np.log10: "log10",
+    np.sin: "sin",
+    np.cos: "cos",
+    np.tan: "tan",
+    np.arcsin: "asin",
+    np.arccos: "acos",
+    np.arctan: "atan",
+    np.sinh: "sinh",
+    np.cosh: "cosh",
+    np.tanh: "tanh",
+    np.arcsinh: "asinh",
+    np.arccosh: "acosh",
+    np.arctanh: "atanh",
+    np.sign: "sign",
+    np.ceil: "ceil",
+    np.floor: "floor",
+    np.trunc: "trunc",
+    np.rint: "round_ties_even",
+}
 
 
 def _floats(values: ArrayLike, what: str) -> FloatArray:
@@ -59,8 +90,9 @@ class IntervalArray:
     Raises:
         IvsidError: NaN, reversed bounds, different shapes, or an interval without a finite point.
 
-    Operators and the NumPy functions add, subtract, multiply, divide, negative, absolute, square, sqrt, minimum, maximum
-    and matmul round outward (IEEE 1788, tightest); other operands are taken as exact numbers.
+    Operators, matmul, and NumPy's arithmetic, elementary (exp, log, sin, arctan2, power, ...) and rounding functions give
+    the tightest intervals of IEEE 1788; other operands are taken as exact numbers. The NumPy functions concatenate, stack,
+    sum, where, reshape, ravel, transpose, broadcast_to and squeeze understand interval arrays too.
     """
 
     __slots__ = ("_lower", "_upper")
@@ -71,10 +103,7 @@ class IntervalArray:
         high = low if upper is None else _floats(upper, "the upper bound")
         if low.shape != high.shape:
             raise IvsidError(f"the lower bound has shape {low.shape}, the upper {high.shape}; they must be equal")
-        try:
-            _core.check_bounds(np.ascontiguousarray(low).ravel(), np.ascontiguousarray(high).ravel())
-        except ValueError as refusal:
-            raise IvsidError(str(refusal)) from None
+        _core.check_bounds(np.ascontiguousarray(low).ravel(), np.ascontiguousarray(high).ravel())
         self._set(low, high)
 
     def _set(self, lower: FloatArray, upper: FloatArray) -> None:
@@ -195,8 +224,10 @@ class IntervalArray:
         """``x^2``."""
         return self._unary("square")
 
-    def sum(self, axis: int = 0) -> IntervalArray:
-        """Sum along an axis, in order, each step rounded outward."""
+    def sum(self, axis: int | None = None) -> Any:
+        """Sum along an axis, in order, each step rounded outward; without an axis the sum of all, rounded once."""
+        if axis is None:
+            return Interval(*_core.exact_sum(*self._flat())) if not self.empty.any() else Interval.empty_set()
         lower, upper = np.moveaxis(self._lower, axis, 0), np.moveaxis(self._upper, axis, 0)
         total = IntervalArray(np.zeros(lower.shape[1:]))
         for low, high in zip(lower, upper, strict=True):
@@ -217,7 +248,7 @@ class IntervalArray:
     def __getitem__(self, index: Any) -> Any:
         lower, upper = self._lower[index], self._upper[index]
         if np.ndim(lower) == 0:
-            return Interval(float(lower), float(upper))
+            return _interval(float(lower), float(upper))
         return IntervalArray._raw((lower, upper), lower.shape)
 
     def __len__(self) -> int:
@@ -250,6 +281,15 @@ class IntervalArray:
     def __rtruediv__(self, other: Operand) -> IntervalArray:
         return _binary("div", other, self)
 
+    def __pow__(self, exponent: Operand) -> IntervalArray:
+        return _power(self, exponent)
+
+    def __rpow__(self, base: Operand) -> IntervalArray:
+        return _power(base, self)
+
+    def __pos__(self) -> IntervalArray:
+        return self
+
     def __neg__(self) -> IntervalArray:
         return self._unary("neg")
 
@@ -269,17 +309,14 @@ class IntervalArray:
         return (self._lower == o.lower) & (self._upper == o.upper)
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
-        if method == "__call__" and not options:
-            if ufunc in _BINARY:
-                return _binary(_BINARY[ufunc], *inputs)
-            if ufunc in _UNARY:
-                return _interval_array(inputs[0])._unary(_UNARY[ufunc])
-            if ufunc is np.matmul:
-                return _matmul(*inputs)
-            if ufunc is np.positive:
-                return self
-        names = ", ".join(sorted(u.__name__ for u in (*_BINARY, *_UNARY, np.matmul)))
-        raise TypeError(f"np.{ufunc.__name__} is not defined for intervals in this version; there are {names}")
+        return _ufunc(ufunc, method, inputs, options)
+
+    def __array_function__(self, function: Any, types: Any, arguments: Any, options: Any) -> Any:
+        handler = _FUNCTIONS.get(function)
+        if handler is None:
+            known = ", ".join(sorted(f.__name__ for f in _FUNCTIONS))
+            raise TypeError(f"np.{function.__name__} is not defined for intervals; there are {known}")
+        return handler(*arguments, **options)
 
     def __getstate__(self) -> tuple[FloatArray, FloatArray]:
         return np.array(self._lower), np.array(self._upper)
@@ -295,150 +332,6 @@ class IntervalArray:
             return "[" + ", ".join(shown + (["..."] if len(lower) > 20 else [])) + "]"
 
         return f"IntervalArray({nested(self._lower, self._upper)})"
-
-
-class Interval:
-    """One closed interval.
-
-    Args:
-        lower: the lower bound as it is, or text such as ``"[0.1, 0.2]"`` or ``"0.1"``, which is enclosed.
-        upper: the upper bound; equal to ``lower`` where left out.
-
-    Raises:
-        IvsidError: NaN, reversed bounds, no finite point, or text that is no interval.
-    """
-
-    __slots__ = ("_lower", "_upper")
-    __array_ufunc__ = None  # NumPy operands defer to the operators below
-
-    def __init__(self, lower: float | str, upper: float | None = None) -> None:
-        try:
-            if isinstance(lower, str):
-                if upper is not None:
-                    raise IvsidError("give either text or two bounds, not both")
-                self._lower, self._upper = _core.parse_interval(lower)
-            else:
-                bounds = IntervalArray([lower], [lower if upper is None else upper])
-                self._lower, self._upper = float(bounds.lower[0]), float(bounds.upper[0])
-        except IvsidError:
-            raise
-        except ValueError as refusal:
-            raise IvsidError(str(refusal)) from None
-
-    @property
-    def lower(self) -> float:
-        """Lower bound."""
-        return self._lower
-
-    @property
-    def upper(self) -> float:
-        """Upper bound."""
-        return self._upper
-
-    def _array(self) -> IntervalArray:
-        return IntervalArray._raw((np.array([self._lower]), np.array([self._upper])), ())
-
-    @property
-    def midpoint(self) -> float:
-        """A double inside, nearest to the centre."""
-        return float(self._array().midpoint)
-
-    @property
-    def radius(self) -> float:
-        """The smallest double r with the interval inside midpoint +- r."""
-        return float(self._array().radius)
-
-    @property
-    def width(self) -> float:
-        """Upper - lower, rounded up."""
-        return float(self._array().width)
-
-    @property
-    def magnitude(self) -> float:
-        """The largest absolute value."""
-        return float(self._array().magnitude)
-
-    @property
-    def empty(self) -> bool:
-        """Whether nothing is inside."""
-        return self._lower > self._upper
-
-    def contains(self, point: float) -> bool:
-        """Whether the number is inside."""
-        return math.isfinite(point) and self._lower <= point <= self._upper
-
-    def subset(self, other: Interval) -> bool:
-        """Whether this lies in the other."""
-        return self.empty or (other.lower <= self._lower and self._upper <= other.upper)
-
-    def intersection(self, other: Interval) -> Interval:
-        """The common members."""
-        return cast(Interval, self._binary("intersection", other))
-
-    def hull(self, other: Interval) -> Interval:
-        """The smallest interval that holds both."""
-        return cast(Interval, self._binary("hull", other))
-
-    def _binary(self, op: str, other: Operand, *, reverse: bool = False) -> Any:
-        result = _binary(op, other, self) if reverse else _binary(op, self, other)
-        return _scalar(result)
-
-    def __add__(self, other: Operand) -> Any:
-        return self._binary("add", other)
-
-    def __radd__(self, other: Operand) -> Any:
-        return self._binary("add", other, reverse=True)
-
-    def __sub__(self, other: Operand) -> Any:
-        return self._binary("sub", other)
-
-    def __rsub__(self, other: Operand) -> Any:
-        return self._binary("sub", other, reverse=True)
-
-    def __mul__(self, other: Operand) -> Any:
-        return self._binary("mul", other)
-
-    def __rmul__(self, other: Operand) -> Any:
-        return self._binary("mul", other, reverse=True)
-
-    def __truediv__(self, other: Operand) -> Any:
-        return self._binary("div", other)
-
-    def __rtruediv__(self, other: Operand) -> Any:
-        return self._binary("div", other, reverse=True)
-
-    def __neg__(self) -> Interval:
-        return cast(Interval, _scalar(-self._array()))
-
-    def __abs__(self) -> Interval:
-        return cast(Interval, _scalar(abs(self._array())))
-
-    def sqrt(self) -> Interval:
-        """The square root of the non-negative part."""
-        return cast(Interval, _scalar(self._array()._unary("sqrt")))
-
-    def square(self) -> Interval:
-        """The squares of the members."""
-        return cast(Interval, _scalar(self._array().square()))
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Interval) and (self._lower, self._upper) == (other._lower, other._upper)
-
-    def __hash__(self) -> int:
-        return hash((self._lower, self._upper))
-
-    def __getstate__(self) -> tuple[float, float]:
-        return self._lower, self._upper
-
-    def __setstate__(self, state: tuple[float, float]) -> None:
-        self._lower, self._upper = state
-
-    def __repr__(self) -> str:
-        # The decimals are outward, and as float literals they read back as the same doubles.
-        return f"Interval({outward_decimal(self._lower, up=False)}, {outward_decimal(self._upper, up=True)})"
-
-    def __str__(self) -> str:
-        return _text(self._lower, self._upper)
 
 
 Operand: TypeAlias = IntervalArray | Interval | ArrayLike
@@ -472,36 +365,105 @@ def _text(lower: float, upper: float) -> str:
     return "[empty]" if lower > upper else _core.format_interval(lower, upper)
 
 
+def _interval(lower: float, upper: float) -> Interval:
+    return Interval.empty_set() if lower > upper else Interval(lower, upper)
+
+
 def _scalar(result: IntervalArray) -> Any:
     """An interval from an array without dimensions; other arrays as they are."""
-    if result.shape:
-        return result
-    new = Interval.__new__(Interval)
-    new._lower, new._upper = float(result.lower), float(result.upper)
-    return new
+    return result if result.shape else _interval(float(result.lower), float(result.upper))
+
+
+def _bound(value: Any) -> float:
+    """A bound that is neither a float nor a small integer: a NumPy number, or refused."""
+    array = _floats(value, "the bound")
+    if array.ndim:
+        raise IvsidError(f"a bound of shape {array.shape} was given; an Interval has one number a side")
+    return float(array)
 
 
 def _interval_array(value: Operand) -> IntervalArray:
     if isinstance(value, IntervalArray):
         return value
     if isinstance(value, Interval):
-        return value._array()
+        return IntervalArray._raw((np.array([value.lower]), np.array([value.upper])), ())
     return IntervalArray(value)
+
+
+def _contiguous(bounds: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+    spread = bounds if bounds.shape == shape else np.broadcast_to(bounds, shape)
+    return np.ascontiguousarray(spread).reshape(-1)
 
 
 def _binary(op: str, a: Operand, b: Operand) -> IntervalArray:
     x, y = _interval_array(a), _interval_array(b)
     try:
-        shape = np.broadcast_shapes(x.shape, y.shape)
+        shape = x.shape if x.shape == y.shape else np.broadcast_shapes(x.shape, y.shape)
     except ValueError:
         raise IvsidError(f"shapes {x.shape} and {y.shape} do not fit together") from None
+    left = _contiguous(x.lower, shape), _contiguous(x.upper, shape)
+    right = _contiguous(y.lower, shape), _contiguous(y.upper, shape)
+    return IntervalArray._raw(_core.binary(op, left, right), shape)
 
-    def flat(v: IntervalArray) -> tuple[FloatArray, FloatArray]:
-        spread = (np.broadcast_to(end, shape) for end in (v.lower, v.upper))
-        lower, upper = (np.ascontiguousarray(s, dtype=np.float64).ravel() for s in spread)
-        return lower, upper
 
-    return IntervalArray._raw(_core.binary(op, flat(x), flat(y)), shape)
+def _operate(op: str, a: Any, b: Any) -> Any:
+    """An operator of an Interval with something that is no interval and no number."""
+    if isinstance(a, str | bytes) or isinstance(b, str | bytes) or a is None or b is None:
+        return NotImplemented
+    return _scalar(_power(a, b) if op == "pow" else _binary(op, a, b))
+
+
+def _power(base: Operand, exponent: Operand) -> IntervalArray:
+    """``x^n`` for an integer ``n``, else ``x^y`` of the members ``x > 0``, and 0 to positive powers."""
+    if isinstance(exponent, int | np.integer) and -(2**31) <= exponent < 2**31:
+        x = _interval_array(base)
+        return IntervalArray._raw(_core.power(*x._flat(), int(exponent)), x.shape)
+    return _binary("pow", base, exponent)
+
+
+def _ufunc(ufunc: np.ufunc, method: str, inputs: tuple[Any, ...], options: dict[str, Any] | None) -> Any:
+    """What NumPy's function gives for intervals; arrays without dimensions come back as an Interval."""
+    if method == "__call__" and not options:
+        if ufunc in _BINARY:
+            return _scalar(_binary(_BINARY[ufunc], *inputs))
+        if ufunc in _UNARY:
+            return _scalar(_interval_array(inputs[0])._unary(_UNARY[ufunc]))
+        if ufunc in (np.power, np.float_power):
+            return _scalar(_power(*inputs))
+        if ufunc is np.matmul:
+            return _matmul(*inputs)
+        if ufunc is np.positive:
+            return inputs[0]
+        if ufunc in (np.equal, np.not_equal):
+            x, y = (_interval_array(v) for v in inputs)
+            same = (x.lower == y.lower) & (x.upper == y.upper)
+            return same if ufunc is np.equal else ~same
+    names = ", ".join(sorted(u.__name__ for u in (*_BINARY, *_UNARY, np.matmul, np.power)))
+    if options:
+        raise TypeError(f"np.{ufunc.__name__} of intervals takes no {', '.join(options)}")
+    shown = ufunc.__name__ if method == "__call__" else f"{ufunc.__name__}.{method}"
+    raise TypeError(f"np.{shown} is not defined for intervals; there are {names}")
+
+
+def _ends(function: Any, parts: Sequence[Any], *arguments: Any, **options: Any) -> IntervalArray:
+    """A rearrangement of entries, the same for both bounds."""
+    arrays = [_interval_array(p) for p in parts]
+    lower = function([a.lower for a in arrays], *arguments, **options)
+    return IntervalArray._raw((lower, function([a.upper for a in arrays], *arguments, **options)), lower.shape)
+
+
+def _each_end(function: Any) -> Any:
+    def apply(array: Any, *arguments: Any, **options: Any) -> Any:
+        lower = function(array.lower, *arguments, **options)
+        return _scalar(IntervalArray._raw((lower, function(array.upper, *arguments, **options)), lower.shape))
+
+    return apply
+
+
+def _where(condition: Any, x: Operand, y: Operand) -> IntervalArray:
+    a, b = _interval_array(x), _interval_array(y)
+    lower = np.where(condition, a.lower, b.lower)
+    return IntervalArray._raw((lower, np.where(condition, a.upper, b.upper)), lower.shape)
 
 
 def _matmul(a: Operand, b: Operand) -> IntervalArray:
@@ -520,6 +482,38 @@ def _matmul(a: Operand, b: Operand) -> IntervalArray:
     shape = (*x.shape[:-1], *(y.shape[1:] if y.ndim == 2 else ()))
     result = IntervalArray._raw(product, shape)
     return result if shape else cast(IntervalArray, _scalar(result))
+
+
+_FUNCTIONS: dict[Any, Any] = {
+    np.concatenate: lambda parts, axis=0: _ends(np.concatenate, parts, axis=axis),
+    np.stack: lambda parts, axis=0: _ends(np.stack, parts, axis=axis),
+    np.vstack: lambda parts: _ends(np.vstack, parts),
+    np.hstack: lambda parts: _ends(np.hstack, parts),
+    np.sum: lambda array, axis=None: array.sum(axis),
+    np.dot: _matmul,
+    np.where: _where,
+    np.shape: lambda array: array.shape,
+    np.ndim: lambda array: array.ndim,
+    np.size: lambda array: array.size,
+} | {
+    function: _each_end(function)
+    for function in (
+        np.reshape,
+        np.ravel,
+        np.transpose,
+        np.squeeze,
+        np.broadcast_to,
+        np.moveaxis,
+        np.swapaxes,
+        np.expand_dims,
+        np.flip,
+        np.roll,
+        np.repeat,
+        np.tile,
+        np.take,
+        np.diagonal,
+    )
+}
 
 
 def outward_decimal(x: float, *, up: bool) -> str:

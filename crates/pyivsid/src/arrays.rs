@@ -1,17 +1,27 @@
 //! Arrays in and out.
 
 use interval_core::{Error, Interval, IntervalMatrix};
-use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-/// The core's refusals as Python's `ValueError`.
+/// The core's refusals as the user's error, which is a `ValueError`.
 pub fn refusal(error: &Error) -> PyErr {
-    PyValueError::new_err(error.to_string())
+    crate::scalar::user_error(error)
+}
+
+/// Two arrays without values, for results that fill them.
+pub fn results(py: Python<'_>, n: usize) -> (Bound<'_, PyArray1<f64>>, Bound<'_, PyArray1<f64>>) {
+    // SAFETY: any bits are a double, and the operations write every entry before Python sees the arrays.
+    #[expect(unsafe_code, reason = "zeroing what is overwritten costs as much as the operation")]
+    unsafe {
+        (PyArray1::new(py, n, false), PyArray1::new(py, n, false))
+    }
 }
 
 /// A one-dimensional array as a slice.
 pub fn vector<'a>(array: &'a PyReadonlyArray1<'_, f64>) -> PyResult<&'a [f64]> {
+    interval_core::rounding::check_environment().map_err(|e| refusal(&e))?;
     array.as_slice().map_err(|_| PyValueError::new_err("a contiguous array is needed"))
 }
 
@@ -32,6 +42,7 @@ pub fn intervals(lo: &[f64], hi: &[f64]) -> Result<Vec<Interval>, Error> {
 
 /// An interval matrix from two arrays of bounds. `as_slice` also accepts Fortran order, which would transpose silently.
 pub fn matrix(lo: &PyReadonlyArray2<'_, f64>, hi: &PyReadonlyArray2<'_, f64>) -> PyResult<IntervalMatrix> {
+    interval_core::rounding::check_environment().map_err(|e| refusal(&e))?;
     if !(lo.is_c_contiguous() && hi.is_c_contiguous()) {
         return Err(PyValueError::new_err("C-contiguous arrays are needed"));
     }

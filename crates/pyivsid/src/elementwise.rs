@@ -1,9 +1,10 @@
 //! Entrywise operations on arrays of bounds, and text.
 
-use crate::arrays::{intervals, refusal, vector};
+use crate::arrays::{intervals, refusal, results, vector};
 use crate::convert::interval_vector;
-use interval_core::{Error, Interval, rounding};
-use numpy::{PyArray1, PyReadonlyArray1};
+use interval_core::rounding::slices::{self, Binary, Bounds, BoundsMut, Unary};
+use interval_core::{Error, Interval, reductions, rounding};
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -28,55 +29,76 @@ fn intervals_at(lo: &[f64], hi: &[f64]) -> Result<(), Error> {
     lo.iter().zip(hi).enumerate().try_for_each(|(index, (&l, &h))| Interval::at(l, h, index).map(|_| ()))
 }
 
-/// `op` is one of neg, abs, square, sqrt, `signed_square`. Empty results have reversed infinite bounds.
+fn unknown(op: &str) -> PyErr {
+    PyValueError::new_err(format!("unknown operation '{op}'"))
+}
+
+type Pair<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+
+/// An operation of one operand by its name in the core. Empty results have reversed infinite bounds.
 #[pyfunction]
 pub fn unary<'py>(
     py: Python<'py>,
     op: &str,
     lo: PyReadonlyArray1<'py, f64>,
     hi: PyReadonlyArray1<'py, f64>,
-) -> PyResult<Bound<'py, PyAny>> {
-    let f: fn(Interval) -> Interval = match op {
-        "neg" => |x| -x,
-        "abs" => Interval::abs,
-        "square" => Interval::square,
-        "sqrt" => Interval::sqrt,
-        "signed_square" => Interval::signed_square,
-        _ => return Err(PyValueError::new_err(format!("unknown operation '{op}'"))),
-    };
-    let (lo, hi) = (vector(&lo)?, vector(&hi)?);
-    let result = py.detach(|| intervals(lo, hi).map(|x| x.into_iter().map(f).collect::<Vec<_>>()));
-    interval_vector(py, &result.map_err(|e| refusal(&e))?)
+) -> PyResult<Pair<'py>> {
+    let op = Unary::from_name(op).ok_or_else(|| unknown(op))?;
+    let x = Bounds::new(vector(&lo)?, vector(&hi)?).map_err(|e| refusal(&e))?;
+    let (low, high) = results(py, lo.len());
+    {
+        let (mut l, mut h) = (low.readwrite(), high.readwrite());
+        let out = BoundsMut { lo: l.as_slice_mut()?, hi: h.as_slice_mut()? };
+        py.detach(|| slices::unary(op, x, out)).map_err(|e| refusal(&e))?;
+    }
+    Ok((low, high))
 }
 
-/// `op` is one of add, sub, mul, div, min, max, hull, intersection. Empty results have reversed infinite bounds.
+/// An operation of two operands of the same length by its name in the core.
 #[pyfunction]
 pub fn binary<'py>(
     py: Python<'py>,
     op: &str,
     a: (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>),
     b: (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>),
+) -> PyResult<Pair<'py>> {
+    let op = Binary::from_name(op).ok_or_else(|| unknown(op))?;
+    let x = Bounds::new(vector(&a.0)?, vector(&a.1)?).map_err(|e| refusal(&e))?;
+    let y = Bounds::new(vector(&b.0)?, vector(&b.1)?).map_err(|e| refusal(&e))?;
+    let (low, high) = results(py, a.0.len());
+    {
+        let (mut l, mut h) = (low.readwrite(), high.readwrite());
+        let out = BoundsMut { lo: l.as_slice_mut()?, hi: h.as_slice_mut()? };
+        py.detach(|| slices::binary(op, x, y, out)).map_err(|e| refusal(&e))?;
+    }
+    Ok((low, high))
+}
+
+/// `{x^n}` for an integer `n`.
+#[pyfunction]
+pub fn power<'py>(
+    py: Python<'py>,
+    lo: PyReadonlyArray1<'py, f64>,
+    hi: PyReadonlyArray1<'py, f64>,
+    n: i32,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let f: fn(Interval, Interval) -> Interval = match op {
-        "add" => |x, y| x + y,
-        "sub" => |x, y| x - y,
-        "mul" => |x, y| x * y,
-        "div" => |x, y| x / y,
-        "min" => Interval::min,
-        "max" => Interval::max,
-        "hull" => Interval::hull,
-        "intersection" => Interval::intersection,
-        _ => return Err(PyValueError::new_err(format!("unknown operation '{op}'"))),
-    };
-    let (alo, ahi, blo, bhi) = (vector(&a.0)?, vector(&a.1)?, vector(&b.0)?, vector(&b.1)?);
-    let result = py.detach(|| {
-        let (x, y) = (intervals(alo, ahi)?, intervals(blo, bhi)?);
-        if x.len() != y.len() {
-            return Err(Error::Shape { what: "the second operand", given: y.len(), needed: x.len() });
-        }
-        Ok(x.into_iter().zip(y).map(|(x, y)| f(x, y)).collect::<Vec<_>>())
-    });
+    let (lo, hi) = (vector(&lo)?, vector(&hi)?);
+    let result = py.detach(|| intervals(lo, hi).map(|x| x.into_iter().map(|v| v.powi(n)).collect::<Vec<_>>()));
     interval_vector(py, &result.map_err(|e| refusal(&e))?)
+}
+
+/// The tightest interval around the sum of all intervals: each end rounded once.
+#[pyfunction]
+pub fn exact_sum(py: Python<'_>, lo: PyReadonlyArray1<'_, f64>, hi: PyReadonlyArray1<'_, f64>) -> PyResult<(f64, f64)> {
+    let (lo, hi) = (vector(&lo)?, vector(&hi)?);
+    let sum = py.detach(|| intervals(lo, hi).map(|x| reductions::sum_intervals(&x))).map_err(|e| refusal(&e))?;
+    Ok((sum.lo(), sum.hi()))
+}
+
+/// The back end in use: portable, avx2 or avx512.
+#[pyfunction]
+pub fn backend() -> &'static str {
+    slices::Backend::chosen().name()
 }
 
 /// `op` is one of midpoint, radius, width, magnitude, mignitude.
@@ -98,13 +120,6 @@ pub fn measure<'py>(
     let (lo, hi) = (vector(&lo)?, vector(&hi)?);
     let result = py.detach(|| intervals(lo, hi).map(|x| x.into_iter().map(f).collect::<Vec<_>>()));
     Ok(PyArray1::from_vec(py, result.map_err(|e| refusal(&e))?))
-}
-
-/// The tightest bounds of an interval literal.
-#[pyfunction]
-pub fn parse_interval(text: &str) -> PyResult<(f64, f64)> {
-    let x: Interval = text.parse().map_err(|e| refusal(&e))?;
-    Ok((x.lo(), x.hi()))
 }
 
 /// `[lower, upper]`, rounded outward.

@@ -7,6 +7,7 @@ mod convert;
 mod elementwise;
 mod linalg;
 mod regression;
+mod scalar;
 
 use pyo3::prelude::*;
 
@@ -15,10 +16,13 @@ use pyo3::prelude::*;
 mod core_module {
     #[pymodule_export]
     use super::elementwise::{
-        binary, check_bounds, environment_is_default, format_interval, measure, outward_decimal, parse_interval, unary,
+        backend, binary, check_bounds, environment_is_default, exact_sum, format_interval, measure, outward_decimal,
+        power, unary,
     };
     #[pymodule_export]
     use super::linalg::{gram, inverse, matmul, norm, regularity, solve};
     #[pymodule_export]
     use super::regression::{feasible_set, normal_equations};
+    #[pymodule_export]
+    use super::scalar::Interval;
 }

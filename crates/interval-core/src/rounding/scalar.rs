@@ -13,6 +13,7 @@ const TWO_100: f64 = f64::from_bits((1023 + 100) << 52);
 const TWO_200: f64 = f64::from_bits((1023 + 200) << 52);
 const TWO_537: f64 = f64::from_bits((1023 + 537) << 52);
 const TWO_800: f64 = f64::from_bits((1023 + 800) << 52);
+const TWO_970: f64 = f64::from_bits((1023 + 970) << 52);
 const HALF_MAX: f64 = f64::MAX / 2.0;
 const SMALLEST: f64 = f64::from_bits(1);
 
@@ -50,6 +51,27 @@ pub fn sub_down(a: f64, b: f64) -> f64 {
     -add_up(-a, b)
 }
 
+/// `a * b - product` for the product rounded to nearest, at least `SAFE` in size.
+///
+/// Without a fused instruction a call of the library's function costs more than Dekker's product, which is as exact where
+/// the splitting does not overflow.
+#[inline]
+fn product_error(a: f64, b: f64, product: f64) -> f64 {
+    if cfg!(any(target_feature = "fma", target_arch = "aarch64")) || a.abs().max(b.abs()).max(product.abs()) > TWO_970 {
+        return a.mul_add(b, -product);
+    }
+    let ((ah, al), (bh, bl)) = (halves(a), halves(b));
+    ((ah * bh - product) + ah * bl + al * bh) + al * bl
+}
+
+/// Veltkamp's splitting into halves of 26 bits.
+#[inline]
+fn halves(x: f64) -> (f64, f64) {
+    let scaled = 134_217_729.0 * x;
+    let high = scaled - (scaled - x);
+    (high, x - high)
+}
+
 /// `a * b` rounded up.
 #[must_use]
 #[inline]
@@ -62,7 +84,7 @@ pub fn mul_up(a: f64, b: f64) -> f64 {
         return product;
     }
     let too_low = if product.abs() >= SAFE {
-        a.mul_add(b, -product) > 0.0
+        product_error(a, b, product) > 0.0
     } else {
         // |ab| < 2^-969 and |a|, |b| >= 2^-1074 bound both operands by 2^105: scaling cannot overflow, and the scaled
         // product is a multiple of 2^-1074, so the fused error is exact.

@@ -1,0 +1,443 @@
+//! `ivsid.Interval`: one interval as a Python object.
+
+use crate::arrays::refusal;
+use interval_core::{Error, Interval as Bounds, exact, rounding};
+use pyo3::basic::CompareOp;
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyAny, PyDict, PyFloat, PyInt, PyString, PyTuple, PyType};
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+/// One closed interval; every operation is rounded outward to the tightest result.
+///
+/// Args:
+///     lower: the lower bound as it is, or text such as ``"[0.1, 0.2]"``, ``"[1/3]"`` or ``"3.56?1"``, which is enclosed.
+///     upper: the upper bound; equal to ``lower`` where left out.
+///
+/// Raises:
+///     IvsidError: NaN, reversed bounds, no finite point, or text that is no interval.
+#[pyclass(frozen, module = "ivsid", name = "Interval")]
+#[derive(Clone, Copy)]
+pub struct Interval(pub Bounds);
+
+impl Interval {
+    const fn value(&self) -> Bounds {
+        self.0
+    }
+}
+
+/// Largest integer up to which every integer is a double.
+const EXACT: i64 = 1 << 53;
+
+/// An operand that is an interval, a float or an exactly representable integer.
+#[inline]
+fn operand(value: &Bound<'_, PyAny>) -> Option<PyResult<Bounds>> {
+    if let Ok(interval) = value.cast::<Interval>() {
+        return Some(Ok(interval.get().0));
+    }
+    if let Ok(number) = value.cast::<PyFloat>() {
+        let x = number.value();
+        return Some(Bounds::point(x).map_err(|e| refusal(&e)));
+    }
+    if let Ok(number) = value.cast::<PyInt>() {
+        return integer(number).map(Ok);
+    }
+    None
+}
+
+fn integer(number: &Bound<'_, PyInt>) -> Option<Bounds> {
+    let n: i64 = number.extract().ok()?;
+    if !(-EXACT..=EXACT).contains(&n) {
+        return None;
+    }
+    #[expect(clippy::cast_precision_loss, reason = "at most 2^53")]
+    Bounds::point(n as f64).ok()
+}
+
+/// A function of the Python module that knows arrays and everything else.
+fn python_door<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    static MODULE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let module = MODULE.get_or_try_init(py, || py.import("ivsid.intervals").map(|m| m.into_any().unbind()))?;
+    module.bind(py).getattr(name)
+}
+
+type Operation = fn(Bounds, Bounds) -> Bounds;
+
+/// `a op b`, or with `reverse` `b op a`; anything but numbers goes to the arrays.
+#[inline]
+fn binary<'py>(
+    a: &Bound<'py, Interval>,
+    b: &Bound<'py, PyAny>,
+    name: &str,
+    op: Operation,
+    reverse: bool,
+) -> PyResult<Bound<'py, PyAny>> {
+    if rounding::environment_is_default()
+        && let Ok(other) = b.cast::<Interval>()
+    {
+        // Two intervals are never reversed: the left one answers.
+        return Ok(Bound::new(a.py(), Interval(op(a.get().0, other.get().0)))?.into_any());
+    }
+    mixed(a, b, name, op, reverse)
+}
+
+/// An interval and something else.
+#[cold]
+fn mixed<'py>(
+    a: &Bound<'py, Interval>,
+    b: &Bound<'py, PyAny>,
+    name: &str,
+    op: Operation,
+    reverse: bool,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = a.py();
+    rounding::check_environment().map_err(|e| refusal(&e))?;
+    let Some(other) = operand(b) else {
+        let (left, right) = if reverse { (b, a.as_any()) } else { (a.as_any(), b) };
+        return python_door(py, "_operate")?.call1((name, left, right));
+    };
+    let (x, y) = (a.get().0, other?);
+    let result = if reverse { op(y, x) } else { op(x, y) };
+    Ok(Bound::new(py, Interval(result))?.into_any())
+}
+
+/// Methods of one operand, by name.
+macro_rules! functions {
+    ($($(#[doc = $doc:literal])* $name:ident $core:ident;)*) => {
+        #[pymethods]
+        impl Interval {
+            $($(#[doc = $doc])*
+            fn $name(&self) -> Self {
+                Self(self.0.$core())
+            })*
+        }
+    };
+}
+
+functions! {
+    /// The square root of the members that are not negative.
+    sqrt sqrt;
+    /// The squares of the members.
+    square square;
+    /// ``x |x|``, the quadratic drag law.
+    signed_square signed_square;
+    /// The reciprocals of the members other than 0.
+    reciprocal recip;
+    /// The exponentials.
+    exp exp;
+    /// Powers of 2.
+    exp2 exp2;
+    /// Powers of 10.
+    exp10 exp10;
+    /// Natural logarithms of the positive members.
+    log ln;
+    /// Logarithms to base 2 of the positive members.
+    log2 log2;
+    /// Logarithms to base 10 of the positive members.
+    log10 log10;
+    /// Sines, of radians.
+    sin sin;
+    /// Cosines, of radians.
+    cos cos;
+    /// Tangents, of radians.
+    tan tan;
+    /// Arc sines of the members in [-1, 1].
+    arcsin asin;
+    /// Arc cosines of the members in [-1, 1].
+    arccos acos;
+    /// Arc tangents.
+    arctan atan;
+    /// Hyperbolic sines.
+    sinh sinh;
+    /// Hyperbolic cosines.
+    cosh cosh;
+    /// Hyperbolic tangents.
+    tanh tanh;
+    /// Inverse hyperbolic sines.
+    arcsinh asinh;
+    /// Inverse hyperbolic cosines of the members from 1 on.
+    arccosh acosh;
+    /// Inverse hyperbolic tangents of the members in (-1, 1).
+    arctanh atanh;
+}
+
+#[pymethods]
+impl Interval {
+    #[new]
+    #[pyo3(signature = (lower, upper=None))]
+    fn new(py: Python<'_>, lower: &Bound<'_, PyAny>, upper: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        rounding::check_environment().map_err(|e| refusal(&e))?;
+        if let Ok(text) = lower.cast::<PyString>() {
+            if upper.is_some() {
+                return Err(sentence(py, "give either text or two bounds, not both"));
+            }
+            return text.to_str()?.parse().map(Self).map_err(|e| refusal(&e));
+        }
+        let bound = |value: &Bound<'_, PyAny>| -> PyResult<f64> {
+            if let Ok(number) = value.cast::<PyFloat>() {
+                return Ok(number.value());
+            }
+            if let Some(exact) = value.cast::<PyInt>().ok().and_then(integer) {
+                return Ok(exact.lo());
+            }
+            python_door(py, "_bound")?.call1((value,))?.extract()
+        };
+        let lo = bound(lower)?;
+        let hi = upper.map_or(Ok(lo), bound)?;
+        Bounds::new(lo, hi).map(Self).map_err(|e| refusal(&e))
+    }
+
+    /// The interval without members.
+    #[classmethod]
+    fn empty_set(_cls: &Bound<'_, PyType>) -> Self {
+        Self(Bounds::EMPTY)
+    }
+
+    /// The real line.
+    #[classmethod]
+    fn entire(_cls: &Bound<'_, PyType>) -> Self {
+        Self(Bounds::ENTIRE)
+    }
+
+    /// Lower bound.
+    #[getter]
+    fn lower(&self) -> f64 {
+        self.0.lo()
+    }
+
+    /// Upper bound.
+    #[getter]
+    fn upper(&self) -> f64 {
+        self.0.hi()
+    }
+
+    /// A double inside, nearest to the centre.
+    #[getter]
+    fn midpoint(&self) -> f64 {
+        self.0.midpoint()
+    }
+
+    /// The smallest double r with the interval inside midpoint +- r.
+    #[getter]
+    fn radius(&self) -> f64 {
+        self.0.radius()
+    }
+
+    /// Upper - lower, rounded up.
+    #[getter]
+    fn width(&self) -> f64 {
+        self.0.width()
+    }
+
+    /// The largest absolute value.
+    #[getter]
+    fn magnitude(&self) -> f64 {
+        self.0.magnitude()
+    }
+
+    /// The smallest absolute value.
+    #[getter]
+    fn mignitude(&self) -> f64 {
+        self.0.mignitude()
+    }
+
+    /// Whether nothing is inside.
+    #[getter]
+    fn empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Whether the number is inside.
+    fn contains(&self, point: f64) -> bool {
+        self.0.contains(point)
+    }
+
+    /// Whether this lies in the other.
+    fn subset(&self, other: &Self) -> bool {
+        self.0.subset(other.0)
+    }
+
+    /// Whether this lies in the inside of the other.
+    fn interior(&self, other: &Self) -> bool {
+        self.0.interior(other.0)
+    }
+
+    /// Whether no number is in both.
+    fn disjoint(&self, other: &Self) -> bool {
+        self.0.disjoint(other.0)
+    }
+
+    /// The common members.
+    fn intersection<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        binary(slf, other, "intersection", Bounds::intersection, false)
+    }
+
+    /// The smallest interval that holds both.
+    fn hull<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        binary(slf, other, "hull", Bounds::hull, false)
+    }
+
+    /// The angle of the point (other, self) in (-pi, pi], in radians.
+    fn arctan2<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        binary(slf, other, "atan2", Bounds::atan2, false)
+    }
+
+    /// ``self * y + z`` with one rounding.
+    fn fma(&self, y: &Self, z: &Self) -> Self {
+        Self(self.0.mul_add(y.0, z.0))
+    }
+
+    /// Hexadecimal bounds, without any rounding: text that reads back as the same interval.
+    fn to_exact(&self) -> String {
+        self.0.to_exact()
+    }
+
+    fn __add__<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        binary(slf, other, "add", |x, y| x + y, false)
+    }
+
+    fn __radd__<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        binary(slf, other, "add", |x, y| x + y, true)
+    }
+
+    fn __sub__<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        binary(slf, other, "sub", |x, y| x - y, false)
+    }
+
+    fn __rsub__<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        binary(slf, other, "sub", |x, y| x - y, true)
+    }
+
+    fn __mul__<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        binary(slf, other, "mul", |x, y| x * y, false)
+    }
+
+    fn __rmul__<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        binary(slf, other, "mul", |x, y| x * y, true)
+    }
+
+    fn __truediv__<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        binary(slf, other, "div", |x, y| x / y, false)
+    }
+
+    fn __rtruediv__<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        binary(slf, other, "div", |x, y| x / y, true)
+    }
+
+    fn __pow__<'py>(
+        slf: &Bound<'py, Self>,
+        exponent: &Bound<'py, PyAny>,
+        modulus: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        if modulus.is_some() {
+            return Err(PyTypeError::new_err("intervals have no modular powers"));
+        }
+        if let Ok(number) = exponent.cast::<PyInt>()
+            && let Ok(n) = number.extract::<i32>()
+        {
+            return Ok(Bound::new(slf.py(), Self(slf.get().0.powi(n)))?.into_any());
+        }
+        binary(slf, exponent, "pow", Bounds::pow, false)
+    }
+
+    fn __rpow__<'py>(
+        slf: &Bound<'py, Self>,
+        base: &Bound<'py, PyAny>,
+        modulus: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        if modulus.is_some() {
+            return Err(PyTypeError::new_err("intervals have no modular powers"));
+        }
+        binary(slf, base, "pow", Bounds::pow, true)
+    }
+
+    fn __neg__(&self) -> Self {
+        Self(-self.value())
+    }
+
+    fn __pos__(&self) -> Self {
+        *self
+    }
+
+    fn __abs__(&self) -> Self {
+        Self(self.0.abs())
+    }
+
+    fn __contains__(&self, point: f64) -> bool {
+        self.0.contains(point)
+    }
+
+    fn __richcmp__<'py>(
+        slf: &Bound<'py, Self>,
+        other: &Bound<'py, PyAny>,
+        op: CompareOp,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let py = slf.py();
+        let Ok(other) = other.cast::<Self>() else { return Ok(py.NotImplemented().into_bound(py)) };
+        let equal = slf.get().0 == other.get().0;
+        Ok(match op {
+            CompareOp::Eq => equal.into_pyobject(py)?.to_owned().into_any(),
+            CompareOp::Ne => (!equal).into_pyobject(py)?.to_owned().into_any(),
+            _ => py.NotImplemented().into_bound(py),
+        })
+    }
+
+    fn __hash__(&self) -> u64 {
+        // Equal intervals may differ in the sign of a zero.
+        let mut hasher = DefaultHasher::new();
+        [self.0.lo(), self.0.hi()].map(|x| (x + 0.0).to_bits()).hash(&mut hasher);
+        hasher.finish()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let py = slf.py();
+        let x = slf.get().0;
+        let arguments =
+            if x.is_empty() { ("[empty]",).into_pyobject(py)? } else { (x.lo(), x.hi()).into_pyobject(py)? };
+        (slf.get_type(), arguments).into_pyobject(py)
+    }
+
+    fn __repr__(&self) -> String {
+        if self.0.is_empty() {
+            return "Interval(\"[empty]\")".into();
+        }
+        // The decimals are outward, and as float literals they read back as the same doubles.
+        let end = |x: f64, up| {
+            if x.is_infinite() { format!("float(\"{x}\")") } else { exact::outward_decimal(x, up) }
+        };
+        format!("Interval({}, {})", end(self.0.lo(), false), end(self.0.hi(), true))
+    }
+
+    fn __str__(&self) -> String {
+        self.0.to_string()
+    }
+
+    /// Arrays beside an interval, and NumPy's functions of one, are the array class's business.
+    #[pyo3(signature = (ufunc, method, *inputs, **options))]
+    fn __array_ufunc__<'py>(
+        &self,
+        py: Python<'py>,
+        ufunc: &Bound<'py, PyAny>,
+        method: &str,
+        inputs: &Bound<'py, PyTuple>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        python_door(py, "_ufunc")?.call1((ufunc, method, inputs, options))
+    }
+}
+
+/// The user's error with this text.
+pub fn sentence(py: Python<'_>, text: &str) -> PyErr {
+    static CLASS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let class = CLASS.get_or_try_init(py, || py.import("ivsid.errors")?.getattr("IvsidError").map(Bound::unbind));
+    match class.and_then(|class| class.bind(py).call1((text,))) {
+        Ok(error) => PyErr::from_value(error),
+        Err(error) => error,
+    }
+}
+
+/// A refusal of the core as the user's error.
+pub fn user_error(error: &Error) -> PyErr {
+    Python::attach(|py| sentence(py, &error.to_string()))
+}

@@ -6,7 +6,7 @@
 mod common;
 
 use common::Random;
-use interval_core::rounding::slices::{Backend, Binary, Bounds, BoundsMut, Unary, binary_with, unary_with};
+use interval_core::rounding::slices::{Backend, Binary, Bounds, BoundsMut, Unary, binary_with, unary, unary_with};
 use interval_core::{Error, Interval};
 
 /// Intervals with the bounds that hurt: points, wide and unbounded ones, the empty one, zeros of both signs.
@@ -191,6 +191,27 @@ fn bad_bounds_are_refused_with_their_place() {
         }
     }
     assert!(Bounds::new(&[1.0], &[]).is_err());
+}
+
+#[test]
+fn long_slices_on_several_threads_give_the_same_bits_and_name_the_first_refusal() {
+    let n = 300_001;
+    let mut random = Random(13);
+    let x: Vec<Interval> = (0..n).map(|_| spicy_interval(&mut random)).collect();
+    let (mut lo, hi) = split(&x);
+    let mut run = |lo: &[f64], op: Unary| {
+        let (mut low, mut high) = (vec![0.0; n], vec![0.0; n]);
+        let bounds = Bounds::new(lo, &hi).expect("equal lengths");
+        unary(op, bounds, BoundsMut { lo: &mut low, hi: &mut high }).map(|()| (low, high))
+    };
+    for op in [Unary::Square, Unary::Exp] {
+        let (low, high) = run(&lo, op).expect("sound bounds");
+        assert!((0..n).all(|i| (low[i].to_bits(), high[i].to_bits()) == bits(op.scalar()(x[i]))));
+    }
+    (lo[200_000], lo[299_999]) = (f64::NAN, f64::NAN);
+    for op in [Unary::Square, Unary::Exp] {
+        assert_eq!(run(&lo, op).err(), Some(Error::NotANumber { index: 200_000 }));
+    }
 }
 
 /// The door asks the processor: under upward rounding, or with subnormal numbers flushed, nothing is computed.

@@ -60,3 +60,15 @@ pub enum Error {
         text: String,
     },
 }
+
+impl Error {
+    /// The same of a slice that starts `by` entries further on.
+    pub(crate) fn moved(self, by: usize) -> Self {
+        match self {
+            Self::NotANumber { index } => Self::NotANumber { index: index + by },
+            Self::ReversedBounds { index } => Self::ReversedBounds { index: index + by },
+            Self::NoFinitePoint { index } => Self::NoFinitePoint { index: index + by },
+            other => other,
+        }
+    }
+}

@@ -42,3 +42,15 @@ pub(crate) fn map_reduce<T: Send>(
 pub(crate) fn map_reduce<T>(count: u64, map: impl Fn(u64) -> T, merge: impl Fn(T, T) -> T) -> Option<T> {
     (0..count).map(map).reduce(merge)
 }
+
+/// Both, at once where there are threads.
+#[cfg(feature = "rayon")]
+pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    rayon::join(a, b)
+}
+
+/// Both, one after the other.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
+    (a(), b())
+}

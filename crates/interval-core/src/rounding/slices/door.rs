@@ -10,6 +10,7 @@ use super::portable::Arrays as Portable;
 use super::sse2::Sse2 as Portable;
 use crate::error::Error;
 use crate::interval::Interval;
+use crate::parallel;
 use crate::rounding;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::OnceLock;
@@ -239,7 +240,7 @@ fn fits(what: &'static str, given: usize, needed: usize) -> Result<(), Error> {
     if given == needed { Ok(()) } else { Err(Error::Shape { what, given, needed }) }
 }
 
-/// `op` on every interval of a slice.
+/// `op` on every interval of a slice, long ones on several threads.
 ///
 /// # Errors
 /// Different lengths, bounds that are no interval, and a changed rounding mode.
@@ -253,10 +254,17 @@ fn fits(what: &'static str, given: usize, needed: usize) -> Result<(), Error> {
 /// # Ok::<(), interval_core::Error>(())
 /// ```
 pub fn unary(op: Unary, x: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> {
-    unary_with(Backend::chosen(), op, x, out)
+    let portion = portion(op.is_arithmetic());
+    if x.len() <= portion || x.len() != out.len() {
+        return unary_with(Backend::chosen(), op, x, out);
+    }
+    let ((x1, x2), (out1, out2)) = (x.halves(), out.halves());
+    let middle = x1.len();
+    let (first, second) = parallel::join(|| unary(op, x1, out1), || unary(op, x2, out2));
+    first.and(second.map_err(|error| error.moved(middle)))
 }
 
-/// `op` on every pair of intervals of two slices.
+/// `op` on every pair of intervals of two slices, long ones on several threads.
 ///
 /// # Errors
 /// Different lengths, bounds that are no interval, and a changed rounding mode.
@@ -270,10 +278,22 @@ pub fn unary(op: Unary, x: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> 
 /// # Ok::<(), interval_core::Error>(())
 /// ```
 pub fn binary(op: Binary, x: Bounds<'_>, y: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> {
-    binary_with(Backend::chosen(), op, x, y, out)
+    let portion = portion(op.is_arithmetic());
+    if x.len() <= portion || x.len() != y.len() || x.len() != out.len() {
+        return binary_with(Backend::chosen(), op, x, y, out);
+    }
+    let ((x1, x2), (y1, y2), (out1, out2)) = (x.halves(), y.halves(), out.halves());
+    let middle = x1.len();
+    let (first, second) = parallel::join(|| binary(op, x1, y1, out1), || binary(op, x2, y2, out2));
+    first.and(second.map_err(|error| error.moved(middle)))
 }
 
-/// [`unary`] on a back end of the caller's choice; the portable one where the processor lacks it.
+/// What one thread does at a time: some tens of microseconds.
+fn portion(arithmetic: bool) -> usize {
+    if arithmetic { 1 << 16 } else { 1 << 9 }
+}
+
+/// [`unary`] on the caller's thread and a back end of its choice; the portable one where the processor lacks it.
 ///
 /// # Errors
 /// Different lengths, bounds that are no interval, and a changed rounding mode.
@@ -291,7 +311,7 @@ pub fn unary_with(backend: Backend, op: Unary, x: Bounds<'_>, out: BoundsMut<'_>
     }
 }
 
-/// [`binary`] on a back end of the caller's choice; the portable one where the processor lacks it.
+/// [`binary`] on the caller's thread and a back end of its choice; the portable one where the processor lacks it.
 ///
 /// # Errors
 /// Different lengths, bounds that are no interval, and a changed rounding mode.

@@ -23,6 +23,23 @@ impl<'a> Bounds<'a> {
         }
     }
 
+    /// Number of intervals.
+    #[must_use]
+    pub fn len(self) -> usize {
+        self.lo.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        self.lo.is_empty()
+    }
+
+    pub(super) fn halves(self) -> (Self, Self) {
+        let ((a, c), (b, d)) = (self.lo.split_at(self.len() / 2), self.hi.split_at(self.len() / 2));
+        (Self { lo: a, hi: b }, Self { lo: c, hi: d })
+    }
+
     /// The interval at `i`.
     ///
     /// # Errors
@@ -43,6 +60,20 @@ pub struct BoundsMut<'a> {
 }
 
 impl BoundsMut<'_> {
+    /// Number of results there is room for; 0 where the slices differ.
+    pub(super) fn len(&self) -> usize {
+        if self.lo.len() == self.hi.len() { self.lo.len() } else { 0 }
+    }
+
+    pub(super) fn halves(self) -> (Self, Self)
+    where
+        Self: Sized,
+    {
+        let middle = self.lo.len() / 2;
+        let ((a, c), (b, d)) = (self.lo.split_at_mut(middle), self.hi.split_at_mut(middle));
+        (Self { lo: a, hi: b }, Self { lo: c, hi: d })
+    }
+
     pub(super) fn set(&mut self, i: usize, x: Interval) {
         (self.lo[i], self.hi[i]) = (x.lo(), x.hi());
     }
@@ -92,6 +123,12 @@ macro_rules! operations {
                 match name { $($text => Some(Self::$name),)* _ => None }
             }
 
+            /// Whether it is cheap: arithmetic and sets, not elementary functions.
+            #[must_use]
+            pub fn is_arithmetic(self) -> bool {
+                ARITHMETIC.contains(&self.name())
+            }
+
             /// The operation on one interval: what every back end computes, bit for bit.
             #[must_use]
             pub fn scalar(self) -> $signature {
@@ -107,6 +144,30 @@ macro_rules! operations {
         }
     };
 }
+
+/// Operations that cost some nanoseconds.
+const ARITHMETIC: [&str; 20] = [
+    "neg",
+    "abs",
+    "square",
+    "signed_square",
+    "sqrt",
+    "recip",
+    "add",
+    "sub",
+    "mul",
+    "div",
+    "min",
+    "max",
+    "hull",
+    "intersection",
+    "sign",
+    "ceil",
+    "floor",
+    "trunc",
+    "round",
+    "round_ties_even",
+];
 
 operations! {
     /// Operations of one operand.

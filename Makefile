@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 OUT ?= out/demo
 RUST_SOURCES := $(shell find crates -name '*.rs' -o -name 'Cargo.toml') Cargo.toml Cargo.lock
 
-.PHONY: demo test check bench docs build format clean
+.PHONY: demo test check bench peers itf1788 differential fuzz docs build format clean
 
 demo: build
 	$(BIN)/ivsid demo --out $(OUT)
@@ -30,6 +30,26 @@ docs: build
 
 bench:
 	cargo bench --locked
+
+# inari beside this crate, built for two targets; GMP and MPFR are built from source (m4 is needed, some minutes).
+peers:
+	cd benches/peers && cargo run --release --locked --target-dir target/haswell
+	cd benches/peers && RUSTFLAGS=-Ctarget-cpu=native cargo run --release --locked --target-dir target/native
+
+# The conformance vectors of IEEE 1788; IVSID_ITF1788 names another folder.
+itf1788:
+	cargo test --locked --test itf1788 -- --nocapture conformance
+
+# Operands of every function that are compared with MPFR, and of every back end that are compared with the operators.
+CASES ?= 1e8
+differential: build
+	IVSID_CASES=$(CASES) $(BIN)/pytest -n auto tests/python/test_oracle.py
+	IVSID_CASES=$(CASES) cargo test --locked --release --test slices
+
+# Seconds of mutated literals for the text parser.
+SECONDS ?= 600
+fuzz:
+	IVSID_FUZZ_SECONDS=$(SECONDS) cargo test --locked --release --test fuzz_text -- --nocapture
 
 build: $(VENV)/.built
 

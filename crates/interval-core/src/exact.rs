@@ -166,6 +166,7 @@ fn scaled_ratio(numerator: BigInt, denominator: &BigInt, exponent: i64) -> BigRa
 
 /// Decimal exponents beyond this are far outside the range of doubles whatever the digits.
 const DECIMAL_LIMIT: i64 = 5_000;
+const BINARY_LIMIT: i64 = 20_000;
 const DIGIT_LIMIT: usize = 4_000;
 
 /// The exact value of a number such as `-12.5e-3`, `2/3` or `0x1.8p-1`; `None` where the text is not one.
@@ -196,18 +197,18 @@ fn natural(digits: &str, radix: u32) -> Option<BigInt> {
 }
 
 /// An exponent such as `+12`, cut off where it decides alone.
-fn exponent_value(text: &str) -> Option<i64> {
+fn exponent_value(text: &str, limit: i64) -> Option<i64> {
     let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
     if digits.is_empty() || !digits.bytes().all(|c| c.is_ascii_digit()) {
         return None;
     }
-    let magnitude = digits.parse::<i64>().unwrap_or(i64::MAX).min(4 * DECIMAL_LIMIT);
+    let magnitude = digits.parse::<i64>().unwrap_or(i64::MAX).min(limit);
     Some(if text.starts_with('-') { -magnitude } else { magnitude })
 }
 
 fn decimal(text: &str) -> Option<BigRational> {
     let (mantissa, exponent) = match text.find(['e', 'E']) {
-        Some(at) => (&text[..at], exponent_value(&text[at + 1..])?),
+        Some(at) => (&text[..at], exponent_value(&text[at + 1..], DECIMAL_LIMIT)?),
         None => (text, 0),
     };
     let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
@@ -217,7 +218,7 @@ fn decimal(text: &str) -> Option<BigRational> {
 
 fn hexadecimal(text: &str) -> Option<BigRational> {
     let (mantissa, exponent) = match text.find(['p', 'P']) {
-        Some(at) => (&text[..at], exponent_value(&text[at + 1..])?),
+        Some(at) => (&text[..at], exponent_value(&text[at + 1..], BINARY_LIMIT)?),
         None => (text, 0),
     };
     let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
@@ -227,7 +228,7 @@ fn hexadecimal(text: &str) -> Option<BigRational> {
 
 /// `digits * 10^exponent` for an unsigned decimal mantissa such as `3.560`, with the size of its last place.
 pub(crate) fn decimal_with_place(mantissa: &str, exponent: &str) -> Option<(BigRational, BigRational)> {
-    let exponent = if exponent.is_empty() { 0 } else { exponent_value(exponent)? };
+    let exponent = if exponent.is_empty() { 0 } else { exponent_value(exponent, DECIMAL_LIMIT)? };
     let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
     let digits = natural(&[whole, fraction].concat(), 10)?;
     let place = exponent - i64::try_from(fraction.len()).ok()?;

@@ -1,11 +1,13 @@
 //! Interval arithmetic on slices: millions of intervals a second in cache (1,024 elements) and from memory (1e6), each back
 //! end beside plain unrounded loops that are vectorised by the compiler for the same processor features.
 //!
-//! `cargo bench --bench interval -- --quick` for a first look; `python benches/ratios.py` prints the table.
+//! `cargo bench --bench interval -- --quick` for a first look; `python benches/ratios.py` prints the table, with what Python
+//! and python-flint (where it is installed) give beside it.
 
-use criterion::{BenchmarkId, Criterion, Throughput, black_box, criterion_group, criterion_main};
-use interval_core::Interval;
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use interval_core::rounding::slices::{Backend, Binary, Bounds, BoundsMut, Unary, binary_with, unary_with};
+use interval_core::{Interval, IntervalMatrix};
+use std::hint::black_box;
 
 /// Bounds of random signs between -4 and 4, of which divisors are kept away from zero by `positive`.
 fn operands(n: usize, seed: u64, positive: bool) -> (Vec<f64>, Vec<f64>) {
@@ -170,5 +172,22 @@ fn scalars(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, arithmetic, elementary, scalars);
+fn matrices(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("matrix-product");
+    for n in [10, 100] {
+        let (lo, hi) = operands(n * n, 6, false);
+        let a = IntervalMatrix::new(n, n, lo, hi).expect("ordered");
+        for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
+            group.bench_function(BenchmarkId::new(backend.name(), n), |bencher| {
+                bencher.iter(|| black_box(&a).multiply_on(backend, black_box(&a)));
+            });
+        }
+        group.bench_function(BenchmarkId::new("fast", n), |bencher| {
+            bencher.iter(|| black_box(&a).multiply_fast(black_box(&a)));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, arithmetic, elementary, scalars, matrices);
 criterion_main!(benches);

@@ -143,7 +143,9 @@ def test_real_powers() -> None:
         x = np.abs(spicy(rng, n, 4.0))
         x = np.where(x == 0, 1.0, x)
         # Half of the exponents leave results inside the range; exact roots and squares are frequent.
-        y = np.where(rng.random(n) < 0.5, spicy(rng, n, 20.0), 700.0 * rng.uniform(-1, 1, n) / (np.abs(np.log(x)) + 1e-3))
+        y = np.where(
+            rng.random(n) < 0.5, spicy(rng, n, 20.0), 700.0 * rng.uniform(-1, 1, n) / (np.abs(np.log(x)) + 1e-3)
+        )
         exact = rng.random(n) < 0.1
         x = np.where(exact, rng.integers(1, 1 << 13, n).astype(float) ** 2, x)
         y = np.where(exact, rng.choice([0.5, -0.5, 1.5, 2.0, -2.0, 3.0, 0.25], n), y)

@@ -34,7 +34,7 @@ enum Slack {
     /// One ulp a side outside it.
     Outside,
     /// One ulp a side outside it, or up to two inside: some expectations of reverse functions are not the tightest
-    /// intervals, which these results are (tests/python/test_oracle.py).
+    /// intervals, which these results are (`tests/rust/reverse.rs`).
     Around,
 }
 
@@ -50,7 +50,7 @@ fn encloses(given: Interval, expected: Interval, slack: Slack) -> bool {
     near(given.lo(), expected.lo()) && near(-given.hi(), -expected.hi())
 }
 
-/// Two expectations of pow_rev.itl are far wider than the set they stand for: b^t >= 2 for a b in [1/4, 1/2] or [1/4, 1]
+/// Two expectations of `pow_rev.itl` are far wider than the set they stand for: b^t >= 2 for a b in [1/4, 1/2] or [1/4, 1]
 /// holds only for t <= -1/2. They are named, and the result is held against that set.
 fn corrected(operation: &str, operands: &[Value]) -> Option<Interval> {
     let [Value::Bare(b), Value::Bare(c), Value::Bare(x)] = operands else { return None };

@@ -1,7 +1,11 @@
 //! Every back end gives the bits of the scalar operators, on any operands and however a slice is cut.
 //!
 //! `IVSID_CASES` sets the number of operand pairs of an operation and back end (default 1e6 for arithmetic).
-#![allow(clippy::cast_possible_truncation, reason = "random bits are cut on purpose")]
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "random bits are cut on purpose, counts are positive"
+)]
 
 mod common;
 
@@ -199,7 +203,7 @@ fn long_slices_on_several_threads_give_the_same_bits_and_name_the_first_refusal(
     let mut random = Random(13);
     let x: Vec<Interval> = (0..n).map(|_| spicy_interval(&mut random)).collect();
     let (mut lo, hi) = split(&x);
-    let mut run = |lo: &[f64], op: Unary| {
+    let run = |lo: &[f64], op: Unary| {
         let (mut low, mut high) = (vec![0.0; n], vec![0.0; n]);
         let bounds = Bounds::new(lo, &hi).expect("equal lengths");
         unary(op, bounds, BoundsMut { lo: &mut low, hi: &mut high }).map(|()| (low, high))

@@ -2,7 +2,8 @@
 //!
 //! # What is promised
 //! - Every operation on [`Interval`] returns a set that contains the exact result for every choice of members of its
-//!   operands. Add, subtract, multiply, divide, square and square root return the *tightest* such interval of doubles.
+//!   operands. It is the *tightest* such interval of doubles, for
+//!   elementary functions too.
 //! - Every function that returns the status [`Status::Enclosed`](status::Status) has *proved* its bounds in directed
 //!   rounding or exact integer arithmetic; an approximation in plain floats is only ever the starting point of a proof.
 //! - A proof that fails is a value ([`Status::NotProved`](status::Status)), never a warning.

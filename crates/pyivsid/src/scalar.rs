@@ -16,7 +16,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 ///     upper: the upper bound; equal to ``lower`` where left out.
 ///
 /// Raises:
-///     IvsidError: NaN, reversed bounds, no finite point, or text that is no interval.
+///     `IvsidError`: NaN, reversed bounds, no finite point, or text that is no interval.
 #[pyclass(frozen, module = "ivsid", name = "Interval")]
 #[derive(Clone, Copy)]
 pub struct Interval(pub Bounds);
@@ -289,6 +289,7 @@ impl Interval {
     }
 
     /// Hexadecimal bounds, without any rounding: text that reads back as the same interval.
+    #[expect(clippy::wrong_self_convention, reason = "Python passes a reference")]
     fn to_exact(&self) -> String {
         self.0.to_exact()
     }
@@ -413,8 +414,9 @@ impl Interval {
         self.0.to_string()
     }
 
-    /// Arrays beside an interval, and NumPy's functions of one, are the array class's business.
+    /// Arrays beside an interval, and `NumPy`'s functions of one, are the array class's business.
     #[pyo3(signature = (ufunc, method, *inputs, **options))]
+    #[expect(clippy::unused_self, reason = "the operands are in the inputs")]
     fn __array_ufunc__<'py>(
         &self,
         py: Python<'py>,

@@ -71,8 +71,8 @@ pub(crate) fn asin(x: f64) -> Bracket {
     if a < TINY {
         return if x == 0.0 { Bracket::exact(x) } else { Bracket::beyond(x) };
     }
-    let positive = decide(angle(Dd::from(a), leg(a), &TABLES), ERROR)
-        .unwrap_or_else(|| exactly(a, |x, leg, p| multiprecision::atan2(x, leg, p)));
+    let positive =
+        decide(angle(Dd::from(a), leg(a), &TABLES), ERROR).unwrap_or_else(|| exactly(a, multiprecision::atan2));
     if x < 0.0 { positive.neg() } else { positive }
 }
 

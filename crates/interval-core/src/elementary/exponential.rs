@@ -30,6 +30,8 @@ pub(super) fn kernel(x: Dd, tables: &Tables) -> (Dd, i64) {
     let n = nearest(x.hi * tables.steps_per_unit);
     #[expect(clippy::cast_possible_truncation, reason = "an integer below 2^18")]
     let count = n as i64;
+    #[expect(clippy::cast_possible_truncation, reason = "six bits")]
+    let step = (count & 63).cast_unsigned() as usize;
     let low = two_product(n, tables.step[1]);
     // The first difference is exact: both terms are multiples of the smaller one's last bit, and nearly equal.
     let s = two_sum(n.mul_add(-tables.step[0], x.hi), -low.hi);
@@ -38,7 +40,7 @@ pub(super) fn kernel(x: Dd, tables: &Tables) -> (Dd, i64) {
     let tail = z.mul_add(z.mul_add(1.0 / 40320.0, 1.0 / 5040.0), 1.0 / 720.0);
     let tail = z.mul_add(z.mul_add(z.mul_add(tail, 1.0 / 120.0), 1.0 / 24.0), 1.0 / 6.0);
     let p = (r + r.square().scale(0.5)).add_f64(z * z * z * tail);
-    let base = tables.exp2[(count & 63).cast_unsigned() as usize];
+    let base = tables.exp2[step];
     (base + base * p, count >> 6)
 }
 

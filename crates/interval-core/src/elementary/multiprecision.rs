@@ -46,9 +46,9 @@ fn inverse_series(n: u64, alternating: bool, precision: i64) -> Ball {
     while !power.is_zero() {
         let term = &power / (2 * k + 1);
         if alternating && k % 2 == 1 {
-            sum -= term
+            sum -= term;
         } else {
-            sum += term
+            sum += term;
         }
         power /= n * n;
         k += 1;

@@ -122,9 +122,8 @@ fn integer_exactly_of(root: f64, n: i64) -> Bracket {
         integer_exactly(root, n)
     } else {
         // |n ln root| <= 746, so only a base within 2^-10 of 1 comes here.
-        settle(|p| {
-            multiprecision::exp(&multiprecision::log(&Ball::from_f64(root), p + 64)?.mul(&Ball::from_f64(n as f64)), p)
-        })
+        let n = Ball::integer(n);
+        settle(|p| multiprecision::exp(&multiprecision::log(&Ball::from_f64(root), p + 64)?.mul(&n), p))
     }
 }
 

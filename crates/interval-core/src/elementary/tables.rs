@@ -33,8 +33,8 @@ pub(super) struct Tables {
     /// `pi / 2` in three parts of 53 bits: within 2^-160 absolute.
     pub half_pi: [f64; 3],
     pub pi: Dd,
-    /// `sin` and `cos` of `j/64`.
-    pub sin_cos: [(Dd, Dd); 53],
+    /// `sin` and `cos` of `j/128`.
+    pub sin_cos: [(Dd, Dd); 102],
     /// `atan` of `j/64`.
     pub atan: [Dd; 65],
 }
@@ -92,7 +92,7 @@ impl Tables {
             half_pi: parts(&pi.clone().scale(-1)),
             sin_cos: std::array::from_fn(|j| {
                 let (sin, cos, _): (Ball, Ball, BigInt) =
-                    sin_cos(&fraction(j, 64.0), BITS).expect("angles of the table are small");
+                    sin_cos(&fraction(j, 128.0), BITS).expect("angles of the table are small");
                 (double_double(Some(sin)), double_double(Some(cos)))
             }),
             atan: std::array::from_fn(|j| double_double(atan(&fraction(j, 64.0), BITS))),

@@ -2,7 +2,7 @@
 
 use super::ball::Ball;
 use super::decide;
-use super::double_double::{Dd, two_product, two_sum};
+use super::double_double::{Dd, fast_two_sum, two_product, two_sum};
 use super::multiprecision::{Bracket, settle, sin_cos};
 use super::nearest;
 use super::tables::{TABLES, Tables};
@@ -17,35 +17,40 @@ const MODERATE: f64 = 134_217_728.0;
 
 /// `x = k pi/2 + r`, `|r| < 0.7855`, for `|x| <= 2^27`.
 ///
-/// Both products of the first two parts are exact, and each sum has a relative error of 2 u^2; the constant's error,
-/// `k 2^-160`, stands against `|r| > 2^-62` (no double is nearer to a multiple of pi/2): 2^-71 relative.
+/// `pi/2 = a + b + c` within 2^-160. Exact are: the products `k a` and `k b` as double-doubles; `x - p.hi`, as the two differ
+/// by less than a factor of two (Sterbenz) or `k = 0`; both sums `t` and `s`. What is rounded lies below 2^-79, so its error
+/// is below 2^-131 and, with the constant's `k 2^-160`, stands against `|r| > 2^-62` (no double is nearer to a multiple of
+/// pi/2): 2^-69.5 relative, and 2^-100 wherever `|r|` is not tiny.
 #[inline(always)]
 fn reduce(x: f64, tables: &Tables) -> (Dd, i64) {
     let k = nearest(x * tables.quarters_per_radian);
     let [a, b, c] = tables.half_pi;
     let (p, q) = (two_product(k, a), two_product(k, b));
-    let r = two_sum(x, -p.hi).add_f64(-p.lo).add_f64(-q.hi).add_f64(-q.lo).add_f64(-(k * c));
+    let t = two_sum(-p.lo, -q.hi);
+    let s = two_sum(x - p.hi, t.hi);
+    let r = fast_two_sum(s.hi, s.lo + (t.lo - k.mul_add(c, q.lo)));
     #[expect(clippy::cast_possible_truncation, reason = "an integer below 2^28")]
     let count = k as i64;
     (r, count)
 }
 
-/// `sin r` or `cos r`, `|r| < 0.7855`: `r = c + h`, `c = j/64`, `|h| < 2^-7`.
+/// `sin r` or `cos r`, `|r| < 0.7855`: `r = c + h`, `c = j/128`, `|h| <= 2^-8`.
 ///
-/// `h^5/120` (2^-42) and `h^4/24` (2^-32.6) with what follows are evaluated in double: 2^-84 absolute, against a sine of
-/// at least 2^-7 where `j > 0`, and below `h^4` relative where `j = 0`: 2^-76 relative.
+/// `h^3/6` and `h^4/24` with what follows (below 2^-26.5) are evaluated in double with four roundings that count: 2^-77.5
+/// absolute, against a sine of at least 2^-8 where `j > 0`, and `h^2/6` of that relative to `h` where `j = 0`: 2^-69.5.
 #[inline(always)]
 fn kernel(r: Dd, cosine: bool, tables: &Tables) -> Dd {
     let a = r.with_sign(r.hi);
-    let j = nearest(a.hi * 64.0);
-    let h = a.add_f64(-j / 64.0);
+    let j = nearest(a.hi * 128.0);
+    // Exact (Sterbenz).
+    let h = two_sum(a.hi - j / 128.0, a.lo);
     let square = h.square();
     let z = square.hi;
-    let sin_tail = z.mul_add(z.mul_add(1.0 / 362_880.0, -1.0 / 5040.0), 1.0 / 120.0);
+    let sin_tail = z.mul_add(z.mul_add(z.mul_add(1.0 / 362_880.0, -1.0 / 5040.0), 1.0 / 120.0), -1.0 / 6.0);
     let cos_tail = z.mul_add(z.mul_add(1.0 / 40_320.0, -1.0 / 720.0), 1.0 / 24.0);
-    let sin_h = h + (-(square * h * tables.sixth)).add_f64(z * z * h.hi * sin_tail);
+    let sin_h = h.add_f64(z * h.hi * sin_tail);
     let cos_less_one = square.scale(-0.5).add_f64(z * z * cos_tail);
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index of at most 51")]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index of at most 101")]
     let (s, c) = tables.sin_cos[j as usize];
     // sin(c + h) and cos(c + h) by the addition theorems, in one form: x + (x (cos h - 1) + y sin h).
     let (x, y) = if cosine { (c, -s) } else { (s, c) };

@@ -1,4 +1,24 @@
-//! Closed intervals of doubles.
+//! Closed intervals of doubles: IEEE 1788-2015, one file a family of operations.
+//!
+//! # Names of the standard
+//!
+//! | IEEE 1788 | here |
+//! |---|---|
+//! | neg, add, sub, mul, div | operators |
+//! | recip, sqr, sqrt, fma, pown, pow | [`recip`](Interval::recip), [`square`](Interval::square), [`sqrt`](Interval::sqrt), [`mul_add`](Interval::mul_add), [`powi`](Interval::powi), [`pow`](Interval::pow) |
+//! | exp, exp2, exp10, log, log2, log10 | [`exp`](Interval::exp), [`exp2`](Interval::exp2), [`exp10`](Interval::exp10), [`ln`](Interval::ln), [`log2`](Interval::log2), [`log10`](Interval::log10) |
+//! | sin, cos, tan, asin, acos, atan, atan2 and the hyperbolic functions | the same names |
+//! | sign, ceil, floor, trunc, roundTiesToEven, roundTiesToAway | [`sign`](Interval::sign), [`ceil`](Interval::ceil), [`floor`](Interval::floor), [`trunc`](Interval::trunc), [`round_ties_even`](Interval::round_ties_even), [`round`](Interval::round) |
+//! | abs, min, max, intersection, convexHull | [`abs`](Interval::abs), [`min`](Interval::min), [`max`](Interval::max), [`intersection`](Interval::intersection), [`hull`](Interval::hull) |
+//! | inf, sup, mid, rad, wid, mag, mig | [`lo`](Interval::lo), [`hi`](Interval::hi), [`midpoint`](Interval::midpoint), [`radius`](Interval::radius), [`width`](Interval::width), [`magnitude`](Interval::magnitude), [`mignitude`](Interval::mignitude) |
+//! | equal, subset, interior, disjoint, less, precedes, strictLess, strictPrecedes, overlap | `==` and the names in snake case |
+//! | cancelMinus, cancelPlus | [`cancel_minus`](Interval::cancel_minus), [`cancel_plus`](Interval::cancel_plus) |
+//! | sqrRev, absRev, pownRev, sinRev, cosRev, tanRev, coshRev, mulRev, mulRevToPair | the names in snake case, [`powi_rev`](Interval::powi_rev) for pownRev |
+//! | powRev1, powRev2 | [`pow_rev_base`](Interval::pow_rev_base), [`pow_rev_exponent`](Interval::pow_rev_exponent) |
+//! | numsToInterval, textToInterval, intervalToExact | [`new`](Interval::new), [`from_literal`](Interval::from_literal), [`to_exact`](Interval::to_exact) |
+//! | newDec, setDec, decorationPart, intervalPart, isNaI | [`DecoratedInterval`] |
+//!
+//! All results are the tightest intervals of doubles.
 
 #![expect(clippy::inline_always, reason = "operations are compiled again inside functions with wider instruction sets")]
 

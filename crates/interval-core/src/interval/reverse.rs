@@ -307,7 +307,7 @@ impl<F: Fn(usize, usize) -> Bracket> Division<F> {
             if w_has_zero {
                 return clip_ends(x, bottom, top);
             }
-            let near = if w[0] > 0 { 0 } else { 1 };
+            let near = usize::from(w[0] <= 0);
             let mut found = Interval::EMPTY;
             // The quotients by the positive and by the negative half of y run from one end to infinity.
             for j in [0, 1] {

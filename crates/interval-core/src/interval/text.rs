@@ -37,19 +37,27 @@ pub(super) fn literal(text: &str) -> Option<Literal> {
     let Some((lower, upper)) = inner.split_once(',') else {
         return from_text(inner).map(|x| Literal::Bounds(Some(x.clone()), Some(x)));
     };
-    Some(Literal::Bounds(bound(lower.trim(), "-")?, bound(upper.trim(), "+")?))
+    let (Bound::At(lower), Bound::At(upper)) = (bound(lower.trim(), "-"), bound(upper.trim(), "+")) else {
+        return None;
+    };
+    Some(Literal::Bounds(lower, upper))
 }
 
-/// A bound: a number, nothing, or the infinity of its side.
-fn bound(text: &str, side: &str) -> Option<Option<BigRational>> {
+/// What stands for a bound: a number, `None` for nothing or the infinity of its side, or something else.
+enum Bound {
+    At(Option<BigRational>),
+    Unreadable,
+}
+
+fn bound(text: &str, side: &str) -> Bound {
     let lower = text.to_ascii_lowercase();
-    let unsigned = match lower.strip_prefix(side) {
-        Some(rest) => rest,
-        None if side == "+" => lower.as_str(),
-        None if lower.is_empty() => "",
-        None => return from_text(text).map(Some),
-    };
-    if matches!(unsigned, "inf" | "infinity") || text.is_empty() { Some(None) } else { from_text(text).map(Some) }
+    // The sign of the infinity may be left out on the upper side only.
+    let name =
+        if side == "+" { lower.strip_prefix('+').unwrap_or(&lower) } else { lower.strip_prefix('-').unwrap_or("") };
+    if text.is_empty() || matches!(name, "inf" | "infinity") {
+        return Bound::At(None);
+    }
+    from_text(text).map_or(Bound::Unreadable, |x| Bound::At(Some(x)))
 }
 
 /// `mantissa ? radius direction e exponent`: the number within so many units of its last place (half of one where none are

@@ -1,0 +1,95 @@
+//! Reverse functions: every solution is kept, and the ends are the tightest ones.
+//!
+//! Tightness by the forward functions, which are compared with MPFR: between an end that is not the operand's and its inner
+//! neighbour the function takes a value in `c`.
+
+mod common;
+
+use common::Random;
+use interval_core::Interval;
+
+type Forward = fn(Interval) -> Interval;
+type Reverse = fn(Interval, Interval) -> Interval;
+
+const PAIRS: [(&str, Forward, Reverse); 10] = [
+    ("sin", Interval::sin, Interval::sin_rev),
+    ("cos", Interval::cos, Interval::cos_rev),
+    ("tan", Interval::tan, Interval::tan_rev),
+    ("cosh", Interval::cosh, Interval::cosh_rev),
+    ("square", Interval::square, Interval::sqr_rev),
+    ("abs", Interval::abs, Interval::abs_rev),
+    ("cube", |x| x.powi(3), |c, x| c.powi_rev(x, 3)),
+    ("power -2", |x| x.powi(-2), |c, x| c.powi_rev(x, -2)),
+    ("power 1.7", |x| x.pow(exponent()), |c, x| exponent().pow_rev_base(c, x)),
+    ("3^t", |t| base().pow(t), |c, t| base().pow_rev_exponent(c, t)),
+];
+
+fn exponent() -> Interval {
+    Interval::point(1.7).expect("finite")
+}
+
+fn base() -> Interval {
+    Interval::point(3.0).expect("finite")
+}
+
+fn ordered(a: f64, b: f64) -> Interval {
+    Interval::new(a.min(b), a.max(b)).expect("ordered")
+}
+
+/// Ends of operands from -20 to 20 and values from the range of a member, wide and down to points.
+#[test]
+fn solutions_are_kept_and_ends_are_tight() {
+    let mut random = Random(31);
+    for (name, forward, reverse) in PAIRS {
+        let mut moved = 0;
+        for _ in 0..20_000 {
+            let size = f64::from(u8::try_from(random.bits() % 20).expect("small") + 1);
+            let (t, u) = (size * random.unit(), size * random.unit());
+            let x = ordered(t, u);
+            let inside = ordered(0.3 * t + 0.7 * u, if random.bits() % 2 == 0 { t } else { 0.3 * t + 0.7 * u });
+            let c = forward(inside);
+            if c.is_empty() {
+                continue;
+            }
+            let solutions = reverse(c, x);
+            assert!(solutions.subset(x), "{name} {} {}", c.to_exact(), x.to_exact());
+            let defined = if name == "power 1.7" { inside.intersection(ordered(0.0, 1e9)) } else { inside };
+            assert!(defined.subset(solutions), "{name} {} {}", c.to_exact(), x.to_exact());
+            for (end, inner, own) in [
+                (solutions.lo(), solutions.lo().next_up(), solutions.lo() == x.lo()),
+                (solutions.hi(), solutions.hi().next_down(), solutions.hi() == x.hi()),
+            ] {
+                if !own && end.is_finite() && end != 0.0 {
+                    moved += 1;
+                    let near = forward(ordered(end, inner));
+                    assert!(!near.disjoint(c), "{name} {} {}: {}", c.to_exact(), x.to_exact(), solutions.to_exact());
+                }
+            }
+        }
+        assert!(moved > 1000, "{name}: only {moved} ends were put to the test");
+    }
+}
+
+#[test]
+fn what_has_no_solution_is_empty() {
+    let (two, three) = (ordered(2.0, 2.0), ordered(3.0, 3.1));
+    assert!(two.sin_rev(Interval::ENTIRE).is_empty());
+    assert!((-two).sqr_rev(Interval::ENTIRE).is_empty());
+    assert!(ordered(0.9, 0.95).sin_rev(three).is_empty());
+    assert!(ordered(0.0, 0.0).powi_rev(Interval::ENTIRE, -2).is_empty());
+    assert!(two.mul_rev(three, ordered(0.0, 1.0)).is_empty());
+    assert_eq!(ordered(1.0, 1.0).sin_rev(Interval::ENTIRE), Interval::ENTIRE);
+}
+
+#[test]
+fn branches_far_from_zero_are_found() {
+    for k in [1.0, 7.0, 1e3, 1e6, 1e9, 1e15] {
+        let x = ordered(k, k + 7.0);
+        let crests = ordered(1.0, 1.0).sin_rev(x);
+        assert!(!crests.is_empty() && crests.subset(x));
+        assert_eq!(crests.sin().hi(), 1.0, "{k}");
+    }
+    // Beyond 4e18 neighbouring doubles lie many turns apart: the operand itself encloses.
+    let huge = ordered(1e19, 2e19);
+    assert_eq!(ordered(0.0, 0.5).cos_rev(huge), huge);
+}

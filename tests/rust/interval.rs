@@ -10,8 +10,10 @@ mod common;
 
 use common::{Random, is_down, is_up, q};
 use interval_core::exact::{from_text, outward_decimal};
+use interval_core::reductions::sum_intervals;
 use interval_core::rounding::slices::{Binary, Unary};
 use interval_core::{DecoratedInterval, Decoration, Error, Interval};
+use num_bigint::BigInt;
 use num_rational::BigRational;
 use proptest::prelude::*;
 
@@ -214,6 +216,49 @@ fn text_forms() {
     ] {
         assert!(matches!(read(bad), Err(Error::Text { .. })), "{bad}");
     }
+}
+
+#[test]
+fn literals_far_outside_the_range_are_read() {
+    let read = |s: &str| s.parse::<Interval>();
+    let tiny = Interval::new(0.0, 5e-324);
+    for valid in ["[2e-5500, 1e-5400]", "[0x2p-30000, 0x1p-29000]", "[2e-25500, 1e-25400]"] {
+        assert_eq!(read(valid), tiny, "{valid}");
+    }
+    assert_eq!(read("[2e5400, 1e5500]"), Interval::new(f64::MAX, f64::INFINITY));
+    assert_eq!(read("[-1e5400, -2e5300]"), Interval::new(f64::NEG_INFINITY, f64::MIN));
+    assert_eq!(read("[1e-5500, 1e-6000]"), Err(Error::ReversedBounds { index: 0 }));
+    assert!(read("[1e999999999999999999999, 1]").is_err());
+}
+
+#[test]
+fn a_zero_is_never_negative() {
+    for text in ["-1e-400", "[-0, -0]", "-0.0", "[-1, -0]", "-0?"] {
+        let x: Interval = text.parse().unwrap();
+        assert!(x.hi() != 0.0 || x.hi().is_sign_positive(), "{text}");
+        assert!(x.lo() != 0.0 || x.lo().is_sign_positive(), "{text}");
+    }
+    let one = Interval::ONE;
+    for x in [sum_intervals(&[]), sum_intervals(&[one, -one]), one - one, -Interval::ZERO, (-one).powi(2) - one] {
+        assert!(x.hi() != 0.0 || x.hi().is_sign_positive());
+    }
+}
+
+/// Two fractions of neighbouring Fibonacci numbers agree in thousands of terms of their continued fractions.
+#[test]
+fn long_fractions_are_compared_on_a_small_stack() {
+    let mut pair = (BigInt::from(1), BigInt::from(1));
+    let mut numbers = Vec::new();
+    for k in 0..19_000 {
+        pair = (pair.1.clone(), &pair.0 + &pair.1);
+        if k >= 18_996 {
+            numbers.push(pair.0.to_string());
+        }
+    }
+    let text = format!("[{}/{}, {}/{}]", numbers[0], numbers[1], numbers[2], numbers[3]);
+    let small = std::thread::Builder::new().stack_size(256 * 1024);
+    let read = small.spawn(move || text.parse::<Interval>()).unwrap().join().unwrap();
+    assert!(read.is_ok() || read == Err(Error::ReversedBounds { index: 0 }));
 }
 
 proptest! {

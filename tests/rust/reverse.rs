@@ -46,7 +46,8 @@ fn solutions_are_kept_and_ends_are_tight() {
             let size = f64::from(u8::try_from(random.bits() % 20).expect("small") + 1);
             let (t, u) = (size * random.unit(), size * random.unit());
             let x = ordered(t, u);
-            let inside = ordered(0.3 * t + 0.7 * u, if random.bits() % 2 == 0 { t } else { 0.3 * t + 0.7 * u });
+            let inside =
+                ordered(0.3 * t + 0.7 * u, if random.bits().is_multiple_of(2) { t } else { 0.3 * t + 0.7 * u });
             let c = forward(inside);
             if c.is_empty() {
                 continue;
@@ -92,4 +93,35 @@ fn branches_far_from_zero_are_found() {
     // Beyond 4e18 neighbouring doubles lie many turns apart: the operand itself encloses.
     let huge = ordered(1e19, 2e19);
     assert_eq!(ordered(0.0, 0.5).cos_rev(huge), huge);
+}
+
+/// A tiny exponent overflows the quotient of logarithms on the way.
+#[test]
+fn tiny_exponents_lose_no_solution() {
+    let point = |x: f64| Interval::point(x).expect("finite");
+    let operand = ordered(3.0, 7.0);
+    assert_eq!(point(1e-309).pow_rev_base(ordered(0.5, 2.0), operand), operand);
+    let two = point(2.0);
+    assert_eq!(point(1e-320).pow_rev_base(two, Interval::ENTIRE).lo(), f64::MAX);
+    assert_eq!(point(-1e-320).pow_rev_base(two, Interval::ENTIRE), ordered(0.0, 5e-324));
+    let beyond = ordered(0.0, 1e-323).pow_rev_base(ordered(1.698e10, 2.7e272), Interval::ENTIRE);
+    assert_eq!((beyond.lo(), beyond.hi()), (f64::MAX, f64::INFINITY));
+}
+
+#[test]
+fn ends_are_found_one_by_one_and_points_are_decided() {
+    let far = ordered(0.9, 1.0).sin_rev(ordered(-1e19, 5.0));
+    assert_eq!(far.lo(), -1e19);
+    assert!(far.hi() > 2.02 && far.hi() < 2.03);
+    let falling = ordered(0.0, 0.1).tan_rev(ordered(-5.0, 1e300));
+    assert_eq!(falling.lo(), -std::f64::consts::PI.next_up());
+    // sin 1e19 = -0.927
+    let point = ordered(1e19, 1e19);
+    assert!(ordered(0.5, 0.6).sin_rev(point).is_empty());
+    assert_eq!(ordered(-1.0, 0.0).sin_rev(point), point);
+    let third = ordered(1.0 / 3.0, 1.0 / 3.0);
+    assert!(ordered(3.0, 3.0).mul_rev(Interval::ONE, third).is_empty());
+    let half_line = Interval::new(1.0, f64::INFINITY).expect("a half line");
+    assert!(half_line.mul_rev(ordered(1.0, 2.0), ordered(-1.0, 0.0)).is_empty());
+    assert_eq!(ordered(2.0, 4.0).mul_rev(ordered(1.0, 2.0), Interval::ENTIRE), ordered(0.25, 1.0));
 }

@@ -7,6 +7,7 @@
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
+use std::cmp::Ordering;
 
 /// The exact value of a finite double.
 ///
@@ -20,33 +21,78 @@ pub fn rational(x: f64) -> BigRational {
 /// The largest double not above `value`.
 #[must_use]
 pub fn ratio_down(value: &BigRational) -> f64 {
-    let mut x = nearby(value);
-    while rational(x) > *value {
-        let below = x.next_down();
-        if below == f64::NEG_INFINITY {
-            return below;
-        }
-        x = below;
+    let (n, d) = (value.numer(), value.denom());
+    // A quotient of at least 64 bits, rounded down; cutting it to 53 rounds down again.
+    let size = |x: &BigInt| i64::try_from(x.bits()).unwrap_or(i64::MAX);
+    let shift = (64 + size(d) - size(n)).max(0);
+    let scaled = n << shift.unsigned_abs();
+    let mut quotient = &scaled / d;
+    if scaled.is_negative() && &quotient * d != scaled {
+        quotient -= 1;
     }
-    loop {
-        let above = x.next_up();
-        if above.is_infinite() || rational(above) > *value {
-            return x;
-        }
-        x = above;
-    }
+    dyadic_down(&quotient, -shift)
 }
 
 /// The smallest double not below `value`.
 #[must_use]
 pub fn ratio_up(value: &BigRational) -> f64 {
-    -ratio_down(&-value)
+    // Adding zero makes -0 plain 0.
+    -ratio_down(&-value) + 0.0
 }
 
-/// A finite double within a few units of `value`, or the end of the range.
-fn nearby(value: &BigRational) -> f64 {
-    let x = value.to_f64().unwrap_or(f64::NAN);
-    if x.is_nan() { 0.0 } else { x.clamp(f64::MIN, f64::MAX) }
+/// The order of two rationals by one product each: the comparison of the library walks a continued fraction, whose length
+/// the text of a literal can choose.
+pub(crate) fn compare(a: &BigRational, b: &BigRational) -> Ordering {
+    (a.numer() * b.denom()).cmp(&(b.numer() * a.denom()))
+}
+
+/// `x * 2^shift`, rounded down where `shift` is negative.
+pub(crate) fn shifted(x: &BigInt, shift: i64) -> BigInt {
+    let by = shift.unsigned_abs();
+    if shift >= 0 { x << by } else { x >> by }
+}
+
+/// The largest double not above `m * 2^exp`.
+pub(crate) fn dyadic_down(m: &BigInt, exp: i64) -> f64 {
+    if m.is_zero() {
+        return 0.0;
+    }
+    let length = i64::try_from(m.bits()).unwrap_or(i64::MAX);
+    let top = length + exp;
+    if top > 1024 {
+        return if m.is_positive() { f64::MAX } else { f64::NEG_INFINITY };
+    }
+    if top < -1074 {
+        return if m.is_positive() { 0.0 } else { -f64::from_bits(1) };
+    }
+    // Position of the last bit that a double keeps at this size.
+    let unit = (top - 53).max(-1074);
+    let mantissa = shifted(m, exp - unit);
+    let Some(integer) = mantissa.magnitude().to_u64() else { return f64::NEG_INFINITY };
+    // At most 2^53: exact; the two factors keep the scaling exact in the subnormal range.
+    let value = compose(integer, unit);
+    if mantissa.is_negative() { -value } else { value }
+}
+
+/// `m * 2^unit` for `m <= 2^53` and a result that is a double, or infinite.
+fn compose(m: u64, unit: i64) -> f64 {
+    if m == 0 {
+        return 0.0;
+    }
+    if m == 1 << 53 {
+        return compose(1 << 52, unit + 1);
+    }
+    let shift = u64::from(m.leading_zeros()) - 11;
+    let (normal, exponent) = (m << shift, unit - i64::try_from(shift).unwrap_or(0));
+    let biased = exponent + 1075;
+    if biased >= 2047 {
+        f64::INFINITY
+    } else if biased >= 1 {
+        let field = u64::try_from(biased).unwrap_or(0);
+        f64::from_bits((field << 52) | (normal & ((1 << 52) - 1)))
+    } else {
+        f64::from_bits(normal >> (1 - biased).unsigned_abs())
+    }
 }
 
 /// Integers `m` and the exponent `e` with `values[i] = m[i] * 2^e` exactly; the values are finite.
@@ -165,8 +211,8 @@ fn scaled_ratio(numerator: BigInt, denominator: &BigInt, exponent: i64) -> BigRa
 }
 
 /// Decimal exponents beyond this are far outside the range of doubles whatever the digits.
-const DECIMAL_LIMIT: i64 = 5_000;
-const BINARY_LIMIT: i64 = 20_000;
+const DECIMAL_LIMIT: i64 = 20_000;
+const BINARY_LIMIT: i64 = 80_000;
 const DIGIT_LIMIT: usize = 4_000;
 
 /// The exact value of a number such as `-12.5e-3`, `2/3` or `0x1.8p-1`; `None` where the text is not one.
@@ -182,7 +228,7 @@ pub fn from_text(text: &str) -> Option<BigRational> {
         if d.is_zero() {
             return None;
         }
-        BigRational::new(n, d)
+        BigRational::new_raw(n, d)
     } else if let Some(digits) = unsigned.strip_prefix("0x").or_else(|| unsigned.strip_prefix("0X")) {
         hexadecimal(digits)?
     } else {
@@ -191,7 +237,7 @@ pub fn from_text(text: &str) -> Option<BigRational> {
     Some(if negative { -magnitude } else { magnitude })
 }
 
-fn natural(digits: &str, radix: u32) -> Option<BigInt> {
+pub(crate) fn natural(digits: &str, radix: u32) -> Option<BigInt> {
     let allowed = !digits.is_empty() && digits.len() <= DIGIT_LIMIT && digits.chars().all(|c| c.is_digit(radix));
     if allowed { BigInt::parse_bytes(digits.as_bytes(), radix) } else { None }
 }
@@ -226,18 +272,18 @@ fn hexadecimal(text: &str) -> Option<BigRational> {
     Some(scaled_ratio(digits, &BigInt::one(), exponent - 4 * i64::try_from(fraction.len()).ok()?))
 }
 
-/// `digits * 10^exponent` for an unsigned decimal mantissa such as `3.560`, with the size of its last place.
-pub(crate) fn decimal_with_place(mantissa: &str, exponent: &str) -> Option<(BigRational, BigRational)> {
+/// An unsigned decimal mantissa such as `3.560` with the text of an exponent: `digits * 10^place`.
+pub(crate) fn decimal_with_place(mantissa: &str, exponent: &str) -> Option<(BigInt, i64)> {
     let exponent = if exponent.is_empty() { 0 } else { exponent_value(exponent, DECIMAL_LIMIT)? };
     let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
     let digits = natural(&[whole, fraction].concat(), 10)?;
-    let place = exponent - i64::try_from(fraction.len()).ok()?;
-    Some((decimal_value(digits, place), decimal_value(BigInt::one(), place)))
+    Some((digits, exponent - i64::try_from(fraction.len()).ok()?))
 }
 
-fn decimal_value(digits: BigInt, exponent: i64) -> BigRational {
+/// Not in lowest terms: nothing here needs them, and finding them takes longest.
+pub(crate) fn decimal_value(digits: BigInt, exponent: i64) -> BigRational {
     let power = BigInt::from(10).pow(u32::try_from(exponent.unsigned_abs()).unwrap_or(u32::MAX));
-    if exponent >= 0 { BigRational::from_integer(digits * power) } else { BigRational::new(digits, power) }
+    if exponent >= 0 { BigRational::from_integer(digits * power) } else { BigRational::new_raw(digits, power) }
 }
 
 /// The shortest decimal that reads back as `x` and lies on the outer side of it: not above `x`, or with `up` not below.
@@ -259,10 +305,10 @@ pub fn outward_decimal(x: f64, up: bool) -> String {
     let exact = rational(x);
     for precision in 0..40 {
         let Some((digits, exponent)) = nearest_decimal(x, precision) else { continue };
-        let value = decimal_value(digits.clone(), exponent);
-        let digits = if up && value < exact {
+        let order = compare(&decimal_value(digits.clone(), exponent), &exact);
+        let digits = if up && order == Ordering::Less {
             digits + 1
-        } else if !up && value > exact {
+        } else if !up && order == Ordering::Greater {
             digits - 1
         } else {
             digits

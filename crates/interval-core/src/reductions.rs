@@ -3,8 +3,7 @@
 //! A fixed-point accumulator spans all products of two doubles (Kulisch): nothing is lost before the last rounding, so the
 //! result does not depend on the order of the operands.
 
-use crate::elementary::dyadic_down;
-use crate::exact::decode;
+use crate::exact::{decode, dyadic_down};
 use crate::interval::Interval;
 use num_bigint::{BigInt, Sign};
 use num_traits::Zero;
@@ -215,7 +214,7 @@ pub fn sum_intervals(x: &[Interval]) -> Interval {
     }
     let lower = accumulate(x.iter().map(|v| (v.lo(), 1.0))).map_or_else(|special| special, |value| down(&value));
     let upper = accumulate(x.iter().map(|v| (-v.hi(), 1.0))).map_or_else(|special| special, |value| down(&value));
-    Interval::raw(lower, -upper)
+    Interval::made(lower, -upper)
 }
 
 /// The sign of an exact sum of finite doubles.

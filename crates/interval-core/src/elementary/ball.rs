@@ -3,7 +3,8 @@
 //! Every operation returns a ball that holds the exact result for all members of its operands; `shorten` keeps the
 //! midpoint at a number of bits and moves what it cuts into the radius.
 
-use num_bigint::{BigInt, BigUint, Sign};
+use crate::exact::{dyadic_down, shifted};
+use num_bigint::BigInt;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
 /// The numbers within `rad * 2^exp` of `mid * 2^exp`; `rad >= 0`.
@@ -16,12 +17,6 @@ pub(crate) struct Ball {
 
 fn bits(x: &BigInt) -> i64 {
     i64::try_from(x.bits()).unwrap_or(i64::MAX)
-}
-
-/// `x * 2^shift`, rounded down where `shift` is negative.
-fn shifted(x: &BigInt, shift: i64) -> BigInt {
-    let by = shift.unsigned_abs();
-    if shift >= 0 { x << by } else { x >> by }
 }
 
 impl Ball {
@@ -176,49 +171,5 @@ impl Ball {
         let down = dyadic_down(&low, self.exp);
         let up = -dyadic_down(&-&high, self.exp);
         (down == dyadic_down(&high, self.exp) && up == -dyadic_down(&-low, self.exp)).then_some((down, up))
-    }
-}
-
-/// The largest double not above `m * 2^exp`.
-pub(crate) fn dyadic_down(m: &BigInt, exp: i64) -> f64 {
-    if m.is_zero() {
-        return 0.0;
-    }
-    let length = bits(m);
-    let top = length + exp;
-    if top > 1024 {
-        return if m.is_positive() { f64::MAX } else { f64::NEG_INFINITY };
-    }
-    if top < -1074 {
-        return if m.is_positive() { 0.0 } else { -f64::from_bits(1) };
-    }
-    // Position of the last bit that a double keeps at this size.
-    let unit = (top - 53).max(-1074);
-    let mantissa = shifted(m, exp - unit);
-    let magnitude: &BigUint = mantissa.magnitude();
-    let Some(integer) = magnitude.to_u64() else { return f64::NEG_INFINITY };
-    // At most 2^53: exact; the two factors keep the scaling exact in the subnormal range.
-    let value = compose(integer, unit);
-    if mantissa.sign() == Sign::Minus { -value } else { value }
-}
-
-/// `m * 2^unit` for `m <= 2^53` and a result that is a double, or infinite.
-fn compose(m: u64, unit: i64) -> f64 {
-    if m == 0 {
-        return 0.0;
-    }
-    if m == 1 << 53 {
-        return compose(1 << 52, unit + 1);
-    }
-    let shift = u64::from(m.leading_zeros()) - 11;
-    let (normal, exponent) = (m << shift, unit - i64::try_from(shift).unwrap_or(0));
-    let biased = exponent + 1075;
-    if biased >= 2047 {
-        f64::INFINITY
-    } else if biased >= 1 {
-        let field = u64::try_from(biased).unwrap_or(0);
-        f64::from_bits((field << 52) | (normal & ((1 << 52) - 1)))
-    } else {
-        f64::from_bits(normal >> (1 - biased).unsigned_abs())
     }
 }

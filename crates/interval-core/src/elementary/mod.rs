@@ -20,7 +20,7 @@ mod tables;
 mod trigonometric;
 
 pub(crate) use arctangent::{acos, asin, atan, atan2};
-pub(crate) use ball::{Ball, dyadic_down};
+pub(crate) use ball::Ball;
 pub(crate) use exponential::{cosh, exp, exp2, exp10, sinh, tanh};
 pub(crate) use logarithm::{acosh, asinh, atanh, log, log2, log10};
 pub(crate) use multiprecision::{Bracket, atan2 as ball_atan2, pi, settle};
@@ -32,6 +32,11 @@ use double_double::Dd;
 impl Bracket {
     pub(crate) const fn exact(x: f64) -> Self {
         Self { down: x, up: x }
+    }
+
+    /// Whether the ends are equal or neighbours, as they are but for arguments that no attempt could settle.
+    pub(crate) fn is_tight(self) -> bool {
+        self.down == self.up || self.down.next_up() == self.up
     }
 
     /// The value lies strictly between `x` and the next double away from zero.

@@ -217,6 +217,7 @@ pub(crate) fn atan2(y: &Ball, x: &Ball, precision: i64) -> Option<Ball> {
     let half_turn = pi(guard + 16);
     let half_turn = if y.sign() < 0 { half_turn.neg() } else { half_turn };
     if x.sign() == 0 {
+        debug_assert!(x.mid == BigInt::ZERO && x.is_exact(), "the callers' coordinates have a sign");
         return Some(half_turn.scale(-1));
     }
     let angle = atan(&y.div(x, guard + 64)?, guard)?;

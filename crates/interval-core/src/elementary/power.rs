@@ -152,8 +152,9 @@ pub(crate) fn root(v: f64, y: f64) -> Bracket {
         return Bracket::exact(v);
     }
     let tables = &*TABLES;
-    let exponent = logarithm::of_double(v, tables).div(Dd::from(y));
-    let size = exponent.hi;
+    let log = logarithm::of_double(v, tables);
+    // In plain doubles first: the double-double quotient is not a number where it overflows.
+    let size = log.hi / y;
     if size > 710.0 {
         return Bracket { down: f64::MAX, up: f64::INFINITY };
     }
@@ -163,7 +164,7 @@ pub(crate) fn root(v: f64, y: f64) -> Bracket {
     if size.abs() < NEXT_TO_ONE {
         return if (v > 1.0) == (y > 0.0) { Bracket::beyond(1.0) } else { Bracket::within(1.0) };
     }
-    let (m, k) = exponential::kernel(exponent, tables);
+    let (m, k) = exponential::kernel(log.div(Dd::from(y)), tables);
     let error = size.abs().mul_add(2.0 * logarithm::ERROR, exponential::ERROR);
     exponential::finish(m, k, error).unwrap_or_else(|| {
         exactly_or(

@@ -1,8 +1,9 @@
 //! Constants of the double-double kernels, computed once by the ball arithmetic that is their last resort.
 
-use super::ball::{Ball, dyadic_down};
+use super::ball::Ball;
 use super::double_double::{Dd, fast_two_sum};
 use super::multiprecision::{atan, exp, ln2, ln10, log, pi, sin_cos};
+use crate::exact::dyadic_down;
 use num_bigint::BigInt;
 use std::sync::LazyLock;
 

@@ -9,10 +9,18 @@ use crate::elementary::{Ball, Bracket};
 
 /// The part of `x` between two real numbers.
 fn clip(x: Interval, from: Bracket, to: Bracket) -> Interval {
-    if x.is_empty() || x.lo > to.down || x.hi < from.up {
+    // Beside a tight bracket a double lies on one side of the number; in a wide one it may be on either.
+    let before = if from.is_tight() { x.hi < from.up } else { x.hi < from.down };
+    let behind = if to.is_tight() { x.lo > to.down } else { x.lo > to.up };
+    if x.is_empty() || before || behind {
         return Interval::EMPTY;
     }
-    Interval::made(if x.lo >= from.up { x.lo } else { from.down }, if x.hi <= to.down { x.hi } else { to.up })
+    Interval::made(x.lo.max(from.down), x.hi.min(to.up))
+}
+
+/// The point `x`, where the irrational number in the bracket is a member of `c`.
+fn solving(x: Interval, value: Bracket, c: Interval) -> Interval {
+    if c.lo <= value.down && value.up <= c.hi { x } else { Interval::EMPTY }
 }
 
 /// An end of a set of solutions; a limit that no solution attains is open, and a double.
@@ -41,24 +49,19 @@ fn square_root(x: f64) -> Bracket {
 
 /// The branches of a periodic function on whose pieces `n` it is monotone: least and greatest solutions in `x`.
 ///
-/// `branch(n)` are the ends of the solutions on piece `n`, which has some; `piece(t)` is the number of the piece of `t`.
+/// `x` is not a point. `branch(n)` are the ends of the solutions on piece `n`, which has some; `piece(t)` is the number of the piece of `t`.
 fn periodic(x: Interval, piece: impl Fn(f64) -> Option<i64>, branch: impl Fn(i64) -> (Bracket, Bracket)) -> Interval {
     let part = |n: i64| {
         let (from, to) = branch(n);
         clip(x, from, to)
     };
-    let end = |t: f64, step: i64| -> Option<Interval> {
-        if t.is_infinite() {
-            return Some(x);
-        }
-        let n = piece(t)?;
+    let end = |t: f64, step: i64| {
+        // Beyond 4e18 neighbouring doubles lie many periods apart: there are solutions next to the end.
+        let Some(n) = (if t.is_finite() { piece(t) } else { None }) else { return x };
         let here = part(n);
-        Some(if here.is_empty() { part(n + step) } else { here })
+        if here.is_empty() { part(n + step) } else { here }
     };
-    let (Some(first), Some(last)) = (end(x.lo, 1), end(x.hi, -1)) else {
-        // Beyond 4e18 neighbouring doubles lie many periods apart; x itself encloses.
-        return x;
-    };
+    let (first, last) = (end(x.lo, 1), end(x.hi, -1));
     if first.is_empty() || last.is_empty() { Interval::EMPTY } else { Interval::made(first.lo, last.hi) }
 }
 
@@ -151,6 +154,9 @@ impl Interval {
         if c.is_empty() || x.is_empty() {
             return Self::EMPTY;
         }
+        if x.is_singleton() {
+            return solving(x, point::Angle::new(x.lo).wave(1), c);
+        }
         // Piece n is [n pi - pi/2, n pi + pi/2], where the sine rises for even n.
         let end = |n, sign, v: f64| shifted_angle(n, sign, point::asin(v), |p| asin_ball(v, p));
         periodic(
@@ -166,6 +172,9 @@ impl Interval {
         let c = self.intersection(Self::UNIT);
         if c.is_empty() || x.is_empty() {
             return Self::EMPTY;
+        }
+        if x.is_singleton() {
+            return solving(x, point::Angle::new(x.lo).wave(0), c);
         }
         // Piece n is [n pi, (n + 1) pi], where the cosine falls for even n.
         let end = |n, sign, v: f64| shifted_angle(n, sign, point::acos(v), |p| acos_ball(v, p));
@@ -187,6 +196,9 @@ impl Interval {
     pub fn tan_rev(self, x: Self) -> Self {
         if self.is_empty() || x.is_empty() {
             return Self::EMPTY;
+        }
+        if x.is_singleton() {
+            return solving(x, point::Angle::new(x.lo).tan(), self);
         }
         // Piece n is (n pi - pi/2, n pi + pi/2); an infinite bound stands for its open end.
         let end = |n, v: f64| {
@@ -215,8 +227,23 @@ impl Interval {
     /// `{t in x : b t in c for some b in self}`: the division that undoes a product.
     #[must_use]
     pub fn mul_rev(self, c: Self, x: Self) -> Self {
-        let [first, second] = self.mul_rev_to_pair(c);
-        first.intersection(x).hull(second.intersection(x))
+        let b = self;
+        if b.is_empty() || c.is_empty() || x.is_empty() {
+            return Self::EMPTY;
+        }
+        let sign = |t: f64| sign_about(t, 0.0, f64::INFINITY);
+        let division = Division {
+            w: [sign(c.lo), sign(c.hi)],
+            y: [sign(b.lo), sign(b.hi)],
+            bottom: f64::NEG_INFINITY,
+            centre: 0.0,
+            top: f64::INFINITY,
+            quotient: |i: usize, j: usize| {
+                let (p, q) = ([c.lo, c.hi][i], [b.lo, b.hi][j]);
+                Bracket { down: crate::rounding::div_down(p, q), up: crate::rounding::div_up(p, q) }
+            },
+        };
+        division.clip(x)
     }
 
     /// `{t : b t in c for some b in self}` as at most two intervals, the lower one first.

@@ -3,8 +3,12 @@
 
 use super::Interval;
 use crate::error::Error;
-use crate::exact::{decimal_with_place, decode, from_text, outward_decimal, ratio_down, ratio_up};
+use crate::exact::{
+    compare, decimal_value, decimal_with_place, decode, from_text, natural, outward_decimal, ratio_down, ratio_up,
+};
+use num_bigint::BigInt;
 use num_rational::BigRational;
+use std::cmp::Ordering;
 use std::fmt;
 use std::str::FromStr;
 
@@ -80,26 +84,33 @@ fn uncertain(mantissa: &str, tail: &str) -> Option<Literal> {
     };
     let (magnitude, place) = decimal_with_place(digits, exponent)?;
     let centre = if negative { -magnitude } else { magnitude };
-    let width = match radius {
-        "?" => None,
-        "" => Some(place / BigRational::from_integer(2.into())),
-        count if count.bytes().all(|c| c.is_ascii_digit()) => Some(place * from_text(count)?),
-        _ => return None,
+    // In units of the last place, or in tenths of it where the radius is half a unit.
+    let (centre, width, place) = match radius {
+        "?" => (centre, None, place),
+        "" => (centre * 10_u32, Some(BigInt::from(5)), place - 1),
+        count => (centre, Some(natural(count, 10)?), place),
     };
-    let end = |open: bool, sign: i32| match (&width, open) {
-        (_, false) => Some(centre.clone()),
-        (None, true) => None,
-        (Some(w), true) => Some(&centre + w * BigRational::from_integer(sign.into())),
-    };
-    Some(Literal::Around(end(down, -1), end(up, 1)))
+    let lower = if down { width.as_ref().map(|w| &centre - w) } else { Some(centre.clone()) };
+    let upper = if up { width.as_ref().map(|w| &centre + w) } else { Some(centre) };
+    let value = |end: Option<BigInt>| end.map(|units| decimal_value(units, place));
+    Some(Literal::Around(value(lower), value(upper)))
 }
 
 fn refusal(text: &str) -> Error {
     Error::Text { text: text.chars().take(80).collect() }
 }
 
+/// Whether both numbers lie so far outside the range of doubles, on the same side, that their exponents may have been cut
+/// and their order is not known.
+fn out_of_sight(a: &BigRational, b: &BigRational) -> bool {
+    const BITS: u64 = 30_000;
+    let huge = |x: &BigRational| x.numer().bits() > x.denom().bits() + BITS;
+    let tiny = |x: &BigRational| x.denom().bits() > x.numer().bits() + BITS;
+    (huge(a) && huge(b)) || (tiny(a) && tiny(b))
+}
+
 fn round_outward(lower: Option<&BigRational>, upper: Option<&BigRational>) -> Interval {
-    Interval::raw(lower.map_or(f64::NEG_INFINITY, ratio_down), upper.map_or(f64::INFINITY, ratio_up))
+    Interval::made(lower.map_or(f64::NEG_INFINITY, ratio_down), upper.map_or(f64::INFINITY, ratio_up))
 }
 
 impl Interval {
@@ -119,12 +130,14 @@ impl Interval {
         match literal(text).ok_or_else(|| refusal(text))? {
             Literal::Empty => Ok((Self::EMPTY, false)),
             Literal::NotAnInterval => Err(refusal(text)),
-            Literal::Bounds(Some(l), Some(u)) if l != u && ratio_up(&l) > ratio_down(&u) => {
-                if l > u && ratio_down(&l) >= ratio_up(&u) {
+            Literal::Bounds(Some(l), Some(u)) => {
+                let order = compare(&l, &u);
+                let (lower, upper) = if order == Ordering::Greater { (u, l) } else { (l, u) };
+                let doubtful = order != Ordering::Equal && ratio_up(&lower) > ratio_down(&upper);
+                if order == Ordering::Greater && !doubtful && !out_of_sight(&lower, &upper) {
                     return Err(Error::ReversedBounds { index: 0 });
                 }
-                let (l, u) = if l > u { (u, l) } else { (l, u) };
-                Ok((round_outward(Some(&l), Some(&u)), true))
+                Ok((round_outward(Some(&lower), Some(&upper)), doubtful))
             }
             Literal::Bounds(l, u) | Literal::Around(l, u) => Ok((round_outward(l.as_ref(), u.as_ref()), false)),
         }
@@ -159,7 +172,8 @@ impl FromStr for Interval {
     type Err = Error;
 
     /// Reads every undecorated literal of the standard, and a plain number: `[0.1, 0.2]`, `[1/3]`, `[-inf, 0x1.8p3]`,
-    /// `[1,]`, `3.56?1`, `-10?2ue3`, `[empty]`, `[entire]`, `0.1`. The order of the bounds is judged exactly.
+    /// `[1,]`, `3.56?1`, `-10?2ue3`, `[empty]`, `[entire]`, `0.1`. The order of the bounds is judged
+    /// exactly, from 10^-9000 to 10^9000.
     ///
     /// ```
     /// let third: interval_core::Interval = "[1/3]".parse()?;
@@ -170,7 +184,14 @@ impl FromStr for Interval {
         match literal(text).ok_or_else(|| refusal(text))? {
             Literal::Empty => Ok(Self::EMPTY),
             Literal::NotAnInterval => Err(refusal(text)),
-            Literal::Bounds(Some(l), Some(u)) if l > u => Err(Error::ReversedBounds { index: 0 }),
+            Literal::Bounds(Some(l), Some(u)) if compare(&l, &u) == Ordering::Greater => {
+                // Either order encloses.
+                if out_of_sight(&l, &u) {
+                    Ok(round_outward(Some(&u), Some(&l)))
+                } else {
+                    Err(Error::ReversedBounds { index: 0 })
+                }
+            }
             Literal::Bounds(l, u) | Literal::Around(l, u) => Ok(round_outward(l.as_ref(), u.as_ref())),
         }
     }

@@ -1,7 +1,7 @@
 //! Interval operations on slices: one door, several back ends, the same bits from each.
 //!
 //! Results are the tightest intervals, which are unique, and a zero is always +0: so whichever back end the processor
-//! allows, and however a slice is cut, the bits are those of the operators of [`Interval`].
+//! allows, and however a slice is cut, the bits are those of the operators of [`Interval`](crate::Interval).
 //!
 //! - *portable*: error-free transformations in the vector registers that every processor of the architecture has: SSE2 with
 //!   products by Dekker's splitting; elsewhere small arrays that the compiler maps to them (NEON has a fused product).

@@ -14,6 +14,11 @@ import numpy as np
 
 from ivsid import Interval, IntervalArray
 
+try:
+    from flint import arb, arb_mat
+except ImportError:
+    arb = arb_mat = None
+
 
 def seconds(folder: Path) -> float:
     """Median time of a measurement of criterion."""
@@ -53,9 +58,7 @@ def python(root: Path) -> None:
     matrix = IntervalArray(a.lower[:10_000].reshape(100, 100), a.upper[:10_000].reshape(100, 100))
     product = best(lambda: matrix @ matrix)
     print(f"scalar x * y + x: {ours * 1e9:.0f} ns; product of 100 by 100 matrices: {product * 1e3:.3f} ms")
-    try:
-        from flint import arb, arb_mat
-    except ImportError:
+    if arb is None:
         print("python-flint is not installed: no peer for these two")
         return
     p, q = arb(1.5, 0.5), arb(0.15, 0.05)

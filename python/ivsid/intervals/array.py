@@ -1,4 +1,4 @@
-"""Intervals and arrays of intervals: two float64 bounds, every operation rounded outward by the core."""
+"""Arrays of intervals: two float64 bounds, every operation rounded outward by the core."""
 
 from __future__ import annotations
 
@@ -20,46 +20,6 @@ if not _core.environment_is_default():
     )
 
 Interval = _core.Interval
-
-_BINARY: dict[np.ufunc, str] = {
-    np.add: "add",
-    np.subtract: "sub",
-    np.multiply: "mul",
-    np.true_divide: "div",
-    np.minimum: "min",
-    np.maximum: "max",
-    np.arctan2: "atan2",
-}
-_UNARY: dict[np.ufunc, str] = {
-    np.negative: "neg",
-    np.absolute: "abs",
-    np.fabs: "abs",
-    np.square: "square",
-    np.sqrt: "sqrt",
-    np.reciprocal: "recip",
-    np.exp: "exp",
-    np.exp2: "exp2",
-    np.log: "ln",
-    np.log2: "log2",
-    np.log10: "log10",
-    np.sin: "sin",
-    np.cos: "cos",
-    np.tan: "tan",
-    np.arcsin: "asin",
-    np.arccos: "acos",
-    np.arctan: "atan",
-    np.sinh: "sinh",
-    np.cosh: "cosh",
-    np.tanh: "tanh",
-    np.arcsinh: "asinh",
-    np.arccosh: "acosh",
-    np.arctanh: "atanh",
-    np.sign: "sign",
-    np.ceil: "ceil",
-    np.floor: "floor",
-    np.trunc: "trunc",
-    np.rint: "round_ties_even",
-}
 
 
 def _floats(values: ArrayLike, what: str) -> FloatArray:
@@ -205,16 +165,16 @@ class IntervalArray:
 
     def subset(self, other: IntervalArray | Interval) -> NDArray[np.bool_]:
         """Whether each interval lies in the other's."""
-        o = _interval_array(other)
+        o = interval_array(other)
         return self.empty | ((o.lower <= self._lower) & (self._upper <= o.upper))
 
     def intersection(self, other: Operand) -> IntervalArray:
         """The common members; see ``empty``."""
-        return _binary("intersection", self, other)
+        return binary("intersection", self, other)
 
     def hull(self, other: Operand) -> IntervalArray:
         """The smallest intervals that hold both."""
-        return _binary("hull", self, other)
+        return binary("hull", self, other)
 
     def signed_square(self) -> IntervalArray:
         """``x |x|``, the quadratic drag law."""
@@ -258,34 +218,34 @@ class IntervalArray:
         return (self[i] for i in range(len(self)))
 
     def __add__(self, other: Operand) -> IntervalArray:
-        return _binary("add", self, other)
+        return binary("add", self, other)
 
     def __radd__(self, other: Operand) -> IntervalArray:
-        return _binary("add", other, self)
+        return binary("add", other, self)
 
     def __sub__(self, other: Operand) -> IntervalArray:
-        return _binary("sub", self, other)
+        return binary("sub", self, other)
 
     def __rsub__(self, other: Operand) -> IntervalArray:
-        return _binary("sub", other, self)
+        return binary("sub", other, self)
 
     def __mul__(self, other: Operand) -> IntervalArray:
-        return _binary("mul", self, other)
+        return binary("mul", self, other)
 
     def __rmul__(self, other: Operand) -> IntervalArray:
-        return _binary("mul", other, self)
+        return binary("mul", other, self)
 
     def __truediv__(self, other: Operand) -> IntervalArray:
-        return _binary("div", self, other)
+        return binary("div", self, other)
 
     def __rtruediv__(self, other: Operand) -> IntervalArray:
-        return _binary("div", other, self)
+        return binary("div", other, self)
 
     def __pow__(self, exponent: Operand) -> IntervalArray:
-        return _power(self, exponent)
+        return power(self, exponent)
 
     def __rpow__(self, base: Operand) -> IntervalArray:
-        return _power(base, self)
+        return power(base, self)
 
     def __pos__(self) -> IntervalArray:
         return self
@@ -297,26 +257,26 @@ class IntervalArray:
         return self._unary("abs")
 
     def __matmul__(self, other: Operand) -> IntervalArray:
-        return _matmul(self, other)
+        return matmul(self, other)
 
     def __rmatmul__(self, other: Operand) -> IntervalArray:
-        return _matmul(other, self)
+        return matmul(other, self)
 
     def __eq__(self, other: object) -> Any:
         if not isinstance(other, (IntervalArray, Interval)):
             return NotImplemented
-        o = _interval_array(other)
+        o = interval_array(other)
         return (self._lower == o.lower) & (self._upper == o.upper)
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
-        return _ufunc(ufunc, method, inputs, options)
+        from ivsid.intervals.protocol import ufunc as apply  # noqa: PLC0415 - it stands on this class
+
+        return apply(ufunc, method, inputs, options)
 
     def __array_function__(self, function: Any, types: Any, arguments: Any, options: Any) -> Any:
-        handler = _FUNCTIONS.get(function)
-        if handler is None:
-            known = ", ".join(sorted(f.__name__ for f in _FUNCTIONS))
-            raise TypeError(f"np.{function.__name__} is not defined for intervals; there are {known}")
-        return handler(*arguments, **options)
+        from ivsid.intervals.protocol import function as apply  # noqa: PLC0415 - it stands on this class
+
+        return apply(function, arguments, options)
 
     def __getstate__(self) -> tuple[FloatArray, FloatArray]:
         return np.array(self._lower), np.array(self._upper)
@@ -337,30 +297,6 @@ class IntervalArray:
 Operand: TypeAlias = IntervalArray | Interval | ArrayLike
 
 
-class EndpointPair:
-    """Two arrays of bounds that may be reversed: what the published method gives. It has no arithmetic and no claim.
-
-    Attributes:
-        lower: what the method calls lower bounds.
-        upper: what the method calls upper bounds.
-        improper: where the lower bound lies above the upper one.
-    """
-
-    __slots__ = ("improper", "lower", "upper")
-
-    def __init__(self, lower: FloatArray, upper: FloatArray) -> None:
-        self.lower, self.upper = lower, upper
-        self.improper: NDArray[np.bool_] = lower > upper
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape of either array."""
-        return self.lower.shape
-
-    def __repr__(self) -> str:
-        return f"EndpointPair(lower={self.lower!r}, upper={self.upper!r}, improper={int(self.improper.sum())})"
-
-
 def _text(lower: float, upper: float) -> str:
     return "[empty]" if lower > upper else _core.format_interval(lower, upper)
 
@@ -369,12 +305,12 @@ def _interval(lower: float, upper: float) -> Interval:
     return Interval.empty_set() if lower > upper else Interval(lower, upper)
 
 
-def _scalar(result: IntervalArray) -> Any:
+def scalar(result: IntervalArray) -> Any:
     """An interval from an array without dimensions; other arrays as they are."""
     return result if result.shape else _interval(float(result.lower), float(result.upper))
 
 
-def _bound(value: Any) -> float:
+def bound(value: Any) -> float:
     """A bound that is neither a float nor a small integer: a NumPy number, or refused."""
     array = _floats(value, "the bound")
     if array.ndim:
@@ -382,7 +318,8 @@ def _bound(value: Any) -> float:
     return float(array)
 
 
-def _interval_array(value: Operand) -> IntervalArray:
+def interval_array(value: Operand) -> IntervalArray:
+    """The operand as an array of intervals; numbers are points."""
     if isinstance(value, IntervalArray):
         return value
     if isinstance(value, Interval):
@@ -395,8 +332,9 @@ def _contiguous(bounds: FloatArray, shape: tuple[int, ...]) -> FloatArray:
     return np.ascontiguousarray(spread).reshape(-1)
 
 
-def _binary(op: str, a: Operand, b: Operand) -> IntervalArray:
-    x, y = _interval_array(a), _interval_array(b)
+def binary(op: str, a: Operand, b: Operand) -> IntervalArray:
+    """An operation of the core on two operands, broadcast against each other."""
+    x, y = interval_array(a), interval_array(b)
     try:
         shape = x.shape if x.shape == y.shape else np.broadcast_shapes(x.shape, y.shape)
     except ValueError:
@@ -406,68 +344,24 @@ def _binary(op: str, a: Operand, b: Operand) -> IntervalArray:
     return IntervalArray._raw(_core.binary(op, left, right), shape)
 
 
-def _operate(op: str, a: Any, b: Any) -> Any:
+def operate(op: str, a: Any, b: Any) -> Any:
     """An operator of an Interval with something that is no interval and no number."""
     if isinstance(a, str | bytes) or isinstance(b, str | bytes) or a is None or b is None:
         return NotImplemented
-    return _scalar(_power(a, b) if op == "pow" else _binary(op, a, b))
+    return scalar(power(a, b) if op == "pow" else binary(op, a, b))
 
 
-def _power(base: Operand, exponent: Operand) -> IntervalArray:
+def power(base: Operand, exponent: Operand) -> IntervalArray:
     """``x^n`` for an integer ``n``, else ``x^y`` of the members ``x > 0``, and 0 to positive powers."""
     if isinstance(exponent, int | np.integer) and -(2**31) <= exponent < 2**31:
-        x = _interval_array(base)
+        x = interval_array(base)
         return IntervalArray._raw(_core.power(*x._flat(), int(exponent)), x.shape)
-    return _binary("pow", base, exponent)
+    return binary("pow", base, exponent)
 
 
-def _ufunc(ufunc: np.ufunc, method: str, inputs: tuple[Any, ...], options: dict[str, Any] | None) -> Any:
-    """What NumPy's function gives for intervals; arrays without dimensions come back as an Interval."""
-    if method == "__call__" and not options:
-        if ufunc in _BINARY:
-            return _scalar(_binary(_BINARY[ufunc], *inputs))
-        if ufunc in _UNARY:
-            return _scalar(_interval_array(inputs[0])._unary(_UNARY[ufunc]))
-        if ufunc in (np.power, np.float_power):
-            return _scalar(_power(*inputs))
-        if ufunc is np.matmul:
-            return _matmul(*inputs)
-        if ufunc is np.positive:
-            return inputs[0]
-        if ufunc in (np.equal, np.not_equal):
-            x, y = (_interval_array(v) for v in inputs)
-            same = (x.lower == y.lower) & (x.upper == y.upper)
-            return same if ufunc is np.equal else ~same
-    names = ", ".join(sorted(u.__name__ for u in (*_BINARY, *_UNARY, np.matmul, np.power)))
-    if options:
-        raise TypeError(f"np.{ufunc.__name__} of intervals takes no {', '.join(options)}")
-    shown = ufunc.__name__ if method == "__call__" else f"{ufunc.__name__}.{method}"
-    raise TypeError(f"np.{shown} is not defined for intervals; there are {names}")
-
-
-def _ends(function: Any, parts: Sequence[Any], *arguments: Any, **options: Any) -> IntervalArray:
-    """A rearrangement of entries, the same for both bounds."""
-    arrays = [_interval_array(p) for p in parts]
-    lower = function([a.lower for a in arrays], *arguments, **options)
-    return IntervalArray._raw((lower, function([a.upper for a in arrays], *arguments, **options)), lower.shape)
-
-
-def _each_end(function: Any) -> Any:
-    def apply(array: Any, *arguments: Any, **options: Any) -> Any:
-        lower = function(array.lower, *arguments, **options)
-        return _scalar(IntervalArray._raw((lower, function(array.upper, *arguments, **options)), lower.shape))
-
-    return apply
-
-
-def _where(condition: Any, x: Operand, y: Operand) -> IntervalArray:
-    a, b = _interval_array(x), _interval_array(y)
-    lower = np.where(condition, a.lower, b.lower)
-    return IntervalArray._raw((lower, np.where(condition, a.upper, b.upper)), lower.shape)
-
-
-def _matmul(a: Operand, b: Operand) -> IntervalArray:
-    x, y = _interval_array(a), _interval_array(b)
+def matmul(a: Operand, b: Operand) -> IntervalArray:
+    """The tight product of matrices or vectors."""
+    x, y = interval_array(a), interval_array(b)
     if not (x.ndim in (1, 2) and y.ndim in (1, 2)):
         raise IvsidError(f"a product of shapes {x.shape} and {y.shape} is not defined; give matrices or vectors")
     left = x.reshape(1, -1) if x.ndim == 1 else x
@@ -481,39 +375,7 @@ def _matmul(a: Operand, b: Operand) -> IntervalArray:
     product = _core.matmul(contiguous(left), contiguous(right))
     shape = (*x.shape[:-1], *(y.shape[1:] if y.ndim == 2 else ()))
     result = IntervalArray._raw(product, shape)
-    return result if shape else cast(IntervalArray, _scalar(result))
-
-
-_FUNCTIONS: dict[Any, Any] = {
-    np.concatenate: lambda parts, axis=0: _ends(np.concatenate, parts, axis=axis),
-    np.stack: lambda parts, axis=0: _ends(np.stack, parts, axis=axis),
-    np.vstack: lambda parts: _ends(np.vstack, parts),
-    np.hstack: lambda parts: _ends(np.hstack, parts),
-    np.sum: lambda array, axis=None: array.sum(axis),
-    np.dot: _matmul,
-    np.where: _where,
-    np.shape: lambda array: array.shape,
-    np.ndim: lambda array: array.ndim,
-    np.size: lambda array: array.size,
-} | {
-    function: _each_end(function)
-    for function in (
-        np.reshape,
-        np.ravel,
-        np.transpose,
-        np.squeeze,
-        np.broadcast_to,
-        np.moveaxis,
-        np.swapaxes,
-        np.expand_dims,
-        np.flip,
-        np.roll,
-        np.repeat,
-        np.tile,
-        np.take,
-        np.diagonal,
-    )
-}
+    return result if shape else cast(IntervalArray, scalar(result))
 
 
 def outward_decimal(x: float, *, up: bool) -> str:

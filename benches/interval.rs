@@ -6,7 +6,7 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use interval_core::rounding::slices::{Backend, Binary, Bounds, BoundsMut, Unary, binary_with, unary_with};
-use interval_core::{Interval, IntervalMatrix};
+use interval_core::{Error, Interval, IntervalMatrix};
 use std::hint::black_box;
 
 /// Bounds of random signs between -4 and 4, of which divisors are kept away from zero by `positive`.
@@ -104,6 +104,15 @@ fn plain(backend: Backend, name: &str) -> Option<Plain> {
     Some(found)
 }
 
+/// An operation by its name, of one operand or two.
+fn run(backend: Backend, name: &str, x: Bounds<'_>, y: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> {
+    match (Unary::from_name(name), Binary::from_name(name)) {
+        (Some(op), _) => unary_with(backend, op, black_box(x), out),
+        (_, Some(op)) => binary_with(backend, op, black_box(x), black_box(y), out),
+        _ => unreachable!("a known operation"),
+    }
+}
+
 fn arithmetic(criterion: &mut Criterion) {
     for (size, n) in [("cache", 1_024), ("memory", 1_000_000)] {
         for op in ["add", "sub", "mul", "div", "square", "sqrt"] {
@@ -117,11 +126,7 @@ fn arithmetic(criterion: &mut Criterion) {
                 group.bench_function(BenchmarkId::from_parameter(backend.name()), |bencher| {
                     bencher.iter(|| {
                         let out = BoundsMut { lo: black_box(&mut lo), hi: black_box(&mut hi) };
-                        match (Unary::from_name(op), Binary::from_name(op)) {
-                            (Some(op), _) => unary_with(backend, op, black_box(x), out),
-                            (_, Some(op)) => binary_with(backend, op, black_box(x), black_box(y), out),
-                            _ => unreachable!("a known operation"),
-                        }
+                        run(backend, op, x, y, out)
                     });
                 });
                 if let Some(f) = plain(backend, op) {
@@ -148,11 +153,7 @@ fn elementary(criterion: &mut Criterion) {
             group.bench_function(BenchmarkId::from_parameter(backend.name()), |bencher| {
                 bencher.iter(|| {
                     let out = BoundsMut { lo: black_box(&mut lo), hi: black_box(&mut hi) };
-                    match (Unary::from_name(op), Binary::from_name(op)) {
-                        (Some(op), _) => unary_with(backend, op, black_box(x), out),
-                        (_, Some(op)) => binary_with(backend, op, black_box(x), black_box(y), out),
-                        _ => unreachable!("a known operation"),
-                    }
+                    run(backend, op, x, y, out)
                 });
             });
         }

@@ -3,6 +3,7 @@
 use thiserror::Error as ThisError;
 
 /// What a caller did wrong, with what was given and what is needed.
+#[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, Eq, ThisError)]
 pub enum Error {
     /// A bound is NaN.

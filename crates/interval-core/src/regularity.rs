@@ -51,6 +51,9 @@ pub enum SingularMember {
 /// The matrix is square and bounded.
 #[must_use]
 pub fn regularity(a: &IntervalMatrix) -> Regularity {
+    if !crate::rounding::environment_is_default() {
+        return Regularity::NotProved;
+    }
     if let Some(witness) = contraction(a) {
         return Regularity::Regular(witness);
     }

@@ -14,6 +14,7 @@ pub const ORDER_LIMIT: usize = 10;
 /// # Errors
 /// A matrix that is not square.
 pub fn cramer(a: &IntervalMatrix) -> Result<Outcome, Error> {
+    crate::rounding::check_environment()?;
     let n = a.order()?;
     let det = match determinant(a) {
         Ok(det) => det,

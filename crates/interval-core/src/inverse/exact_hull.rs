@@ -16,6 +16,7 @@ use num_rational::BigRational;
 /// # Errors
 /// A matrix that is not square.
 pub fn exact(a: &IntervalMatrix) -> Result<Outcome, Error> {
+    crate::rounding::check_environment()?;
     let n = a.order()?;
     if n > VERTEX_LIMIT {
         return Ok(Outcome::not_applicable(format!("order {n} exceeds {VERTEX_LIMIT}, the limit of the vertex form")));

@@ -17,6 +17,7 @@ use crate::rounding::{div_up, sub_down};
 /// # Errors
 /// A matrix that is not square.
 pub fn krawczyk(a: &IntervalMatrix) -> Result<Outcome, Error> {
+    crate::rounding::check_environment()?;
     let n = a.order()?;
     Ok(enclose_solution(a, &IntervalMatrix::identity(n)))
 }

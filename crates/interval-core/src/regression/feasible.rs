@@ -88,6 +88,7 @@ pub struct FeasibleSet {
 /// # Ok::<(), interval_core::Error>(())
 /// ```
 pub fn feasible_set(a: &IntervalMatrix, y: &[Interval]) -> Result<FeasibleSet, Error> {
+    crate::rounding::check_environment()?;
     check_rows(a, y)?;
     if let Some(index) = y.iter().position(|v| v.is_empty()) {
         return Err(Error::NoFinitePoint { index });

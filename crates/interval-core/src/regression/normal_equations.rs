@@ -35,6 +35,7 @@ pub fn normal_equations(
     y: &[Interval],
     invert: impl FnOnce(&IntervalMatrix) -> Result<Outcome, Error>,
 ) -> Result<NormalEquations, Error> {
+    crate::rounding::check_environment()?;
     check_rows(a, y)?;
     let gram = a.gram();
     let right = a.transposed_product(y)?;

@@ -11,6 +11,7 @@ use crate::matrix::IntervalMatrix;
 /// # Errors
 /// Shapes that do not fit.
 pub fn cramer(a: &IntervalMatrix, b: &[Interval]) -> Result<Outcome, Error> {
+    crate::rounding::check_environment()?;
     let right = column(a, b)?;
     let det = match determinant(a) {
         Ok(det) => det,

@@ -11,5 +11,6 @@ use crate::matrix::IntervalMatrix;
 /// # Errors
 /// Shapes that do not fit.
 pub fn krawczyk(a: &IntervalMatrix, b: &[Interval]) -> Result<Outcome, Error> {
+    crate::rounding::check_environment()?;
     Ok(enclose_solution(a, &column(a, b)?))
 }

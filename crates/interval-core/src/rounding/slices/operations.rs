@@ -102,6 +102,7 @@ macro_rules! operations {
     ($(#[$doc:meta])* $kind:ident, $each:ident, $operands:ty, $signature:ty,
      $($name:ident $text:literal => $f:expr,)*) => {
         $(#[$doc])*
+        #[non_exhaustive]
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum $kind {
             $(#[doc = concat!("`", stringify!($f), "`.")] $name,)*

@@ -98,7 +98,6 @@ fn plain(backend: Backend, name: &str) -> Option<Plain> {
         Backend::Avx2 => choose!(with_avx2),
         #[cfg(target_arch = "x86_64")]
         Backend::Avx512 => choose!(with_avx512),
-        #[cfg(not(target_arch = "x86_64"))]
         _ => return None,
     };
     Some(found)

@@ -34,7 +34,7 @@ def best(statement: object, repeat: int = 15) -> float:
 
 def criterion(root: Path) -> None:
     """Each back end beside the unrounded loop."""
-    for group in sorted(p for p in root.iterdir() if (p / "report").is_dir() and "-" in p.name):
+    for group in sorted(root.glob("*-*")):
         rows = {p.name: seconds(p) for p in group.iterdir() if (p / "new").is_dir()}
         for backend in ("portable", "avx2", "avx512"):
             if backend in rows and f"plain-{backend}" in rows:

@@ -1,7 +1,7 @@
 //! Arrays in and out.
 
 use interval_core::{Error, Interval, IntervalMatrix};
-use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -10,12 +10,13 @@ pub fn refusal(error: &Error) -> PyErr {
     crate::scalar::user_error(error)
 }
 
-/// Two arrays without values, for results that fill them.
-pub fn results(py: Python<'_>, n: usize) -> (Bound<'_, PyArray1<f64>>, Bound<'_, PyArray1<f64>>) {
+/// Two rows without values, for lower and upper bounds that fill them. One block of memory comes back from the allocator
+/// where two would be returned to the system and faulted in again.
+pub fn results(py: Python<'_>, n: usize) -> Bound<'_, PyArray2<f64>> {
     // SAFETY: any bits are a double, and the operations write every entry before Python sees the arrays.
     #[expect(unsafe_code, reason = "zeroing what is overwritten costs as much as the operation")]
     unsafe {
-        (PyArray1::new(py, n, false), PyArray1::new(py, n, false))
+        PyArray2::new(py, [2, n], false)
     }
 }
 

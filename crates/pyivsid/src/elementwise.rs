@@ -4,7 +4,7 @@ use crate::arrays::{intervals, refusal, results, vector};
 use crate::convert::interval_vector;
 use interval_core::rounding::slices::{self, Binary, Bounds, BoundsMut, Unary};
 use interval_core::{Error, Interval, reductions, rounding};
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -33,25 +33,23 @@ fn unknown(op: &str) -> PyErr {
     PyValueError::new_err(format!("unknown operation '{op}'"))
 }
 
-type Pair<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
-
-/// An operation of one operand by its name in the core. Empty results have reversed infinite bounds.
+/// An operation of one operand by its name in the core: a row of lower and one of upper bounds. Empty results have reversed infinite bounds.
 #[pyfunction]
 pub fn unary<'py>(
     py: Python<'py>,
     op: &str,
     lo: PyReadonlyArray1<'py, f64>,
     hi: PyReadonlyArray1<'py, f64>,
-) -> PyResult<Pair<'py>> {
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let op = Unary::from_name(op).ok_or_else(|| unknown(op))?;
     let x = Bounds::new(vector(&lo)?, vector(&hi)?).map_err(|e| refusal(&e))?;
-    let (low, high) = results(py, lo.len());
+    let found = results(py, lo.len());
     {
-        let (mut l, mut h) = (low.readwrite(), high.readwrite());
-        let out = BoundsMut { lo: l.as_slice_mut()?, hi: h.as_slice_mut()? };
-        py.detach(|| slices::unary(op, x, out)).map_err(|e| refusal(&e))?;
+        let mut both = found.readwrite();
+        let (lo, hi) = both.as_slice_mut()?.split_at_mut(x.len());
+        py.detach(|| slices::unary(op, x, BoundsMut { lo, hi })).map_err(|e| refusal(&e))?;
     }
-    Ok((low, high))
+    Ok(found)
 }
 
 /// An operation of two operands of the same length by its name in the core.
@@ -61,17 +59,17 @@ pub fn binary<'py>(
     op: &str,
     a: (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>),
     b: (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>),
-) -> PyResult<Pair<'py>> {
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let op = Binary::from_name(op).ok_or_else(|| unknown(op))?;
     let x = Bounds::new(vector(&a.0)?, vector(&a.1)?).map_err(|e| refusal(&e))?;
     let y = Bounds::new(vector(&b.0)?, vector(&b.1)?).map_err(|e| refusal(&e))?;
-    let (low, high) = results(py, a.0.len());
+    let found = results(py, x.len());
     {
-        let (mut l, mut h) = (low.readwrite(), high.readwrite());
-        let out = BoundsMut { lo: l.as_slice_mut()?, hi: h.as_slice_mut()? };
-        py.detach(|| slices::binary(op, x, y, out)).map_err(|e| refusal(&e))?;
+        let mut both = found.readwrite();
+        let (lo, hi) = both.as_slice_mut()?.split_at_mut(x.len());
+        py.detach(|| slices::binary(op, x, y, BoundsMut { lo, hi })).map_err(|e| refusal(&e))?;
     }
-    Ok((low, high))
+    Ok(found)
 }
 
 /// `{x^n}` for an integer `n`.

@@ -71,7 +71,7 @@ class IntervalArray:
         self._lower.flags.writeable = self._upper.flags.writeable = False
 
     @classmethod
-    def _raw(cls, bounds: tuple[FloatArray, FloatArray], shape: tuple[int, ...]) -> Self:
+    def _raw(cls, bounds: tuple[FloatArray, FloatArray] | FloatArray, shape: tuple[int, ...]) -> Self:
         new = cls.__new__(cls)
         new._set(bounds[0].reshape(shape), bounds[1].reshape(shape))
         return new

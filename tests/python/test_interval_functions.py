@@ -4,6 +4,7 @@ import copy
 import pickle
 import subprocess
 import sys
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -170,3 +171,15 @@ def test_a_million_entries_need_no_loop_of_python():
     assert np.sin(x).contains(np.sin(np.linspace(-3, 3, 1_000_000))).mean() > 0.4
     assert (x * x).subset(x.square().hull(x * x)).all()
     assert ivsid.IntervalArray.concatenate([x, x]).size == 2_000_000
+
+
+@pytest.mark.parametrize("n", [0, 1, 2, 3, 7, 64, 1001])
+def test_sums_along_an_axis_hold_the_exact_sums(n):
+    x = np.random.default_rng(n).uniform(-1, 1, (n, 3)) * np.array([1.0, 1e-8, 1e8])
+    y = x + 0.25
+    total = IntervalArray(x, y).sum(axis=0)
+    for column in range(3):
+        least, most = (sum(map(Fraction, v[:, column].tolist()), Fraction()) for v in (x, y))
+        assert Fraction(float(total.lower[column])) <= least
+        assert Fraction(float(total.upper[column])) >= most
+    assert np.sum(IntervalArray(x), axis=1).shape == (n,)

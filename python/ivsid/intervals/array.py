@@ -185,14 +185,18 @@ class IntervalArray:
         return self._unary("square")
 
     def sum(self, axis: int | None = None) -> Any:
-        """Sum along an axis, in order, each step rounded outward; without an axis the sum of all, rounded once."""
+        """Sum along an axis, by halves, each step rounded outward; without an axis the sum of all, rounded once."""
         if axis is None:
             return Interval(*_core.exact_sum(*self._flat())) if not self.empty.any() else Interval.empty_set()
         lower, upper = np.moveaxis(self._lower, axis, 0), np.moveaxis(self._upper, axis, 0)
-        total = IntervalArray(np.zeros(lower.shape[1:]))
-        for low, high in zip(lower, upper, strict=True):
-            total = total + IntervalArray._raw((low, high), low.shape)
-        return total
+        rest = IntervalArray._raw((lower, upper), lower.shape)
+        if not len(rest):
+            return IntervalArray(np.zeros(rest.shape[1:]))
+        while len(rest) > 1:
+            half = len(rest) // 2
+            pairs = rest[:half] + rest[half : 2 * half]
+            rest = IntervalArray.concatenate([pairs, rest[2 * half :]]) if len(rest) % 2 else pairs
+        return rest[0]
 
     def reshape(self, *shape: int) -> IntervalArray:
         """The same intervals in another shape."""

@@ -11,8 +11,8 @@ from ivsid import _core
 from ivsid.errors import IvsidError
 from ivsid.intervals import EndpointPair, FloatArray, Interval, IntervalArray, Operand
 
-INVERSE_METHODS: Final = ("exact", "krawczyk", "cramer", "published", "published-hull")
-SOLVE_METHODS: Final = ("krawczyk", "cramer")
+INVERSE_METHODS: Final = ("exact", "hansen-bliek-rohn", "krawczyk", "cramer", "published", "published-hull")
+SOLVE_METHODS: Final = ("krawczyk", "cramer", "hansen-bliek-rohn")
 DEFAULT_PARTITIONS: Final = 1000
 
 
@@ -53,8 +53,8 @@ def inverse(A: Operand, method: str = "exact", partitions: int | None = None) ->
 
     Args:
         A: shape (n, n), or a batch (k, n, n), which gives a list of k results.
-        method: ``exact`` (hull by vertices, n <= 4), ``krawczyk`` (paper eq. 8-10, corrected), ``cramer``
-            (Nirmala-Ganesan), ``published`` (eq. 11-13 literally), ``published-hull`` (hull over both of its sets).
+        method: ``exact`` (hull by vertices, n <= 4), ``hansen-bliek-rohn`` (hull of the preconditioned columns),
+            ``krawczyk`` (paper eq. 8-10, corrected), ``cramer`` (Nirmala-Ganesan), ``published`` (eq. 11-13 literally), ``published-hull`` (hull over both of its sets).
         partitions: N of the published methods; 1000 by default.
 
     Returns:
@@ -82,7 +82,8 @@ def solve(A: Operand, b: Operand, method: str = "krawczyk") -> Result:
     Args:
         A: shape (n, n).
         b: shape (n,).
-        method: ``krawczyk`` (paper eq. 8-10, corrected) or ``cramer`` (Nirmala-Ganesan).
+        method: ``krawczyk`` (paper eq. 8-10, corrected), ``cramer`` (Nirmala-Ganesan) or ``hansen-bliek-rohn`` (hull of the
+            preconditioned system in closed form).
 
     Raises:
         IvsidError: wrong shapes, NaN, reversed bounds, or an unknown method.

@@ -16,7 +16,7 @@ def made():
 def test_feasible_is_guaranteed_and_holds_the_truth(made):
     record = json.loads(to_json(made.record))
     fits = {f["method"]: f for f in record["identifications"]}
-    assert set(fits) == {"feasible", "exact", "krawczyk", "cramer", "published", "published-hull"}
+    assert set(fits) == {"feasible", "exact", "hansen-bliek-rohn", "krawczyk", "cramer", "published", "published-hull"}
     assert fits["feasible"]["guaranteed"] and fits["feasible"]["status"] == "enclosed"
     for id_, value in record["truth"].items():
         p = fits["feasible"]["parameters"][id_]

@@ -46,7 +46,7 @@ def test_guaranteed_methods_hold_the_truth_and_the_others_say_that_they_do_not_k
         if method.startswith("published"):
             assert not fit.guaranteed and fit.status in ("not_proved", "not_applicable")
     assert fits["feasible"].guaranteed
-    for method in ("exact", "krawczyk", "cramer"):
+    for method in ("exact", "hansen-bliek-rohn", "krawczyk", "cramer"):
         for id_, p in fits[method].parameters.items():
             assert p.width > fits["feasible"].parameters[id_].width
 

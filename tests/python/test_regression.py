@@ -28,7 +28,7 @@ def test_the_truth_is_always_inside(seed):
     assert found.status == "enclosed" and found.guaranteed
     assert found.value.contains(truth).all()
     assert found.inflation <= 1.0 + 1e-9
-    for method in ("exact", "krawczyk", "cramer"):
+    for method in ("exact", "hansen-bliek-rohn", "krawczyk", "cramer"):
         fit = regression.normal_equations(matrix, right, method)
         if fit.guaranteed:
             assert fit.value.contains(truth).all()

@@ -9,7 +9,7 @@
 mod common;
 
 use common::{Random, invert, is_down, is_up, q};
-use interval_core::inverse::{Outcome, cramer, exact, krawczyk, published, published_hull};
+use interval_core::inverse::{Outcome, cramer, exact, hansen_bliek_rohn, krawczyk, published, published_hull};
 use interval_core::regularity::{Regularity, regularity};
 use interval_core::{Interval, IntervalMatrix, Status, systems};
 use num_rational::BigRational;
@@ -98,13 +98,13 @@ fn check(name: &str, outcome: &Outcome, hull: Option<&Vec<(BigRational, BigRatio
 
 #[test]
 fn every_enclosure_holds_all_vertex_inverses() {
-    let mut counts = [0; 3];
+    let mut counts = [0; 4];
     for n in 1..=4 {
         for seed in 0..if n < 4 { 6 } else { 1 } {
             for (name, a) in families(n, seed) {
                 let exactly = hull(&a);
                 let name = format!("{name}, n = {n}, seed {seed}");
-                for (k, method) in [krawczyk, cramer, exact].into_iter().enumerate() {
+                for (k, method) in [krawczyk, cramer, exact, hansen_bliek_rohn].into_iter().enumerate() {
                     let outcome = method(&a).expect("a square matrix");
                     counts[k] += usize::from(check(&name, &outcome, exactly.as_ref()));
                 }
@@ -133,6 +133,42 @@ fn exact_is_the_hull_rounded_once() {
             }
         }
     }
+}
+
+/// Widths against the exact hull: never narrower, and close to it where the preconditioned matrix is near the identity.
+#[test]
+fn hansen_bliek_rohn_is_close_to_the_hull() {
+    let mut ratios = Vec::new();
+    for n in 2..=4 {
+        for seed in 40..44 {
+            for (name, a) in families(n, seed) {
+                let (Some(value), Some(hull)) =
+                    (hansen_bliek_rohn(&a).expect("square").value, exact(&a).expect("square").value)
+                else {
+                    continue;
+                };
+                let width = |e: &interval_core::inverse::Endpoints| -> f64 {
+                    e.upper.iter().zip(&e.lower).map(|(h, l)| h - l).sum()
+                };
+                if ["diagonally dominant", "mass", "random", "unit midpoint"].contains(&name) {
+                    ratios.push(width(&value) / width(&hull));
+                }
+            }
+        }
+    }
+    ratios.sort_by(f64::total_cmp);
+    assert!(ratios.len() > 20 && ratios[0] >= 1.0 - 1e-12, "{ratios:?}");
+    assert!(ratios[ratios.len() / 2] < 1.1 && ratios[ratios.len() - 1] < 2.0, "{ratios:?}");
+}
+
+/// The condition is that of strong regularity in any scaled norm, so it reaches further than a contraction by rows.
+#[test]
+fn a_scaled_norm_proves_more() {
+    let a = matrix(2, &[1.0, 0.0, -0.001, 1.0], &[1.0, 900.0, 0.001, 1.0]);
+    assert_eq!(krawczyk(&a).expect("square").status, Status::NotApplicable);
+    let found = hansen_bliek_rohn(&a).expect("square");
+    assert!(check("badly scaled rows", &found, hull(&a).as_ref()));
+    assert!(exact(&a).expect("square").status == Status::Enclosed);
 }
 
 #[test]
@@ -220,7 +256,7 @@ fn systems_hold_the_solutions_of_their_corners() {
         for seed in 20..24 {
             for (name, a) in families(n, seed) {
                 let b: Vec<Interval> = (0..n).map(|i| Interval::new(i as f64 - 0.5, i as f64 + 0.5).unwrap()).collect();
-                for method in [systems::krawczyk, systems::cramer] {
+                for method in [systems::krawczyk, systems::cramer, systems::hansen_bliek_rohn] {
                     let outcome = method(&a, &b).unwrap();
                     let Some(value) = &outcome.value else { continue };
                     solved += 1;
@@ -248,7 +284,8 @@ fn systems_hold_the_solutions_of_their_corners() {
 #[test]
 fn unbounded_matrices_are_not_applicable() {
     let a = matrix(2, &[f64::NEG_INFINITY, 0.0, 0.0, 1.0], &[1.0, 0.0, 0.0, 1.0]);
-    for outcome in [krawczyk(&a), cramer(&a), exact(&a), published(&a, 5), published_hull(&a, 5)] {
+    for outcome in [krawczyk(&a), cramer(&a), hansen_bliek_rohn(&a), exact(&a), published(&a, 5), published_hull(&a, 5)]
+    {
         assert_eq!(outcome.unwrap().status, Status::NotApplicable);
     }
 }

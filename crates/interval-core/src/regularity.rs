@@ -30,6 +30,13 @@ pub enum Witness {
         /// Upper bound of the norm.
         norm: f64,
     },
+    /// `|I - R A| v < v` for this `R` (row-major) and `v > 0`: the same in a norm scaled by `v`.
+    ScaledContraction {
+        /// An approximate inverse of the midpoint, row-major.
+        approximate_inverse: Vec<f64>,
+        /// The positive vector.
+        vector: Vec<f64>,
+    },
     /// The determinants of all vertex matrices `A_c - T_y Delta T_z` have this strict sign (Baumann 1984).
     VertexDeterminants {
         /// -1 or 1.

@@ -39,6 +39,11 @@ pub fn witness<'py>(py: Python<'py>, witness: &Witness, n: usize) -> PyResult<Bo
             found.set_item("approximate_inverse", PyArray1::from_slice(py, approximate_inverse).reshape([n, n])?)?;
             found.set_item("norm", norm)?;
         }
+        Witness::ScaledContraction { approximate_inverse, vector } => {
+            found.set_item("kind", "scaled_contraction")?;
+            found.set_item("approximate_inverse", PyArray1::from_slice(py, approximate_inverse).reshape([n, n])?)?;
+            found.set_item("vector", PyArray1::from_slice(py, vector))?;
+        }
         Witness::VertexDeterminants { sign } => {
             found.set_item("kind", "vertex_determinants")?;
             found.set_item("sign", sign)?;

@@ -113,7 +113,10 @@ def identify(
     vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML).")],
     log: Annotated[Path, typer.Argument(help="Log (CSV or Parquet).")],
     method: Annotated[
-        str, typer.Option("--method", help="feasible, exact, krawczyk, cramer, published or published-hull.")
+        str,
+        typer.Option(
+            "--method", help="feasible, exact, hansen-bliek-rohn, krawczyk, cramer, published or published-hull."
+        ),
     ] = "feasible",
     partitions: Annotated[int | None, typer.Option("--partitions", min=1, help="N of the published methods.")] = None,
     form: Annotated[

@@ -2,12 +2,15 @@
 
 mod cramer;
 mod exact_hull;
+mod hansen_bliek_rohn;
 mod krawczyk;
 mod published;
 
 pub use cramer::cramer;
 pub(crate) use cramer::{determinant, expand_all};
 pub use exact_hull::exact;
+pub(crate) use hansen_bliek_rohn::enclose_solution as enclose_preconditioned;
+pub use hansen_bliek_rohn::hansen_bliek_rohn;
 pub(crate) use krawczyk::enclose_solution;
 pub use krawczyk::krawczyk;
 pub use published::{published, published_hull};

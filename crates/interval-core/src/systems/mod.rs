@@ -1,9 +1,11 @@
 //! Square interval systems `A x = b`: the methods of [`inverse`](crate::inverse) with a right-hand side.
 
 mod cramer;
+mod hansen_bliek_rohn;
 mod krawczyk;
 
 pub use cramer::cramer;
+pub use hansen_bliek_rohn::hansen_bliek_rohn;
 pub use krawczyk::krawczyk;
 
 use crate::error::Error;

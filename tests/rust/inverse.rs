@@ -171,6 +171,44 @@ fn a_scaled_norm_proves_more() {
     assert!(exact(&a).expect("square").status == Status::Enclosed);
 }
 
+/// Beyond the orders whose vertices are examined: regular by a scaled norm, and never for a matrix with a singular member.
+#[test]
+fn regularity_of_larger_matrices() {
+    let mut random = Random(17);
+    let (mut proved, mut open) = (0, 0);
+    for _ in 0..200 {
+        let n = 5 + (random.bits() % 8) as usize;
+        let scale: Vec<f64> = (0..n).map(|_| 2.0_f64.powi((random.bits() % 40) as i32)).collect();
+        let entry = |random: &mut Random, i: usize, j: usize| {
+            (random.unit() + if i == j { 4.0 } else { 0.0 }) * scale[i] / scale[j]
+        };
+        let centre: Vec<f64> = (0..n * n).map(|at| entry(&mut random, at / n, at % n)).collect();
+        let spread = 0.3 * random.unit().abs();
+        let (lo, hi): (Vec<f64>, Vec<f64>) =
+            centre.iter().map(|c| (c - spread * c.abs(), c + spread * c.abs())).unzip();
+        match regularity(&matrix(n, &lo, &hi)) {
+            Regularity::Regular(_) => {
+                proved += 1;
+                // Members are as regular as it says: exactly nonsingular.
+                let member: Vec<BigRational> =
+                    lo.iter().zip(&hi).map(|(&l, &h)| q(if random.bits().is_multiple_of(2) { l } else { h })).collect();
+                assert!(invert(&member, n).1.is_some());
+            }
+            Regularity::NotProved => open += 1,
+            Regularity::Singular(_) => panic!("nothing here proves a singular member"),
+        }
+        // A member with two equal rows.
+        let mut wide = (lo.clone(), hi.clone());
+        for j in 0..n {
+            let (a, b) = (centre[j], centre[n + j]);
+            (wide.0[j], wide.1[j]) = (a.min(b), a.max(b));
+            (wide.0[n + j], wide.1[n + j]) = (a.min(b), a.max(b));
+        }
+        assert!(!matches!(regularity(&matrix(n, &wide.0, &wide.1)), Regularity::Regular(_)));
+    }
+    assert!(proved > 40 && open > 0, "{proved} proved, {open} open");
+}
+
 #[test]
 fn regularity_agrees_with_exact_determinants() {
     let mut verdicts = [0; 2];

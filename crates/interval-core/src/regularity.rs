@@ -4,6 +4,7 @@ use crate::approximate;
 use crate::exact;
 use crate::interval::Interval;
 use crate::matrix::IntervalMatrix;
+use crate::rounding::{add_up, mul_up};
 
 /// The largest order for which all vertex matrices are examined: 2^(2n-1) of them.
 pub const VERTEX_LIMIT: usize = 4;
@@ -53,7 +54,7 @@ pub enum SingularMember {
     OppositeSigns(Vec<f64>, Vec<f64>),
 }
 
-/// Proves regularity by contraction, or for small orders decides it by the vertex determinants.
+/// Proves regularity by contraction, plain or scaled, or for small orders decides it by the vertex determinants.
 ///
 /// The matrix is square and bounded.
 #[must_use]
@@ -61,7 +62,7 @@ pub fn regularity(a: &IntervalMatrix) -> Regularity {
     if !crate::rounding::environment_is_default() {
         return Regularity::NotProved;
     }
-    if let Some(witness) = contraction(a) {
+    if let Some(witness) = contraction(a).or_else(|| scaled_contraction(a)) {
         return Regularity::Regular(witness);
     }
     if a.rows() > VERTEX_LIMIT {
@@ -91,6 +92,41 @@ fn contraction(a: &IntervalMatrix) -> Option<Witness> {
     let approximate_inverse = approximate::inverse(&a.midpoint(), n)?;
     let norm = residual(&approximate_inverse, a).norm();
     (norm < 1.0).then_some(Witness::Contraction { approximate_inverse, norm })
+}
+
+/// `|I - R A| v < v` for an approximate inverse `R` of the midpoint and a `v > 0` (METHODS 4.1, the verified form of
+/// `rho(|I - R A|) < 1`).
+fn scaled_contraction(a: &IntervalMatrix) -> Option<Witness> {
+    let n = a.rows();
+    let approximate_inverse = approximate::inverse(&a.midpoint(), n)?;
+    let vector = contracted_vector(&residual(&approximate_inverse, a).magnitude(), n)?;
+    Some(Witness::ScaledContraction { approximate_inverse, vector })
+}
+
+/// A positive `v` with `G v < v`, proved in upward rounding: an approximation of `(I - G)^-1` times ones, or of the dominant
+/// eigenvector of `G`.
+pub(crate) fn contracted_vector(g: &[f64], n: usize) -> Option<Vec<f64>> {
+    let holds = |v: &[f64]| {
+        g.chunks_exact(n).zip(v).all(|(row, &target)| {
+            let product = row.iter().zip(v).fold(0.0, |sum, (&x, &y)| add_up(sum, mul_up(x, y)));
+            target > 0.0 && target.is_finite() && product < target
+        })
+    };
+    let mut v = vec![1.0; n];
+    for _ in 0..20 {
+        if holds(&v) {
+            return Some(v);
+        }
+        // One step of the sum 1 + G + G^2 + ..., scaled: towards the dominant eigenvector, kept positive.
+        let next: Vec<f64> =
+            g.chunks_exact(n).map(|row| 1e-3 + row.iter().zip(&v).map(|(x, y)| x * y).sum::<f64>()).collect();
+        let largest = next.iter().copied().fold(0.0, f64::max);
+        v = next.into_iter().map(|x| x / largest).collect();
+    }
+    let shifted: Vec<f64> = g.iter().enumerate().map(|(at, x)| if at % (n + 1) == 0 { 1.0 - x } else { -x }).collect();
+    let inverse = approximate::inverse(&shifted, n)?;
+    let sums: Vec<f64> = inverse.chunks_exact(n).map(|row| row.iter().sum()).collect();
+    holds(&sums).then_some(sums)
 }
 
 /// `I - R A` for a point matrix `R`, row-major.

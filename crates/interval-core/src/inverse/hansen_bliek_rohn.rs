@@ -15,8 +15,7 @@ use crate::approximate;
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::matrix::IntervalMatrix;
-use crate::regularity::{Witness, residual};
-use crate::rounding::{add_up, mul_up};
+use crate::regularity::{Witness, contracted_vector, residual};
 
 /// Encloses the inverse column by column; not applicable where no `v` with `G v < v` is found.
 ///
@@ -74,32 +73,6 @@ pub(crate) fn enclose_solution(a: &IntervalMatrix, b: &IntervalMatrix) -> Outcom
 /// A finite bound as an interval.
 fn number(x: f64) -> Interval {
     Interval::raw(x, x)
-}
-
-/// A positive `v` with `G v < v`, proved in upward rounding: an approximation of `(I - G)^-1` times ones, or of the dominant
-/// eigenvector of `G`.
-fn contracted_vector(g: &[f64], n: usize) -> Option<Vec<f64>> {
-    let holds = |v: &[f64]| {
-        g.chunks_exact(n).zip(v).all(|(row, &target)| {
-            let product = row.iter().zip(v).fold(0.0, |sum, (&x, &y)| add_up(sum, mul_up(x, y)));
-            target > 0.0 && target.is_finite() && product < target
-        })
-    };
-    let mut v = vec![1.0; n];
-    for _ in 0..20 {
-        if holds(&v) {
-            return Some(v);
-        }
-        // One step of the sum 1 + G + G^2 + ..., scaled: towards the dominant eigenvector, kept positive.
-        let next: Vec<f64> =
-            g.chunks_exact(n).map(|row| 1e-3 + row.iter().zip(&v).map(|(x, y)| x * y).sum::<f64>()).collect();
-        let largest = next.iter().copied().fold(0.0, f64::max);
-        v = next.into_iter().map(|x| x / largest).collect();
-    }
-    let shifted: Vec<f64> = g.iter().enumerate().map(|(at, x)| if at % (n + 1) == 0 { 1.0 - x } else { -x }).collect();
-    let inverse = approximate::inverse(&shifted, n)?;
-    let sums: Vec<f64> = inverse.chunks_exact(n).map(|row| row.iter().sum()).collect();
-    holds(&sums).then_some(sums)
 }
 
 /// `(I - G)^-1` for a `G` whose spectral radius is proved to be below 1: at least the identity.

@@ -69,6 +69,12 @@ fn unbounded_entries_are_products_too() {
     let a = IntervalMatrix::new(2, 2, vec![0.0, -inf, 1.0, 2.0], vec![0.0, 1.0, inf, 3.0]).expect("ordered");
     assert_eq!(bits(&a.multiply(&a).expect("shapes fit")), by_entries(&a, &a));
     assert!(a.multiply(&IntervalMatrix::identity(3)).is_err());
+    let (tall, flat) = (IntervalMatrix::new(3, 0, vec![], vec![]), IntervalMatrix::new(0, 3, vec![], vec![]));
+    let (tall, flat) = (tall.expect("empty"), flat.expect("empty"));
+    for product in [tall.multiply(&flat), tall.multiply_fast(&flat)] {
+        assert_eq!(product.expect("shapes fit"), IntervalMatrix::new(3, 3, vec![0.0; 9], vec![0.0; 9]).expect("zeros"));
+    }
+    assert_eq!(flat.multiply(&tall).expect("shapes fit").rows(), 0);
 }
 
 /// Least and greatest value of an entry of the product, exactly.

@@ -45,7 +45,8 @@ impl IntervalMatrix {
     /// Where the inner dimensions differ.
     pub fn multiply_on(&self, backend: Backend, other: &Self) -> Result<Self, Error> {
         self.inner_dimension(other)?;
-        if !self.is_bounded() || !other.is_bounded() || self.rows() * other.columns() < 4 {
+        let small = self.columns() == 0 || self.rows() * other.columns() < 4;
+        if small || !self.is_bounded() || !other.is_bounded() {
             return Ok(self.multiply_by_entries(other));
         }
         let (n, columns) = (self.columns(), other.columns());

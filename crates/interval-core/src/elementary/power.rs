@@ -49,6 +49,11 @@ fn power_of_magnitude(a: f64, n: i32) -> Bracket {
     }
     let value = if n < 0 { Dd::ONE.div(product) } else { product };
     let k = e * i64::from(n);
+    // Few digits: every product so far was exact. The power of 2 alone has a reciprocal that is a double.
+    let digits = 53 - ((m.to_bits() & ((1 << 52) - 1)) | (1 << 52)).trailing_zeros();
+    if digits * count <= 53 && (n > 0 || digits == 1) && (-900..900).contains(&k) {
+        return Bracket::exact(value.hi).scale(k);
+    }
     // |log2 value| <= 64.
     let bracket = if (-900..900).contains(&k) { decide(value, PRODUCT_ERROR).map(|b| b.scale(k)) } else { None };
     bracket.unwrap_or_else(|| integer_exactly(a, n.into()))

@@ -11,7 +11,7 @@ from ivsid import _core
 from ivsid.errors import IvsidError
 from ivsid.intervals import EndpointPair, FloatArray, Interval, IntervalArray, Operand
 
-INVERSE_METHODS: Final = ("exact", "hansen-bliek-rohn", "krawczyk", "cramer", "published", "published-hull")
+INVERSE_METHODS: Final = ("exact", "hansen-bliek-rohn", "krawczyk", "cramer", "kuttler", "published", "published-hull")
 SOLVE_METHODS: Final = ("krawczyk", "cramer", "hansen-bliek-rohn")
 DEFAULT_PARTITIONS: Final = 1000
 
@@ -54,7 +54,7 @@ def inverse(A: Operand, method: str = "exact", partitions: int | None = None) ->
     Args:
         A: shape (n, n), or a batch (k, n, n), which gives a list of k results.
         method: ``exact`` (hull by vertices, n <= 4), ``hansen-bliek-rohn`` (hull of the preconditioned columns),
-            ``krawczyk`` (paper eq. 8-10, corrected), ``cramer`` (Nirmala-Ganesan), ``published`` (eq. 11-13 literally), ``published-hull`` (hull over both of its sets).
+            ``krawczyk`` (paper eq. 8-10, corrected), ``cramer`` (Nirmala-Ganesan), ``kuttler`` (extreme members with non-negative inverses: the hull), ``published`` (eq. 11-13 literally), ``published-hull`` (hull over both of its sets).
         partitions: N of the published methods; 1000 by default.
 
     Returns:

@@ -16,7 +16,16 @@ def made():
 def test_feasible_is_guaranteed_and_holds_the_truth(made):
     record = json.loads(to_json(made.record))
     fits = {f["method"]: f for f in record["identifications"]}
-    assert set(fits) == {"feasible", "exact", "hansen-bliek-rohn", "krawczyk", "cramer", "published", "published-hull"}
+    assert set(fits) == {
+        "feasible",
+        "exact",
+        "hansen-bliek-rohn",
+        "krawczyk",
+        "cramer",
+        "kuttler",
+        "published",
+        "published-hull",
+    }
     assert fits["feasible"]["guaranteed"] and fits["feasible"]["status"] == "enclosed"
     for id_, value in record["truth"].items():
         p = fits["feasible"]["parameters"][id_]
@@ -31,7 +40,10 @@ def test_what_the_published_inverse_is_worth(made):
     assert worth["published"]["enclosed_entries"] == worth["published-hull"]["enclosed_entries"] == 0
     widths = worth["width_over_feasible"]
     assert max(widths["published"].values()) > 10
+    # The surge block's A'A holds both signs off its diagonal: Kuttler's condition holds for the yaw block alone.
+    assert set(widths.pop("kuttler")) == {"inertia.yaw"}
     assert all(max(w.values()) > 10 for w in widths.values())
+    assert widths["exact"]["mass.surge"] <= widths["hansen-bliek-rohn"]["mass.surge"] < widths["krawczyk"]["mass.surge"]
 
 
 def test_numbers_and_figures_of_the_paper_stand_in_the_report(made):

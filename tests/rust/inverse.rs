@@ -9,7 +9,7 @@
 mod common;
 
 use common::{Random, invert, is_down, is_up, q};
-use interval_core::inverse::{Outcome, cramer, exact, hansen_bliek_rohn, krawczyk, published, published_hull};
+use interval_core::inverse::{Outcome, cramer, exact, hansen_bliek_rohn, krawczyk, kuttler, published, published_hull};
 use interval_core::regularity::{Regularity, regularity};
 use interval_core::{Interval, IntervalMatrix, Status, systems};
 use num_rational::BigRational;
@@ -169,6 +169,42 @@ fn a_scaled_norm_proves_more() {
     let found = hansen_bliek_rohn(&a).expect("square");
     assert!(check("badly scaled rows", &found, hull(&a).as_ref()));
     assert!(exact(&a).expect("square").status == Status::Enclosed);
+}
+
+/// M-matrices: the hull, rounded once, and with the zeros of triangular ones; refused where a sign is missing.
+#[test]
+fn kuttler_gives_the_hull_of_m_matrices() {
+    let mut random = Random(23);
+    for n in 1..=3 {
+        for triangular in [false, true] {
+            for _ in 0..20 {
+                let centre: Vec<f64> = (0..n * n)
+                    .map(|at| {
+                        let (i, j) = (at / n, at % n);
+                        let off = if triangular && j > i { 0.0 } else { -random.unit().abs() };
+                        if i == j { 4.0 } else { off }
+                    })
+                    .collect();
+                let (lo, hi): (Vec<f64>, Vec<f64>) =
+                    centre.iter().map(|c| (c - 0.1 * c.abs(), c + 0.1 * c.abs())).unzip();
+                let a = matrix(n, &lo, &hi);
+                let found = kuttler(&a).expect("square");
+                let exactly = hull(&a).expect("regular");
+                assert!(check("M-matrix", &found, Some(&exactly)));
+                let value = found.value.expect("a value");
+                for (k, (least, most)) in exactly.iter().enumerate() {
+                    assert!(is_down(value.lower[k], least) && is_up(value.upper[k], most));
+                }
+            }
+        }
+    }
+    for (_, a) in families(3, 5) {
+        let _ = check("any family", &kuttler(&a).expect("square"), hull(&a).as_ref());
+    }
+    let large: Vec<f64> = (0..100).map(|at| if at % 11 == 0 { 4.0 } else { -0.1 }).collect();
+    let wider: Vec<f64> = large.iter().map(|x| x + 0.01).collect();
+    assert_eq!(kuttler(&matrix(10, &large, &wider)).expect("square").status, Status::Enclosed);
+    assert_eq!(kuttler(&matrix(1, &[-2.0], &[-1.0])).expect("square").status, Status::NotApplicable);
 }
 
 /// Beyond the orders whose vertices are examined: regular by a scaled norm, and never for a matrix with a singular member.

@@ -38,6 +38,8 @@ pub enum Witness {
         /// The positive vector.
         vector: Vec<f64>,
     },
+    /// The matrices of lower and of upper bounds have non-negative inverses (Kuttler 1971).
+    NonnegativeInverses,
     /// The determinants of all vertex matrices `A_c - T_y Delta T_z` have this strict sign (Baumann 1984).
     VertexDeterminants {
         /// -1 or 1.

@@ -44,6 +44,7 @@ pub fn witness<'py>(py: Python<'py>, witness: &Witness, n: usize) -> PyResult<Bo
             found.set_item("approximate_inverse", PyArray1::from_slice(py, approximate_inverse).reshape([n, n])?)?;
             found.set_item("vector", PyArray1::from_slice(py, vector))?;
         }
+        Witness::NonnegativeInverses => found.set_item("kind", "nonnegative_inverses")?,
         Witness::VertexDeterminants { sign } => {
             found.set_item("kind", "vertex_determinants")?;
             found.set_item("sign", sign)?;

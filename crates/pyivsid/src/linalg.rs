@@ -20,6 +20,7 @@ pub fn inverse_method(name: &str, partitions: u64) -> PyResult<Method> {
         "published-hull" => Box::new(move |a| methods::published_hull(a, partitions)),
         "krawczyk" => Box::new(methods::krawczyk),
         "cramer" => Box::new(methods::cramer),
+        "kuttler" => Box::new(methods::kuttler),
         "hansen-bliek-rohn" => Box::new(methods::hansen_bliek_rohn),
         "exact" => Box::new(methods::exact),
         _ => return Err(PyValueError::new_err(format!("unknown inverse method '{name}'"))),

@@ -115,7 +115,8 @@ def identify(
     method: Annotated[
         str,
         typer.Option(
-            "--method", help="feasible, exact, hansen-bliek-rohn, krawczyk, cramer, published or published-hull."
+            "--method",
+            help="feasible, exact, hansen-bliek-rohn, krawczyk, cramer, kuttler, published or published-hull.",
         ),
     ] = "feasible",
     partitions: Annotated[int | None, typer.Option("--partitions", min=1, help="N of the published methods.")] = None,

@@ -4,6 +4,7 @@ mod cramer;
 mod exact_hull;
 mod hansen_bliek_rohn;
 mod krawczyk;
+mod kuttler;
 mod published;
 
 pub use cramer::cramer;
@@ -13,6 +14,7 @@ pub(crate) use hansen_bliek_rohn::enclose_solution as enclose_preconditioned;
 pub use hansen_bliek_rohn::hansen_bliek_rohn;
 pub(crate) use krawczyk::enclose_solution;
 pub use krawczyk::krawczyk;
+pub use kuttler::kuttler;
 pub use published::{published, published_hull};
 
 use crate::matrix::IntervalMatrix;

@@ -28,8 +28,9 @@ docs: build
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps
 	$(BIN)/sphinx-build -q -W --keep-going docs docs/_build/html
 
-bench:
+bench: build
 	cargo bench --locked
+	$(BIN)/python benches/ratios.py
 
 # inari beside this crate, built for two targets; GMP and MPFR are built from source (m4 is needed, some minutes).
 peers:

@@ -157,6 +157,19 @@ fn growth(x: f64, tables: &Tables) -> Dd {
     m.scale(power_of_two(k))
 }
 
+/// `e^a / 2` for `a >= 40`, which is `sinh a` and `cosh a`: `e^-a` is below 2^-115 of `e^a`.
+#[inline(always)]
+fn half_growth(a: f64, tables: &Tables) -> Option<Bracket> {
+    if a < 709.0 {
+        let (m, k) = kernel(Dd::from(a), tables);
+        finish(m, k - 1, ERROR)
+    } else if a > 711.0 {
+        Some(if a == f64::INFINITY { Bracket::exact(a) } else { TOO_LARGE })
+    } else {
+        None
+    }
+}
+
 /// `sinh x`.
 #[inline(always)]
 pub(crate) fn sinh(x: f64) -> Bracket {
@@ -170,14 +183,8 @@ pub(crate) fn sinh(x: f64) -> Bracket {
     } else if a < 40.0 {
         let e = growth(a, tables);
         decide((e - Dd::ONE.div(e)).scale(0.5), HYPERBOLIC_ERROR)
-    } else if a < 709.0 {
-        // e^-a is below 2^-115 of e^a.
-        let (m, k) = kernel(Dd::from(a), tables);
-        finish(m, k - 1, ERROR)
-    } else if a > 711.0 {
-        Some(if a == f64::INFINITY { Bracket::exact(a) } else { TOO_LARGE })
     } else {
-        None
+        half_growth(a, tables)
     };
     let positive = positive.unwrap_or_else(|| hyperbolic_exactly(a, false));
     if x < 0.0 { positive.neg() } else { positive }
@@ -194,13 +201,8 @@ pub(crate) fn cosh(x: f64) -> Bracket {
     let found = if a < 40.0 {
         let e = growth(a, tables);
         decide((e + Dd::ONE.div(e)).scale(0.5), 4.0 * ERROR)
-    } else if a < 709.0 {
-        let (m, k) = kernel(Dd::from(a), tables);
-        finish(m, k - 1, ERROR)
-    } else if a > 711.0 {
-        Some(if a == f64::INFINITY { Bracket::exact(a) } else { TOO_LARGE })
     } else {
-        None
+        half_growth(a, tables)
     };
     found.unwrap_or_else(|| hyperbolic_exactly(a, true))
 }

@@ -1,9 +1,12 @@
 //! `ivsid.Interval`: one interval as a Python object.
 
+mod functions;
+mod operators;
+
 use crate::arrays::refusal;
 use interval_core::{Error, Interval as Bounds, exact, rounding};
+use operators::{binary, integer};
 use pyo3::basic::CompareOp;
-use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyAny, PyDict, PyFloat, PyInt, PyString, PyTuple, PyType};
@@ -27,34 +30,6 @@ impl Interval {
     }
 }
 
-/// Largest integer up to which every integer is a double.
-const EXACT: i64 = 1 << 53;
-
-/// An operand that is an interval, a float or an exactly representable integer.
-#[inline]
-fn operand(value: &Bound<'_, PyAny>) -> Option<PyResult<Bounds>> {
-    if let Ok(interval) = value.cast::<Interval>() {
-        return Some(Ok(interval.get().0));
-    }
-    if let Ok(number) = value.cast::<PyFloat>() {
-        let x = number.value();
-        return Some(Bounds::point(x).map_err(|e| refusal(&e)));
-    }
-    if let Ok(number) = value.cast::<PyInt>() {
-        return integer(number).map(Ok);
-    }
-    None
-}
-
-fn integer(number: &Bound<'_, PyInt>) -> Option<Bounds> {
-    let n: i64 = number.extract().ok()?;
-    if !(-EXACT..=EXACT).contains(&n) {
-        return None;
-    }
-    #[expect(clippy::cast_precision_loss, reason = "at most 2^53")]
-    Bounds::point(n as f64).ok()
-}
-
 /// A function of the Python module that knows arrays and everything else.
 fn python_door<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
     static MODULE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
@@ -62,104 +37,11 @@ fn python_door<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> 
     module.bind(py).getattr(name)
 }
 
-type Operation = fn(Bounds, Bounds) -> Bounds;
-
-/// `a op b`, or with `reverse` `b op a`; anything but numbers goes to the arrays.
+/// A result, unless the processor rounds otherwise than it must.
 #[inline]
-fn binary<'py>(
-    a: &Bound<'py, Interval>,
-    b: &Bound<'py, PyAny>,
-    name: &str,
-    op: Operation,
-    reverse: bool,
-) -> PyResult<Bound<'py, PyAny>> {
-    if rounding::environment_is_default()
-        && let Ok(other) = b.cast::<Interval>()
-    {
-        // Two intervals are never reversed: the left one answers.
-        return Ok(Bound::new(a.py(), Interval(op(a.get().0, other.get().0)))?.into_any());
-    }
-    mixed(a, b, name, op, reverse)
-}
-
-/// An interval and something else.
-#[cold]
-fn mixed<'py>(
-    a: &Bound<'py, Interval>,
-    b: &Bound<'py, PyAny>,
-    name: &str,
-    op: Operation,
-    reverse: bool,
-) -> PyResult<Bound<'py, PyAny>> {
-    let py = a.py();
+fn guarded(result: Bounds) -> PyResult<Interval> {
     rounding::check_environment().map_err(|e| refusal(&e))?;
-    let Some(other) = operand(b) else {
-        let (left, right) = if reverse { (b, a.as_any()) } else { (a.as_any(), b) };
-        return python_door(py, "_operate")?.call1((name, left, right));
-    };
-    let (x, y) = (a.get().0, other?);
-    let result = if reverse { op(y, x) } else { op(x, y) };
-    Ok(Bound::new(py, Interval(result))?.into_any())
-}
-
-/// Methods of one operand, by name.
-macro_rules! functions {
-    ($($(#[doc = $doc:literal])* $name:ident $core:ident;)*) => {
-        #[pymethods]
-        impl Interval {
-            $($(#[doc = $doc])*
-            fn $name(&self) -> Self {
-                Self(self.0.$core())
-            })*
-        }
-    };
-}
-
-functions! {
-    /// The square root of the members that are not negative.
-    sqrt sqrt;
-    /// The squares of the members.
-    square square;
-    /// ``x |x|``, the quadratic drag law.
-    signed_square signed_square;
-    /// The reciprocals of the members other than 0.
-    reciprocal recip;
-    /// The exponentials.
-    exp exp;
-    /// Powers of 2.
-    exp2 exp2;
-    /// Powers of 10.
-    exp10 exp10;
-    /// Natural logarithms of the positive members.
-    log ln;
-    /// Logarithms to base 2 of the positive members.
-    log2 log2;
-    /// Logarithms to base 10 of the positive members.
-    log10 log10;
-    /// Sines, of radians.
-    sin sin;
-    /// Cosines, of radians.
-    cos cos;
-    /// Tangents, of radians.
-    tan tan;
-    /// Arc sines of the members in [-1, 1].
-    arcsin asin;
-    /// Arc cosines of the members in [-1, 1].
-    arccos acos;
-    /// Arc tangents.
-    arctan atan;
-    /// Hyperbolic sines.
-    sinh sinh;
-    /// Hyperbolic cosines.
-    cosh cosh;
-    /// Hyperbolic tangents.
-    tanh tanh;
-    /// Inverse hyperbolic sines.
-    arcsinh asinh;
-    /// Inverse hyperbolic cosines of the members from 1 on.
-    arccosh acosh;
-    /// Inverse hyperbolic tangents of the members in (-1, 1).
-    arctanh atanh;
+    Ok(Interval(result))
 }
 
 #[pymethods]
@@ -214,20 +96,20 @@ impl Interval {
 
     /// A double inside, nearest to the centre.
     #[getter]
-    fn midpoint(&self) -> f64 {
-        self.0.midpoint()
+    fn midpoint(&self) -> PyResult<f64> {
+        guarded(self.0).map(|x| x.0.midpoint())
     }
 
     /// The smallest double r with the interval inside midpoint +- r.
     #[getter]
-    fn radius(&self) -> f64 {
-        self.0.radius()
+    fn radius(&self) -> PyResult<f64> {
+        guarded(self.0).map(|x| x.0.radius())
     }
 
     /// Upper - lower, rounded up.
     #[getter]
-    fn width(&self) -> f64 {
-        self.0.width()
+    fn width(&self) -> PyResult<f64> {
+        guarded(self.0).map(|x| x.0.width())
     }
 
     /// The largest absolute value.
@@ -284,73 +166,14 @@ impl Interval {
     }
 
     /// ``self * y + z`` with one rounding.
-    fn fma(&self, y: &Self, z: &Self) -> Self {
-        Self(self.0.mul_add(y.0, z.0))
+    fn fma(&self, y: &Self, z: &Self) -> PyResult<Self> {
+        guarded(self.0.mul_add(y.0, z.0))
     }
 
     /// Hexadecimal bounds, without any rounding: text that reads back as the same interval.
     #[expect(clippy::wrong_self_convention, reason = "Python passes a reference")]
     fn to_exact(&self) -> String {
         self.0.to_exact()
-    }
-
-    fn __add__<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        binary(slf, other, "add", |x, y| x + y, false)
-    }
-
-    fn __radd__<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        binary(slf, other, "add", |x, y| x + y, true)
-    }
-
-    fn __sub__<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        binary(slf, other, "sub", |x, y| x - y, false)
-    }
-
-    fn __rsub__<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        binary(slf, other, "sub", |x, y| x - y, true)
-    }
-
-    fn __mul__<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        binary(slf, other, "mul", |x, y| x * y, false)
-    }
-
-    fn __rmul__<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        binary(slf, other, "mul", |x, y| x * y, true)
-    }
-
-    fn __truediv__<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        binary(slf, other, "div", |x, y| x / y, false)
-    }
-
-    fn __rtruediv__<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        binary(slf, other, "div", |x, y| x / y, true)
-    }
-
-    fn __pow__<'py>(
-        slf: &Bound<'py, Self>,
-        exponent: &Bound<'py, PyAny>,
-        modulus: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        if modulus.is_some() {
-            return Err(PyTypeError::new_err("intervals have no modular powers"));
-        }
-        if let Ok(number) = exponent.cast::<PyInt>()
-            && let Ok(n) = number.extract::<i32>()
-        {
-            return Ok(Bound::new(slf.py(), Self(slf.get().0.powi(n)))?.into_any());
-        }
-        binary(slf, exponent, "pow", Bounds::pow, false)
-    }
-
-    fn __rpow__<'py>(
-        slf: &Bound<'py, Self>,
-        base: &Bound<'py, PyAny>,
-        modulus: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        if modulus.is_some() {
-            return Err(PyTypeError::new_err("intervals have no modular powers"));
-        }
-        binary(slf, base, "pow", Bounds::pow, true)
     }
 
     fn __neg__(&self) -> Self {

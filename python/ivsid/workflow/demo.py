@@ -3,62 +3,37 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.resources import files
 from typing import Any
 
 import numpy as np
 
-from ivsid import figures, identification, linalg, regression, report, simulation, thrust, validation
+from ivsid import identification, linalg, regression, simulation, thrust, validation
 from ivsid.allan import AllanDeviation, allan_deviation
 from ivsid.constriction import Constriction, constrict
 from ivsid.effects import terms_of
-from ivsid.figures import Drawing
 from ivsid.identification import Identification, Parameter
-from ivsid.intervals import EndpointPair, Interval, IntervalArray
+from ivsid.intervals import EndpointPair, IntervalArray
 from ivsid.log import Log
 from ivsid.records import envelope, to_json
 from ivsid.regression_rows import RegressionRows, build_rows
-from ivsid.report import Report, Section
+from ivsid.report import Report
 from ivsid.results import allan_record, bollard_record, validation_record
 from ivsid.scenario import parse_scenario
-from ivsid.sensors import BoundedLog, bound_log, doppler_drift, doppler_paper, sigma_published
-from ivsid.simulation import Simulated, gauss_markov
-from ivsid.validation import Validation
+from ivsid.sensors import BoundedLog, bound_log
+from ivsid.simulation import gauss_markov
 from ivsid.vehicle import AccelerationSensor, Vehicle, parse_vehicle
-from ivsid.workflow.allan import coefficient_rows, coefficient_table
 from ivsid.workflow.common import (
     Progress,
     csv,
-    method_table,
-    motion_table,
-    parameter_lines,
-    shown,
     silent,
-    validation_table,
 )
-from ivsid.workflow.thrust import fit_table
-from ivsid.workflow.validate import validation_drawings, validation_lines
+from ivsid.workflow.demo_page import Trial, drawings_of, lines_of, paper_numbers, sections_of
 
 STATIC_HOURS = 2.0
 STATIC_RATE = 20.0
 PARTITIONS = 1000
-# Table V of the paper, and its printed validation errors.
-TABLE_V = {
-    "added mass [kg]": (-31.8686, 8.1316),
-    "drag [kg/m]": (235.7778, 275.7781),
-    "moment of inertia [kg m²]": (-41.7606, 48.2396),
-}
-PRINTED_ERRORS = {"surge": (1.955, 2.699), "yaw": (0.963, 0.785)}
-
-
-@dataclass(frozen=True)
-class _Trial:
-    """A simulated trial and the files that hold it."""
-
-    made: Simulated
-    log: Log
-    text: str
 
 
 def demo(*, seed: int | None = None, progress: Progress = silent) -> Report:
@@ -82,7 +57,7 @@ def demo(*, seed: int | None = None, progress: Progress = silent) -> Report:
     narrowed = _constrict(added, published_added)
     checks = [validation.validate(f, test.log) for f in (feasible, _constricted(published_added, narrowed))]
     progress("drawing")
-    drawings = _drawings(train.log, curves, table_iii, fits, checks)
+    drawings = drawings_of(train.log, curves, table_iii, fits, checks)
     worth = _worth(total, fits)
     record = {
         **envelope("demo", {"train.csv": train.log.sha256, "test.csv": test.log.sha256}, shift),
@@ -96,13 +71,13 @@ def demo(*, seed: int | None = None, progress: Progress = silent) -> Report:
         "constriction": _constriction_record(added, narrowed),
         "validation": validation_record(checks[0]),
         "validation_constricted": validation_record(checks[1]),
-        "paper": _paper_numbers(),
+        "paper": paper_numbers(),
     }
-    sections = _sections(vehicle, train, curves, table_iii, fits, worth, published_added, narrowed, checks, drawings)
+    sections = sections_of(vehicle, train, curves, table_iii, fits, worth, published_added, narrowed, checks, drawings)
     extra: dict[str, str | bytes] = {"swan.toml": vehicle.text, "train.csv": train.text, "test.csv": test.text}
     extra["truth.json"] = to_json({"train": train.made.truth, "test": test.made.truth}) + "\n"
     extra["identify/result.json"] = to_json(feasible.record()) + "\n"
-    lines = _lines(fits, worth, checks)
+    lines = lines_of(fits, worth, checks)
     return Report(
         "The paper, end to end: SWAN identified by interval analysis",
         lines[0],
@@ -122,12 +97,12 @@ def _vehicle() -> Vehicle:
     return parse_vehicle(_data("swan.toml"), "swan.toml")
 
 
-def _trial(vehicle: Vehicle, name: str, shift: int) -> _Trial:
+def _trial(vehicle: Vehicle, name: str, shift: int) -> Trial:
     scenario = parse_scenario(_data(f"{name}.toml"), f"{name}.toml")
     made = simulation.simulate(vehicle, scenario, scenario.seed + shift)
     text = csv(made.t, made.columns)
     digest = hashlib.sha256(text.encode()).hexdigest()
-    return _Trial(made, Log(f"{name.removeprefix('swan_')}.csv", digest, made.t, made.columns), text)
+    return Trial(made, Log(f"{name.removeprefix('swan_')}.csv", digest, made.t, made.columns), text)
 
 
 def _static(vehicle: Vehicle, seed: int) -> dict[str, AllanDeviation]:
@@ -203,246 +178,3 @@ def _constriction_record(rows: RegressionRows, c: Constriction) -> dict[str, Any
         for t, low, high in zip(rows.terms, c.lower, c.upper, strict=True)
     }
     return {"guaranteed": False, "parameters": boxes, "coverage": c.coverage, "error": c.error, "steps": c.steps}
-
-
-def _paper_numbers() -> dict[str, Any]:
-    """Numbers printed in the paper that can be computed again (READING_NOTES)."""
-    q = IntervalArray(np.array([[2, -2], [-1.5, -2]]), np.array([[4, 2], [4.5, 3.5]]))
-    one = IntervalArray([[1.0]], [[2.0]])
-    literal = linalg.inverse(one, "published", 10)
-    exact = linalg.inverse(one, "exact")
-    u = doppler_paper(np.array([2.0]), 0.002, 0.004)
-    return {
-        "norm": linalg.norm(q),
-        "midpoint": q.midpoint,
-        "radius": q.radius,
-        "doppler_drift_per_hour": doppler_drift(0.004, 2.0, 3600.0),
-        "inverse_of_1_2": {"exact": _pair(exact.value), "published_10": _pair(literal.value)},
-        "sigma_c": {
-            "x": sigma_published(0.0018, 3.0e-4, 0.05, 670.0),
-            "y": sigma_published(0.002, 2.8e-4, 0.05, 100.0),
-        },
-        "velocity_2": [float(u.lower[0]), float(u.upper[0])],
-    }
-
-
-def _pair(value: Any) -> list[float]:
-    return [float(value.lower.ravel()[0]), float(value.upper.ravel()[0])]
-
-
-def _drawings(
-    log: Log,
-    curves: dict[str, AllanDeviation],
-    table: thrust.Bollard,
-    fits: list[Identification],
-    checks: list[Validation],
-) -> tuple[Drawing, ...]:
-    accelerations = {k: v for k, v in curves.items() if k != "r"}
-    first = (
-        figures.allan_curves(
-            accelerations, "fig1_allan_acceleration", "Fig. 1: Allan deviation of the accelerations (twin)", "m/s²"
-        ),
-        figures.allan_curves(
-            {"r": curves["r"]}, "fig2_allan_yaw_rate", "Fig. 2: Allan deviation of the yaw rate (twin)", "rad/s"
-        ),
-        figures.thrust_curve(table, "fig3_thrust", "Fig. 3: thrust against demand, Table III"),
-        figures.channels(log, "train"),
-        figures.intervals(fits),
-    )
-    return (*first, *validation_drawings(checks[0], "fig4-7_"), *validation_drawings(checks[1], "constricted_"))
-
-
-def _sections(
-    vehicle: Vehicle,
-    train: _Trial,
-    curves: dict[str, AllanDeviation],
-    table: thrust.Bollard,
-    fits: list[Identification],
-    worth: dict[str, Any],
-    published: Identification,
-    narrowed: Constriction,
-    checks: list[Validation],
-    drawings: tuple[Drawing, ...],
-) -> tuple[Section, ...]:
-    shown_figures = {d.name: report.drawing(d) for d in drawings}
-    validated = [p for name, p in shown_figures.items() if name.startswith("fig4-7_")]
-    heuristic = [p for name, p in shown_figures.items() if name.startswith("constricted_")]
-    rows = coefficient_rows(curves, {n: float("nan") for n in curves})
-    return (
-        Section("The twin", (report.bullets(_twin(vehicle, train)), shown_figures["train"], _table_iv(vehicle))),
-        Section(
-            "Sensors (Table II, eq. 15, Figs 1-2)",
-            (
-                coefficient_table([[*r[:-1], None] for r in rows]),
-                shown_figures["fig1_allan_acceleration"],
-                shown_figures["fig2_allan_yaw_rate"],
-            ),
-        ),
-        Section(
-            "Thrust (Table III, eq. 18, Fig. 3)",
-            (report.text(_thrust_words(table)), fit_table(table), shown_figures["fig3_thrust"]),
-        ),
-        Section(
-            "Parameters by every method",
-            (method_table(fits), shown_figures["parameters"], report.bullets(fits[0].assumes)),
-        ),
-        Section("What the published inverse is worth", _worth_parts(worth)),
-        Section("Table V", _table_v(fits[0], published, narrowed, vehicle)),
-        Section(
-            "Validation on the second trial, feasible parameters (Figs 4-7)",
-            (validation_table(checks[0]), *validated, motion_table(checks[0])),
-        ),
-        Section(
-            "Validation of the constricted intervals",
-            (
-                report.text("The heuristic's intervals claim nothing; this is what they do on the second trial."),
-                validation_table(checks[1]),
-                *heuristic,
-                _errors(checks),
-            ),
-        ),
-        Section("Numbers of the paper, computed again", (_reproduced(),)),
-    )
-
-
-def _twin(vehicle: Vehicle, train: _Trial) -> list[str]:
-    truth = ", ".join(f"{k} = {v:g}" for k, v in train.made.truth["parameters"].items())
-    thrusters = "; ".join(f"{t.name} at ({t.position[0]:g}, {t.position[1]:g}) m" for t in vehicle.thrusters)
-    return [
-        "The paper's trials are not public: both trials are simulated with its mass, thrust table and sensors.",
-        f"Truth (chosen): {truth}; hidden from every step below.",
-        f"Thrusters (assumed, the paper prints no arms): {thrusters}.",
-        "Both trials, their truth and the vehicle file stand beside this page: train.csv, test.csv, truth.json, swan.toml.",
-    ]
-
-
-def _table_iv(vehicle: Vehicle) -> dict[str, Any]:
-    x, y = vehicle.hull.centre_of_gravity
-    rows = [["centre of gravity x_G [mm]", -1.06, 1e3 * x], ["centre of gravity y_G [mm]", -2.95, 1e3 * y]]
-    return report.table(["Table IV", "paper", "twin"], rows)
-
-
-def _thrust_words(table: thrust.Bollard) -> str:
-    at = dict(zip(table.demand, table.fits[0].residual, strict=True))
-    return (
-        f"The printed coefficients of eq. 18 miss Table III by {at[15.0]:+.1f} N at 15 %, {at[50.0]:+.1f} N at 50 % and "
-        f"{at[85.0]:+.1f} N at 85 %. The table is followed instead."
-    )
-
-
-def _worth_parts(worth: dict[str, Any]) -> tuple[dict[str, Any], ...]:
-    rows: list[list[Any]] = []
-    entries = worth["entries"]
-    for method in ("published", "published-hull"):
-        if method in worth:
-            w = worth[method]
-            rows.append([method, f"{w['improper']} of {entries}", f"{w.get('enclosed_entries', '–')} of {entries}"])
-    first = report.table(
-        ["inverse of A'A (mass, drag)", "improper entries", "entries that enclose the exact hull's"],
-        rows,
-        f"N = {worth['partitions']} partitions",
-    )
-    widths = [[m, i, float(r)] for m, ratios in worth["width_over_feasible"].items() for i, r in ratios.items()]
-    second = report.table(["method (eq. 14)", "parameter", "width over the feasible set's"], widths)
-    values = []
-    for i, j in np.ndindex(*np.shape(worth["published"]["lower"])):
-        cells: list[Any] = [f"({i + 1}, {j + 1})"]
-        for method in ("published", "published-hull", "exact"):
-            cells.append(
-                f"[{worth[method]['lower'][i, j]:.6g}, {worth[method]['upper'][i, j]:.6g}]" if method in worth else "–"
-            )
-        values.append(cells)
-    third = report.table(["entry of (A'A)⁻¹", "eq. 11 literally", "hull over both sets", "exact hull"], values)
-    words = report.text(
-        "Eq. 11 follows one diagonal of the box of matrices. Its result is kept as it comes out, improper entries included, and is never "
-        "called guaranteed; through eq. 14 it is also far wider than the set of parameters that the samples allow."
-    )
-    return words, first, third, second
-
-
-def _table_v(
-    feasible: Identification, published: Identification, narrowed: Constriction, vehicle: Vehicle
-) -> tuple[dict[str, Any], ...]:
-    ids = ("mass.surge", "drag.surge.quadratic", "inertia.yaw")
-    rows = []
-    for (label, printed), id_, added_id in zip(TABLE_V.items(), ids, published.parameters, strict=True):
-        p = feasible.parameters.get(id_)
-        ours = "–"
-        if p is not None:
-            box = Interval(p.lower, p.upper)
-            value = box - vehicle.hull.mass if id_ == "mass.surge" else box
-            ours = shown(value.lower, value.upper)
-        k = list(published.parameters).index(added_id)
-        wide = published.parameters[added_id]
-        rows.append(
-            [
-                label,
-                f"[{printed[0]:g}, {printed[1]:g}]",
-                f"[{wide.lower:.6g}, {wide.upper:.6g}]",
-                f"[{narrowed.lower[k]:.6g}, {narrowed.upper[k]:.6g}]",
-                ours,
-            ]
-        )
-    header = [
-        "parameter",
-        "paper, Table V",
-        "eq. 11 and 14 on the twin (not guaranteed)",
-        "the same, constricted (not guaranteed)",
-        "feasible (guaranteed)",
-    ]
-    words = report.text(
-        "Added mass with the rigid-body mass known (second form of eq. 6). The paper's widths of 40, 40 and 90 are the mark of its heuristic "
-        f"constriction; ours accepted {narrowed.steps} halvings and kept {100 * narrowed.coverage:.1f} % of the measured forces inside."
-    )
-    return words, report.table(header, rows)
-
-
-def _errors(checks: list[Validation]) -> dict[str, Any]:
-    rows = []
-    for check in checks:
-        for f in check.forces:
-            printed = PRINTED_ERRORS.get(f.channel)
-            rows.append([check.fit.method, f.channel, f.mean_absolute, f.mean, f.sigma, *(printed or (None, None))])
-    return report.table(
-        ["method", "channel", "mean |error|", "mean error", "sigma", "paper mean", "paper sigma"],
-        rows,
-        "Errors beside the paper's printed ones",
-    )
-
-
-def _reproduced() -> dict[str, Any]:
-    n = _paper_numbers()
-    low, high = n["inverse_of_1_2"]["published_10"]
-    exact = n["inverse_of_1_2"]["exact"]
-    rows: list[list[Any]] = [
-        ["norm of Q (IV.A)", "8", float(n["norm"])],
-        ["radius of Q at (2,2) (IV.A)", "2.25 (misprint)", float(n["radius"][1, 1])],
-        ["Doppler drift in an hour at 2 m/s", "28.8 m", float(n["doppler_drift_per_hour"])],
-        ["inverse of [1, 2], exact", "–", f"[{exact[0]:g}, {exact[1]:g}]"],
-        ["inverse of [1, 2], eq. 11 with N = 10", "–", f"[{low:.6g}, {high:.6g}], improper"],
-        ["sigma_c of ax at 0.05 s (eq. 15)", "–", float(n["sigma_c"]["x"])],
-        ["sigma_c of ay at 0.05 s (eq. 15)", "–", float(n["sigma_c"]["y"])],
-        [
-            "velocity of a reading of 2 m/s (eq. 16, corrected)",
-            "–",
-            f"[{n['velocity_2'][0]:.6g}, {n['velocity_2'][1]:.6g}]",
-        ],
-    ]
-    return report.table(["number", "printed", "computed"], rows)
-
-
-def _lines(fits: list[Identification], worth: dict[str, Any], checks: list[Validation]) -> tuple[str, ...]:
-    feasible = fits[0]
-    word = "guaranteed" if feasible.guaranteed else "not guaranteed"
-    ids = ", ".join(f"{i} {shown(p.lower, p.upper, 4)} {p.unit}" for i, p in feasible.parameters.items())
-    lines = [f"Feasible set ({feasible.status}, {word}): {ids or 'no parameter'}."]
-    for fit in fits:
-        lines += parameter_lines(fit)
-    for method in ("published", "published-hull"):
-        if method in worth:
-            w = worth[method]
-            lines.append(
-                f"{method} inverse: {w['improper']} of {worth['entries']} entries improper, {w.get('enclosed_entries', 0)} enclose the exact hull's"
-            )
-    lines += validation_lines(checks[0])
-    return tuple(lines)

@@ -10,7 +10,7 @@ mod common;
 
 use common::{Random, invert, is_down, is_up, q};
 use interval_core::inverse::{Outcome, cramer, exact, hansen_bliek_rohn, krawczyk, kuttler, published, published_hull};
-use interval_core::regularity::{Regularity, regularity};
+use interval_core::regularity::{Regularity, SingularMember, regularity};
 use interval_core::{Interval, IntervalMatrix, Status, systems};
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
@@ -89,9 +89,9 @@ fn check(name: &str, outcome: &Outcome, hull: Option<&Vec<(BigRational, BigRatio
         return false;
     }
     let hull = hull.unwrap_or_else(|| panic!("{name}: a finite answer for a singular interval matrix"));
-    let value = outcome.value.as_ref().expect("a value");
+    let (lower, upper) = outcome.bounds().expect("a value");
     for (k, (least, most)) in hull.iter().enumerate() {
-        assert!(q(value.lower[k]) <= *least && *most <= q(value.upper[k]), "{name}: entry {k} is not enclosed");
+        assert!(q(lower[k]) <= *least && *most <= q(upper[k]), "{name}: entry {k} is not enclosed");
     }
     true
 }
@@ -122,10 +122,10 @@ fn exact_is_the_hull_rounded_once() {
                 let outcome = exact(&a).expect("square");
                 match hull(&a) {
                     Some(exactly) => {
-                        let value = outcome.value.unwrap_or_else(|| panic!("{name}: the hull exists"));
+                        let (lower, upper) = outcome.bounds().unwrap_or_else(|| panic!("{name}: the hull exists"));
                         for (k, (least, most)) in exactly.iter().enumerate() {
-                            assert!(is_down(value.lower[k], least), "{name}, n = {n}: entry {k} from below");
-                            assert!(is_up(value.upper[k], most), "{name}, n = {n}: entry {k} from above");
+                            assert!(is_down(lower[k], least), "{name}, n = {n}: entry {k} from below");
+                            assert!(is_up(upper[k], most), "{name}, n = {n}: entry {k} from above");
                         }
                     }
                     None => assert_eq!(outcome.status, Status::Singular, "{name}, n = {n}"),
@@ -142,16 +142,12 @@ fn hansen_bliek_rohn_is_close_to_the_hull() {
     for n in 2..=4 {
         for seed in 40..44 {
             for (name, a) in families(n, seed) {
-                let (Some(value), Some(hull)) =
-                    (hansen_bliek_rohn(&a).expect("square").value, exact(&a).expect("square").value)
-                else {
-                    continue;
-                };
-                let width = |e: &interval_core::inverse::Endpoints| -> f64 {
-                    e.upper.iter().zip(&e.lower).map(|(h, l)| h - l).sum()
-                };
+                let (value, hull) = (hansen_bliek_rohn(&a).expect("square"), exact(&a).expect("square"));
+                let (Some(value), Some(hull)) = (value.enclosure(), hull.enclosure()) else { continue };
+                let width =
+                    |e: &IntervalMatrix| -> f64 { e.hi().iter().zip(e.lo()).map(|(h, l)| h - l).sum() };
                 if ["diagonally dominant", "mass", "random", "unit midpoint"].contains(&name) {
-                    ratios.push(width(&value) / width(&hull));
+                    ratios.push(width(value) / width(hull));
                 }
             }
         }
@@ -191,9 +187,9 @@ fn kuttler_gives_the_hull_of_m_matrices() {
                 let found = kuttler(&a).expect("square");
                 let exactly = hull(&a).expect("regular");
                 assert!(check("M-matrix", &found, Some(&exactly)));
-                let value = found.value.expect("a value");
+                let (lower, upper) = found.bounds().expect("a value");
                 for (k, (least, most)) in exactly.iter().enumerate() {
-                    assert!(is_down(value.lower[k], least) && is_up(value.upper[k], most));
+                    assert!(is_down(lower[k], least) && is_up(upper[k], most));
                 }
             }
         }
@@ -211,7 +207,7 @@ fn kuttler_gives_the_hull_of_m_matrices() {
 #[test]
 fn regularity_of_larger_matrices() {
     let mut random = Random(17);
-    let (mut proved, mut open) = (0, 0);
+    let (mut proved, mut singular) = (0, 0);
     for _ in 0..200 {
         let n = 5 + (random.bits() % 8) as usize;
         let scale: Vec<f64> = (0..n).map(|_| 2.0_f64.powi((random.bits() % 40) as i32)).collect();
@@ -230,8 +226,11 @@ fn regularity_of_larger_matrices() {
                     lo.iter().zip(&hi).map(|(&l, &h)| q(if random.bits().is_multiple_of(2) { l } else { h })).collect();
                 assert!(invert(&member, n).1.is_some());
             }
-            Regularity::NotProved => open += 1,
-            Regularity::Singular(_) => panic!("nothing here proves a singular member"),
+            Regularity::NotProved => {}
+            Regularity::Singular(member) => {
+                singular += 1;
+                assert!(is_singular(&matrix(n, &lo, &hi), &member));
+            }
         }
         // A member with two equal rows.
         let mut wide = (lo.clone(), hi.clone());
@@ -242,7 +241,31 @@ fn regularity_of_larger_matrices() {
         }
         assert!(!matches!(regularity(&matrix(n, &wide.0, &wide.1)), Regularity::Regular(_)));
     }
-    assert!(proved > 40 && open > 0, "{proved} proved, {open} open");
+    assert!(proved > 40 && singular > 5, "{proved} regular, {singular} singular");
+}
+
+/// Whether a certificate of a singular member holds, in rationals.
+fn is_singular(a: &IntervalMatrix, member: &SingularMember) -> bool {
+    let n = a.rows();
+    let belongs = |m: &[f64]| m.iter().zip(a.entries()).all(|(&x, e)| e.contains(x));
+    let determinant = |m: &[f64]| invert(&m.iter().map(|&x| q(x)).collect::<Vec<_>>(), n).0;
+    match member {
+        SingularMember::Member(m) => belongs(m) && determinant(m).is_zero(),
+        SingularMember::OppositeSigns(m, o) => {
+            belongs(m) && belongs(o) && (determinant(m) * determinant(o)).is_negative()
+        }
+        SingularMember::NullVector(x) => {
+            let row = |i: usize| {
+                let ends = (0..n).map(|j| {
+                    let (l, h) = (q(a.get(i, j).lo()) * q(x[j]), q(a.get(i, j).hi()) * q(x[j]));
+                    (l.clone().min(h.clone()), l.max(h))
+                });
+                ends.fold((BigRational::zero(), BigRational::zero()), |(s, t), (l, h)| (s + l, t + h))
+            };
+            x.iter().any(|&v| v != 0.0)
+                && (0..n).map(row).all(|(least, most)| !least.is_positive() && !most.is_negative())
+        }
+    }
 }
 
 #[test]
@@ -297,7 +320,7 @@ fn numbers_of_the_paper() {
     assert_eq!(q.norm(), 8.0);
     assert_eq!(q.radius()[3], 2.75);
     let one = matrix(1, &[1.0], &[2.0]);
-    let ends = |o: Outcome| o.value.map(|v| (v.lower[0], v.upper[0])).expect("a value");
+    let ends = |o: Outcome| o.bounds().map(|(l, u)| (l[0], u[0])).expect("a value");
     assert_eq!(ends(exact(&one).unwrap()), (0.5, 1.0));
     assert_eq!(ends(published_hull(&one, 1000).unwrap()), (0.5, 1.0));
     let (low, high) = ends(published(&one, 1000).unwrap());
@@ -332,7 +355,7 @@ fn systems_hold_the_solutions_of_their_corners() {
                 let b: Vec<Interval> = (0..n).map(|i| Interval::new(i as f64 - 0.5, i as f64 + 0.5).unwrap()).collect();
                 for method in [systems::krawczyk, systems::cramer, systems::hansen_bliek_rohn] {
                     let outcome = method(&a, &b).unwrap();
-                    let Some(value) = &outcome.value else { continue };
+                    let Some((lower, upper)) = outcome.bounds() else { continue };
                     solved += 1;
                     for corner in corners(&a).iter().step_by(11) {
                         let entries: Vec<BigRational> = corner.iter().map(|&x| q(x)).collect();
@@ -343,7 +366,7 @@ fn systems_hold_the_solutions_of_their_corners() {
                                     let y = if ends >> j & 1 == 0 { b[j].lo() } else { b[j].hi() };
                                     sum + &inverse[i * n + j] * q(y)
                                 });
-                                assert!(q(value.lower[i]) <= x && x <= q(value.upper[i]), "{name}, n = {n}");
+                                assert!(q(lower[i]) <= x && x <= q(upper[i]), "{name}, n = {n}");
                             }
                         }
                     }

@@ -14,23 +14,28 @@
 //! - The floating-point environment has to be the default one (round to nearest, subnormals kept);
 //!   [`rounding::environment_is_default`] checks it.
 
+mod absolute_value;
+mod approximate;
+pub mod certified;
 mod elementary;
 pub mod error;
 pub mod exact;
 pub mod interval;
 pub mod inverse;
+mod lanes;
 pub mod linear_program;
 pub mod matrix;
 pub mod reductions;
 pub mod regression;
 pub mod regularity;
 pub mod rounding;
+mod scaling;
 pub mod status;
 pub mod systems;
 
-mod approximate;
 mod parallel;
 
+pub use certified::{Certified, Unproved};
 pub use error::Error;
 pub use interval::{DecoratedInterval, Decoration, Interval};
 pub use matrix::IntervalMatrix;

@@ -43,6 +43,17 @@ pub(crate) fn map_reduce<T>(count: u64, map: impl Fn(u64) -> T, merge: impl Fn(T
     (0..count).map(map).reduce(merge)
 }
 
+/// `work(0)`, `work(1)`, ... in this order, shared out where that is worth while.
+pub(crate) fn map<T: Send>(count: usize, worthwhile: bool, work: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    #[cfg(feature = "rayon")]
+    if worthwhile {
+        use rayon::prelude::*;
+        return (0..count).into_par_iter().map(work).collect();
+    }
+    let _ = worthwhile;
+    (0..count).map(work).collect()
+}
+
 /// Both, at once where there are threads.
 #[cfg(feature = "rayon")]
 pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {

@@ -21,13 +21,13 @@ mod trigonometric;
 
 pub(crate) use arctangent::{acos, asin, atan, atan2};
 pub(crate) use ball::Ball;
+pub(crate) use double_double::{Dd, two_sum};
 pub(crate) use exponential::{cosh, exp, exp2, exp10, sinh, tanh};
 pub(crate) use logarithm::{acosh, asinh, atanh, log, log2, log10};
 pub(crate) use multiprecision::{Bracket, atan2 as ball_atan2, pi, settle};
 pub(crate) use power::{log_ratio, pow, pown, root};
 pub(crate) use trigonometric::Angle;
 
-use double_double::Dd;
 
 impl Bracket {
     pub(crate) const fn exact(x: f64) -> Self {

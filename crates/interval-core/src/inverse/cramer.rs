@@ -32,7 +32,7 @@ pub fn cramer(a: &IntervalMatrix) -> Result<Outcome, Error> {
     if !value.is_bounded() {
         return Ok(Outcome::not_applicable("a ratio of determinants overflows"));
     }
-    Ok(Outcome::enclosed(&value, certificate))
+    Ok(Outcome::enclosed(value, certificate))
 }
 
 /// The interval determinant of a square matrix, or why it cannot divide where it contains 0.

@@ -1,21 +1,23 @@
-//! The hull of a preconditioned system in closed form (Hansen 1992, Bliek 1992, Rohn 1993; Ning and Kearfott, *SIAM J. Numer.
-//! Anal.* 34 (1997) 1289-1305).
+//! The closed-form hull of the preconditioned system, column by column (Hansen 1992, Bliek 1992, Rohn 1993; in the form of Neumaier,
+//! *Reliable Computing* 5 (1999) 131-136).
 //!
-//! For a point matrix `R` every `A x = b` implies `C x = c` with `C` in `[I - G, I + G]`, `G >= |I - R A|`, and `c` in `R b`.
-//! If `G v < v` for some `v > 0`, all those `C` are nonsingular, `M = (I - G)^-1 >= 0`, and the solutions have the hull
+//! With an approximate inverse `R` of the midpoint and bounds `G >= |I - R A|` over all members, `G v < v` for some `v > 0` proves every
+//! member regular and `I - G` an M-matrix. Let `V = (I - G)^-1 G >= 0`, so that `(I - G)^-1 = I + V`. A solution of `A x = b` solves
+//! `R A x = R b = z`, and with
 //!
-//! ```text
-//! [min(l, nu l), max(u, nu u)],   u_k = sum over j /= k of M_kj |c_j| + M_kk sup c_k,   l_k likewise with - and inf c_k,
-//! ```
+//! `alpha_i = sum_{k != i} G_ik V_ki / (1 + V_ii)`, `beta_i = sum_{k != i} V_ik |z_k| / (1 + V_ii)`
 //!
-//! `nu_k = 1 / (2 M_kk - 1)`. `M` is enclosed by Krawczyk's method, and the formula evaluated in intervals.
+//! it lies in `(z_i + [-beta_i, beta_i]) / ([1 - G_ii, 1 + G_ii] + [-alpha_i, alpha_i])`. These are Neumaier's `alpha` and `beta` with
+//! their differences carried out by `V = G + G V`, so nothing cancels; any upper bounds of them keep the enclosure. `V` is bounded
+//! from both sides by the residual of an approximation: `|V - W| <= v max_i |G + G W - W|_i / (v - G v)_i` in each column.
 
-use super::{Certificate, Outcome, UNBOUNDED, krawczyk};
+use super::{Certificate, Outcome, UNBOUNDED};
 use crate::approximate;
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::matrix::IntervalMatrix;
-use crate::regularity::{Witness, contracted_vector, residual};
+use crate::regularity::{Preconditioned, Witness, slack};
+use crate::rounding::{add_down, add_up, div_down, div_up, sub_down, sub_up};
 
 /// Encloses the inverse column by column; not applicable where no `v` with `G v < v` is found.
 ///
@@ -23,69 +25,159 @@ use crate::regularity::{Witness, contracted_vector, residual};
 /// A matrix that is not square.
 pub fn hansen_bliek_rohn(a: &IntervalMatrix) -> Result<Outcome, Error> {
     crate::rounding::check_environment()?;
-    let n = a.order()?;
-    Ok(enclose_solution(a, &IntervalMatrix::identity(n)))
+    a.order()?;
+    Ok(enclose(a, None))
 }
 
-/// Encloses every solution of `A X = B`, `A` square with as many rows as `B`.
-pub(crate) fn enclose_solution(a: &IntervalMatrix, b: &IntervalMatrix) -> Outcome {
-    if !(a.is_bounded() && b.is_bounded()) {
+/// Encloses every solution of `A X = B`, `A` square with as many rows as `B`; without `B` the inverse.
+pub(crate) fn enclose(a: &IntervalMatrix, b: Option<&IntervalMatrix>) -> Outcome {
+    if !(a.is_bounded() && b.is_none_or(IntervalMatrix::is_bounded)) {
         return Outcome::not_applicable(UNBOUNDED);
     }
     let n = a.rows();
-    let Some(r) = approximate::inverse(&a.midpoint(), n) else {
+    let Some(preconditioned) = Preconditioned::new(a) else {
         return Outcome::not_applicable("the midpoint matrix has no usable approximate inverse");
     };
-    let g = residual(&r, a).magnitude();
-    let Some(v) = contracted_vector(&g, n) else {
+    let Some(v) = preconditioned.contracted() else {
         return Outcome::not_applicable("no v > 0 with |I - R A| v < v was found: strong regularity is not proved");
     };
-    let Some(m) = inverse_of_comparison(&g, n) else {
-        return Outcome::not_applicable("the inverse of I - |I - R A| could not be enclosed");
+    let z = match b {
+        None => IntervalMatrix::from_points(n, n, &preconditioned.r),
+        Some(b) => match IntervalMatrix::from_points(n, n, &preconditioned.r).multiply(b) {
+            Ok(z) => z,
+            Err(_) => return Outcome::not_applicable("the right-hand side does not fit the matrix"),
+        },
     };
-    let Ok(c) = IntervalMatrix::from_points(n, n, &r).multiply(b) else {
-        return Outcome::not_applicable("the right-hand side does not fit the matrix");
+    let Some(value) = closed_form(&preconditioned, &v, &z) else {
+        return Outcome::not_applicable("a bound of the closed form overflows");
     };
-    let columns = b.columns();
-    let mut entries = Vec::with_capacity(n * columns);
-    for k in 0..n {
-        let diagonal = m.get(k, k);
-        let nu = (diagonal + diagonal - Interval::ONE).recip();
-        for column in 0..columns {
-            let others = (0..n)
-                .filter(|&j| j != k)
-                .fold(Interval::ZERO, |sum, j| sum + m.get(k, j) * number(c.get(j, column).magnitude()));
-            let own = c.get(k, column);
-            let upper = others + diagonal * number(own.hi());
-            let lower = diagonal * number(own.lo()) - others;
-            let hi = upper.hi().max((nu * upper).hi());
-            let lo = lower.lo().min((nu * lower).lo());
-            entries.push(Interval::raw(lo, hi));
+    let witness = Witness::ScaledContraction { approximate_inverse: preconditioned.r, vector: v };
+    Outcome::enclosed(value, Certificate::Regular(witness))
+}
+
+/// The enclosure of the solutions of `R A X = Z`; `None` where a bound is not finite.
+pub(crate) fn closed_form(p: &Preconditioned, v: &[f64], z: &IntervalMatrix) -> Option<IntervalMatrix> {
+    let (n, columns) = (p.n, z.columns());
+    let tail = Tail::new(&p.g, v, n)?;
+    let growth = Growth::of(n);
+    let off_diagonal: Vec<f64> =
+        tail.upper.iter().enumerate().map(|(at, &x)| if at % (n + 1) == 0 { 0.0 } else { x }).collect();
+    let beta = approximate::product(&off_diagonal, &z.magnitude(), n, n, columns);
+    let (mut lo, mut hi) = (vec![0.0; n * columns], vec![0.0; n * columns]);
+    for i in 0..n {
+        let diagonal = add_down(1.0, tail.diagonal_lower[i]);
+        let sum: f64 = (0..n).filter(|&k| k != i).map(|k| p.g[i * n + k] * tail.upper[k * n + i]).sum();
+        let alpha = div_up(growth.above(sum), diagonal);
+        let reach = add_up(p.g[i * n + i], alpha);
+        let (least, most) = (sub_down(1.0, reach), add_up(1.0, reach));
+        if least.is_nan() || least <= 0.0 {
+            return None;
+        }
+        for j in 0..columns {
+            let at = i * columns + j;
+            let beta = if beta[at] == 0.0 && off_diagonal_is_zero(&off_diagonal[i * n..][..n], z, j) {
+                0.0
+            } else {
+                div_up(growth.above(beta[at]), diagonal)
+            };
+            let (below, above) = (sub_down(z.lo()[at], beta), add_up(z.hi()[at], beta));
+            lo[at] = div_down(below, if below < 0.0 { least } else { most }) + 0.0;
+            hi[at] = div_up(above, if above > 0.0 { least } else { most }) + 0.0;
         }
     }
-    let value = IntervalMatrix::from_entries(n, columns, &entries);
-    if !value.is_bounded() {
-        return Outcome::not_applicable("a bound of the closed form overflows");
+    let bounded = lo.iter().chain(&hi).all(|x| x.is_finite());
+    bounded.then(|| IntervalMatrix::new(n, columns, lo, hi).ok()).flatten()
+}
+
+/// Whether each product in a row of `V` with column `j` of `Z` has a factor of zero.
+fn off_diagonal_is_zero(row: &[f64], z: &IntervalMatrix, j: usize) -> bool {
+    row.iter().enumerate().all(|(k, &x)| x == 0.0 || z.get(k, j) == Interval::ZERO)
+}
+
+/// Bounds of `V = (I - G)^-1 G` for a `G >= 0` with `G v < v`.
+pub(crate) struct Tail {
+    /// Upper bounds, row-major.
+    pub upper: Vec<f64>,
+    /// Lower bounds of the diagonal.
+    pub diagonal_lower: Vec<f64>,
+    /// Lower bounds, row-major.
+    pub lower: Vec<f64>,
+}
+
+impl Tail {
+    pub(crate) fn new(g: &[f64], v: &[f64], n: usize) -> Option<Self> {
+        let rest = slack(g, v)?;
+        let growth = Growth::of(n);
+        let comparison: Vec<f64> =
+            g.iter().enumerate().map(|(at, x)| if at % (n + 1) == 0 { 1.0 - x } else { -x }).collect();
+        let sum = approximate::inverse(&comparison, n)?;
+        // Rounding leaves negative entries where there are zeros.
+        let w: Vec<f64> = approximate::product(g, &sum, n, n, n).into_iter().map(|x| x.max(0.0)).collect();
+        let image = approximate::product(g, &w, n, n, n);
+        let (mut above, mut below) = (vec![0.0_f64; n], vec![0.0_f64; n]);
+        for i in 0..n {
+            for j in 0..n {
+                let at = i * n + j;
+                let excess = sub_up(add_up(g[at], growth.above(image[at])), w[at]);
+                let lack = sub_up(w[at], add_down(g[at], growth.below(image[at])));
+                above[j] = above[j].max(div_up(excess.max(0.0), rest[i]));
+                below[j] = below[j].max(div_up(lack.max(0.0), rest[i]));
+            }
+        }
+        let zero = unreachable(g, n);
+        let (mut upper, mut lower) = (vec![0.0; n * n], vec![0.0; n * n]);
+        for i in 0..n {
+            for j in 0..n {
+                let at = i * n + j;
+                if zero.as_ref().is_some_and(|z| z[at]) {
+                    continue;
+                }
+                upper[at] = add_up(w[at], crate::rounding::mul_up(v[i], above[j]));
+                lower[at] = sub_down(w[at], crate::rounding::mul_up(v[i], below[j])).max(g[at]);
+            }
+        }
+        let diagonal_lower = (0..n).map(|i| lower[i * n + i]).collect();
+        upper.iter().all(|x| x.is_finite()).then_some(Self { upper, diagonal_lower, lower })
     }
-    Outcome::enclosed(&value, Certificate::Regular(Witness::ScaledContraction { approximate_inverse: r, vector: v }))
 }
 
-/// A finite bound as an interval.
-fn number(x: f64) -> Interval {
-    Interval::raw(x, x)
+/// Which entries of `G + G^2 + ...` are zero because no path of positive entries leads there; `None` where `G` has no zero.
+fn unreachable(g: &[f64], n: usize) -> Option<Vec<bool>> {
+    if g.iter().all(|&x| x > 0.0) {
+        return None;
+    }
+    let mut reached: Vec<bool> = g.iter().map(|&x| x > 0.0).collect();
+    for k in 0..n {
+        for i in 0..n {
+            if reached[i * n + k] {
+                for j in 0..n {
+                    reached[i * n + j] |= reached[k * n + j];
+                }
+            }
+        }
+    }
+    Some(reached.into_iter().map(|r| !r).collect())
 }
 
-/// `(I - G)^-1` for a `G` whose spectral radius is proved to be below 1: at least the identity.
-fn inverse_of_comparison(g: &[f64], n: usize) -> Option<IntervalMatrix> {
-    let entries: Vec<Interval> = g
-        .iter()
-        .enumerate()
-        .map(|(at, &x)| if at % (n + 1) == 0 { Interval::ONE - number(x) } else { number(-x) })
-        .collect();
-    let outcome = krawczyk(&IntervalMatrix::from_entries(n, n, &entries)).ok()?;
-    let value = outcome.value?;
-    let least = |at: usize| if at.is_multiple_of(n + 1) { 1.0 } else { 0.0 };
-    let kept = value.lower.iter().zip(&value.upper).enumerate();
-    let entries: Option<Vec<Interval>> = kept.map(|(at, (&l, &h))| Interval::new(l.max(least(at)), h).ok()).collect();
-    Some(IntervalMatrix::from_entries(n, n, &entries?))
+/// Bounds of a sum of `n` non-negative products from its value in floats, in any order of summation.
+#[derive(Clone, Copy)]
+pub(crate) struct Growth {
+    relative: f64,
+    absolute: f64,
+}
+
+impl Growth {
+    pub(crate) fn of(n: usize) -> Self {
+        #[expect(clippy::cast_precision_loss, reason = "an order, far below 2^53")]
+        let terms = n as f64 + 4.0;
+        Self { relative: terms * f64::EPSILON, absolute: 4.0 * terms * f64::from_bits(1) }
+    }
+
+    pub(crate) fn above(self, sum: f64) -> f64 {
+        sum * (1.0 + self.relative) + self.absolute
+    }
+
+    pub(crate) fn below(self, sum: f64) -> f64 {
+        (sum * (1.0 - self.relative) - self.absolute).max(0.0)
+    }
 }

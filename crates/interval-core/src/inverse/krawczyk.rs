@@ -9,7 +9,7 @@ use crate::approximate;
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::matrix::IntervalMatrix;
-use crate::regularity::{Witness, column_norms, residual};
+use crate::regularity::{Witness, interval_residual};
 use crate::rounding::{div_up, sub_down};
 
 /// Encloses the inverse; not applicable where `||E|| >= 1`.
@@ -34,7 +34,7 @@ pub(crate) fn enclose_solution(a: &IntervalMatrix, b: &IntervalMatrix) -> Outcom
     let Some(y) = approximate::inverse(&a.midpoint(), n) else {
         return Outcome::not_applicable("the midpoint matrix has no usable approximate inverse");
     };
-    let e = residual(&y, a);
+    let e = interval_residual(&y, a);
     let norm = e.norm();
     if norm.is_nan() || norm >= 1.0 {
         return Outcome::not_applicable(format!("||I - Y A|| = {norm:.3} is not below 1: Krawczyk's condition fails"));
@@ -58,5 +58,10 @@ pub(crate) fn enclose_solution(a: &IntervalMatrix, b: &IntervalMatrix) -> Outcom
         }
         x = next;
     }
-    Outcome::enclosed(&x, Certificate::Regular(Witness::Contraction { approximate_inverse: y, norm }))
+    Outcome::enclosed(x, Certificate::Regular(Witness::Contraction { approximate_inverse: y, norm }))
+}
+
+/// Each column's largest magnitude.
+fn column_norms(a: &IntervalMatrix) -> Vec<f64> {
+    (0..a.columns()).map(|j| (0..a.rows()).map(|i| a.get(i, j).magnitude()).fold(0.0, f64::max)).collect()
 }

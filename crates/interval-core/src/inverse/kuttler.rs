@@ -3,7 +3,7 @@
 //! If `L^-1 >= 0` and `U^-1 >= 0` for the matrices of lower and of upper bounds, every member is nonsingular and the inverse has
 //! the hull `[U^-1, L^-1]`.
 
-use super::{Certificate, Outcome, UNBOUNDED, krawczyk};
+use super::{Certificate, Outcome, UNBOUNDED, hansen_bliek_rohn};
 use crate::error::Error;
 use crate::exact;
 use crate::interval::Interval;
@@ -34,7 +34,7 @@ pub fn kuttler(a: &IntervalMatrix) -> Result<Outcome, Error> {
         return Ok(Outcome::not_applicable("a bound of the inverse overflows"));
     };
     let value = IntervalMatrix::from_entries(n, n, &entries);
-    Ok(Outcome::enclosed(&value, Certificate::Regular(Witness::NonnegativeInverses)))
+    Ok(Outcome::enclosed(value, Certificate::Regular(Witness::NonnegativeInverses)))
 }
 
 /// Enclosures of the entries of a point inverse, all of them proved to be at least zero.
@@ -43,8 +43,7 @@ fn nonnegative_inverse(points: &[f64], n: usize) -> Option<Vec<Interval>> {
         let (_, inverse) = exact::inverse(points, n)?;
         inverse.iter().map(|x| Interval::made(exact::ratio_down(x), exact::ratio_up(x))).collect()
     } else {
-        let value = krawczyk(&IntervalMatrix::from_points(n, n, points)).ok()?.value?;
-        value.lower.iter().zip(&value.upper).map(|(&l, &h)| Interval::made(l, h)).collect()
+        hansen_bliek_rohn(&IntervalMatrix::from_points(n, n, points)).ok()?.enclosure()?.entries().collect()
     };
     entries.iter().all(|x| x.lo() >= 0.0).then_some(entries)
 }

@@ -1,27 +1,32 @@
 //! Inverses of interval matrices: matrix in, [`Outcome`] out, one file per method.
 
 mod cramer;
-mod exact_hull;
+mod exact;
 mod hansen_bliek_rohn;
 mod krawczyk;
 mod kuttler;
+mod neumaier;
+mod partitioned;
 mod published;
 
 pub use cramer::cramer;
 pub(crate) use cramer::{determinant, expand_all};
-pub use exact_hull::exact;
-pub(crate) use hansen_bliek_rohn::enclose_solution as enclose_preconditioned;
+pub use exact::{ACCORD_LIMIT, SIGN_LIMIT, exact, exact_by_vertices};
+pub(crate) use hansen_bliek_rohn::enclose as enclose_preconditioned;
 pub use hansen_bliek_rohn::hansen_bliek_rohn;
 pub(crate) use krawczyk::enclose_solution;
 pub use krawczyk::krawczyk;
 pub use kuttler::kuttler;
-pub use published::{published, published_hull};
+pub use neumaier::neumaier;
+pub use partitioned::{DEFAULT_CELLS, partitioned};
+pub use published::{Form, Monitor, ORDER_LIMIT, Sweep, published, published_hull, published_with};
 
+use crate::certified::{Certified, Unproved};
 use crate::matrix::IntervalMatrix;
 use crate::regularity::{SingularMember, Witness};
 use crate::status::Status;
 
-/// Two arrays of bounds, row-major, that may be reversed: what the published method gives. No claim is attached.
+/// Two arrays of bounds, row-major, that may be reversed: what the published method gives.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Endpoints {
     /// What the method calls the lower bounds.
@@ -36,6 +41,15 @@ impl Endpoints {
     pub fn improper(&self) -> Vec<bool> {
         self.lower.iter().zip(&self.upper).map(|(l, u)| l > u).collect()
     }
+}
+
+/// What a method gives, with or without a proof.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
+    /// Every member's inverse (or solution) lies in it.
+    Certified(Certified<IntervalMatrix>),
+    /// Nothing is claimed.
+    Unproved(Unproved<Endpoints>),
 }
 
 /// Why a value holds.
@@ -59,26 +73,52 @@ pub enum Certificate {
 pub struct Outcome {
     /// What was proved.
     pub status: Status,
-    /// The bounds; only with [`Status::Enclosed`] do they enclose.
-    pub value: Option<Endpoints>,
+    /// The bounds.
+    pub value: Option<Value>,
     /// Why the status holds.
     pub certificate: Option<Certificate>,
-    /// Why nothing was proved, in one sentence.
+    /// How much wider than the hull a bound may be at most, where the method ends with such a statement.
+    pub gap: Option<f64>,
+    /// What was not proved and why, in one sentence.
     pub reason: Option<String>,
 }
 
 impl Outcome {
-    pub(crate) fn enclosed(value: &IntervalMatrix, certificate: Certificate) -> Self {
-        let value = Endpoints { lower: value.lo().to_vec(), upper: value.hi().to_vec() };
-        Self { status: Status::Enclosed, value: Some(value), certificate: Some(certificate), reason: None }
+    pub(crate) fn enclosed(value: IntervalMatrix, certificate: Certificate) -> Self {
+        let value = Some(Value::Certified(Certified::proved(value)));
+        Self { status: Status::Enclosed, value, certificate: Some(certificate), gap: None, reason: None }
+    }
+
+    pub(crate) fn singular(member: SingularMember) -> Self {
+        let reason = "the interval matrix contains a singular matrix, so its inverse has no bound".into();
+        Self::without_value(Status::Singular, Some(Certificate::Singular(member)), reason)
     }
 
     pub(crate) fn without_value(status: Status, certificate: Option<Certificate>, reason: String) -> Self {
-        Self { status, value: None, certificate, reason: Some(reason) }
+        Self { status, value: None, certificate, gap: None, reason: Some(reason) }
     }
 
     pub(crate) fn not_applicable(reason: impl Into<String>) -> Self {
         Self::without_value(Status::NotApplicable, None, reason.into())
+    }
+
+    /// The proved enclosure.
+    #[must_use]
+    pub fn enclosure(&self) -> Option<&Certified<IntervalMatrix>> {
+        match &self.value {
+            Some(Value::Certified(value)) => Some(value),
+            _ => None,
+        }
+    }
+
+    /// Lower and upper bounds, row-major, proved or not.
+    #[must_use]
+    pub fn bounds(&self) -> Option<(&[f64], &[f64])> {
+        match &self.value {
+            Some(Value::Certified(value)) => Some((value.lo(), value.hi())),
+            Some(Value::Unproved(Unproved(ends))) => Some((&ends.lower, &ends.upper)),
+            None => None,
+        }
     }
 }
 

@@ -199,6 +199,13 @@ impl IntervalMatrix {
         Self::from_entries(self.columns, self.rows, &entries)
     }
 
+    /// The same with other bounds of one entry.
+    pub(crate) fn with_bounds(&self, at: usize, lo: f64, hi: f64) -> Self {
+        let mut other = self.clone();
+        (other.lo[at], other.hi[at]) = (lo, hi);
+        other
+    }
+
     /// Entrywise intersection; `None` where an entry would be empty. The shapes are equal.
     pub(crate) fn intersection(&self, other: &Self) -> Option<Self> {
         let entries: Vec<Interval> = self.entries().zip(other.entries()).map(|(a, b)| a.intersection(b)).collect();

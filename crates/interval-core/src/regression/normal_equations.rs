@@ -7,7 +7,7 @@
 use super::check_rows;
 use crate::error::Error;
 use crate::interval::Interval;
-use crate::inverse::{Endpoints, Outcome};
+use crate::inverse::Outcome;
 use crate::matrix::IntervalMatrix;
 use crate::status::Status;
 
@@ -40,16 +40,15 @@ pub fn normal_equations(
     let gram = a.gram();
     let right = a.transposed_product(y)?;
     let inverse = invert(&gram)?;
-    let improper = inverse.value.as_ref().map_or(0, |v| v.improper().iter().filter(|&&x| x).count());
-    let parameters = inverse.value.as_ref().map(|value| apply(value, &right));
+    let improper = inverse.bounds().map_or(0, |(lower, upper)| lower.iter().zip(upper).filter(|(l, u)| l > u).count());
+    let parameters = inverse.bounds().map(|bounds| apply(bounds, &right));
     Ok(NormalEquations { status: inverse.status, parameters, improper, gram, inverse })
 }
 
-fn apply(inverse: &Endpoints, right: &[Interval]) -> Vec<Interval> {
-    inverse
-        .lower
+fn apply((lower, upper): (&[f64], &[f64]), right: &[Interval]) -> Vec<Interval> {
+    lower
         .chunks_exact(right.len())
-        .zip(inverse.upper.chunks_exact(right.len()))
+        .zip(upper.chunks_exact(right.len()))
         .map(|(lower, upper)| {
             lower
                 .iter()

@@ -29,5 +29,5 @@ pub fn cramer(a: &IntervalMatrix, b: &[Interval]) -> Result<Outcome, Error> {
     if !value.is_bounded() {
         return Ok(Outcome::not_applicable("a ratio of determinants has no finite bound"));
     }
-    Ok(Outcome::enclosed(&value, Certificate::Determinant { lo: det.lo(), hi: det.hi() }))
+    Ok(Outcome::enclosed(value, Certificate::Determinant { lo: det.lo(), hi: det.hi() }))
 }

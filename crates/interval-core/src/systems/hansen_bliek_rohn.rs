@@ -12,5 +12,5 @@ use crate::matrix::IntervalMatrix;
 /// Shapes that do not fit.
 pub fn hansen_bliek_rohn(a: &IntervalMatrix, b: &[Interval]) -> Result<Outcome, Error> {
     crate::rounding::check_environment()?;
-    Ok(enclose_preconditioned(a, &column(a, b)?))
+    Ok(enclose_preconditioned(a, Some(&column(a, b)?)))
 }

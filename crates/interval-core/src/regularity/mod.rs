@@ -1,10 +1,17 @@
 //! Is every member of an interval matrix nonsingular? Answers with a certificate.
 
-use crate::approximate;
+mod cells;
+mod positive_definite;
+mod preconditioned;
+mod singular;
+
+pub use cells::Cell;
+pub(crate) use cells::{halves, largest_smear};
+pub(crate) use preconditioned::{Preconditioned, contracted_vector, interval_residual, slack, split, times};
+pub(crate) use singular::null_vector;
+
 use crate::exact;
-use crate::interval::Interval;
 use crate::matrix::IntervalMatrix;
-use crate::rounding::{add_up, mul_up};
 
 /// The largest order for which all vertex matrices are examined: 2^(2n-1) of them.
 pub const VERTEX_LIMIT: usize = 4;
@@ -40,6 +47,18 @@ pub enum Witness {
     },
     /// The matrices of lower and of upper bounds have non-negative inverses (Kuttler 1971).
     NonnegativeInverses,
+    /// `S = m'm - shift I` is positive definite for the midpoints `m`, and the radii have a spectral norm of at most the root
+    /// of the shift (Rex and Rohn, *SIAM J. Matrix Anal. Appl.* 20 (1998) 437-445): proved by `||I - X S X'|| < 1`.
+    PositiveDefinite {
+        /// Upper bound of the square of the radii's spectral norm.
+        shift: f64,
+        /// The non-negative vector `w` that shows it: `D'D w <= shift w` for the radii `D`.
+        vector: Vec<f64>,
+        /// The matrix `X`, row-major, approximately the inverse of a Cholesky factor.
+        congruence: Vec<f64>,
+    },
+    /// Every cell of a partition is regular by a scaled contraction.
+    Cells(Cell),
     /// The determinants of all vertex matrices `A_c - T_y Delta T_z` have this strict sign (Baumann 1984).
     VertexDeterminants {
         /// -1 or 1.
@@ -52,11 +71,15 @@ pub enum Witness {
 pub enum SingularMember {
     /// This member (row-major) has determinant zero, exactly.
     Member(Vec<f64>),
+    /// For this vector (not zero) every row of `A x` contains 0, exactly: choosing in each row a member of it that gives 0 makes
+    /// a member `A` with `A x = 0`.
+    NullVector(Vec<f64>),
     /// These two members (row-major) have determinants of opposite sign: on the segment between them one is zero.
     OppositeSigns(Vec<f64>, Vec<f64>),
 }
 
-/// Proves regularity by contraction, plain or scaled, or for small orders decides it by the vertex determinants.
+/// Proves regularity by contraction, plain or scaled, by the norm of the radii, or by a partition; proves singularity by a
+/// null vector; for orders up to [`VERTEX_LIMIT`] decides it by the vertex determinants.
 ///
 /// The matrix is square and bounded.
 #[must_use]
@@ -64,12 +87,35 @@ pub fn regularity(a: &IntervalMatrix) -> Regularity {
     if !crate::rounding::environment_is_default() {
         return Regularity::NotProved;
     }
-    if let Some(witness) = contraction(a).or_else(|| scaled_contraction(a)) {
+    if let Some(witness) = strongly_regular(a).or_else(|| positive_definite::prove(a)) {
         return Regularity::Regular(witness);
     }
-    if a.rows() > VERTEX_LIMIT {
-        return Regularity::NotProved;
+    if let Some(x) = singular::search(a) {
+        return Regularity::Singular(SingularMember::NullVector(x));
     }
+    if a.rows() <= VERTEX_LIMIT {
+        return by_determinants(a);
+    }
+    match cells::prove(a) {
+        cells::Verdict::Regular(cell) => Regularity::Regular(Witness::Cells(cell)),
+        cells::Verdict::Singular(x) => Regularity::Singular(SingularMember::NullVector(x)),
+        cells::Verdict::Open => Regularity::NotProved,
+    }
+}
+
+/// Contraction in the maximum norm or in a scaled one.
+pub(crate) fn strongly_regular(a: &IntervalMatrix) -> Option<Witness> {
+    let preconditioned = Preconditioned::new(a)?;
+    let norm = preconditioned.norm();
+    if norm < 1.0 {
+        return Some(Witness::Contraction { approximate_inverse: preconditioned.r, norm });
+    }
+    let vector = preconditioned.contracted()?;
+    Some(Witness::ScaledContraction { approximate_inverse: preconditioned.r, vector })
+}
+
+/// Decides by the signs of the determinants of all vertex matrices (Baumann 1984), in exact arithmetic.
+pub(crate) fn by_determinants(a: &IntervalMatrix) -> Regularity {
     let n = a.rows();
     let mut first: Option<(i8, Vec<f64>)> = None;
     for vertex in vertices(a) {
@@ -86,65 +132,6 @@ pub fn regularity(a: &IntervalMatrix) -> Regularity {
         }
     }
     Regularity::Regular(Witness::VertexDeterminants { sign: first.map_or(1, |(sign, _)| sign) })
-}
-
-/// `||I - R A|| < 1` for an approximate inverse `R` of the midpoint (METHODS 4.1, strong regularity).
-fn contraction(a: &IntervalMatrix) -> Option<Witness> {
-    let n = a.rows();
-    let approximate_inverse = approximate::inverse(&a.midpoint(), n)?;
-    let norm = residual(&approximate_inverse, a).norm();
-    (norm < 1.0).then_some(Witness::Contraction { approximate_inverse, norm })
-}
-
-/// `|I - R A| v < v` for an approximate inverse `R` of the midpoint and a `v > 0` (METHODS 4.1, the verified form of
-/// `rho(|I - R A|) < 1`).
-fn scaled_contraction(a: &IntervalMatrix) -> Option<Witness> {
-    let n = a.rows();
-    let approximate_inverse = approximate::inverse(&a.midpoint(), n)?;
-    let vector = contracted_vector(&residual(&approximate_inverse, a).magnitude(), n)?;
-    Some(Witness::ScaledContraction { approximate_inverse, vector })
-}
-
-/// A positive `v` with `G v < v`, proved in upward rounding: an approximation of `(I - G)^-1` times ones, or of the dominant
-/// eigenvector of `G`.
-pub(crate) fn contracted_vector(g: &[f64], n: usize) -> Option<Vec<f64>> {
-    let holds = |v: &[f64]| {
-        g.chunks_exact(n).zip(v).all(|(row, &target)| {
-            let product = row.iter().zip(v).fold(0.0, |sum, (&x, &y)| add_up(sum, mul_up(x, y)));
-            target > 0.0 && target.is_finite() && product < target
-        })
-    };
-    let mut v = vec![1.0; n];
-    for _ in 0..20 {
-        if holds(&v) {
-            return Some(v);
-        }
-        // One step of the sum 1 + G + G^2 + ..., scaled: towards the dominant eigenvector, kept positive.
-        let next: Vec<f64> =
-            g.chunks_exact(n).map(|row| 1e-3 + row.iter().zip(&v).map(|(x, y)| x * y).sum::<f64>()).collect();
-        let largest = next.iter().copied().fold(0.0, f64::max);
-        v = next.into_iter().map(|x| x / largest).collect();
-    }
-    let shifted: Vec<f64> = g.iter().enumerate().map(|(at, x)| if at % (n + 1) == 0 { 1.0 - x } else { -x }).collect();
-    let inverse = approximate::inverse(&shifted, n)?;
-    let sums: Vec<f64> = inverse.chunks_exact(n).map(|row| row.iter().sum()).collect();
-    holds(&sums).then_some(sums)
-}
-
-/// `I - R A` for a point matrix `R`, row-major.
-pub(crate) fn residual(r: &[f64], a: &IntervalMatrix) -> IntervalMatrix {
-    let n = a.rows();
-    let mut entries = Vec::with_capacity(n * n);
-    for i in 0..n {
-        for j in 0..n {
-            let start = if i == j { Interval::ONE } else { Interval::ZERO };
-            entries.push((0..n).fold(start, |sum, k| {
-                let factor = r[i * n + k];
-                sum - Interval::raw(factor, factor) * a.get(k, j)
-            }));
-        }
-    }
-    IntervalMatrix::from_entries(n, n, &entries)
 }
 
 /// The vertex matrices `A_c - T_y Delta T_z` for sign vectors `y`, `z` with `y_1 = 1`, row-major. `y_i z_j = 1` takes the
@@ -165,7 +152,3 @@ pub(crate) fn vertices(a: &IntervalMatrix) -> impl Iterator<Item = Vec<f64>> + '
     })
 }
 
-/// Each column's largest magnitude.
-pub(crate) fn column_norms(a: &IntervalMatrix) -> Vec<f64> {
-    (0..a.columns()).map(|j| (0..a.rows()).map(|i| a.get(i, j).magnitude()).fold(0.0, f64::max)).collect()
-}

@@ -1,21 +1,20 @@
-//! The exact hull of the inverse by its vertex form (Rohn and Farhadsefat, ELA 22 (2011); METHODS 4.2 V): over a regular
+//! The vertex form (Rohn and Farhadsefat, ELA 22 (2011); METHODS 4.2 V): over a regular
 //! interval matrix every entry of the inverse attains its extremes at vertex matrices `A_c - T_y Delta T_z`.
 //!
 //! The vertex inverses are computed in exact integer arithmetic, so the bounds are those of the hull, rounded outward once.
 
-use super::{Certificate, Endpoints, Outcome, UNBOUNDED};
+use crate::inverse::{Certificate, Outcome, UNBOUNDED};
 use crate::error::Error;
 use crate::exact::{self, ratio_down, ratio_up};
 use crate::matrix::IntervalMatrix;
 use crate::regularity::{SingularMember, VERTEX_LIMIT, Witness, vertices};
-use crate::status::Status;
 use num_rational::BigRational;
 
 /// The hull of the inverse, or the proof that a member is singular.
 ///
 /// # Errors
 /// A matrix that is not square.
-pub fn exact(a: &IntervalMatrix) -> Result<Outcome, Error> {
+pub fn exact_by_vertices(a: &IntervalMatrix) -> Result<Outcome, Error> {
     crate::rounding::check_environment()?;
     let n = a.order()?;
     if n > VERTEX_LIMIT {
@@ -28,11 +27,11 @@ pub fn exact(a: &IntervalMatrix) -> Result<Outcome, Error> {
     let mut first: Option<(i8, Vec<f64>)> = None;
     for vertex in vertices(a) {
         let Some((sign, inverse)) = exact::inverse(&vertex, n) else {
-            return Ok(singular(SingularMember::Member(vertex)));
+            return Ok(Outcome::singular(SingularMember::Member(vertex)));
         };
         match &first {
             Some((other, member)) if *other != sign => {
-                return Ok(singular(SingularMember::OppositeSigns(member.clone(), vertex)));
+                return Ok(Outcome::singular(SingularMember::OppositeSigns(member.clone(), vertex)));
             }
             Some(_) => {}
             None => first = Some((sign, vertex)),
@@ -57,19 +56,11 @@ pub fn exact(a: &IntervalMatrix) -> Result<Outcome, Error> {
     let (Some((sign, _)), Some(hull)) = (first, hull) else {
         return Ok(Outcome::not_applicable("the matrix has no entry"));
     };
-    let value = Endpoints {
-        lower: hull.iter().map(|(lo, _)| ratio_down(lo)).collect(),
-        upper: hull.iter().map(|(_, hi)| ratio_up(hi)).collect(),
+    let lower = hull.iter().map(|(lo, _)| ratio_down(lo)).collect();
+    let upper = hull.iter().map(|(_, hi)| ratio_up(hi)).collect();
+    let value = match IntervalMatrix::new(n, n, lower, upper) {
+        Ok(value) if value.is_bounded() => value,
+        _ => return Ok(Outcome::not_applicable("a bound of the inverse overflows")),
     };
-    Ok(Outcome {
-        status: Status::Enclosed,
-        value: Some(value),
-        certificate: Some(Certificate::Regular(Witness::VertexDeterminants { sign })),
-        reason: None,
-    })
-}
-
-fn singular(member: SingularMember) -> Outcome {
-    let reason = "the interval matrix contains a singular matrix, so its inverse has no bound".into();
-    Outcome::without_value(Status::Singular, Some(Certificate::Singular(member)), reason)
+    Ok(Outcome::enclosed(value, Certificate::Regular(Witness::VertexDeterminants { sign })))
 }

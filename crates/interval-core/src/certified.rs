@@ -1,0 +1,38 @@
+//! What is proved and what is not, told apart by their types.
+
+use std::ops::Deref;
+
+/// A value that a proof stands behind. Only the proofs of this crate make one; it reads as the value itself.
+///
+/// An [`Unproved`] value does not pass for it:
+/// ```compile_fail
+/// use interval_core::{Certified, IntervalMatrix, Unproved};
+/// fn rely_on(_: &Certified<IntervalMatrix>) {}
+/// rely_on(&Unproved(IntervalMatrix::identity(2)));
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Certified<T>(T);
+
+impl<T> Certified<T> {
+    /// The caller has the proof.
+    pub(crate) const fn proved(value: T) -> Self {
+        Self(value)
+    }
+
+    /// The value without its proof.
+    pub fn into_inner(self) -> T {
+        self.0
+    }
+}
+
+impl<T> Deref for Certified<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.0
+    }
+}
+
+/// A value of which nothing is claimed: an approximation, or the result of a method that proves nothing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unproved<T>(pub T);

@@ -1,0 +1,186 @@
+//! The rigorous partition (METHODS 4.2, partition rule): the hull of the inverse over a box of matrices is the hull of those over
+//! its cells.
+//!
+//! A cell is settled when its exact hull is known (its signs are fixed, its midpoint is the identity, or its order allows sign accord),
+//! or when its enclosure already lies inside the hull that certified members attain. Any other cell is halved along the entry
+//! that moves the inverse most. When the budget of cells ends, what is left counts with its enclosure, and the gap says by how
+//! much a bound may be too wide. Cells are taken level by level, so the result does not depend on the number of threads.
+
+use super::exact::{Settled, settle};
+use super::{Certificate, Outcome, UNBOUNDED};
+use crate::error::Error;
+use crate::matrix::IntervalMatrix;
+use crate::parallel;
+use crate::regularity::{Regularity, SingularMember, halves, largest_smear, null_vector, regularity};
+use crate::scaling::Scaled;
+use crate::status::Status;
+
+/// Cells that are examined where the caller names no other number.
+pub const DEFAULT_CELLS: usize = 4096;
+
+/// The hull of the inverse by halving, or the proof that a member is singular.
+///
+/// `cells` is the largest number of cells to examine. The status is `Enclosed` also where the budget ends with an enclosure; then
+/// [`Outcome::gap`] is the largest distance of a bound from one that is attained.
+///
+/// # Errors
+/// A matrix that is not square, or `cells` of 0.
+pub fn partitioned(a: &IntervalMatrix, cells: usize) -> Result<Outcome, Error> {
+    crate::rounding::check_environment()?;
+    a.order()?;
+    if cells == 0 {
+        return Err(Error::Zero { what: "the number of cells" });
+    }
+    if !a.is_bounded() {
+        return Ok(Outcome::not_applicable(UNBOUNDED));
+    }
+    let Some(scaled) = Scaled::new(a) else {
+        return Ok(Outcome::not_applicable(
+            "the entries differ so much in size that scaling by powers of two is not exact",
+        ));
+    };
+    Ok(match divide(&scaled.a, cells) {
+        Division::Hull(hull) => certified(a, &scaled, &hull),
+        Division::Singular(x) => Outcome::singular(SingularMember::NullVector(scaled.null_vector(&x))),
+        Division::Open(examined) => match regularity(a) {
+            Regularity::Singular(member) => Outcome::singular(member),
+            _ => Outcome::without_value(
+                Status::NotProved,
+                None,
+                format!("after {examined} cells some are neither proved regular nor singular; allow more cells"),
+            ),
+        },
+    })
+}
+
+/// The outcome for a hull whose cells are all regular: with a certificate of the whole matrix.
+fn certified(a: &IntervalMatrix, scaled: &Scaled, hull: &Hull) -> Outcome {
+    let Some(value) = scaled.unscale(&hull.lower, &hull.upper) else {
+        return Outcome::not_applicable("a bound of the inverse overflows");
+    };
+    let Regularity::Regular(witness) = regularity(a) else {
+        return Outcome::without_value(
+            Status::NotProved,
+            None,
+            "every cell was enclosed, but no certificate of regularity fits its budget; allow fewer cells".into(),
+        );
+    };
+    let mut outcome = Outcome::enclosed(value, Certificate::Regular(witness));
+    let gap = hull.gap();
+    outcome.gap = Some(gap);
+    if gap > 0.0 {
+        outcome.reason = Some(format!("the budget of cells ended; a bound may be too wide by up to {gap:.3e}"));
+    }
+    outcome
+}
+
+/// Bounds over all cells so far, and what members attain.
+struct Hull {
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    attained_lower: Vec<f64>,
+    attained_upper: Vec<f64>,
+}
+
+enum Division {
+    Hull(Hull),
+    Singular(Vec<f64>),
+    Open(usize),
+}
+
+/// What one cell says.
+enum Cell {
+    Settled(Settled),
+    Singular(Vec<f64>),
+}
+
+fn divide(a: &IntervalMatrix, cells: usize) -> Division {
+    let n = a.rows();
+    let mut hull = Hull {
+        lower: vec![f64::INFINITY; n * n],
+        upper: vec![f64::NEG_INFINITY; n * n],
+        attained_lower: vec![f64::INFINITY; n * n],
+        attained_upper: vec![f64::NEG_INFINITY; n * n],
+    };
+    let mut level = vec![a.clone()];
+    let mut examined = 0;
+    while !level.is_empty() {
+        examined += level.len();
+        let answers = parallel::map(level.len(), level.len() > 1, |at| look(&level[at]));
+        let mut open: Vec<(IntervalMatrix, Option<IntervalMatrix>)> = Vec::new();
+        for (cell, answer) in level.into_iter().zip(answers) {
+            match answer {
+                Cell::Singular(x) => return Division::Singular(x),
+                Cell::Settled(Settled::Hull { ends, .. }) => hull.include(&ends),
+                Cell::Settled(Settled::Regular { enclosure, attained }) => {
+                    if let Some(ends) = attained {
+                        hull.include(&ends);
+                    }
+                    open.push((cell, Some(enclosure)));
+                }
+                Cell::Settled(Settled::Open) => open.push((cell, None)),
+            }
+        }
+        open.retain(|(_, enclosure)| !enclosure.as_ref().is_some_and(|e| hull.holds(e)));
+        let mut next = Vec::with_capacity(2 * open.len());
+        let room = cells.saturating_sub(examined) / 2;
+        let enough = open.len() <= room;
+        for (cell, enclosure) in open {
+            let cut = if enough { largest_smear(&cell, enclosure.as_ref().map(|e| e.magnitude()).as_deref()) } else { None };
+            match (cut, enclosure) {
+                (Some((entry, value)), _) => next.extend(<[IntervalMatrix; 2]>::from(halves(&cell, entry, value))),
+                (None, Some(enclosure)) => hull.widen(&enclosure),
+                (None, None) => return Division::Open(examined),
+            }
+        }
+        level = next;
+    }
+    Division::Hull(hull)
+}
+
+fn look(cell: &IntervalMatrix) -> Cell {
+    match settle(cell) {
+        Settled::Open => match null_vector(cell) {
+            Some(x) => Cell::Singular(x),
+            None => Cell::Settled(Settled::Open),
+        },
+        settled => Cell::Settled(settled),
+    }
+}
+
+fn fold(into: &mut [f64], from: &[f64], choose: fn(f64, f64) -> f64) {
+    into.iter_mut().zip(from).for_each(|(a, &b)| *a = choose(*a, b));
+}
+
+impl Hull {
+    /// The exact hull of a cell, or what some of its members attain: bounds of their values from both sides.
+    fn include(&mut self, ends: &super::exact::Ends) {
+        fold(&mut self.lower, &ends.lower, f64::min);
+        fold(&mut self.upper, &ends.upper, f64::max);
+        fold(&mut self.attained_lower, &ends.attained_lower, f64::min);
+        fold(&mut self.attained_upper, &ends.attained_upper, f64::max);
+    }
+
+    fn widen(&mut self, enclosure: &IntervalMatrix) {
+        fold(&mut self.lower, enclosure.lo(), f64::min);
+        fold(&mut self.upper, enclosure.hi(), f64::max);
+    }
+
+    /// Whether members attain more than this enclosure on both sides of every entry; then it adds nothing
+    /// to the hull, which holds those members.
+    fn holds(&self, enclosure: &IntervalMatrix) -> bool {
+        let below = enclosure.lo().iter().zip(&self.attained_lower).all(|(x, a)| x >= a);
+        below && enclosure.hi().iter().zip(&self.attained_upper).all(|(x, a)| x <= a)
+    }
+
+    /// The largest distance of a bound from what is attained, beyond rounding; an upper bound.
+    fn gap(&self) -> f64 {
+        let one = |(outer, inner): (&f64, &f64)| {
+            let distance = (outer - inner).abs();
+            // Ends next to an attained double are exact.
+            if distance <= 4.0 * f64::EPSILON * outer.abs() { 0.0 } else { distance.next_up() }
+        };
+        let lower = self.lower.iter().zip(&self.attained_lower).map(one);
+        lower.chain(self.upper.iter().zip(&self.attained_upper).map(one)).fold(0.0, f64::max)
+    }
+}

@@ -1,5 +1,6 @@
 """The compiled core; every function borrows contiguous float64 arrays."""
 
+from collections.abc import Callable
 from typing import Any, Self, final
 
 import numpy as np
@@ -19,6 +20,7 @@ __all__ = [
     "format_interval",
     "gram",
     "inverse",
+    "inverse_batch",
     "matmul",
     "measure",
     "norm",
@@ -117,7 +119,17 @@ def outward_decimal(x: float, up: bool) -> str: ...
 def matmul(a: _Bounds, b: _Bounds) -> _Bounds: ...
 def gram(lo: _Array, hi: _Array) -> _Bounds: ...
 def norm(lo: _Array, hi: _Array) -> float: ...
-def inverse(lo: _Array, hi: _Array, method: str, partitions: int) -> dict[str, Any]: ...
+def inverse(
+    lo: _Array,
+    hi: _Array,
+    method: str,
+    partitions: int,
+    sweep: str,
+    progress: Callable[[int, int], object] | None = None,
+) -> dict[str, Any]: ...
+def inverse_batch(
+    lo: _Array, hi: _Array, method: str, partitions: int, sweep: str
+) -> tuple[NDArray[np.uint8], _Bounds]: ...
 def solve(lo: _Array, hi: _Array, right: _Bounds, method: str) -> dict[str, Any]: ...
 def regularity(lo: _Array, hi: _Array) -> tuple[str, dict[str, Any] | None]: ...
 def normal_equations(rows: _Bounds, right: _Bounds, method: str, partitions: int) -> dict[str, Any]: ...

@@ -2,18 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, overload
 
 import numpy as np
 
 from ivsid import _core
+from ivsid.certificates import Certificate
 from ivsid.errors import IvsidError
 from ivsid.intervals import EndpointPair, FloatArray, Interval, IntervalArray, Operand
 
-INVERSE_METHODS: Final = ("exact", "hansen-bliek-rohn", "krawczyk", "cramer", "kuttler", "published", "published-hull")
-SOLVE_METHODS: Final = ("krawczyk", "cramer", "hansen-bliek-rohn")
+INVERSE_METHODS: Final = (
+    "exact",
+    "partitioned",
+    "hansen-bliek-rohn",
+    "krawczyk",
+    "cramer",
+    "kuttler",
+    "neumaier",
+    "published",
+    "published-hull",
+)
+SOLVE_METHODS: Final = ("hansen-bliek-rohn", "exact", "krawczyk", "gauss-seidel", "cramer")
+SWEEPS: Final = ("members", "extrema")
 DEFAULT_PARTITIONS: Final = 1000
+DEFAULT_CELLS: Final = 4096
+PARTITION_LIMIT: Final = 2**53
+"""Beyond it the members of a sweep are no longer told apart by doubles."""
+
+STATUSES: Final = ("enclosed", "singular", "not_proved", "not_applicable")
 
 
 @dataclass(frozen=True)
@@ -24,15 +42,17 @@ class Result:
         method: its name.
         status: ``enclosed``, ``singular``, ``not_proved`` or ``not_applicable``.
         value: the enclosure; an ``EndpointPair`` for the published methods, which claim nothing; None without bounds.
-        certificate: why the status holds.
-        reason: why nothing was proved, in one sentence.
+        certificate: why the status holds; its ``verify()`` checks that in exact arithmetic.
+        reason: what was not proved and why, in one sentence.
+        gap: for ``partitioned``, how far a bound may be from the hull at most.
     """
 
     method: str
     status: str
     value: IntervalArray | EndpointPair | None
-    certificate: dict[str, Any] | None
+    certificate: Certificate | None
     reason: str | None
+    gap: float | None = None
 
     @property
     def guaranteed(self) -> bool:
@@ -45,45 +65,98 @@ class Regularity:
     """Whether every member is nonsingular: ``status`` is ``regular``, ``singular`` or ``not_proved``."""
 
     status: str
-    certificate: dict[str, Any] | None
+    certificate: Certificate | None
 
 
-def inverse(A: Operand, method: str = "exact", partitions: int | None = None) -> Any:
+@dataclass(frozen=True, eq=False)
+class ResultBatch(Sequence[Result]):
+    """The results of a batch: whole arrays, or one ``Result`` after the other.
+
+    Attributes:
+        method: its name.
+        status: names, shape (k,).
+        lower: bounds, shape (k, n, n); NaN where a result has no value.
+        upper: the same from above.
+    """
+
+    method: str
+    status: np.ndarray[Any, np.dtype[np.str_]]
+    lower: FloatArray
+    upper: FloatArray
+    _single: Callable[[int], Result]
+
+    @property
+    def guaranteed(self) -> np.ndarray[Any, np.dtype[np.bool_]]:
+        """Which results are proved, shape (k,)."""
+        return np.isin(self.status, ("enclosed", "singular"))
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    @overload
+    def __getitem__(self, index: int) -> Result: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Result]: ...
+    def __getitem__(self, index: int | slice) -> Result | list[Result]:
+        """The result with its certificate, which is made when it is asked for."""
+        positions = range(len(self))[index]
+        return self._single(positions) if isinstance(positions, int) else [self._single(k) for k in positions]
+
+
+def inverse(
+    A: Operand,
+    method: str = "exact",
+    partitions: int | None = None,
+    *,
+    sweep: str = "members",
+    progress: Callable[[int, int], object] | None = None,
+) -> Any:
     """The inverse of an interval matrix.
 
     Args:
-        A: shape (n, n), or a batch (k, n, n), which gives a list of k results.
-        method: ``exact`` (hull by vertices, n <= 4), ``hansen-bliek-rohn`` (hull of the preconditioned columns),
-            ``krawczyk`` (paper eq. 8-10, corrected), ``cramer`` (Nirmala-Ganesan), ``kuttler`` (extreme members with non-negative inverses: the hull), ``published`` (eq. 11-13 literally), ``published-hull`` (hull over both of its sets).
-        partitions: N of the published methods; 1000 by default.
+        A: shape (n, n), or a batch (k, n, n), which gives a ``ResultBatch``.
+        method: ``exact`` (the hull; n <= 64 where the signs of the inverse are fixed, else n <= 12), ``partitioned`` (the hull by
+            halving, or an enclosure with a stated gap), ``hansen-bliek-rohn`` (hull of the preconditioned columns), ``krawczyk``
+            (paper eq. 8-10, corrected), ``cramer`` (Nirmala-Ganesan), ``kuttler`` (extreme members with non-negative inverses: the
+            hull), ``neumaier`` (one norm bound), ``published`` (eq. 11-13 literally, n <= 64), ``published-hull`` (hull over both of its sets).
+        partitions: N of the published methods, 1000 by default; cells of ``partitioned``, 4096 by default.
+        sweep: of the published methods: ``members`` inverts all 2N matrices, ``extrema`` only those that can be extreme, with the same
+            result up to rounding at any N.
+        progress: called with (partitions done, N) some times a second during a long sweep of one matrix.
 
     Returns:
-        A ``Result``. A failed proof is a status, never an exception.
+        A ``Result``, or a ``ResultBatch``. A failed proof is a status, never an exception.
 
     Raises:
-        IvsidError: wrong shape, NaN, reversed bounds, or an unknown method.
+        IvsidError: wrong shape, NaN, reversed bounds, or an unknown method or sweep.
     """
     check_method(method, INVERSE_METHODS)
-    number = partition_count(partitions)
+    if sweep not in SWEEPS:
+        raise IvsidError(f"sweep '{sweep}' is unknown; use {' or '.join(SWEEPS)}")
+    number = partition_count(partitions, method)
     matrix = _matrix(A)
-    if matrix.ndim == 3:
-        return [_inverse(matrix[k], method, number) for k in range(matrix.shape[0])]
-    return _inverse(matrix, method, number)
+    if matrix.ndim == 2:
+        lower, upper = _square(matrix)
+        found = _core.inverse(lower, upper, method, number, sweep, progress)
+        return make_result(method, found, (lower, upper), matrix.shape)
+    lower, upper = np.ascontiguousarray(matrix.lower), np.ascontiguousarray(matrix.upper)
+    codes, (low, high) = _core.inverse_batch(lower, upper, method, number, sweep)
+
+    def single(k: int) -> Result:
+        found = _core.inverse(lower[k], upper[k], method, number, sweep)
+        return make_result(method, found, (lower[k], upper[k]), lower[k].shape)
+
+    return ResultBatch(method, np.array(STATUSES)[codes], low, high, single)
 
 
-def _inverse(matrix: IntervalArray, method: str, partitions: int) -> Result:
-    found = _core.inverse(*_square(matrix), method, partitions)
-    return make_result(method, found, matrix.shape)
-
-
-def solve(A: Operand, b: Operand, method: str = "krawczyk") -> Result:
+def solve(A: Operand, b: Operand, method: str = "hansen-bliek-rohn") -> Result:
     """Encloses every solution of ``A x = b``.
 
     Args:
         A: shape (n, n).
         b: shape (n,).
-        method: ``krawczyk`` (paper eq. 8-10, corrected), ``cramer`` (Nirmala-Ganesan) or ``hansen-bliek-rohn`` (hull of the
-            preconditioned system in closed form).
+        method: ``hansen-bliek-rohn`` (hull of the preconditioned system in closed form), ``exact`` (hull of the solution set by sign
+            accord, n <= 12), ``krawczyk`` (paper eq. 8-10, corrected), ``gauss-seidel``, or ``cramer`` (Nirmala-Ganesan).
 
     Raises:
         IvsidError: wrong shapes, NaN, reversed bounds, or an unknown method.
@@ -94,13 +167,15 @@ def solve(A: Operand, b: Operand, method: str = "krawczyk") -> Result:
     if right.shape != matrix.shape[-1:]:
         raise IvsidError(f"the right-hand side has shape {right.shape}; for this matrix it must be {matrix.shape[-1:]}")
     lower, upper = np.ascontiguousarray(right.lower), np.ascontiguousarray(right.upper)
-    return make_result(method, _core.solve(*_square(matrix), (lower, upper), method), right.shape)
+    bounds = _square(matrix)
+    return make_result(method, _core.solve(*bounds, (lower, upper), method), bounds, right.shape)
 
 
 def regularity(A: Operand) -> Regularity:
     """Decides whether every member of ``A`` (n, n) is nonsingular, with a certificate."""
-    status, certificate = _core.regularity(*_square(_matrix(A)))
-    return Regularity(status, certificate)
+    bounds = _square(_matrix(A))
+    status, certificate = _core.regularity(*bounds)
+    return Regularity(status, None if certificate is None else Certificate(certificate, *bounds))
 
 
 def norm(A: Operand) -> float:
@@ -109,11 +184,12 @@ def norm(A: Operand) -> float:
     return _core.norm(np.ascontiguousarray(matrix.lower), np.ascontiguousarray(matrix.upper))
 
 
-def partition_count(partitions: int | None) -> int:
-    """N of the published methods, checked; 1000 where none is given."""
-    number = DEFAULT_PARTITIONS if partitions is None else partitions
-    if not isinstance(number, (int, np.integer)) or not 0 < number < 2**63:
-        raise IvsidError(f"partitions = {number!r} is not usable; give a whole number of at least 1")
+def partition_count(partitions: int | None, method: str = "published") -> int:
+    """N of the published methods or the cells of ``partitioned``, checked; a default where none is given."""
+    default = DEFAULT_CELLS if method == "partitioned" else DEFAULT_PARTITIONS
+    number = default if partitions is None else partitions
+    if not isinstance(number, (int, np.integer)) or isinstance(number, bool) or not 0 < number < PARTITION_LIMIT:
+        raise IvsidError(f"partitions = {number!r} is not usable; give a whole number of at least 1 and below 2^53")
     return int(number)
 
 
@@ -144,10 +220,13 @@ def _square(matrix: IntervalArray) -> tuple[FloatArray, FloatArray]:
     return np.ascontiguousarray(matrix.lower), np.ascontiguousarray(matrix.upper)
 
 
-def make_result(method: str, found: dict[str, Any], shape: tuple[int, ...]) -> Result:
-    """The core's answer as a ``Result``; only an enclosure becomes an ``IntervalArray``."""
+def make_result(
+    method: str, found: dict[str, Any], matrix: tuple[FloatArray, FloatArray], shape: tuple[int, ...]
+) -> Result:
+    """The core's answer as a ``Result``; only a proved enclosure becomes an ``IntervalArray``."""
     value: IntervalArray | EndpointPair | None = None
     if found["value"] is not None:
         lower, upper = (end.reshape(shape) for end in found["value"])
-        value = IntervalArray(lower, upper) if found["status"] == "enclosed" else EndpointPair(lower, upper)
-    return Result(method, found["status"], value, found["certificate"], found["reason"])
+        value = IntervalArray(lower, upper) if found["proved"] else EndpointPair(lower, upper)
+    certificate = None if found["certificate"] is None else Certificate(found["certificate"], *matrix)
+    return Result(method, found["status"], value, certificate, found["reason"], found["gap"])

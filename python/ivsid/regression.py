@@ -95,10 +95,11 @@ def normal_equations(A: Operand, y: Operand, method: str = "exact", partitions: 
     """Interval least squares with the named inverse; arguments as in ``feasible_set`` and ``linalg.inverse``."""
     check_method(method, INVERSE_METHODS)
     rows, right = _rows(A, y)
-    found = _core.normal_equations(rows, right, method, partition_count(partitions))
+    found = _core.normal_equations(rows, right, method, partition_count(partitions, method))
     value = None if found["parameters"] is None else IntervalArray(*found["parameters"])
     gram = IntervalArray(*found["gram"])
-    inverse = make_result(method, found["inverse"], gram.shape)
+    bounds = (np.ascontiguousarray(gram.lower), np.ascontiguousarray(gram.upper))
+    inverse = make_result(method, found["inverse"], bounds, gram.shape)
     return NormalEquations(found["status"], value, found["improper"], gram, inverse)
 
 

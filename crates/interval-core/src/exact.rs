@@ -96,7 +96,7 @@ fn compose(m: u64, unit: i64) -> f64 {
 }
 
 /// Integers `m` and the exponent `e` with `values[i] = m[i] * 2^e` exactly; the values are finite.
-fn integers(values: &[f64]) -> (Vec<BigInt>, i64) {
+pub(crate) fn integers(values: &[f64]) -> (Vec<BigInt>, i64) {
     let parts: Vec<(i64, i64)> = values.iter().map(|&x| decode(x)).collect();
     let least = parts.iter().filter(|p| p.0 != 0).map(|p| p.1).min().unwrap_or(0);
     let scaled =

@@ -32,6 +32,7 @@ pub mod rounding;
 mod scaling;
 pub mod status;
 pub mod systems;
+mod verify;
 
 mod parallel;
 

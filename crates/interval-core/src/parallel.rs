@@ -54,6 +54,22 @@ pub(crate) fn map<T: Send>(count: usize, worthwhile: bool, work: impl Fn(usize) 
     (0..count).map(work).collect()
 }
 
+/// `work(i, a, b)` on every piece of `width` entries of two slices (the last may be shorter), in this order.
+pub(crate) fn chunks<T: Send>(
+    width: usize,
+    a: &mut [f64],
+    b: &mut [f64],
+    work: impl Fn(usize, &mut [f64], &mut [f64]) -> T + Sync + Send,
+) -> Vec<T> {
+    #[cfg(feature = "rayon")]
+    if a.len() > width {
+        use rayon::prelude::*;
+        let pieces = a.par_chunks_mut(width).zip(b.par_chunks_mut(width)).enumerate();
+        return pieces.map(|(i, (a, b))| work(i, a, b)).collect();
+    }
+    a.chunks_mut(width).zip(b.chunks_mut(width)).enumerate().map(|(i, (a, b))| work(i, a, b)).collect()
+}
+
 /// Both, at once where there are threads.
 #[cfg(feature = "rayon")]
 pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {

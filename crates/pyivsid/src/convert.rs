@@ -1,9 +1,9 @@
 //! Results of the core as plain Python objects.
 
-use interval_core::inverse::{Certificate, Endpoints, Outcome};
+use interval_core::inverse::{Certificate, Outcome, Value};
 use interval_core::regression::{BoundCertificate, FeasibleSet, NormalEquations, OrthantOutcome};
-use interval_core::regularity::{SingularMember, Witness};
-use interval_core::{Interval, IntervalMatrix};
+use interval_core::regularity::{Cell, SingularMember, Witness};
+use interval_core::{Interval, IntervalMatrix, Status};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -44,6 +44,16 @@ pub fn witness<'py>(py: Python<'py>, witness: &Witness, n: usize) -> PyResult<Bo
             found.set_item("approximate_inverse", PyArray1::from_slice(py, approximate_inverse).reshape([n, n])?)?;
             found.set_item("vector", PyArray1::from_slice(py, vector))?;
         }
+        Witness::PositiveDefinite { shift, vector, congruence } => {
+            found.set_item("kind", "positive_definite")?;
+            found.set_item("shift", shift)?;
+            found.set_item("vector", PyArray1::from_slice(py, vector))?;
+            found.set_item("congruence", PyArray1::from_slice(py, congruence).reshape([n, n])?)?;
+        }
+        Witness::Cells(tree) => {
+            found.set_item("kind", "cells")?;
+            found.set_item("tree", cell(py, tree, n)?)?;
+        }
         Witness::NonnegativeInverses => found.set_item("kind", "nonnegative_inverses")?,
         Witness::VertexDeterminants { sign } => {
             found.set_item("kind", "vertex_determinants")?;
@@ -53,6 +63,20 @@ pub fn witness<'py>(py: Python<'py>, witness: &Witness, n: usize) -> PyResult<Bo
     Ok(found)
 }
 
+/// `("regular", R, v)`, or `("halved", entry, value, below, above)`.
+fn cell<'py>(py: Python<'py>, tree: &Cell, n: usize) -> PyResult<Bound<'py, PyAny>> {
+    Ok(match tree {
+        Cell::Regular { approximate_inverse, vector } => {
+            let r = PyArray1::from_slice(py, approximate_inverse).reshape([n, n])?;
+            ("regular", r, PyArray1::from_slice(py, vector)).into_pyobject(py)?.into_any()
+        }
+        Cell::Halved { entry, value, halves } => {
+            let (below, above) = (cell(py, &halves[0], n)?, cell(py, &halves[1], n)?);
+            ("halved", entry, value, below, above).into_pyobject(py)?.into_any()
+        }
+    })
+}
+
 pub fn singular<'py>(py: Python<'py>, member: &SingularMember, n: usize) -> PyResult<Bound<'py, PyDict>> {
     let found = PyDict::new(py);
     let square = |m: &[f64]| PyArray1::from_slice(py, m).reshape([n, n]);
@@ -60,6 +84,10 @@ pub fn singular<'py>(py: Python<'py>, member: &SingularMember, n: usize) -> PyRe
         SingularMember::Member(m) => {
             found.set_item("kind", "singular_member")?;
             found.set_item("member", square(m)?)?;
+        }
+        SingularMember::NullVector(x) => {
+            found.set_item("kind", "null_vector")?;
+            found.set_item("vector", PyArray1::from_slice(py, x))?;
         }
         SingularMember::OppositeSigns(a, b) => {
             found.set_item("kind", "opposite_determinants")?;
@@ -82,17 +110,29 @@ fn certificate<'py>(py: Python<'py>, certificate: &Certificate, n: usize) -> PyR
     }
 }
 
+/// The position of a status in the tuple of names that Python keeps.
+pub fn status_code(status: Status) -> u8 {
+    match status {
+        Status::Enclosed => 0,
+        Status::Singular => 1,
+        Status::NotProved => 2,
+        _ => 3,
+    }
+}
+
 /// `value` has `n` rows and as many columns as it fills.
 pub fn outcome<'py>(py: Python<'py>, outcome: &Outcome, n: usize) -> PyResult<Bound<'py, PyDict>> {
     let found = PyDict::new(py);
     found.set_item("status", outcome.status.name())?;
     found.set_item(
         "value",
-        match &outcome.value {
-            Some(Endpoints { lower, upper }) => Some(bounds(py, lower, upper, (n, lower.len() / n))?),
+        match outcome.bounds() {
+            Some((lower, upper)) => Some(bounds(py, lower, upper, (n, lower.len() / n))?),
             None => None,
         },
     )?;
+    found.set_item("proved", matches!(outcome.value, Some(Value::Certified(_))))?;
+    found.set_item("gap", outcome.gap)?;
     found.set_item(
         "certificate",
         match &outcome.certificate {

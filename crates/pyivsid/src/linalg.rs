@@ -2,44 +2,147 @@
 
 use crate::arrays::{intervals, matrix, refusal, vector};
 use crate::convert;
-use interval_core::inverse::{self as methods, Outcome};
+use interval_core::inverse::{self as methods, Form, Monitor, Outcome, Sweep};
 use interval_core::regularity::{self as regular, Regularity};
 use interval_core::{Error, IntervalMatrix, systems};
-use numpy::{PyReadonlyArray1, PyReadonlyArray2};
-use pyo3::exceptions::PyValueError;
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::time::Duration;
 
 /// From a matrix to what a method says of its inverse.
 pub type Method = Box<dyn Fn(&IntervalMatrix) -> Result<Outcome, Error> + Send + Sync>;
 
-/// An inverse method by name.
-pub fn inverse_method(name: &str, partitions: u64) -> PyResult<Method> {
+/// Members that a sweep inverts without looking at signals in between: some milliseconds.
+const SHORT: u64 = 20_000_000;
+
+/// An inverse method by name. `partitions` is the number of sub-matrices of the published sweeps and of cells of the rigorous
+/// partition.
+pub fn inverse_method(name: &str, partitions: u64, sweep: &str) -> PyResult<Method> {
+    let sweep = match sweep {
+        "members" => Sweep::Members,
+        "extrema" => Sweep::Extrema,
+        _ => return Err(PyValueError::new_err(format!("unknown sweep '{sweep}'"))),
+    };
+    let published = move |form: Form| -> Method {
+        Box::new(move |a| methods::published_with(a, partitions, form, sweep, &Monitor::default()))
+    };
     Ok(match name {
-        "published" => Box::new(move |a| methods::published(a, partitions)),
-        "published-hull" => Box::new(move |a| methods::published_hull(a, partitions)),
+        "published" => published(Form::Literal),
+        "published-hull" => published(Form::Hull),
         "krawczyk" => Box::new(methods::krawczyk),
         "cramer" => Box::new(methods::cramer),
         "kuttler" => Box::new(methods::kuttler),
+        "neumaier" => Box::new(methods::neumaier),
         "hansen-bliek-rohn" => Box::new(methods::hansen_bliek_rohn),
         "exact" => Box::new(methods::exact),
+        "partitioned" => {
+            let cells = usize::try_from(partitions).unwrap_or(usize::MAX);
+            Box::new(move |a| methods::partitioned(a, cells))
+        }
         _ => return Err(PyValueError::new_err(format!("unknown inverse method '{name}'"))),
     })
 }
 
-/// The inverse of a square interval matrix.
+/// The inverse of a square interval matrix. Long sweeps report to `progress(done, partitions)` and end when a signal comes.
 #[pyfunction]
+#[pyo3(signature = (lo, hi, method, partitions, sweep, progress=None))]
 pub fn inverse<'py>(
     py: Python<'py>,
     lo: PyReadonlyArray2<'py, f64>,
     hi: PyReadonlyArray2<'py, f64>,
     method: &str,
     partitions: u64,
+    sweep: &str,
+    progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let a = matrix(&lo, &hi)?;
-    let invert = inverse_method(method, partitions)?;
-    let outcome = py.detach(|| invert(&a)).map_err(|e| refusal(&e))?;
+    let invert = inverse_method(method, partitions, sweep)?;
+    let form = match method {
+        "published" => Some(Form::Literal),
+        "published-hull" => Some(Form::Hull),
+        _ => None,
+    };
+    let cube = (a.rows() as u64).saturating_pow(3);
+    let outcome = match form {
+        Some(form) if sweep == "members" && partitions.saturating_mul(cube) > SHORT => {
+            watched(py, &a, partitions, form, progress.as_ref())?
+        }
+        _ => py.detach(|| invert(&a)).map_err(|e| refusal(&e))?,
+    };
     convert::outcome(py, &outcome, a.rows())
+}
+
+/// How often signals are looked for and progress is told.
+const GLANCE: Duration = Duration::from_millis(50);
+
+/// A sweep on a thread of its own; this one looks for signals.
+fn watched(
+    py: Python<'_>,
+    a: &IntervalMatrix,
+    partitions: u64,
+    form: Form,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Outcome> {
+    let monitor = Monitor::default();
+    std::thread::scope(|scope| {
+        let shared = &monitor;
+        let watcher = std::thread::current();
+        let sweep = scope.spawn(move || {
+            let outcome = methods::published_with(a, partitions, form, Sweep::Members, shared);
+            watcher.unpark();
+            outcome
+        });
+        loop {
+            py.detach(|| {
+                if !sweep.is_finished() {
+                    std::thread::park_timeout(GLANCE);
+                }
+            });
+            if sweep.is_finished() {
+                let outcome = sweep.join().map_err(|_| PyRuntimeError::new_err("the sweep ended without an answer"))?;
+                return outcome.map_err(|e| refusal(&e));
+            }
+            let asked = py.check_signals().and_then(|()| match progress {
+                Some(callback) => callback.call1((shared.done(), partitions)).map(|_| ()),
+                None => Ok(()),
+            });
+            if let Err(interruption) = asked {
+                shared.stop();
+                return Err(interruption);
+            }
+        }
+    })
+}
+
+/// The inverses of a batch of shape (k, n, n): a status name for each, and the bounds, NaN without a value.
+#[pyfunction]
+pub fn inverse_batch<'py>(
+    py: Python<'py>,
+    lo: PyReadonlyArray3<'py, f64>,
+    hi: PyReadonlyArray3<'py, f64>,
+    method: &str,
+    partitions: u64,
+    sweep: &str,
+) -> PyResult<(Bound<'py, PyArray1<u8>>, Bound<'py, PyAny>)> {
+    interval_core::rounding::check_environment().map_err(|e| refusal(&e))?;
+    let shape = [lo.shape()[0], lo.shape()[1], lo.shape()[2]];
+    if !(lo.is_c_contiguous() && hi.is_c_contiguous()) || lo.shape() != hi.shape() || shape[1] != shape[2] {
+        return Err(PyValueError::new_err("two C-contiguous arrays of shape (k, n, n) are needed"));
+    }
+    let (l, h) = (lo.as_slice()?, hi.as_slice()?);
+    let invert = inverse_method(method, partitions, sweep)?;
+    let batch = py
+        .detach(|| match method {
+            "exact" => methods::exact_batch(shape[1], l, h),
+            _ => methods::batch(shape[1], l, h, invert),
+        })
+        .map_err(|e| refusal(&e))?;
+    let status = PyArray1::from_iter(py, batch.status.iter().map(|s| convert::status_code(*s)));
+    let lower = PyArray1::from_vec(py, batch.lower).reshape(shape)?;
+    let upper = PyArray1::from_vec(py, batch.upper).reshape(shape)?;
+    Ok((status, (lower, upper).into_pyobject(py)?.into_any()))
 }
 
 /// The solutions of a square interval system.
@@ -57,6 +160,8 @@ pub fn solve<'py>(
         "krawczyk" => systems::krawczyk,
         "cramer" => systems::cramer,
         "hansen-bliek-rohn" => systems::hansen_bliek_rohn,
+        "gauss-seidel" => systems::gauss_seidel,
+        "exact" => systems::exact,
         _ => return Err(PyValueError::new_err(format!("unknown method '{method}'"))),
     };
     let outcome = py.detach(|| solver(&a, &b)).map_err(|e| refusal(&e))?;

@@ -19,7 +19,7 @@ pub fn normal_equations<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let a = matrix(&rows.0, &rows.1)?;
     let y = intervals(vector(&right.0)?, vector(&right.1)?).map_err(|e| refusal(&e))?;
-    let invert = inverse_method(method, partitions)?;
+    let invert = inverse_method(method, partitions, "members")?;
     let result = py.detach(|| regression::normal_equations(&a, &y, invert)).map_err(|e| refusal(&e))?;
     convert::normal_equations(py, &result)
 }

@@ -69,7 +69,7 @@ def identify(
     terms = terms_of(vehicle, form)
     bounded = bound_log(log, vehicle)
     made = build_rows(bounded, vehicle, terms, added_mass=form == "added", kind=rows, window=window)
-    options = {"partitions": partition_count(partitions), "form": form, "rows": rows, "window": window}
+    options = {"partitions": partition_count(partitions, method), "form": form, "rows": rows, "window": window}
     return identify_rows(made, bounded, vehicle, method, options)
 
 

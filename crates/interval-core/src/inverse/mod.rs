@@ -1,5 +1,6 @@
 //! Inverses of interval matrices: matrix in, [`Outcome`] out, one file per method.
 
+mod batch;
 mod cramer;
 mod exact;
 mod hansen_bliek_rohn;
@@ -9,6 +10,7 @@ mod neumaier;
 mod partitioned;
 mod published;
 
+pub use batch::{Batch, batch, exact_batch};
 pub use cramer::cramer;
 pub(crate) use cramer::{determinant, expand_all};
 pub use exact::{ACCORD_LIMIT, SIGN_LIMIT, exact, exact_by_vertices};

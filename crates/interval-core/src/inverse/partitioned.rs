@@ -126,7 +126,8 @@ fn divide(a: &IntervalMatrix, cells: usize) -> Division {
         let room = cells.saturating_sub(examined) / 2;
         let enough = open.len() <= room;
         for (cell, enclosure) in open {
-            let cut = if enough { largest_smear(&cell, enclosure.as_ref().map(|e| e.magnitude()).as_deref()) } else { None };
+            let magnitude = enclosure.as_ref().map(IntervalMatrix::magnitude);
+            let cut = if enough { largest_smear(&cell, magnitude.as_deref()) } else { None };
             match (cut, enclosure) {
                 (Some((entry, value)), _) => next.extend(<[IntervalMatrix; 2]>::from(halves(&cell, entry, value))),
                 (None, Some(enclosure)) => hull.widen(&enclosure),

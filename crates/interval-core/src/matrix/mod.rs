@@ -1,5 +1,6 @@
 //! Dense interval matrices in two row-major arrays of bounds.
 
+mod nalgebra_matrices;
 mod product;
 
 use crate::error::Error;

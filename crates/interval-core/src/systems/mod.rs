@@ -1,10 +1,14 @@
 //! Square interval systems `A x = b`: the methods of [`inverse`](crate::inverse) with a right-hand side.
 
 mod cramer;
+mod exact;
+mod gauss_seidel;
 mod hansen_bliek_rohn;
 mod krawczyk;
 
 pub use cramer::cramer;
+pub use exact::exact;
+pub use gauss_seidel::gauss_seidel;
 pub use hansen_bliek_rohn::hansen_bliek_rohn;
 pub use krawczyk::krawczyk;
 

@@ -30,6 +30,11 @@ pub const ACCORD_LIMIT: usize = 12;
 /// The largest order for the sign-stable form: `2 n^2` systems.
 pub const SIGN_LIMIT: usize = 64;
 
+/// The hull of the inverse of a matrix of order 3, row-major, where the form for order 3 decides.
+pub(crate) fn hull_of_three(lo: &[f64], hi: &[f64]) -> Option<([f64; 9], [f64; 9])> {
+    three::hull(lo.try_into().ok()?, hi.try_into().ok()?).map(|(lower, upper, _)| (lower, upper))
+}
+
 /// The hull of the inverse with the cheapest form that applies, or the proof that a member is singular.
 ///
 /// # Errors

@@ -46,7 +46,7 @@ fn regular_with_signs(lo: &Square, hi: &Square) -> Option<(Square, Square)> {
     for at in 0..9 {
         let (l, h) = (lo[at], hi[at]);
         let moderate = |x: f64| x == 0.0 || (x.abs() >= SMALLEST && x.abs() <= LARGEST);
-        if !(moderate(l) & moderate(h)) {
+        if !(moderate(l) && moderate(h) && l <= h) {
             return None;
         }
         let m = 0.5 * (l + h);
@@ -247,12 +247,12 @@ fn vertex_entries<V: Vector>(lo: &Square, hi: &Square, signs: &Square, bounds: &
             if q < 9 {
                 let a = if low_error[lane] < 0.0 { low[lane].next_down() } else { low[lane] };
                 let b = if high_error[lane] < 0.0 { high[lane].next_down() } else { high[lane] };
-                tight &= well & (a == b);
+                tight &= well && a == b;
                 bounds.lower[q] = a;
             } else {
                 let a = if low_error[lane] > 0.0 { low[lane].next_up() } else { low[lane] };
                 let b = if high_error[lane] > 0.0 { high[lane].next_up() } else { high[lane] };
-                tight &= well & (a == b);
+                tight &= well && a == b;
                 bounds.upper[q - 9] = b;
             }
         }

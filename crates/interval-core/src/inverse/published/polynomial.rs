@@ -109,7 +109,6 @@ macro_rules! kernels {
     ($($name:ident $lanes:ident $entries:literal $hull:literal;)*) => {$(
         backends!(fn $name(c: &Coefficients, partitions: u64, range: Range<u64>, found: &mut Extremes) -> bool = $lanes);
         #[inline(always)]
-        #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
         fn $lanes<V: Vector>(
             c: &Coefficients, partitions: u64, range: Range<u64>, found: &mut Extremes,
         ) -> bool {

@@ -1,0 +1,282 @@
+"""Certificates of regular and of singular interval matrices, and their exact checks.
+
+The checks compute with integers and fractions alone and share nothing with the compiled core that made the certificates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from itertools import product
+from typing import Any, Final
+
+from ivsid.intervals import FloatArray
+
+Rows = list[list[Fraction]]
+
+VERTEX_LIMIT: Final = 6
+"""Vertex matrices of larger orders are too many to check one by one."""
+
+
+class Certificate(Mapping[str, Any]):
+    """Why a matrix is regular, or why it is not: ``kind`` and the numbers that prove it.
+
+    Kinds, and what ``verify`` checks of them over all members of the matrix:
+        contraction, scaled_contraction: ``|I - R A| v < v`` for a positive v (METHODS 4.1).
+        positive_definite: ``m'm - s I`` is positive definite, the radii have a spectral norm of at most the root of s (Rex, Rohn 1998).
+        cells: a scaled contraction in every cell of a partition.
+        nonnegative_inverses: those of the two extreme members (Kuttler 1971).
+        vertex_determinants: all have one sign (Baumann 1984).
+        determinant: the interval determinant by expansion does not hold 0.
+        null_vector: every row of ``A x`` holds 0.
+        singular_member, opposite_determinants: members with a determinant of 0, or of opposite signs.
+    """
+
+    def __init__(self, content: Mapping[str, Any], lower: FloatArray, upper: FloatArray) -> None:
+        self._content = dict(content)
+        self._lower = lower
+        self._upper = upper
+
+    def __getitem__(self, key: str) -> Any:
+        return self._content[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._content)
+
+    def __len__(self) -> int:
+        return len(self._content)
+
+    def __repr__(self) -> str:
+        return f"Certificate({self._content!r})"
+
+    def verify(self) -> bool:
+        """Whether the certificate proves what it says of its matrix, shape (n, n), in exact arithmetic."""
+        lower, upper = _rows(self._lower), _rows(self._upper)
+        if any(a > b for p, q in zip(lower, upper, strict=True) for a, b in zip(p, q, strict=True)):
+            return False
+        check = _CHECKS.get(self["kind"])
+        return check is not None and check(self, lower, upper)
+
+    def member(self) -> Rows:
+        """A singular member as exact fractions, for a certificate by a null vector.
+
+        Raises:
+            ValueError: the certificate is of another kind or does not hold.
+        """
+        if self["kind"] != "null_vector" or not self.verify():
+            raise ValueError("only a null vector that holds names a singular member")
+        x = [Fraction(v) for v in self["vector"].tolist()]
+        return [_orthogonal(a, b, x) for a, b in zip(_rows(self._lower), _rows(self._upper), strict=True)]
+
+
+def _rows(matrix: Any) -> Rows:
+    return [[Fraction(v) for v in row] for row in matrix.tolist()]
+
+
+def _vector(values: Any) -> list[Fraction]:
+    return [Fraction(v) for v in values.tolist()]
+
+
+def _integers(values: Sequence[Fraction]) -> tuple[list[int], int]:
+    """Integers over one common denominator, a power of two."""
+    denominator = max((v.denominator for v in values), default=1)
+    return [v.numerator * (denominator // v.denominator) for v in values], denominator
+
+
+def _contracts(lower: Rows, upper: Rows, inverse: Rows, vector: list[Fraction]) -> bool:
+    """``|I - R A| v < v`` for every member, and ``v > 0``."""
+    n = len(lower)
+    r, r_scale = _integers([x for row in inverse for x in row])
+    ends, scale = _integers([x for row in (*lower, *upper) for x in row])
+    v, _ = _integers(vector)
+    one = r_scale * scale
+    for i in range(n):
+        total = 0
+        for j in range(n):
+            least = most = one if i == j else 0
+            for k in range(n):
+                factor = r[i * n + k]
+                p, q = factor * ends[k * n + j], factor * ends[(n + k) * n + j]
+                least -= max(p, q)
+                most -= min(p, q)
+            total += max(abs(least), abs(most)) * v[j]
+        if not total < one * v[i]:
+            return False
+    return all(x > 0 for x in v)
+
+
+def _contraction(c: Certificate, lower: Rows, upper: Rows) -> bool:
+    vector = _vector(c["vector"]) if "vector" in c else [Fraction(1)] * len(lower)
+    return _contracts(lower, upper, _rows(c["approximate_inverse"]), vector)
+
+
+def _cells(c: Certificate, lower: Rows, upper: Rows) -> bool:
+    open_cells = [(c["tree"], lower, upper)]
+    while open_cells:
+        tree, low, high = open_cells.pop()
+        if tree[0] == "regular":
+            if not _contracts(low, high, _rows(tree[1]), _vector(tree[2])):
+                return False
+            continue
+        _, entry, value, below, above = tree
+        i, j = divmod(entry, len(lower))
+        cut = Fraction(value)
+        if not low[i][j] <= cut <= high[i][j]:
+            return False
+        open_cells.append((below, low, _replaced(high, i, j, cut)))
+        open_cells.append((above, _replaced(low, i, j, cut), high))
+    return True
+
+
+def _replaced(rows: Rows, i: int, j: int, value: Fraction) -> Rows:
+    changed = [list(row) for row in rows]
+    changed[i][j] = value
+    return changed
+
+
+def _determinant_of(rows: Rows) -> Fraction:
+    m = [list(row) for row in rows]
+    result = Fraction(1)
+    for p in range(len(m)):
+        pivot = next((i for i in range(p, len(m)) if m[i][p]), None)
+        if pivot is None:
+            return Fraction(0)
+        if pivot != p:
+            m[p], m[pivot] = m[pivot], m[p]
+            result = -result
+        result *= m[p][p]
+        for i in range(p + 1, len(m)):
+            factor = m[i][p] / m[p][p]
+            if factor:
+                m[i] = [a - factor * b for a, b in zip(m[i], m[p], strict=True)]
+    return result
+
+
+def _nonnegative_inverse(rows: Rows) -> bool:
+    n = len(rows)
+    m = [[*row, *(Fraction(int(i == j)) for j in range(n))] for i, row in enumerate(rows)]
+    for p in range(n):
+        pivot = next((i for i in range(p, n) if m[i][p]), None)
+        if pivot is None:
+            return False
+        m[p], m[pivot] = m[pivot], m[p]
+        m[p] = [x / m[p][p] for x in m[p]]
+        for i in range(n):
+            if i != p and m[i][p]:
+                factor = m[i][p]
+                m[i] = [a - factor * b for a, b in zip(m[i], m[p], strict=True)]
+    return all(x >= 0 for row in m for x in row[n:])
+
+
+def _nonnegative_inverses(_: Certificate, lower: Rows, upper: Rows) -> bool:
+    return _nonnegative_inverse(lower) and _nonnegative_inverse(upper)
+
+
+def _vertex_determinants(c: Certificate, lower: Rows, upper: Rows) -> bool:
+    n = len(lower)
+    if n > VERTEX_LIMIT:
+        return False
+    for y in product((False, True), repeat=n - 1):
+        for z in product((False, True), repeat=n):
+            signs = (False, *y)
+            vertex = [[(upper if signs[i] != z[j] else lower)[i][j] for j in range(n)] for i in range(n)]
+            if not _determinant_of(vertex) * c["sign"] > 0:
+                return False
+    return True
+
+
+def _times(a: Rows, b: Rows) -> Rows:
+    columns = list(zip(*b, strict=True))
+    return [[sum((x * y for x, y in zip(row, column, strict=True)), Fraction(0)) for column in columns] for row in a]
+
+
+def _positive_definite(c: Certificate, lower: Rows, upper: Rows) -> bool:
+    n = len(lower)
+    shift, w, x = Fraction(c["shift"]), _vector(c["vector"]), _rows(c["congruence"])
+    # The certificate's shift leaves room for the rounding of the midpoints, which is checked with those in doubles.
+    middle = [
+        [Fraction(float((a + b) / 2)) for a, b in zip(p, q, strict=True)] for p, q in zip(lower, upper, strict=True)
+    ]
+    radius = [
+        [max(b - m, m - a) for a, b, m in zip(p, q, r, strict=True)]
+        for p, q, r in zip(lower, upper, middle, strict=True)
+    ]
+    image = _times(list(map(list, zip(*radius, strict=True))), _times(radius, [[v] for v in w]))
+    if any(v <= 0 for v in w) or any(y[0] > shift * v for y, v in zip(image, w, strict=True)):
+        return False
+    gram = _times(list(map(list, zip(*middle, strict=True))), middle)
+    for i in range(n):
+        gram[i][i] -= shift
+    image = _times(_times(x, gram), list(map(list, zip(*x, strict=True))))
+    return all(sum(abs(int(i == j) - image[i][j]) for j in range(n)) < 1 for i in range(n))
+
+
+def _determinant(c: Certificate, lower: Rows, upper: Rows) -> bool:
+    """Laplace expansion by rows over sets of columns, in rational intervals."""
+    n = len(lower)
+    least, most = (Fraction(v) for v in c["determinant"])
+    if n > 10 or not (least <= most and (least > 0 or most < 0)):
+        return False
+    minors = [(Fraction(1), Fraction(1))] * (1 << n)
+    for mask in range(1, 1 << n):
+        row = mask.bit_count() - 1
+        low = high = Fraction(0)
+        for j in (j for j in range(n) if mask >> j & 1):
+            parts = [e * m for e in (lower[row][j], upper[row][j]) for m in minors[mask & ~(1 << j)]]
+            even = (mask >> (j + 1)).bit_count() % 2 == 0
+            low, high = (low + min(parts), high + max(parts)) if even else (low - max(parts), high - min(parts))
+        minors[mask] = (low, high)
+    low, high = minors[-1]
+    return least <= low and high <= most
+
+
+def _ends(a: list[Fraction], b: list[Fraction], x: list[Fraction]) -> tuple[Fraction, Fraction]:
+    """Range of a row's members times x."""
+    pairs = [(p * v, q * v) for p, q, v in zip(a, b, x, strict=True)]
+    return sum(map(min, pairs), Fraction(0)), sum(map(max, pairs), Fraction(0))
+
+
+def _orthogonal(a: list[Fraction], b: list[Fraction], x: list[Fraction]) -> list[Fraction]:
+    """The row between its two extremes whose product with x is 0."""
+    down = [p if p * v <= q * v else q for p, q, v in zip(a, b, x, strict=True)]
+    up = [q if p * v <= q * v else p for p, q, v in zip(a, b, x, strict=True)]
+    least, most = _ends(a, b, x)
+    share = Fraction(0) if least == most else -least / (most - least)
+    return [p + share * (q - p) for p, q in zip(down, up, strict=True)]
+
+
+def _null_vector(c: Certificate, lower: Rows, upper: Rows) -> bool:
+    x = _vector(c["vector"])
+    ranges = [_ends(a, b, x) for a, b in zip(lower, upper, strict=True)]
+    return any(x) and all(least <= 0 <= most for least, most in ranges)
+
+
+def _belongs(member: Rows, lower: Rows, upper: Rows) -> bool:
+    return all(
+        a <= x <= b for p, q, r in zip(lower, upper, member, strict=True) for a, b, x in zip(p, q, r, strict=True)
+    )
+
+
+def _singular_member(c: Certificate, lower: Rows, upper: Rows) -> bool:
+    member = _rows(c["member"])
+    return _belongs(member, lower, upper) and _determinant_of(member) == 0
+
+
+def _opposite_determinants(c: Certificate, lower: Rows, upper: Rows) -> bool:
+    first, second = (_rows(m) for m in c["members"])
+    inside = _belongs(first, lower, upper) and _belongs(second, lower, upper)
+    return inside and _determinant_of(first) * _determinant_of(second) < 0
+
+
+_CHECKS: Final = {
+    "contraction": _contraction,
+    "scaled_contraction": _contraction,
+    "cells": _cells,
+    "positive_definite": _positive_definite,
+    "nonnegative_inverses": _nonnegative_inverses,
+    "vertex_determinants": _vertex_determinants,
+    "determinant": _determinant,
+    "null_vector": _null_vector,
+    "singular_member": _singular_member,
+    "opposite_determinants": _opposite_determinants,
+}

@@ -25,6 +25,8 @@ def test_feasible_is_guaranteed_and_holds_the_truth(made):
         "kuttler",
         "published",
         "published-hull",
+        "partitioned",
+        "neumaier",
     }
     assert fits["feasible"]["guaranteed"] and fits["feasible"]["status"] == "enclosed"
     for id_, value in record["truth"].items():

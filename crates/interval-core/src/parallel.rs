@@ -26,21 +26,39 @@ pub(crate) fn rows(
     lo.chunks_mut(width).zip(hi.chunks_mut(width)).enumerate().for_each(|(i, (l, h))| work(i, l, h));
 }
 
-/// `merge` of `map(0)`, `map(1)`, ..., `None` for none. The merge is associative and commutative to the bit.
+/// `merge` of `map(0)`, `map(1)`, ...; `None` as soon as one of them is, and the rest is left out. The merge is associative and
+/// commutative to the bit.
 #[cfg(feature = "rayon")]
-pub(crate) fn map_reduce<T: Send>(
+pub(crate) fn try_map_reduce<T: Send>(
     count: u64,
-    map: impl Fn(u64) -> T + Sync + Send,
+    map: impl Fn(u64) -> Option<T> + Sync + Send,
     merge: impl Fn(T, T) -> T + Sync + Send,
 ) -> Option<T> {
     use rayon::prelude::*;
-    (0..count).into_par_iter().map(map).reduce_with(merge)
+    (0..count).into_par_iter().map(map).try_reduce_with(|x, y| Some(merge(x, y))).flatten()
 }
 
-/// `merge` of `map(0)`, `map(1)`, ..., `None` for none.
+/// `merge` of `map(0)`, `map(1)`, ...; `None` as soon as one of them is.
 #[cfg(not(feature = "rayon"))]
-pub(crate) fn map_reduce<T>(count: u64, map: impl Fn(u64) -> T, merge: impl Fn(T, T) -> T) -> Option<T> {
-    (0..count).map(map).reduce(merge)
+pub(crate) fn try_map_reduce<T>(
+    count: u64,
+    map: impl Fn(u64) -> Option<T>,
+    merge: impl Fn(T, T) -> T,
+) -> Option<T> {
+    let first = map(0)?;
+    (1..count).try_fold(first, |sum, i| Some(merge(sum, map(i)?)))
+}
+
+/// Both, at once where there are threads.
+#[cfg(feature = "rayon")]
+pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    rayon::join(a, b)
+}
+
+/// Both, one after the other.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
+    (a(), b())
 }
 
 /// `work(0)`, `work(1)`, ... in this order, shared out where that is worth while.
@@ -68,16 +86,4 @@ pub(crate) fn chunks<T: Send>(
         return pieces.map(|(i, (a, b))| work(i, a, b)).collect();
     }
     a.chunks_mut(width).zip(b.chunks_mut(width)).enumerate().map(|(i, (a, b))| work(i, a, b)).collect()
-}
-
-/// Both, at once where there are threads.
-#[cfg(feature = "rayon")]
-pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
-    rayon::join(a, b)
-}
-
-/// Both, one after the other.
-#[cfg(not(feature = "rayon"))]
-pub(crate) fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
-    (a(), b())
 }

@@ -4,6 +4,7 @@ use crate::arrays::{intervals, matrix, refusal, vector};
 use crate::convert;
 use interval_core::inverse::{self as methods, Form, Monitor, Outcome, Sweep};
 use interval_core::regularity::{self as regular, Regularity};
+use interval_core::rounding::slices::Backend;
 use interval_core::{Error, IntervalMatrix, systems};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -26,7 +27,7 @@ pub fn inverse_method(name: &str, partitions: u64, sweep: &str) -> PyResult<Meth
         _ => return Err(PyValueError::new_err(format!("unknown sweep '{sweep}'"))),
     };
     let published = move |form: Form| -> Method {
-        Box::new(move |a| methods::published_with(a, partitions, form, sweep, &Monitor::default()))
+        Box::new(move |a| methods::published_with(a, partitions, (form, sweep), Backend::chosen(), &Monitor::default()))
     };
     Ok(match name {
         "published" => published(Form::Literal),
@@ -90,7 +91,7 @@ fn watched(
         let shared = &monitor;
         let watcher = std::thread::current();
         let sweep = scope.spawn(move || {
-            let outcome = methods::published_with(a, partitions, form, Sweep::Members, shared);
+            let outcome = methods::published_with(a, partitions, (form, Sweep::Members), Backend::chosen(), shared);
             watcher.unpark();
             outcome
         });

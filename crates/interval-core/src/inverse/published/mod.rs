@@ -74,7 +74,7 @@ impl Monitor {
 /// # Errors
 /// A matrix that is not square, or `partitions` of 0.
 pub fn published(a: &IntervalMatrix, partitions: u64) -> Result<Outcome, Error> {
-    published_with(a, partitions, Form::Literal, Sweep::Members, &Monitor::default())
+    published_with(a, partitions, (Form::Literal, Sweep::Members), Backend::chosen(), &Monitor::default())
 }
 
 /// The hull over both sets, by inverting every member.
@@ -82,18 +82,18 @@ pub fn published(a: &IntervalMatrix, partitions: u64) -> Result<Outcome, Error> 
 /// # Errors
 /// A matrix that is not square, or `partitions` of 0.
 pub fn published_hull(a: &IntervalMatrix, partitions: u64) -> Result<Outcome, Error> {
-    published_with(a, partitions, Form::Hull, Sweep::Members, &Monitor::default())
+    published_with(a, partitions, (Form::Hull, Sweep::Members), Backend::chosen(), &Monitor::default())
 }
 
-/// Either form by either sweep, watched by a monitor.
+/// Either form by either sweep on a back end of the caller's choice, watched by a monitor.
 ///
 /// # Errors
 /// A matrix that is not square, or `partitions` of 0.
 pub fn published_with(
     a: &IntervalMatrix,
     partitions: u64,
-    form: Form,
-    sweep: Sweep,
+    (form, sweep): (Form, Sweep),
+    backend: Backend,
     monitor: &Monitor,
 ) -> Result<Outcome, Error> {
     let n = a.order()?;
@@ -106,7 +106,7 @@ pub fn published_with(
     if !a.is_bounded() {
         return Ok(Outcome::not_applicable(UNBOUNDED));
     }
-    let members = Members::new(a, partitions);
+    let members = Members::new(a, partitions, backend);
     let extremes = match sweep {
         Sweep::Members => members.sweep(form, monitor),
         Sweep::Extrema => extrema::find(&members, form),
@@ -177,6 +177,7 @@ impl Extremes {
 struct Members<'a> {
     a: &'a IntervalMatrix,
     partitions: u64,
+    backend: Backend,
     kernel: Kernel,
 }
 
@@ -186,12 +187,12 @@ enum Kernel {
 }
 
 impl<'a> Members<'a> {
-    fn new(a: &'a IntervalMatrix, partitions: u64) -> Self {
+    fn new(a: &'a IntervalMatrix, partitions: u64, backend: Backend) -> Self {
         let kernel = match polynomial::Coefficients::new(a) {
             Some(coefficients) => Kernel::Polynomial(coefficients),
             None => Kernel::Elimination(elimination::Plan::new(a, partitions)),
         };
-        Self { a, partitions, kernel }
+        Self { a, partitions, backend, kernel }
     }
 
     /// Extremes over all members; `None` at a singular one, or when the monitor stops.
@@ -209,15 +210,15 @@ impl<'a> Members<'a> {
             monitor.done.fetch_add(count, Ordering::Relaxed);
             Some(found)
         };
-        parallel::map_reduce(self.partitions.div_ceil(chunk), part, |x, y| Some(x?.merge(&y?))).flatten()
+        parallel::try_map_reduce(self.partitions.div_ceil(chunk), part, |x, y| x.merge(&y))
     }
 
     /// Extremes over the members `j / N` of both sets for `j` in the range.
     fn extremes(&self, form: Form, range: Range<u64>) -> Option<Extremes> {
         let mut found = Extremes::none(self.a.rows() * self.a.rows());
         let fine = match &self.kernel {
-            Kernel::Polynomial(c) => c.extremes(Backend::chosen(), self.partitions, form, range, &mut found),
-            Kernel::Elimination(plan) => plan.extremes(Backend::chosen(), self.a, form, range, &mut found),
+            Kernel::Polynomial(c) => c.extremes(self.backend, self.partitions, form, range, &mut found),
+            Kernel::Elimination(plan) => plan.extremes(self.backend, self.a, form, range, &mut found),
         };
         fine.then_some(found)
     }

@@ -1,0 +1,170 @@
+//! Verdicts on regularity: never wrong, and each certificate holds in exact arithmetic.
+#![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "test data are small numbers")]
+
+mod common;
+
+use common::{Random, invert, q};
+use interval_core::IntervalMatrix;
+use interval_core::inverse::Certificate;
+use interval_core::regularity::{Regularity, SingularMember, Witness, regularity};
+use num_rational::BigRational;
+use num_traits::{Signed, Zero};
+
+/// Matrices to judge; the full number takes minutes.
+fn cases(default: usize) -> usize {
+    std::env::var("IVSID_CASES").ok().and_then(|v| v.parse::<f64>().ok()).map_or(default, |v| v as usize)
+}
+
+fn matrix(n: usize, centre: &[f64], radius: &[f64]) -> IntervalMatrix {
+    let end = |sign: f64| centre.iter().zip(radius).map(|(c, r)| c + sign * r).collect();
+    IntervalMatrix::new(n, n, end(-1.0), end(1.0)).expect("a good matrix")
+}
+
+/// The truth, by the determinants of all vertex matrices in integers (Baumann): small orders only.
+fn is_regular(a: &IntervalMatrix) -> bool {
+    let n = a.rows();
+    let mut sign = 0;
+    (0..1_usize << (2 * n - 1)).all(|bits| {
+        let (y, z) = (bits >> n, bits & ((1 << n) - 1));
+        let vertex: Vec<BigRational> = (0..n * n)
+            .map(|at| if ((y >> (at / n)) ^ (z >> (at % n))) & 1 == 1 { q(a.hi()[at]) } else { q(a.lo()[at]) })
+            .collect();
+        let determinant = determinant(&vertex, n);
+        let this = if determinant.is_zero() { 0 } else if determinant.is_positive() { 1 } else { -1 };
+        if sign == 0 {
+            sign = this;
+        }
+        this != 0 && this == sign
+    })
+}
+
+/// By expansion: independent of any elimination.
+fn determinant(a: &[BigRational], n: usize) -> BigRational {
+    if n == 1 {
+        return a[0].clone();
+    }
+    (0..n).fold(BigRational::zero(), |sum, j| {
+        let minor: Vec<BigRational> =
+            (n..n * n).filter(|at| at % n != j).map(|at| a[at].clone()).collect();
+        let term = &a[j] * determinant(&minor, n - 1);
+        if j % 2 == 0 { sum + term } else { sum - term }
+    })
+}
+
+#[test]
+fn verdicts_are_those_of_exact_determinants() {
+    let mut random = Random(2024);
+    let mut counts = [0; 3];
+    for case in 0..cases(1500) {
+        let n = 1 + case % 3;
+        // Whole multiples of 1/8 meet the border between the verdicts often.
+        let coarse = case % 2 == 0;
+        let number = |x: f64| if coarse { (8.0 * x).round() / 8.0 } else { x };
+        let centre: Vec<f64> = (0..n * n).map(|_| number(2.0 * random.unit())).collect();
+        let spread = number(0.6 * random.unit().abs());
+        let radius: Vec<f64> = (0..n * n).map(|_| if random.bits().is_multiple_of(4) { 0.0 } else { spread }).collect();
+        let a = matrix(n, &centre, &radius);
+        let truth = is_regular(&a);
+        match regularity(&a) {
+            Regularity::Regular(witness) => {
+                counts[0] += 1;
+                assert!(truth, "{a:?} is singular, {witness:?}");
+                assert!(Certificate::Regular(witness).verify(&a), "{a:?}");
+            }
+            Regularity::Singular(member) => {
+                counts[1] += 1;
+                assert!(!truth, "{a:?} is regular, {member:?}");
+                assert!(Certificate::Singular(member).verify(&a), "{a:?}");
+            }
+            Regularity::NotProved => counts[2] += 1,
+        }
+    }
+    assert!(counts[0] > 300 && counts[1] > 300 && counts[2] == 0, "{counts:?}");
+}
+
+/// Beyond the orders whose vertices are examined.
+#[test]
+fn larger_matrices_have_certificates_that_hold() {
+    let mut random = Random(7);
+    let mut kinds = [0; 5];
+    for case in 0..cases(120).min(2000) {
+        let n = 5 + case % 6;
+        let centre: Vec<f64> = (0..n * n)
+            .map(|at| {
+                let orthogonal = (0.5 + (at / n) as f64) * (0.5 + (at % n) as f64);
+                match case % 3 {
+                    0 => random.unit() + if at % (n + 1) == 0 { 2.0 } else { 0.0 },
+                    // A cosine transform: orthogonal, so small radii everywhere keep it regular.
+                    1 => (std::f64::consts::PI * orthogonal / n as f64).cos(),
+                    _ => random.unit(),
+                }
+            })
+            .collect();
+        let spread = match case % 3 {
+            1 => 0.28 / n as f64 * (1.0 + 0.9 * random.unit()) * (n as f64).sqrt(),
+            _ => 0.3 * random.unit().abs() / n as f64,
+        };
+        let a = matrix(n, &centre, &vec![spread; n * n]);
+        match regularity(&a) {
+            Regularity::Regular(witness) => {
+                kinds[match witness {
+                    Witness::PositiveDefinite { .. } => 1,
+                    Witness::Cells(_) => 2,
+                    _ => 0,
+                }] += 1;
+                assert!(Certificate::Regular(witness).verify(&a));
+                let member: Vec<BigRational> = (a.lo().iter().zip(a.hi()))
+                    .map(|(&l, &h)| q(if random.bits().is_multiple_of(2) { l } else { h }))
+                    .collect();
+                assert!(invert(&member, n).1.is_some());
+            }
+            Regularity::Singular(member) => {
+                kinds[3] += 1;
+                assert!(Certificate::Singular(member).verify(&a));
+            }
+            Regularity::NotProved => kinds[4] += 1,
+        }
+    }
+    assert!(kinds[0] > 20 && kinds[1] > 0 && kinds[3] > 10, "{kinds:?}");
+}
+
+/// Regular, but neither strongly nor by the norm of the radii: proved by cells.
+#[test]
+fn cells_prove_what_one_contraction_does_not() {
+    let n = 5;
+    let mut centre = vec![0.0; n * n];
+    let mut radius = vec![0.0; n * n];
+    for i in 0..n {
+        centre[i * (n + 1)] = 1.0;
+    }
+    // [[1, [-0.95, 0.95]], [[-0.2, 1.1], 1]]: the product of the two stays below 1 on one side only where both are bounded.
+    (centre[1], radius[1]) = (0.0, 0.85);
+    (centre[n], radius[n]) = (0.0, 1.15);
+    let a = matrix(n, &centre, &radius);
+    let Regularity::Regular(witness) = regularity(&a) else { panic!("{:?}", regularity(&a)) };
+    assert!(Certificate::Regular(witness).verify(&a));
+    radius[n] = 1.2;
+    let Regularity::Singular(member) = regularity(&matrix(n, &centre, &radius)) else { panic!("1.2 x 0.85 > 1") };
+    assert!(matches!(member, SingularMember::NullVector(_)));
+}
+
+#[test]
+fn tampered_certificates_are_refused() {
+    let a = matrix(2, &[3.0, 1.0, 0.5, 2.0], &[0.1; 4]);
+    let wider = matrix(2, &[3.0, 1.0, 0.5, 2.0], &[1.5; 4]);
+    let Regularity::Regular(witness) = regularity(&a) else { panic!("regular") };
+    assert!(Certificate::Regular(witness.clone()).verify(&a));
+    assert!(!Certificate::Regular(witness.clone()).verify(&wider));
+    let Witness::Contraction { mut approximate_inverse, norm } = witness else { panic!("a contraction") };
+    approximate_inverse[0] = 5.0;
+    assert!(!Certificate::Regular(Witness::Contraction { approximate_inverse, norm }).verify(&a));
+    assert!(!Certificate::Regular(Witness::VertexDeterminants { sign: -1 }).verify(&a));
+    assert!(Certificate::Regular(Witness::VertexDeterminants { sign: 1 }).verify(&a));
+    assert!(!Certificate::Regular(Witness::NonnegativeInverses).verify(&a));
+    assert!(!Certificate::Singular(SingularMember::NullVector(vec![0.0, 0.0])).verify(&wider));
+    assert!(!Certificate::Singular(SingularMember::NullVector(vec![1.0, -1.0])).verify(&a));
+    assert!(!Certificate::Singular(SingularMember::Member(vec![3.0, 1.0, 0.5, 2.0])).verify(&a));
+    assert!(!Certificate::Determinant { lo: -1.0, hi: 7.0 }.verify(&a));
+    assert!(Certificate::Determinant { lo: 4.0, hi: 7.0 }.verify(&a));
+    assert!(!Certificate::Determinant { lo: 5.5, hi: 7.0 }.verify(&a));
+}

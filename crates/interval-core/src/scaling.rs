@@ -1,7 +1,7 @@
 //! Rows and columns scaled by powers of two: the inverse is scaled by the same powers, exactly.
 
 use crate::matrix::IntervalMatrix;
-use crate::regularity::Witness;
+use crate::regularity::{SingularMember, Witness};
 
 /// A matrix with rows and columns scaled by powers of two, so that products neither overflow nor lose digits.
 pub(crate) struct Scaled {
@@ -56,9 +56,20 @@ impl Scaled {
         finite.then(|| IntervalMatrix::new(n, n, lo, hi).ok()).flatten()
     }
 
-    /// A null vector of the matrix as it was.
-    pub(crate) fn null_vector(&self, x: &[f64]) -> Vec<f64> {
-        x.iter().zip(&self.columns).map(|(&v, &by)| scaled_down(v, by)).collect()
+    /// A singular member of the matrix as it was. Members are scaled exactly; a null vector whose scaling rounds no longer
+    /// proves anything, and its check says so.
+    pub(crate) fn member(&self, member: SingularMember) -> SingularMember {
+        let n = self.a.rows();
+        let back = |m: Vec<f64>| -> Vec<f64> {
+            m.iter().enumerate().map(|(at, &x)| scaled_down(x, -self.rows[at / n] - self.columns[at % n])).collect()
+        };
+        match member {
+            SingularMember::Member(m) => SingularMember::Member(back(m)),
+            SingularMember::OppositeSigns(m, o) => SingularMember::OppositeSigns(back(m), back(o)),
+            SingularMember::NullVector(x) => {
+                SingularMember::NullVector(x.iter().zip(&self.columns).map(|(&v, &by)| scaled_down(v, by)).collect())
+            }
+        }
     }
 
     /// A witness of the matrix as it was.

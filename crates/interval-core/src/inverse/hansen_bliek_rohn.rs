@@ -169,8 +169,9 @@ pub(crate) struct Growth {
 impl Growth {
     pub(crate) fn of(n: usize) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "an order, far below 2^53")]
-        let terms = n as f64 + 4.0;
-        Self { relative: terms * f64::EPSILON, absolute: 4.0 * terms * f64::from_bits(1) }
+        let terms = n as f64;
+        // n u of the sum, the multiplication and addition below, the rounding of the factor, and higher orders.
+        Self { relative: (terms + 5.0) * (f64::EPSILON / 2.0), absolute: 4.0 * (terms + 4.0) * f64::from_bits(1) }
     }
 
     pub(crate) fn above(self, sum: f64) -> f64 {

@@ -6,12 +6,14 @@
 //! that moves the inverse most. When the budget of cells ends, what is left counts with its enclosure, and the gap says by how
 //! much a bound may be too wide. Cells are taken level by level, so the result does not depend on the number of threads.
 
-use super::exact::{Settled, settle};
+use super::exact::{Ends, Settled, by_sign_accord, settle};
 use super::{Certificate, Outcome, UNBOUNDED};
 use crate::error::Error;
 use crate::matrix::IntervalMatrix;
 use crate::parallel;
-use crate::regularity::{Regularity, SingularMember, halves, largest_smear, null_vector, regularity};
+use crate::regularity::{
+    Regularity, SingularMember, VERTEX_LIMIT, by_determinants, halves, largest_smear, null_vector, regularity,
+};
 use crate::scaling::Scaled;
 use crate::status::Status;
 
@@ -41,7 +43,7 @@ pub fn partitioned(a: &IntervalMatrix, cells: usize) -> Result<Outcome, Error> {
     };
     Ok(match divide(&scaled.a, cells) {
         Division::Hull(hull) => certified(a, &scaled, &hull),
-        Division::Singular(x) => Outcome::singular(SingularMember::NullVector(scaled.null_vector(&x))),
+        Division::Singular(member) => Outcome::singular(scaled.member(member)),
         Division::Open(examined) => match regularity(a) {
             Regularity::Singular(member) => Outcome::singular(member),
             _ => Outcome::without_value(
@@ -66,9 +68,10 @@ fn certified(a: &IntervalMatrix, scaled: &Scaled, hull: &Hull) -> Outcome {
         );
     };
     let mut outcome = Outcome::enclosed(value, Certificate::Regular(witness));
-    let gap = hull.gap();
-    outcome.gap = Some(gap);
-    if gap > 0.0 {
+    outcome.gap = Some(0.0);
+    if hull.ended {
+        let gap = hull.gap();
+        outcome.gap = Some(gap);
         outcome.reason = Some(format!("the budget of cells ended; a bound may be too wide by up to {gap:.3e}"));
     }
     outcome
@@ -80,18 +83,22 @@ struct Hull {
     upper: Vec<f64>,
     attained_lower: Vec<f64>,
     attained_upper: Vec<f64>,
+    /// Whether the budget ended before every cell was settled.
+    ended: bool,
 }
 
 enum Division {
     Hull(Hull),
-    Singular(Vec<f64>),
+    Singular(SingularMember),
     Open(usize),
 }
 
 /// What one cell says.
 enum Cell {
-    Settled(Settled),
-    Singular(Vec<f64>),
+    Hull(Ends),
+    Regular { enclosure: IntervalMatrix, attained: Option<Ends> },
+    Singular(SingularMember),
+    Open,
 }
 
 fn divide(a: &IntervalMatrix, cells: usize) -> Division {
@@ -101,6 +108,7 @@ fn divide(a: &IntervalMatrix, cells: usize) -> Division {
         upper: vec![f64::NEG_INFINITY; n * n],
         attained_lower: vec![f64::INFINITY; n * n],
         attained_upper: vec![f64::NEG_INFINITY; n * n],
+        ended: false,
     };
     let mut level = vec![a.clone()];
     let mut examined = 0;
@@ -110,15 +118,15 @@ fn divide(a: &IntervalMatrix, cells: usize) -> Division {
         let mut open: Vec<(IntervalMatrix, Option<IntervalMatrix>)> = Vec::new();
         for (cell, answer) in level.into_iter().zip(answers) {
             match answer {
-                Cell::Singular(x) => return Division::Singular(x),
-                Cell::Settled(Settled::Hull { ends, .. }) => hull.include(&ends),
-                Cell::Settled(Settled::Regular { enclosure, attained }) => {
+                Cell::Singular(member) => return Division::Singular(member),
+                Cell::Hull(ends) => hull.include(&ends),
+                Cell::Regular { enclosure, attained } => {
                     if let Some(ends) = attained {
                         hull.include(&ends);
                     }
                     open.push((cell, Some(enclosure)));
                 }
-                Cell::Settled(Settled::Open) => open.push((cell, None)),
+                Cell::Open => open.push((cell, None)),
             }
         }
         open.retain(|(_, enclosure)| !enclosure.as_ref().is_some_and(|e| hull.holds(e)));
@@ -130,7 +138,10 @@ fn divide(a: &IntervalMatrix, cells: usize) -> Division {
             let cut = if enough { largest_smear(&cell, magnitude.as_deref()) } else { None };
             match (cut, enclosure) {
                 (Some((entry, value)), _) => next.extend(<[IntervalMatrix; 2]>::from(halves(&cell, entry, value))),
-                (None, Some(enclosure)) => hull.widen(&enclosure),
+                (None, Some(enclosure)) => {
+                    hull.ended = true;
+                    hull.widen(&enclosure);
+                }
                 (None, None) => return Division::Open(examined),
             }
         }
@@ -141,11 +152,14 @@ fn divide(a: &IntervalMatrix, cells: usize) -> Division {
 
 fn look(cell: &IntervalMatrix) -> Cell {
     match settle(cell) {
-        Settled::Open => match null_vector(cell) {
-            Some(x) => Cell::Singular(x),
-            None => Cell::Settled(Settled::Open),
+        Settled::Hull { ends, .. } => Cell::Hull(ends),
+        Settled::Regular { enclosure, attained } => Cell::Regular { enclosure, attained },
+        Settled::Open if cell.rows() <= VERTEX_LIMIT => match by_determinants(cell) {
+            Regularity::Singular(member) => Cell::Singular(member),
+            Regularity::Regular(_) => by_sign_accord(cell, None).map_or(Cell::Open, Cell::Hull),
+            Regularity::NotProved => Cell::Open,
         },
-        settled => Cell::Settled(settled),
+        Settled::Open => null_vector(cell).map_or(Cell::Open, |x| Cell::Singular(SingularMember::NullVector(x))),
     }
 }
 
@@ -155,7 +169,7 @@ fn fold(into: &mut [f64], from: &[f64], choose: fn(f64, f64) -> f64) {
 
 impl Hull {
     /// The exact hull of a cell, or what some of its members attain: bounds of their values from both sides.
-    fn include(&mut self, ends: &super::exact::Ends) {
+    fn include(&mut self, ends: &Ends) {
         fold(&mut self.lower, &ends.lower, f64::min);
         fold(&mut self.upper, &ends.upper, f64::max);
         fold(&mut self.attained_lower, &ends.attained_lower, f64::min);
@@ -174,13 +188,9 @@ impl Hull {
         below && enclosure.hi().iter().zip(&self.attained_upper).all(|(x, a)| x <= a)
     }
 
-    /// The largest distance of a bound from what is attained, beyond rounding; an upper bound.
+    /// The largest distance of a bound from what is attained, an upper bound.
     fn gap(&self) -> f64 {
-        let one = |(outer, inner): (&f64, &f64)| {
-            let distance = (outer - inner).abs();
-            // Ends next to an attained double are exact.
-            if distance <= 4.0 * f64::EPSILON * outer.abs() { 0.0 } else { distance.next_up() }
-        };
+        let one = |(outer, inner): (&f64, &f64)| (outer - inner).abs().next_up();
         let lower = self.lower.iter().zip(&self.attained_lower).map(one);
         lower.chain(self.upper.iter().zip(&self.attained_upper).map(one)).fold(0.0, f64::max)
     }

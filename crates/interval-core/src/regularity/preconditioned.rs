@@ -54,38 +54,60 @@ pub(crate) fn split(a: &IntervalMatrix) -> (Vec<f64>, Vec<f64>) {
     (middle, spread)
 }
 
+/// Up to this order the product of the radii too is summed in twice the working precision.
+const ACCURATE: usize = 64;
+
 /// Upper bounds of `|I - R A|` for every member.
+#[expect(clippy::cast_precision_loss, reason = "an order, far below 2^53")]
 pub(crate) fn deviation(r: &[f64], middle: &[f64], spread: &[f64], n: usize) -> Vec<f64> {
     let size: Vec<f64> = r.iter().map(|x| x.abs()).collect();
-    let reach = approximate::product(&size, spread, n, n, n);
     let (mut rest, mut magnitude) = (vec![0.0; n * n], vec![0.0; n * n]);
-    residual(Backend::chosen(), r, middle, n, &mut rest, &mut magnitude);
-    #[expect(clippy::cast_precision_loss, reason = "an order, far below 2^53")]
+    accurate_product(Backend::chosen(), r, middle, -1.0, &mut rest, &mut magnitude);
     let terms = n as f64 + 2.0;
     let gamma = 2.0 * terms * UNIT;
-    let growth = 1.0 + 4.0 * (terms + 8.0) * UNIT;
-    let tiny = 64.0 * terms * SMALLEST;
-    let bound = |at: usize| (rest[at].abs() + gamma * gamma * magnitude[at] + reach[at]) * growth + tiny;
+    let (reach, terms) = if n <= ACCURATE {
+        let (mut reach, mut sums) = (vec![0.0; n * n], vec![0.0; n * n]);
+        accurate_product(Backend::chosen(), &size, spread, 0.0, &mut reach, &mut sums);
+        // Without cancellation the compensated sum is right to the last bit but for gamma^2.
+        (reach, 2.0)
+    } else {
+        (approximate::product(&size, spread, n, n, n), terms)
+    };
+    // The relative error of the product of radii, two additions, this multiplication and the rounding of its factor.
+    let growth = 1.0 + (terms + 4.0) * UNIT;
+    let tiny = 64.0 * (n as f64 + 4.0) * SMALLEST;
+    let bound = |at: usize| {
+        // Zeros that are structural stay zeros, and with them those of the inverse.
+        if rest[at] == 0.0 && magnitude[at] == 0.0 && reach[at] == 0.0 {
+            let (row, column) = (&r[at / n * n..][..n], at % n);
+            let vanishes = |k: usize| middle[k * n + column] == 0.0 && spread[k * n + column] == 0.0;
+            if row.iter().enumerate().all(|(k, &x)| x == 0.0 || vanishes(k)) {
+                return 0.0;
+            }
+        }
+        (rest[at].abs() + gamma * gamma * magnitude[at] + reach[at]) * growth + tiny
+    };
     (0..n * n).map(bound).collect()
 }
 
-backends!(fn residual(r: &[f64], m: &[f64], n: usize, rest: &mut [f64], size: &mut [f64]) = residual_rows);
+backends!(fn accurate_product(r: &[f64], m: &[f64], diagonal: f64, rest: &mut [f64], size: &mut [f64]) = product_rows);
 
-/// `R m - I` in twice the working precision, and the sums of the magnitudes of its terms.
+/// `R m` plus a number on the diagonal in twice the working precision, and the sums of the magnitudes of its terms.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
-fn residual_rows<V: Vector>(r: &[f64], m: &[f64], n: usize, rest: &mut [f64], size: &mut [f64]) {
+fn product_rows<V: Vector>(r: &[f64], m: &[f64], diagonal: f64, rest: &mut [f64], size: &mut [f64]) {
+    let n = r.len().isqrt();
     for i in 0..n {
         let row = &r[i * n..][..n];
         let mut j = 0;
         while j + V::N <= n {
-            let (value, magnitude) = entries::<V>(row, m, n, i, j);
+            let (value, magnitude) = entries::<V>(row, m, diagonal, i, j);
             value.store(&mut rest[i * n + j..]);
             magnitude.store(&mut size[i * n + j..]);
             j += V::N;
         }
         while j < n {
-            let (value, magnitude) = entries::<One>(row, m, n, i, j);
+            let (value, magnitude) = entries::<One>(row, m, diagonal, i, j);
             value.store(&mut rest[i * n + j..]);
             magnitude.store(&mut size[i * n + j..]);
             j += 1;
@@ -95,8 +117,9 @@ fn residual_rows<V: Vector>(r: &[f64], m: &[f64], n: usize, rest: &mut [f64], si
 
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
-fn entries<V: Vector>(row: &[f64], m: &[f64], n: usize, i: usize, j: usize) -> (V, V) {
-    let mut sum = V::from_fn(|lane| if i == j + lane { -1.0 } else { 0.0 });
+fn entries<V: Vector>(row: &[f64], m: &[f64], diagonal: f64, i: usize, j: usize) -> (V, V) {
+    let n = row.len();
+    let mut sum = V::from_fn(|lane| if i == j + lane { diagonal } else { 0.0 });
     let mut tail = V::splat(0.0);
     let mut size = sum.abs();
     for (k, &factor) in row.iter().enumerate() {

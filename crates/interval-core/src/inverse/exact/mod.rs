@@ -23,7 +23,7 @@ use crate::matrix::IntervalMatrix;
 use crate::regularity::{Preconditioned, Regularity, VERTEX_LIMIT, Witness, regularity};
 use crate::scaling::Scaled;
 use crate::status::Status;
-pub(crate) use ends::Ends;
+pub(crate) use ends::{Ends, by_sign_accord};
 
 /// The largest order for sign accord: `n 2^n` systems.
 pub const ACCORD_LIMIT: usize = 12;

@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 OUT ?= out/demo
 RUST_SOURCES := $(shell find crates -name '*.rs' -o -name 'Cargo.toml') Cargo.toml Cargo.lock
 
-.PHONY: demo test check bench peers itf1788 differential fuzz docs build format clean
+.PHONY: demo test check bench peers inverse-peers throughput exhaustive itf1788 differential fuzz docs build format clean
 
 demo: build
 	$(BIN)/ivsid demo --out $(OUT)
@@ -46,6 +46,19 @@ CASES ?= 1e8
 differential: build
 	IVSID_CASES=$(CASES) $(BIN)/pytest -n auto tests/python/test_oracle.py
 	IVSID_CASES=$(CASES) cargo test --locked --release --test slices
+
+# Inverses: verdicts on regularity by exact determinants, members of every family inside every enclosure; some minutes.
+MATRICES ?= 1e5
+exhaustive:
+	IVSID_CASES=$(MATRICES) cargo test --locked --release --test regularity --test hull --test inverse
+
+# The sweep and the hulls beside peers that are installed; the figure of the sweep for the docs.
+inverse-peers: build
+	$(BIN)/python benches/inverse_peers.py
+
+throughput: build
+	cargo bench --locked --bench inverse -- sweep
+	$(BIN)/python benches/throughput.py docs/throughput.png
 
 # Seconds of mutated literals for the text parser.
 SECONDS ?= 600

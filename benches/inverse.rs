@@ -1,13 +1,15 @@
-//! Inverses: the published sweep against the number of partitions, and the rigorous methods.
+//! Inverses: the published sweep against N, n and threads; the exact hull; enclosures of large matrices.
+//!
+//! `python benches/throughput.py` turns the sweep's part into a figure, `python benches/inverse_peers.py` sets it beside peers.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use interval_core::{IntervalMatrix, inverse};
 use std::hint::black_box;
 use std::time::Duration;
 
-/// `n I + U(-1, 1)` with radii of 1 %, from a fixed sequence.
-fn dominant(n: usize) -> IntervalMatrix {
-    let mut state = 1_u64;
+/// `n I + U(-1, 1)` with relative radii, from a fixed sequence.
+fn dominant(n: usize, radius: f64, seed: u64) -> IntervalMatrix {
+    let mut state = seed;
     let centre: Vec<f64> = (0..n * n)
         .map(|i| {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -15,35 +17,72 @@ fn dominant(n: usize) -> IntervalMatrix {
             if i.is_multiple_of(n + 1) { unit + f64::from(u32::try_from(n).unwrap_or(0)) } else { unit }
         })
         .collect();
-    let lo = centre.iter().map(|c| c - 0.01 * c.abs()).collect();
-    let hi = centre.iter().map(|c| c + 0.01 * c.abs()).collect();
+    let lo = centre.iter().map(|c| c - radius * c.abs()).collect();
+    let hi = centre.iter().map(|c| c + radius * c.abs()).collect();
     IntervalMatrix::new(n, n, lo, hi).expect("a good matrix")
 }
 
+fn pool(threads: usize) -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads")
+}
+
 fn sweep(c: &mut Criterion) {
-    for n in [3, 6] {
-        let a = dominant(n);
-        let mut group = c.benchmark_group(format!("published n={n}"));
-        group.warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1)).sample_size(10);
-        for partitions in [1_000_u64, 10_000, 100_000, 1_000_000] {
-            group.throughput(Throughput::Elements(2 * partitions));
-            group.bench_with_input(BenchmarkId::from_parameter(partitions), &partitions, |b, &p| {
-                b.iter(|| inverse::published(black_box(&a), p));
-            });
+    for threads in [1, 2] {
+        let pool = pool(threads);
+        for (n, largest) in
+            [(1, 8), (2, 8), (3, 8), (4, 7), (6, 7), (8, 6), (12, 6), (20, 5), (32, 4), (50, 4), (64, 4)]
+        {
+            let a = dominant(n, 0.01, 1);
+            let mut group = c.benchmark_group(format!("sweep/n={n}/threads={threads}"));
+            group.warm_up_time(Duration::from_millis(200)).measurement_time(Duration::from_millis(800)).sample_size(10);
+            for power in 3..=largest {
+                let partitions = 10_u64.pow(power);
+                group.throughput(Throughput::Elements(2 * partitions));
+                group.bench_with_input(BenchmarkId::from_parameter(partitions), &partitions, |b, &p| {
+                    pool.install(|| b.iter(|| inverse::published(black_box(&a), p)));
+                });
+            }
         }
     }
 }
 
-fn rigorous(c: &mut Criterion) {
-    let mut group = c.benchmark_group("rigorous");
+fn hull(c: &mut Criterion) {
+    let mut group = c.benchmark_group("hull");
     group.warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1)).sample_size(20);
-    group.bench_function("exact n=3", |b| b.iter(|| inverse::exact(black_box(&dominant(3)))));
-    group.bench_function("cramer n=3", |b| b.iter(|| inverse::cramer(black_box(&dominant(3)))));
-    for n in [3, 10] {
-        let a = dominant(n);
-        group.bench_function(format!("krawczyk n={n}"), |b| b.iter(|| inverse::krawczyk(black_box(&a))));
+    let three = dominant(3, 0.01, 1);
+    group.bench_function("exact n=3", |b| b.iter(|| inverse::exact(black_box(&three))));
+    let many: Vec<IntervalMatrix> = (0..1000).map(|seed| dominant(3, 0.01, seed)).collect();
+    let join = |f: fn(&IntervalMatrix) -> &[f64]| many.iter().flat_map(|a| f(a).to_vec()).collect::<Vec<f64>>();
+    let (lo, hi) = (join(IntervalMatrix::lo), join(IntervalMatrix::hi));
+    group.throughput(Throughput::Elements(1000));
+    let one = pool(1);
+    group.bench_function("batch of 1000 n=3", |b| {
+        one.install(|| b.iter(|| inverse::exact_batch(3, black_box(&lo), black_box(&hi))));
+    });
+    group.throughput(Throughput::Elements(1));
+    for n in [4, 6, 8, 10] {
+        // Signs vary: every sign vector counts.
+        let a = dominant(n, 0.1, 1);
+        group.bench_function(format!("exact n={n}"), |b| b.iter(|| inverse::exact(black_box(&a))));
+    }
+    group.bench_function("by vertices n=3", |b| b.iter(|| inverse::exact_by_vertices(black_box(&three))));
+    group.bench_function("cramer n=3", |b| b.iter(|| inverse::cramer(black_box(&three))));
+}
+
+fn enclosure(c: &mut Criterion) {
+    let mut group = c.benchmark_group("enclosure");
+    group.warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1)).sample_size(10);
+    let one = pool(1);
+    for n in [3, 10, 50, 100, 200] {
+        let a = dominant(n, 0.01, 1);
+        group.bench_function(format!("hansen-bliek-rohn n={n}"), |b| {
+            one.install(|| b.iter(|| inverse::hansen_bliek_rohn(black_box(&a))));
+        });
+        if n <= 10 {
+            group.bench_function(format!("krawczyk n={n}"), |b| b.iter(|| inverse::krawczyk(black_box(&a))));
+        }
     }
 }
 
-criterion_group!(benches, sweep, rigorous);
+criterion_group!(benches, sweep, hull, enclosure);
 criterion_main!(benches);

@@ -90,9 +90,20 @@ fn member(a: &IntervalMatrix, random: &mut Random) -> Vec<f64> {
 fn enclosures_hold_exact_members() {
     let mut random = Random(11);
     let mut enclosed = [0; METHODS.len()];
+    // IVSID_CASES asks for the long run: more seeds and all families of order 50.
+    let long = std::env::var("IVSID_CASES").is_ok();
     for n in [1, 2, 3, 4, 5, 7, 10, 13, 20, 50] {
-        for seed in 0..if n < 20 { 3 } else { 1 } {
+        for seed in 0..if n > 10 {
+            1
+        } else if long {
+            20
+        } else {
+            1
+        } {
             for (name, a) in families(n, seed) {
+                if n > 13 && !long && !["diagonally dominant", "singular", "badly scaled"].contains(&name) {
+                    continue;
+                }
                 let outcomes: Vec<Option<Outcome>> = (METHODS.iter())
                     .map(|(method, run)| {
                         // Two methods whose cost is not that of a bench for every order.
@@ -106,7 +117,9 @@ fn enclosures_hold_exact_members() {
                     enclosed[k] += usize::from(proved);
                     assert_eq!(proved, outcome.enclosure().is_some(), "{name}, n = {n}");
                     assert_eq!(outcome.status == Status::Singular || proved, outcome.certificate.is_some());
-                    if n <= 10 && let Some(certificate) = &outcome.certificate {
+                    if n <= 10
+                        && let Some(certificate) = &outcome.certificate
+                    {
                         assert!(certificate.verify(&a), "{name}, n = {n}, {}", METHODS[k].0);
                     }
                 }
@@ -118,7 +131,8 @@ fn enclosures_hold_exact_members() {
                         for (k, outcome) in outcomes.iter().enumerate() {
                             let Some(value) = outcome.as_ref().and_then(Outcome::enclosure) else { continue };
                             let method = METHODS[k].0;
-                            let column = column.as_ref().unwrap_or_else(|| panic!("{method}, {name}: a singular member"));
+                            let column =
+                                column.as_ref().unwrap_or_else(|| panic!("{method}, {name}: a singular member"));
                             for i in 0..n {
                                 let e = value.get(i, j);
                                 assert!(q(e.lo()) <= column[i] && column[i] <= q(e.hi()), "{method}, {name}, n = {n}");
@@ -173,7 +187,7 @@ fn is_tight(value: &IntervalMatrix, hull: &[(BigRational, BigRational)]) -> bool
 fn exact_and_partitioned_are_the_hull() {
     let mut met = 0;
     for n in 1..=5 {
-        for seed in 30..if n < 4 { 34 } else { 31 } {
+        for seed in 30..if n < 4 { 33 } else { 31 } {
             for (name, a) in families(n, seed) {
                 if n == 5 && !["mass", "random", "sign-mixed", "wide", "permuted"].contains(&name) {
                     continue;
@@ -209,7 +223,9 @@ fn regular_but_not_strongly_regular() {
         let exactly: Vec<BigRational> = centre.iter().map(|&c| q(c)).collect();
         let Some(inverse) = invert(&exactly, n).1 else { continue };
         let product: Vec<f64> = (0..n * n)
-            .map(|at| (0..n).map(|k| inverse[(at / n) * n + k].to_f64().unwrap_or(0.0).abs() * radius[k * n + at % n]).sum())
+            .map(|at| {
+                (0..n).map(|k| inverse[(at / n) * n + k].to_f64().unwrap_or(0.0).abs() * radius[k * n + at % n]).sum()
+            })
             .collect();
         let mut v = vec![1.0; n];
         let mut rho = 0.0;
@@ -249,7 +265,7 @@ fn closed_form(a: &IntervalMatrix) -> Option<(Vec<(BigRational, BigRational)>, f
     };
     let size: Vec<BigRational> = p.iter().map(BigRational::abs).collect();
     let g = product(&size, &radius);
-    let one = |at: usize| if at % (n + 1) == 0 { BigRational::one() } else { BigRational::zero() };
+    let one = |at: usize| if at.is_multiple_of(n + 1) { BigRational::one() } else { BigRational::zero() };
     let m = invert(&g.iter().enumerate().map(|(at, x)| one(at) - x).collect::<Vec<_>>(), n).1?;
     if m.iter().any(BigRational::is_negative) {
         return None;
@@ -304,16 +320,17 @@ fn unit_midpoint() {
         let mut random = Random(n as u64);
         let radius: Vec<f64> = (0..n * n).map(|_| (random.bits() % 64) as f64 / (70.0 * 64.0 * n as f64)).collect();
         let radius: Vec<f64> = radius.iter().map(|r| (r * 1024.0).round() / 1024.0).collect();
-        let unit: Vec<f64> = (0..n * n).map(|at| f64::from(u8::from(at % (n + 1) == 0))).collect();
+        let unit: Vec<f64> = (0..n * n).map(|at| f64::from(u8::from(at.is_multiple_of(n + 1)))).collect();
         let a = matrix(n, &unit, &radius);
         let outcome = exact(&a).expect("square");
         let value = outcome.enclosure().unwrap_or_else(|| panic!("{:?}", outcome.reason));
-        let one = |at: usize| if at % (n + 1) == 0 { BigRational::one() } else { BigRational::zero() };
-        let m = invert(&radius.iter().enumerate().map(|(at, r)| one(at) - q(*r)).collect::<Vec<_>>(), n).1.expect("small");
+        let one = |at: usize| if at.is_multiple_of(n + 1) { BigRational::one() } else { BigRational::zero() };
+        let m =
+            invert(&radius.iter().enumerate().map(|(at, r)| one(at) - q(*r)).collect::<Vec<_>>(), n).1.expect("small");
         let truth: Vec<(BigRational, BigRational)> = (m.iter().enumerate())
             .map(|(at, x)| {
                 let two = x + x - BigRational::one();
-                if at % (n + 1) == 0 { (x / two, x.clone()) } else { (-x.clone(), x.clone()) }
+                if at.is_multiple_of(n + 1) { (x / two, x.clone()) } else { (-x.clone(), x.clone()) }
             })
             .collect();
         assert!(is_tight(value, &truth), "n = {n}");
@@ -326,7 +343,7 @@ fn a_budget_that_ends_is_said() {
     let n = 14;
     let mut random = Random(3);
     let centre: Vec<f64> =
-        (0..n * n).map(|at| 0.3 * random.unit() + if at % (n + 1) == 0 { 4.0 } else { 0.0 }).collect();
+        (0..n * n).map(|at| 0.3 * random.unit() + if at.is_multiple_of(n + 1) { 4.0 } else { 0.0 }).collect();
     let a = matrix(n, &centre, &vec![0.02; n * n]);
     assert_eq!(exact(&a).expect("square").status, Status::NotApplicable);
     let few = partitioned(&a, 3).expect("square");
@@ -344,7 +361,7 @@ fn larger_orders_with_fixed_signs_are_exact() {
     for n in [13, 30] {
         let mut random = Random(n as u64);
         let centre: Vec<f64> = (0..n * n)
-            .map(|at| if at % (n + 1) == 0 { 2.0 * n as f64 } else { -1.0 - 0.5 * random.unit() })
+            .map(|at| if at.is_multiple_of(n + 1) { 2.0 * n as f64 } else { -1.0 - 0.5 * random.unit() })
             .collect();
         let a = matrix(n, &centre, &relative(&centre, 0.01));
         // An M-matrix: Kuttler's hull is another proof of the same numbers.
@@ -397,9 +414,8 @@ fn systems_are_enclosed_and_exact_ones_are_attained() {
                 let wider = systems::gauss_seidel(&a, &b).expect("shapes fit");
                 if let Some(wider) = wider.enclosure() {
                     let slack = |x: f64| 4.0 * f64::EPSILON * x.abs();
-                    let inside = |w: Interval, e: Interval| {
-                        w.lo() <= e.lo() + slack(e.lo()) && e.hi() - slack(e.hi()) <= w.hi()
-                    };
+                    let inside =
+                        |w: Interval, e: Interval| w.lo() <= e.lo() + slack(e.lo()) && e.hi() - slack(e.hi()) <= w.hi();
                     assert!(wider.entries().zip(value.entries()).all(|(w, e)| inside(w, e)), "{name}, n = {n}");
                 }
             }

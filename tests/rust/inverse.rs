@@ -144,8 +144,7 @@ fn hansen_bliek_rohn_is_close_to_the_hull() {
             for (name, a) in families(n, seed) {
                 let (value, hull) = (hansen_bliek_rohn(&a).expect("square"), exact(&a).expect("square"));
                 let (Some(value), Some(hull)) = (value.enclosure(), hull.enclosure()) else { continue };
-                let width =
-                    |e: &IntervalMatrix| -> f64 { e.hi().iter().zip(e.lo()).map(|(h, l)| h - l).sum() };
+                let width = |e: &IntervalMatrix| -> f64 { e.hi().iter().zip(e.lo()).map(|(h, l)| h - l).sum() };
                 if ["diagonally dominant", "mass", "random", "unit midpoint"].contains(&name) {
                     ratios.push(width(value) / width(hull));
                 }

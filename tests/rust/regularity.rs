@@ -1,5 +1,10 @@
 //! Verdicts on regularity: never wrong, and each certificate holds in exact arithmetic.
-#![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "test data are small numbers")]
+#![allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "test data are small numbers"
+)]
 
 mod common;
 
@@ -30,7 +35,13 @@ fn is_regular(a: &IntervalMatrix) -> bool {
             .map(|at| if ((y >> (at / n)) ^ (z >> (at % n))) & 1 == 1 { q(a.hi()[at]) } else { q(a.lo()[at]) })
             .collect();
         let determinant = determinant(&vertex, n);
-        let this = if determinant.is_zero() { 0 } else if determinant.is_positive() { 1 } else { -1 };
+        let this = if determinant.is_zero() {
+            0
+        } else if determinant.is_positive() {
+            1
+        } else {
+            -1
+        };
         if sign == 0 {
             sign = this;
         }
@@ -44,8 +55,7 @@ fn determinant(a: &[BigRational], n: usize) -> BigRational {
         return a[0].clone();
     }
     (0..n).fold(BigRational::zero(), |sum, j| {
-        let minor: Vec<BigRational> =
-            (n..n * n).filter(|at| at % n != j).map(|at| a[at].clone()).collect();
+        let minor: Vec<BigRational> = (n..n * n).filter(|at| at % n != j).map(|at| a[at].clone()).collect();
         let term = &a[j] * determinant(&minor, n - 1);
         if j % 2 == 0 { sum + term } else { sum - term }
     })
@@ -93,7 +103,7 @@ fn larger_matrices_have_certificates_that_hold() {
             .map(|at| {
                 let orthogonal = (0.5 + (at / n) as f64) * (0.5 + (at % n) as f64);
                 match case % 3 {
-                    0 => random.unit() + if at % (n + 1) == 0 { 2.0 } else { 0.0 },
+                    0 => random.unit() + if at.is_multiple_of(n + 1) { 2.0 } else { 0.0 },
                     // A cosine transform: orthogonal, so small radii everywhere keep it regular.
                     1 => (std::f64::consts::PI * orthogonal / n as f64).cos(),
                     _ => random.unit(),

@@ -11,8 +11,9 @@ use std::time::{Duration, Instant};
 
 fn matrix(n: usize, relative: f64, seed: u64) -> IntervalMatrix {
     let mut random = Random(seed);
-    let centre: Vec<f64> =
-        (0..n * n).map(|at| random.unit() + if at.is_multiple_of(n + 1) { 1.0 + 0.6 * n as f64 } else { 0.0 }).collect();
+    let centre: Vec<f64> = (0..n * n)
+        .map(|at| random.unit() + if at.is_multiple_of(n + 1) { 1.0 + 0.6 * n as f64 } else { 0.0 })
+        .collect();
     let ends = |sign: f64| centre.iter().map(|c| c + sign * relative * c.abs()).collect();
     IntervalMatrix::new(n, n, ends(-1.0), ends(1.0)).expect("a good matrix")
 }

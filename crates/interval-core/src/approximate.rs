@@ -1,7 +1,7 @@
 //! Approximations in plain floats. Nothing here is a bound: a proof has to close around it.
 
-use faer::{Accum, MatMut, MatRef, Par};
 use faer::linalg::solvers::DenseSolveCore;
+use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::{DMatrix, DVector};
 
 /// An approximate inverse of an `n` by `n` matrix, row-major; `None` where elimination meets a zero pivot or overflows.
@@ -72,6 +72,16 @@ pub(crate) fn least_squares(a: &[f64], b: &[f64], n: usize) -> Vec<f64> {
         Some(x) if x.iter().all(|v: &f64| v.is_finite()) => x.iter().zip(&scale).map(|(v, s)| v * s).collect(),
         _ => vec![0.0; n],
     }
+}
+
+/// The right singular vector of the least singular value, scaled to a largest entry of 1.
+pub(crate) fn least_singular_vector(a: &[f64], n: usize) -> Option<Vec<f64>> {
+    let svd = DMatrix::from_row_slice(n, n, a).try_svd(false, true, f64::EPSILON, 1000)?;
+    let right = svd.v_t?;
+    let (least, _) = svd.singular_values.iter().enumerate().min_by(|x, y| x.1.total_cmp(y.1))?;
+    let x: Vec<f64> = right.row(least).iter().copied().collect();
+    let largest = x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    (largest > 0.0).then(|| x.iter().map(|v| v / largest).collect())
 }
 
 /// Elimination with partial pivoting: which row stands at each pivot, and the sizes of the pivots. Rows without a usable pivot stay in

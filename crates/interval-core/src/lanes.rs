@@ -4,7 +4,10 @@
 //! the bits do not depend on the width; `mul_add` is fused on every back end.
 
 #![expect(clippy::inline_always, reason = "the operations are compiled inside functions with wider instruction sets")]
-#![cfg_attr(target_arch = "x86_64", expect(unsafe_code, reason = "intrinsics; reached only where the processor has them"))]
+#![cfg_attr(
+    target_arch = "x86_64",
+    expect(unsafe_code, reason = "intrinsics; reached only where the processor has them")
+)]
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -282,14 +285,14 @@ mod x86 {
 
 /// Defines a function with a back end as its first argument from a kernel that is generic over the vector.
 macro_rules! backends {
-    ($(#[$meta:meta])* fn $name:ident($($arg:ident: $type:ty),* $(,)?) $(-> $ret:ty)? = $kernel:ident) => {
+    ($(#[$meta:meta])* $vis:vis fn $name:ident($($arg:ident: $type:ty),* $(,)?) $(-> $ret:ty)? = $kernel:ident) => {
         $(#[$meta])*
         #[cfg_attr(
             target_arch = "x86_64",
             expect(unsafe_code, reason = "the processor is asked for the features before they are used")
         )]
         #[allow(clippy::too_many_arguments, reason = "the arguments of the kernel")]
-        fn $name(backend: $crate::rounding::slices::Backend, $($arg: $type),*) $(-> $ret)? {
+        $vis fn $name(backend: $crate::rounding::slices::Backend, $($arg: $type),*) $(-> $ret)? {
             #[cfg(target_arch = "x86_64")]
             {
                 use $crate::rounding::slices::Backend;

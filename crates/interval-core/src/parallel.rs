@@ -40,11 +40,7 @@ pub(crate) fn try_map_reduce<T: Send>(
 
 /// `merge` of `map(0)`, `map(1)`, ...; `None` as soon as one of them is.
 #[cfg(not(feature = "rayon"))]
-pub(crate) fn try_map_reduce<T>(
-    count: u64,
-    map: impl Fn(u64) -> Option<T>,
-    merge: impl Fn(T, T) -> T,
-) -> Option<T> {
+pub(crate) fn try_map_reduce<T>(count: u64, map: impl Fn(u64) -> Option<T>, merge: impl Fn(T, T) -> T) -> Option<T> {
     let first = map(0)?;
     (1..count).try_fold(first, |sum, i| Some(merge(sum, map(i)?)))
 }

@@ -49,13 +49,15 @@ fn regular(a: &IntervalMatrix, witness: &Witness) -> bool {
             *norm < 1.0 && contracts(a, approximate_inverse, &vec![1.0; n])
         }
         Witness::ScaledContraction { approximate_inverse, vector } => contracts(a, approximate_inverse, vector),
-        Witness::NonnegativeInverses => [a.lo(), a.hi()].into_iter().all(|m| {
-            exact::inverse(m, n).is_some_and(|(_, inverse)| inverse.iter().all(|x| !x.is_negative()))
-        }),
+        Witness::NonnegativeInverses => [a.lo(), a.hi()]
+            .into_iter()
+            .all(|m| exact::inverse(m, n).is_some_and(|(_, inverse)| inverse.iter().all(|x| !x.is_negative()))),
         Witness::PositiveDefinite { shift, vector, congruence } => positive_definite(a, *shift, vector, congruence),
         Witness::Cells(cell) => cell_is_regular(a, cell),
         Witness::VertexDeterminants { sign } => {
-            *sign != 0 && n <= VERTEX_LIMIT && crate::regularity::vertices(a).all(|v| exact::determinant_sign(&v, n) == *sign)
+            *sign != 0
+                && n <= VERTEX_LIMIT
+                && crate::regularity::vertices(a).all(|v| exact::determinant_sign(&v, n) == *sign)
         }
     }
 }
@@ -133,9 +135,8 @@ fn positive_definite(a: &IntervalMatrix, shift: f64, w: &[f64], x: &[f64]) -> bo
         (0..n).fold(BigRational::zero(), |sum, j| sum + &matrix[i * n + j] * &v[j])
     };
     let image: Vec<BigRational> = (0..n).map(|i| row(&d, &w, i)).collect();
-    let small = (0..n).all(|j| {
-        (0..n).fold(BigRational::zero(), |sum, i| sum + &d[i * n + j] * &image[i]) <= &shift * &w[j]
-    });
+    let small =
+        (0..n).all(|j| (0..n).fold(BigRational::zero(), |sum, i| sum + &d[i * n + j] * &image[i]) <= &shift * &w[j]);
     let product = |p: &[BigRational], q: &[BigRational], transposed: bool| -> Vec<BigRational> {
         let entry = |at: usize| {
             let (i, j) = (at / n, at % n);

@@ -28,7 +28,6 @@ pub(crate) use multiprecision::{Bracket, atan2 as ball_atan2, pi, settle};
 pub(crate) use power::{log_ratio, pow, pown, root};
 pub(crate) use trigonometric::Angle;
 
-
 impl Bracket {
     pub(crate) const fn exact(x: f64) -> Self {
         Self { down: x, up: x }

@@ -5,8 +5,8 @@ use crate::matrix::IntervalMatrix;
 use nalgebra::{DMatrix, Dim, Matrix, RawStorage, SMatrix};
 
 /// The bounds of a matrix, lower and upper.
-impl<R: Dim, C: Dim, S: RawStorage<f64, R, C>, T: RawStorage<f64, R, C>> TryFrom<(&Matrix<f64, R, C, S>, &Matrix<f64, R, C, T>)>
-    for IntervalMatrix
+impl<R: Dim, C: Dim, S: RawStorage<f64, R, C>, T: RawStorage<f64, R, C>>
+    TryFrom<(&Matrix<f64, R, C, S>, &Matrix<f64, R, C, T>)> for IntervalMatrix
 {
     type Error = Error;
 

@@ -50,13 +50,13 @@ fn examine(a: &IntervalMatrix, budget: &mut usize, depth: usize) -> Verdict {
     }
     *budget -= 1;
     let preconditioned = Preconditioned::new(a);
-    if let Some(p) = &preconditioned {
-        if let Some(vector) = p.contracted() {
-            return Verdict::Regular(Cell::Regular { approximate_inverse: p.r.clone(), vector });
-        }
-        if let Some(x) = null_vector(a) {
-            return Verdict::Singular(x);
-        }
+    if let Some(p) = &preconditioned
+        && let Some(vector) = p.contracted()
+    {
+        return Verdict::Regular(Cell::Regular { approximate_inverse: p.r.clone(), vector });
+    }
+    if let Some(x) = null_vector(a) {
+        return Verdict::Singular(x);
     }
     let Some((entry, value)) = largest_smear(a, preconditioned.as_ref().map(|p| p.r.as_slice())) else {
         return Verdict::Open;

@@ -151,4 +151,3 @@ pub(crate) fn vertices(a: &IntervalMatrix) -> impl Iterator<Item = Vec<f64>> + '
         vertex
     })
 }
-

@@ -38,9 +38,8 @@ fn is_positive_definite(s: &IntervalMatrix, congruence: &[f64]) -> bool {
     let n = s.rows();
     let x = IntervalMatrix::from_points(n, n, congruence);
     let Ok(product) = x.multiply(s).and_then(|xs| xs.multiply(&x.transpose())) else { return false };
-    let entries: Vec<Interval> = (product.entries().enumerate())
-        .map(|(at, e)| if at % (n + 1) == 0 { Interval::ONE - e } else { -e })
-        .collect();
+    let entries: Vec<Interval> =
+        (product.entries().enumerate()).map(|(at, e)| if at % (n + 1) == 0 { Interval::ONE - e } else { -e }).collect();
     IntervalMatrix::from_entries(n, n, &entries).norm() < 1.0
 }
 

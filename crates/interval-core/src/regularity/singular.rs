@@ -16,12 +16,19 @@ const MARGINS: [f64; 2] = [1.0 - 1e-6, 1.0];
 
 /// A proved null vector of some member; `None` where the search finds none.
 pub(super) fn search(a: &IntervalMatrix) -> Option<Vec<f64>> {
-    MARGINS.into_iter().find_map(|margin| descend(a, margin))
+    MARGINS.into_iter().find_map(|margin| descend(a, margin)).or_else(|| of_midpoint(a))
+}
+
+/// The direction that the midpoint shrinks most, for midpoints that are singular themselves.
+fn of_midpoint(a: &IntervalMatrix) -> Option<Vec<f64>> {
+    let n = a.rows();
+    let x = approximate::least_singular_vector(&a.midpoint(), n)?;
+    is_null_vector(a, &x).then_some(x)
 }
 
 /// One descent from the midpoint.
 pub(crate) fn null_vector(a: &IntervalMatrix) -> Option<Vec<f64>> {
-    descend(a, MARGINS[0])
+    descend(a, MARGINS[0]).or_else(|| of_midpoint(a))
 }
 
 fn descend(a: &IntervalMatrix, margin: f64) -> Option<Vec<f64>> {

@@ -40,7 +40,8 @@ fn hull(a: &IntervalMatrix, b: &[Interval], magnitude: &[f64]) -> Option<Interva
     let n = a.rows();
     let start = approximate::inverse(&a.midpoint(), n)?;
     let middle: Vec<f64> = b.iter().map(|x| x.midpoint()).collect();
-    let guess: Vec<bool> = start.chunks_exact(n).map(|row| row.iter().zip(&middle).map(|(r, m)| r * m).sum::<f64>() > 0.0).collect();
+    let guess: Vec<bool> =
+        start.chunks_exact(n).map(|row| row.iter().zip(&middle).map(|(r, m)| r * m).sum::<f64>() > 0.0).collect();
     let one = |bits: usize| -> Option<Solution> {
         let positive: Vec<bool> = (0..n).map(|k| bits >> k & 1 == 1).collect();
         let ends: Vec<f64> = b.iter().zip(&positive).map(|(x, &p)| if p { x.hi() } else { x.lo() }).collect();
@@ -51,6 +52,7 @@ fn hull(a: &IntervalMatrix, b: &[Interval], magnitude: &[f64]) -> Option<Interva
     let solutions: Option<Vec<Solution>> = parallel::map(1 << n, n >= 6, one).into_iter().collect();
     let solutions = solutions?;
     let lo = (0..n).map(|i| solutions.iter().map(|s| s.lower(magnitude, i).0).fold(f64::INFINITY, f64::min)).collect();
-    let hi = (0..n).map(|i| solutions.iter().map(|s| s.upper(magnitude, i).0).fold(f64::NEG_INFINITY, f64::max)).collect();
+    let hi =
+        (0..n).map(|i| solutions.iter().map(|s| s.upper(magnitude, i).0).fold(f64::NEG_INFINITY, f64::max)).collect();
     IntervalMatrix::new(n, 1, lo, hi).ok().filter(IntervalMatrix::is_bounded)
 }

@@ -57,8 +57,7 @@ pub(super) fn by_signs(a: &IntervalMatrix, signs: &[bool], magnitude: &[f64]) ->
 pub(crate) fn by_sign_accord(a: &IntervalMatrix, magnitude: Option<Vec<f64>>) -> Option<Ends> {
     let n = a.rows();
     // A row without radius has one sign.
-    let free: Vec<usize> =
-        (0..n).filter(|&k| (0..n).any(|l| a.lo()[k * n + l] < a.hi()[k * n + l])).collect();
+    let free: Vec<usize> = (0..n).filter(|&k| (0..n).any(|l| a.lo()[k * n + l] < a.hi()[k * n + l])).collect();
     let signs_of = |bits: usize| -> Vec<bool> {
         (0..n).map(|k| free.iter().position(|&f| f == k).is_none_or(|at| bits >> at & 1 == 1)).collect()
     };
@@ -71,7 +70,8 @@ pub(crate) fn by_sign_accord(a: &IntervalMatrix, magnitude: Option<Vec<f64>>) ->
         };
         (0..n).map(column).collect()
     };
-    let solutions: Option<Vec<Vec<Solution>>> = parallel::map(1 << free.len(), n >= PARALLEL, one).into_iter().collect();
+    let solutions: Option<Vec<Vec<Solution>>> =
+        parallel::map(1 << free.len(), n >= PARALLEL, one).into_iter().collect();
     let solutions = solutions?;
     let magnitude = match magnitude {
         Some(magnitude) => magnitude,
@@ -96,11 +96,7 @@ pub(crate) fn by_sign_accord(a: &IntervalMatrix, magnitude: Option<Vec<f64>>) ->
         let reached = ends.iter().map(|e| e.0).fold(f64::NEG_INFINITY, f64::max);
         let above: Vec<usize> = (0..ends.len()).filter(|&y| ends[y].1 >= reached).collect();
         let mirrored = |(bound, attained, tight): End| (-bound, -attained, tight);
-        let upper = least(
-            &above,
-            |y| mirrored(upper_end(&refine(y), &magnitude, i)),
-            |y| (-ends[y].1, -ends[y].0),
-        );
+        let upper = least(&above, |y| mirrored(upper_end(&refine(y), &magnitude, i)), |y| (-ends[y].1, -ends[y].0));
         (lower, mirrored(upper))
     };
     collect(&parallel::map(n * n, n >= PARALLEL, entry))

@@ -12,7 +12,11 @@ pub(super) fn hull(a: &IntervalMatrix, v: &[f64]) -> Option<Ends> {
     let centred = |at: usize| {
         let (lo, hi) = (a.lo()[at], a.hi()[at]);
         // lo + hi is exact here: 2 on the diagonal only for bounds whose sum is, which subtracting 1 from each shows.
-        if at.is_multiple_of(n + 1) { lo > 0.0 && hi < 2.0 && hi - 1.0 == 1.0 - lo && exact(lo) && exact(hi) } else { lo == -hi }
+        if at.is_multiple_of(n + 1) {
+            lo > 0.0 && hi < 2.0 && hi - 1.0 == 1.0 - lo && exact(lo) && exact(hi)
+        } else {
+            lo == -hi
+        }
     };
     if !(0..n * n).all(centred) {
         return None;

@@ -3,9 +3,9 @@
 //!
 //! The vertex inverses are computed in exact integer arithmetic, so the bounds are those of the hull, rounded outward once.
 
-use crate::inverse::{Certificate, Outcome, UNBOUNDED};
 use crate::error::Error;
 use crate::exact::{self, ratio_down, ratio_up};
+use crate::inverse::{Certificate, Outcome, UNBOUNDED};
 use crate::matrix::IntervalMatrix;
 use crate::regularity::{SingularMember, VERTEX_LIMIT, Witness, vertices};
 use num_rational::BigRational;

@@ -67,13 +67,7 @@ backends!(fn by_rows(plan: &Plan, a: &IntervalMatrix, hull: bool, range: Range<u
 
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
-fn lanes<V: Vector>(
-    plan: &Plan,
-    a: &IntervalMatrix,
-    hull: bool,
-    range: Range<u64>,
-    found: &mut Extremes,
-) -> bool {
+fn lanes<V: Vector>(plan: &Plan, a: &IntervalMatrix, hull: bool, range: Range<u64>, found: &mut Extremes) -> bool {
     let n = plan.n;
     let mut work = vec![V::splat(0.0); n * n];
     let mut single = vec![0.0; n * n];
@@ -218,13 +212,7 @@ fn eliminate_pairs<V: Vector>(work: &mut [V], n: usize, least: &[f64]) -> V {
 
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
-fn rows<V: Vector>(
-    plan: &Plan,
-    a: &IntervalMatrix,
-    hull: bool,
-    range: Range<u64>,
-    found: &mut Extremes,
-) -> bool {
+fn rows<V: Vector>(plan: &Plan, a: &IntervalMatrix, hull: bool, range: Range<u64>, found: &mut Extremes) -> bool {
     let n = plan.n;
     let stride = n.next_multiple_of(8);
     // Rows that start on a cache line: vectors that cross one are stored at half the speed.
@@ -354,7 +342,8 @@ fn invert_by_blocks<V: Vector>(work: &mut [f64], n: usize, stride: usize) -> boo
         }
         let mut c = 0;
         while c < stride {
-            let [a, b, d, e] = [V::load(&rows[0][c..]), V::load(&rows[1][c..]), V::load(&rows[2][c..]), V::load(&rows[3][c..])];
+            let [a, b, d, e] =
+                [V::load(&rows[0][c..]), V::load(&rows[1][c..]), V::load(&rows[2][c..]), V::load(&rows[3][c..])];
             for (target, t) in work.chunks_exact_mut(stride).zip(&panel) {
                 let target = &mut target[c..][..V::N];
                 let sum = V::splat(t[0]).mul_add(a, V::load(target));

@@ -69,7 +69,8 @@ impl Search {
         }
         // The neighbours as well: the series and the sweep round differently.
         let last = self.partitions;
-        wanted.extend(best.iter().flatten().flatten().flat_map(|&(_, j)| j.saturating_sub(1).max(1)..=(j + 1).min(last)));
+        wanted
+            .extend(best.iter().flatten().flatten().flat_map(|&(_, j)| j.saturating_sub(1).max(1)..=(j + 1).min(last)));
     }
 
     /// Looks for extremes between two members; false where the series does not converge fast enough.
@@ -80,8 +81,7 @@ impl Search {
         let member: Vec<f64> = self.middle.iter().zip(&self.spread).map(|(m, r)| m + centre * r).collect();
         let Some(b) = approximate::inverse(&member, n) else { return false };
         // Powers of -h E, so that the series runs over [-1, 1].
-        let factor: Vec<f64> =
-            approximate::product(&b, &self.spread, n, n, n).into_iter().map(|x| -half * x).collect();
+        let factor: Vec<f64> = approximate::product(&b, &self.spread, n, n, n).into_iter().map(|x| -half * x).collect();
         let norm = factor.chunks_exact(n).map(|row| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
         if norm.is_nan() || norm > 0.25 {
             return false;

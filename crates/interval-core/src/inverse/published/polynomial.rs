@@ -128,7 +128,10 @@ kernels! {
 /// No operation is fused, so that the bits do not depend on whether the processor can.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
-#[expect(clippy::cast_precision_loss, reason = "the published sweep is a computation in floats; partitions stay below 2^53")]
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "the published sweep is a computation in floats; partitions stay below 2^53"
+)]
 fn extremes<V: Vector, const ENTRIES: usize, const HULL: bool>(
     c: &Coefficients,
     partitions: u64,

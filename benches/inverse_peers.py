@@ -7,13 +7,6 @@ from __future__ import annotations
 
 import os
 import sys
-
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "RAYON_NUM_THREADS")
-if any(os.environ.get(name) != "1" for name in THREADS):
-    # One core for everybody; the libraries read this when they load.
-    os.environ.update(dict.fromkeys(THREADS, "1"))
-    os.execv(sys.executable, [sys.executable, *sys.argv])
-
 import timeit
 from collections.abc import Callable
 from functools import partial
@@ -35,6 +28,9 @@ try:
     import numba
 except ImportError:
     numba = None
+
+
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "RAYON_NUM_THREADS")
 
 
 def best(run: Callable[[], Any], repeat: int = 7) -> float:
@@ -85,6 +81,12 @@ def numba_sweep() -> Callable[..., Any] | None:
     return run
 
 
+def both_sets(compiled: Callable[..., Any], a: IntervalArray, step: Any, partitions: int) -> None:
+    """Eq. 11 in the compiled closed form."""
+    compiled(a.lower.ravel(), step, partitions, 1.0, True)
+    compiled(a.upper.ravel(), step, partitions, -1.0, False)
+
+
 def sweeps() -> None:
     """W1: inverses a second on one core."""
     compiled = numba_sweep()
@@ -96,12 +98,9 @@ def sweeps() -> None:
         if compiled is not None and n == 3:
             step = ((a.upper - a.lower) / 2 / partitions).ravel()
 
-            def both(step: Any = step, a: IntervalArray = a) -> None:
-                compiled(a.lower.ravel(), step, partitions, 1.0, True)
-                compiled(a.upper.ravel(), step, partitions, -1.0, False)
-
-            both()
-            line += f", {best(both) / ours:.1f} x numba closed form"
+            run = partial(both_sets, compiled, a, step, partitions)
+            run()
+            line += f", {best(run) / ours:.1f} x numba closed form"
         print(line)
 
 
@@ -163,6 +162,10 @@ def enclosures() -> None:
 
 
 if __name__ == "__main__":
+    if any(os.environ.get(name) != "1" for name in THREADS):
+        # One core for everybody; the libraries read this when they load.
+        os.environ.update(dict.fromkeys(THREADS, "1"))
+        os.execv(sys.executable, [sys.executable, *sys.argv])
     sweeps()
     hulls()
     enclosures()

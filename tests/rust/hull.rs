@@ -320,7 +320,7 @@ fn unit_midpoint() {
         let mut random = Random(n as u64);
         let radius: Vec<f64> = (0..n * n).map(|_| (random.bits() % 64) as f64 / (70.0 * 64.0 * n as f64)).collect();
         let radius: Vec<f64> = radius.iter().map(|r| (r * 1024.0).round() / 1024.0).collect();
-        let unit: Vec<f64> = (0..n * n).map(|at| f64::from(u8::from(at.is_multiple_of(n + 1)))).collect();
+        let unit: Vec<f64> = (0..n * n).map(|at: usize| f64::from(u8::from(at.is_multiple_of(n + 1)))).collect();
         let a = matrix(n, &unit, &radius);
         let outcome = exact(&a).expect("square");
         let value = outcome.enclosure().unwrap_or_else(|| panic!("{:?}", outcome.reason));
@@ -343,7 +343,7 @@ fn a_budget_that_ends_is_said() {
     let n = 14;
     let mut random = Random(3);
     let centre: Vec<f64> =
-        (0..n * n).map(|at| 0.3 * random.unit() + if at.is_multiple_of(n + 1) { 4.0 } else { 0.0 }).collect();
+        (0..n * n).map(|at: usize| 0.3 * random.unit() + if at.is_multiple_of(n + 1) { 4.0 } else { 0.0 }).collect();
     let a = matrix(n, &centre, &vec![0.02; n * n]);
     assert_eq!(exact(&a).expect("square").status, Status::NotApplicable);
     let few = partitioned(&a, 3).expect("square");
@@ -361,7 +361,7 @@ fn larger_orders_with_fixed_signs_are_exact() {
     for n in [13, 30] {
         let mut random = Random(n as u64);
         let centre: Vec<f64> = (0..n * n)
-            .map(|at| if at.is_multiple_of(n + 1) { 2.0 * n as f64 } else { -1.0 - 0.5 * random.unit() })
+            .map(|at: usize| if at.is_multiple_of(n + 1) { 2.0 * n as f64 } else { -1.0 - 0.5 * random.unit() })
             .collect();
         let a = matrix(n, &centre, &relative(&centre, 0.01));
         // An M-matrix: Kuttler's hull is another proof of the same numbers.

@@ -7,9 +7,10 @@ use interval_core::regularity::{self as regular, Regularity};
 use interval_core::rounding::slices::Backend;
 use interval_core::{Error, IntervalMatrix, systems};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 /// From a matrix to what a method says of its inverse.
@@ -87,22 +88,20 @@ fn watched(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Outcome> {
     let monitor = Monitor::default();
+    let answer = (Mutex::new(None), Condvar::new());
     std::thread::scope(|scope| {
-        let shared = &monitor;
-        let watcher = std::thread::current();
-        let sweep = scope.spawn(move || {
+        let (shared, (slot, ready)) = (&monitor, &answer);
+        scope.spawn(move || {
             let outcome = methods::published_with(a, partitions, (form, Sweep::Members), Backend::chosen(), shared);
-            watcher.unpark();
-            outcome
+            *locked(slot) = Some(outcome);
+            ready.notify_one();
         });
         loop {
-            py.detach(|| {
-                if !sweep.is_finished() {
-                    std::thread::park_timeout(GLANCE);
-                }
+            let found = py.detach(|| {
+                let waited = ready.wait_timeout_while(locked(slot), GLANCE, |found| found.is_none());
+                waited.unwrap_or_else(PoisonError::into_inner).0.take()
             });
-            if sweep.is_finished() {
-                let outcome = sweep.join().map_err(|_| PyRuntimeError::new_err("the sweep ended without an answer"))?;
+            if let Some(outcome) = found {
                 return outcome.map_err(|e| refusal(&e));
             }
             let asked = py.check_signals().and_then(|()| match progress {
@@ -115,6 +114,11 @@ fn watched(
             }
         }
     })
+}
+
+/// The content; a thread that panicked while it held the lock leaves it as it was.
+fn locked<T>(slot: &Mutex<T>) -> MutexGuard<'_, T> {
+    slot.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The inverses of a batch of shape (k, n, n): a status name for each, and the bounds, NaN without a value.

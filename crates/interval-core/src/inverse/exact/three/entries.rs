@@ -36,23 +36,23 @@ backends!(
     pub(super) fn vertices(lo: &Square, hi: &Square, chosen: &Vertices, ends: &mut Ends) -> bool = vertex_entries
 );
 
-/// By lane: the lower end of the enclosure of an entry as a sum and its error, and the upper one. Lane `q < 9` is entry `q` at the
-/// vertex of its lower end, lane `9 + q` is minus entry `q` at that of its upper end.
-pub(super) struct Ends(pub [[f64; PADDED]; 4]);
+/// By lane the bits of a bound, and those of the bound if the error had the other sign: equal where it cannot matter. Lane `q < 9` is the
+/// lower end of entry `q`, lane `9 + q` minus its upper end.
+pub(super) struct Ends {
+    pub bound: [u64; PADDED],
+    pub other: [u64; PADDED],
+}
 
 impl Ends {
-    /// The lower end rounded down, and whether the upper one rounds down to the same.
-    #[inline]
-    pub(super) fn bound(&self, q: usize) -> (f64, bool) {
-        let [low, low_error, high, high_error] = &self.0;
-        let down = |x: f64, error: f64| {
-            // The double below, by its bits: entries are neither zero nor infinite here.
-            let step = if x > 0.0 { u64::MAX } else { 1 };
-            f64::from_bits(x.to_bits().wrapping_add(if error < 0.0 { step } else { 0 }))
-        };
-        let bound = down(low[q], low_error[q]);
-        (bound, bound == down(high[q], high_error[q]))
-    }
+    pub(super) const NONE: Self = Self { bound: [0; PADDED], other: [0; PADDED] };
+}
+
+/// The double below where the error is negative, by its bits: entries are neither zero nor infinite where that counts.
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
+fn rounded_down(x: f64, error: f64) -> u64 {
+    let step = if x > 0.0 { u64::MAX } else { 1 };
+    x.to_bits().wrapping_add(if error < 0.0 { step } else { 0 })
 }
 
 /// 1 in the lanes of lower ends, -1 in those of upper ones.
@@ -108,6 +108,7 @@ fn vertex_entries<V: Vector>(lo: &Square, hi: &Square, chosen: &Vertices, ends: 
             upper[l][t] = hi[3 * (t % 3) + l];
         }
     }
+    let mut sums = [[0.0; PADDED]; 4];
     let mut nearest = V::splat(f64::INFINITY);
     let mut start = 0;
     while start < 18 {
@@ -143,12 +144,17 @@ fn vertex_entries<V: Vector>(lo: &Square, hi: &Square, chosen: &Vertices, ends: 
         let (q1, q2) = (q1 * mirror, q2 * mirror);
         let (low, low_error) = two_sum(q1, q2 - error);
         let (high, high_error) = two_sum(q1, q2 + error);
-        for (row, part) in ends.0.iter_mut().zip([low, low_error, high, high_error]) {
-            part.store(&mut row[start..]);
-        }
+        low.store(&mut sums[0][start..]);
+        low_error.store(&mut sums[1][start..]);
+        high.store(&mut sums[2][start..]);
+        high_error.store(&mut sums[3][start..]);
         // NaN, which the later operand passes on, is not far from zero.
         nearest = nearest.least(det.abs() * V::splat(1e12) - size);
         start += V::N;
+    }
+    for q in 0..PADDED {
+        ends.bound[q] = rounded_down(sums[0][q], sums[1][q]);
+        ends.other[q] = rounded_down(sums[2][q], sums[3][q]);
     }
     nearest.array().as_ref().iter().all(|&x| x > 0.0)
 }

@@ -15,7 +15,7 @@ mod entries;
 mod extremes;
 
 use crate::rounding::slices::Backend;
-use entries::{Ends, PADDED, Vertices, vertices};
+use entries::{Ends, Vertices, vertices};
 
 /// Bounds by row.
 pub(super) type Square = [f64; 9];
@@ -34,19 +34,17 @@ pub(super) fn hull(lo: &Square, hi: &Square) -> Option<(Square, Square, Square)>
         Some(signs) => Vertices::of_signs(&signs),
         None => extremes::find(backend, lo, hi, &proved.zero)?,
     };
-    let mut ends = Ends([[0.0; PADDED]; 4]);
+    let mut ends = Ends::NONE;
     if !vertices(backend, lo, hi, &chosen, &mut ends) {
         return None;
     }
     let (mut lower, mut upper) = ([0.0; 9], [0.0; 9]);
     let mut tight = true;
     for at in 0..9 {
-        let (low, low_tight) = ends.bound(at);
-        let (high, high_tight) = ends.bound(9 + at);
         let zero = proved.zero[at];
-        tight &= zero || (low_tight && high_tight);
-        lower[at] = if zero { 0.0 } else { low };
-        upper[at] = if zero { 0.0 } else { -high };
+        tight &= zero || (ends.bound[at] == ends.other[at] && ends.bound[9 + at] == ends.other[9 + at]);
+        lower[at] = if zero { 0.0 } else { f64::from_bits(ends.bound[at]) };
+        upper[at] = if zero { 0.0 } else { -f64::from_bits(ends.bound[9 + at]) };
     }
     tight.then_some((lower, upper, proved.r))
 }

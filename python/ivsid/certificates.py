@@ -8,7 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import product
+from math import lcm
 from typing import Any, Final
+
+import numpy as np
 
 from ivsid.intervals import FloatArray
 
@@ -51,11 +54,17 @@ class Certificate(Mapping[str, Any]):
 
     def verify(self) -> bool:
         """Whether the certificate proves what it says of its matrix, shape (n, n), in exact arithmetic."""
+        if not (np.isfinite(self._lower).all() and np.isfinite(self._upper).all()):
+            return False
         lower, upper = _rows(self._lower), _rows(self._upper)
         if any(a > b for p, q in zip(lower, upper, strict=True) for a, b in zip(p, q, strict=True)):
             return False
         check = _CHECKS.get(self["kind"])
-        return check is not None and check(self, lower, upper)
+        try:
+            return check is not None and check(self, lower, upper)
+        except (ArithmeticError, AttributeError, IndexError, KeyError, TypeError, ValueError):
+            # Numbers that are missing, infinite or of the wrong shape prove nothing.
+            return False
 
     def member(self) -> Rows:
         """A singular member as exact fractions, for a certificate by a null vector.
@@ -78,14 +87,16 @@ def _vector(values: Any) -> list[Fraction]:
 
 
 def _integers(values: Sequence[Fraction]) -> tuple[list[int], int]:
-    """Integers over one common denominator, a power of two."""
-    denominator = max((v.denominator for v in values), default=1)
+    """Integers over one common denominator."""
+    denominator = lcm(*(v.denominator for v in values))
     return [v.numerator * (denominator // v.denominator) for v in values], denominator
 
 
-def _contracts(lower: Rows, upper: Rows, inverse: Rows, vector: list[Fraction]) -> bool:
-    """``|I - R A| v < v`` for every member, and ``v > 0``."""
+def _contracts(lower: Rows, upper: Rows, inverse: Rows, vector: list[Fraction], norm: Fraction | None = None) -> bool:
+    """``|I - R A| v < v`` for every member, and ``v > 0``; with ``v = 1`` also that the norm bounds ``||I - R A||``."""
     n = len(lower)
+    if len(vector) != n or len(inverse) != n or any(len(row) != n for row in inverse):
+        return False
     r, r_scale = _integers([x for row in inverse for x in row])
     ends, scale = _integers([x for row in (*lower, *upper) for x in row])
     v, _ = _integers(vector)
@@ -100,14 +111,17 @@ def _contracts(lower: Rows, upper: Rows, inverse: Rows, vector: list[Fraction]) 
                 least -= max(p, q)
                 most -= min(p, q)
             total += max(abs(least), abs(most)) * v[j]
-        if not total < one * v[i]:
+        if not total < one * v[i] or (norm is not None and total > one * norm):
             return False
     return all(x > 0 for x in v)
 
 
 def _contraction(c: Certificate, lower: Rows, upper: Rows) -> bool:
-    vector = _vector(c["vector"]) if "vector" in c else [Fraction(1)] * len(lower)
-    return _contracts(lower, upper, _rows(c["approximate_inverse"]), vector)
+    inverse = _rows(c["approximate_inverse"])
+    if c["kind"] == "scaled_contraction":
+        return _contracts(lower, upper, inverse, _vector(c["vector"]))
+    norm = Fraction(c["norm"])
+    return norm < 1 and _contracts(lower, upper, inverse, [Fraction(1)] * len(lower), norm)
 
 
 def _cells(c: Certificate, lower: Rows, upper: Rows) -> bool:
@@ -174,7 +188,7 @@ def _nonnegative_inverses(_: Certificate, lower: Rows, upper: Rows) -> bool:
 
 def _vertex_determinants(c: Certificate, lower: Rows, upper: Rows) -> bool:
     n = len(lower)
-    if n > VERTEX_LIMIT:
+    if n > VERTEX_LIMIT or c["sign"] not in (-1, 1):
         return False
     for y in product((False, True), repeat=n - 1):
         for z in product((False, True), repeat=n):
@@ -247,6 +261,8 @@ def _orthogonal(a: list[Fraction], b: list[Fraction], x: list[Fraction]) -> list
 
 def _null_vector(c: Certificate, lower: Rows, upper: Rows) -> bool:
     x = _vector(c["vector"])
+    if len(x) != len(lower):
+        return False
     ranges = [_ends(a, b, x) for a, b in zip(lower, upper, strict=True)]
     return any(x) and all(least <= 0 <= most for least, most in ranges)
 

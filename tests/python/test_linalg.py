@@ -125,6 +125,12 @@ def test_a_certificate_is_not_believed_for_another_matrix():
     assert not tampered(good, kind="null_vector", vector=np.ones(3)).verify()
     assert not tampered(good, kind="unheard of").verify()
     assert not tampered(good, kind="scaled_contraction", vector=np.array([1.0, -1.0, 1.0])).verify()
+    for broken in (np.full((3, 3), np.nan), np.zeros((2, 3)), np.zeros(3), np.full((3, 3), np.inf), None, "text"):
+        assert not tampered(good, approximate_inverse=broken).verify()
+    for norm in (0.0, 7.0, np.nan, -1.0):
+        assert not tampered(good, norm=norm).verify()
+    assert not tampered(good, kind="vertex_determinants", sign=np.inf).verify()
+    assert not tampered(good, kind="null_vector", vector=np.ones(2)).verify()
     determinant = linalg.inverse(dominant(3), "cramer").certificate
     assert determinant.verify() and not tampered(determinant, determinant=(1e6, 1e7)).verify()
 

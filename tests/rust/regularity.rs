@@ -75,7 +75,7 @@ fn verdicts_are_those_of_exact_determinants() {
         let radius: Vec<f64> = (0..n * n).map(|_| if random.bits().is_multiple_of(4) { 0.0 } else { spread }).collect();
         let a = matrix(n, &centre, &radius);
         let truth = is_regular(&a);
-        match regularity(&a) {
+        match regularity(&a).expect("square") {
             Regularity::Regular(witness) => {
                 counts[0] += 1;
                 assert!(truth, "{a:?} is singular, {witness:?}");
@@ -115,7 +115,7 @@ fn larger_matrices_have_certificates_that_hold() {
             _ => 0.3 * random.unit().abs() / n as f64,
         };
         let a = matrix(n, &centre, &vec![spread; n * n]);
-        match regularity(&a) {
+        match regularity(&a).expect("square") {
             Regularity::Regular(witness) => {
                 kinds[match witness {
                     Witness::PositiveDefinite { .. } => 1,
@@ -151,10 +151,10 @@ fn cells_prove_what_one_contraction_does_not() {
     (centre[1], radius[1]) = (0.0, 0.85);
     (centre[n], radius[n]) = (0.0, 1.15);
     let a = matrix(n, &centre, &radius);
-    let Regularity::Regular(witness) = regularity(&a) else { panic!("{:?}", regularity(&a)) };
+    let Ok(Regularity::Regular(witness)) = regularity(&a) else { panic!("{:?}", regularity(&a)) };
     assert!(Certificate::Regular(witness).verify(&a));
     radius[n] = 1.2;
-    let Regularity::Singular(member) = regularity(&matrix(n, &centre, &radius)) else { panic!("1.2 x 0.85 > 1") };
+    let Ok(Regularity::Singular(member)) = regularity(&matrix(n, &centre, &radius)) else { panic!("1.2 x 0.85 > 1") };
     assert!(matches!(member, SingularMember::NullVector(_)));
 }
 
@@ -162,7 +162,7 @@ fn cells_prove_what_one_contraction_does_not() {
 fn tampered_certificates_are_refused() {
     let a = matrix(2, &[3.0, 1.0, 0.5, 2.0], &[0.1; 4]);
     let wider = matrix(2, &[3.0, 1.0, 0.5, 2.0], &[1.5; 4]);
-    let Regularity::Regular(witness) = regularity(&a) else { panic!("regular") };
+    let Ok(Regularity::Regular(witness)) = regularity(&a) else { panic!("regular") };
     assert!(Certificate::Regular(witness.clone()).verify(&a));
     assert!(!Certificate::Regular(witness.clone()).verify(&wider));
     let Witness::Contraction { mut approximate_inverse, norm } = witness else { panic!("a contraction") };
@@ -177,4 +177,42 @@ fn tampered_certificates_are_refused() {
     assert!(!Certificate::Determinant { lo: -1.0, hi: 7.0 }.verify(&a));
     assert!(Certificate::Determinant { lo: 4.0, hi: 7.0 }.verify(&a));
     assert!(!Certificate::Determinant { lo: 5.5, hi: 7.0 }.verify(&a));
+}
+
+/// Sizes at which squares overflow prove nothing.
+#[test]
+fn huge_entries_do_not_pass_for_regular() {
+    let (least, most) = (-(2.0_f64.powi(512)), 2.0_f64.powi(512) + 2.0_f64.powi(460));
+    for n in [1, 2, 5] {
+        let end = |x: f64| {
+            (0..n * n)
+                .map(|at: usize| if at == 0 { x } else { f64::from(u8::from(at.is_multiple_of(n + 1))) })
+                .collect()
+        };
+        let a = IntervalMatrix::new(n, n, end(least), end(most)).expect("a good matrix");
+        assert!(!matches!(regularity(&a), Ok(Regularity::Regular(_))), "n = {n}");
+    }
+    let mut random = Random(4);
+    for exponent in [0, 300, 505, 509, 511, 512] {
+        // Rows of a Hadamard matrix with radii at the border of the spectral test.
+        let centre: Vec<f64> = (0..64_u32)
+            .map(|at| if ((at / 8) & (at % 8)).count_ones().is_multiple_of(2) { 1.0 } else { -1.0 })
+            .map(|s| (s + 1e-3 * random.unit()) * 2.0_f64.powi(exponent))
+            .collect();
+        for spread in [0.3, 0.36, 0.5] {
+            let a = matrix(8, &centre, &vec![spread * 2.0_f64.powi(exponent); 64]);
+            match regularity(&a).expect("square") {
+                Regularity::Regular(w) => assert!(Certificate::Regular(w).verify(&a) && spread < 0.36, "2^{exponent}"),
+                Regularity::Singular(m) => {
+                    assert!(Certificate::Singular(m).verify(&a) && spread > 0.35, "2^{exponent}");
+                }
+                Regularity::NotProved => {}
+            }
+        }
+    }
+    assert!(regularity(&IntervalMatrix::new(2, 1, vec![1.0; 2], vec![1.0; 2]).expect("good")).is_err());
+    assert!(IntervalMatrix::new(1 << 32, 1 << 32, vec![], vec![]).is_err());
+    let half = matrix(1, &[2.125], &[0.875]);
+    let claim = |norm: f64| Certificate::Regular(Witness::Contraction { approximate_inverse: vec![0.5], norm });
+    assert!(claim(0.5).verify(&half) && !claim(0.0).verify(&half) && !claim(7.0).verify(&half));
 }

@@ -54,7 +54,7 @@ impl Solution {
         };
         let (least, most) = (crate::rounding::sub_down(tail, error), add_up(tail, error));
         let bound = below(least) + 0.0;
-        (bound, bound == below(most))
+        if bound.is_nan() { (f64::NEG_INFINITY, false) } else { (bound, bound == below(most)) }
     }
 
     /// The smallest double that is proved not to be exceeded by component `i`, and whether no other double could be.
@@ -115,7 +115,7 @@ impl Equations {
             let wrong = |l: usize| x[l].abs() > 1e-13 * largest && (x[l] > 0.0) != signs[l];
             let mut disagreeing: Vec<usize> = (0..n).filter(|&l| wrong(l)).collect();
             if disagreeing.is_empty() {
-                return Some(self.checked(b, x, vec![0.0; n]).0);
+                return self.checked(b, x, vec![0.0; n]).map(|(solution, _)| solution);
             }
             if step >= 8 {
                 disagreeing.truncate(1);
@@ -132,7 +132,9 @@ impl Equations {
         let n = self.n;
         let positive: Vec<bool> = from.x.iter().map(|&v| v >= 0.0).collect();
         let Some(basis) = Basis::new(&self.vertex(&positive), n) else { return from.clone() };
-        let (mut best, mut value) = self.checked(b, from.x.clone(), from.tail.clone());
+        let Some((mut best, mut value)) = self.checked(b, from.x.clone(), from.tail.clone()) else {
+            return from.clone();
+        };
         for _ in 0..5 {
             let step = basis.solve(&value);
             let (mut x, mut tail) = (Vec::with_capacity(n), Vec::with_capacity(n));
@@ -142,10 +144,10 @@ impl Equations {
                 x.push(s.0);
                 tail.push(e.0);
             }
-            let (next, next_value) = self.checked(b, x, tail);
+            let Some((next, next_value)) = self.checked(b, x, tail) else { break };
             let size = |s: &Solution| s.rest.iter().fold(0.0_f64, |m, &v| m.max(v));
             let (before, after) = (size(&best), size(&next));
-            if after.is_nan() || after >= before {
+            if after >= before {
                 break;
             }
             (best, value) = (next, next_value);
@@ -156,8 +158,8 @@ impl Equations {
         best
     }
 
-    /// The approximation with bounds of `|F|`, and `F` itself approximately.
-    fn checked(&self, b: &[f64], x: Vec<f64>, tail: Vec<f64>) -> (Solution, Vec<f64>) {
+    /// The approximation with bounds of `|F|`, and `F` itself approximately; `None` where something overflows.
+    fn checked(&self, b: &[f64], x: Vec<f64>, tail: Vec<f64>) -> Option<(Solution, Vec<f64>)> {
         let n = self.n;
         let (mut value, mut size) = (vec![0.0; self.stride], vec![0.0; self.stride]);
         let mut right = vec![0.0; self.stride];
@@ -169,10 +171,15 @@ impl Equations {
         // underflow lose at most the smallest number each.
         let gamma = 4.0 * terms * terms * UNIT * UNIT;
         let bound = |k: usize| (value[k].abs() + gamma * size[k]) * (1.0 + 8.0 * UNIT) + 16.0 * terms * SMALLEST;
-        let exact = |k: usize| value[k] == 0.0 && size[k] == 0.0;
-        let rest = (0..n).map(|k| if exact(k) { 0.0 } else { bound(k) }).collect();
+        // Nothing is lost only where each product has a factor of zero: products may also vanish by underflow.
+        let exact = |k: usize| {
+            let vanishes = |l: usize| self.entry(k, l, x[l] > 0.0) == 0.0 || (x[l] == 0.0 && tail[l] == 0.0);
+            value[k] == 0.0 && size[k] == 0.0 && (0..n).all(vanishes)
+        };
+        let rest: Vec<f64> = (0..n).map(|k| if exact(k) { 0.0 } else { bound(k) }).collect();
         value.truncate(n);
-        (Solution { x, tail, rest }, value)
+        let finite = x.iter().chain(&tail).chain(&rest).chain(&value).all(|v| v.is_finite());
+        finite.then_some((Solution { x, tail, rest }, value))
     }
 }
 

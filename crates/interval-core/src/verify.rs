@@ -46,9 +46,9 @@ fn regular(a: &IntervalMatrix, witness: &Witness) -> bool {
     let n = a.rows();
     match witness {
         Witness::Contraction { approximate_inverse, norm } => {
-            *norm < 1.0 && contracts(a, approximate_inverse, &vec![1.0; n])
+            *norm < 1.0 && contracts(a, approximate_inverse, &vec![1.0; n], Some(*norm))
         }
-        Witness::ScaledContraction { approximate_inverse, vector } => contracts(a, approximate_inverse, vector),
+        Witness::ScaledContraction { approximate_inverse, vector } => contracts(a, approximate_inverse, vector, None),
         Witness::NonnegativeInverses => [a.lo(), a.hi()]
             .into_iter()
             .all(|m| exact::inverse(m, n).is_some_and(|(_, inverse)| inverse.iter().all(|x| !x.is_negative()))),
@@ -62,8 +62,8 @@ fn regular(a: &IntervalMatrix, witness: &Witness) -> bool {
     }
 }
 
-/// `|I - R A| v < v` for every member, and `v > 0`.
-fn contracts(a: &IntervalMatrix, r: &[f64], v: &[f64]) -> bool {
+/// `|I - R A| v < v` for every member, and `v > 0`; with a norm and `v = 1` also that it bounds `||I - R A||`.
+fn contracts(a: &IntervalMatrix, r: &[f64], v: &[f64], norm: Option<f64>) -> bool {
     let n = a.rows();
     if !finite(r, n * n) || !finite(v, n) || v.iter().any(|&x| x <= 0.0) {
         return false;
@@ -94,7 +94,12 @@ fn contracts(a: &IntervalMatrix, r: &[f64], v: &[f64]) -> bool {
             let (below, above) = (&delta - (most << lift), &delta - (least << lift));
             sum += below.abs().max(above.abs()) * &v[j];
         }
-        sum < &one * &v[i]
+        let bounded = |norm: f64| {
+            norm.is_finite()
+                && BigRational::from_integer(sum.clone())
+                    <= exact::rational(norm) * BigRational::from_integer(one.clone())
+        };
+        sum < &one * &v[i] && norm.is_none_or(bounded)
     })
 }
 
@@ -103,7 +108,7 @@ fn cell_is_regular(a: &IntervalMatrix, cell: &Cell) -> bool {
     while let Some((a, cell)) = open.pop() {
         match cell {
             Cell::Regular { approximate_inverse, vector } => {
-                if !contracts(&a, approximate_inverse, vector) {
+                if !contracts(&a, approximate_inverse, vector, None) {
                     return false;
                 }
             }

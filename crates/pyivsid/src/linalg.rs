@@ -181,11 +181,8 @@ pub fn regularity<'py>(
     hi: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<(&'static str, Option<Bound<'py, PyDict>>)> {
     let a = matrix(&lo, &hi)?;
-    let n = a.order().map_err(|e| refusal(&e))?;
-    if !a.is_bounded() {
-        return Ok(("not_proved", None));
-    }
-    Ok(match py.detach(|| regular::regularity(&a)) {
+    let n = a.rows();
+    Ok(match py.detach(|| regular::regularity(&a)).map_err(|e| refusal(&e))? {
         Regularity::Regular(witness) => ("regular", Some(convert::witness(py, &witness, n)?)),
         Regularity::Singular(member) => ("singular", Some(convert::singular(py, &member, n)?)),
         Regularity::NotProved => ("not_proved", None),

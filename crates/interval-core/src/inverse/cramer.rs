@@ -44,6 +44,9 @@ pub(crate) fn determinant(a: &IntervalMatrix) -> Result<Interval, String> {
         return Err(format!("order {} exceeds {ORDER_LIMIT}, the limit of Cramer's rule", a.rows()));
     }
     let det = expand_all(a);
+    if !det.is_bounded() {
+        return Err("the interval determinant overflows".into());
+    }
     if det.lo() <= 0.0 && det.hi() >= 0.0 {
         return Err(format!("the interval determinant {det} contains 0"));
     }

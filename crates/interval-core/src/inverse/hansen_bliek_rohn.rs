@@ -114,6 +114,10 @@ impl Tail {
         // Rounding leaves negative entries where there are zeros.
         let w: Vec<f64> = approximate::product(g, &sum, n, n, n).into_iter().map(|x| x.max(0.0)).collect();
         let image = approximate::product(g, &w, n, n, n);
+        // The maxima below pass over NaN.
+        if !w.iter().chain(&image).chain(g).all(|x| x.is_finite()) {
+            return None;
+        }
         let (mut above, mut below) = (vec![0.0_f64; n], vec![0.0_f64; n]);
         for i in 0..n {
             for j in 0..n {

@@ -6,14 +6,15 @@
 //! that moves the inverse most. When the budget of cells ends, what is left counts with its enclosure, and the gap says by how
 //! much a bound may be too wide. Cells are taken level by level, so the result does not depend on the number of threads.
 
-use super::exact::{Ends, Settled, by_sign_accord, settle};
+use super::exact::{Ends, Settled, by_sign_accord, exact_by_vertices, settle};
 use super::{Certificate, Outcome, UNBOUNDED};
 use crate::error::Error;
 use crate::matrix::IntervalMatrix;
 use crate::parallel;
 use crate::regularity::{
-    Regularity, SingularMember, VERTEX_LIMIT, by_determinants, halves, largest_smear, null_vector, regularity,
+    Regularity, SingularMember, VERTEX_LIMIT, by_determinants, decide, halves, largest_smear, null_vector,
 };
+use crate::rounding::sub_up;
 use crate::scaling::Scaled;
 use crate::status::Status;
 
@@ -41,40 +42,53 @@ pub fn partitioned(a: &IntervalMatrix, cells: usize) -> Result<Outcome, Error> {
             "the entries differ so much in size that scaling by powers of two is not exact",
         ));
     };
-    Ok(match divide(&scaled.a, cells) {
-        Division::Hull(hull) => certified(a, &scaled, &hull),
-        Division::Singular(member) => Outcome::singular(scaled.member(member)),
-        Division::Open(examined) => match regularity(a) {
-            Regularity::Singular(member) => Outcome::singular(member),
-            _ => Outcome::without_value(
-                Status::NotProved,
-                None,
-                format!("after {examined} cells some are neither proved regular nor singular; allow more cells"),
-            ),
-        },
+    let (member, examined) = match divide(&scaled.a, cells) {
+        Division::Hull(hull) => return certified(a, &scaled, &hull),
+        Division::Singular(member) => (scaled.member(member), 1),
+        Division::Open(examined) => (None, examined),
+    };
+    Ok(match (member, decide(a)) {
+        (Some(member), _) | (None, Regularity::Singular(member)) => Outcome::singular(member),
+        _ => Outcome::without_value(
+            Status::NotProved,
+            None,
+            format!("after {examined} cells some are neither proved regular nor singular; allow more cells"),
+        ),
     })
 }
 
 /// The outcome for a hull whose cells are all regular: with a certificate of the whole matrix.
-fn certified(a: &IntervalMatrix, scaled: &Scaled, hull: &Hull) -> Outcome {
-    let Some(value) = scaled.unscale(&hull.lower, &hull.upper) else {
-        return Outcome::not_applicable("a bound of the inverse overflows");
+fn certified(a: &IntervalMatrix, scaled: &Scaled, hull: &Hull) -> Result<Outcome, Error> {
+    let (least, most) = scaled.unscale_inward(&hull.attained_lower, &hull.attained_upper);
+    let mut outcome = if a.rows() <= VERTEX_LIMIT && !hull.tight && !hull.ended {
+        // Small orders get the doubles next to the hull.
+        exact_by_vertices(a)?
+    } else {
+        let Some(value) = scaled.unscale(&hull.lower, &hull.upper) else {
+            return Ok(Outcome::not_applicable("a bound of the inverse overflows"));
+        };
+        let Regularity::Regular(witness) = decide(a) else {
+            return Ok(Outcome::without_value(
+                Status::NotProved,
+                None,
+                "every cell is enclosed, but no certificate of regularity of the whole was found within its budget"
+                    .into(),
+            ));
+        };
+        Outcome::enclosed(value, Certificate::Regular(witness))
     };
-    let Regularity::Regular(witness) = regularity(a) else {
-        return Outcome::without_value(
-            Status::NotProved,
-            None,
-            "every cell was enclosed, but no certificate of regularity fits its budget; allow fewer cells".into(),
-        );
-    };
-    let mut outcome = Outcome::enclosed(value, Certificate::Regular(witness));
-    outcome.gap = Some(0.0);
-    if hull.ended {
-        let gap = hull.gap();
-        outcome.gap = Some(gap);
+    outcome.gap = outcome.bounds().map(|bounds| gap(bounds, (&least, &most)));
+    if let (true, Some(gap)) = (hull.ended, outcome.gap) {
         outcome.reason = Some(format!("the budget of cells ended; a bound may be too wide by up to {gap:.3e}"));
     }
-    outcome
+    Ok(outcome)
+}
+
+/// The largest distance of a bound from what is attained, an upper bound.
+fn gap((lower, upper): (&[f64], &[f64]), (least, most): (&[f64], &[f64])) -> f64 {
+    let below = lower.iter().zip(least).map(|(&bound, &attained)| sub_up(attained, bound));
+    let above = upper.iter().zip(most).map(|(&bound, &attained)| sub_up(bound, attained));
+    below.chain(above).fold(0.0, f64::max)
 }
 
 /// Bounds over all cells so far, and what members attain.
@@ -85,6 +99,8 @@ struct Hull {
     attained_upper: Vec<f64>,
     /// Whether the budget ended before every cell was settled.
     ended: bool,
+    /// Whether every settled cell's bounds are the doubles next to its hull.
+    tight: bool,
 }
 
 enum Division {
@@ -109,12 +125,13 @@ fn divide(a: &IntervalMatrix, cells: usize) -> Division {
         attained_lower: vec![f64::INFINITY; n * n],
         attained_upper: vec![f64::NEG_INFINITY; n * n],
         ended: false,
+        tight: true,
     };
     let mut level = vec![a.clone()];
     let mut examined = 0;
     while !level.is_empty() {
         examined += level.len();
-        let answers = parallel::map(level.len(), level.len() > 1, |at| look(&level[at]));
+        let answers = parallel::map(level.len(), level.len() > 1, |at| look(&level[at], level.len() == 1));
         let mut open: Vec<(IntervalMatrix, Option<IntervalMatrix>)> = Vec::new();
         for (cell, answer) in level.into_iter().zip(answers) {
             match answer {
@@ -150,8 +167,9 @@ fn divide(a: &IntervalMatrix, cells: usize) -> Division {
     Division::Hull(hull)
 }
 
-fn look(cell: &IntervalMatrix) -> Cell {
-    match settle(cell) {
+/// What is attained is looked for in the whole only: it costs more than the rest.
+fn look(cell: &IntervalMatrix, whole: bool) -> Cell {
+    match settle(cell, whole) {
         Settled::Hull { ends, .. } => Cell::Hull(ends),
         Settled::Regular { enclosure, attained } => Cell::Regular { enclosure, attained },
         Settled::Open if cell.rows() <= VERTEX_LIMIT => match by_determinants(cell) {
@@ -174,6 +192,7 @@ impl Hull {
         fold(&mut self.upper, &ends.upper, f64::max);
         fold(&mut self.attained_lower, &ends.attained_lower, f64::min);
         fold(&mut self.attained_upper, &ends.attained_upper, f64::max);
+        self.tight &= ends.tight;
     }
 
     fn widen(&mut self, enclosure: &IntervalMatrix) {
@@ -186,12 +205,5 @@ impl Hull {
     fn holds(&self, enclosure: &IntervalMatrix) -> bool {
         let below = enclosure.lo().iter().zip(&self.attained_lower).all(|(x, a)| x >= a);
         below && enclosure.hi().iter().zip(&self.attained_upper).all(|(x, a)| x <= a)
-    }
-
-    /// The largest distance of a bound from what is attained, an upper bound.
-    fn gap(&self) -> f64 {
-        let one = |(outer, inner): (&f64, &f64)| (outer - inner).abs().next_up();
-        let lower = self.lower.iter().zip(&self.attained_lower).map(one);
-        lower.chain(self.upper.iter().zip(&self.attained_upper).map(one)).fold(0.0, f64::max)
     }
 }

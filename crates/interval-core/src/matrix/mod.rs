@@ -33,7 +33,7 @@ impl IntervalMatrix {
     /// # Ok::<(), interval_core::Error>(())
     /// ```
     pub fn new(rows: usize, columns: usize, lo: Vec<f64>, hi: Vec<f64>) -> Result<Self, Error> {
-        let needed = rows * columns;
+        let needed = rows.saturating_mul(columns);
         if lo.len() != needed {
             return Err(Error::Shape { what: "the lower bound", given: lo.len(), needed });
         }

@@ -1,6 +1,7 @@
 //! Regular because every cell of a partition is: cells that do not contract are halved along the entry that moves the inverse
 //! most.
 
+use super::singular::steps;
 use super::{Preconditioned, null_vector};
 use crate::matrix::IntervalMatrix;
 
@@ -40,7 +41,7 @@ const OPERATIONS: usize = 2_000_000_000;
 /// Halves until every cell is proved, one holds a singular member, or the budget ends.
 pub(crate) fn prove(a: &IntervalMatrix) -> Verdict {
     let n = a.rows();
-    let mut budget = CELLS.min(OPERATIONS / (8 * n * n * n)).max(1);
+    let mut budget = CELLS.min(OPERATIONS / ((8 + 2 * steps(n)) * n * n * n)).max(1);
     examine(a, &mut budget, 0)
 }
 

@@ -10,8 +10,10 @@ pub(crate) use cells::{halves, largest_smear};
 pub(crate) use preconditioned::{Preconditioned, contracted_vector, interval_residual, slack, split, times};
 pub(crate) use singular::null_vector;
 
+use crate::error::Error;
 use crate::exact;
 use crate::matrix::IntervalMatrix;
+use crate::scaling::Scaled;
 
 /// The largest order for which all vertex matrices are examined: 2^(2n-1) of them.
 pub const VERTEX_LIMIT: usize = 4;
@@ -81,12 +83,32 @@ pub enum SingularMember {
 /// Proves regularity by contraction, plain or scaled, by the norm of the radii, or by a partition; proves singularity by a
 /// null vector; for orders up to [`VERTEX_LIMIT`] decides it by the vertex determinants.
 ///
-/// The matrix is square and bounded.
-#[must_use]
-pub fn regularity(a: &IntervalMatrix) -> Regularity {
-    if !crate::rounding::environment_is_default() {
-        return Regularity::NotProved;
+/// # Errors
+/// A matrix that is not square. One with an infinite bound is not proved.
+pub fn regularity(a: &IntervalMatrix) -> Result<Regularity, Error> {
+    crate::rounding::check_environment()?;
+    a.order()?;
+    Ok(if a.is_bounded() { decide(a) } else { Regularity::NotProved })
+}
+
+/// The verdict on a square and bounded matrix, found on one that is scaled by powers of two.
+pub(crate) fn decide(a: &IntervalMatrix) -> Regularity {
+    let translated = Scaled::new(a).and_then(|scaled| {
+        Some(match verdict(&scaled.a) {
+            Regularity::Regular(witness) => Regularity::Regular(scaled.witness(witness)?),
+            Regularity::Singular(member) => Regularity::Singular(scaled.member(member)?),
+            Regularity::NotProved => Regularity::NotProved,
+        })
+    });
+    match translated {
+        Some(verdict) => verdict,
+        // A certificate that is none in doubles: only what needs no scaling is left.
+        None if a.rows() <= VERTEX_LIMIT => by_determinants(a),
+        None => Regularity::NotProved,
     }
+}
+
+fn verdict(a: &IntervalMatrix) -> Regularity {
     if let Some(witness) = strongly_regular(a).or_else(|| positive_definite::prove(a)) {
         return Regularity::Regular(witness);
     }

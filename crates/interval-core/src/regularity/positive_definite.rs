@@ -51,7 +51,12 @@ fn squared_norm(d: &[f64], n: usize) -> Option<(f64, Vec<f64>)> {
     let mut best = w.clone();
     for _ in 0..12 {
         let image = times(&transposed, &times(d, &w));
-        let bound = image.iter().zip(&w).map(|(y, x)| (y / x).next_up()).fold(0.0, f64::max);
+        let quotients: Vec<f64> = image.iter().zip(&w).map(|(y, x)| (y / x).next_up()).collect();
+        // An overflow would make them infinite or NaN, which a maximum passes over.
+        if !(quotients.iter().all(|q| q.is_finite()) && w.iter().all(|&x| x > 0.0 && x.is_finite())) {
+            break;
+        }
+        let bound = quotients.into_iter().fold(0.0, f64::max);
         if bound < least {
             least = bound;
             best.clone_from(&w);

@@ -31,12 +31,17 @@ pub(crate) fn null_vector(a: &IntervalMatrix) -> Option<Vec<f64>> {
     descend(a, MARGINS[0]).or_else(|| of_midpoint(a))
 }
 
+/// Steps of a descent: enough to visit every row some times, as long as the inverses do not take longer than a second.
+pub(crate) fn steps(n: usize) -> usize {
+    (4 * n + 8).min(2_000_000_000 / (2 * n * n * n) + 1)
+}
+
 fn descend(a: &IntervalMatrix, margin: f64) -> Option<Vec<f64>> {
     let n = a.rows();
     let (middle, spread) = super::split(a);
     let mut member = middle.clone();
     let mut inverse = approximate::inverse(&member, n)?;
-    for _ in 0..4 * n + 8 {
+    for _ in 0..steps(n) {
         let target = |k: usize, l: usize, inverse: &[f64]| {
             let at = k * n + l;
             let falls = if inverse[l * n + k] > 0.0 { -1.0 } else { 1.0 };

@@ -9,6 +9,7 @@ use crate::interval::Interval;
 use crate::inverse::{ACCORD_LIMIT, Certificate, Outcome, UNBOUNDED, exact as exact_inverse};
 use crate::matrix::IntervalMatrix;
 use crate::parallel;
+use crate::scaling::Scaled;
 
 /// The hull of all solutions, or the proof that a member of `A` is singular. Up to order [`ACCORD_LIMIT`].
 ///
@@ -25,9 +26,20 @@ pub fn exact(a: &IntervalMatrix, b: &[Interval]) -> Result<Outcome, Error> {
         return Ok(Outcome::not_applicable(format!("order {n} exceeds {ACCORD_LIMIT}, the limit of sign accord")));
     }
     let inverse = exact_inverse(a)?;
-    let Some(enclosure) = inverse.enclosure() else { return Ok(Outcome { value: None, ..inverse }) };
-    let magnitude = enclosure.magnitude();
-    let Some(value) = hull(a, b, &magnitude) else {
+    if inverse.enclosure().is_none() {
+        return Ok(Outcome { value: None, ..inverse });
+    }
+    let Some((scaled, (right, common))) = Scaled::new(a).and_then(|s| s.right_hand_side(b).map(|r| (s, r))) else {
+        return Ok(Outcome::not_applicable(
+            "the entries differ so much in size that scaling by powers of two is not exact",
+        ));
+    };
+    let within = exact_inverse(&scaled.a)?;
+    let value = within
+        .enclosure()
+        .and_then(|inverse| hull(&scaled.a, &right, &inverse.magnitude()))
+        .and_then(|(lower, upper)| scaled.unscale_solution(&lower, &upper, common));
+    let Some(value) = value else {
         return Ok(Outcome::not_applicable("sign accord did not end, or a bound overflows"));
     };
     let Some(Certificate::Regular(witness)) = inverse.certificate else {
@@ -36,7 +48,7 @@ pub fn exact(a: &IntervalMatrix, b: &[Interval]) -> Result<Outcome, Error> {
     Ok(Outcome::enclosed(value, Certificate::Regular(witness)))
 }
 
-fn hull(a: &IntervalMatrix, b: &[Interval], magnitude: &[f64]) -> Option<IntervalMatrix> {
+fn hull(a: &IntervalMatrix, b: &[Interval], magnitude: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
     let n = a.rows();
     let start = approximate::inverse(&a.midpoint(), n)?;
     let middle: Vec<f64> = b.iter().map(|x| x.midpoint()).collect();
@@ -54,5 +66,5 @@ fn hull(a: &IntervalMatrix, b: &[Interval], magnitude: &[f64]) -> Option<Interva
     let lo = (0..n).map(|i| solutions.iter().map(|s| s.lower(magnitude, i).0).fold(f64::INFINITY, f64::min)).collect();
     let hi =
         (0..n).map(|i| solutions.iter().map(|s| s.upper(magnitude, i).0).fold(f64::NEG_INFINITY, f64::max)).collect();
-    IntervalMatrix::new(n, 1, lo, hi).ok().filter(IntervalMatrix::is_bounded)
+    Some((lo, hi))
 }

@@ -112,8 +112,8 @@ fn least(of: &[usize], refined: impl Fn(usize) -> End, coarse: impl Fn(usize) ->
             let (bound, attained) = coarse(y);
             (bound, attained, false)
         };
-        if bound < end.0 {
-            end = (bound, end.1, tight);
+        if bound.is_nan() || bound < end.0 {
+            end = (if bound.is_nan() { f64::NEG_INFINITY } else { bound }, end.1, tight);
         } else if bound == end.0 {
             // Another solution with the same bound that is tight shows that the bound is.
             end.2 |= tight;

@@ -20,7 +20,7 @@ use super::hansen_bliek_rohn::closed_form;
 use super::{Certificate, Outcome, UNBOUNDED};
 use crate::error::Error;
 use crate::matrix::IntervalMatrix;
-use crate::regularity::{Preconditioned, Regularity, VERTEX_LIMIT, Witness, regularity};
+use crate::regularity::{Preconditioned, Regularity, VERTEX_LIMIT, Witness, decide};
 use crate::scaling::Scaled;
 use crate::status::Status;
 pub(crate) use ends::{Ends, by_sign_accord};
@@ -65,21 +65,21 @@ pub fn exact(a: &IntervalMatrix) -> Result<Outcome, Error> {
     let Some(scaled) = Scaled::new(a) else {
         return if n <= VERTEX_LIMIT { exact_by_vertices(a) } else { Ok(Outcome::not_applicable(SCALE)) };
     };
-    match settle(&scaled.a) {
+    match settle(&scaled.a, false) {
         Settled::Hull { ends, witness } => {
             let tight = ends.tight || n > VERTEX_LIMIT;
-            match scaled.unscale(&ends.lower, &ends.upper).filter(|_| tight) {
-                Some(value) => Ok(Outcome::enclosed(value, Certificate::Regular(scaled.witness(witness)))),
-                None if n <= VERTEX_LIMIT => exact_by_vertices(a),
-                None => Ok(Outcome::not_applicable("a bound of the inverse overflows")),
-            }
+            let value = scaled.unscale(&ends.lower, &ends.upper).filter(|_| tight);
+            let Some((value, witness)) = value.zip(witness_of(a, &scaled, witness)) else {
+                return if n <= VERTEX_LIMIT { exact_by_vertices(a) } else { Ok(Outcome::not_applicable(RANGE)) };
+            };
+            Ok(Outcome::enclosed(value, Certificate::Regular(witness)))
         }
         Settled::Regular { .. } => Ok(Outcome::not_applicable(format!(
             "the signs of the inverse vary and order {n} exceeds {ACCORD_LIMIT}, the limit of sign accord, or {SIGN_LIMIT}, \
              that of fixed signs: use partitioned or hansen-bliek-rohn"
         ))),
         Settled::Open if n <= VERTEX_LIMIT => exact_by_vertices(a),
-        Settled::Open => Ok(match regularity(a) {
+        Settled::Open => Ok(match decide(a) {
             Regularity::Singular(member) => Outcome::singular(member),
             Regularity::Regular(witness) => by_accord_of(a, &scaled, witness),
             Regularity::NotProved => Outcome::without_value(
@@ -91,6 +91,15 @@ pub fn exact(a: &IntervalMatrix) -> Result<Outcome, Error> {
     }
 }
 
+/// The witness for the matrix as it was, or another one where scaling it back rounds.
+pub(crate) fn witness_of(a: &IntervalMatrix, scaled: &Scaled, witness: Witness) -> Option<Witness> {
+    scaled.witness(witness).or_else(|| match decide(a) {
+        Regularity::Regular(witness) => Some(witness),
+        _ => None,
+    })
+}
+
+const RANGE: &str = "a bound of the inverse, or the certificate, lies beyond the range of doubles";
 const SCALE: &str = "the entries differ so much in size that scaling by powers of two is not exact";
 
 /// Sign accord where regularity was proved otherwise than by one contraction.
@@ -116,7 +125,9 @@ pub(crate) enum Settled {
 }
 
 /// The hull of a strongly regular matrix by the cheapest form that applies.
-pub(crate) fn settle(a: &IntervalMatrix) -> Settled {
+///
+/// `attain` asks for what members attain where the hull is not found.
+pub(crate) fn settle(a: &IntervalMatrix, attain: bool) -> Settled {
     let n = a.rows();
     let Some(preconditioned) = Preconditioned::new(a) else { return Settled::Open };
     let Some(v) = preconditioned.contracted() else { return Settled::Open };
@@ -141,5 +152,24 @@ pub(crate) fn settle(a: &IntervalMatrix) -> Settled {
         let witness = Witness::ScaledContraction { approximate_inverse: preconditioned.r, vector: v };
         return Settled::Hull { ends, witness };
     }
-    Settled::Regular { attained: if fixed { None } else { along_signs() }, enclosure }
+    let attained = match (attain, n <= ATTAIN_LIMIT) {
+        (true, true) if !fixed => along_signs(),
+        (true, _) => at_midpoint(a),
+        _ => None,
+    };
+    Settled::Regular { enclosure, attained }
+}
+
+/// Up to this order attained values are those of the vertices that the signs of the midpoint's inverse name.
+const ATTAIN_LIMIT: usize = 24;
+
+/// What the midpoint attains.
+fn at_midpoint(a: &IntervalMatrix) -> Option<Ends> {
+    let n = a.rows();
+    let point = IntervalMatrix::from_points(n, n, &a.midpoint());
+    let preconditioned = Preconditioned::new(&point)?;
+    let z = IntervalMatrix::from_points(n, n, &preconditioned.r);
+    let value = closed_form(&preconditioned, &preconditioned.contracted()?, &z)?;
+    let (lower, upper) = (value.lo().to_vec(), value.hi().to_vec());
+    Some(Ends { attained_lower: upper.clone(), attained_upper: lower.clone(), lower, upper, tight: false })
 }

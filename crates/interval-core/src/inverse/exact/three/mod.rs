@@ -107,7 +107,9 @@ impl Regular {
                     continue;
                 }
                 let largest = size[j].max(size[3 + j]).max(size[6 + j]);
-                if size[at] <= (first[at] + quick * largest) * growth {
+                // Comparisons that NaN fails: it must not pass for a sign.
+                let clear = size[at] > (first[at] + quick * largest) * growth;
+                if !clear {
                     let second = second.get_or_insert_with(|| product(&g, &first));
                     fixed &= size[at] > (first[at] + second[at] + tail * largest) * growth;
                 }

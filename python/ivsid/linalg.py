@@ -32,6 +32,7 @@ PARTITION_LIMIT: Final = 2**53
 """Beyond it the members of a sweep are no longer told apart by doubles."""
 
 STATUSES: Final = ("enclosed", "singular", "not_proved", "not_applicable")
+VERDICTS: Final = ("regular", "singular", "not_proved")
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ class ResultBatch(Sequence[Result]):
     Attributes:
         method: its name.
         status: names, shape (k,).
-        lower: bounds, shape (k, n, n); NaN where a result has no value.
+        lower: bounds, shape (k, n, n), of systems (k, n); NaN where a result has no value.
         upper: the same from above.
     """
 
@@ -99,6 +100,26 @@ class ResultBatch(Sequence[Result]):
     def __getitem__(self, index: slice) -> list[Result]: ...
     def __getitem__(self, index: int | slice) -> Result | list[Result]:
         """The result with its certificate, which is made when it is asked for."""
+        positions = range(len(self))[index]
+        return self._single(positions) if isinstance(positions, int) else [self._single(k) for k in positions]
+
+
+@dataclass(frozen=True, eq=False)
+class RegularityBatch(Sequence[Regularity]):
+    """The verdicts on a batch: names in ``status``, shape (k,), or one ``Regularity`` after the other."""
+
+    status: np.ndarray[Any, np.dtype[np.str_]]
+    _single: Callable[[int], Regularity]
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    @overload
+    def __getitem__(self, index: int) -> Regularity: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Regularity]: ...
+    def __getitem__(self, index: int | slice) -> Regularity | list[Regularity]:
+        """The verdict with its certificate, which is made when it is asked for."""
         positions = range(len(self))[index]
         return self._single(positions) if isinstance(positions, int) else [self._single(k) for k in positions]
 
@@ -149,14 +170,17 @@ def inverse(
     return ResultBatch(method, np.array(STATUSES)[codes], low, high, single)
 
 
-def solve(A: Operand, b: Operand, method: str = "hansen-bliek-rohn") -> Result:
+def solve(A: Operand, b: Operand, method: str = "hansen-bliek-rohn") -> Any:
     """Encloses every solution of ``A x = b``.
 
     Args:
-        A: shape (n, n).
-        b: shape (n,).
+        A: shape (n, n), or a batch (k, n, n).
+        b: shape (n,); for a batch (k, n), or (n,) for all of it.
         method: ``hansen-bliek-rohn`` (hull of the preconditioned system in closed form), ``exact`` (hull of the solution set by sign
             accord, n <= 12), ``krawczyk`` (paper eq. 8-10, corrected), ``gauss-seidel``, or ``cramer`` (Nirmala-Ganesan).
+
+    Returns:
+        A ``Result`` with bounds of shape (n,), or a ``ResultBatch`` with (k, n).
 
     Raises:
         IvsidError: wrong shapes, NaN, reversed bounds, or an unknown method.
@@ -164,18 +188,41 @@ def solve(A: Operand, b: Operand, method: str = "hansen-bliek-rohn") -> Result:
     check_method(method, SOLVE_METHODS)
     matrix = _matrix(A)
     right = b if isinstance(b, IntervalArray) else IntervalArray(_points(b))
-    if right.shape != matrix.shape[-1:]:
-        raise IvsidError(f"the right-hand side has shape {right.shape}; for this matrix it must be {matrix.shape[-1:]}")
-    lower, upper = np.ascontiguousarray(right.lower), np.ascontiguousarray(right.upper)
-    bounds = _square(matrix)
-    return make_result(method, _core.solve(*bounds, (lower, upper), method), bounds, right.shape)
+    if right.shape not in (matrix.shape[-1:], matrix.shape[:-1]):
+        raise IvsidError(f"the right-hand side has shape {right.shape}; for this matrix it must be {matrix.shape[:-1]}")
+    lower, upper = (np.ascontiguousarray(np.broadcast_to(end, matrix.shape[:-1])) for end in (right.lower, right.upper))
+    low, high = np.ascontiguousarray(matrix.lower), np.ascontiguousarray(matrix.upper)
+    if matrix.ndim == 2:
+        return make_result(method, _core.solve(low, high, (lower, upper), method), (low, high), right.shape)
+    codes, bounds = _core.solve_batch(low, high, (lower.ravel(), upper.ravel()), method)
+
+    def single(k: int) -> Result:
+        found = _core.solve(low[k], high[k], (lower[k], upper[k]), method)
+        return make_result(method, found, (low[k], high[k]), lower[k].shape)
+
+    return ResultBatch(method, np.array(STATUSES)[codes], *bounds, single)
 
 
-def regularity(A: Operand) -> Regularity:
-    """Decides whether every member of ``A`` (n, n) is nonsingular, with a certificate."""
-    bounds = _square(_matrix(A))
-    status, certificate = _core.regularity(*bounds)
-    return Regularity(status, None if certificate is None else Certificate(certificate, *bounds))
+def regularity(A: Operand) -> Any:
+    """Decides whether every member of ``A`` is nonsingular, with a certificate.
+
+    Args:
+        A: shape (n, n), or a batch (k, n, n).
+
+    Returns:
+        A ``Regularity``, or a ``RegularityBatch``.
+    """
+    matrix = _matrix(A)
+    low, high = np.ascontiguousarray(matrix.lower), np.ascontiguousarray(matrix.upper)
+
+    def single(lower: FloatArray, upper: FloatArray) -> Regularity:
+        status, certificate = _core.regularity(lower, upper)
+        return Regularity(status, None if certificate is None else Certificate(certificate, lower, upper))
+
+    if matrix.ndim == 2:
+        return single(low, high)
+    codes = _core.regularity_batch(low, high)
+    return RegularityBatch(np.array(VERDICTS)[codes], lambda k: single(low[k], high[k]))
 
 
 def norm(A: Operand) -> float:

@@ -174,6 +174,37 @@ def test_systems(method):
     assert ((result.value.lower <= x) & (x <= result.value.upper)).all()
 
 
+@pytest.mark.parametrize("method", linalg.SOLVE_METHODS)
+def test_a_batch_of_systems_equals_them_one_by_one(method):
+    batch = dominant(3, 0.3, k=12)
+    rng = np.random.default_rng(3)
+    centre = rng.uniform(-1, 1, (12, 3))
+    right = around(centre, np.full((12, 3), 0.1))
+    found = linalg.solve(batch, right, method)
+    common = linalg.solve(batch, IntervalArray(right.lower[0], right.upper[0]), method)
+    assert len(found) == 12 and found.lower.shape == (12, 3)
+    for k, one in enumerate(found):
+        single = linalg.solve(
+            IntervalArray(batch.lower[k], batch.upper[k]), IntervalArray(right.lower[k], right.upper[k]), method
+        )
+        assert single.status == one.status == found.status[k]
+        if single.value is None:
+            assert np.isnan(found.lower[k]).all()
+        else:
+            np.testing.assert_array_equal(found.lower[k], single.value.lower)
+            np.testing.assert_array_equal(found.upper[k], single.value.upper)
+    np.testing.assert_array_equal(common.lower[0], found.lower[0])
+
+
+def test_a_batch_of_verdicts():
+    batch = dominant(3, 0.8, k=30)
+    found = linalg.regularity(batch)
+    assert set(found.status) == {"regular", "singular"}
+    for k, one in enumerate(found):
+        assert one.status == found.status[k] and one.certificate.verify()
+    assert found[-1].status == found.status[-1] and len(found[3:6]) == 3
+
+
 def test_the_short_way_gives_the_sweep():
     matrix = dominant(5, 0.2)
     for method in ("published", "published-hull"):
@@ -182,6 +213,8 @@ def test_the_short_way_gives_the_sweep():
         np.testing.assert_allclose(short.value.lower, sweep.value.lower, rtol=1e-13)
         np.testing.assert_allclose(short.value.upper, sweep.value.upper, rtol=1e-13)
         assert not short.guaranteed and "not an enclosure" in short.reason
+        hull = linalg.inverse(matrix).value
+        assert not sweep.value.holds(hull).all() and (method == "published-hull") == (not sweep.value.improper.any())
 
 
 def test_a_long_sweep_reports_its_progress():
@@ -229,8 +262,9 @@ def test_bad_input_is_said_in_one_sentence():
         lambda: linalg.inverse(good, "published", sweep="none"),
         lambda: linalg.inverse(good, "partitioned", -1),
         lambda: linalg.solve(good, np.ones(2)),
-        lambda: linalg.solve(dominant(3, k=2), np.ones(3)),
-        lambda: linalg.regularity(dominant(3, k=2)),
+        lambda: linalg.solve(dominant(3, k=2), np.ones((3, 3))),
+        lambda: linalg.solve(dominant(3, k=2), np.full((2, 3), np.nan)),
+        lambda: linalg.regularity(np.ones((2, 3, 4))),
     ):
         with pytest.raises(IvsidError) as refusal:
             call()

@@ -20,7 +20,7 @@ mod core_module {
         power, unary,
     };
     #[pymodule_export]
-    use super::linalg::{gram, inverse, inverse_batch, matmul, norm, regularity, solve};
+    use super::linalg::{gram, inverse, inverse_batch, matmul, norm, regularity, regularity_batch, solve, solve_batch};
     #[pymodule_export]
     use super::regression::{feasible_set, normal_equations};
     #[pymodule_export]

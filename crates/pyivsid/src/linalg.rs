@@ -5,7 +5,7 @@ use crate::convert;
 use interval_core::inverse::{self as methods, Form, Monitor, Outcome, Sweep};
 use interval_core::regularity::{self as regular, Regularity};
 use interval_core::rounding::slices::Backend;
-use interval_core::{Error, IntervalMatrix, systems};
+use interval_core::{Error, Interval, IntervalMatrix, systems};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -131,12 +131,8 @@ pub fn inverse_batch<'py>(
     partitions: u64,
     sweep: &str,
 ) -> PyResult<(Bound<'py, PyArray1<u8>>, Bound<'py, PyAny>)> {
-    interval_core::rounding::check_environment().map_err(|e| refusal(&e))?;
-    let shape = [lo.shape()[0], lo.shape()[1], lo.shape()[2]];
-    if !(lo.is_c_contiguous() && hi.is_c_contiguous()) || lo.shape() != hi.shape() || shape[1] != shape[2] {
-        return Err(PyValueError::new_err("two C-contiguous arrays of shape (k, n, n) are needed"));
-    }
-    let (l, h) = (lo.as_slice()?, hi.as_slice()?);
+    let (l, h, n) = stack(&lo, &hi)?;
+    let shape = [lo.shape()[0], n, n];
     let invert = inverse_method(method, partitions, sweep)?;
     let batch = py
         .detach(|| match method {
@@ -150,6 +146,68 @@ pub fn inverse_batch<'py>(
     Ok((status, (lower, upper).into_pyobject(py)?.into_any()))
 }
 
+type Solver = fn(&IntervalMatrix, &[Interval]) -> Result<Outcome, Error>;
+
+/// A method for systems by name.
+fn solve_method(method: &str) -> PyResult<Solver> {
+    Ok(match method {
+        "krawczyk" => systems::krawczyk,
+        "cramer" => systems::cramer,
+        "hansen-bliek-rohn" => systems::hansen_bliek_rohn,
+        "gauss-seidel" => systems::gauss_seidel,
+        "exact" => systems::exact,
+        _ => return Err(PyValueError::new_err(format!("unknown method '{method}'"))),
+    })
+}
+
+/// The bounds of a batch of shape (k, n, n), and `n`.
+fn stack<'a>(
+    lo: &'a PyReadonlyArray3<'_, f64>,
+    hi: &'a PyReadonlyArray3<'_, f64>,
+) -> PyResult<(&'a [f64], &'a [f64], usize)> {
+    interval_core::rounding::check_environment().map_err(|e| refusal(&e))?;
+    let shape = lo.shape();
+    if !(lo.is_c_contiguous() && hi.is_c_contiguous()) || shape != hi.shape() || shape[1] != shape[2] {
+        return Err(PyValueError::new_err("two C-contiguous arrays of shape (k, n, n) are needed"));
+    }
+    Ok((lo.as_slice()?, hi.as_slice()?, shape[1]))
+}
+
+/// The solutions of a batch of systems, right-hand sides one after the other: status codes, and bounds of shape (k, n).
+#[pyfunction]
+pub fn solve_batch<'py>(
+    py: Python<'py>,
+    lo: PyReadonlyArray3<'py, f64>,
+    hi: PyReadonlyArray3<'py, f64>,
+    right: (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>),
+    method: &str,
+) -> PyResult<(Bound<'py, PyArray1<u8>>, Bound<'py, PyAny>)> {
+    let (l, h, n) = stack(&lo, &hi)?;
+    let b = intervals(vector(&right.0)?, vector(&right.1)?).map_err(|e| refusal(&e))?;
+    let solver = solve_method(method)?;
+    let batch = py.detach(|| systems::batch(n, (l, h), &b, solver)).map_err(|e| refusal(&e))?;
+    let status = PyArray1::from_iter(py, batch.status.iter().map(|s| convert::status_code(*s)));
+    let shape = (batch.status.len(), n);
+    Ok((status, convert::bounds(py, &batch.lower, &batch.upper, shape)?))
+}
+
+/// The verdicts on a batch of matrices: 0 regular, 1 singular, 2 not proved.
+#[pyfunction]
+pub fn regularity_batch<'py>(
+    py: Python<'py>,
+    lo: PyReadonlyArray3<'py, f64>,
+    hi: PyReadonlyArray3<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<u8>>> {
+    let (l, h, n) = stack(&lo, &hi)?;
+    let verdicts = py.detach(|| regular::regularity_batch(n, l, h)).map_err(|e| refusal(&e))?;
+    let code = |verdict: &Regularity| match verdict {
+        Regularity::Regular(_) => 0_u8,
+        Regularity::Singular(_) => 1,
+        Regularity::NotProved => 2,
+    };
+    Ok(PyArray1::from_iter(py, verdicts.iter().map(code)))
+}
+
 /// The solutions of a square interval system.
 #[pyfunction]
 pub fn solve<'py>(
@@ -161,14 +219,7 @@ pub fn solve<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let a = matrix(&lo, &hi)?;
     let b = intervals(vector(&right.0)?, vector(&right.1)?).map_err(|e| refusal(&e))?;
-    let solver = match method {
-        "krawczyk" => systems::krawczyk,
-        "cramer" => systems::cramer,
-        "hansen-bliek-rohn" => systems::hansen_bliek_rohn,
-        "gauss-seidel" => systems::gauss_seidel,
-        "exact" => systems::exact,
-        _ => return Err(PyValueError::new_err(format!("unknown method '{method}'"))),
-    };
+    let solver = solve_method(method)?;
     let outcome = py.detach(|| solver(&a, &b)).map_err(|e| refusal(&e))?;
     convert::outcome(py, &outcome, a.rows())
 }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.intervals.array import FloatArray
+from ivsid.intervals.array import FloatArray, IntervalArray
 
 
 class EndpointPair:
@@ -27,6 +27,11 @@ class EndpointPair:
     def shape(self) -> tuple[int, ...]:
         """Shape of either array."""
         return self.lower.shape
+
+    def holds(self, hull: IntervalArray) -> NDArray[np.bool_]:
+        """Where the pair holds the entry of an exact hull of the same shape; elsewhere it is not an enclosure."""
+        inside: NDArray[np.bool_] = (self.lower <= hull.lower) & (hull.upper <= self.upper)
+        return inside
 
     def __repr__(self) -> str:
         return f"EndpointPair(lower={self.lower!r}, upper={self.upper!r}, improper={int(self.improper.sum())})"

@@ -43,6 +43,13 @@ impl Endpoints {
     pub fn improper(&self) -> Vec<bool> {
         self.lower.iter().zip(&self.upper).map(|(l, u)| l > u).collect()
     }
+
+    /// Which entries hold those of an exact hull, row-major; false where they are not an enclosure.
+    #[must_use]
+    pub fn holds(&self, hull: &IntervalMatrix) -> Vec<bool> {
+        let ends = self.lower.iter().zip(&self.upper);
+        ends.zip(hull.entries()).map(|((l, u), x)| *l <= x.lo() && x.hi() <= *u).collect()
+    }
 }
 
 /// What a method gives, with or without a proof.

@@ -13,6 +13,7 @@ pub(crate) use singular::null_vector;
 use crate::error::Error;
 use crate::exact;
 use crate::matrix::IntervalMatrix;
+use crate::parallel;
 use crate::scaling::Scaled;
 
 /// The largest order for which all vertex matrices are examined: 2^(2n-1) of them.
@@ -89,6 +90,27 @@ pub fn regularity(a: &IntervalMatrix) -> Result<Regularity, Error> {
     crate::rounding::check_environment()?;
     a.order()?;
     Ok(if a.is_bounded() { decide(a) } else { Regularity::NotProved })
+}
+
+/// The verdicts on many matrices of order `n` whose bounds follow each other, each row-major, on all threads.
+///
+/// # Errors
+/// Lengths that are not whole matrices, and bad bounds.
+pub fn regularity_batch(n: usize, lo: &[f64], hi: &[f64]) -> Result<Vec<Regularity>, Error> {
+    let size = n * n;
+    if size == 0 {
+        return Err(Error::Zero { what: "the order of the matrix" });
+    }
+    if hi.len() != lo.len() || !lo.len().is_multiple_of(size) {
+        return Err(Error::Shape { what: "the batch", given: hi.len(), needed: lo.len().next_multiple_of(size) });
+    }
+    let count = lo.len() / size;
+    let one = |k: usize| {
+        let part = k * size..(k + 1) * size;
+        let a = IntervalMatrix::new(n, n, lo[part.clone()].to_vec(), hi[part.clone()].to_vec());
+        regularity(&a.map_err(|e| e.moved(part.start))?)
+    };
+    parallel::map(count, count > 1, one).into_iter().collect()
 }
 
 /// The verdict on a square and bounded matrix, found on one that is scaled by powers of two.

@@ -1,11 +1,13 @@
 //! Square interval systems `A x = b`: the methods of [`inverse`](crate::inverse) with a right-hand side.
 
+mod batch;
 mod cramer;
 mod exact;
 mod gauss_seidel;
 mod hansen_bliek_rohn;
 mod krawczyk;
 
+pub use batch::batch;
 pub use cramer::cramer;
 pub use exact::exact;
 pub use gauss_seidel::gauss_seidel;

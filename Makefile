@@ -50,7 +50,7 @@ differential: build
 # Inverses: verdicts on regularity by exact determinants, members of every family inside every enclosure; some minutes.
 MATRICES ?= 1e5
 exhaustive:
-	IVSID_CASES=$(MATRICES) cargo test --locked --release --test regularity --test hull --test inverse
+	IVSID_CASES=$(MATRICES) cargo test --locked --release --test regularity --test hull --test systems --test range --test inverse
 
 # The sweep and the hulls beside peers that are installed; the figure of the sweep for the docs.
 inverse-peers: build

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, overload
+from typing import Any, Final, TypeAlias, TypeVar, overload
 
 import numpy as np
 
@@ -12,6 +12,8 @@ from ivsid import _core
 from ivsid.certificates import Certificate
 from ivsid.errors import IvsidError
 from ivsid.intervals import EndpointPair, FloatArray, Interval, IntervalArray, Operand
+
+Bounds: TypeAlias = tuple[FloatArray, FloatArray]
 
 INVERSE_METHODS: Final = (
     "exact",
@@ -69,59 +71,51 @@ class Regularity:
     certificate: Certificate | None
 
 
-@dataclass(frozen=True, eq=False)
-class ResultBatch(Sequence[Result]):
-    """The results of a batch: whole arrays, or one ``Result`` after the other.
+Answer = TypeVar("Answer")
+
+
+class Batch(Sequence[Answer]):
+    """Answers to a batch: names in ``status``, shape (k,), or one answer after the other.
+
+    An answer with its certificate is made when it is asked for.
+    """
+
+    def __init__(self, status: np.ndarray[Any, np.dtype[np.str_]], single: Callable[[int], Answer]) -> None:
+        self.status = status
+        self._single = single
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    @overload
+    def __getitem__(self, index: int) -> Answer: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Answer]: ...
+    def __getitem__(self, index: int | slice) -> Answer | list[Answer]:
+        positions = range(len(self))[index]
+        return self._single(positions) if isinstance(positions, int) else [self._single(k) for k in positions]
+
+
+class ResultBatch(Batch[Result]):
+    """The results of a batch: whole arrays as well.
 
     Attributes:
         method: its name.
-        status: names, shape (k,).
         lower: bounds, shape (k, n, n), of systems (k, n); NaN where a result has no value.
         upper: the same from above.
     """
 
-    method: str
-    status: np.ndarray[Any, np.dtype[np.str_]]
-    lower: FloatArray
-    upper: FloatArray
-    _single: Callable[[int], Result]
+    def __init__(
+        self, method: str, codes: np.ndarray[Any, np.dtype[np.uint8]], bounds: Bounds, single: Callable[[int], Result]
+    ) -> None:
+        super().__init__(np.array(STATUSES)[codes], single)
+        self.method = method
+        self.lower, self.upper = bounds
 
     @property
     def guaranteed(self) -> np.ndarray[Any, np.dtype[np.bool_]]:
         """Which results are proved, shape (k,)."""
         return np.isin(self.status, ("enclosed", "singular"))
-
-    def __len__(self) -> int:
-        return len(self.status)
-
-    @overload
-    def __getitem__(self, index: int) -> Result: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[Result]: ...
-    def __getitem__(self, index: int | slice) -> Result | list[Result]:
-        """The result with its certificate, which is made when it is asked for."""
-        positions = range(len(self))[index]
-        return self._single(positions) if isinstance(positions, int) else [self._single(k) for k in positions]
-
-
-@dataclass(frozen=True, eq=False)
-class RegularityBatch(Sequence[Regularity]):
-    """The verdicts on a batch: names in ``status``, shape (k,), or one ``Regularity`` after the other."""
-
-    status: np.ndarray[Any, np.dtype[np.str_]]
-    _single: Callable[[int], Regularity]
-
-    def __len__(self) -> int:
-        return len(self.status)
-
-    @overload
-    def __getitem__(self, index: int) -> Regularity: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[Regularity]: ...
-    def __getitem__(self, index: int | slice) -> Regularity | list[Regularity]:
-        """The verdict with its certificate, which is made when it is asked for."""
-        positions = range(len(self))[index]
-        return self._single(positions) if isinstance(positions, int) else [self._single(k) for k in positions]
 
 
 def inverse(
@@ -161,13 +155,13 @@ def inverse(
         found = _core.inverse(lower, upper, method, number, sweep, progress)
         return make_result(method, found, (lower, upper), matrix.shape)
     lower, upper = np.ascontiguousarray(matrix.lower), np.ascontiguousarray(matrix.upper)
-    codes, (low, high) = _core.inverse_batch(lower, upper, method, number, sweep)
+    codes, bounds = _core.inverse_batch(lower, upper, method, number, sweep)
 
     def single(k: int) -> Result:
         found = _core.inverse(lower[k], upper[k], method, number, sweep)
         return make_result(method, found, (lower[k], upper[k]), lower[k].shape)
 
-    return ResultBatch(method, np.array(STATUSES)[codes], low, high, single)
+    return ResultBatch(method, codes, bounds, single)
 
 
 def solve(A: Operand, b: Operand, method: str = "hansen-bliek-rohn") -> Any:
@@ -200,7 +194,7 @@ def solve(A: Operand, b: Operand, method: str = "hansen-bliek-rohn") -> Any:
         found = _core.solve(low[k], high[k], (lower[k], upper[k]), method)
         return make_result(method, found, (low[k], high[k]), lower[k].shape)
 
-    return ResultBatch(method, np.array(STATUSES)[codes], *bounds, single)
+    return ResultBatch(method, codes, bounds, single)
 
 
 def regularity(A: Operand) -> Any:
@@ -210,7 +204,7 @@ def regularity(A: Operand) -> Any:
         A: shape (n, n), or a batch (k, n, n).
 
     Returns:
-        A ``Regularity``, or a ``RegularityBatch``.
+        A ``Regularity``, or a ``Batch`` of them.
     """
     matrix = _matrix(A)
     low, high = np.ascontiguousarray(matrix.lower), np.ascontiguousarray(matrix.upper)
@@ -222,7 +216,7 @@ def regularity(A: Operand) -> Any:
     if matrix.ndim == 2:
         return single(low, high)
     codes = _core.regularity_batch(low, high)
-    return RegularityBatch(np.array(VERDICTS)[codes], lambda k: single(low[k], high[k]))
+    return Batch(np.array(VERDICTS)[codes], lambda k: single(low[k], high[k]))
 
 
 def norm(A: Operand) -> float:

@@ -8,6 +8,7 @@
 
 mod common;
 
+use common::matrices::extremes;
 use common::{Random, invert, is_down, is_up, q};
 use interval_core::inverse::{Outcome, cramer, exact, hansen_bliek_rohn, krawczyk, kuttler, published, published_hull};
 use interval_core::regularity::{Regularity, SingularMember, regularity};
@@ -34,21 +35,8 @@ fn corners(a: &IntervalMatrix) -> Vec<Vec<f64>> {
 
 /// Exact extremes of each entry of the inverse over the corners; `None` where one is singular or signs differ.
 fn hull(a: &IntervalMatrix) -> Option<Vec<(BigRational, BigRational)>> {
-    let mut found: Option<Vec<(BigRational, BigRational)>> = None;
-    let mut positive = None;
-    for corner in corners(a) {
-        let entries: Vec<BigRational> = corner.iter().map(|&x| q(x)).collect();
-        let (determinant, inverse) = invert(&entries, a.rows());
-        let inverse = inverse?;
-        if *positive.get_or_insert(determinant.is_positive()) != determinant.is_positive() {
-            return None;
-        }
-        found = Some(match found {
-            None => inverse.into_iter().map(|x| (x.clone(), x)).collect(),
-            Some(f) => f.into_iter().zip(inverse).map(|((l, h), x)| (l.min(x.clone()), h.max(x))).collect(),
-        });
-    }
-    found
+    let exactly = |corner: Vec<f64>| corner.into_iter().map(q).collect();
+    extremes(corners(a).into_iter().map(exactly), a.rows())
 }
 
 fn families(n: usize, seed: u64) -> Vec<(&'static str, IntervalMatrix)> {

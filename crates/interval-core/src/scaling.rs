@@ -86,7 +86,7 @@ impl Scaled {
     }
 
     /// Whether nothing was scaled.
-    fn is_trivial(&self) -> bool {
+    pub(crate) fn is_trivial(&self) -> bool {
         self.rows.iter().chain(&self.columns).all(|&e| e == 0)
     }
 

@@ -119,7 +119,9 @@ def identify(
             help="feasible, exact, hansen-bliek-rohn, krawczyk, cramer, kuttler, published or published-hull.",
         ),
     ] = "feasible",
-    partitions: Annotated[int | None, typer.Option("--partitions", min=1, help="N of the published methods.")] = None,
+    partitions: Annotated[
+        int | None, typer.Option("--partitions", min=1, help="N of the published methods, or cells of partitioned.")
+    ] = None,
     form: Annotated[
         str, typer.Option("--form", help="total, or added: the rigid-body mass is known and left out.")
     ] = "total",

@@ -54,9 +54,9 @@ def identify(
         vehicle: the checked vehicle file.
         log: the checked log.
         method: ``feasible`` (all parameters that are consistent with every row; guaranteed), or interval least squares
-            (eq. 14) with the inverse ``exact``, ``hansen-bliek-rohn``, ``krawczyk``, ``cramer``, ``kuttler``,
-            ``published`` or ``published-hull``.
-        partitions: N of the published methods.
+            (eq. 14) with the inverse ``exact``, ``partitioned``, ``hansen-bliek-rohn``,
+            ``krawczyk``, ``cramer``, ``kuttler``, ``neumaier``, ``published`` or ``published-hull``.
+        partitions: N of the published methods, or the cells of ``partitioned``.
         form: ``total`` mass, or ``added`` mass with the rigid-body mass known (eq. 6, second form).
         rows: ``auto``, ``pointwise``, ``integral`` or ``both``.
         window: length of integral rows [s].

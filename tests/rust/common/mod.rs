@@ -6,6 +6,8 @@
     reason = "each test file uses its own part"
 )]
 
+pub mod matrices;
+
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Zero};

@@ -65,7 +65,7 @@ pub(crate) fn closed_form(p: &Preconditioned, v: &[f64], z: &IntervalMatrix) -> 
     let beta = approximate::product(&off_diagonal, &z.magnitude(), n, n, columns);
     let (mut lo, mut hi) = (vec![0.0; n * columns], vec![0.0; n * columns]);
     for i in 0..n {
-        let diagonal = add_down(1.0, tail.diagonal_lower[i]);
+        let diagonal = add_down(1.0, tail.lower[i * (n + 1)]);
         let sum: f64 = (0..n).filter(|&k| k != i).map(|k| p.g[i * n + k] * tail.upper[k * n + i]).sum();
         let alpha = div_up(growth.above(sum), diagonal);
         let reach = add_up(p.g[i * n + i], alpha);
@@ -98,8 +98,6 @@ fn off_diagonal_is_zero(row: &[f64], z: &IntervalMatrix, j: usize) -> bool {
 pub(crate) struct Tail {
     /// Upper bounds, row-major.
     pub upper: Vec<f64>,
-    /// Lower bounds of the diagonal.
-    pub diagonal_lower: Vec<f64>,
     /// Lower bounds, row-major.
     pub lower: Vec<f64>,
 }
@@ -140,8 +138,7 @@ impl Tail {
                 lower[at] = sub_down(w[at], crate::rounding::mul_up(v[i], below[j])).max(g[at]);
             }
         }
-        let diagonal_lower = (0..n).map(|i| lower[i * n + i]).collect();
-        upper.iter().all(|x| x.is_finite()).then_some(Self { upper, diagonal_lower, lower })
+        upper.iter().all(|x| x.is_finite()).then_some(Self { upper, lower })
     }
 }
 

@@ -34,8 +34,10 @@ pub fn exact(a: &IntervalMatrix, b: &[Interval]) -> Result<Outcome, Error> {
             "the entries differ so much in size that scaling by powers of two is not exact",
         ));
     };
-    let within = exact_inverse(&scaled.a)?;
+    let within = if scaled.is_trivial() { None } else { Some(exact_inverse(&scaled.a)?) };
     let value = within
+        .as_ref()
+        .unwrap_or(&inverse)
         .enclosure()
         .and_then(|inverse| hull(&scaled.a, &right, &inverse.magnitude()))
         .and_then(|(lower, upper)| scaled.unscale_solution(&lower, &upper, common));

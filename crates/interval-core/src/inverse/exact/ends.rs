@@ -42,8 +42,8 @@ pub(super) fn by_signs(a: &IntervalMatrix, signs: &[bool], magnitude: &[f64]) ->
                 }
                 let unit = unit_vector(n, j);
                 let mut signs: Vec<bool> = (0..n).map(|l| positive(l, j)).collect();
-                let lower = refined(&below, &unit, &below.solve(&unit, &mut signs)?);
-                let upper = refined(&above, &unit, &above.solve(&unit, &mut signs)?);
+                let lower = below.refine(&unit, &below.solve(&unit, &mut signs)?);
+                let upper = above.refine(&unit, &above.solve(&unit, &mut signs)?);
                 Some((lower_end(&lower, magnitude, i), upper_end(&upper, magnitude, i)))
             })
             .collect()
@@ -86,10 +86,7 @@ pub(crate) fn by_sign_accord(a: &IntervalMatrix, magnitude: Option<Vec<f64>>) ->
                 (crate::rounding::sub_down(x, error), crate::rounding::add_up(x, error))
             })
             .collect();
-        let refine = |bits: usize| {
-            let equations = Equations::new(a, &signs_of(bits));
-            refined(&equations, &unit_vector(n, j), &solutions[bits][j])
-        };
+        let refine = |bits: usize| Equations::new(a, &signs_of(bits)).refine(&unit_vector(n, j), &solutions[bits][j]);
         let reached = ends.iter().map(|e| e.1).fold(f64::INFINITY, f64::min);
         let below: Vec<usize> = (0..ends.len()).filter(|&y| ends[y].0 <= reached).collect();
         let lower = least(&below, |y| lower_end(&refine(y), &magnitude, i), |y| (ends[y].0, ends[y].1));
@@ -133,10 +130,6 @@ fn upper_end(solution: &Solution, magnitude: &[f64], i: usize) -> End {
     (bound, if tight { bound.next_down() } else { solution.lower(magnitude, i).0 }, tight)
 }
 
-fn refined(equations: &Equations, b: &[f64], from: &Solution) -> Solution {
-    equations.refine(b, from)
-}
-
 /// Upper bounds `H` of the magnitudes of all members' inverses from the solutions of all sign vectors, which attain them: with `X` the
 /// largest approximations and `P` the largest residuals `H <= X + H P`, so in each row `max H <= max X / (1 - q)`, `q` the largest
 /// column sum of `P`.
@@ -160,7 +153,7 @@ fn magnitude_of(solutions: &[Vec<Solution>], n: usize) -> Option<Vec<f64>> {
     Some((0..n * n).map(|at| add_up(x[at], mul_up(row(at / n), sums[at % n]))).collect())
 }
 
-pub(super) fn unit_vector(n: usize, j: usize) -> Vec<f64> {
+fn unit_vector(n: usize, j: usize) -> Vec<f64> {
     (0..n).map(|k| if k == j { 1.0 } else { 0.0 }).collect()
 }
 

@@ -92,7 +92,7 @@ pub fn exact(a: &IntervalMatrix) -> Result<Outcome, Error> {
 }
 
 /// The witness for the matrix as it was, or another one where scaling it back rounds.
-pub(crate) fn witness_of(a: &IntervalMatrix, scaled: &Scaled, witness: Witness) -> Option<Witness> {
+fn witness_of(a: &IntervalMatrix, scaled: &Scaled, witness: Witness) -> Option<Witness> {
     scaled.witness(witness).or_else(|| match decide(a) {
         Regularity::Regular(witness) => Some(witness),
         _ => None,

@@ -17,12 +17,11 @@ fn lanes<V: Vector>(plan: &Plan, a: &IntervalMatrix, hull: bool, range: Range<u6
     let n = plan.n;
     let mut work = vec![V::splat(0.0); n * n];
     let mut single = vec![0.0; n * n];
-    let mut start = range.start;
     let sets = [(a.lo(), 1.0, &mut found.infima, true, hull), (a.hi(), -1.0, &mut found.suprema, hull, true)];
     for (from, direction, ends, least, most) in sets {
         let mut low = vec![V::splat(f64::INFINITY); n * n];
         let mut high = vec![V::splat(f64::NEG_INFINITY); n * n];
-        start = range.start;
+        let mut start = range.start;
         while start < range.end {
             // Lanes beyond the range repeat its last member.
             let shift = V::from_fn(|lane| direction * plan.shift((start + lane as u64).min(range.end - 1)));
@@ -68,7 +67,6 @@ fn lanes<V: Vector>(plan: &Plan, a: &IntervalMatrix, hull: bool, range: Range<u6
             }
         }
     }
-    let _ = start;
     finite(found, hull)
 }
 

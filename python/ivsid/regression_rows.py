@@ -310,8 +310,8 @@ class _Quadrature:
 
 def _unit(derivative: str) -> State:
     """At rest, with one unit acceleration."""
-    values = {"udot": 0.0, "vdot": 0.0, "rdot": 0.0, derivative: 1.0}
-    return State(0.0, 0.0, 0.0, **values)
+    udot, vdot, rdot = (1.0 if derivative == name else 0.0 for name in ("udot", "vdot", "rdot"))
+    return State(0.0, 0.0, 0.0, udot, vdot, rdot)
 
 
 def _complete(whole: NDArray[np.bool_], count: int) -> NDArray[np.int64]:

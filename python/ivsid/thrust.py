@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -41,6 +41,10 @@ PUBLISHED_CUBIC: Final = (0.0003, -0.015, 0.6008, -1.0902)
 # Interpolation in floats is good to about 1e-14 of the table's largest thrust.
 ROUNDING: Final = 1e-12
 
+# NumPy's types know no intervals, its functions do.
+_maximum: Any = np.maximum
+_minimum: Any = np.minimum
+
 Curve = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -66,8 +70,48 @@ class ThrustCurve:
         t = self.thruster
         if t.table is not None:
             return table_curve(*self._table, linear_start=t.table.demand[0] > 0 and t.table.thrust[0] > 0)
+        if t.quadratic is not None:
+            ahead, astern = t.quadratic.forward, t.quadratic.astern
+            return lambda d: np.where(d < 0, astern, ahead) * d * np.abs(d)
         coefficients = np.array(t.polynomial if t.polynomial is not None else (t.gain, 0.0), dtype=np.float64)
         return lambda d: np.asarray(np.polyval(coefficients, d), dtype=np.float64)
+
+    @property
+    def pieces(self) -> tuple[list[float], list[list[float]]] | None:
+        """Knots of the table's demands, and between them polynomials of the distance from the lower knot, highest power first.
+
+        None without a table. The simulator's own evaluation starts from these.
+        """
+        if self.thruster.table is None:
+            return None
+        linear_start = self.thruster.table.demand[0] > 0 and self.thruster.table.thrust[0] > 0
+        return table_pieces(*self._table, linear_start=linear_start)
+
+    @property
+    def formula(self) -> Callable[[float], float]:
+        """The curve without a table, of a demand from its neutral, for one float."""
+        t = self.thruster
+        if t.quadratic is not None:
+            ahead, astern = t.quadratic.forward, t.quadratic.astern
+            return lambda d: (astern if d < 0 else ahead) * d * abs(d)
+        coefficients = t.polynomial if t.polynomial is not None else (t.gain or 0.0, 0.0)
+
+        def horner(d: float) -> float:
+            total = 0.0
+            for c in coefficients:
+                total = total * d + c
+            return total
+
+        return horner
+
+    def _claimed(self, demand: NDArray[np.float64], thrust: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The thrust with the file's further claims: weaker astern, none inside the dead band, capped at the limit."""
+        t = self.thruster
+        if t.reverse_factor is not None:
+            thrust = np.where(thrust < 0, thrust * t.reverse_factor, thrust)
+        if t.dead_band is not None:
+            thrust = np.where(np.abs(demand) < t.dead_band, 0.0, thrust)
+        return thrust if t.limit is None else np.clip(thrust, -t.limit, t.limit)
 
     @property
     def range(self) -> tuple[float, float]:
@@ -96,7 +140,8 @@ class ThrustCurve:
                 f"demand {d[outside].flat[0]:g} of thruster {self.thruster.name} lies outside its table ({low:g} to {high:g}); "
                 'extend the table, or set outside = "hold" to keep its end values'
             )
-        return self._curve(np.clip(d, low, high) - self.thruster.neutral)
+        from_neutral = np.clip(d, low, high) - self.thruster.neutral
+        return self._claimed(from_neutral, self._curve(from_neutral))
 
     def interval(self, demand: ArrayLike, to: ArrayLike | None = None, error: ArrayLike = 0.0) -> IntervalArray:
         """Thrust [N] +- (absolute + relative |T|) at each demand, or over all demands from it ``to`` another one.
@@ -114,16 +159,45 @@ class ThrustCurve:
         for end in (d, other):
             self.value(end)  # refuses what lies outside
         reach = np.asarray(error, dtype=np.float64)
-        thrust = self._over(np.minimum(d, other) - reach, np.maximum(d, other) + reach)
+        least, most = np.minimum(d, other) - reach, np.maximum(d, other) + reach
+        thrust = self._claimed_over(least, most, self._over(least, most))
         accuracy = self.thruster.accuracy
         radius = (accuracy.absolute + accuracy.relative * thrust.magnitude) * (1 + ROUNDING)
         return thrust + IntervalArray(-radius, radius)
+
+    def _claimed_over(
+        self, low: NDArray[np.float64], high: NDArray[np.float64], thrust: IntervalArray
+    ) -> IntervalArray:
+        """What ``_claimed`` makes of the curve's range over demands from ``low`` to ``high``."""
+        t = self.thruster
+        if t.reverse_factor is not None:
+            factor = IntervalArray.around(t.reverse_factor, np.spacing(t.reverse_factor))
+            thrust = _maximum(thrust, 0.0) + _minimum(thrust, 0.0) * factor
+        if t.dead_band is not None:
+            # Demands and band are decimals that were rounded: within this of the band's edge either side is possible.
+            edge = ROUNDING * (t.dead_band + abs(t.neutral))
+            a, b = low - t.neutral, high - t.neutral
+            surely_in = (a > -t.dead_band + edge) & (b < t.dead_band - edge)
+            maybe_in = (a < t.dead_band + edge) & (b > -t.dead_band - edge)
+            lower = np.where(surely_in, 0.0, np.where(maybe_in, np.minimum(thrust.lower, 0.0), thrust.lower))
+            upper = np.where(surely_in, 0.0, np.where(maybe_in, np.maximum(thrust.upper, 0.0), thrust.upper))
+            thrust = IntervalArray(lower, upper)
+        if t.limit is not None:
+            cap = IntervalArray.around(t.limit, np.spacing(t.limit))
+            thrust = _minimum(_maximum(thrust, -cap), cap)
+        return thrust
 
     def _over(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> IntervalArray:
         """The curve's range over demands from ``low`` to ``high``."""
         t = self.thruster
         if t.table is None:
             d = IntervalArray(low, high) - t.neutral
+            if t.quadratic is not None:
+                ahead, astern = (
+                    IntervalArray.around(k, np.spacing(k)) for k in (t.quadratic.forward, t.quadratic.astern)
+                )
+                result: IntervalArray = _maximum(d, 0.0).square() * ahead - _minimum(d, 0.0).square() * astern
+                return result
             coefficients = t.polynomial if t.polynomial is not None else (t.gain or 0.0, 0.0)
             total = IntervalArray(np.zeros(d.shape))
             for c in coefficients:
@@ -154,6 +228,19 @@ def table_curve(demand: NDArray[np.float64], thrust: NDArray[np.float64], *, lin
     rest = PchipInterpolator(demand[1:], thrust[1:])
     slope = thrust[1] / demand[1]
     return lambda d: np.where(d < demand[1], slope * d, rest(np.maximum(d, demand[1])))
+
+
+def table_pieces(
+    demand: NDArray[np.float64], thrust: NDArray[np.float64], *, linear_start: bool = False
+) -> tuple[list[float], list[list[float]]]:
+    """The polynomials of ``table_curve``: its knots, and a list of coefficients, highest first, for each piece between them."""
+    slopes = np.diff(thrust) / np.diff(demand)
+    straight = [[float(s), float(t)] for s, t in zip(slopes, thrust[:-1], strict=True)]
+    if len(demand) == 2 or (linear_start and len(demand) == 3):
+        return demand.tolist(), straight
+    first = 1 if linear_start else 0
+    curved = PchipInterpolator(demand[first:], thrust[first:])
+    return demand.tolist(), [*straight[:first], *np.asarray(curved.c).T.tolist()]
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ def simulate(
     if hide is not None:
         if effects:
             raise IvsidError("--hide draws the effect itself; leave --effect out")
-        effects = simulation.hidden_effect(checked, hide)
+        effects = simulation.hidden_effect(checked, programme, hide)
     progress(f"simulating {programme.duration:g} s at {programme.rate:g} Hz")
     made = simulation.simulate(checked, programme, seed, effects)
     text = csv(made.t, made.columns)

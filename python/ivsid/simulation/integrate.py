@@ -15,7 +15,7 @@ from ivsid.simulation.equations import Rates
 from ivsid.simulation.propulsion import Propulsion
 
 # The motion is taken as settled where halving the step moves no velocity by more than this share of its largest value.
-TOLERANCE: Final = 1e-6
+TOLERANCE: Final = 1e-5
 # ... or by less than this [m/s, rad/s]: far below any sensor.
 FLOOR: Final = 1e-9
 MOST_STEPS: Final = 64

@@ -34,6 +34,7 @@ class TrueThrust:
         low, high = self._bare.range
         self.span = high - low if np.isfinite(high - low) else 1.0
         self._value = scalar_curve(self._bare)
+        self._low, self._high = low, high
 
     @property
     def description(self) -> dict[str, float]:
@@ -51,8 +52,7 @@ class TrueThrust:
 
     def clip(self, demand: float) -> float:
         """The demand inside the range of the curve, about its neutral."""
-        low, high = self._bare.range
-        return min(max(demand + self.thruster.neutral, low), high)
+        return min(max(demand + self.thruster.neutral, self._low), self._high)
 
     @property
     def reference(self) -> float:
@@ -112,6 +112,7 @@ class Propulsion:
         self.lags = [r.get("lag", t.time_constant or 0.0) for r, t in zip(responses, thrusters, strict=True)]
         self.delays = [r.get("delay", 0.0) for r in responses]
         self.shaft = [t.lag == "demand" for t in thrusters]
+        self._lagging = any(self.lags)
         self.plain = not any(self.lags) and not any(self.delays) and not self.events
         self._times: list[float] = []
         self._demands: list[list[float]] = []
@@ -174,6 +175,9 @@ class Propulsion:
     def over(self, start: float, step: float) -> tuple[list[float], list[float], list[float]]:
         """Thrusts at the start, the middle and the end of a step that crosses no break; the lag moves on."""
         middle = start + 0.5 * step
+        if not self._lagging:
+            held = [self.static(k, middle)[1] for k in range(len(self.curves))]
+            return held, held, held
         first, half, last = [], [], []
         for k, lag in enumerate(self.lags):
             demand, target = self.static(k, middle)

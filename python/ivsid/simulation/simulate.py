@@ -93,6 +93,7 @@ def follow(
     demands: Mapping[str, NDArray[np.float64]],
     start: Start | None = None,
     angles: Mapping[str, NDArray[np.float64]] | None = None,
+    force: NDArray[np.float64] | None = None,
 ) -> dict[str, NDArray[np.float64]]:
     """The motion under demands that are known: those of a log, on its own clock, without noise or thrust error.
 
@@ -103,6 +104,7 @@ def follow(
         demands: by thruster, each held from its row to the next, shape (n,).
         start: the state at the first row; at rest at the origin by default.
         angles: of rudders and azimuth thrusters by name [rad]; 0 where they are not given.
+        force: X, Y [N], N [N m] that are known to act beside the thrusters, each held from its row to the next, shape (n, 3).
 
     Returns:
         u, v, r, their rates, psi, x, y, ax, ay and the sum of the thrusts at each row.
@@ -129,7 +131,7 @@ def follow(
         lambda: (Propulsion(model, quiet), lambda k, _state: (table[k], angle[k])),
         since,
         _pose(start or Start()),
-        np.zeros((t.size, 5)),
+        np.hstack([np.zeros((t.size, 3)) if force is None else force, np.zeros((t.size, 2))]),
     )
     return channels(path)
 

@@ -116,15 +116,20 @@ class ThrustCurve:
     @property
     def range(self) -> tuple[float, float]:
         """The demands that the curve covers, neutral included."""
-        if self.thruster.table is None:
-            return -np.inf, np.inf
+        t = self.thruster
+        if t.table is None:
+            low, high = t.demand_range or (-np.inf, np.inf)
+            return low + t.neutral, high + t.neutral
         demand = self._table[0]
-        return float(demand[0]) + self.thruster.neutral, float(demand[-1]) + self.thruster.neutral
+        return float(demand[0]) + t.neutral, float(demand[-1]) + t.neutral
 
     @cached_property
     def largest(self) -> float:
-        """The largest |thrust| of the table [N]; 0 without one."""
-        return float(np.abs(self._table[1]).max()) if self.thruster.table is not None else 0.0
+        """The largest |thrust| of the table, or at the ends of ``demand_range`` [N]; 0 for a curve without end."""
+        if self.thruster.table is not None:
+            return float(np.abs(self._table[1]).max())
+        ends = self.thruster.demand_range
+        return 0.0 if ends is None else float(np.abs(self._curve(np.array(ends))).max())
 
     def value(self, demand: ArrayLike) -> NDArray[np.float64]:
         """Thrust [N] at each demand, in plain floats.

@@ -67,7 +67,7 @@ class Thruster(_Section):
     ``dead_band`` [demand], ``limit`` [N], ``reverse_factor``, ``time_constant`` [s] and ``advance_loss`` [s/m] are what the
     simulation claims beyond the curve. A first-order lag acts on the thrust, or with ``lag = "demand"`` on the demand (a shaft's
     speed). ``steering = "azimuth"`` takes the direction from the column ``azimuth_NAME``, which turns at most by
-    ``steering_rate`` [rad/s]; ``rudder`` stands behind the propeller.
+    ``steering_rate`` [rad/s]; ``rudder`` stands behind the propeller. ``demand_range`` ends a curve without a table.
     """
 
     name: str = Field(pattern=r"^[A-Za-z0-9_]+$")
@@ -80,6 +80,7 @@ class Thruster(_Section):
     accuracy: Accuracy = Accuracy()
     neutral: Finite = 0.0
     outside: Literal["refuse", "hold"] = "refuse"
+    demand_range: Pair | None = None
     time_constant: NonNegative | None = None
     dead_band: NonNegative | None = None
     limit: Positive | None = None
@@ -97,6 +98,8 @@ class Thruster(_Section):
             raise IvsidError(
                 f"has {' and '.join(given) or 'no thrust curve'}; give one of table, polynomial, gain, quadratic"
             )
+        if self.demand_range is not None and (self.table is not None or not self.demand_range[0] < self.demand_range[1]):
+            raise IvsidError("demand_range = [lowest, highest] ends a curve that has no table; a table ends with its own demands")
         return self
 
 

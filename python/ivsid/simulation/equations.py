@@ -37,6 +37,7 @@ from ivsid.effects.inertia import SHARED_MUNK
 from ivsid.errors import IvsidError
 from ivsid.foil import rudder_force
 from ivsid.simulation.symbols import Symbol, Tape, solve
+from ivsid.thrust import ThrustCurve
 from ivsid.vehicle import Vehicle
 
 # (t, u, v, r, psi, x, y, X, Y, N, wind north, wind east, thrusts, angles) -> rates of u, v, r, psi, x, y
@@ -96,6 +97,12 @@ def _one_mass(terms: Mapping[str, Term]) -> bool:
 
 def _check(vehicle: Vehicle, given: Sequence[Given]) -> None:
     for g in given:
+        endless = [t.name for t in vehicle.thrusters if not ThrustCurve(t).largest and g.thruster in (None, t.name)]
+        if g.effect.id == "thruster.curve" and endless:
+            raise IvsidError(
+                f"thruster.curve bends the curve between rest and its largest thrust, and {endless[0]} has no end; give a table or "
+                "demand_range"
+            )
         if g.effect.id == "thruster.failure" and g.values[0] >= len(vehicle.thrusters):
             raise IvsidError(
                 f"thruster.failure.thruster = {g.values[0]:g}, but the vehicle has {len(vehicle.thrusters)} thrusters, from 0"

@@ -10,6 +10,7 @@ import numpy as np
 
 from ivsid.effects import EFFECTS, Effect, Reading, Terms, terms_of
 from ivsid.scenario import Scenario
+from ivsid.thrust import ThrustCurve
 from ivsid.vehicle import Vehicle
 
 # Smallest and largest multiple of the typical size.
@@ -50,6 +51,8 @@ def can_hide(effect: Effect, vehicle: Vehicle, scenario: Scenario) -> bool:
     if effect.id == "thruster.asymmetry":
         sides = [t.position[1] for t in vehicle.thrusters]
         return min(sides) < 0 < max(sides)
+    if effect.id == "thruster.curve":
+        return all(ThrustCurve(t).largest for t in vehicle.thrusters)
     return effect.id != "drag.cross_flow" or vehicle.hull.length is not None
 
 

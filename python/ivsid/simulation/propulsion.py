@@ -22,6 +22,10 @@ _CLAIMS = {
 }
 
 
+# Ends of the pieces, in lags.
+_PIECES = (1.0, 2.0, 4.0, 8.0, 16.0)
+
+
 class TrueThrust:
     """A thrust curve with a smooth error inside its accuracy, fixed for the log; no thrust has no error."""
 
@@ -56,8 +60,8 @@ class TrueThrust:
 
     @property
     def reference(self) -> float:
-        """The largest thrust of the curve [N]; 1 for a curve without end."""
-        return self._bare.largest or 1.0
+        """The largest thrust of the curve [N]; 0 for a curve without end."""
+        return self._bare.largest
 
 
 def scalar_curve(curve: ThrustCurve) -> Callable[[float], float]:
@@ -133,13 +137,17 @@ class Propulsion:
         self._demands.append(demands)
 
     def breaks(self, start: float, end: float) -> list[float]:
-        """Moments strictly between two times at which a thrust or a mass jumps."""
+        """Moments strictly between two times at which a thrust or a mass jumps, and those that resolve a lag shorter than that."""
         found = {e for e in self.events if start < e < end}
         for delay in set(self.delays):
             if delay:
                 low = bisect_right(self._times, start - delay)
                 high = bisect_right(self._times, end - delay)
                 found |= {q + delay for q in self._times[low:high] if start < q + delay < end}
+        for lag in {q for q in self.lags if 0 < q < end - start}:
+            # After each jump the thrust moves as exp(-t / lag): pieces that double follow it until nothing is left of it.
+            for jump in (start, *found):
+                found |= {jump + q * lag for q in _PIECES if jump + q * lag < end}
         return sorted(found)
 
     def static(self, k: int, time: float) -> tuple[float, float]:

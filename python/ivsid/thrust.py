@@ -105,13 +105,13 @@ class ThrustCurve:
         return horner
 
     def _claimed(self, demand: NDArray[np.float64], thrust: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The thrust with the file's further claims: weaker astern, none inside the dead band, capped at the limit."""
+        """The thrust with the file's further claims, in the catalogue's order: dead band, limit, weaker astern."""
         t = self.thruster
-        if t.reverse_factor is not None:
-            thrust = np.where(thrust < 0, thrust * t.reverse_factor, thrust)
         if t.dead_band is not None:
             thrust = np.where(np.abs(demand) < t.dead_band, 0.0, thrust)
-        return thrust if t.limit is None else np.clip(thrust, -t.limit, t.limit)
+        if t.limit is not None:
+            thrust = np.clip(thrust, -t.limit, t.limit)
+        return thrust if t.reverse_factor is None else np.where(thrust < 0, thrust * t.reverse_factor, thrust)
 
     @property
     def range(self) -> tuple[float, float]:
@@ -175,9 +175,6 @@ class ThrustCurve:
     ) -> IntervalArray:
         """What ``_claimed`` makes of the curve's range over demands from ``low`` to ``high``."""
         t = self.thruster
-        if t.reverse_factor is not None:
-            factor = IntervalArray.around(t.reverse_factor, np.spacing(t.reverse_factor))
-            thrust = _maximum(thrust, 0.0) + _minimum(thrust, 0.0) * factor
         if t.dead_band is not None:
             # Demands and band are decimals that were rounded: within this of the band's edge either side is possible.
             edge = ROUNDING * (t.dead_band + abs(t.neutral))
@@ -190,6 +187,9 @@ class ThrustCurve:
         if t.limit is not None:
             cap = IntervalArray.around(t.limit, np.spacing(t.limit))
             thrust = _minimum(_maximum(thrust, -cap), cap)
+        if t.reverse_factor is not None:
+            factor = IntervalArray.around(t.reverse_factor, np.spacing(t.reverse_factor))
+            thrust = _maximum(thrust, 0.0) + _minimum(thrust, 0.0) * factor
         return thrust
 
     def _over(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> IntervalArray:

@@ -98,8 +98,12 @@ class Thruster(_Section):
             raise IvsidError(
                 f"has {' and '.join(given) or 'no thrust curve'}; give one of table, polynomial, gain, quadratic"
             )
-        if self.demand_range is not None and (self.table is not None or not self.demand_range[0] < self.demand_range[1]):
-            raise IvsidError("demand_range = [lowest, highest] ends a curve that has no table; a table ends with its own demands")
+        if self.demand_range is not None and (
+            self.table is not None or not self.demand_range[0] < self.demand_range[1]
+        ):
+            raise IvsidError(
+                "demand_range = [lowest, highest] ends a curve that has no table; a table ends with its own demands"
+            )
         return self
 
 

@@ -18,16 +18,50 @@ from ivsid.vehicle import parse_vehicle
 
 # EFFECTS.md, section 2, in its order.
 PLAIN = ["mass.surge", "mass.sway", "inertia.yaw", "drag.surge.quadratic", "drag.sway.quadratic"]
-IDS = """
-drag.surge.linear friction.coulomb drag.surge.astern drag.surge.sideslip drag.sway.linear drag.sway.yaw_rate drag.yaw.linear
-drag.yaw.quadratic drag.cross_flow drag.lift.sway drag.lift.yaw
-coupling.cg_x coupling.cg_y added_mass.munk payload.step
-current.steady current.oscillating wind.steady wave.force environment.shallow_water tether.tension fouling.drift
-thruster.gain thruster.asymmetry thruster.failure thruster.deadband thruster.saturation thruster.lag thruster.delay
-thruster.advance_loss thruster.reverse_loss thruster.voltage_sag thruster.curve
-sensor.acceleration.bias sensor.acceleration.lever_arm sensor.attitude_leak sensor.yaw_rate.bias sensor.yaw_rate.scale
-sensor.velocity.scale sensor.velocity.misalignment sensor.velocity.lever_arm sensor.velocity.delay
-""".split()
+IDS = [
+    "drag.surge.linear",
+    "friction.coulomb",
+    "drag.surge.astern",
+    "drag.surge.sideslip",
+    "drag.sway.linear",
+    "drag.sway.yaw_rate",
+    "drag.yaw.linear",
+    "drag.yaw.quadratic",
+    "drag.cross_flow",
+    "drag.lift.sway",
+    "drag.lift.yaw",
+    "coupling.cg_x",
+    "coupling.cg_y",
+    "added_mass.munk",
+    "payload.step",
+    "current.steady",
+    "current.oscillating",
+    "wind.steady",
+    "wave.force",
+    "environment.shallow_water",
+    "tether.tension",
+    "fouling.drift",
+    "thruster.gain",
+    "thruster.asymmetry",
+    "thruster.failure",
+    "thruster.deadband",
+    "thruster.saturation",
+    "thruster.lag",
+    "thruster.delay",
+    "thruster.advance_loss",
+    "thruster.reverse_loss",
+    "thruster.voltage_sag",
+    "thruster.curve",
+    "sensor.acceleration.bias",
+    "sensor.acceleration.lever_arm",
+    "sensor.attitude_leak",
+    "sensor.yaw_rate.bias",
+    "sensor.yaw_rate.scale",
+    "sensor.velocity.scale",
+    "sensor.velocity.misalignment",
+    "sensor.velocity.lever_arm",
+    "sensor.velocity.delay",
+]
 PARTS = {
     "payload.step": "mass time",
     "current.steady": "north east",
@@ -205,8 +239,14 @@ def test_numbers_are_spread_and_sorted():
         ({"thruster.lag.bow": 1.0}, "has no thruster bow; it has port"),
         ({"drag.surge.linear.port": 1.0}, "has no part port; it is a single number"),
         ({"thruster.lag": -1.0}, "must not be below 0"),
-        ({"wave.force.amplitude": 1, "wave.force.period": 0, "wave.force.phase": 0, "wave.force.direction": 0}, "above 0"),
-        ({"thruster.failure.thruster": 0.5, "thruster.failure.loss": 1, "thruster.failure.time": 0}, "place in the file"),
+        (
+            {"wave.force.amplitude": 1, "wave.force.period": 0, "wave.force.phase": 0, "wave.force.direction": 0},
+            "above 0",
+        ),
+        (
+            {"thruster.failure.thruster": 0.5, "thruster.failure.loss": 1, "thruster.failure.time": 0},
+            "place in the file",
+        ),
     ):
         with pytest.raises(IvsidError, match=sentence):
             sort_given(values, ["port"])

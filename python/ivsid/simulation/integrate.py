@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final, Protocol
 
@@ -78,17 +78,20 @@ def settle(
     coarse = run(rates, *make(), times, start, outside, steps)
     while True:
         fine = run(rates, *make(), times, start, outside, 2 * steps)
-        # The method is of fourth order: the finer run is 15 times as close to the truth as the two are to each other.
-        difference = np.abs(fine.states[:, :3] - coarse.states[:, :3]).max(axis=0)
-        allowed = np.maximum(TOLERANCE * np.abs(fine.states[:, :3]).max(axis=0), FLOOR)
-        if (difference / 15 <= allowed).all():
-            u, v, r = (float(q) / 15 for q in difference)
-            return Path(fine.states, fine.rates, fine.demands, fine.angles, fine.thrust, 2 * steps, (u, v, r))
+        moved = None
+        if coarse is not None and fine is not None:
+            # The method is of fourth order: the finer run is 15 times as close to the truth as the two are to each other.
+            moved = np.abs(fine.states[:, :3] - coarse.states[:, :3]).max(axis=0) / 15
+            if (moved <= np.maximum(TOLERANCE * np.abs(fine.states[:, :3]).max(axis=0), FLOOR)).all():
+                u, v, r = (float(q) for q in moved)
+                return replace(fine, error=(u, v, r))
         steps *= 2
         if steps >= MOST_STEPS:
+            if moved is None:
+                raise IvsidError("the simulated motion grows without bound; look at the true values and the demands")
             raise IvsidError(
-                f"the motion does not settle with {2 * steps} steps a sample (halving the step still moves it by "
-                f"{difference.max():.2g}); give a higher rate, or look for a gain, drag or lag far too strong"
+                f"the motion does not settle with {steps} steps a sample (halving the step still moves it by "
+                f"{moved.max():.2g}); give a higher rate, or look for a gain, drag or lag far too strong"
             )
         coarse = fine
 
@@ -101,8 +104,8 @@ def run(
     start: Pose,
     outside: NDArray[np.float64],
     steps: int,
-) -> Path:
-    """One run with ``steps`` Runge-Kutta steps a sample."""
+) -> Path | None:
+    """One run with ``steps`` Runge-Kutta steps a sample; None where it grows without bound."""
     state = start
     states, accelerations, demands, angles, totals = [], [], [], [], []
     held = outside.tolist()
@@ -133,7 +136,7 @@ def run(
             if not -1e9 < state[0] + state[1] + state[2] < 1e9:
                 raise OverflowError
     except (OverflowError, ValueError, ZeroDivisionError):
-        raise IvsidError("the simulated motion grows without bound; look at the true values and the demands") from None
+        return None
     return Path(
         np.array(states),
         np.array(accelerations),

@@ -16,13 +16,14 @@ def lift_slope(aspect_ratio: float) -> float:
 
 
 def lift_coefficient(alpha: Any, slope: float, stall: float) -> Any:
-    """C_L at an angle of attack [rad]: slope sin(alpha) up to the stall, then falling as sin(2 alpha) to none across the flow.
+    """C_L at an angle of attack [rad]: slope sin(alpha) up to the stall, then falling like a cosine to none across the flow.
 
     In flow from behind the foil works alike, so angles count from the nearest multiple of pi.
     """
     a = alpha - np.pi * np.round(alpha / np.pi)
     attached = slope * np.sin(a)
-    beyond = slope * math.sin(stall) * np.sin(2 * a) / math.sin(2 * stall)
+    past = (np.abs(a) - stall) / (math.pi / 2 - stall)
+    beyond = slope * math.sin(stall) * np.cos(math.pi / 2 * past) * np.sign(a)
     return _value(np.where(np.abs(a) <= stall, attached, beyond), alpha)
 
 

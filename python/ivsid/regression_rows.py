@@ -14,17 +14,15 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.actuation import GAP, pushed
 from ivsid.effects import CHANNELS, Columns, State, Term, rigid_body
 from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray, Interval, IntervalArray
 from ivsid.motion import Motion
 from ivsid.sensors import BoundedLog
-from ivsid.thrust import ThrustCurve, combine
 from ivsid.vehicle import Vehicle
 
 WINDOW: Final = 1.0
-# A step this much longer than the usual one is a gap: demands in it are unknown.
-GAP: Final = 2.5
 # Decimals of the mass and the centre of gravity are rounded, and their products too: this factor holds what that can lose.
 PRODUCT: Final = Interval(1 - 2.0**-50, 1 + 2.0**-50)
 KINDS: Final = ("auto", "pointwise", "integral", "both")
@@ -68,6 +66,7 @@ class _Forces:
     values: tuple[IntervalArray, IntervalArray, IntervalArray]
     steps: tuple[IntervalArray, IntervalArray, IntervalArray]
     present: NDArray[np.bool_]
+    assumes: tuple[str, ...] = ()
 
 
 def build_rows(
@@ -126,7 +125,7 @@ def build_rows(
         np.concatenate([p.channel for p in parts]),
         np.concatenate([p.time for p in parts]),
         np.concatenate([p.duration for p in parts]),
-        tuple(dict.fromkeys(s for p in parts for s in p.assumes)),
+        tuple(dict.fromkeys((*builder.forces.assumes, *(s for p in parts for s in p.assumes)))),
     )
 
 
@@ -335,20 +334,16 @@ def _forces(bounded: BoundedLog, vehicle: Vehicle) -> _Forces:
     log, held = bounded.log, vehicle.log.demand == "hold"
     present = np.ones(log.t.shape, dtype=bool)
     if vehicle.thrusters:
-        at_rows, over_steps = {}, {}
+        zero = IntervalArray(np.zeros(log.t.shape))
+        totals, ramps = [zero] * 3, [zero[1:]] * 3
+        assumes: tuple[str, ...] = ()
         for thruster in vehicle.thrusters:
-            name = f"demand_{thruster.name}"
-            demand, error = log.column(name, f"for thruster {thruster.name}"), log.error(name)
-            there = ~np.isnan(demand)
-            present &= there
-            # A missing demand is not used; any demand that is allowed stands in for it.
-            demand = np.where(there, demand, demand[there][0])
-            curve = ThrustCurve(thruster)
-            at_rows[thruster.name] = thrust = curve.interval(demand, error=error)
-            ramp = thrust[:-1] if held else curve.interval(demand[:-1], demand[1:], np.maximum(error[:-1], error[1:]))
-            over_steps[thruster.name] = ramp
-        total, steps = combine(vehicle, at_rows), combine(vehicle, over_steps)
-        return _Forces((total.X, total.Y, total.N), (steps.X, steps.Y, steps.N), present)
+            push = pushed(thruster, log, held=held)
+            present &= push.present
+            assumes += push.assumes
+            totals = [a + b for a, b in zip(totals, push.at_rows, strict=True)]
+            ramps = [a + b for a, b in zip(ramps, push.over_steps, strict=True)]
+        return _Forces((totals[0], totals[1], totals[2]), (ramps[0], ramps[1], ramps[2]), present, assumes)
     values = []
     for name, section in (("force_X", "force"), ("force_Y", "force"), ("moment_N", "moment")):
         log.column(name, "because the vehicle file has no thrusters")
@@ -359,5 +354,5 @@ def _forces(bounded: BoundedLog, vehicle: Vehicle) -> _Forces:
         values.append(bounded.channels[name])
         present &= bounded.present[name]
     # Unlike a demand, a logged force need not be held to the next row: between two rows it lies between their values.
-    ramps = [v[:-1].hull(v[1:]) for v in values]
-    return _Forces((values[0], values[1], values[2]), (ramps[0], ramps[1], ramps[2]), present)
+    between = [v[:-1].hull(v[1:]) for v in values]
+    return _Forces((values[0], values[1], values[2]), (between[0], between[1], between[2]), present)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -99,7 +98,7 @@ def _own_sway(effect: Effect, size: float, truth: Mapping[str, float]) -> dict[s
 
 
 def _measured(effect: Effect, scenario: Scenario) -> bool:
-    where: Any = scenario.environment
+    where = scenario.environment
     return (where.voltage if effect.id == "thruster.voltage_sag" else where.wind_speed) is not None
 
 

@@ -22,6 +22,7 @@ _CLAIMS = {
 }
 
 
+_INSIDE = 1e-9
 # Ends of the pieces, in lags.
 _PIECES = (1.0, 2.0, 4.0, 8.0, 16.0)
 
@@ -97,6 +98,7 @@ class Propulsion:
         self.curves = curves
         thrusters = plant.vehicle.thrusters
         self._changes = [_changes(plant, t) for t in thrusters]
+        self._bands = [next((g.values[0] for g in c if g.effect.id == "thruster.deadband"), 0.0) for c in self._changes]
         self._timed = [
             any(g.effect.id in ("thruster.failure", "thruster.voltage_sag") for g in c) for c in self._changes
         ]
@@ -144,11 +146,22 @@ class Propulsion:
                 low = bisect_right(self._times, start - delay)
                 high = bisect_right(self._times, end - delay)
                 found |= {q + delay for q in self._times[low:high] if start < q + delay < end}
+        found |= {start + q for k in range(len(self.lags)) for q in self._crossings(k, start) if start + q < end}
         for lag in {q for q in self.lags if 0 < q < end - start}:
             # After each jump the thrust moves as exp(-t / lag): pieces that double follow it until nothing is left of it.
             for jump in (start, *found):
                 found |= {jump + q * lag for q in _PIECES if jump + q * lag < end}
         return sorted(found)
+
+    def _crossings(self, k: int, start: float) -> list[float]:
+        """How long a shaft takes to the edges of its dead band, where the thrust jumps while the speed does not."""
+        band = self._bands[k]
+        if not band or not self.shaft[k] or self.delays[k]:
+            return []
+        now = self._lagged[k] - self._neutral[k]
+        goal = self._acting(k, start) - self._neutral[k]
+        shares = [(edge - goal) / (now - goal) for edge in (band, -band)] if now != goal else []
+        return [-self.lags[k] * math.log(q) for q in shares if 0 < q < 1]
 
     def static(self, k: int, time: float) -> tuple[float, float]:
         """Demand that acts on thruster k at a time, and its thrust at rest, without lag."""
@@ -201,9 +214,11 @@ class Propulsion:
             end = goal + (then - goal) * decay
             self._lagged[k] = end
             if self.shaft[k]:
-                first.append(self._thrust(k, now, middle))
+                # From inside the step, whose ends may be the very edge of a dead band.
+                inner = _INSIDE * (then - now)
+                first.append(self._thrust(k, now + inner, middle))
                 half.append(self._thrust(k, then, middle))
-                last.append(self._thrust(k, end, middle))
+                last.append(self._thrust(k, end - inner, middle))
             else:
                 first.append(now)
                 half.append(then)

@@ -189,7 +189,8 @@ def _between(
 def nominal_force(vehicle: Vehicle, log: Log) -> NDArray[np.float64]:
     """X, Y [N], N [N m] from the demands without their error, as means over the step after each row, shape (n, 3).
 
-    NaN where a demand or an angle is missing. Behind a lag the thrust starts at the first demand's.
+    NaN where a demand or an angle is missing, and behind a lag for the first five time constants: what it did before the log is
+    not known.
     """
     if not vehicle.thrusters:
         return np.stack([log.columns[n] for n in ("force_X", "force_Y", "moment_N")], axis=1)
@@ -202,6 +203,7 @@ def nominal_force(vehicle: Vehicle, log: Log) -> NDArray[np.float64]:
         thrust = ThrustCurve(thruster).value(filled)
         if thruster.time_constant:
             thrust = _nominal_lag(thruster, filled, thrust, log.t)
+            thrust[log.t - log.t[0] < 5 * thruster.time_constant] = np.nan
         thrust = np.where(there, thrust, np.nan)
         if thruster.steering == "azimuth":
             angle = log.column(f"azimuth_{thruster.name}", f"for the direction of thruster {thruster.name}")

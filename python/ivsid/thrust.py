@@ -284,12 +284,28 @@ def combine(vehicle: Vehicle, thrusts: Mapping[str, IntervalArray]) -> Generalis
 
 @dataclass(frozen=True)
 class Fit:
-    """One candidate for a bollard-pull table: ``name``, coefficients (highest first, empty for a table), residuals [N]."""
+    """One candidate for a bollard-pull table.
+
+    Attributes:
+        name: for tables and reports.
+        coefficients: of a polynomial, highest first; empty for the table and the quadratic.
+        predicted: thrust [N] at the table's demands.
+        residual: model minus table [N].
+        quadratic: k ahead and astern of T = k n|n|, for that candidate.
+        neutral: the demand that the curve counts from.
+    """
 
     name: str
     coefficients: tuple[float, ...]
     predicted: NDArray[np.float64]
     residual: NDArray[np.float64]
+    quadratic: tuple[float, float] | None = None
+    neutral: float = 0.0
+
+    @property
+    def band(self) -> float:
+        """The accuracy [N] that holds every point of the table, rounded up."""
+        return float(np.nextafter(self.largest * (1 + ROUNDING), np.inf)) if self.largest else 0.0
 
     @property
     def rms(self) -> float:
@@ -320,13 +336,27 @@ class Bollard:
             (f for f in self.fits if f.coefficients and "least" in f.name), key=lambda f: len(f.coefficients)
         )
         good = [f for f in polynomials if f.largest <= limit]
-        return good[0] if good else next(f for f in self.fits if not f.coefficients)
+        return good[0] if good else next(f for f in self.fits if not f.coefficients and f.quadratic is None)
+
+
+def _quadratic(demand: NDArray[np.float64], thrust: NDArray[np.float64]) -> Fit:
+    """Least squares of T = k n|n| with one k ahead and one astern, counted from the middle of the dead band (or from 0)."""
+    zero = demand[np.abs(thrust) <= 1e-9 * np.abs(thrust).max()]
+    neutral = 0.5 * float(zero[0] + zero[-1]) if zero.size > 1 and not zero[0] <= 0 <= zero[-1] else 0.0
+    n = demand - neutral
+    square = n * np.abs(n)
+    k = []
+    for side in (n > 0, n < 0):
+        energy = float(np.sum(square[side] ** 2))
+        k.append(max(float(np.sum(square[side] * thrust[side])) / energy, 0.0) if energy else 0.0)
+    predicted = np.where(n < 0, k[1], k[0]) * square
+    return Fit("quadratic n|n|, ahead and astern", (), predicted, predicted - thrust, (k[0], k[1]), neutral)
 
 
 def examine(
     demand: NDArray[np.float64], thrust: NDArray[np.float64], published: tuple[float, ...] | None = None
 ) -> Bollard:
-    """Fits the published cubic (if given), least-squares polynomials of degree 1 to 5, and the monotone table.
+    """Fits the published cubic (if given), least-squares polynomials of degree 1 to 5, the quadratic n|n|, and the monotone table.
 
     Residuals are model minus table: positive where the model promises too much.
     """
@@ -341,6 +371,7 @@ def examine(
         predicted = np.asarray(polynomial(demand), dtype=np.float64)
         name = f"least-squares polynomial of degree {degree}"
         fits.append(Fit(name, tuple(float(c) for c in polynomial.coef[::-1]), predicted, predicted - thrust))
+    fits.append(_quadratic(demand, thrust))
     predicted = table_curve(demand, thrust)(demand)
     fits.append(Fit("monotone table (PCHIP)", (), predicted, predicted - thrust))
     zero = np.flatnonzero(np.abs(thrust) <= 1e-9 * np.abs(thrust).max())

@@ -15,9 +15,10 @@ POSE = "[sensors.heading]\naccuracy = 0.0\n[sensors.position]\naccuracy = 0.0\n[
 DAMPED = TRUTH + '"drag.yaw.linear" = 6.0\n"drag.sway.linear" = 20.0\n'
 
 
-def run(
-    segment, *, thrusters=PAIR.format(""), head="", duration=60.0, rate=10.0, sensors=SENSORS + POSE, seed=1, **effects
-):
+TWIN = PAIR.format("")
+
+
+def run(segment, *, thrusters=TWIN, head="", duration=60.0, rate=10.0, sensors=SENSORS + POSE, seed=1, **effects):
     vehicle = parse_vehicle(HULL + thrusters + sensors, "boat.toml")
     text = f'duration = {duration}\nrate = {rate}\nnoise = "none"\n{head}\n{DAMPED}\n[[segments]]\nduration = {duration}\n{segment}'
     return simulate(

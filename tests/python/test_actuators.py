@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from conftest import as_log
+from conftest import as_log, embedded
 from ivsid import IntervalArray, IvsidError, identify, validate
 from ivsid.actuation import nominal_force, pushed
 from ivsid.effects import terms_of
@@ -264,3 +264,19 @@ def test_the_quadratic_curve_and_its_claims_are_enclosed():
     bounded = ThrustCurve(Thruster(name="p", gain=1.0, demand_range=(-5.0, 5.0)))
     with pytest.raises(IvsidError, match=r"demand 6 of thruster p lies outside"):
         bounded.value(6.0)
+
+
+@pytest.mark.parametrize("name", ["otter", "vectored_rov"])
+def test_shipped_vehicles_hold_their_own_truth(name):
+    vehicle = parse_vehicle(embedded(f"{name}.toml"), name)
+    assert "Sources:" in vehicle.text and "Choices:" in vehicle.text, "every number has its source"
+    scenario = parse_scenario(embedded(f"{name}_programme.toml"), name)
+    made = simulate(vehicle, scenario.model_copy(update={"duration": 120.0, "noise": "uniform"}), 2)
+    limits = vehicle.sensors.limits
+    assert (
+        np.abs(made.exact["udot"]).max() < limits.acceleration
+        and np.abs(made.exact["vdot"]).max() < limits.acceleration
+    )
+    assert np.abs(made.exact["rdot"]).max() < limits.yaw_acceleration
+    rows = build_rows(bound_log(as_log(made), vehicle), vehicle, terms_of(vehicle))
+    assert set(rows.channel) == {0, 1, 2} and violated(rows, scenario.truth) == 0

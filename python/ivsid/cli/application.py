@@ -54,8 +54,8 @@ def demo(out: Out = None, json: Json = False, seed: Seed = None) -> None:
 
 @app.command()
 def simulate(
-    vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML).")],
-    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML).")],
+    vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML), or otter or vectored_rov.")],
+    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), or otter or vectored_rov.")],
     out: Out = None,
     json: Json = False,
     seed: Seed = None,

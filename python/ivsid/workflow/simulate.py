@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
+from importlib.resources import files
 from pathlib import Path
 
 from ivsid import figures, report, simulation
@@ -29,8 +30,8 @@ def simulate(
     """Reads both files, simulates, and leaves the log and, apart from it, the truth.
 
     Args:
-        vehicle: path of a vehicle file.
-        scenario: path of a scenario file.
+        vehicle: path of a vehicle file, or the name of a shipped one (otter, vectored_rov).
+        scenario: path of a scenario file, or the name of the vehicle that a shipped one is for.
         seed: in place of the scenario's.
         effects: further numbers of the catalogue by id; several in EFFECTS.md's order, or one by id.part or id.NAME.
         hide: draws the effect from this seed instead.
@@ -39,6 +40,7 @@ def simulate(
     Raises:
         IvsidError: an unusable file or number, in one sentence.
     """
+    vehicle, scenario = shipped(vehicle, ""), shipped(scenario, "_programme")
     checked, programme = read_vehicle(vehicle), read_scenario(scenario)
     given: dict[str, float] = {}
     for id_, values in (effects or {}).items():
@@ -81,3 +83,12 @@ def _measured(id_: str, scenario: Scenario) -> bool:
     """Whether the log will have the cause itself, so that the effect's numbers multiply it."""
     where = scenario.environment
     return (where.voltage if id_ == "thruster.voltage_sag" else where.wind_speed) is not None
+
+
+def shipped(path: str | Path, suffix: str) -> Path:
+    """The path itself, or that of the file which ships under this name where nothing stands at the path."""
+    given = Path(path)
+    if given.exists() or given.suffix or len(given.parts) != 1:
+        return given
+    found = Path(str(files("ivsid") / "data" / f"{given.name}{suffix}.toml"))
+    return found if found.exists() else given

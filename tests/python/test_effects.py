@@ -311,3 +311,16 @@ def test_a_described_effect_keeps_its_form():
     with pytest.raises(AttributeError):
         EFFECTS["mass.surge"].id = "x"
     assert replace(EFFECTS["mass.surge"], cause="y").cause == "y"
+
+
+def test_the_handbook_says_what_the_code_does():
+    from pathlib import Path
+
+    page = (Path(__file__).parents[2] / "docs" / "effects.md").read_text()
+    for effect in EFFECTS.values():
+        row = next(line for line in page.splitlines() if line.startswith(f"| `{effect.id}`"))
+        if not effect.plain:
+            table = page[page.index("## The catalogue") :]
+            row = next(line for line in table.splitlines() if line.startswith(f"| `{effect.id}`"))
+            assert effect.cause in row and effect.separate in row
+            assert all(f"[{p.unit}]" in row for p in effect.parameters)

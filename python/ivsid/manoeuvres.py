@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -85,28 +84,30 @@ class Segment(BaseModel):
         return self
 
 
-@dataclass(frozen=True)
-class Command:
-    """What is asked from one sample to the next: demands by direction, and angles [rad]."""
+class Command(NamedTuple):
+    """What is asked from one sample to the next: demands by direction, angles [rad], and the yaw rate [rad/s] to hold."""
 
     surge: float
     sway: float
     turn: float
     rudder: float
     azimuth: float
+    yaw_rate: float
 
 
 class Programme:
-    """The segments in turn, repeated until the end; ``command`` is asked once a sample, in order.
+    """The segments in turn, repeated until the end.
 
     Args:
         segments: the manoeuvres.
-        times: of the samples [s], from 0.
+        samples: how many there are.
+        rate: of the samples [Hz].
         rng: draws the signs of every prbs.
     """
 
     def __init__(self, segments: Sequence[Segment], samples: int, rate: float, rng: np.random.Generator) -> None:
-        self._plan: list[tuple[Segment, float, int, tuple[float, float]]] = []
+        # What does not depend on the motion is asked once: a command for either side of a heading zigzag, which others share.
+        self._plan: list[tuple[Segment, float, Command, Command]] = []
         step = 1.0 / rate
         while len(self._plan) < samples:
             for segment in segments:
@@ -119,7 +120,11 @@ class Programme:
                     if turn != drawn and segment.manoeuvre == "prbs":
                         signs = (float(rng.choice((-1, 1))), float(rng.choice((-1, 1))))
                         drawn = turn
-                    self._plan.append((segment, time, turn, signs))
+                    one = _open_loop(segment, time, turn, signs, 1.0)
+                    other = (
+                        _open_loop(segment, time, turn, signs, -1.0) if segment.manoeuvre == "heading_zigzag" else one
+                    )
+                    self._plan.append((segment, time, one, other))
 
     def pilot(self) -> Pilot:
         """One who follows the programme from its first sample."""
@@ -127,25 +132,31 @@ class Programme:
 
 
 class Pilot:
-    """Follows a programme; keeps what a manoeuvre has to remember."""
+    """Follows a programme, sample by sample in order; keeps what a manoeuvre has to remember."""
 
-    def __init__(self, plan: Sequence[tuple[Segment, float, int, tuple[float, float]]]) -> None:
+    def __init__(self, plan: Sequence[tuple[Segment, float, Command, Command]]) -> None:
         self._plan = plan
         self._side, self._first = 1.0, 0.0
 
     def command(self, k: int, state: tuple[float, ...]) -> Command:
         """What is asked from sample k on, where the state is u, v, r, psi, x, y."""
-        segment, time, turn, signs = self._plan[k]
+        segment, time, one, other = self._plan[k]
         if time == 0.0:
             self._side, self._first = 1.0, state[3]
         if segment.manoeuvre == "station":
             return _station(segment, state)
-        if segment.manoeuvre == "heading_zigzag" and self._side * (state[3] - self._first) >= segment.heading:
-            self._side = -self._side
-        return _open_loop(segment, time, turn, signs, self._side, state[2])
+        if other is not one:
+            if self._side * (state[3] - self._first) >= segment.heading:
+                self._side = -self._side
+            one = one if self._side > 0 else other
+        if not segment.yaw_gain:
+            return one
+        limit = segment.differential_limit
+        correction = min(max(segment.yaw_gain * (one.yaw_rate - state[2]), -limit), limit)
+        return Command(one.surge, one.sway, one.turn + correction, one.rudder, one.azimuth, one.yaw_rate)
 
 
-def _open_loop(s: Segment, time: float, turn: int, signs: tuple[float, float], side: float, r: float) -> Command:
+def _open_loop(s: Segment, time: float, turn: int, signs: tuple[float, float], side: float) -> Command:
     common, sway, differential, rudder = (
         _level(s.demand, turn),
         s.sway,
@@ -155,7 +166,7 @@ def _open_loop(s: Segment, time: float, turn: int, signs: tuple[float, float], s
     azimuth, reference = s.azimuth, s.yaw_rate
     match s.manoeuvre:
         case "coast" | "free_decay":
-            return Command(0.0, 0.0, _feedback(s, reference, r), 0.0, azimuth)
+            return Command(0.0, 0.0, 0.0, 0.0, azimuth, reference)
         case "zigzag":
             reference = s.yaw_rate if turn % 2 == 0 else -s.yaw_rate
         case "prbs":
@@ -177,15 +188,11 @@ def _open_loop(s: Segment, time: float, turn: int, signs: tuple[float, float], s
                 differential = rudder = azimuth = 0.0
         case _:
             pass
-    return Command(common, sway, differential + _feedback(s, reference, r), rudder, azimuth)
+    return Command(common, sway, differential, rudder, azimuth, reference)
 
 
 def _level(levels: float | tuple[float, ...], turn: int) -> float:
     return levels[turn % len(levels)] if isinstance(levels, tuple) else levels
-
-
-def _feedback(s: Segment, reference: float, r: float) -> float:
-    return min(max(s.yaw_gain * (reference - r), -s.differential_limit), s.differential_limit)
 
 
 def _station(s: Segment, state: tuple[float, ...]) -> Command:
@@ -200,4 +207,4 @@ def _station(s: Segment, state: tuple[float, ...]) -> Command:
         s.heading_gain * error - s.yaw_gain * r,
     )
     surge, sway, turn = (min(max(q, -s.differential_limit), s.differential_limit) for q in wanted)
-    return Command(surge, sway, turn, 0.0, s.azimuth)
+    return Command(surge, sway, turn, 0.0, s.azimuth, 0.0)

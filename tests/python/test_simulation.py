@@ -275,6 +275,15 @@ def test_halving_the_step_moves_nothing_that_matters(swan, programme):
         simulate(swan, programme.model_copy(update={"truth": {**stiff, "drag.surge.linear": 3e9}}), 3)
 
 
+def test_ten_minutes_at_20_hz_take_about_a_second(swan, programme):
+    import time
+
+    start = time.process_time()
+    simulate(swan, programme.model_copy(update={"duration": 600.0}), 1)
+    # One second is the aim (benches/simulation.py); a machine that is busy with more gets three.
+    assert time.process_time() - start < 3.0
+
+
 def test_floats_and_arrays_compile_to_the_same_motion(swan):
     truth = {"mass.surge": 60.0, "drag.surge.quadratic": 200.0, "inertia.yaw": 8.0}
     further = {"drag.cross_flow": 20.0, "friction.coulomb": 1.0, "drag.surge.astern": 5.0, "payload.step.mass": 3.0}

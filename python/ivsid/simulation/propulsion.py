@@ -127,6 +127,7 @@ class Propulsion:
         self._lagged = [n if s else 0.0 for n, s in zip(neutral, self.shaft, strict=True)]
         self._neutral = neutral
         self._known: list[tuple[float, float] | None] = [None] * len(thrusters)
+        self._at_speed: list[tuple[float, float] | None] = [None] * len(thrusters)
         self._voltage: Callable[[float], float] | None = None
 
     def supply(self, voltage: Callable[[float], float]) -> None:
@@ -215,10 +216,13 @@ class Propulsion:
             self._lagged[k] = end
             if self.shaft[k]:
                 # From inside the step, whose ends may be the very edge of a dead band.
-                inner = _INSIDE * (then - now)
-                first.append(self._thrust(k, now + inner, middle))
+                inner = _INSIDE * (then - now) if self._bands[k] else 0.0
+                known = self._at_speed[k]
+                again = known is not None and known[0] == now + inner and not self._timed[k]
+                first.append(known[1] if again and known is not None else self._thrust(k, now + inner, middle))
                 half.append(self._thrust(k, then, middle))
                 last.append(self._thrust(k, end - inner, middle))
+                self._at_speed[k] = (end - inner, last[-1])
             else:
                 first.append(now)
                 half.append(then)

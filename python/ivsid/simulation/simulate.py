@@ -154,6 +154,7 @@ class Steersman:
         self._curves, self._pilot = curves, programme.pilot()
         self._shares = [_shares(t) for t in vehicle.thrusters]
         self._kinds = [("rudder" if t.rudder is not None else t.steering) for t in vehicle.thrusters]
+        self._steers = any(k != "fixed" for k in self._kinds)
         rates = [t.rudder.rate if t.rudder is not None else t.steering_rate for t in vehicle.thrusters]
         self._most = [float("inf") if q is None else q * step for q in rates]
         self._angles = [0.0 for _ in vehicle.thrusters]
@@ -161,12 +162,13 @@ class Steersman:
     def __call__(self, k: int, state: Pose) -> tuple[list[float], list[float]]:
         """Demands and angles from sample k on."""
         asked = self._pilot.command(k, state)
+        surge, sway, turn = asked[:3]
         demands = [
-            c.clip(s[0] * asked.surge + s[1] * asked.sway + s[2] * asked.turn)
-            for c, s in zip(self._curves, self._shares, strict=True)
+            c.clip(a * surge + b * sway + t * turn) for c, (a, b, t) in zip(self._curves, self._shares, strict=True)
         ]
-        # A new list each time: the motion keeps it.
-        self._angles = [self._turned(j, asked) if kind != "fixed" else 0.0 for j, kind in enumerate(self._kinds)]
+        if self._steers:
+            # A new list each time: the motion keeps it.
+            self._angles = [self._turned(j, asked) if kind != "fixed" else 0.0 for j, kind in enumerate(self._kinds)]
         return demands, self._angles
 
     def _turned(self, j: int, asked: Command) -> float:

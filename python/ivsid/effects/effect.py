@@ -54,6 +54,8 @@ class Parameter:
         signed: whether both signs occur.
         inverse: a limit, which acts the more the smaller it is.
         none: the value at which there is no effect: 1 for a factor.
+        lowest: the smallest value that the physics can take.
+        exclusive: that value itself is not possible: a period of 0.
     """
 
     part: str
@@ -64,10 +66,20 @@ class Parameter:
     signed: bool = False
     inverse: bool = False
     none: float = 0.0
+    lowest: float | None = None
+    exclusive: bool = False
 
     def scaled(self, mass: float) -> float:
         """The typical size for a vehicle of another mass [kg], after Froude."""
         return float(self.typical * (mass / REFERENCE_MASS) ** (_FROUDE[self.unit] / 3.0))
+
+    def fault(self, value: float) -> str | None:
+        """Why a value cannot be, or None."""
+        if self.draw == "thruster" and (value < 0 or value != round(value)):
+            return "it is the thruster's place in the file, 0 for the first"
+        if self.lowest is None or value > self.lowest or (value == self.lowest and not self.exclusive):
+            return None
+        return f"it must be above {self.lowest:g}" if self.exclusive else f"it must not be below {self.lowest:g}"
 
 
 @dataclass(frozen=True)

@@ -128,7 +128,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         (
             Parameter("north", "", "m/s", 0.05, draw="north"),
             Parameter("east", "", "m/s", 0.0, draw="east"),
-            Parameter("period", "", "s", 200.0, draw="fixed"),
+            Parameter("period", "", "s", 200.0, draw="fixed", lowest=0.0, exclusive=True),
             Parameter("phase", "", "rad", 0.0, draw="angle"),
         ),
         Current(_oscillating),
@@ -157,7 +157,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         "a regular swell pushes to and fro along its direction",
         (
             Parameter("amplitude", "", "N", 2.0),
-            Parameter("period", "", "s", 4.0, draw="fixed"),
+            Parameter("period", "", "s", 4.0, draw="fixed", lowest=0.0, exclusive=True),
             Parameter("phase", "", "rad", 0.0, draw="angle"),
             Parameter("direction", "", "rad", 0.0, draw="angle"),
         ),
@@ -168,7 +168,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
     Effect(
         "environment.shallow_water",
         "little water under the keel: masses and drags grow alike",
-        (Parameter("", "", "1", 1.2, none=1.0),),
+        (Parameter("", "", "1", 1.2, none=1.0, lowest=0.0, exclusive=True),),
         Change(_shallow),
         needs=("depth",),
         equivalents=("mass.surge", "mass.sway", "drag.surge.quadratic", "drag.sway.quadratic"),

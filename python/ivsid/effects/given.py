@@ -108,28 +108,10 @@ def _complete(effect: Effect, thruster: str | None, parts: Mapping[str, float]) 
     )
 
 
-# Numbers that the physics cannot take: times, periods, bands, limits and lags below zero.
-_NOT_NEGATIVE = (
-    "thruster.lag",
-    "thruster.delay",
-    "thruster.deadband",
-    "sensor.velocity.delay",
-    "payload.step.time",
-    "thruster.failure.time",
-)
-_POSITIVE = ("current.oscillating.period", "wave.force.period", "environment.shallow_water", "thruster.saturation")
-
-
 def _check(effect: Effect, values: tuple[float, ...]) -> None:
-    for name, value in zip(effect.parts, values, strict=True):
-        if name in _POSITIVE and not value > 0:
-            raise IvsidError(f"{name} = {value:g} is not usable; it must be above 0")
-        if name in _NOT_NEGATIVE and value < 0:
-            raise IvsidError(f"{name} = {value:g} is not usable; it must not be below 0")
-        if name == "thruster.failure.thruster" and (value < 0 or value != round(value)):
-            raise IvsidError(
-                f"{name} = {value:g} is not usable; it is the thruster's place in the file, 0 for the first"
-            )
+    for name, parameter, value in zip(effect.parts, effect.parameters, values, strict=True):
+        if (fault := parameter.fault(value)) is not None:
+            raise IvsidError(f"{name} = {value:g} is not usable; {fault}")
 
 
 def of_kind(given: Sequence[Given], kind: type) -> list[Given]:

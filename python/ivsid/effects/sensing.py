@@ -122,7 +122,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
     Effect(
         "sensor.velocity.delay",
         "the speed reading is late: filtering, averaging of pings",
-        (Parameter("", "", "s", 0.1),),
+        (Parameter("", "", "s", 0.1, lowest=0.0),),
         Reading(_delay, "velocity", 0),
         needs=("ax|udot", "ay|vdot"),
         confusable=("sensor.velocity.lever_arm", "thruster.lag"),

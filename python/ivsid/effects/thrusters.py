@@ -93,7 +93,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
     Effect(
         "thruster.deadband",
         "no thrust below a demand: the motor does not start",
-        _one("demand", 8.0),
+        _one("demand", 8.0, lowest=0.0),
         Thrust(_deadband),
         confusable=("friction.coulomb",),
         separate="demands just above and just below",
@@ -102,7 +102,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
     Effect(
         "thruster.saturation",
         "a current limit caps the thrust",
-        _one("N", 30.0, inverse=True),
+        _one("N", 30.0, inverse=True, lowest=0.0, exclusive=True),
         Thrust(_saturation),
         confusable=("thruster.advance_loss", "thruster.curve"),
         separate="full demand at rest, as in a bollard pull",
@@ -111,7 +111,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
     Effect(
         "thruster.lag",
         "rotor and drive need time to follow their demand",
-        _one("s", 0.25),
+        _one("s", 0.25, lowest=0.0),
         Response("lag"),
         equivalents=("thruster.delay",),
         confusable=("thruster.delay", "sensor.velocity.delay"),
@@ -121,7 +121,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
     Effect(
         "thruster.delay",
         "the demand arrives late: network or transport",
-        _one("s", 0.1),
+        _one("s", 0.1, lowest=0.0),
         Response("delay"),
         equivalents=("thruster.lag",),
         confusable=("thruster.lag", "sensor.velocity.delay"),

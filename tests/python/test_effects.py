@@ -278,6 +278,10 @@ def test_cross_flow_in_closed_form_and_in_strips():
             exact = np.trapezoid(integrand, x)
             assert cross_flow_value(float(v), float(r), 0.6, power) == pytest.approx(exact, abs=1e-9)
     v, r = rng.uniform(-1, 1, (2, 50))
+    r[:5] = v[3:8] = 0.0
+    for function, power in ((cross_flow_force, 0), (cross_flow_moment, 1)):
+        one_by_one = [cross_flow_value(float(a), float(b), 0.6, power) for a, b in zip(v, r, strict=True)]
+        np.testing.assert_allclose(function(v, r, 0.6), one_by_one, rtol=1e-12, atol=1e-15)
     boxes = [IntervalArray(q - 0.01, q + 0.01) for q in (v, r)]
     for function in (cross_flow_force, cross_flow_moment):
         enclosure = function(*boxes, 0.6)

@@ -86,7 +86,7 @@ def _cross_flow(v: Any, r: Any, half: float, power: int) -> Any:
     if isinstance(v, float):
         return cross_flow_value(v, r, half, power)
     if isinstance(v, np.ndarray):
-        return np.vectorize(cross_flow_value, otypes=[float])(v, r, half, power)
+        return cross_flow_array(v, r, half, power)
     return _strips(v, r, half, power)
 
 
@@ -102,6 +102,19 @@ def cross_flow_value(v: float, r: float, half: float, power: int) -> float:
         return first
     second = (high**3 * abs(high) - low**3 * abs(low)) / (4 * r * r)
     return second - v * first / r
+
+
+def cross_flow_array(v: Any, r: Any, half: float, power: int) -> Any:
+    """``cross_flow_value`` for arrays that broadcast."""
+    one_sign = np.abs(v) >= np.abs(r) * half
+    rate = np.where(one_sign, 1.0, r)
+    low, high = v - r * half, v + r * half
+    first = (high * high * np.abs(high) - low * low * np.abs(low)) / (3 * rate)
+    if power == 0:
+        smooth = np.sign(v) * (2 * half * v * v + 2 * half**3 * r * r / 3)
+        return np.where(one_sign, smooth, first)
+    second = (high**3 * np.abs(high) - low**3 * np.abs(low)) / (4 * rate * rate)
+    return np.where(one_sign, np.sign(v) * 4 * v * r * half**3 / 3, second - v * first / rate)
 
 
 def _strips(v: Any, r: Any, half: float, power: int) -> Any:

@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.effects.functions import after, astern_square, cross_flow_value
+from ivsid.effects.functions import after, astern_square, cross_flow_array, cross_flow_value
 
 _SCALAR: Final[dict[str, Any]] = {
     "cos": math.cos,
@@ -34,7 +34,7 @@ _ARRAY: Final[dict[str, Any]] = {
     "arctan2": np.arctan2,
     "after": after,
     "astern_square": astern_square,
-    "cross_flow": np.vectorize(cross_flow_value, otypes=[float]),
+    "cross_flow": cross_flow_array,
 }
 
 

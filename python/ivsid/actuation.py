@@ -1,7 +1,7 @@
 """From logged demands to thrusts in intervals and in numbers: lag, and thrusters that turn.
 
 The static curve with its accuracy is ``thrust``; here stands what happens between a demand and the water in time. Nothing that the
-vehicle file claims is left out in silence: a rudder and an advance loss, which need the motion, are refused.
+vehicle file claims is left out in silence: a rudder is refused.
 """
 
 from __future__ import annotations
@@ -31,6 +31,14 @@ _sin: Any = np.sin
 
 
 @dataclass(frozen=True)
+class Flow:
+    """The vehicle's motion through the water, for what depends on it: u, v [m/s], r [rad/s] at rows and over all of each step."""
+
+    at_rows: tuple[IntervalArray, IntervalArray, IntervalArray]
+    over_steps: tuple[IntervalArray, IntervalArray, IntervalArray]
+
+
+@dataclass(frozen=True)
 class Pushed:
     """Forces of one thruster at the rows, shape (n,), and over the steps between them, shape (n - 1,).
 
@@ -47,13 +55,14 @@ class Pushed:
     assumes: tuple[str, ...] = ()
 
 
-def pushed(thruster: Thruster, log: Log, *, held: bool) -> Pushed:
+def pushed(thruster: Thruster, log: Log, *, held: bool, flow: Flow | None = None) -> Pushed:
     """The forces of a thruster.
 
     Args:
         thruster: with its claims.
         log: with its demand, and its angle where it turns.
         held: demands hold from row to row; else they change on straight lines.
+        flow: needed where the thruster claims an advance loss.
 
     Raises:
         IvsidError: a column that is missing, a demand outside the curve, or a claim that the rows cannot follow.
@@ -82,6 +91,13 @@ def pushed(thruster: Thruster, log: Log, *, held: bool) -> Pushed:
         rows, steps = (_shares(thruster, a) for a in (turned, swept))
     else:
         rows = steps = directions(thruster)
+    if thruster.advance_loss:
+        if flow is None:
+            raise IvsidError(f"thruster {thruster.name} claims advance_loss, which needs the motion; give u, v and r")
+        # Behind a lag the thrust moves between its values at both rows, and its mean alone is no bound.
+        swept_thrust = at[:-1].hull(at[1:]) if thruster.time_constant and thruster.lag == "thrust" else over
+        at = at - _advance_loss(thruster, at, rows, flow.at_rows)
+        over = over - _advance_loss(thruster, swept_thrust, steps, flow.over_steps)
     at_rows, over_steps = ([force * s for s in shares] for force, shares in ((at, rows), (over, steps)))
     return Pushed((at_rows[0], at_rows[1], at_rows[2]), (over_steps[0], over_steps[1], over_steps[2]), there, assumes)
 
@@ -91,11 +107,6 @@ def _followed(thruster: Thruster, *, held: bool) -> None:
         raise IvsidError(
             f"thruster {thruster.name} has a rudder; its force depends on the motion and is simulated but not yet identified: log "
             "force_X, force_Y, moment_N in place of the thrusters, or leave the rudder out where it stays amidships"
-        )
-    if thruster.advance_loss:
-        raise IvsidError(
-            f"thruster {thruster.name} claims advance_loss; it depends on the motion and is simulated but not yet identified: leave "
-            "it out and widen the thruster's accuracy by what it can take"
         )
     if thruster.time_constant and not held:
         raise IvsidError(
@@ -108,6 +119,20 @@ def _shares(thruster: Thruster, angle: IntervalArray) -> tuple[IntervalArray, In
     x, y = (IntervalArray.around(p, np.spacing(abs(p))) for p in thruster.position)
     cosine, sine = _cos(angle), _sin(angle)
     return cosine, sine, sine * x - cosine * y
+
+
+def _advance_loss(
+    thruster: Thruster,
+    thrust: IntervalArray,
+    shares: tuple[IntervalArray, IntervalArray, IntervalArray],
+    motion: tuple[IntervalArray, IntervalArray, IntervalArray],
+) -> IntervalArray:
+    """What inflow takes of a thrust, k |T| w with w along the thruster's axis (EFFECTS.md, thruster.advance_loss)."""
+    loss = thruster.advance_loss or 0.0
+    x, y = (IntervalArray.around(p, np.spacing(abs(p))) for p in thruster.position)
+    u, v, r = motion
+    inflow = (u - r * y) * shares[0] + (v + r * x) * shares[1]
+    return abs(thrust) * inflow * IntervalArray.around(loss, np.spacing(loss))
 
 
 def _lagged(
@@ -189,7 +214,7 @@ def _between(
 def nominal_force(vehicle: Vehicle, log: Log) -> NDArray[np.float64]:
     """X, Y [N], N [N m] from the demands without their error, as means over the step after each row, shape (n, 3).
 
-    NaN where a demand or an angle is missing, and behind a lag for the first five time constants: what it did before the log is
+    An advance loss takes the logged motion. NaN where a demand or an angle is missing, and behind a lag for the first five time constants: what it did before the log is
     not known.
     """
     if not vehicle.thrusters:
@@ -205,12 +230,17 @@ def nominal_force(vehicle: Vehicle, log: Log) -> NDArray[np.float64]:
             thrust = _nominal_lag(thruster, filled, thrust, log.t)
             thrust[log.t - log.t[0] < 5 * thruster.time_constant] = np.nan
         thrust = np.where(there, thrust, np.nan)
+        x, y = thruster.position
         if thruster.steering == "azimuth":
             angle = log.column(f"azimuth_{thruster.name}", f"for the direction of thruster {thruster.name}")
-            x, y = thruster.position
             shares: list[Any] = [np.cos(angle), np.sin(angle), x * np.sin(angle) - y * np.cos(angle)]
         else:
             shares = [float(s.midpoint) for s in directions(thruster)]
+        if thruster.advance_loss:
+            u, v, r = (log.columns[n] for n in ("u", "v", "r"))
+            thrust = thrust - thruster.advance_loss * np.abs(thrust) * (
+                (u - y * r) * shares[0] + (v + x * r) * shares[1]
+            )
         for j, share in enumerate(shares):
             total[:, j] += thrust * share
     return total

@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.actuation import GAP, pushed
+from ivsid.actuation import GAP, Flow, pushed
 from ivsid.effects import CHANNELS, Columns, State, Term, rigid_body
 from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray, Interval, IntervalArray
@@ -337,8 +337,9 @@ def _forces(bounded: BoundedLog, vehicle: Vehicle) -> _Forces:
         zero = IntervalArray(np.zeros(log.t.shape))
         totals, ramps = [zero] * 3, [zero[1:]] * 3
         assumes: tuple[str, ...] = ()
+        flow = _flow(bounded, vehicle) if any(t.advance_loss for t in vehicle.thrusters) else None
         for thruster in vehicle.thrusters:
-            push = pushed(thruster, log, held=held)
+            push = pushed(thruster, log, held=held, flow=flow)
             present &= push.present
             assumes += push.assumes
             totals = [a + b for a, b in zip(totals, push.at_rows, strict=True)]
@@ -356,3 +357,22 @@ def _forces(bounded: BoundedLog, vehicle: Vehicle) -> _Forces:
     # Unlike a demand, a logged force need not be held to the next row: between two rows it lies between their values.
     between = [v[:-1].hull(v[1:]) for v in values]
     return _Forces((values[0], values[1], values[2]), (between[0], between[1], between[2]), present)
+
+
+def _flow(bounded: BoundedLog, vehicle: Vehicle) -> Flow:
+    """u, v, r at rows, and all that the stated limits allow over each step."""
+    limits = vehicle.sensors.limits
+    if limits.acceleration is None or limits.yaw_acceleration is None:
+        raise IvsidError(
+            "a thruster claims advance_loss, whose mean over a step needs [sensors.limits] acceleration and yaw_acceleration in the "
+            "vehicle file; state them, or leave the claim out"
+        )
+    steps = np.diff(bounded.log.t) * (1 + 2.0**-40) + 2 * np.max(bounded.log.time_error)
+    rows, ranges = [], []
+    for name, limit in (("u", limits.acceleration), ("v", limits.acceleration), ("r", limits.yaw_acceleration)):
+        bounded.log.column(name, "by the thrusters' advance loss")
+        x = bounded.channels[name]
+        reach = IntervalArray(-limit, limit) * (0.5 * steps)
+        rows.append(x)
+        ranges.append(x[:-1].hull(x[1:]) + reach)
+    return Flow((rows[0], rows[1], rows[2]), (ranges[0], ranges[1], ranges[2]))

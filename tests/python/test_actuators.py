@@ -97,6 +97,9 @@ def scenario_of(text=PRBS):
         "time_constant = 0.04",
         'time_constant = 0.35\nlag = "demand"',
         "dead_band = 20.0\nlimit = 12.0\nreverse_factor = 0.7",
+        "advance_loss = 0.3",
+        "advance_loss = 0.3\ntime_constant = 0.35",
+        'advance_loss = 0.3\ntime_constant = 0.35\nlag = "demand"',
         'dead_band = 20.0\nlimit = 12.0\ntime_constant = 0.5\nlag = "demand"',
     ],
 )
@@ -143,6 +146,21 @@ def test_a_lag_starts_again_after_a_gap_and_a_missing_demand():
     assert X[150].width < 0.1 * full.width[0] and not push.present[201]
 
 
+def test_an_advance_loss_left_out_is_falsified_and_needs_its_limits():
+    tight = PAIR.replace("0.2, relative = 0.02", "0.02, relative = 0.002")
+    vehicle, without = vehicle_of(tight.format("advance_loss = 0.2")), vehicle_of(tight.format(""))
+    made = simulate(vehicle, scenario_of(), 4)
+    assert identify(vehicle, as_log(made)).status != "empty" and identify(without, as_log(made)).status == "empty"
+    u, r = (made.columns[n] for n in "ur")
+    port = ThrustCurve(without.thrusters[0]).value(made.columns["demand_port"])
+    starboard = ThrustCurve(without.thrusters[1]).value(made.columns["demand_starboard"])
+    surge = port - 0.2 * abs(port) * (u + 0.28 * r) + starboard - 0.2 * abs(starboard) * (u - 0.28 * r)
+    np.testing.assert_allclose(nominal_force(vehicle, as_log(made))[:, 0], surge)
+    bare = parse_vehicle(vehicle.text.split("[sensors.limits]")[0], "bare.toml")
+    with pytest.raises(IvsidError, match=r"advance_loss.*needs \[sensors.limits\]"):
+        identify(bare, as_log(made))
+
+
 @pytest.mark.parametrize("demand", ["hold", "linear"])
 def test_an_azimuth_thruster_pushes_where_its_column_points(demand):
     vehicle = vehicle_of(POD)
@@ -183,9 +201,6 @@ def test_a_rudder_turns_the_vehicle_and_is_not_identified_in_silence():
     angles = {"screw": np.full(200, 0.3)}
     turning = follow(vehicle, VALUES, t, {"screw": np.full(200, 50.0)}, Start(u=0.8), angles)
     assert turning["rdot"][0] > 0 > turning["vdot"][0], "trailing edge to starboard: bow to starboard, stern to port"
-    lost = parse_vehicle((HULL + PAIR.format("advance_loss = 0.05") + SENSORS), "loss.toml")
-    with pytest.raises(IvsidError, match="claims advance_loss"):
-        identify(lost, as_log(simulate(lost, scenario_of(), 3)))
 
 
 def test_a_foil_lifts_stalls_and_drags():

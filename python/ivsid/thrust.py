@@ -141,9 +141,10 @@ class ThrustCurve:
         low, high = self.range
         outside = (d < low) | (d > high)
         if outside.any() and self.thruster.outside != "hold":
+            what = "demand_range" if self.thruster.table is None else "table"
             raise IvsidError(
-                f"demand {d[outside].flat[0]:g} of thruster {self.thruster.name} lies outside its table ({low:g} to {high:g}); "
-                'extend the table, or set outside = "hold" to keep its end values'
+                f"demand {d[outside].flat[0]:g} of thruster {self.thruster.name} lies outside its {what} ({low:g} to {high:g}); "
+                f'extend the {what}, or set outside = "hold" to keep its end values'
             )
         from_neutral = np.clip(d, low, high) - self.thruster.neutral
         return self._claimed(from_neutral, self._curve(from_neutral))

@@ -277,7 +277,7 @@ def test_the_quadratic_curve_and_its_claims_are_enclosed():
     assert edge.contains(0.0).all() and edge.contains(2.0).all(), "a rounded demand at the edge may be on either side"
     assert isinstance(edge, IntervalArray)
     bounded = ThrustCurve(Thruster(name="p", gain=1.0, demand_range=(-5.0, 5.0)))
-    with pytest.raises(IvsidError, match=r"demand 6 of thruster p lies outside"):
+    with pytest.raises(IvsidError, match=r"demand 6 of thruster p lies outside its demand_range \(-5 to 5\)"):
         bounded.value(6.0)
 
 

@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
+
+import numpy as np
 
 from ivsid.intervals import IntervalArray
+
+# NumPy's types know no intervals, its functions do.
+_minimum: Any = np.minimum
+_tanh: Any = np.tanh
 
 Scalar: TypeAlias = "Motion | float"
 
@@ -54,3 +60,13 @@ class Motion:
     def signed_square(self) -> Motion:
         """``x |x|``."""
         return Motion(self.value.signed_square(), 2.0 * abs(self.value) * self.rate)
+
+    def astern_square(self) -> Motion:
+        """``x |x|`` where x is negative, else 0."""
+        negative = _minimum(self.value, 0.0)
+        return Motion(negative.signed_square(), 2.0 * abs(negative) * self.rate)
+
+    def tanh(self) -> Motion:
+        """Hyperbolic tangent."""
+        value = _tanh(self.value)
+        return Motion(value, (1.0 - value.square()) * self.rate)

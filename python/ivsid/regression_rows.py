@@ -14,17 +14,15 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.actuation import GAP, Flow, pushed
 from ivsid.effects import CHANNELS, Columns, State, Term, rigid_body
 from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray, Interval, IntervalArray
 from ivsid.motion import Motion
 from ivsid.sensors import BoundedLog
-from ivsid.thrust import ThrustCurve, combine
 from ivsid.vehicle import Vehicle
 
 WINDOW: Final = 1.0
-# A step this much longer than the usual one is a gap: demands in it are unknown.
-GAP: Final = 2.5
 # Decimals of the mass and the centre of gravity are rounded, and their products too: this factor holds what that can lose.
 PRODUCT: Final = Interval(1 - 2.0**-50, 1 + 2.0**-50)
 KINDS: Final = ("auto", "pointwise", "integral", "both")
@@ -68,6 +66,7 @@ class _Forces:
     values: tuple[IntervalArray, IntervalArray, IntervalArray]
     steps: tuple[IntervalArray, IntervalArray, IntervalArray]
     present: NDArray[np.bool_]
+    assumes: tuple[str, ...] = ()
 
 
 def build_rows(
@@ -126,7 +125,7 @@ def build_rows(
         np.concatenate([p.channel for p in parts]),
         np.concatenate([p.time for p in parts]),
         np.concatenate([p.duration for p in parts]),
-        tuple(dict.fromkeys(s for p in parts for s in p.assumes)),
+        tuple(dict.fromkeys((*builder.forces.assumes, *(s for p in parts for s in p.assumes)))),
     )
 
 
@@ -310,8 +309,8 @@ class _Quadrature:
 
 def _unit(derivative: str) -> State:
     """At rest, with one unit acceleration."""
-    values = {"udot": 0.0, "vdot": 0.0, "rdot": 0.0, derivative: 1.0}
-    return State(0.0, 0.0, 0.0, **values)
+    udot, vdot, rdot = (1.0 if derivative == name else 0.0 for name in ("udot", "vdot", "rdot"))
+    return State(0.0, 0.0, 0.0, udot, vdot, rdot)
 
 
 def _complete(whole: NDArray[np.bool_], count: int) -> NDArray[np.int64]:
@@ -335,20 +334,17 @@ def _forces(bounded: BoundedLog, vehicle: Vehicle) -> _Forces:
     log, held = bounded.log, vehicle.log.demand == "hold"
     present = np.ones(log.t.shape, dtype=bool)
     if vehicle.thrusters:
-        at_rows, over_steps = {}, {}
+        zero = IntervalArray(np.zeros(log.t.shape))
+        totals, ramps = [zero] * 3, [zero[1:]] * 3
+        assumes: tuple[str, ...] = ()
+        flow = _flow(bounded, vehicle) if any(t.advance_loss for t in vehicle.thrusters) else None
         for thruster in vehicle.thrusters:
-            name = f"demand_{thruster.name}"
-            demand, error = log.column(name, f"for thruster {thruster.name}"), log.error(name)
-            there = ~np.isnan(demand)
-            present &= there
-            # A missing demand is not used; any demand that is allowed stands in for it.
-            demand = np.where(there, demand, demand[there][0])
-            curve = ThrustCurve(thruster)
-            at_rows[thruster.name] = thrust = curve.interval(demand, error=error)
-            ramp = thrust[:-1] if held else curve.interval(demand[:-1], demand[1:], np.maximum(error[:-1], error[1:]))
-            over_steps[thruster.name] = ramp
-        total, steps = combine(vehicle, at_rows), combine(vehicle, over_steps)
-        return _Forces((total.X, total.Y, total.N), (steps.X, steps.Y, steps.N), present)
+            push = pushed(thruster, log, held=held, flow=flow)
+            present &= push.present
+            assumes += push.assumes
+            totals = [a + b for a, b in zip(totals, push.at_rows, strict=True)]
+            ramps = [a + b for a, b in zip(ramps, push.over_steps, strict=True)]
+        return _Forces((totals[0], totals[1], totals[2]), (ramps[0], ramps[1], ramps[2]), present, assumes)
     values = []
     for name, section in (("force_X", "force"), ("force_Y", "force"), ("moment_N", "moment")):
         log.column(name, "because the vehicle file has no thrusters")
@@ -359,5 +355,24 @@ def _forces(bounded: BoundedLog, vehicle: Vehicle) -> _Forces:
         values.append(bounded.channels[name])
         present &= bounded.present[name]
     # Unlike a demand, a logged force need not be held to the next row: between two rows it lies between their values.
-    ramps = [v[:-1].hull(v[1:]) for v in values]
-    return _Forces((values[0], values[1], values[2]), (ramps[0], ramps[1], ramps[2]), present)
+    between = [v[:-1].hull(v[1:]) for v in values]
+    return _Forces((values[0], values[1], values[2]), (between[0], between[1], between[2]), present)
+
+
+def _flow(bounded: BoundedLog, vehicle: Vehicle) -> Flow:
+    """u, v, r at rows, and all that the stated limits allow over each step."""
+    limits = vehicle.sensors.limits
+    if limits.acceleration is None or limits.yaw_acceleration is None:
+        raise IvsidError(
+            "a thruster claims advance_loss, whose mean over a step needs [sensors.limits] acceleration and yaw_acceleration in the "
+            "vehicle file; state them, or leave the claim out"
+        )
+    steps = np.diff(bounded.log.t) * (1 + 2.0**-40) + 2 * np.max(bounded.log.time_error)
+    rows, ranges = [], []
+    for name, limit in (("u", limits.acceleration), ("v", limits.acceleration), ("r", limits.yaw_acceleration)):
+        bounded.log.column(name, "by the thrusters' advance loss")
+        x = bounded.channels[name]
+        reach = IntervalArray(-limit, limit) * (0.5 * steps)
+        rows.append(x)
+        ranges.append(x[:-1].hull(x[1:]) + reach)
+    return Flow((rows[0], rows[1], rows[2]), (ranges[0], ranges[1], ranges[2]))

@@ -72,7 +72,15 @@ def bollard_record(table: Bollard) -> dict[str, Any]:
         "monotone": table.monotone,
         "dead_band": table.dead_band,
         "fits": [
-            {"name": f.name, "coefficients": f.coefficients, "rms": f.rms, "largest": f.largest, "residual": f.residual}
+            {
+                "name": f.name,
+                "coefficients": f.coefficients,
+                "quadratic": f.quadratic,
+                "rms": f.rms,
+                "largest": f.largest,
+                "band": f.band,
+                "residual": f.residual,
+            }
             for f in table.fits
         ],
         "recommended": table.recommended.name,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -41,6 +41,10 @@ PUBLISHED_CUBIC: Final = (0.0003, -0.015, 0.6008, -1.0902)
 # Interpolation in floats is good to about 1e-14 of the table's largest thrust.
 ROUNDING: Final = 1e-12
 
+# NumPy's types know no intervals, its functions do.
+_maximum: Any = np.maximum
+_minimum: Any = np.minimum
+
 Curve = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -66,21 +70,66 @@ class ThrustCurve:
         t = self.thruster
         if t.table is not None:
             return table_curve(*self._table, linear_start=t.table.demand[0] > 0 and t.table.thrust[0] > 0)
+        if t.quadratic is not None:
+            ahead, astern = t.quadratic.forward, t.quadratic.astern
+            return lambda d: np.where(d < 0, astern, ahead) * d * np.abs(d)
         coefficients = np.array(t.polynomial if t.polynomial is not None else (t.gain, 0.0), dtype=np.float64)
         return lambda d: np.asarray(np.polyval(coefficients, d), dtype=np.float64)
 
     @property
+    def pieces(self) -> tuple[list[float], list[list[float]]] | None:
+        """Knots of the table's demands, and between them polynomials of the distance from the lower knot, highest power first.
+
+        None without a table. The simulator's own evaluation starts from these.
+        """
+        if self.thruster.table is None:
+            return None
+        linear_start = self.thruster.table.demand[0] > 0 and self.thruster.table.thrust[0] > 0
+        return table_pieces(*self._table, linear_start=linear_start)
+
+    @property
+    def formula(self) -> Callable[[float], float]:
+        """The curve without a table, of a demand from its neutral, for one float."""
+        t = self.thruster
+        if t.quadratic is not None:
+            ahead, astern = t.quadratic.forward, t.quadratic.astern
+            return lambda d: (astern if d < 0 else ahead) * d * abs(d)
+        coefficients = t.polynomial if t.polynomial is not None else (t.gain or 0.0, 0.0)
+
+        def horner(d: float) -> float:
+            total = 0.0
+            for c in coefficients:
+                total = total * d + c
+            return total
+
+        return horner
+
+    def _claimed(self, demand: NDArray[np.float64], thrust: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The thrust with the file's further claims, in the catalogue's order: dead band, limit, weaker astern."""
+        t = self.thruster
+        if t.dead_band is not None:
+            thrust = np.where(np.abs(demand) < t.dead_band, 0.0, thrust)
+        if t.limit is not None:
+            thrust = np.clip(thrust, -t.limit, t.limit)
+        return thrust if t.reverse_factor is None else np.where(thrust < 0, thrust * t.reverse_factor, thrust)
+
+    @property
     def range(self) -> tuple[float, float]:
         """The demands that the curve covers, neutral included."""
-        if self.thruster.table is None:
-            return -np.inf, np.inf
+        t = self.thruster
+        if t.table is None:
+            low, high = t.demand_range or (-np.inf, np.inf)
+            return low + t.neutral, high + t.neutral
         demand = self._table[0]
-        return float(demand[0]) + self.thruster.neutral, float(demand[-1]) + self.thruster.neutral
+        return float(demand[0]) + t.neutral, float(demand[-1]) + t.neutral
 
     @cached_property
     def largest(self) -> float:
-        """The largest |thrust| of the table [N]; 0 without one."""
-        return float(np.abs(self._table[1]).max()) if self.thruster.table is not None else 0.0
+        """The largest |thrust| of the table, or at the ends of ``demand_range`` [N]; 0 for a curve without end."""
+        if self.thruster.table is not None:
+            return float(np.abs(self._table[1]).max())
+        ends = self.thruster.demand_range
+        return 0.0 if ends is None else float(np.abs(self._curve(np.array(ends))).max())
 
     def value(self, demand: ArrayLike) -> NDArray[np.float64]:
         """Thrust [N] at each demand, in plain floats.
@@ -92,11 +141,13 @@ class ThrustCurve:
         low, high = self.range
         outside = (d < low) | (d > high)
         if outside.any() and self.thruster.outside != "hold":
+            what = "demand_range" if self.thruster.table is None else "table"
             raise IvsidError(
-                f"demand {d[outside].flat[0]:g} of thruster {self.thruster.name} lies outside its table ({low:g} to {high:g}); "
-                'extend the table, or set outside = "hold" to keep its end values'
+                f"demand {d[outside].flat[0]:g} of thruster {self.thruster.name} lies outside its {what} ({low:g} to {high:g}); "
+                f'extend the {what}, or set outside = "hold" to keep its end values'
             )
-        return self._curve(np.clip(d, low, high) - self.thruster.neutral)
+        from_neutral = np.clip(d, low, high) - self.thruster.neutral
+        return self._claimed(from_neutral, self._curve(from_neutral))
 
     def interval(self, demand: ArrayLike, to: ArrayLike | None = None, error: ArrayLike = 0.0) -> IntervalArray:
         """Thrust [N] +- (absolute + relative |T|) at each demand, or over all demands from it ``to`` another one.
@@ -114,16 +165,45 @@ class ThrustCurve:
         for end in (d, other):
             self.value(end)  # refuses what lies outside
         reach = np.asarray(error, dtype=np.float64)
-        thrust = self._over(np.minimum(d, other) - reach, np.maximum(d, other) + reach)
+        least, most = np.minimum(d, other) - reach, np.maximum(d, other) + reach
+        thrust = self._claimed_over(least, most, self._over(least, most))
         accuracy = self.thruster.accuracy
         radius = (accuracy.absolute + accuracy.relative * thrust.magnitude) * (1 + ROUNDING)
         return thrust + IntervalArray(-radius, radius)
+
+    def _claimed_over(
+        self, low: NDArray[np.float64], high: NDArray[np.float64], thrust: IntervalArray
+    ) -> IntervalArray:
+        """What ``_claimed`` makes of the curve's range over demands from ``low`` to ``high``."""
+        t = self.thruster
+        if t.dead_band is not None:
+            # Demands and band are decimals that were rounded: within this of the band's edge either side is possible.
+            edge = ROUNDING * (t.dead_band + abs(t.neutral))
+            a, b = low - t.neutral, high - t.neutral
+            surely_in = (a > -t.dead_band + edge) & (b < t.dead_band - edge)
+            maybe_in = (a < t.dead_band + edge) & (b > -t.dead_band - edge)
+            lower = np.where(surely_in, 0.0, np.where(maybe_in, np.minimum(thrust.lower, 0.0), thrust.lower))
+            upper = np.where(surely_in, 0.0, np.where(maybe_in, np.maximum(thrust.upper, 0.0), thrust.upper))
+            thrust = IntervalArray(lower, upper)
+        if t.limit is not None:
+            cap = IntervalArray.around(t.limit, np.spacing(t.limit))
+            thrust = _minimum(_maximum(thrust, -cap), cap)
+        if t.reverse_factor is not None:
+            factor = IntervalArray.around(t.reverse_factor, np.spacing(t.reverse_factor))
+            thrust = _maximum(thrust, 0.0) + _minimum(thrust, 0.0) * factor
+        return thrust
 
     def _over(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> IntervalArray:
         """The curve's range over demands from ``low`` to ``high``."""
         t = self.thruster
         if t.table is None:
             d = IntervalArray(low, high) - t.neutral
+            if t.quadratic is not None:
+                ahead, astern = (
+                    IntervalArray.around(k, np.spacing(k)) for k in (t.quadratic.forward, t.quadratic.astern)
+                )
+                result: IntervalArray = _maximum(d, 0.0).square() * ahead - _minimum(d, 0.0).square() * astern
+                return result
             coefficients = t.polynomial if t.polynomial is not None else (t.gain or 0.0, 0.0)
             total = IntervalArray(np.zeros(d.shape))
             for c in coefficients:
@@ -154,6 +234,19 @@ def table_curve(demand: NDArray[np.float64], thrust: NDArray[np.float64], *, lin
     rest = PchipInterpolator(demand[1:], thrust[1:])
     slope = thrust[1] / demand[1]
     return lambda d: np.where(d < demand[1], slope * d, rest(np.maximum(d, demand[1])))
+
+
+def table_pieces(
+    demand: NDArray[np.float64], thrust: NDArray[np.float64], *, linear_start: bool = False
+) -> tuple[list[float], list[list[float]]]:
+    """The polynomials of ``table_curve``: its knots, and a list of coefficients, highest first, for each piece between them."""
+    slopes = np.diff(thrust) / np.diff(demand)
+    straight = [[float(s), float(t)] for s, t in zip(slopes, thrust[:-1], strict=True)]
+    if len(demand) == 2 or (linear_start and len(demand) == 3):
+        return demand.tolist(), straight
+    first = 1 if linear_start else 0
+    curved = PchipInterpolator(demand[first:], thrust[first:])
+    return demand.tolist(), [*straight[:first], *np.asarray(curved.c).T.tolist()]
 
 
 @dataclass(frozen=True)
@@ -192,12 +285,28 @@ def combine(vehicle: Vehicle, thrusts: Mapping[str, IntervalArray]) -> Generalis
 
 @dataclass(frozen=True)
 class Fit:
-    """One candidate for a bollard-pull table: ``name``, coefficients (highest first, empty for a table), residuals [N]."""
+    """One candidate for a bollard-pull table.
+
+    Attributes:
+        name: for tables and reports.
+        coefficients: of a polynomial, highest first; empty for the table and the quadratic.
+        predicted: thrust [N] at the table's demands.
+        residual: model minus table [N].
+        quadratic: k ahead and astern of T = k n|n|, for that candidate.
+        neutral: the demand that the curve counts from.
+    """
 
     name: str
     coefficients: tuple[float, ...]
     predicted: NDArray[np.float64]
     residual: NDArray[np.float64]
+    quadratic: tuple[float, float] | None = None
+    neutral: float = 0.0
+
+    @property
+    def band(self) -> float:
+        """The accuracy [N] that holds every point of the table, rounded up."""
+        return float(np.nextafter(self.largest * (1 + ROUNDING), np.inf)) if self.largest else 0.0
 
     @property
     def rms(self) -> float:
@@ -228,13 +337,27 @@ class Bollard:
             (f for f in self.fits if f.coefficients and "least" in f.name), key=lambda f: len(f.coefficients)
         )
         good = [f for f in polynomials if f.largest <= limit]
-        return good[0] if good else next(f for f in self.fits if not f.coefficients)
+        return good[0] if good else next(f for f in self.fits if not f.coefficients and f.quadratic is None)
+
+
+def _quadratic(demand: NDArray[np.float64], thrust: NDArray[np.float64]) -> Fit:
+    """Least squares of T = k n|n| with one k ahead and one astern, counted from the middle of the dead band (or from 0)."""
+    zero = demand[np.abs(thrust) <= 1e-9 * np.abs(thrust).max()]
+    neutral = 0.5 * float(zero[0] + zero[-1]) if zero.size > 1 and not zero[0] <= 0 <= zero[-1] else 0.0
+    n = demand - neutral
+    square = n * np.abs(n)
+    k = []
+    for side in (n > 0, n < 0):
+        energy = float(np.sum(square[side] ** 2))
+        k.append(max(float(np.sum(square[side] * thrust[side])) / energy, 0.0) if energy else 0.0)
+    predicted = np.where(n < 0, k[1], k[0]) * square
+    return Fit("quadratic n|n|, ahead and astern", (), predicted, predicted - thrust, (k[0], k[1]), neutral)
 
 
 def examine(
     demand: NDArray[np.float64], thrust: NDArray[np.float64], published: tuple[float, ...] | None = None
 ) -> Bollard:
-    """Fits the published cubic (if given), least-squares polynomials of degree 1 to 5, and the monotone table.
+    """Fits the published cubic (if given), least-squares polynomials of degree 1 to 5, the quadratic n|n|, and the monotone table.
 
     Residuals are model minus table: positive where the model promises too much.
     """
@@ -249,6 +372,7 @@ def examine(
         predicted = np.asarray(polynomial(demand), dtype=np.float64)
         name = f"least-squares polynomial of degree {degree}"
         fits.append(Fit(name, tuple(float(c) for c in polynomial.coef[::-1]), predicted, predicted - thrust))
+    fits.append(_quadratic(demand, thrust))
     predicted = table_curve(demand, thrust)(demand)
     fits.append(Fit("monotone table (PCHIP)", (), predicted, predicted - thrust))
     zero = np.flatnonzero(np.abs(thrust) <= 1e-9 * np.abs(thrust).max())

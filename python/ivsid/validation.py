@@ -8,16 +8,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.actuation import GAP, nominal_force
 from ivsid.dynamics import Dynamics
 from ivsid.effects import CHANNELS, terms_of
 from ivsid.errors import IvsidError
 from ivsid.identification import Identification
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
-from ivsid.regression_rows import GAP, RegressionRows, build_rows
+from ivsid.regression_rows import RegressionRows, build_rows
 from ivsid.sensors import bound_log
-from ivsid.thrust import ThrustCurve, directions
-from ivsid.vehicle import Vehicle
 
 VELOCITY_WINDOW: Final = 10.0
 POSITION_WINDOW: Final = 30.0
@@ -219,17 +218,3 @@ def _windows(log: Log, complete: NDArray[np.bool_], length: float) -> tuple[NDAr
     starts = np.arange(0, log.t.size - count, count)
     whole = (bad[starts + count + 1] == bad[starts]) & (gaps[starts + count] == gaps[starts])
     return starts[whole], count
-
-
-def nominal_force(vehicle: Vehicle, log: Log) -> NDArray[np.float64]:
-    """X, Y [N], N [N m] from the demands without their error, shape (n, 3); NaN where a demand is missing."""
-    if not vehicle.thrusters:
-        return np.stack([log.columns[n] for n in ("force_X", "force_Y", "moment_N")], axis=1)
-    total = np.zeros((log.t.size, 3))
-    for thruster in vehicle.thrusters:
-        demand = log.columns[f"demand_{thruster.name}"]
-        there = ~np.isnan(demand)
-        thrust = np.where(there, ThrustCurve(thruster).value(np.where(there, demand, demand[there][0])), np.nan)
-        for j, share in enumerate(directions(thruster)):
-            total[:, j] += thrust * float(share.midpoint)
-    return total

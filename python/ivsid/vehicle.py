@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, Self, TypeVar, get_args
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from ivsid import units
+from ivsid.actuator import Quadratic, Rudder, expand_units
 from ivsid.errors import IvsidError
 
 _T = TypeVar("_T", bound=BaseModel)
@@ -61,7 +62,13 @@ class Accuracy(_Section):
 
 
 class Thruster(_Section):
-    """One thruster: where it stands, where it pushes, and one of ``table``, ``polynomial``, ``gain``."""
+    """One thruster: where it stands, where it pushes, and one of ``table``, ``polynomial``, ``gain``, ``quadratic``.
+
+    ``dead_band`` [demand], ``limit`` [N], ``reverse_factor``, ``time_constant`` [s] and ``advance_loss`` [s/m] are what the
+    simulation claims beyond the curve. A first-order lag acts on the thrust, or with ``lag = "demand"`` on the demand (a shaft's
+    speed). ``steering = "azimuth"`` takes the direction from the column ``azimuth_NAME``, which turns at most by
+    ``steering_rate`` [rad/s]; ``rudder`` stands behind the propeller. ``demand_range`` ends a curve without a table.
+    """
 
     name: str = Field(pattern=r"^[A-Za-z0-9_]+$")
     position: Pair = (0.0, 0.0)
@@ -69,19 +76,34 @@ class Thruster(_Section):
     table: ThrustTable | None = None
     polynomial: tuple[Finite, ...] | None = Field(default=None, min_length=1, max_length=10)
     gain: Finite | None = None
+    quadratic: Quadratic | None = None
     accuracy: Accuracy = Accuracy()
     neutral: Finite = 0.0
     outside: Literal["refuse", "hold"] = "refuse"
+    demand_range: Pair | None = None
     time_constant: NonNegative | None = None
     dead_band: NonNegative | None = None
     limit: Positive | None = None
     reverse_factor: Positive | None = None
+    advance_loss: NonNegative | None = None
+    lag: Literal["thrust", "demand"] = "thrust"
+    steering: Literal["fixed", "azimuth"] = "fixed"
+    steering_rate: Positive | None = None
+    rudder: Rudder | None = None
 
     @model_validator(mode="after")
     def _one_curve(self) -> Self:
-        given = [k for k in ("table", "polynomial", "gain") if getattr(self, k) is not None]
+        given = [k for k in ("table", "polynomial", "gain", "quadratic") if getattr(self, k) is not None]
         if len(given) != 1:
-            raise IvsidError(f"has {' and '.join(given) or 'no thrust curve'}; give one of table, polynomial, gain")
+            raise IvsidError(
+                f"has {' and '.join(given) or 'no thrust curve'}; give one of table, polynomial, gain, quadratic"
+            )
+        if self.demand_range is not None and (
+            self.table is not None or not self.demand_range[0] < self.demand_range[1]
+        ):
+            raise IvsidError(
+                "demand_range = [lowest, highest] ends a curve that has no table; a table ends with its own demands"
+            )
         return self
 
 
@@ -224,6 +246,11 @@ class Vehicle(_Section):
     log: LogMap = LogMap()
     text: str = Field(default="", exclude=True)
     source: str = Field(default="", exclude=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _units(cls, table: Any) -> Any:
+        return expand_units(table)
 
     @model_validator(mode="after")
     def _distinct(self) -> Self:

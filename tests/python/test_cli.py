@@ -219,3 +219,45 @@ def test_a_hidden_effect_is_named_in_the_truth_alone(folder):
         folder / "h",
         "leave --effect out",
     )
+
+
+def test_effects_of_several_numbers_and_their_refusals(folder):
+    swan, scenario, out = folder / "swan.toml", folder / "scenario.toml", folder / "current"
+    made = run(
+        "simulate",
+        swan,
+        scenario,
+        "--effect",
+        "current.steady=0.08,0.05",
+        "--effect",
+        "thruster.lag.port=0.2",
+        "--out",
+        out,
+    )
+    assert made.returncode == 0, made.stderr
+    truth = json.loads((out / "truth.json").read_text())
+    assert truth["effects"] == {"current.steady.north": 0.08, "current.steady.east": 0.05, "thruster.lag.port": 0.2}
+    assert truth["parameters"]["thruster.lag.port"] == 0.2
+    assert max(truth["integration"]["error"].values()) < 1e-4
+    none = folder / "none"
+    for effect, sentence in (
+        ("current.steady=0.1", "takes 2 numbers"),
+        ("wave.force=1,0,0,0", "must be above 0"),
+        ("thruster.lag.bow=1", "no thruster bow"),
+        ("drag.surge.linear=nan", "is not understood"),
+        ("drag.surge.linear=1,2", "takes 1 number (drag.surge.linear [kg/s])"),
+        ("drag.surge.linear", "ID=A,B"),
+    ):
+        refused(run("simulate", swan, scenario, "--effect", effect, "--out", none), none, sentence)
+
+
+def test_a_shipped_vehicle_by_its_name(tmp_path):
+    made = run("simulate", "vectored_rov", "vectored_rov", "--out", tmp_path / "sim")
+    assert made.returncode == 0, made.stderr
+    truth = json.loads((tmp_path / "sim" / "truth.json").read_text())["parameters"]
+    assert truth["mass.surge"] == 19.86 and truth["drag.surge.quadratic"] == 141.0
+    refused(
+        run("simulate", "canoe", "canoe", "--out", tmp_path / "no"),
+        tmp_path / "no",
+        "vehicle file canoe cannot be read",
+    )

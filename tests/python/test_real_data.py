@@ -51,6 +51,25 @@ def test_t200_tables(real, volts):
     assert record["recommended"] == "monotone table (PCHIP)"
 
 
+@pytest.mark.parametrize("volts", [10, 16, 20])
+def test_every_candidate_for_a_t200_holds_its_table(real, volts):
+    import numpy as np
+    import polars as pl
+
+    from ivsid.thrust import ThrustCurve
+    from ivsid.vehicle import parse_vehicle
+
+    path = real(f"t200/T200_{volts}V.csv")
+    frame = pl.read_csv(path)
+    pwm, force = (frame[frame.columns[k]].to_numpy().astype(float) for k in (0, 5))
+    candidates = workflow.thrust(path).record["candidates"]
+    assert len(candidates) == 7
+    for name, text in candidates.items():
+        unit = parse_vehicle(f'name = "b"\n[hull]\nmass = 1\n{text}', "b.toml").thrusters[0]
+        assert ThrustCurve(unit).interval(pwm).contains(force * 9.80665).all(), name
+        assert np.isfinite(ThrustCurve(unit).largest)
+
+
 def test_the_rov_on_deck(real):
     record = workflow.allan(real("rov_30k/20150518--1335_deck_imu.csv.gz")).record
     assert set(record["channels"]) == {"acc_x", "acc_y", "acc_z", "gyr_x", "gyr_y", "gyr_z"}

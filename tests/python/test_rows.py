@@ -31,8 +31,11 @@ FULL = [
     "coupling.cg_x",
     "coupling.cg_y",
     "added_mass.munk",
+    "drag.surge.astern",
+    "friction.coulomb",
+    "drag.cross_flow",
 ]
-VALUES = dict(zip(FULL, [60, 75, 8, 200, 300, 20, 30, 15, 4, 1.5, 2, 10, -3, 1.0, 0.4, 6], strict=True))
+VALUES = dict(zip(FULL, [60, 75, 8, 200, 300, 20, 30, 15, 4, 1.5, 2, 10, -3, 1.0, 0.4, 6, 20, 1.5, 25], strict=True))
 
 
 def violated(rows, values) -> int:

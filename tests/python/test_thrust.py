@@ -1,5 +1,7 @@
 """Thrust curves and their bounds."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -79,3 +81,46 @@ def test_a_line_is_recommended_for_a_straight_table_and_dead_bands_are_found():
     table = examine(x, y)
     assert table.dead_band == (-2.5, 2.5)
     assert table.recommended.name == "monotone table (PCHIP)"
+
+
+def held(text, demand, thrust):
+    from ivsid.vehicle import parse_vehicle
+
+    unit = parse_vehicle(f'name = "b"\n[hull]\nmass = 1\n{text}', "b.toml").thrusters[0]
+    return ThrustCurve(unit).interval(demand).contains(thrust).all()
+
+
+def test_every_candidate_with_its_band_holds_the_bollard_data():
+    """Table III, a PWM table with a dead band, and a noisy one: each candidate's text encloses every point, and no half of it does."""
+    from ivsid.thrust import PUBLISHED_CUBIC
+    from ivsid.workflow.thrust import candidate_toml
+
+    rng = np.random.default_rng(1)
+    pwm = np.arange(1100.0, 1901.0, 20)
+    n = pwm - 1500
+    tables = [
+        (np.array(TABLE_III[0]), np.array(TABLE_III[1]), PUBLISHED_CUBIC),
+        (pwm, np.where(abs(n) < 30, 0, np.where(n > 0, 3.1e-4, 2.4e-4) * n * abs(n)) * 9.80665, None),
+        (np.linspace(-50, 50, 31), 0.02 * np.linspace(-50, 50, 31) ** 3 / 50 + rng.normal(0, 0.4, 31), None),
+    ]
+    for demand, thrust, published in tables:
+        table = examine(demand, thrust, published)
+        for fit in table.fits:
+            text = candidate_toml(table, fit)
+            assert held(text, demand, thrust), fit.name
+            if fit.largest > 0.01:
+                half = re.sub(r"absolute = \S+", f"absolute = {fit.band / 2!r}", text)
+                assert half != text and not held(half, demand, thrust), fit.name
+
+
+def test_the_published_cubic_misses_and_the_quadratic_finds_its_own():
+    from ivsid.thrust import PUBLISHED_CUBIC
+
+    table = examine(np.array(TABLE_III[0]), np.array(TABLE_III[1]), PUBLISHED_CUBIC)
+    cubic = table.fits[0]
+    assert cubic.largest == pytest.approx(np.abs(np.polyval(PUBLISHED_CUBIC, TABLE_III[0]) - TABLE_III[1]).max())
+    assert cubic.largest > 20 and table.recommended.name == "monotone table (PCHIP)"
+    n = np.linspace(-10.0, 10.0, 21)
+    exact = examine(n, np.where(n < 0, 0.3, 0.5) * n * abs(n))
+    quadratic = next(f for f in exact.fits if f.quadratic)
+    assert quadratic.quadratic == pytest.approx((0.5, 0.3)) and quadratic.largest < 1e-12

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import warnings
 from collections.abc import Callable
@@ -53,13 +54,14 @@ def demo(out: Out = None, json: Json = False, seed: Seed = None) -> None:
 
 @app.command()
 def simulate(
-    vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML).")],
-    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML).")],
+    vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML), or otter or vectored_rov.")],
+    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), or otter or vectored_rov.")],
     out: Out = None,
     json: Json = False,
     seed: Seed = None,
     effect: Annotated[
-        list[str] | None, typer.Option("--effect", help="A further term with its value, ID=VALUE; may repeat.")
+        list[str] | None,
+        typer.Option("--effect", help="An effect of the catalogue with its numbers, ID=VALUE or ID=A,B; may repeat."),
     ] = None,
     hide: Annotated[
         int | None, typer.Option("--hide", min=0, help="Draw a hidden effect from this seed; only truth.json names it.")
@@ -152,14 +154,18 @@ def validate(
     _run("validate", out, json, lambda w, p: w.validate(fit, log, progress=p))
 
 
-def _effect(text: str) -> tuple[str, float]:
-    id_, _, value = text.partition("=")
+def _effect(text: str) -> tuple[str, list[float]]:
+    id_, _, values = text.partition("=")
     try:
-        return id_.strip(), float(value)
+        numbers = [float(v) for v in values.split(",")]
     except ValueError:
+        numbers = []
+    if not numbers or not all(map(math.isfinite, numbers)):
         raise IvsidError(
-            f"--effect {text} is not understood; write ID=VALUE, for example drag.surge.linear=4"
-        ) from None
+            f"--effect {text} is not understood; write ID=VALUE, for example drag.surge.linear=4, or ID=A,B for an effect of "
+            "several numbers, for example current.steady=0.08,0.05"
+        )
+    return id_.strip(), numbers
 
 
 def _run(command: str, out: Path | None, json: bool, work: Callable[[Any, Callable[[str], None]], Any]) -> None:

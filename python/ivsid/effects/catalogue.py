@@ -4,27 +4,19 @@ from __future__ import annotations
 
 from typing import Final
 
-from ivsid.effects import drag, inertia
+from ivsid.effects import drag, environment, inertia, sensing, thrusters
+from ivsid.effects.effect import Effect
 from ivsid.effects.terms import Term
 from ivsid.errors import IvsidError
 from ivsid.vehicle import Vehicle
 
-CATALOGUE: Final[dict[str, Term]] = {t.id: t for t in (*inertia.FAMILY, *drag.FAMILY)}
-
-# Typical sizes for a vehicle of 50 kg and 1 m at about 1 m/s (EFFECTS.md, section 2): what `simulate --hide` scales.
-TYPICAL: Final = {
-    "drag.surge.linear": 4.0,
-    "drag.surge.sideslip": 30.0,
-    "drag.sway.linear": 8.0,
-    "drag.sway.yaw_rate": 4.0,
-    "drag.yaw.linear": 1.0,
-    "drag.yaw.quadratic": 2.0,
-    "drag.lift.sway": 10.0,
-    "drag.lift.yaw": -3.0,
-    "coupling.cg_x": 1.5,
-    "coupling.cg_y": 0.5,
-    "added_mass.munk": 6.0,
+# Every cause that can be simulated, identified or named: the 5 terms of the plain model and the 42 effects of EFFECTS.md, family
+# by family. Users add their own with ``register``.
+EFFECTS: Final[dict[str, Effect]] = {
+    e.id: e for e in (*inertia.FAMILY, *drag.FAMILY, *environment.FAMILY, *thrusters.FAMILY, *sensing.FAMILY)
 }
+# Those that are linear in one parameter and need velocities and accelerations alone: the terms that a model may list.
+CATALOGUE: Final[dict[str, Term]] = {t.id: t for t in (*inertia.TERMS, *drag.TERMS)}
 
 PLAIN_TERMS: Final = (
     inertia.MASS_SURGE,
@@ -47,7 +39,7 @@ def terms_of(vehicle: Vehicle, form: str = "total") -> tuple[Term, ...]:
             second form of eq. 6).
 
     Raises:
-        IvsidError: an unknown id, naming those that are known.
+        IvsidError: an unknown id, naming those that are known, or a term that needs a length which the file lacks.
     """
     if form not in ("total", "added"):
         raise IvsidError(f"form '{form}' is unknown; use total or added")
@@ -65,7 +57,31 @@ def terms_of(vehicle: Vehicle, form: str = "total") -> tuple[Term, ...]:
                 )
         if len(set(wanted)) != len(wanted) or not wanted:
             raise IvsidError("model.terms is empty or repeats an id; list each once")
-        terms = tuple(CATALOGUE[id_] for id_ in wanted)
+        terms = tuple(on_hull(CATALOGUE[id_], vehicle) for id_ in wanted)
     if form == "added":
         return tuple(ADDED_MASS_TERMS.get(t.id, t) for t in terms)
     return terms
+
+
+def on_hull(term: Term, vehicle: Vehicle) -> Term:
+    """The term with the hull's length filled in, where it needs one.
+
+    Raises:
+        IvsidError: the vehicle file gives no length.
+    """
+    if term.of_hull is None:
+        return term
+    if vehicle.hull.length is None:
+        raise IvsidError(f"{term.id} acts along the hull; give the vehicle file hull.length [m]")
+    return Term(term.id, term.symbol, term.unit, term.of_hull(vehicle.hull.length))
+
+
+def register(effect: Effect) -> None:
+    """Adds an effect of one's own to the catalogue, for this process.
+
+    Raises:
+        IvsidError: its id is taken.
+    """
+    if effect.id in EFFECTS:
+        raise IvsidError(f"effect {effect.id} is in the catalogue already; give another id")
+    EFFECTS[effect.id] = effect

@@ -1,8 +1,17 @@
-"""Drag, lift and damping (EFFECTS.md 2.0, 2.1). Positive parameters oppose the motion."""
+"""Drag, lift, friction (EFFECTS.md 2.0, 2.1). Positive parameters oppose the motion."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from typing import Final
 
-from ivsid.effects.terms import Term, signed_square, square
+from ivsid.effects.effect import Effect, term_effect
+from ivsid.effects.functions import astern_square, cross_flow_force, cross_flow_moment, signed_square, square, tanh
+from ivsid.effects.terms import Columns, State, Term
+from ivsid.errors import IvsidError
+
+# The speed [m/s] within which dry friction turns round.
+FRICTION_SPEED: Final = 0.02
 
 SURGE_QUADRATIC: Final = Term("drag.surge.quadratic", "-X_|u|u", "kg/m", lambda s: {"surge": signed_square(s.u)})
 SWAY_QUADRATIC: Final = Term("drag.sway.quadratic", "-Y_|v|v", "kg/m", lambda s: {"sway": signed_square(s.v)})
@@ -12,15 +21,138 @@ SHARED_QUADRATIC: Final = Term(
     "drag.surge.quadratic", "-X_|u|u", "kg/m", lambda s: {"surge": signed_square(s.u), "sway": signed_square(s.v)}
 )
 
-FAMILY: Final = (
+
+def _cross_flow(length: float) -> Callable[[State], Columns]:
+    half = 0.5 * length
+    return lambda s: {"sway": cross_flow_force(s.v, s.r, half), "yaw": cross_flow_moment(s.v, s.r, half)}
+
+
+def _without_length(_state: State) -> Columns:
+    raise IvsidError("drag.cross_flow acts along the hull; give the vehicle file hull.length [m]")
+
+
+SURGE_LINEAR: Final = Term("drag.surge.linear", "-X_u", "kg/s", lambda s: {"surge": s.u})
+COULOMB: Final = Term("friction.coulomb", "F_c", "N", lambda s: {"surge": tanh(s.u * (1 / FRICTION_SPEED))})
+ASTERN: Final = Term("drag.surge.astern", "X_a", "kg/m", lambda s: {"surge": astern_square(s.u)})
+SIDESLIP: Final = Term("drag.surge.sideslip", "-X_vv", "kg/m", lambda s: {"surge": square(s.v)})
+SWAY_LINEAR: Final = Term("drag.sway.linear", "-Y_v", "kg/s", lambda s: {"sway": s.v})
+SWAY_YAW_RATE: Final = Term("drag.sway.yaw_rate", "-Y_r", "kg m/s", lambda s: {"sway": s.r})
+YAW_LINEAR: Final = Term("drag.yaw.linear", "-N_r", "N m s", lambda s: {"yaw": s.r})
+YAW_QUADRATIC: Final = Term("drag.yaw.quadratic", "-N_|r|r", "N m s^2", lambda s: {"yaw": signed_square(s.r)})
+CROSS_FLOW: Final = Term("drag.cross_flow", "rho C_d T / 2", "kg/m^2", _without_length, _cross_flow)
+LIFT_SWAY: Final = Term("drag.lift.sway", "-Y_|u|v", "kg/m", lambda s: {"sway": abs(s.u) * s.v})
+LIFT_YAW: Final = Term("drag.lift.yaw", "-N_uv", "kg", lambda s: {"yaw": s.u * s.v})
+
+FAMILY: Final[tuple[Effect, ...]] = (
+    term_effect(
+        SURGE_QUADRATIC,
+        28.0,
+        "form drag in surge",
+        plain=True,
+        equivalents=("thruster.gain",),
+        separate="coast to rest, or tow at a known force",
+    ),
+    term_effect(
+        SWAY_QUADRATIC,
+        150.0,
+        "form drag in sway",
+        plain=True,
+        confusable=("drag.cross_flow",),
+        separate="drift sideways without turning, then turn on the spot",
+    ),
+    term_effect(
+        SURGE_LINEAR,
+        4.0,
+        "laminar skin friction at a low Reynolds number",
+        confusable=("friction.coulomb", "thruster.advance_loss", "thruster.curve"),
+        separate="coast from full speed to rest; a zigzag tells it from advance loss",
+    ),
+    term_effect(
+        COULOMB,
+        1.0,
+        "dry friction of a tether drum, a seal or ice, of constant size against the motion",
+        confusable=("drag.surge.linear", "thruster.advance_loss"),
+        separate="coast through zero speed and reverse",
+    ),
+    term_effect(
+        ASTERN,
+        10.0,
+        "a hull that is blunter astern than ahead",
+        confusable=("thruster.reverse_loss",),
+        separate="coast astern with the thrusters off",
+    ),
+    term_effect(
+        SIDESLIP,
+        30.0,
+        "induced drag of sideslip in turns",
+        confusable=("coupling.cg_x", "drag.surge.linear"),
+        separate="vary sideslip against yaw rate: a zigzag, then a slow turn on the spot",
+    ),
+    term_effect(
+        SWAY_LINEAR,
+        8.0,
+        "linear damping of sideways motion",
+        confusable=("drag.lift.sway",),
+        separate="circles at two speeds",
+    ),
+    term_effect(
+        SWAY_YAW_RATE,
+        4.0,
+        "a stern appendage or lateral area off the centre pushes sideways in a turn",
+        signed=True,
+        confusable=("sensor.velocity.lever_arm", "coupling.cg_x"),
+        separate="measure the sideways acceleration in a zigzag: the kinematic residual stays clean for a force",
+    ),
+    term_effect(
+        YAW_LINEAR,
+        1.0,
+        "linear damping of turning",
+        confusable=("drag.yaw.quadratic", "coupling.cg_x", "added_mass.munk"),
+        separate="zigzags of two amplitudes",
+    ),
+    term_effect(
+        YAW_QUADRATIC,
+        2.0,
+        "quadratic damping of turning",
+        confusable=("drag.yaw.linear", "drag.cross_flow", "coupling.cg_x"),
+        separate="turns whose rates span a factor of four",
+    ),
+    term_effect(
+        CROSS_FLOW,
+        25.0,
+        "cross-flow drag along the hull's length, in sway and yaw at once",
+        confusable=("drag.yaw.quadratic", "drag.yaw.linear", "drag.sway.quadratic"),
+        separate="circles and turns on the spot: one coefficient must explain both force and moment",
+    ),
+    term_effect(
+        LIFT_SWAY,
+        10.0,
+        "lift of the hull or a keel in sideslip",
+        confusable=("drag.sway.linear",),
+        separate="circles at several speeds",
+    ),
+    term_effect(
+        LIFT_YAW,
+        -3.0,
+        "lift that acts off the origin: an aft skeg steadies (negative), a bow area turns further",
+        signed=True,
+        equivalents=("added_mass.munk",),
+        confusable=("coupling.cg_x",),
+        separate="sideways accelerations strong enough to give m_v: the Munk coefficient must equal m_v - m_u; a chirp in yaw",
+    ),
+)
+TERMS: Final[tuple[Term, ...]] = (
     SURGE_QUADRATIC,
     SWAY_QUADRATIC,
-    Term("drag.surge.linear", "-X_u", "kg/s", lambda s: {"surge": s.u}),
-    Term("drag.surge.sideslip", "-X_vv", "kg/m", lambda s: {"surge": square(s.v)}),
-    Term("drag.sway.linear", "-Y_v", "kg/s", lambda s: {"sway": s.v}),
-    Term("drag.sway.yaw_rate", "-Y_r", "kg m/s", lambda s: {"sway": s.r}),
-    Term("drag.yaw.linear", "-N_r", "N m s", lambda s: {"yaw": s.r}),
-    Term("drag.yaw.quadratic", "-N_|r|r", "N m s^2", lambda s: {"yaw": signed_square(s.r)}),
-    Term("drag.lift.sway", "-Y_|u|v", "kg/m", lambda s: {"sway": abs(s.u) * s.v}),
-    Term("drag.lift.yaw", "-N_uv", "kg", lambda s: {"yaw": s.u * s.v}),
+    SURGE_LINEAR,
+    COULOMB,
+    ASTERN,
+    SIDESLIP,
+    SWAY_LINEAR,
+    SWAY_YAW_RATE,
+    YAW_LINEAR,
+    YAW_QUADRATIC,
+    CROSS_FLOW,
+    LIFT_SWAY,
+    LIFT_YAW,
 )

@@ -1,7 +1,12 @@
 """Masses, inertia, and the coupling between channels (EFFECTS.md 2.0, 2.2)."""
 
-from typing import Final
+from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any, Final
+
+from ivsid.effects.effect import Change, Effect, Numbers, Parameter, term_effect
+from ivsid.effects.functions import after
 from ivsid.effects.terms import Term, square
 
 MASS_SURGE: Final = Term("mass.surge", "m - X_udot", "kg", lambda s: {"surge": s.udot, "sway": s.u * s.r})
@@ -21,5 +26,75 @@ COUPLING_CG_Y: Final = Term(
     "coupling.cg_y", "m y_G", "kg m", lambda s: {"surge": -s.rdot, "sway": -square(s.r), "yaw": -s.ax}
 )
 MUNK: Final = Term("added_mass.munk", "X_udot - Y_vdot", "kg", lambda s: {"yaw": s.u * s.v})
+# Where the model shares one mass, the coefficient is the sway mass beyond it, too (EFFECTS.md 2.2).
+SHARED_MUNK: Final = Term(
+    "added_mass.munk", "X_udot - Y_vdot", "kg", lambda s: {"surge": -(s.v * s.r), "sway": s.vdot, "yaw": s.u * s.v}
+)
 
-FAMILY: Final = (MASS_SURGE, MASS_SWAY, INERTIA_YAW, COUPLING_CG_X, COUPLING_CG_Y, MUNK)
+
+def _payload(plain: Mapping[str, Any], p: Numbers, t: Any) -> dict[str, Any]:
+    extra = p[0] * after(t, p[1])
+    return {id_: plain[id_] + extra for id_ in ("mass.surge", "mass.sway") if id_ in plain}
+
+
+FAMILY: Final[tuple[Effect, ...]] = (
+    term_effect(
+        MASS_SURGE,
+        58.0,
+        "mass and added mass in surge",
+        plain=True,
+        equivalents=("thruster.gain",),
+        separate="weigh the vehicle, or tow it at a known acceleration",
+    ),
+    term_effect(
+        MASS_SWAY,
+        75.0,
+        "mass and added mass in sway",
+        plain=True,
+        separate="sideways accelerations, or turns at speed",
+    ),
+    term_effect(
+        INERTIA_YAW,
+        9.0,
+        "moment of inertia and its added part",
+        plain=True,
+        equivalents=("thruster.gain",),
+        separate="a known arm of the thrusters, or a swing test",
+    ),
+    term_effect(
+        COUPLING_CG_X,
+        1.5,
+        "the centre of gravity lies ahead of where the file says, or the hull is not symmetric fore and aft",
+        signed=True,
+        confusable=("added_mass.munk", "drag.yaw.linear"),
+        separate="yaw-rate steps at rest: turning acceleration without speed",
+    ),
+    term_effect(
+        COUPLING_CG_Y,
+        0.5,
+        "the centre of gravity lies off the centre line",
+        signed=True,
+        confusable=("thruster.asymmetry",),
+        separate="surge steps followed by steady runs: this one follows acceleration, asymmetry follows thrust",
+    ),
+    term_effect(
+        MUNK,
+        6.0,
+        "the moment of potential flow on a slender hull in sideslip, which turns it across the stream",
+        equivalents=("drag.lift.yaw",),
+        confusable=("coupling.cg_x", "drag.yaw.linear"),
+        separate="sideways accelerations strong enough to give m_v: this coefficient must equal m_v - m_u; a chirp in yaw",
+    ),
+    Effect(
+        "payload.step",
+        "the mass changes at a time: a payload taken or dropped, a compartment flooded",
+        (
+            Parameter("mass", "", "kg", 5.0, signed=True),
+            Parameter("time", "", "s", 0.0, draw="time"),
+        ),
+        Change(_payload),
+        confusable=("fouling.drift", "thruster.voltage_sag"),
+        separate="the same accelerations before and after",
+    ),
+)
+TERMS: Final[tuple[Term, ...]] = (MASS_SURGE, MASS_SWAY, INERTIA_YAW, COUPLING_CG_X, COUPLING_CG_Y, MUNK)

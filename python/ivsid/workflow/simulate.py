@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from importlib.resources import files
 from pathlib import Path
 
 from ivsid import figures, report, simulation
+from ivsid.effects import spread
 from ivsid.errors import IvsidError
 from ivsid.log import Log
 from ivsid.records import envelope, to_json
 from ivsid.report import Report, Section
-from ivsid.scenario import read_scenario
+from ivsid.scenario import Scenario, read_scenario
 from ivsid.vehicle import read_vehicle
 from ivsid.workflow.common import Progress, csv, silent
 
@@ -21,18 +23,35 @@ def simulate(
     scenario: str | Path,
     *,
     seed: int | None = None,
-    effects: Mapping[str, float] | None = None,
+    effects: Mapping[str, float | Sequence[float]] | None = None,
     hide: int | None = None,
     progress: Progress = silent,
 ) -> Report:
-    """Reads both files, simulates, and leaves the log and, apart from it, the truth; ``hide`` draws the effect from a seed."""
+    """Reads both files, simulates, and leaves the log and, apart from it, the truth.
+
+    Args:
+        vehicle: path of a vehicle file, or the name of a shipped one (otter, vectored_rov).
+        scenario: path of a scenario file, or the name of the vehicle that a shipped one is for.
+        seed: in place of the scenario's.
+        effects: further numbers of the catalogue by id; several in EFFECTS.md's order, or one by id.part or id.NAME.
+        hide: draws the effect from this seed instead.
+        progress: told of each step.
+
+    Raises:
+        IvsidError: an unusable file or number, in one sentence.
+    """
+    vehicle, scenario = shipped(vehicle, ""), shipped(scenario, "_programme")
     checked, programme = read_vehicle(vehicle), read_scenario(scenario)
+    given: dict[str, float] = {}
+    for id_, values in (effects or {}).items():
+        numbers = [values] if isinstance(values, (int, float)) else list(values)
+        given |= spread(id_, numbers, measured=_measured(id_, programme))
     if hide is not None:
         if effects:
             raise IvsidError("--hide draws the effect itself; leave --effect out")
-        effects = simulation.hidden_effect(checked, hide)
+        given = simulation.hidden_effect(checked, programme, hide)
     progress(f"simulating {programme.duration:g} s at {programme.rate:g} Hz")
-    made = simulation.simulate(checked, programme, seed, effects)
+    made = simulation.simulate(checked, programme, seed, given)
     text = csv(made.t, made.columns)
     digest = hashlib.sha256(text.encode()).hexdigest()
     log = Log("log.csv", digest, made.t, made.columns)
@@ -58,3 +77,18 @@ def simulate(
         {"log.csv": text, "truth.json": to_json(made.truth) + "\n"},
         (summary, "  log.csv: the log; truth.json: what is true of it"),
     )
+
+
+def _measured(id_: str, scenario: Scenario) -> bool:
+    """Whether the log will have the cause itself, so that the effect's numbers multiply it."""
+    where = scenario.environment
+    return (where.voltage if id_ == "thruster.voltage_sag" else where.wind_speed) is not None
+
+
+def shipped(path: str | Path, suffix: str) -> Path:
+    """The path itself, or that of the file which ships under this name where nothing stands at the path."""
+    given = Path(path)
+    if given.exists() or given.suffix or len(given.parts) != 1:
+        return given
+    found = Path(str(files("ivsid") / "data" / f"{given.name}{suffix}.toml"))
+    return found if found.exists() else given

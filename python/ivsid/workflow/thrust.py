@@ -14,7 +14,7 @@ from ivsid.log import numeric, read_table
 from ivsid.records import envelope
 from ivsid.report import Report, Section
 from ivsid.results import bollard_record
-from ivsid.thrust import PUBLISHED_CUBIC, Bollard, examine
+from ivsid.thrust import PUBLISHED_CUBIC, Bollard, Fit, examine
 from ivsid.workflow.common import Progress, silent
 
 DEMANDS = ("demand", "pwm", "command", "throttle", "rpm")
@@ -51,7 +51,14 @@ def thrust(
     table = examine(demand, force, PUBLISHED_CUBIC if percent else None)
     drawing = figures.thrust_curve(table, demand_unit=_given_unit(demand_name) or ("%" if percent else demand_name))
     snippet = thruster_toml(table)
-    record = {**envelope("thrust", {Path(path).name: digest}), "unit": symbol, **bollard_record(table), "toml": snippet}
+    candidates = {f.name: candidate_toml(table, f) for f in table.fits}
+    record = {
+        **envelope("thrust", {Path(path).name: digest}),
+        "unit": symbol,
+        **bollard_record(table),
+        "toml": snippet,
+        "candidates": candidates,
+    }
     best = table.recommended
     summary = (
         f"{demand.size} points, thrust {force.min():.4g} to {force.max():.4g} N; use the {best.name} "
@@ -61,6 +68,10 @@ def thrust(
     sections = (
         Section("Candidates", (fit_table(table), report.drawing(drawing), report.bullets(notes))),
         Section("For the vehicle file", (report.code(snippet),)),
+        Section(
+            "The candidates for the vehicle file, each with an accuracy that holds every point",
+            tuple(report.code(f"# {name}\n{text}") for name, text in candidates.items()),
+        ),
     )
     lines = [
         summary,
@@ -80,12 +91,25 @@ def thrust(
 
 def fit_table(table: Bollard) -> dict[str, object]:
     """One row a candidate."""
-    rows = [[f.name, ", ".join(f"{c:.5g}" for c in f.coefficients) or "–", f.rms, f.largest] for f in table.fits]
-    return report.table(["model", "coefficients, highest first", "rms residual [N]", "largest residual [N]"], rows)
+    rows = [
+        [f.name, ", ".join(f"{c:.5g}" for c in f.coefficients or f.quadratic or ()) or "–", f.rms, f.largest]
+        for f in table.fits
+    ]
+    return report.table(
+        ["model", "coefficients, highest first", "rms residual [N]", "largest residual [N], the accuracy it needs"],
+        rows,
+    )
 
 
 def _notes(table: Bollard, percent: bool) -> list[str]:
     notes = []
+    published = next((f for f in table.fits if f.name == "published cubic"), None)
+    if published is not None:
+        worst = int(abs(published.residual).argmax())
+        notes.append(
+            f"the published cubic misses the table by {published.residual[worst]:+.3g} N at {table.demand[worst]:g} %, where the table "
+            f"says {table.thrust[worst]:.4g} N: a cause of its own in a diagnosis (thruster.curve)"
+        )
     if not percent:
         notes.append("the published cubic (eq. 18) is left out: its demand is a percentage, this table's is not")
     if table.dead_band is not None:
@@ -101,14 +125,37 @@ def _notes(table: Bollard, percent: bool) -> list[str]:
 
 
 def thruster_toml(table: Bollard) -> str:
-    """A thruster's table for a vehicle file, its demands from the middle of the dead band where that is not zero."""
+    """A thruster's table for a vehicle file, its demands from the middle of the dead band where that is not zero.
+
+    Its thrusts are printed with six digits; what they lose is the accuracy beside them.
+    """
     neutral = 0.0
     if table.dead_band is not None and not table.dead_band[0] <= 0 <= table.dead_band[1]:
         neutral = 0.5 * (table.dead_band[0] + table.dead_band[1])
-    demand = ", ".join(f"{d - neutral:g}" for d in table.demand)
-    force = ", ".join(f"{t:.6g}" for t in table.thrust)
+    demand = ", ".join(f"{d - neutral:.12g}" for d in table.demand)
+    printed = [f"{t:.6g}" for t in table.thrust]
+    lost = max(abs(float(p) - t) for p, t in zip(printed, table.thrust.tolist(), strict=True))
+    curve = f"table = {{ demand = [{demand}], thrust = [{', '.join(printed)}] }}"
+    return _thruster(curve, neutral, lost * (1 + 1e-9))
+
+
+def candidate_toml(table: Bollard, fit: Fit) -> str:
+    """A candidate for a vehicle file, with the accuracy that holds every point of the table."""
+    if not fit.coefficients and fit.quadratic is None:
+        return thruster_toml(table)
+    if fit.quadratic is not None:
+        curve = f"quadratic = {{ forward = {fit.quadratic[0]!r}, reverse = {fit.quadratic[1]!r} }}"
+    else:
+        curve = f"polynomial = [{', '.join(repr(c) for c in fit.coefficients)}]"
+    ends = f"demand_range = [{table.demand[0] - fit.neutral:.12g}, {table.demand[-1] - fit.neutral:.12g}]"
+    # A polynomial in the file's own doubles is evaluated once more, and rounds once more.
+    return _thruster(f"{curve}\n{ends}", fit.neutral, fit.band + 1e-9 * float(abs(table.thrust).max()))
+
+
+def _thruster(curve: str, neutral: float, accuracy: float) -> str:
     shift = f"neutral = {neutral:g}\n" if neutral else ""
-    return f'[[thrusters]]\nname = "name"\nposition = [0.0, 0.0]\nazimuth = 0.0\n{shift}table = {{ demand = [{demand}], thrust = [{force}] }}\n'
+    bound = f"accuracy = {{ absolute = {accuracy!r} }}\n" if accuracy else ""
+    return f'[[thrusters]]\nname = "name"\nposition = [0.0, 0.0]\nazimuth = 0.0\n{shift}{curve}\n{bound}'
 
 
 def _column(frame: pl.DataFrame, given: str | None, hints: tuple[str, ...], what: str, path: str | Path) -> str:

@@ -1,0 +1,173 @@
+"""What changes a thrust between its demand and the water (EFFECTS.md 2.4)."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+
+from ivsid.effects.effect import Drive, Effect, Inflow, Numbers, Parameter, Response, Thrust
+from ivsid.effects.functions import after
+
+
+def _asymmetry(thrust: Any, drive: Drive, p: Numbers) -> Any:
+    # The sign of the arm, and nothing for a thruster on the centre line.
+    side = (drive.y > 0) - (drive.y < 0)
+    return thrust * (1.0 - side * p[0])
+
+
+def _failure(thrust: Any, drive: Drive, p: Numbers) -> Any:
+    index, loss, start = p
+    return thrust * (1.0 - loss * after(drive.time, start)) if drive.index == round(index) else thrust
+
+
+def _deadband(thrust: Any, drive: Drive, p: Numbers) -> Any:
+    return _where(abs(drive.demand) < p[0], 0.0, thrust)
+
+
+def _saturation(thrust: Any, _drive: Drive, p: Numbers) -> Any:
+    return min(max(thrust, -p[0]), p[0]) if isinstance(thrust, float) else np.clip(thrust, -p[0], p[0])
+
+
+def _reverse(thrust: Any, _drive: Drive, p: Numbers) -> Any:
+    return _where(thrust < 0, thrust * (1.0 - p[0]), thrust)
+
+
+def _sag(thrust: Any, drive: Drive, p: Numbers) -> Any:
+    # A battery that is empty gives nothing, and does not turn the thruster round.
+    return thrust * np.maximum(1.0 - p[0] * drive.time, 0.0)
+
+
+def _sag_measured(thrust: Any, drive: Drive, p: Numbers) -> Any:
+    # With the supply's voltage logged: T falls with the power p of its share of the first value.
+    return thrust if drive.voltage is None else thrust * drive.voltage ** p[0]
+
+
+def _curve(thrust: Any, drive: Drive, p: Numbers) -> Any:
+    return thrust + p[0] * thrust * (1.0 - abs(thrust) / drive.reference)
+
+
+def _advance(thrust: Any, inflow: Any, p: Numbers) -> Any:
+    return thrust - abs(thrust) * inflow * p[0]
+
+
+def _where(condition: Any, yes: Any, no: Any) -> Any:
+    return np.where(condition, yes, no) if isinstance(condition, np.ndarray) else (yes if condition else no)
+
+
+def _one(unit: str, typical: float, **how: Any) -> tuple[Parameter, ...]:
+    return (Parameter("", "", unit, typical, **how),)
+
+
+FAMILY: Final[tuple[Effect, ...]] = (
+    Effect(
+        "thruster.gain",
+        "every thrust differs by one factor: density of the water, battery, wear",
+        _one("1", 0.05, signed=True),
+        Thrust(lambda thrust, _drive, p: thrust * (1.0 + p[0])),
+        equivalents=("mass.surge", "mass.sway", "inertia.yaw", "drag.surge.quadratic", "drag.sway.quadratic"),
+        separate="weigh the vehicle, tow it, or repeat the bollard pull",
+        per_thruster=True,
+    ),
+    Effect(
+        "thruster.asymmetry",
+        "the two sides push unequally",
+        _one("1", 0.05, signed=True),
+        Thrust(_asymmetry),
+        equivalents=("thruster.failure",),
+        confusable=("coupling.cg_y",),
+        separate="straight runs at several thrusts",
+    ),
+    Effect(
+        "thruster.failure",
+        "one thruster loses a share of its thrust at a time",
+        (
+            Parameter("thruster", "", "1", 0.0, draw="thruster"),
+            Parameter("loss", "", "1", 0.15),
+            Parameter("time", "", "s", 0.0, draw="time"),
+        ),
+        Thrust(_failure),
+        confusable=("thruster.asymmetry",),
+        separate="straight runs before and after",
+    ),
+    Effect(
+        "thruster.deadband",
+        "no thrust below a demand: the motor does not start",
+        _one("demand", 8.0, lowest=0.0),
+        Thrust(_deadband),
+        confusable=("friction.coulomb",),
+        separate="demands just above and just below",
+        per_thruster=True,
+    ),
+    Effect(
+        "thruster.saturation",
+        "a current limit caps the thrust",
+        _one("N", 30.0, inverse=True, lowest=0.0, exclusive=True),
+        Thrust(_saturation),
+        confusable=("thruster.advance_loss", "thruster.curve"),
+        separate="full demand at rest, as in a bollard pull",
+        per_thruster=True,
+    ),
+    Effect(
+        "thruster.lag",
+        "rotor and drive need time to follow their demand",
+        _one("s", 0.25, lowest=0.0),
+        Response("lag"),
+        equivalents=("thruster.delay",),
+        confusable=("thruster.delay", "sensor.velocity.delay"),
+        separate="steps, sampled faster than a third of the time constant",
+        per_thruster=True,
+    ),
+    Effect(
+        "thruster.delay",
+        "the demand arrives late: network or transport",
+        _one("s", 0.1, lowest=0.0),
+        Response("delay"),
+        equivalents=("thruster.lag",),
+        confusable=("thruster.lag", "sensor.velocity.delay"),
+        separate="steps, sampled faster than a third of the delay",
+        per_thruster=True,
+    ),
+    Effect(
+        "thruster.advance_loss",
+        "thrust falls with the speed of the water that comes in",
+        _one("s/m", 0.08),
+        Inflow(_advance),
+        confusable=("drag.surge.linear", "thruster.curve", "thruster.saturation"),
+        separate="high thrust at rest against high thrust at speed; a zigzag",
+        per_thruster=True,
+    ),
+    Effect(
+        "thruster.reverse_loss",
+        "thrust astern is weaker than the curve says",
+        _one("1", 0.2),
+        Thrust(_reverse),
+        confusable=("drag.surge.astern",),
+        separate="turns on the spot and braking, with demands of both signs",
+        per_thruster=True,
+    ),
+    Effect(
+        "thruster.voltage_sag",
+        "the battery runs down and every thrust with it",
+        _one("1/s", 2.5e-4),
+        Thrust(_sag),
+        confusable=("fouling.drift", "payload.step"),
+        separate="the same programme at the start and the end; turns on the spot need thrust without drag",
+        measured=Effect(
+            "thruster.voltage_sag",
+            "thrust follows the supply's voltage by a power",
+            (Parameter("power", "", "1", 1.0),),
+            Thrust(_sag_measured),
+            needs=("voltage",),
+        ),
+    ),
+    Effect(
+        "thruster.curve",
+        "the shape of the thrust curve is wrong between rest and full thrust",
+        _one("1", 0.1, signed=True),
+        Thrust(_curve),
+        confusable=("thruster.advance_loss", "drag.surge.linear", "friction.coulomb"),
+        separate="a bollard pull",
+        per_thruster=True,
+    ),
+)

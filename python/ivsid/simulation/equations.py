@@ -1,0 +1,241 @@
+"""The equations of motion of a vehicle with its true numbers, as one compiled function of time and state.
+
+M_RB nudot + C_RB(nu) nu + M_A nudot_r + C_A(nu_r) nu_r + D(nu_r) nu_r = tau (Fossen), with nu_r relative to the water. The rows of
+an identification share the formulas of ``effects`` with this and nothing else.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+
+from ivsid.effects import (
+    CHANNELS,
+    EFFECTS,
+    PAPER_TERMS,
+    PLAIN_TERMS,
+    Change,
+    Current,
+    Force,
+    Given,
+    Inflow,
+    Place,
+    State,
+    Term,
+    Terms,
+    for_thruster,
+    on_hull,
+    rigid_body,
+)
+from ivsid.effects.environment import earth_to_body
+from ivsid.effects.functions import cos, sin
+from ivsid.effects.inertia import SHARED_MUNK
+from ivsid.errors import IvsidError
+from ivsid.foil import rudder_force
+from ivsid.simulation.symbols import Symbol, Tape, solve
+from ivsid.thrust import ThrustCurve
+from ivsid.vehicle import Vehicle
+
+# (t, u, v, r, psi, x, y, X, Y, N, wind north, wind east, thrusts, angles) -> rates of u, v, r, psi, x, y
+Rates: TypeAlias = Callable[..., tuple[Any, ...]]
+_STATE: Final = ("t", "u", "v", "r", "psi", "x", "y", "X", "Y", "N", "wind_north", "wind_east")
+
+
+@dataclass(frozen=True)
+class Plant:
+    """What moves: the vehicle, its terms with their true values, and the effects beside them."""
+
+    vehicle: Vehicle
+    terms: tuple[Term, ...]
+    values: Mapping[str, float]
+    given: tuple[Given, ...]
+
+
+def plant(vehicle: Vehicle, wanted: Sequence[Term], given: Sequence[Given]) -> Plant:
+    """The model's terms and those that the given effects add, with a value for each.
+
+    Args:
+        vehicle: whose model ``wanted`` is.
+        wanted: the model's terms.
+        given: every number by effect, the model's own terms among them.
+
+    Raises:
+        IvsidError: a term without a value, or an effect that the vehicle cannot have.
+    """
+    shared = vehicle.model.terms == "paper"
+    by_id = {g.effect.id: g for g in given}
+    terms = {t.id: t for t in wanted}
+    plain = {t.id: t for t in PLAIN_TERMS}
+    for id_, other in (("mass.sway", "mass.surge"), ("drag.sway.quadratic", "drag.surge.quadratic")):
+        if shared and id_ in by_id:
+            # A value of its own ends the sharing of the paper's column.
+            terms[other] = plain[other]
+    values: dict[str, float] = {}
+    for g in given:
+        if not isinstance(g.effect.acts, Terms):
+            continue
+        for term, value in zip(g.effect.acts.terms, g.values, strict=True):
+            values[term.id] = value
+            if term.id not in terms:
+                own = SHARED_MUNK if term.id == "added_mass.munk" and _one_mass(terms) else term
+                terms[term.id] = on_hull(own, vehicle)
+    missing = [t.id for t in (PAPER_TERMS if shared else terms.values()) if t.id not in values]
+    if missing:
+        raise IvsidError(f"the scenario's [truth] has no value for {', '.join(missing)}; add it")
+    others = tuple(g for g in given if not isinstance(g.effect.acts, Terms))
+    _check(vehicle, others)
+    return Plant(vehicle, tuple(terms.values()), values, others)
+
+
+def _one_mass(terms: Mapping[str, Term]) -> bool:
+    return "mass.sway" not in terms and terms.get("mass.surge") is PAPER_TERMS[0]
+
+
+def _check(vehicle: Vehicle, given: Sequence[Given]) -> None:
+    for g in given:
+        endless = [t.name for t in vehicle.thrusters if not ThrustCurve(t).largest and g.thruster in (None, t.name)]
+        if g.effect.id == "thruster.curve" and endless:
+            raise IvsidError(
+                f"thruster.curve bends the curve between rest and its largest thrust, and {endless[0]} has no end; give a table or "
+                "demand_range"
+            )
+        if g.effect.id == "thruster.failure" and g.values[0] >= len(vehicle.thrusters):
+            raise IvsidError(
+                f"thruster.failure.thruster = {g.values[0]:g}, but the vehicle has {len(vehicle.thrusters)} thrusters, from 0"
+            )
+
+
+def equations(plant: Plant, *, arrays: bool = False) -> Rates:
+    """The compiled rates of u, v, r, psi, x and y.
+
+    Arguments of the function: time [s]; u, v, r over ground; heading, north, east; X, Y, N of what pushes from outside [N, N m];
+    the wind's velocity north and east [m/s]; then the thrust of each thruster at no speed [N] and the angle of each [rad] (of the
+    rudder, or of an azimuth thruster; unused for the others). Floats, or arrays of one shape with ``arrays``.
+
+    Raises:
+        IvsidError: masses and inertia that do not make a regular mass matrix.
+    """
+    tape = Tape()
+    t, u, v, r, psi, x, y, X, Y, N, wn, we = (tape.symbol(n) for n in _STATE)
+    thrusts = [tape.symbol(f"T{k}") for k in range(len(plant.vehicle.thrusters))]
+    angles = [tape.symbol(f"A{k}") for k in range(len(plant.vehicle.thrusters))]
+    still = Place(psi, x, y, t)
+    north, east, north_rate, east_rate = _current(plant.given, t)
+    u_c, v_c = earth_to_body(still, north, east)
+    u_r, v_r = u - u_c, v - v_c
+    blows = earth_to_body(still, wn, we)
+    place = Place(psi, x, y, t, blows[0] - u, blows[1] - v)
+    values = _changed(plant, t)
+    mass = plant.vehicle.hull.mass
+    x_g, y_g = plant.vehicle.hull.centre_of_gravity
+
+    def left(state: State) -> list[Any]:
+        total: dict[str, Any] = rigid_body(state, mass * x_g, mass * y_g)
+        for term in plant.terms:
+            for channel, column in term.columns(state).items():
+                total[channel] = column * values[term.id] + total.get(channel, 0.0)
+        return [total.get(c, 0.0) for c in CHANNELS]
+
+    at_rest = [State(0.0, 0.0, 0.0, *unit, place=place) for unit in ((0.0, 0.0, 0.0), *np.eye(3).tolist())]
+    base, *columns = (left(s) for s in at_rest)
+    matrix = [[columns[j][i] - base[i] for j in range(3)] for i in range(3)]
+    _regular(matrix)
+    free = left(State(u_r, v_r, r, 0.0, 0.0, 0.0, place=place))
+    force = _thrust(plant, thrusts, angles, (u_r, v_r, r))
+    for g in plant.given:
+        if isinstance(g.effect.acts, Force):
+            moving = State(u_r, v_r, r, 0.0, 0.0, 0.0, place=place)
+            for channel, value in g.effect.acts.function(moving, g.values).items():
+                force[CHANNELS.index(channel)] = force[CHANNELS.index(channel)] + value
+    # The water's own acceleration moves the rigid body with it only through the hull: M_RB stands on the velocity over ground.
+    a_u, a_v = earth_to_body(still, north_rate, east_rate)
+    inertial = (a_u * mass, a_v * mass, a_v * (mass * x_g) - a_u * (mass * y_g))
+    outside = (X, Y, N)
+    right = [outside[k] + force[k] - free[k] - inertial[k] for k in range(3)]
+    udot_r, vdot_r, rdot = solve(matrix, right)
+    udot = udot_r + r * v_c + a_u
+    vdot = vdot_r - r * u_c + a_v
+    c, s = cos(psi), sin(psi)
+    results = (udot, vdot, rdot, r, u * c - v * s, u * s + v * c)
+    names = [*_STATE, *(q.name for q in thrusts), *(q.name for q in angles)]
+    return tape.function(names, results, arrays=arrays)
+
+
+def _current(given: Sequence[Given], t: Symbol) -> list[Any]:
+    total: list[Any] = [0.0, 0.0, 0.0, 0.0]
+    for g in given:
+        if isinstance(g.effect.acts, Current):
+            total = [a + b for a, b in zip(total, g.effect.acts.function(g.values, t), strict=True)]
+    return total
+
+
+def _changed(plant: Plant, t: Symbol) -> dict[str, Any]:
+    values: dict[str, Any] = dict(plant.values)
+    for g in plant.given:
+        if isinstance(g.effect.acts, Change):
+            values.update(g.effect.acts.function(values, g.values, t))
+    return values
+
+
+def _regular(matrix: list[list[Any]]) -> None:
+    # A mass that changes is checked as it is at the start: only what is a number counts.
+    if any(isinstance(q, Symbol) for row in matrix for q in row):
+        return
+    numbers = np.array(matrix, dtype=np.float64)
+    if not np.isfinite(numbers).all() or np.linalg.cond(numbers) > 1e12:
+        raise IvsidError("the mass matrix of the model is singular; masses and inertia must be positive")
+
+
+def _thrust(
+    plant: Plant, thrusts: Sequence[Symbol], angles: Sequence[Symbol], relative: tuple[Any, Any, Any]
+) -> list[Any]:
+    """X, Y, N of all thrusters and rudders at a velocity relative to the water."""
+    u, v, r = relative
+    total: list[Any] = [0.0, 0.0, 0.0]
+    for k, thruster in enumerate(plant.vehicle.thrusters):
+        px, py = thruster.position
+        c: Any
+        s: Any
+        if thruster.steering == "azimuth":
+            c, s = cos(angles[k]), sin(angles[k])
+        else:
+            c, s = axis(thruster.azimuth)
+        inflow = (u - r * py) * c + (v + r * px) * s
+        push: Any = thrusts[k]
+        losses = for_thruster(plant.given, Inflow, thruster.name)
+        if not losses and thruster.advance_loss:
+            losses = [Given(EFFECTS["thruster.advance_loss"], (thruster.advance_loss,))]
+        for g in losses:
+            if isinstance(g.effect.acts, Inflow):
+                push = g.effect.acts.function(push, inflow, g.values)
+        parts = [push * c, push * s, push * (s * px - c * py)]
+        if thruster.rudder is not None:
+            blade = [
+                push.tape.note(
+                    f"rudder{k}({angles[k].name}, {push.name}, {u.name}, {v.name}, {r.name})[{j}]",
+                    angles[k],
+                    push,
+                    u,
+                    v,
+                    r,
+                )
+                for j in range(3)
+            ]
+            push.tape.provide(f"rudder{k}", _blade(thruster.rudder))
+            parts = [a + b for a, b in zip(parts, blade, strict=True)]
+        total = [a + b for a, b in zip(total, parts, strict=True)]
+    return total
+
+
+def _blade(rudder: Any) -> Callable[..., Any]:
+    return lambda delta, thrust, u, v, r: rudder_force(rudder, delta, thrust, u, v, r)
+
+
+def axis(azimuth: float) -> tuple[float, float]:
+    """Cosine and sine of a fixed direction; a right angle is exact."""
+    c, s = math.cos(azimuth), math.sin(azimuth)
+    return (0.0 if abs(c) < 1e-15 else c), (0.0 if abs(s) < 1e-15 else s)

@@ -1,0 +1,109 @@
+"""Effects drawn from a seed, for tests that must find them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from ivsid.effects import EFFECTS, Effect, Reading, Terms, terms_of
+from ivsid.scenario import Scenario
+from ivsid.thrust import ThrustCurve
+from ivsid.vehicle import Vehicle
+
+# Smallest and largest multiple of the typical size.
+SIZES = (0.1, 3.0)
+
+
+def hidden_effect(vehicle: Vehicle, scenario: Scenario, seed: int) -> dict[str, float]:
+    """An effect drawn from the seed: none in one of three, else any of the catalogue that the model lacks.
+
+    Its size is log-uniform from 0.1 to 3 times the typical one, scaled to the vehicle after Froude; sign, direction, phase and
+    moment are drawn, too. The numbers stand by id and part, as ``simulate`` takes them.
+    """
+    rng = np.random.default_rng([seed, 0x1D])
+    nothing = rng.uniform() < 1 / 3
+    possible = [e for e in EFFECTS.values() if can_hide(e, vehicle, scenario)]
+    if nothing or not possible:
+        return {}
+    effect = possible[int(rng.integers(len(possible)))]
+    if effect.measured is not None and _measured(effect, scenario):
+        effect = effect.measured
+    size = float(np.exp(rng.uniform(np.log(SIZES[0]), np.log(SIZES[1]))))
+    return draw(effect, size, vehicle, scenario, rng)
+
+
+def can_hide(effect: Effect, vehicle: Vehicle, scenario: Scenario) -> bool:
+    """Whether the effect can act on this vehicle without standing in its model or in the scenario's truth already."""
+    if any(key == effect.id or key.startswith(f"{effect.id}.") for key in scenario.truth):
+        return False
+    if effect.id == "current.steady" and scenario.environment.current is not None:
+        return False
+    if effect.plain:
+        # A term of the plain model is an effect only for the paper's model, which shares the surge column.
+        return vehicle.model.terms == "paper" and effect.id in ("mass.sway", "drag.sway.quadratic")
+    if isinstance(effect.acts, Terms) and effect.id in {t.id for t in terms_of(vehicle)}:
+        return False
+    if isinstance(effect.acts, Reading):
+        return getattr(vehicle.sensors, effect.acts.sensor) is not None
+    if effect.id == "thruster.asymmetry":
+        sides = [t.position[1] for t in vehicle.thrusters]
+        return min(sides) < 0 < max(sides)
+    if effect.id == "thruster.curve":
+        return all(ThrustCurve(t).largest for t in vehicle.thrusters)
+    return effect.id != "drag.cross_flow" or vehicle.hull.length is not None
+
+
+def draw(
+    effect: Effect, size: float, vehicle: Vehicle, scenario: Scenario, rng: np.random.Generator
+) -> dict[str, float]:
+    """Numbers for an effect at a multiple of its typical size, with everything else drawn."""
+    if effect.plain:
+        return _own_sway(effect, size, scenario.truth)
+    angle = float(rng.uniform(0, 2 * math.pi))
+    sign = float(rng.choice((-1.0, 1.0)))
+    pairs = [p.scaled(vehicle.hull.mass) for p in effect.parameters if p.draw in ("north", "east")]
+    reach = math.hypot(*pairs)
+    found = {}
+    for name, p in zip(effect.parts, effect.parameters, strict=True):
+        typical = p.scaled(vehicle.hull.mass)
+        if effect.id == "thruster.deadband":
+            typical = p.typical / 100 * _span(vehicle, scenario)
+        match p.draw:
+            case "size":
+                value = typical / size if p.inverse else p.none + (typical - p.none) * size
+                value *= sign if p.signed else 1.0
+            case "north":
+                value = size * reach * math.cos(angle)
+            case "east":
+                value = size * reach * math.sin(angle)
+            case "angle":
+                value = float(rng.uniform(0, 2 * math.pi))
+            case "time":
+                value = float(rng.uniform(0.25, 0.75)) * scenario.duration
+            case "thruster":
+                value = float(rng.integers(len(vehicle.thrusters)))
+            case _:
+                value = typical
+        found[name] = min(value, 1.0) if name == "thruster.failure.loss" else value
+    return found
+
+
+def _own_sway(effect: Effect, size: float, truth: Mapping[str, float]) -> dict[str, float]:
+    """A sway mass or drag apart from the shared one, by the ratio of their typical sizes."""
+    other = effect.id.replace("sway", "surge")
+    ratio = effect.parameters[0].typical / EFFECTS[other].parameters[0].typical
+    return {effect.id: truth.get(other, EFFECTS[other].parameters[0].typical) * (1 + (ratio - 1) * size)}
+
+
+def _measured(effect: Effect, scenario: Scenario) -> bool:
+    where = scenario.environment
+    return (where.voltage if effect.id == "thruster.voltage_sag" else where.wind_speed) is not None
+
+
+def _span(vehicle: Vehicle, scenario: Scenario) -> float:
+    """The demand that counts as 100 %: the end of the tables, else the largest that the scenario asks for."""
+    ends = [max(map(abs, t.table.demand)) for t in vehicle.thrusters if t.table is not None]
+    asked = [abs(q) for s in scenario.segments for q in np.atleast_1d(s.demand)]
+    return float(max(ends or asked or [100.0])) or 100.0

@@ -1,0 +1,296 @@
+"""Logs from a known truth: the equations of motion, the thrust curves with an error inside their accuracy, the sensors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.effects import Given, Reading, Terms, sort_given, terms_of
+from ivsid.errors import IvsidError
+from ivsid.manoeuvres import Command, Programme
+from ivsid.scenario import Scenario, Start
+from ivsid.simulation.equations import Plant, axis, equations, plant
+from ivsid.simulation.integrate import Helm, Path, Pose, settle
+from ivsid.simulation.propulsion import Propulsion, TrueThrust
+from ivsid.simulation.sensing import bounded, faulty, gauss_markov, noisy, sensed
+from ivsid.vehicle import Thruster, Vehicle
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """A simulated log.
+
+    Attributes:
+        t: times [s], shape (n,).
+        columns: the log as its sensors give it.
+        truth: what is true: parameters, effects, seed, noise, thrust and scale errors; for a file of its own.
+        exact: the true channels, for tests.
+    """
+
+    t: NDArray[np.float64]
+    columns: dict[str, NDArray[np.float64]]
+    truth: dict[str, Any]
+    exact: dict[str, NDArray[np.float64]]
+
+
+def simulate(
+    vehicle: Vehicle, scenario: Scenario, seed: int | None = None, effects: Mapping[str, float] | None = None
+) -> Simulated:
+    """Runs a scenario.
+
+    Args:
+        vehicle: whose thrusters, sensors and model are simulated.
+        scenario: manoeuvres and true values.
+        seed: in place of the scenario's.
+        effects: further numbers of the catalogue, by id, id.part, or id.NAME for one thruster.
+
+    Raises:
+        IvsidError: unknown ids, missing values, a vehicle without thrusters, or a motion that does not settle.
+    """
+    if not vehicle.thrusters:
+        raise IvsidError("a vehicle without thrusters cannot be simulated; add [[thrusters]] to its file")
+    number = scenario.seed if seed is None else seed
+    rng = np.random.default_rng(number)
+    given = sort_given(_numbers(scenario, effects or {}), [t.name for t in vehicle.thrusters])
+    model = plant(vehicle, terms_of(vehicle), given)
+    _known_causes(scenario, given)
+    curves = [TrueThrust(t, rng) for t in vehicle.thrusters]
+    samples, h = round(scenario.duration * scenario.rate), 1.0 / scenario.rate
+    t = np.arange(samples, dtype=np.float64) * h
+    ambient = _ambient(vehicle, samples, h, rng)
+    programme = Programme(scenario.segments, samples, scenario.rate, rng)
+    # What this version added draws from generators of its own: the same seed keeps the same noise.
+    wind = _wind(scenario, samples, np.random.default_rng([number, 1]))
+    voltage = _voltage(scenario, t)
+
+    def make() -> tuple[Propulsion, Helm]:
+        propulsion = Propulsion(model, curves)
+        if voltage is not None:
+            first, fall = voltage[0], scenario.environment.voltage_fall
+            propulsion.supply(lambda time: max(1.0 - fall * time / first, 0.0))
+        return propulsion, Steersman(vehicle, curves, programme, h)
+
+    path = settle(equations(model), make, t.tolist(), _pose(scenario.start), np.hstack([ambient, wind]))
+    exact = channels(path)
+    columns, sensor_truth = noisy(vehicle, scenario, t, sensed(vehicle, t, exact, given), rng)
+    further = np.random.default_rng([number, 2])
+    faulty(columns, scenario, further)
+    columns.update(_commanded(vehicle, path))
+    columns.update(_surroundings(vehicle, scenario, t, wind, voltage, further))
+    return Simulated(
+        t, columns, _truth(model, given, scenario, number, effects or {}, curves, sensor_truth, path), exact
+    )
+
+
+def follow(
+    vehicle: Vehicle,
+    values: Mapping[str, float],
+    t: NDArray[np.float64],
+    demands: Mapping[str, NDArray[np.float64]],
+    start: Start | None = None,
+    angles: Mapping[str, NDArray[np.float64]] | None = None,
+    force: NDArray[np.float64] | None = None,
+) -> dict[str, NDArray[np.float64]]:
+    """The motion under demands that are known: those of a log, on its own clock, without noise or thrust error.
+
+    Args:
+        vehicle: whose thrusters and model are simulated.
+        values: the truth, by id or id.part.
+        t: times [s], increasing; clocks of effects count from the first, shape (n,).
+        demands: by thruster, each held from its row to the next, shape (n,).
+        start: the state at the first row; at rest at the origin by default.
+        angles: of rudders and azimuth thrusters by name [rad]; 0 where they are not given.
+        force: X, Y [N], N [N m] that are known to act beside the thrusters, each held from its row to the next, shape (n, 3).
+
+    Returns:
+        u, v, r, their rates, psi, x, y, ax, ay and the sum of the thrusts at each row.
+
+    Raises:
+        IvsidError: as ``simulate``, or a thruster without demands.
+    """
+    names = [q.name for q in vehicle.thrusters]
+    missing = [n for n in names if n not in demands]
+    if missing:
+        raise IvsidError(f"no demands are given for thruster {', '.join(missing)}; each needs one for every row")
+    given = sort_given(values, names)
+    model = plant(vehicle, terms_of(vehicle), given)
+    quiet = [
+        TrueThrust(q.model_copy(update={"accuracy": type(q.accuracy)()}), np.random.default_rng(0))
+        for q in vehicle.thrusters
+    ]
+    table = np.stack([np.asarray(demands[n], dtype=np.float64) for n in names], axis=1).tolist()
+    turned = angles or {}
+    angle = np.stack([np.asarray(turned.get(n, np.zeros(t.size)), dtype=np.float64) for n in names], axis=1).tolist()
+    since = (t - t[0]).tolist()
+    path = settle(
+        equations(model),
+        lambda: (Propulsion(model, quiet), lambda k, _state: (table[k], angle[k])),
+        since,
+        _pose(start or Start()),
+        np.hstack([np.zeros((t.size, 3)) if force is None else force, np.zeros((t.size, 2))]),
+    )
+    return channels(path)
+
+
+def channels(path: Path) -> dict[str, NDArray[np.float64]]:
+    """The channels of a motion by the log's names, and ``thrust`` [N]."""
+    exact = {n: path.states[:, j] for j, n in enumerate(("u", "v", "r"))}
+    exact |= {n: path.rates[:, j] for j, n in enumerate(("udot", "vdot", "rdot"))}
+    exact |= {n: path.states[:, j] for j, n in enumerate(("psi", "x", "y"), start=3)}
+    exact["ax"] = exact["udot"] - exact["v"] * exact["r"]
+    exact["ay"] = exact["vdot"] + exact["u"] * exact["r"]
+    exact["thrust"] = path.thrust
+    return exact
+
+
+class Steersman:
+    """Turns what a programme asks into the demands and angles of the thrusters, inside what they can do."""
+
+    def __init__(self, vehicle: Vehicle, curves: list[TrueThrust], programme: Programme, step: float) -> None:
+        self._curves, self._pilot = curves, programme.pilot()
+        self._shares = [_shares(t) for t in vehicle.thrusters]
+        self._kinds = [("rudder" if t.rudder is not None else t.steering) for t in vehicle.thrusters]
+        self._steers = any(k != "fixed" for k in self._kinds)
+        rates = [t.rudder.rate if t.rudder is not None else t.steering_rate for t in vehicle.thrusters]
+        self._most = [float("inf") if q is None else q * step for q in rates]
+        self._angles = [0.0 for _ in vehicle.thrusters]
+
+    def __call__(self, k: int, state: Pose) -> tuple[list[float], list[float]]:
+        """Demands and angles from sample k on."""
+        asked = self._pilot.command(k, state)
+        surge, sway, turn = asked[:3]
+        demands = [
+            c.clip(a * surge + b * sway + t * turn) for c, (a, b, t) in zip(self._curves, self._shares, strict=True)
+        ]
+        if self._steers:
+            # A new list each time: the motion keeps it.
+            self._angles = [self._turned(j, asked) if kind != "fixed" else 0.0 for j, kind in enumerate(self._kinds)]
+        return demands, self._angles
+
+    def _turned(self, j: int, asked: Command) -> float:
+        wanted = asked.rudder if self._kinds[j] == "rudder" else asked.azimuth
+        now = self._angles[j]
+        return now + min(max(wanted - now, -self._most[j]), self._most[j])
+
+
+def _shares(thruster: Thruster) -> tuple[float, float, float]:
+    """By sign: whether a thruster pushes ahead, to starboard, and turns the vehicle to starboard."""
+    c, s = axis(0.0 if thruster.steering == "azimuth" else thruster.azimuth)
+    x, y = thruster.position
+    moment = x * s - y * c
+    return tuple(0.0 if abs(q) <= 1e-12 else float(np.sign(q)) for q in (c, s, moment))  # type: ignore[return-value]
+
+
+def _pose(start: Start) -> Pose:
+    return start.u, start.v, start.r, start.psi, start.x, start.y
+
+
+def _numbers(scenario: Scenario, effects: Mapping[str, float]) -> dict[str, float]:
+    values = {**scenario.truth, **effects}
+    current = scenario.environment.current
+    if current is not None:
+        if any(k.startswith("current.steady.") for k in values):
+            raise IvsidError("the current is given twice, in [environment] and as current.steady; leave one out")
+        values |= {"current.steady.north": current[0], "current.steady.east": current[1]}
+    return values
+
+
+def _known_causes(scenario: Scenario, given: tuple[Given, ...]) -> None:
+    """An effect of a measured cause needs the cause."""
+    for g in given:
+        if "wind_speed" in g.effect.needs and scenario.environment.wind_speed is None:
+            raise IvsidError(
+                f"{g.effect.parts[0]} multiplies the wind; give the scenario [environment] wind_speed [m/s]"
+            )
+        if "voltage" in g.effect.needs and scenario.environment.voltage is None:
+            raise IvsidError(f"{g.effect.parts[0]} follows the voltage; give the scenario [environment] voltage [V]")
+
+
+def _ambient(vehicle: Vehicle, n: int, h: float, rng: np.random.Generator) -> NDArray[np.float64]:
+    """Gauss-Markov force and moment of the stated rms and correlation time, shape (n, 3)."""
+    if vehicle.ambient is None:
+        return np.zeros((n, 3))
+    a = vehicle.ambient
+    return np.stack([gauss_markov(n, h, rms, a.time, rng) for rms in (a.force, a.force, a.moment)], axis=1)
+
+
+def _wind(scenario: Scenario, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    """The air's velocity north and east [m/s], shape (n, 2)."""
+    where = scenario.environment
+    if where.wind_speed is None:
+        return np.zeros((n, 2))
+    speed = np.full(n, where.wind_speed)
+    if where.wind_gust:
+        speed = np.maximum(speed + gauss_markov(n, 1 / scenario.rate, where.wind_gust, where.wind_gust_time, rng), 0.0)
+    # The direction is where the wind comes from.
+    wind: NDArray[np.float64] = -np.outer(speed, [np.cos(where.wind_direction), np.sin(where.wind_direction)])
+    return wind
+
+
+def _voltage(scenario: Scenario, t: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    where = scenario.environment
+    return None if where.voltage is None else np.maximum(where.voltage - where.voltage_fall * t, 0.0)
+
+
+def _commanded(vehicle: Vehicle, path: Path) -> dict[str, NDArray[np.float64]]:
+    columns = {f"demand_{t.name}": path.demands[:, k] for k, t in enumerate(vehicle.thrusters)}
+    for k, thruster in enumerate(vehicle.thrusters):
+        if thruster.rudder is not None:
+            columns[f"rudder_{thruster.name}"] = path.angles[:, k]
+        elif thruster.steering == "azimuth":
+            columns[f"azimuth_{thruster.name}"] = path.angles[:, k]
+    return columns
+
+
+def _surroundings(
+    vehicle: Vehicle,
+    scenario: Scenario,
+    t: NDArray[np.float64],
+    wind: NDArray[np.float64],
+    voltage: NDArray[np.float64] | None,
+    rng: np.random.Generator,
+) -> dict[str, NDArray[np.float64]]:
+    columns: dict[str, NDArray[np.float64]] = {}
+    where = scenario.environment
+    if where.wind_speed is not None:
+        accuracy = 0.0 if vehicle.sensors.wind is None else vehicle.sensors.wind.accuracy
+        columns["wind_speed"] = np.maximum(np.hypot(*wind.T) + bounded(accuracy, t.size, scenario.noise, rng), 0.0)
+        columns["wind_direction"] = np.full(t.size, where.wind_direction)
+    if where.depth is not None:
+        columns["depth"] = np.full(t.size, where.depth)
+    if voltage is not None:
+        columns["voltage"] = voltage
+    return columns
+
+
+def _truth(
+    model: Plant,
+    given: tuple[Given, ...],
+    scenario: Scenario,
+    seed: int,
+    effects: Mapping[str, float],
+    curves: list[TrueThrust],
+    sensors: dict[str, Any],
+    path: Path,
+) -> dict[str, Any]:
+    parameters = {term.id: model.values[term.id] for term in model.terms}
+    for g in given:
+        if not isinstance(g.effect.acts, Terms):
+            parameters |= g.named
+    error = dict(zip(("u", "v", "r"), path.error, strict=True))
+    return {
+        "parameters": parameters,
+        "effects": dict(effects),
+        "seed": seed,
+        "noise": scenario.noise,
+        "environment": scenario.environment.model_dump(exclude_none=True),
+        "start": scenario.start.model_dump(),
+        "sensors": sensors,
+        "sensor_effects": [g.effect.id for g in given if isinstance(g.effect.acts, Reading)],
+        "thrust_error": {c.thruster.name: c.description for c in curves},
+        "integration": {"method": "Runge-Kutta of order 4", "steps_per_sample": path.steps, "error": error},
+    }

@@ -148,18 +148,7 @@ def bound_log(log: Log, vehicle: Vehicle) -> BoundedLog:
         IvsidError: a sensor section is missing for a logged channel, or samples are averaged.
     """
     sensors = vehicle.sensors
-    sections: dict[str, tuple[InertialSensor, int]] = {}
-    for name, axis in _INERTIAL:
-        if name in log.columns and sensors.acceleration is not None:
-            sections[name] = (sensors.acceleration, axis)
-    if "r" in log.columns and sensors.yaw_rate is not None:
-        sections["r"] = (sensors.yaw_rate, 0)
-    for name, (sensor, _) in sections.items():
-        if sensor.sampling == "averaged":
-            raise IvsidError(
-                f"sampling = 'averaged' of the sensor behind {name} is not supported yet; log instantaneous samples, or leave "
-                "the column out and let the rates be enclosed from velocities"
-            )
+    sections = _inertial(log, sensors)
     # A channel that came from a clock of its own may have more samples than the log has rows, and closer ones.
     most = max([log.t.size, *(c.samples for c in log.clocks.values())])
     rule = rule_for(sensors, count_errors(most, sections.values(), vehicle))
@@ -173,11 +162,8 @@ def bound_log(log: Log, vehicle: Vehicle) -> BoundedLog:
         plain = getattr(sensors, section)
         if name in log.columns and plain is not None:
             radii[name] = plain.accuracy
-    channels, present = {}, {}
-    if log.derived:
-        turned = body_velocities(log, sensors)
-        channels |= turned
-        present |= {name: np.isfinite(x.lower) for name, x in turned.items()}
+    channels = body_velocities(log, sensors) if log.derived else {}
+    present: dict[str, NDArray[np.bool_]] = {name: np.isfinite(x.lower) for name, x in channels.items()}
     for name, values in log.columns.items():
         if name in log.derived:
             continue
@@ -215,8 +201,25 @@ def count_errors(n: int, sensors: Iterable[tuple[InertialSensor, int]], vehicle:
     return int(count)
 
 
+def _inertial(log: Log, sensors: Sensors) -> dict[str, tuple[InertialSensor, int]]:
+    """The sensor and axis of every inertial channel of the log that is bounded."""
+    sections: dict[str, tuple[InertialSensor, int]] = {}
+    for name, axis in _INERTIAL:
+        if name in log.columns and sensors.acceleration is not None:
+            sections[name] = (sensors.acceleration, axis)
+    if "r" in log.columns and sensors.yaw_rate is not None:
+        sections["r"] = (sensors.yaw_rate, 0)
+    for name, (sensor, _) in sections.items():
+        if sensor.sampling == "averaged":
+            raise IvsidError(
+                f"sampling = 'averaged' of the sensor behind {name} is not supported yet; log instantaneous samples, or leave "
+                "the column out and let the rates be enclosed from velocities"
+            )
+    return sections
+
+
 def body_velocities(log: Log, sensors: Sensors) -> dict[str, IntervalArray]:
-    """u and v [m/s] of a log that has the velocity in earth axes and the heading; a missing sample is every number.
+    """Body velocities [m/s] of a log that has the velocity in earth axes and the heading; a missing sample is every number.
 
     Raises:
         IvsidError: the vehicle file does not bound one of the two sensors.

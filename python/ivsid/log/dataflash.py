@@ -18,6 +18,7 @@ from ivsid.log.source import Table
 from ivsid.log_map import TimeColumn
 
 CLOCK: Final = "TimeUS"
+OWN: Final = TimeColumn.model_validate({"from": CLOCK, "unit": "us"})
 # What describes the log itself.
 DESCRIPTIVE: Final = ("FMT", "FMTU", "UNIT", "MULT", "PARM", "MSG", "FILE", "VER")
 
@@ -31,7 +32,7 @@ class Messages:
     instance: tuple[str, int] | None
     name: str
     columns: tuple[str, ...]
-    clock: TimeColumn | None = TimeColumn.model_validate({"from": CLOCK, "unit": "us"})
+    clock: TimeColumn | None = OWN
     first_row: int = 1
 
     def read(self, names: Sequence[str]) -> dict[str, pl.Series]:

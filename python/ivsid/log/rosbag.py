@@ -19,6 +19,7 @@ from ivsid.log_map import TimeColumn
 # The two clocks of a message, in nanoseconds: when the sensor says that it measured, and when the recorder got it.
 STAMP: Final = "stamp"
 RECEIVED: Final = "received"
+OWN: Final = TimeColumn.model_validate({"from": STAMP, "unit": "ns"})
 # Arrays up to this length (covariances are 36) are columns of their own; longer ones are pictures or clouds.
 LONGEST: Final = 64
 
@@ -31,7 +32,7 @@ class Topic:
     connections: tuple[Any, ...]
     name: str
     columns: tuple[str, ...]
-    clock: TimeColumn | None = TimeColumn.model_validate({"from": STAMP, "unit": "ns"})
+    clock: TimeColumn | None = OWN
     first_row: int = 1
 
     def read(self, names: Sequence[str]) -> dict[str, pl.Series]:

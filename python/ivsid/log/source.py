@@ -21,17 +21,19 @@ _UNIT: Final = {"ns": "ns", "us": "us", "ms": "ms"}
 
 
 class Table(Protocol):
-    """Columns of equal length on one clock.
+    """Columns of equal length on one clock."""
 
-    Attributes:
-        columns: their names.
-        clock: the column of stamps that the format itself defines, with its unit; None where only a name can tell.
-        first_row: what a message calls the first sample.
-    """
+    @property
+    def columns(self) -> Sequence[str]:
+        """Their names."""
 
-    columns: Sequence[str]
-    clock: TimeColumn | None
-    first_row: int
+    @property
+    def clock(self) -> TimeColumn | None:
+        """The stamps that the format itself defines; None where only a name can tell."""
+
+    @property
+    def first_row(self) -> int:
+        """What a message calls the first sample."""
 
     def read(self, names: Sequence[str]) -> dict[str, pl.Series]:
         """The columns as they are, or as numbers; a missing cell is null or NaN."""

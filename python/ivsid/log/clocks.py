@@ -139,6 +139,14 @@ def held(rows: Array, t: Array, values: Array, clock_error: float) -> tuple[Arra
     return middle, np.where(high > low, np.nextafter(0.5 * (high - low), np.inf) + 2 * np.spacing(np.abs(middle)), 0.0)
 
 
+def nearest(rows: Array, t: Array, within: float) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """The sample next to each row, and whether it stands at the same moment, to within what rounding may have moved it [s]."""
+    after = np.clip(np.searchsorted(t, rows), 0, t.size - 1)
+    before = np.maximum(after - 1, 0)
+    place = np.where(np.abs(t[before] - rows) < np.abs(t[after] - rows), before, after)
+    return place, np.abs(t[place] - rows) <= within
+
+
 def between(rows: Array, t: Array, values: Array, lost: Array, rate: float, clock_error: float) -> tuple[Array, Array]:
     """A channel on other times: linear between its two neighbours, with a bound on how far the truth can be from that.
 

@@ -62,13 +62,14 @@ def open_dataflash(path: Path, name: str, stack: ExitStack) -> Mapping[str, Tabl
         raise IvsidError(
             f"{name} is a DataFlash log; reading it needs the package pymavlink: pip install 'ivsid[ardupilot]'"
         ) from None
+    reader = dfreader.DFReader_binary.__new__(dfreader.DFReader_binary)
+    stack.callback(_close, reader)
     try:
         # The reader reports what it skips on the terminal; a log that ends in the middle of a message is usual.
         with contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):
-            reader = dfreader.DFReader_binary(str(path))
+            reader.__init__(str(path))
     except Exception as error:
         raise _damaged(name, error) from None
-    stack.callback(reader.close)
     tables: dict[str, Table] = {}
     for number, layout in sorted(reader.formats.items()):
         fields = tuple(c for c, kind in zip(layout.columns, layout.msg_types, strict=False) if kind in (int, float))
@@ -83,6 +84,15 @@ def open_dataflash(path: Path, name: str, stack: ExitStack) -> Mapping[str, Tabl
     if not tables:
         raise IvsidError(f"{name} holds no timed message; give a complete DataFlash log (.bin)")
     return tables
+
+
+def _close(reader: Any) -> None:
+    """Releases the file, also where the reader gave up half-way."""
+    for part in ("data_map", "filehandle"):
+        # A view that the reader's index still holds keeps the map open; it goes with the reader.
+        with contextlib.suppress(BufferError):
+            if hasattr(reader, part):
+                getattr(reader, part).close()
 
 
 def _of_type(reader: Any, kind: str, name: str) -> Iterator[Any]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
 from ivsid.log.channels import DEMAND, Channel, Clocked, Rule, converted, row_clock, rules_of, turned, with_heading
-from ivsid.log.clocks import Times, between, clock_of, held, loses_digits, times_of, together
+from ivsid.log.clocks import Times, between, clock_of, held, loses_digits, nearest, times_of, together
 from ivsid.log.formats import open_source
 from ivsid.log.quality import examine, gaps, without_held
 from ivsid.log.record import Clock, Log, Quality
@@ -66,7 +66,7 @@ def read_log(path: str | Path, mapping: LogMap | None = None) -> Log:
         _examine(reading, stamps)
         t, columns, rounding, clocks = _on_one_clock(reading, stamps)
         derived = _body_velocities(columns, rounding, reading)
-        lost = max(x.lost for x in reading.times.values())
+        lost = max(x.lost for x in reading.times.values()) * (2 if len(reading.times) > 1 else 1)
         return Log(
             name=Path(path).name,
             sha256=source.sha256,
@@ -192,11 +192,14 @@ def _brought(
     """One channel on the rows."""
     mapping = reading.mapping
     lost = np.zeros(c.values.shape) if c.lost is None else c.lost
-    apart = 0.0
+    apart = rounded = 0.0
     if c.clock != base:
-        apart = mapping.clock_error + sum(reading.times[k].lost for k in (c.clock, base)) + 2 * float(np.spacing(t[-1]))
+        rounded = sum(reading.times[k].lost for k in (c.clock, base)) + 4 * float(np.spacing(t[-1]))
+        apart = mapping.clock_error + rounded
     if name.startswith(DEMAND):
-        values, off = held(t, own, c.values, apart)
+        # Stamps that differ by rounding alone are one moment.
+        row, same = nearest(own, t, rounded)
+        values, off = held(t, np.where(same, t[row], own), c.values, mapping.clock_error if c.clock != base else 0.0)
         if off.any():
             reading.notes.append(
                 f"{name} changes within {int((off > 0).sum())} of {t.size} rows; there it is an interval"
@@ -206,8 +209,8 @@ def _brought(
     times, values, off = own[there], c.values[there], lost[there]
     rate = mapping.rates.get(name)
     if times.size < 2 or rate is None:
-        place = np.clip(np.searchsorted(times, t), 0, times.size - 1)
-        same = (times[place] == t) & (apart <= 4 * float(np.spacing(t[-1])))
+        # Clocks that may disagree have no common moment; between clocks that agree only rounding can stand.
+        place, same = nearest(t, times, -1.0 if c.clock != base and mapping.clock_error else apart)
         if same.sum() < times.size and c.clock != base:
             reading.notes.append(
                 f"{name} stands on another clock than the rows and is missing on {int((~same).sum())} of {t.size}; "
@@ -229,7 +232,7 @@ def _brought(
             np.arctan2(np.sin(made), np.cos(made)),
             reach + 8 * np.spacing(np.abs(np.nan_to_num(made)) + np.pi),
         )
-    moved = int((~np.isin(t, times) & ~np.isnan(made)).sum())
+    moved = int((~nearest(t, times, 0.0)[1] & ~np.isnan(made)).sum())
     if moved:
         reading.assumes.append(
             f"between its samples {name} never changes faster than {rate!r} a second, and its sensor's scale is the same at "

@@ -104,7 +104,14 @@ def test_a_map_from_nothing_and_an_unknown_target_are_refused(tmp_path, kind):
         read_log(path, mapping({"columns": {**columns, "speed": "u"}}))
 
 
-ENDINGS = {"csv": "log.csv", "parquet": "log.parquet", "mat": "log.mat", "mcap": "log.mcap", "db3": "log.db3", "bin": "log.bin"}
+ENDINGS = {
+    "csv": "log.csv",
+    "parquet": "log.parquet",
+    "mat": "log.mat",
+    "mcap": "log.mcap",
+    "db3": "log.db3",
+    "bin": "log.bin",
+}
 HEADS = {
     "mat": b"MATLAB 5.0 MAT-file, Platform: GLNXA64" + b" " * 86 + b"\x00\x01IM",
     "mcap": b"\x89MCAP0\r\n",
@@ -122,7 +129,10 @@ def test_damaged_files_of_every_kind(tmp_path, kind, damage):
     content = {"empty": b"", "noise": noise, "head and noise": HEADS[kind] + noise, "head alone": HEADS[kind]}[damage]
     path = tmp_path / ENDINGS[kind]
     path.write_bytes(content)
-    assert any(w in sentence(path) for w in ("not a readable", "is empty", "binary file", "no timed message", "at least 2", "holds no"))
+    assert any(
+        w in sentence(path)
+        for w in ("not a readable", "is empty", "binary file", "no timed message", "at least 2", "holds no")
+    )
 
 
 def test_cut_files_of_every_kind_are_said_or_shorter(tmp_path):
@@ -135,9 +145,8 @@ def test_cut_files_of_every_kind_are_said_or_shorter(tmp_path):
             path = next(p for p in path.iterdir() if p.suffix in (".db3", ".mcap", ".parquet"))
         data = path.read_bytes()
         path.write_bytes(data[: len(data) // 2])
-        target = path if path.suffix in (".mat", ".bin", ".csv", ".gz") else path
         try:
-            log = read_log(target, mapping(table))
+            log = read_log(path, mapping(table))
         except IvsidError as error:
             assert "\n" not in str(error)
         else:
@@ -157,7 +166,9 @@ def test_matlab_73_and_files_without_vectors(tmp_path):
 def test_matlab_structs_matrices_and_vectors_of_other_lengths(tmp_path):
     t, half = log_files.T, log_files.T[::2]
     path = tmp_path / "run.mat"
-    savemat(path, {"imu": {"t": t, "gyro": {"z": log_files.R}}, "dvl": np.c_[half, log_files.U[::2]], "note": "sea trial"})
+    savemat(
+        path, {"imu": {"t": t, "gyro": {"z": log_files.R}}, "dvl": np.c_[half, log_files.U[::2]], "note": "sea trial"}
+    )
     table = {
         "time": {"from": "t"},
         "columns": {"r": "imu/gyro.z", "u": {"from": "dvl(2)", "time": {"from": "dvl(1)"}}},
@@ -172,7 +183,8 @@ def test_matlab_structs_matrices_and_vectors_of_other_lengths(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("kind", "package", "extra"), [("sqlite", "rosbags.highlevel", "ivsid[ros]"), ("dataflash", "pymavlink.DFReader", "ivsid[ardupilot]")]
+    ("kind", "package", "extra"),
+    [("sqlite", "rosbags.highlevel", "ivsid[ros]"), ("dataflash", "pymavlink.DFReader", "ivsid[ardupilot]")],
 )
 def test_a_missing_optional_reader_is_named(tmp_path, kind, package, extra, monkeypatch):
     write, table = log_files.FORMATS[kind]

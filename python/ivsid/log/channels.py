@@ -105,7 +105,7 @@ def _check_targets(mapping: LogMap) -> None:
         if name not in COLUMNS and name != "t" and not name.startswith(BY_THRUSTER):
             raise IvsidError(f"[log] columns maps '{name}', which is no column of a log; see the table of columns")
     for name in mapping.rates:
-        if name not in COLUMNS:
+        if name not in COLUMNS and not name.startswith(BY_THRUSTER[1:]):
             raise IvsidError(f"[log] rates has '{name}', which is no channel that is interpolated; name one such as u")
     if isinstance(mapping.columns.get("t"), Column):
         raise IvsidError(

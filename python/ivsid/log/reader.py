@@ -211,7 +211,7 @@ def _brought(
     if times.size < 2 or rate is None:
         # Clocks that may disagree have no common moment; between clocks that agree only rounding can stand.
         place, same = nearest(t, times, -1.0 if c.clock != base and mapping.clock_error else apart)
-        if same.sum() < times.size and c.clock != base:
+        if c.clock != base and not same.all():
             reading.notes.append(
                 f"{name} stands on another clock than the rows and is missing on {int((~same).sum())} of {t.size}; "
                 "[log] rates bounds how fast it changes, and brings it there"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -80,7 +80,17 @@ def lacking(log: Log, terms: Sequence[Term], vehicle: Vehicle) -> str | None:
     has = ", ".join(log.columns) or "none that is known"
     return (
         f"{log.name} cannot serve: it has no column {parts}; it has {has}: add what is missing, or map it under [log] in the "
-        "vehicle file"
+        f"vehicle file{_pose(missing)}"
+    )
+
+
+def _pose(missing: Iterable[str]) -> str:
+    """What else would do for a velocity."""
+    if not {"u", "v", "r"} & set(missing):
+        return ""
+    return (
+        "; velocities follow from x, y, psi where the vehicle file has [sensors.position] and [sensors.heading] accuracy and "
+        "[sensors.limits] acceleration and yaw_acceleration"
     )
 
 

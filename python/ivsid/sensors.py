@@ -14,6 +14,7 @@ from scipy.stats import norm
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
+from ivsid.pose import with_velocities
 from ivsid.vehicle import InertialSensor, Sensors, Vehicle, VelocitySensor
 
 DEFAULT_CONFIDENCE: Final = 0.999
@@ -148,6 +149,9 @@ def bound_log(log: Log, vehicle: Vehicle) -> BoundedLog:
         IvsidError: a sensor section is missing for a logged channel, or samples are averaged.
     """
     sensors = vehicle.sensors
+    channels = body_velocities(log, sensors) if log.derived else {}
+    log, enclosed = with_velocities(log, sensors)
+    channels |= enclosed
     sections = _inertial(log, sensors)
     # A channel that came from a clock of its own may have more samples than the log has rows, and closer ones.
     most = max([log.t.size, *(c.samples for c in log.clocks.values())])
@@ -162,7 +166,6 @@ def bound_log(log: Log, vehicle: Vehicle) -> BoundedLog:
         plain = getattr(sensors, section)
         if name in log.columns and plain is not None:
             radii[name] = plain.accuracy
-    channels = body_velocities(log, sensors) if log.derived else {}
     present: dict[str, NDArray[np.bool_]] = {name: np.isfinite(x.lower) for name, x in channels.items()}
     for name, values in log.columns.items():
         if name in log.derived:
@@ -207,7 +210,7 @@ def _inertial(log: Log, sensors: Sensors) -> dict[str, tuple[InertialSensor, int
     for name, axis in _INERTIAL:
         if name in log.columns and sensors.acceleration is not None:
             sections[name] = (sensors.acceleration, axis)
-    if "r" in log.columns and sensors.yaw_rate is not None:
+    if "r" in log.columns and "r" not in log.derived and sensors.yaw_rate is not None:
         sections["r"] = (sensors.yaw_rate, 0)
     for name, (sensor, _) in sections.items():
         if sensor.sampling == "averaged":

@@ -37,10 +37,10 @@ def test_cse1_free_runs(sets):
     out, record = sets("cse1", "cse1")
     facts = record["facts"]["dropouts"]
     # DATA.md: 20 Hz, the longest drop-outs 0.25 to 1.95 s, a pose of exactly 0 is missing
-    assert {n: (f["samples"], f["missing"], f["dropouts"]) for n, f in facts.items()} == {
-        "random_run1": (14101, 136, 36),
-        "random_run3": (7304, 84, 14),
-        "run1": (4963, 174, 74),
+    assert {n: (f["samples"], f["missing"], f["dropouts"], f["left_out"]) for n, f in facts.items()} == {
+        "random_run1": (14101, 136, 36, 43),
+        "random_run3": (7304, 84, 14, 16),
+        "run1": (4963, 174, 74, 122),
     }
     assert max(f["longest"] for f in facts.values()) == pytest.approx(1.95)
     for name, fact in facts.items():
@@ -48,7 +48,8 @@ def test_cse1_free_runs(sets):
         assert log.period == pytest.approx(0.05)
         for channel in ("x", "y", "psi"):
             found = record["logs"][name]["quality"][channel]
-            assert np.isnan(log.columns[channel]).sum() == found["missing"] == fact["missing"] + found["held"]
+            assert np.isnan(log.columns[channel]).sum() == found["missing"]
+            assert found["missing"] == fact["missing"] + fact["left_out"] + found["held"]
             assert found["held"] <= 2 and not (log.columns[channel] == 0).any()
 
 
@@ -65,6 +66,35 @@ def test_cse1_raw_velocities_are_differences_of_the_pose(real):
     # Without the rows that touch a drop-out; with them it would be 35 m/s.
     assert np.abs(raw[there]).max() < 0.4
     assert not {"u", "v", "r"} & set(c)
+
+
+def test_cse1_runs_identify_from_their_cameras(sets):
+    """The plain model over windows of a second is not contradicted, and the run alone bounds none of its parameters."""
+    from ivsid import identify
+
+    out, _ = sets("cse1", "cse1")
+    vehicle = read_vehicle(out / "cse1.toml")
+    fit = identify(vehicle, read_log(out / "random_run3.csv", vehicle.log))
+    assert fit.status == "unbounded" and fit.guaranteed and fit.inflation < 1 and fit.directions
+    assert any("follow from the pose" in a for a in fit.assumes)
+
+
+def test_a_glimpse_of_something_else_is_found_by_the_limits(real):
+    """In random_run1 the pose between two drop-outs at 264.75 s belongs to something else: no vessel within the limits moves so."""
+    from scipy.io import loadmat
+
+    from ivsid.log import Log
+    from ivsid.sensors import bound_log
+    from ivsid.vehicle import parse_vehicle
+
+    vehicle = parse_vehicle(embedded("cse1.toml"), "cse1.toml")
+    part = read_cse1(real("cse1")).logs["random_run1"]
+    bound_log(Log("random_run1.csv", "", part.t, part.columns), vehicle)
+    data = loadmat(real("cse1/freerun/CSE1_data_random_run1.mat"))["cse1_data"]
+    lost = (data[1] == 0) & (data[2] == 0) & (data[6] == 0)
+    whole = {n: np.where(lost, np.nan, data[k]) for n, k in (("x", 1), ("y", 2), ("psi", 6))}
+    with pytest.raises(IvsidError, match="around t = 264"):
+        bound_log(Log("random_run1.csv", "", data[0], {**part.columns, **whole}), vehicle)
 
 
 def test_cse1_without_known_thrust_has_no_demands(sets):

@@ -28,6 +28,8 @@ THRUSTERS: Final = ("vsp1_surge", "vsp1_sway", "vsp2_surge", "vsp2_sway", "bow")
 # The propeller speed at which the bollard pulls were taken: at another one the demands mean another thrust.
 BOLLARD_SPEED: Final = 0.4
 SLOW: Final = 0.2
+# Rows. In random_run1 the pose of such a glimpse at 264.75 s jumps by 0.19 m and 0.3 rad to the next one.
+GLIMPSE: Final = 10
 
 
 def read_cse1(folder: Path) -> Imported:
@@ -83,11 +85,18 @@ def _free_run(path: Path) -> tuple[Part, dict[str, Any]]:
     if not (np.isfinite(t).all() and (np.diff(t) > 0).all()):
         raise IvsidError(f"{path}: the times in row 0 of cse1_data do not increase; give the set as it is published")
     lost = (data[NORTH] == 0) & (data[EAST] == 0) & (data[PSI] == 0)
-    columns = {n: np.where(lost, np.nan, data[k]) for n, k in (("x", NORTH), ("y", EAST), ("psi", PSI))}
+    glimpses = _glimpses(lost)
+    gone = lost | glimpses
+    columns = {n: np.where(gone, np.nan, data[k]) for n, k in (("x", NORTH), ("y", EAST), ("psi", PSI))}
     notes = [f"{int(lost.sum())} poses in {runs(lost).size} drop-outs are missing"]
+    if glimpses.any():
+        notes.append(
+            f"{int(glimpses.sum())} poses that stand alone between two drop-outs, for less than {GLIMPSE} rows, are left out: there the "
+            "cameras can take something else for the model"
+        )
     if data.shape[0] > max(RAW.values()):
         # Each is a difference to the row before: wrong where either pose is missing.
-        touched = lost | np.r_[True, lost[:-1]]
+        touched = gone | np.r_[True, gone[:-1]]
         columns |= {f"raw_{n}": np.where(touched, np.nan, data[k]) for n, k in RAW.items()}
         notes.append(
             f"raw_u, raw_v, raw_r are differences of the pose over one sample, no measurements of their own: kept to compare with, "
@@ -113,11 +122,22 @@ def _free_run(path: Path) -> tuple[Part, dict[str, Any]]:
         "samples": int(t.size),
         "period": step,
         "missing": int(lost.sum()),
+        "left_out": int(glimpses.sum()),
         "dropouts": int(stretches.size),
         "longest": float(stretches.max(initial=0) * step),
         "propeller_speed": float(np.median(data[SPEED])),
     }
     return Part(t, columns, tuple(notes)), facts
+
+
+def _glimpses(lost: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Poses in short stretches with a drop-out on both sides."""
+    edges = np.flatnonzero(np.diff(np.r_[0, (~lost).astype(np.int8), 0]))
+    short = np.zeros(lost.shape, dtype=bool)
+    for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+        if 0 < begin and end < lost.size and end - begin < GLIMPSE:
+            short[begin:end] = True
+    return short
 
 
 def asc_means(path: Path) -> dict[str, float]:

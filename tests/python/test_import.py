@@ -90,7 +90,7 @@ def test_a_glimpse_of_something_else_is_found_by_the_limits(real):
     vehicle = parse_vehicle(embedded("cse1.toml"), "cse1.toml")
     part = read_cse1(real("cse1")).logs["random_run1"]
     bound_log(Log("random_run1.csv", "", part.t, part.columns), vehicle)
-    data = loadmat(real("cse1/freerun/CSE1_data_random_run1.mat"))["cse1_data"]
+    data = loadmat(real("cse1/freerun/CSE1_data_random_run1.mat"))["cse1_data"].astype(np.float64)
     lost = (data[1] == 0) & (data[2] == 0) & (data[6] == 0)
     whole = {n: np.where(lost, np.nan, data[k]) for n, k in (("x", 1), ("y", 2), ("psi", 6))}
     with pytest.raises(IvsidError, match="around t = 264"):

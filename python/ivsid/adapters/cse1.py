@@ -135,7 +135,7 @@ def _glimpses(lost: NDArray[np.bool_]) -> NDArray[np.bool_]:
     edges = np.flatnonzero(np.diff(np.r_[0, (~lost).astype(np.int8), 0]))
     short = np.zeros(lost.shape, dtype=bool)
     for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
-        if 0 < begin and end < lost.size and end - begin < GLIMPSE:
+        if begin > 0 and end < lost.size and end - begin < GLIMPSE:
             short[begin:end] = True
     return short
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -18,6 +19,7 @@ HOLDABLE: Final = (
 )
 # A spike is this many times the usual change from sample to sample away from both neighbours, on the same side.
 SPIKE: Final = 20.0
+SOME: Final = 100_000
 
 
 def without_held(name: str, values: Array) -> tuple[Array, int, str | None]:
@@ -61,8 +63,32 @@ def _held(runs: NDArray[np.int64]) -> bool:
     return bool(np.median(runs) >= 2 or runs[1:].max() - runs[1:].min() <= 1)
 
 
-def examine(name: str, t: Array, values: Array, held: int, source: str) -> tuple[Quality, list[str]]:
+@dataclass(frozen=True)
+class Steps:
+    """The usual and the longest time between two samples [s]."""
+
+    usual: float
+    longest: float
+
+    @staticmethod
+    def of(t: Array) -> Steps:
+        """Those of a clock; 0 where it has one sample."""
+        steps = np.diff(t)
+        return Steps(float(np.median(steps)), float(steps.max())) if steps.size else Steps(0.0, 0.0)
+
+
+def examine(
+    name: str, t: Array, values: Array, held: int, source: str, steps: Steps | None = None
+) -> tuple[Quality, list[str]]:
     """The quality of a channel on its clock, and the sentences that a user should read.
+
+    Args:
+        name: of the channel.
+        t: its clock [s].
+        values: on it; NaN is a missing sample.
+        held: how many repeats are missing because they are no measurements.
+        source: what messages call the file.
+        steps: of the clock, where they are known already.
 
     Raises:
         IvsidError: a channel without any sample.
@@ -85,12 +111,12 @@ def examine(name: str, t: Array, values: Array, held: int, source: str) -> tuple
             f"{times[spikes[0]]:.6g} s ({present[spikes[0]]:.4g}); {'they are' if spikes.size > 1 else 'it is'} used as "
             "measured: leave them empty where they are faults"
         )
-    steps = np.diff(times)
+    mine = Steps.of(times) if missing or steps is None else steps
     quality = Quality(
         samples=present.size,
-        rate=float(1.0 / np.median(steps)) if steps.size else 0.0,
+        rate=1.0 / mine.usual if mine.usual else 0.0,
         missing=missing,
-        longest=float(steps.max()) if steps.size else 0.0,
+        longest=mine.longest,
         held=held,
         outliers=int(spikes.size),
         first_outlier=float(times[spikes[0]]) if spikes.size else None,
@@ -107,8 +133,9 @@ def _spikes(name: str, values: Array) -> NDArray[np.intp]:
         return none
     step = np.diff(values)
     size = np.abs(step)
-    # Channels of a few decimals often do not change at all: the usual change is that of those that do.
-    usual = float(np.median(size))
+    # The usual change of a long channel is read off a part of it. One of few decimals often does not change at all: then it
+    # is that of the changes that there are.
+    usual = float(np.median(size[:: 1 + size.size // SOME]))
     if usual == 0.0:
         moved = size[size > 0]
         usual = float(np.median(moved)) if moved.size else 0.0

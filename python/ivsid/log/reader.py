@@ -14,7 +14,7 @@ from ivsid.errors import IvsidError
 from ivsid.log.channels import DEMAND, Channel, Clocked, Rule, converted, row_clock, rules_of, turned, with_heading
 from ivsid.log.clocks import Times, between, clock_of, held, loses_digits, nearest, times_of, together
 from ivsid.log.formats import open_source
-from ivsid.log.quality import examine, gaps, without_held
+from ivsid.log.quality import Steps, examine, gaps, without_held
 from ivsid.log.record import Clock, Log, Quality
 from ivsid.log.source import Source, numbers
 from ivsid.log_map import LogMap
@@ -115,12 +115,13 @@ def _collect(reading: _Reading, rules: Mapping[str, Rule]) -> None:
 
 def _examine(reading: _Reading, stamps: Mapping[Clocked, Array]) -> None:
     """Takes held repeats out and notes what every channel is worth, each on its own clock."""
+    steps = {clock: Steps.of(t) for clock, t in stamps.items()}
     for name, channel in list(reading.channels.items()):
         values, repeats, note = without_held(name, channel.values)
         if note:
             reading.notes.append(note)
             reading.channels[name] = replace(channel, values=values)
-        found, words = examine(name, stamps[channel.clock], values, repeats, reading.source.name)
+        found, words = examine(name, stamps[channel.clock], values, repeats, reading.source.name, steps[channel.clock])
         reading.quality[name] = found
         reading.notes += words
 

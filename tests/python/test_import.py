@@ -69,14 +69,19 @@ def test_cse1_raw_velocities_are_differences_of_the_pose(real):
 
 
 def test_cse1_runs_identify_from_their_cameras(sets):
-    """The plain model over windows of a second is not contradicted, and the run alone bounds none of its parameters."""
+    """From poses and demands alone: the plain model is contradicted, damping in yaw is proved, surge is left open."""
     from ivsid import identify
 
     out, _ = sets("cse1", "cse1")
     vehicle = read_vehicle(out / "cse1.toml")
-    fit = identify(vehicle, read_log(out / "random_run3.csv", vehicle.log))
+    log = read_log(out / "random_run1.csv", vehicle.log)
+    fit = identify(vehicle, log, window=5.0)
     assert fit.status == "unbounded" and fit.guaranteed and fit.inflation < 1 and fit.directions
+    assert 0 < fit.parameters["drag.yaw.linear"].lower < fit.parameters["drag.yaw.linear"].upper < 10
+    assert fit.parameters["drag.surge.quadratic"].lower == -np.inf
     assert any("follow from the pose" in a for a in fit.assumes)
+    plain = identify(vehicle.model_copy(update={"model": type(vehicle.model)()}), log, window=5.0)
+    assert plain.status == "empty" and plain.guaranteed and plain.inflation > 1
 
 
 def test_a_glimpse_of_something_else_is_found_by_the_limits(real):

@@ -38,6 +38,12 @@ def parquet(path: Path) -> Path:
     return path
 
 
+def packed_parquet(path: Path) -> Path:
+    frame().write_parquet(path)
+    path.write_bytes(gzip.compress(path.read_bytes()))
+    return path
+
+
 def matlab(path: Path, version: str = "5") -> Path:
     savemat(path, {"t": T, **COLUMNS}, format=version)
     return path
@@ -123,6 +129,7 @@ FORMATS = {
     "csv": (lambda p: csv(p / "log.csv"), {}),
     "gzip": (lambda p: packed(p / "log.csv.gz"), {}),
     "parquet": (lambda p: parquet(p / "log.parquet"), {}),
+    "parquet_gzip": (lambda p: packed_parquet(p / "log.parquet.gz"), {}),
     "matlab5": (lambda p: matlab(p / "log.mat"), {}),
     "matlab4": (lambda p: matlab(p / "log.mat", "4"), {}),
     "sqlite": (lambda p: bag(p / "bag"), BAG_MAP),

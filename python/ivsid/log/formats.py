@@ -32,7 +32,7 @@ MCAP: Final = b"\x89MCAP0\r\n"
 SQLITE: Final = b"SQLite format 3\x00"
 ROS_1: Final = b"#ROSBAG V2.0"
 DATAFLASH: Final = b"\xa3\x95\x80"
-TABLES: Final = (".csv", ".csv.gz", ".parquet")
+TABLES: Final = (".csv", ".csv.gz", ".parquet", ".parquet.gz")
 
 
 @contextmanager

@@ -217,7 +217,9 @@ def _brought(
                 f"{name} stands on another clock than the rows and is missing on {int((~same).sum())} of {t.size}; "
                 "[log] rates bounds how fast it changes, and brings it there"
             )
-        return np.where(same, values[place], np.nan), np.where(same, off[place], 0.0), None
+        # Fewer rows than samples: the noise of each is still that of the sensor's own step.
+        clock = None if own.size == t.size and np.array_equal(own, t) else clock_of(own)
+        return np.where(same, values[place], np.nan), np.where(same, off[place], 0.0), clock
     angle = name in ("psi", "wind_direction")
     if angle:
         values = np.unwrap(values)

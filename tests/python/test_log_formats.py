@@ -154,6 +154,46 @@ def test_cut_files_of_every_kind_are_said_or_shorter(tmp_path):
             np.testing.assert_array_equal(log.columns["u"][:-1], log_files.U[: log.t.size - 1])
 
 
+def mutated(data, rng):
+    """Some bytes changed, a piece taken out, or the end gone."""
+    made = bytearray(data)
+    match rng.integers(3):
+        case 0:
+            for at in rng.integers(0, len(made), rng.integers(1, 8)):
+                made[at] = rng.integers(256)
+        case 1:
+            del made[rng.integers(len(made)) :]
+        case _:
+            at = rng.integers(len(made))
+            del made[at : at + rng.integers(1, 200)]
+    return bytes(made)
+
+
+@pytest.mark.parametrize("kind", list(log_files.FORMATS))
+def test_any_damage_is_a_log_or_one_sentence(tmp_path, kind, capfd):
+    """Nothing else may come out, whatever the libraries underneath think of the bytes."""
+    write, table = log_files.FORMATS[kind]
+    path = write(tmp_path)
+    files = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
+    rng = np.random.default_rng(list(log_files.FORMATS).index(kind))
+    refused = 0
+    for _ in range(40):
+        target = files[rng.integers(len(files))]
+        whole = target.read_bytes()
+        target.write_bytes(mutated(whole, rng))
+        try:
+            log = read_log(path, mapping(table))
+        except IvsidError as error:
+            assert "\n" not in str(error)
+            refused += 1
+        else:
+            assert (np.diff(log.t) > 0).all() and all(v.size == log.t.size for v in log.columns.values())
+        target.write_bytes(whole)
+    assert refused > 5
+    if kind == "dataflash":
+        assert capfd.readouterr() == ("", "")
+
+
 def test_matlab_73_and_files_without_vectors(tmp_path):
     new = tmp_path / "new.mat"
     new.write_bytes(b"MATLAB 7.3 MAT-file, Platform: GLNXA64" + b" " * 100)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import importlib
 import io
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -38,12 +38,14 @@ class Messages:
     def read(self, names: Sequence[str]) -> dict[str, pl.Series]:
         """The fields, scaled as the log itself says."""
         found: dict[str, list[Any]] = {n: [] for n in names}
-        for message in _of_type(self.reader, self.type, self.name):
-            if self.instance is not None and getattr(message, self.instance[0]) != self.instance[1]:
-                continue
-            for n, values in found.items():
-                values.append(getattr(message, n))
-        return {n: pl.Series(n, v, dtype=pl.Int64 if n == CLOCK else pl.Float64) for n, v in found.items()}
+
+        def take(message: Any) -> None:
+            if self.instance is None or getattr(message, self.instance[0]) == self.instance[1]:
+                for n, values in found.items():
+                    values.append(getattr(message, n))
+
+        _each(self.reader, self.type, self.name, take)
+        return {n: pl.Series(n, v, dtype=pl.UInt64 if n == CLOCK else pl.Float64) for n, v in found.items()}
 
     def exact(self, name: str) -> pl.Series:
         """One field; the clock as integers."""
@@ -62,11 +64,13 @@ def open_dataflash(path: Path, name: str, stack: ExitStack) -> Mapping[str, Tabl
         raise IvsidError(
             f"{name} is a DataFlash log; reading it needs the package pymavlink: pip install 'ivsid[ardupilot]'"
         ) from None
-    reader = dfreader.DFReader_binary.__new__(dfreader.DFReader_binary)
+    base = dfreader.DFReader_binary
+    # The quicker index of the package is compiled and writes past any silence.
+    quiet: Any = type("Quiet", (base,), {"init_arrays_fast": base.init_arrays})
+    reader = quiet.__new__(quiet)
     stack.callback(_close, reader)
     try:
-        # The reader reports what it skips on the terminal; a log that ends in the middle of a message is usual.
-        with contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):
+        with _silence():
             reader.__init__(str(path))
     except Exception as error:
         raise _damaged(name, error) from None
@@ -79,7 +83,9 @@ def open_dataflash(path: Path, name: str, stack: ExitStack) -> Mapping[str, Tabl
             tables[layout.name] = Messages(reader, layout.name, None, name, fields)
             continue
         key = layout.instance_field
-        for each in sorted({getattr(m, key) for m in _of_type(reader, layout.name, name)}):
+        seen: set[int] = set()
+        _each(reader, layout.name, name, lambda m, key=key, seen=seen: seen.add(getattr(m, key)))  # type: ignore[misc]
+        for each in sorted(seen):
             tables[f"{layout.name}[{each}]"] = Messages(reader, layout.name, (key, each), name, fields)
     if not tables:
         raise IvsidError(f"{name} holds no timed message; give a complete DataFlash log (.bin)")
@@ -95,18 +101,22 @@ def _close(reader: Any) -> None:
                 getattr(reader, part).close()
 
 
-def _of_type(reader: Any, kind: str, name: str) -> Iterator[Any]:
-    silence = io.StringIO()
+def _each(reader: Any, kind: str, name: str, take: Callable[[Any], None]) -> None:
+    """Hands over every message of a type."""
     reader.rewind()
-    while True:
-        try:
-            with contextlib.redirect_stderr(silence), contextlib.redirect_stdout(silence):
-                message = reader.recv_match(type=kind, strict=True)
-        except Exception as error:
-            raise _damaged(name, error) from None
-        if message is None:
-            return
-        yield message
+    try:
+        with _silence():
+            while (message := reader.recv_match(type=kind, strict=True)) is not None:
+                take(message)
+    except Exception as error:
+        raise _damaged(name, error) from None
+
+
+@contextlib.contextmanager
+def _silence() -> Iterator[None]:
+    """The reader says on the terminal what it skips; a log that ends in the middle of a message is usual."""
+    with contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):
+        yield
 
 
 def _damaged(name: str, error: Exception) -> IvsidError:

@@ -156,6 +156,7 @@ class Parquet:
     """A Parquet file."""
 
     path: Path
+    name: str
     names: dict[str, str]
     clock: TimeColumn | None = None
     first_row: int = 1
@@ -167,7 +168,10 @@ class Parquet:
 
     def read(self, names: Sequence[str]) -> dict[str, pl.Series]:
         """The columns as they are."""
-        frame = pl.read_parquet(self.path, columns=[self.names[n] for n in names], glob=False)
+        try:
+            frame = pl.read_parquet(self.path, columns=[self.names[n] for n in names], glob=False)
+        except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
+            raise _unusable(self.name, error) from None
         return {n: frame[self.names[n]] for n in names}
 
     def exact(self, name: str) -> pl.Series:
@@ -175,14 +179,18 @@ class Parquet:
         return self.read([name])[name]
 
 
+def _unusable(name: str, error: BaseException) -> IvsidError:
+    first = (str(error).splitlines() or ["damaged"])[0]
+    return IvsidError(f"{name} is not a readable CSV or Parquet table ({first}); mend or export it again")
+
+
 def _parquet(path: Path, name: str) -> Parquet:
     try:
         columns = list(pl.read_parquet_schema(path))
-    except (pl.exceptions.PolarsError, OSError) as error:
-        first = (str(error).splitlines() or ["damaged"])[0]
-        raise IvsidError(f"{name} is not a readable CSV or Parquet table ({first}); mend or export it again") from None
+    except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
+        raise _unusable(name, error) from None
     stripped = [c.strip() for c in columns]
     twice = next((n for n in stripped if stripped.count(n) > 1), None)
     if twice is not None:
         raise IvsidError(f"{name} has the column {twice} more than once; each needs its own name")
-    return Parquet(path, dict(zip(stripped, columns, strict=True)))
+    return Parquet(path, name, dict(zip(stripped, columns, strict=True)))

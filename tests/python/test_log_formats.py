@@ -308,3 +308,54 @@ def test_a_log_through_a_pipe(tmp_path):
     log = read_log(path)
     writer.join()
     np.testing.assert_array_equal(log.columns["u"], log_files.U)
+
+
+def test_dataflash_instances_and_units_of_the_format(tmp_path):
+    """Two IMUs in one message type, as ArduPilot logs them; centi-units of the format are scaled, stamps stay microseconds."""
+    import struct
+
+    def layout(number, size, name, form, labels):
+        return struct.pack("<BBBBB4s16s64s", 0xA3, 0x95, 0x80, number, size, name, form, labels)
+
+    parts = [
+        layout(0x80, 89, b"FMT", b"BBnNZ", b"Type,Length,Name,Format,Columns"),
+        layout(0x93, 3 + 8 + 1 + 16 + 16, b"FMTU", b"QBNN", b"TimeUS,FmtType,UnitIds,MultIds"),
+        layout(0x91, 3 + 8 + 1 + 8 + 2, b"IMU", b"QBdc", b"TimeUS,I,GyrZ,Yaw"),
+        struct.pack("<BBBQB16s16s", 0xA3, 0x95, 0x93, 1, 0x91, b"s#Ed", b"F-00"),
+    ]
+    for k, t in enumerate(log_files.T):
+        for instance in (0, 1):
+            us = round(t * 1e6) + 100 * instance
+            parts.append(struct.pack("<BBBQBdh", 0xA3, 0x95, 0x91, us, instance, log_files.R[k] + instance, 150 * k))
+    path = tmp_path / "log.bin"
+    path.write_bytes(b"".join(parts))
+    for instance in (0, 1):
+        table = {"columns": {"r": f"IMU[{instance}]/GyrZ", "psi": {"from": f"IMU[{instance}]/Yaw", "unit": "deg"}}}
+        log = read_log(path, mapping(table))
+        np.testing.assert_array_equal(log.columns["r"], log_files.R + instance)
+        np.testing.assert_allclose(log.t, log_files.T, atol=1e-9)
+        np.testing.assert_allclose(log.columns["psi"], np.radians(1.5 * np.arange(log_files.N)), rtol=1e-12)
+    assert "GyrZ stands in IMU[0], IMU[1]" in sentence(path, {"columns": {"r": "GyrZ"}})
+
+
+def test_a_bag_by_the_command_line(tmp_path):
+    """The whole way: a bag, its map in the vehicle file, and one sentence where a topic is not there."""
+    from conftest import embedded
+    from test_cli import run
+
+    path = log_files.bag(tmp_path / "bag", "mcap")
+    columns = "".join(f'{k} = "{v}"\n' for k, v in log_files.BAG_MAP["columns"].items())
+    vehicle = tmp_path / "boat.toml"
+    text = embedded("swan.toml")
+    vehicle.write_text(text + "\n[log.columns]\n" + columns)
+    made = run("identify", vehicle, path, "--out", tmp_path / "fit")
+    assert made.returncode == 2 and made.stderr.count("\n") == 1
+    assert "no column demand_starboard (the demand of thruster starboard" in made.stderr
+    vehicle.write_text(text + "\n[log.columns]\n" + columns + 'demand_starboard = "/port/data"\n')
+    made = run("identify", vehicle, path, "--out", tmp_path / "fit", "--json")
+    assert made.returncode == 0, made.stderr
+    import json
+
+    record = json.loads(made.stdout)
+    assert record["quality"]["u"]["samples"] == log_files.N
+    assert any("agree exactly" in a for a in record["assumes"])

@@ -91,7 +91,21 @@ def test_ros_axes_turn_body_and_earth(tmp_path):
     rng = np.random.default_rng(1)
     raw = {
         n: rng.standard_normal(N)
-        for n in ("u", "v", "r", "ax", "ay", "x", "y", "psi", "force_Y", "azimuth_bow", "velocity_north", "depth")
+        for n in (
+            "u",
+            "v",
+            "r",
+            "ax",
+            "ay",
+            "x",
+            "y",
+            "psi",
+            "force_Y",
+            "demand_bow",
+            "azimuth_bow",
+            "velocity_north",
+            "depth",
+        )
     }
     scaled = LogMap.model_validate({"frame": "flu", "columns": {"x": {"from": "x", "scale": 1000.0}}})
     log = read_log(written(tmp_path, **raw), scaled)
@@ -206,3 +220,13 @@ def test_wrong_keys_of_a_map(text, parts):
     assert "boat.toml" in sentence and "\n" not in sentence
     for part in parts:
         assert part in sentence
+
+
+def test_the_angle_of_a_thruster_comes_with_its_demand(tmp_path):
+    """Other columns of such a name are none of ours: they may hold words."""
+    n = len(T)
+    path = written(tmp_path, demand_bow=T, azimuth_bow=np.sin(T), rudder_mode=["auto"] * n, azimuth_stern=["ok"] * n)
+    log = read_log(path)
+    assert set(log.columns) == {"demand_bow", "azimuth_bow"} and set(log.ignored) == {"rudder_mode", "azimuth_stern"}
+    mapped = read_log(path, LogMap.model_validate({"columns": {"rudder_bow": {"from": "azimuth_bow", "unit": "deg"}}}))
+    np.testing.assert_allclose(mapped.columns["rudder_bow"], np.radians(np.sin(T)))

@@ -64,12 +64,12 @@ def rules_of(source: Source, mapping: LogMap) -> tuple[dict[str, Rule], tuple[st
     several = len(source.tables) > 1
     bare = {c for table in source.tables.values() for c in table.columns}
     known = [c for c in COLUMNS if c in bare or c in mapping.columns]
-    thrusters = [
-        c
-        for prefix in BY_THRUSTER
-        for c in (*(c for t in source.tables.values() for c in t.columns), *mapping.columns)
-        if c.startswith(prefix)
-    ]
+    foreign = [c for t in source.tables.values() for c in t.columns]
+    demands = [c for c in (*foreign, *mapping.columns) if c.startswith(DEMAND)]
+    # An angle belongs to a thruster that the log knows; another column may be called rudder_mode and hold words.
+    names = [c.removeprefix(DEMAND) for c in demands]
+    angles = [p + n for p in BY_THRUSTER[1:] for n in names if p + n in foreign]
+    thrusters = [*demands, *angles, *(c for c in mapping.columns if c.startswith(BY_THRUSTER[1:]))]
     rules: dict[str, Rule] = {}
     used: set[tuple[str, str]] = set()
     for wanted in dict.fromkeys((*known, *thrusters)):

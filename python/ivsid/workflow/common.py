@@ -28,6 +28,10 @@ MEANING = {
 }
 
 
+# Directions that the terminal shows; a log that bounds nothing leaves dozens.
+MOST_DIRECTIONS = 6
+
+
 def silent(_: str) -> None:
     """Progress for nobody."""
 
@@ -83,8 +87,10 @@ def parameter_lines(fit: Identification) -> list[str]:
         lines.append(f"  inflation {fit.inflation:.3g}: {room}")
     if fit.reason:
         lines.append(f"  {fit.reason}")
-    for direction in fit.directions:
+    for direction in fit.directions[:MOST_DIRECTIONS]:
         lines.append("  left open along: " + " ".join(f"{v:+.3g} {k}" for k, v in direction.items()))
+    if len(fit.directions) > MOST_DIRECTIONS:
+        lines.append(f"  and along {len(fit.directions) - MOST_DIRECTIONS} more (result.json)")
     return lines
 
 

@@ -133,6 +133,7 @@ FORMATS = {
     "matlab5": (lambda p: matlab(p / "log.mat"), {}),
     "matlab4": (lambda p: matlab(p / "log.mat", "4"), {}),
     "sqlite": (lambda p: bag(p / "bag"), BAG_MAP),
+    "sqlite_file": (lambda p: next(bag(p / "bag").glob("*.db3")), BAG_MAP),
     "mcap": (lambda p: bag(p / "bag", "mcap"), BAG_MAP),
     "mcap_file": (lambda p: next(bag(p / "bag", "mcap").glob("*.mcap")), BAG_MAP),
     "dataflash": (lambda p: dataflash(p / "log.bin"), DATAFLASH_MAP),

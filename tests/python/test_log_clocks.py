@@ -149,6 +149,25 @@ def test_the_base_decides_the_rows_and_a_wrong_one_is_refused(tmp_path):
         read_log(path, log_map(rates={"u": 1.0}, demand="linear"))
 
 
+def test_clocks_without_a_common_zero_are_refused(tmp_path):
+    """One computer counts from 1970, the other from when it was switched on."""
+    path = folder(tmp_path / "run")
+    dvl = pl.read_csv(path / "dvl.csv").with_columns(pl.col("t") + 1.7e9)
+    dvl.write_csv(path / "dvl.csv")
+    with pytest.raises(IvsidError, match="never run at the same time; they count from different zeros"):
+        read_log(path, log_map(rates={"u": RATE, "v": 0.1}, base="gyro"))
+
+
+def test_one_zero_for_all_epochs(tmp_path):
+    path = folder(tmp_path / "run")
+    plain = read_log(path, log_map(rates={"u": RATE, "v": 0.1}, base="gyro"))
+    for name in ("dvl", "gyro", "port"):
+        pl.read_csv(path / f"{name}.csv").with_columns(pl.col("t") + 1.7e9).write_csv(path / f"{name}.csv")
+    log = read_log(path, log_map(rates={"u": RATE, "v": 0.1}, base="gyro"))
+    np.testing.assert_allclose(log.t, plain.t, atol=3e-7)
+    np.testing.assert_allclose(log.columns["u"], plain.columns["u"], atol=1e-6)
+
+
 def test_a_heading_is_interpolated_across_its_wrap(tmp_path):
     t, slow = np.arange(0, 20, 0.1), np.arange(0, 20, 0.5)
     psi = np.arctan2(np.sin(0.6 * slow), np.cos(0.6 * slow))
@@ -160,6 +179,13 @@ def test_a_heading_is_interpolated_across_its_wrap(tmp_path):
     off = np.angle(np.exp(1j * (log.columns["psi"] - 0.6 * log.t)))
     assert (np.abs(off)[there] <= log.error("psi")[there]).all()
     assert np.abs(log.columns["psi"][there]).max() <= np.pi
+    gappy = pl.read_csv(tmp_path / "run" / "compass.csv").filter((pl.col("t") < 4) | (pl.col("t") > 13))
+    gappy.write_csv(tmp_path / "run" / "compass.csv")
+    again = read_log(tmp_path / "run", log_map(rates={"psi": 0.7}, base="gyro"))
+    inside = (again.t > 4) & (again.t < 13)
+    assert np.isnan(again.columns["psi"][inside]).all()
+    off = np.angle(np.exp(1j * (again.columns["psi"] - 0.6 * again.t)))[np.isfinite(again.columns["psi"])]
+    assert (np.abs(off) <= again.error("psi")[np.isfinite(again.columns["psi"])]).all()
     with pytest.raises(IvsidError, match="half a circle"):
         read_log(tmp_path / "run", log_map(rates={"psi": 7.0}, base="gyro"))
 

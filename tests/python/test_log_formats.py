@@ -37,7 +37,7 @@ def test_every_format_is_the_same_log(tmp_path, kind):
         assert log.quality[name].samples == log_files.N and log.quality[name].missing == 0
     assert len(log.sha256) == 64
     # Where each table has its own stamps, that they agree is assumed, and said; one clock needs no such word.
-    several = kind in ("sqlite", "mcap", "mcap_file", "dataflash", "folder")
+    several = kind in ("sqlite", "sqlite_file", "mcap", "mcap_file", "dataflash", "folder")
     assert bool(log.assumes) == several and not any("never changes faster" in a for a in log.assumes)
 
 
@@ -47,7 +47,7 @@ def test_time_that_does_not_increase_is_refused(tmp_path, kind, monkeypatch):
     twisted[50] = twisted[48]
     monkeypatch.setattr(log_files, "T", twisted)
     write, table = log_files.FORMATS[kind]
-    if kind in ("sqlite", "mcap", "mcap_file"):
+    if kind in ("sqlite", "sqlite_file", "mcap", "mcap_file"):
         stamps = log_files.NS.copy()
         stamps[50] = stamps[48]
         monkeypatch.setattr(log_files.bag, "__defaults__", ("sqlite3", log_files.U, stamps))
@@ -238,6 +238,19 @@ def test_a_missing_optional_reader_is_named(tmp_path, kind, package, extra, monk
 
     monkeypatch.setattr(importlib, "import_module", without)
     assert f"pip install '{extra}'" in sentence(path, table)
+
+
+def test_a_header_without_a_stamp_counts_by_the_recorder(tmp_path, monkeypatch):
+    from rosbags.rosbag2 import Writer
+
+    real = Writer.write
+    counter = iter(range(10**6))
+    zero = np.zeros(log_files.N, dtype=np.int64)
+    monkeypatch.setattr(
+        Writer, "write", lambda self, c, _, data: real(self, c, int(log_files.NS[next(counter) // 3]), data)
+    )
+    log = read_log(log_files.bag(tmp_path / "bag", stamps=zero), mapping(log_files.BAG_MAP))
+    np.testing.assert_allclose(log.t, log_files.T, atol=1e-9)
 
 
 def test_a_stamp_keeps_every_digit(tmp_path):

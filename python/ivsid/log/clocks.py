@@ -104,19 +104,24 @@ def _since_first(series: pl.Series, stamps: Array, scale: float) -> tuple[Array,
     return t, scale * lost + 2 * float(np.spacing(np.abs(t).max()))
 
 
-def together(times: Mapping[tuple[str, str], Times]) -> dict[tuple[str, str], Array]:
+def together(times: Mapping[tuple[str, str], Times], source: str) -> dict[tuple[str, str], Array]:
     """The stamps of all clocks from one common zero: that of the files, or the earliest stamp where any counts from its first.
 
     Raises:
-        IvsidError: clocks that have no common zero, or never run at the same time.
+        IvsidError: clocks that never run at the same time, so that they cannot count from the same zero.
     """
-    if not any(x.counted for x in times.values()):
-        return {k: x.t for k, x in times.items()}
-    origin = min(x.first for x in times.values())
-    shifted = {}
-    for key, x in times.items():
-        zero = float(x.first - origin)
-        shifted[key] = (x.t if x.counted else x.t - x.t[0]) + zero if len(times) > 1 else x.t
+    shifted = {k: x.t for k, x in times.items()}
+    if len(times) > 1 and any(x.counted for x in times.values()):
+        origin = min(x.first for x in times.values())
+        for key, x in times.items():
+            shifted[key] = (x.t if x.counted else x.t - x.t[0]) + float(x.first - origin)
+    last, first = max(shifted, key=lambda k: shifted[k][0]), min(shifted, key=lambda k: shifted[k][-1])
+    if shifted[last][0] > shifted[first][-1]:
+        spans = [f"{'/'.join(k).lstrip('/')} from {shifted[k][0]:.6g} to {shifted[k][-1]:.6g} s" for k in (first, last)]
+        raise IvsidError(
+            f"{source}: the clocks {spans[0]} and {spans[1]} never run at the same time; they count from different zeros, "
+            "or in other units than [log] time says: bring them to one zero first"
+        )
     return shifted
 
 

@@ -15,7 +15,7 @@ from ivsid.log.channels import DEMAND, Channel, Clocked, Rule, converted, row_cl
 from ivsid.log.clocks import Times, between, clock_of, held, loses_digits, nearest, times_of, together
 from ivsid.log.formats import open_source
 from ivsid.log.quality import Steps, examine, gaps, without_held
-from ivsid.log.record import Clock, Log, Quality
+from ivsid.log.record import GAP, Clock, Log, Quality
 from ivsid.log.source import Source, numbers
 from ivsid.log_map import LogMap
 
@@ -62,7 +62,7 @@ def read_log(path: str | Path, mapping: LogMap | None = None) -> Log:
             reading.channels = turned(reading.channels)
         reading.channels, words = with_heading(reading.channels, source.name)
         reading.notes += words
-        stamps = together(reading.times)
+        stamps = together(reading.times, source.name)
         _examine(reading, stamps)
         t, columns, rounding, clocks = _on_one_clock(reading, stamps)
         derived = _body_velocities(columns, rounding, reading)
@@ -225,11 +225,13 @@ def _brought(
         values = np.unwrap(values)
     made, reach = between(t, times, values, off, rate, apart)
     if angle:
-        usable = rate * np.diff(times).max() < np.pi
-        if not usable:
+        # Gaps are not bridged, so whole turns in them do not matter.
+        steps = np.diff(times)
+        longest = float(steps[steps <= GAP * np.median(steps)].max())
+        if rate * longest >= np.pi:
             raise IvsidError(
                 f"[log] rates {name} = {rate:g} lets it turn by half a circle between two of its samples, "
-                f"{np.diff(times).max():.3g} s apart; state a smaller rate or leave it out"
+                f"{longest:.3g} s apart; state a smaller rate or leave it out"
             )
         made, reach = (
             np.arctan2(np.sin(made), np.cos(made)),

@@ -90,8 +90,9 @@ def _messages(reader: Any, connections: Sequence[Any], name: str) -> Iterator[di
             fields: dict[str, Any] = {STAMP: received, RECEIVED: received}
             _flatten(fields, "", message)
             header = getattr(message, "header", None)
-            if header is not None:
-                fields[STAMP] = int(header.stamp.sec) * 10**9 + int(header.stamp.nanosec)
+            stamp = 0 if header is None else int(header.stamp.sec) * 10**9 + int(header.stamp.nanosec)
+            # Some drivers leave the header's stamp at zero: then only the recorder knows a time.
+            fields[STAMP] = stamp or received
             yield fields
     except Exception as error:
         words = (str(error).splitlines() or [type(error).__name__])[0]

@@ -101,6 +101,24 @@ def thrust_curve(
     )
 
 
+def drag_curve(
+    speed: NDArray[np.float64], force: NDArray[np.float64], coefficients: tuple[float, float], name: str
+) -> Drawing:
+    """Towing runs with a least-squares drag of a linear and a quadratic part."""
+    figure = Figure(figsize=(7.5, 4.2), layout="constrained")
+    axes = figure.add_subplot()
+    fine = np.linspace(speed.min(), speed.max(), 400)
+    linear, quadratic = coefficients
+    axes.plot(speed, force, "o", ms=3, color=COLOURS[5], label="towing runs, means")
+    label = f"{linear:.3f} u {quadratic:+.3f} u|u|"
+    axes.plot(fine, linear * fine + quadratic * fine * np.abs(fine), color=COLOURS[0], lw=1.2, label=label)
+    axes.set_xlabel("speed [m/s]")
+    axes.set_ylabel("force on the hull [N]")
+    axes.grid(True, alpha=0.3)
+    axes.legend(fontsize=8)
+    return _finish(name, "Force of the water on the hull", "Least squares, for comparison: not a bound.", figure)
+
+
 def intervals(fits: Sequence[Identification], name: str = "parameters") -> Drawing:
     """Parameter intervals of one or more methods."""
     ids = list(dict.fromkeys(i for f in fits for i in (*f.parameters, *f.estimate)))
@@ -206,7 +224,9 @@ def channels(log: Log, name: str = "log") -> Drawing:
         ("u, v [m/s], r [rad/s]", [c for c in ("u", "v", "r") if c in log.columns]),
         ("acceleration [m/s²]", [c for c in ("ax", "ay", "udot", "vdot") if c in log.columns]),
     ]
-    groups = [g for g in groups if g[1]]
+    if not groups[1][1]:
+        groups[1] = ("x, y [m], psi [rad]", [c for c in ("x", "y", "psi") if c in log.columns])
+    groups = [g for g in groups if g[1]] or [("channels", list(log.columns)[: len(COLOURS)])]
     figure = Figure(figsize=(8.5, 1.6 * len(groups) + 0.8), layout="constrained")
     panels = np.atleast_1d(figure.subplots(len(groups), 1, sharex=True))
     s = _thin(log.t.size)

@@ -19,6 +19,7 @@ from ivsid.effects import CHANNELS, Columns, State, Term, rigid_body
 from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray, Interval, IntervalArray
 from ivsid.motion import Motion
+from ivsid.needs import lacking
 from ivsid.sensors import BoundedLog
 from ivsid.vehicle import Vehicle
 
@@ -137,6 +138,8 @@ class _Builder:
         x_g, y_g = vehicle.hull.centre_of_gravity
         self.mx, self.my, self.mass = vehicle.hull.mass * x_g, vehicle.hull.mass * y_g, known_mass
         self.t = bounded.log.t
+        if (words := lacking(bounded.log, terms, vehicle)) is not None:
+            raise IvsidError(words)
         # The decimals of a time may round, and a difference of doubles too: steps are enclosed like everything else.
         self.clock = IntervalArray.around(self.t, bounded.log.time_error)
         self.forces = _forces(bounded, vehicle)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 from ivsid.allan import AllanDeviation
+from ivsid.log import Quality
 from ivsid.records import envelope
 from ivsid.thrust import Bollard
 from ivsid.validation import Validation
@@ -85,3 +88,8 @@ def bollard_record(table: Bollard) -> dict[str, Any]:
         ],
         "recommended": table.recommended.name,
     }
+
+
+def quality_record(quality: Mapping[str, Quality]) -> dict[str, Any]:
+    """What each channel of a log is worth."""
+    return {name: asdict(q) for name, q in quality.items()}

@@ -14,6 +14,7 @@ from scipy.stats import norm
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
+from ivsid.pose import with_velocities
 from ivsid.vehicle import InertialSensor, Sensors, Vehicle, VelocitySensor
 
 DEFAULT_CONFIDENCE: Final = 0.999
@@ -148,30 +149,27 @@ def bound_log(log: Log, vehicle: Vehicle) -> BoundedLog:
         IvsidError: a sensor section is missing for a logged channel, or samples are averaged.
     """
     sensors = vehicle.sensors
-    sections: dict[str, tuple[InertialSensor, int]] = {}
-    for name, axis in _INERTIAL:
-        if name in log.columns and sensors.acceleration is not None:
-            sections[name] = (sensors.acceleration, axis)
-    if "r" in log.columns and sensors.yaw_rate is not None:
-        sections["r"] = (sensors.yaw_rate, 0)
-    for name, (sensor, _) in sections.items():
-        if sensor.sampling == "averaged":
-            raise IvsidError(
-                f"sampling = 'averaged' of the sensor behind {name} is not supported yet; log instantaneous samples, or leave "
-                "the column out and let the rates be enclosed from velocities"
-            )
-    rule = rule_for(sensors, count_errors(log.t.size, sections.values(), vehicle))
+    channels = body_velocities(log, sensors) if log.derived else {}
+    log, enclosed = with_velocities(log, sensors)
+    channels |= enclosed
+    sections = _inertial(log, sensors)
+    # A channel that came from a clock of its own may have more samples than the log has rows, and closer ones.
+    most = max([log.t.size, *(c.samples for c in log.clocks.values())])
+    rule = rule_for(sensors, count_errors(most, sections.values(), vehicle))
     duration = float(log.t[-1] - log.t[0])
     interval = _sampling_interval(log)
     radii: dict[str, float | NDArray[np.float64]] = {
-        name: half_width(sensor, axis, interval, rule, duration) for name, (sensor, axis) in sections.items()
+        name: half_width(sensor, axis, _own_interval(log, name, interval), rule, duration)
+        for name, (sensor, axis) in sections.items()
     }
     for name, section in _PLAIN:
         plain = getattr(sensors, section)
         if name in log.columns and plain is not None:
             radii[name] = plain.accuracy
-    channels, present = {}, {}
+    present: dict[str, NDArray[np.bool_]] = {name: np.isfinite(x.lower) for name, x in channels.items()}
     for name, values in log.columns.items():
+        if name in log.derived:
+            continue
         there = ~np.isnan(values)
         filled = np.where(there, values, 0.0)
         reading = IntervalArray.around(filled, log.error(name))
@@ -204,6 +202,56 @@ def count_errors(n: int, sensors: Iterable[tuple[InertialSensor, int]], vehicle:
     if vehicle.ambient is not None:
         count += 2 * n * (2 * (vehicle.ambient.force > 0) + (vehicle.ambient.moment > 0))
     return int(count)
+
+
+def _inertial(log: Log, sensors: Sensors) -> dict[str, tuple[InertialSensor, int]]:
+    """The sensor and axis of every inertial channel of the log that is bounded."""
+    sections: dict[str, tuple[InertialSensor, int]] = {}
+    for name, axis in _INERTIAL:
+        if name in log.columns and sensors.acceleration is not None:
+            sections[name] = (sensors.acceleration, axis)
+    if "r" in log.columns and "r" not in log.derived and sensors.yaw_rate is not None:
+        sections["r"] = (sensors.yaw_rate, 0)
+    for name, (sensor, _) in sections.items():
+        if sensor.sampling == "averaged":
+            raise IvsidError(
+                f"sampling = 'averaged' of the sensor behind {name} is not supported yet; log instantaneous samples, or leave "
+                "the column out and let the rates be enclosed from velocities"
+            )
+    return sections
+
+
+def body_velocities(log: Log, sensors: Sensors) -> dict[str, IntervalArray]:
+    """Body velocities [m/s] of a log that has the velocity in earth axes and the heading; a missing sample is every number.
+
+    Raises:
+        IvsidError: the vehicle file does not bound one of the two sensors.
+    """
+    if sensors.velocity is None or sensors.heading is None:
+        section = "velocity" if sensors.velocity is None else "heading"
+        raise IvsidError(
+            f"{log.name} gives the velocity in earth axes; to bound u and v the vehicle file needs [sensors.{section}] accuracy"
+        )
+    parts = ("velocity_north", "velocity_east", "psi")
+    there = np.all([np.isfinite(log.columns[c]) for c in parts], axis=0)
+    north, east, psi = (
+        IntervalArray.around(np.where(there, log.columns[c], 0.0), np.where(there, log.error(c), 0.0)) for c in parts
+    )
+    accuracy = np.nextafter(sensors.heading.accuracy, np.inf)
+    heading = psi + IntervalArray(-accuracy, accuracy)
+    cosine, sine = np.cos(heading), np.sin(heading)
+    v_n, v_e = doppler(north, sensors.velocity), doppler(east, sensors.velocity)
+    bodies = {"u": v_n * cosine + v_e * sine, "v": v_e * cosine - v_n * sine}
+    return {
+        name: IntervalArray(np.where(there, x.lower, -np.inf), np.where(there, x.upper, np.inf))
+        for name, x in bodies.items()
+    }
+
+
+def _own_interval(log: Log, name: str, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The time over which each sample behind a channel averages: its own clock's where that is quicker than the rows."""
+    clock = log.clocks.get(name)
+    return rows if clock is None else np.minimum(rows, clock.interval)
 
 
 def _sampling_interval(log: Log) -> NDArray[np.float64]:

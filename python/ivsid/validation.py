@@ -108,7 +108,7 @@ def validate(fit: Identification, log: Log) -> Validation:
         window=fit.options["window"],
     )
     forces = tuple(_force_check(fit, rows, k, name) for k, name in enumerate(CHANNELS) if _checkable(fit, rows, k))
-    return Validation(fit, log.name, log.sha256, forces, simulate_windows(fit, log), log.notes)
+    return Validation(fit, log.name, log.sha256, forces, simulate_windows(fit, bounded.log), bounded.log.notes)
 
 
 def _checkable(fit: Identification, rows: RegressionRows, index: int) -> bool:

@@ -14,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from ivsid import units
 from ivsid.actuator import Quadratic, Rudder, expand_units
 from ivsid.errors import IvsidError
+from ivsid.log_map import LogMap
 
 _T = TypeVar("_T", bound=BaseModel)
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -191,47 +192,6 @@ class Model(_Section):
 
     terms: Literal["paper"] | tuple[str, ...] | None = None
     values: dict[str, Finite] = {}
-
-
-class Column(_Section):
-    """A foreign column: ``from`` its name, in ``unit``, times ``scale`` plus ``offset``."""
-
-    from_: str = Field(alias="from")
-    scale: Finite = 1.0
-    offset: Finite = 0.0
-    unit: str | None = None
-
-    @model_validator(mode="after")
-    def _known(self) -> Self:
-        if self.unit is not None:
-            units.factor(self.unit, units.COLUMN, f"column {self.from_}")
-        return self
-
-    @property
-    def factor(self) -> float:
-        """What a cell is multiplied by to be in SI units."""
-        return self.scale * (1.0 if self.unit is None else units.COLUMN[self.unit])
-
-
-class TimeColumn(_Section):
-    """The time column: ``from`` its name, in ``unit``."""
-
-    from_: str = Field(default="t", alias="from")
-    unit: str = "s"
-
-    @model_validator(mode="after")
-    def _known(self) -> Self:
-        units.factor(self.unit, units.TIME, "the time column")
-        return self
-
-
-class LogMap(_Section):
-    """How a foreign log maps to the contract's columns."""
-
-    columns: dict[str, str | Column] = {}
-    frame: Literal["frd", "flu"] = "frd"
-    time: TimeColumn | None = None
-    demand: Literal["hold", "linear"] = "hold"
 
 
 class Vehicle(_Section):

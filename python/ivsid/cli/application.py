@@ -113,7 +113,9 @@ def thrust(
 @app.command()
 def identify(
     vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML).")],
-    log: Annotated[Path, typer.Argument(help="Log (CSV or Parquet).")],
+    log: Annotated[
+        Path, typer.Argument(help="Log: CSV, Parquet, .mat, ROS bag, DataFlash .bin, or a folder of tables.")
+    ],
     method: Annotated[
         str,
         typer.Option(
@@ -146,12 +148,23 @@ def identify(
 @app.command()
 def validate(
     fit: Annotated[Path, typer.Argument(help="Folder or result.json of ivsid identify.")],
-    log: Annotated[Path, typer.Argument(help="Another log (CSV or Parquet).")],
+    log: Annotated[Path, typer.Argument(help="Another log, as for identify.")],
     out: Out = None,
     json: Json = False,
 ) -> None:
     """Predicted against measured force and moment, simulated against measured motion."""
     _run("validate", out, json, lambda w, p: w.validate(fit, log, progress=p))
+
+
+@app.command("import")
+def import_(
+    name: Annotated[str, typer.Argument(metavar="SET", help="cse1, rov30k or t200.")],
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder that holds the data set.")],
+    out: Out = None,
+    json: Json = False,
+) -> None:
+    """A public data set as logs, thrust tables and a vehicle file."""
+    _run("import", out, json, lambda w, p: w.import_set(name, folder, progress=p))
 
 
 def _effect(text: str) -> tuple[str, list[float]]:

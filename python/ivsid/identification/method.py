@@ -133,7 +133,7 @@ def _assumptions(rows: RegressionRows, bounded: BoundedLog, vehicle: Vehicle) ->
         lines.append(f"each demand is {hold}")
     else:
         lines.append("between two rows each logged force lies between their values")
-    return (*lines, *rows.assumes, "model structure")
+    return (*lines, *bounded.log.assumes, *rows.assumes, "model structure")
 
 
 def _force_accuracy(vehicle: Vehicle) -> str:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ivsid import figures, report
 from ivsid.allan import AllanDeviation, allan_deviation
 from ivsid.errors import IvsidError
-from ivsid.log import numeric, read_table
+from ivsid.log import open_source
 from ivsid.records import envelope
 from ivsid.report import Report, Section
 from ivsid.results import allan_record
@@ -178,23 +178,27 @@ def sensors_toml(curves: Mapping[str, AllanDeviation]) -> str:
 
 
 def _record(path: str | Path, columns: Sequence[str], time: str | None) -> Recording:
-    frame, digest = read_table(path)
-    name = time or next((c for c in TIMES if c in frame.columns), None)
-    if name is None or name not in frame.columns:
+    with open_source(path) as source:
+        names = source.columns
+        name = time or next((c for c in TIMES if c in names), None)
+        if name is None or name not in names:
+            raise IvsidError(
+                f"{path} has no time column {name or 'among ' + ', '.join(TIMES)}; name it with --time (it has {', '.join(names[:12])})"
+            )
+        t = source.numeric([name])[name]
+        if t.size < 2 or not np.isfinite(t).all() or (np.diff(t) <= 0).any():
+            raise IvsidError(f"{path}: column {name} must increase strictly without missing cells; sort the recording")
+        chosen = list(columns) or [c for c in names if c != name and _quantity(c)[0] != "other"]
+        chosen = chosen or [c for c in names if c != name]
+        missing = [c for c in chosen if c not in names]
+        if missing or not chosen:
+            raise IvsidError(f"{path} has no column {', '.join(missing) or 'to analyse'}; it has {', '.join(names)}")
+        values = source.numeric(chosen)
+        digest = source.sha256
+    if any(v.size != t.size for v in values.values()):
         raise IvsidError(
-            f"{path} has no time column {name or 'among ' + ', '.join(TIMES)}; name it with --time (it has {', '.join(frame.columns[:12])})"
+            f"{path}: the chosen columns stand on several clocks; choose those of one with --columns and --time"
         )
-    t = numeric(frame, name, str(path))
-    if t.size < 2 or not np.isfinite(t).all() or (np.diff(t) <= 0).any():
-        raise IvsidError(f"{path}: column {name} must increase strictly without missing cells; sort the recording")
-    chosen = list(columns) or [c for c in frame.columns if c != name and _quantity(c)[0] != "other"]
-    chosen = chosen or [c for c in frame.columns if c != name]
-    missing = [c for c in chosen if c not in frame.columns]
-    if missing or not chosen:
-        raise IvsidError(
-            f"{path} has no column {', '.join(missing) or 'to analyse'}; it has {', '.join(frame.columns)}"
-        )
-    values = {c: numeric(frame, c, str(path)) for c in chosen}
     steps = np.diff(t)
     usual = float(np.median(steps))
     complete = np.all([np.isfinite(v) for v in values.values()], axis=0)

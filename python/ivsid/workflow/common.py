@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, TypeAlias
 
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ivsid import report
 from ivsid.identification import Identification
 from ivsid.intervals import outward_decimal
+from ivsid.log import Quality
 from ivsid.validation import Validation
 
 Progress: TypeAlias = Callable[[str], None]
@@ -25,6 +26,10 @@ MEANING = {
     "not_proved": "numbers without a proof: they enclose nothing",
     "not_applicable": "the method's own conditions do not hold on these data",
 }
+
+
+# Directions that the terminal shows; a log that bounds nothing leaves dozens.
+MOST_DIRECTIONS = 6
 
 
 def silent(_: str) -> None:
@@ -82,8 +87,10 @@ def parameter_lines(fit: Identification) -> list[str]:
         lines.append(f"  inflation {fit.inflation:.3g}: {room}")
     if fit.reason:
         lines.append(f"  {fit.reason}")
-    for direction in fit.directions:
+    for direction in fit.directions[:MOST_DIRECTIONS]:
         lines.append("  left open along: " + " ".join(f"{v:+.3g} {k}" for k, v in direction.items()))
+    if len(fit.directions) > MOST_DIRECTIONS:
+        lines.append(f"  and along {len(fit.directions) - MOST_DIRECTIONS} more (result.json)")
     return lines
 
 
@@ -126,6 +133,25 @@ def motion_table(result: Validation) -> dict[str, Any]:
         for k in motion.rms
     ]
     return report.table(["quantity", "unit", "window [s]", "rms error", "median over windows"], rows)
+
+
+def quality_table(quality: Mapping[str, Quality]) -> dict[str, Any]:
+    """What each channel of a log is worth, as it came."""
+    rows = [
+        [n, q.samples, q.rate, q.missing, q.longest, q.held, q.outliers, q.lower, q.upper] for n, q in quality.items()
+    ]
+    header = [
+        "channel",
+        "measurements",
+        "usual rate [Hz]",
+        "rows without",
+        "longest wait [s]",
+        "held repeats",
+        "outliers",
+        "smallest",
+        "largest",
+    ]
+    return report.table(header, rows, "Nothing is filled in, and no outlier is taken out.")
 
 
 def csv(t: NDArray[np.float64], columns: dict[str, NDArray[np.float64]]) -> str:

@@ -9,8 +9,9 @@ from ivsid.identification import Identification
 from ivsid.log import Log, read_log
 from ivsid.regression_rows import WINDOW
 from ivsid.report import Report, Section
+from ivsid.results import quality_record
 from ivsid.vehicle import read_vehicle
-from ivsid.workflow.common import MEANING, Progress, method_table, parameter_lines, silent
+from ivsid.workflow.common import MEANING, Progress, method_table, parameter_lines, quality_table, silent
 
 
 def identify(
@@ -51,7 +52,7 @@ def identification_report(fit: Identification, log: Log) -> Report:
     sections = [
         Section("Parameters", (method_table([fit]), report.drawing(drawings[0]), report.bullets(facts))),
         Section("What this rests on", (report.bullets(fit.assumes),)),
-        Section("The log", (report.drawing(drawings[1]), *_notes(fit, log))),
+        Section("The log", (report.drawing(drawings[1]), *_quality(log), *_notes(fit, log))),
     ]
     if fit.status == "empty":
         sections.insert(1, _contradiction(fit))
@@ -59,12 +60,16 @@ def identification_report(fit: Identification, log: Log) -> Report:
     return Report(
         f"Identification of {fit.vehicle.name}",
         summary,
-        fit.record(),
+        {**fit.record(), "quality": quality_record(log.quality)},
         tuple(sections),
         drawings,
         {},
         tuple(lines),
     )
+
+
+def _quality(log: Log) -> list[dict[str, object]]:
+    return [quality_table(log.quality)] if log.quality else []
 
 
 def _notes(fit: Identification, log: Log) -> list[dict[str, object]]:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import polars as pl
 
 from ivsid import figures, report, units
 from ivsid.errors import IvsidError
-from ivsid.log import numeric, read_table
+from ivsid.log import open_source
 from ivsid.records import envelope
 from ivsid.report import Report, Section
 from ivsid.results import bollard_record
@@ -31,12 +31,18 @@ def thrust(
 ) -> Report:
     """Reads a bollard-pull table, fits the candidates, says which to use."""
     progress("reading")
-    frame, digest = read_table(path)
-    demand_name = _column(frame, demand_column, DEMANDS, "demand", path)
-    thrust_name = _column(frame, thrust_column, THRUSTS, "thrust", path)
-    symbol = unit or _unit(thrust_name)
-    factor = units.factor(symbol, units.FORCE, f"column {thrust_name}")
-    demand, force = numeric(frame, demand_name, str(path)), numeric(frame, thrust_name, str(path)) * factor
+    with open_source(path) as source:
+        demand_name = _column(source.columns, demand_column, DEMANDS, "demand", path)
+        thrust_name = _column(source.columns, thrust_column, THRUSTS, "thrust", path)
+        symbol = unit or _unit(thrust_name)
+        factor = units.factor(symbol, units.FORCE, f"column {thrust_name}")
+        cells = source.numeric([demand_name, thrust_name])
+        digest = source.sha256
+    demand, force = cells[demand_name], cells[thrust_name] * factor
+    if demand.size != force.size:
+        raise IvsidError(
+            f"{path}: {demand_name} and {thrust_name} have {demand.size} and {force.size} rows; a table pairs them"
+        )
     there = np.isfinite(demand) & np.isfinite(force)
     demand, force = demand[there], force[there]
     if demand.size < 3:
@@ -158,17 +164,17 @@ def _thruster(curve: str, neutral: float, accuracy: float) -> str:
     return f'[[thrusters]]\nname = "name"\nposition = [0.0, 0.0]\nazimuth = 0.0\n{shift}{curve}\n{bound}'
 
 
-def _column(frame: pl.DataFrame, given: str | None, hints: tuple[str, ...], what: str, path: str | Path) -> str:
+def _column(columns: Sequence[str], given: str | None, hints: tuple[str, ...], what: str, path: str | Path) -> str:
     if given is not None:
-        if given not in frame.columns:
-            raise IvsidError(f"{path} has no column {given}; it has {', '.join(frame.columns)}")
+        if given not in columns:
+            raise IvsidError(f"{path} has no column {given}; it has {', '.join(columns)}")
         return given
     for hint in hints:
-        found = [c for c in frame.columns if hint in c.lower()]
+        found = [c for c in columns if hint in c.lower()]
         if found:
             return found[0]
     raise IvsidError(
-        f"{path} has no column that looks like a {what} ({', '.join(hints)}); name it with --{what}-column (it has {', '.join(frame.columns)})"
+        f"{path} has no column that looks like a {what} ({', '.join(hints)}); name it with --{what}-column (it has {', '.join(columns)})"
     )
 
 

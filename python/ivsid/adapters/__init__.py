@@ -1,0 +1,14 @@
+"""Public data sets, from a folder that the user has, as logs and tables of the contract. The data are never part of this package."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final
+
+from ivsid.adapters.cse1 import read_cse1
+from ivsid.adapters.imported import Imported, Part, Table
+from ivsid.adapters.rov30k import read_rov30k
+from ivsid.adapters.t200 import read_t200
+
+ADAPTERS: Final[dict[str, Callable[[Path], Imported]]] = {"cse1": read_cse1, "rov30k": read_rov30k, "t200": read_t200}
+
+__all__ = ["ADAPTERS", "Imported", "Part", "Table", "read_cse1", "read_rov30k", "read_t200"]

@@ -1,0 +1,98 @@
+"""What an adapter makes of a folder."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars as pl
+from numpy.typing import NDArray
+
+from ivsid.errors import IvsidError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Part:
+    """A log in the contract's columns; NaN is a missing sample. ``notes`` say what was left out, and why."""
+
+    t: Array
+    columns: Mapping[str, Array]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """As CSV; the decimals read back as the same doubles, a missing sample is an empty cell."""
+        frame = pl.DataFrame({"t": self.t, **self.columns})
+        return frame.with_columns(pl.all().fill_nan(None)).write_csv()
+
+
+@dataclass(frozen=True)
+class Table:
+    """Thrust [N] by demand, averaged over each run of a bollard pull."""
+
+    demand: Array
+    thrust: Array
+    demand_name: str = "demand"
+    notes: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """As CSV, for ``ivsid thrust``."""
+        return pl.DataFrame({self.demand_name: self.demand, "thrust (N)": self.thrust}).write_csv()
+
+
+@dataclass(frozen=True)
+class Imported:
+    """All that a data set gives.
+
+    Attributes:
+        title: of the set.
+        logs: by file name without ending.
+        tables: bollard pulls, likewise.
+        others: further CSV tables: columns by name.
+        vehicle: name of the vehicle file that goes with it, in the package; None where the set has no vehicle.
+        facts: numbers that were read off, for result.json; none of them is a bound.
+        notes: what a user has to know before using the files.
+        inputs: name and SHA-256 of every file that was read.
+    """
+
+    title: str
+    logs: Mapping[str, Part] = field(default_factory=dict)
+    tables: Mapping[str, Table] = field(default_factory=dict)
+    others: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
+    vehicle: str | None = None
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    inputs: tuple[tuple[str, str], ...] = ()
+
+
+def files_in(folder: Path, patterns: Sequence[str], what: str, where: str) -> list[list[Path]]:
+    """The files of a folder, for each pattern at least one.
+
+    Raises:
+        IvsidError: the folder or a kind of file is not there; says what is expected, and where the set can be had.
+    """
+    if not folder.is_dir():
+        raise IvsidError(f"{folder} is not a folder; give the folder of {what}, which can be had from {where}")
+    found = [sorted(folder.glob(p)) for p in patterns]
+    for pattern, files in zip(patterns, found, strict=True):
+        if not files:
+            raise IvsidError(f"{folder} has no {pattern}; give the folder of {what}, which can be had from {where}")
+    return found
+
+
+def digests(folder: Path, files: Sequence[Path]) -> tuple[tuple[str, str], ...]:
+    """Name below the folder and SHA-256 of each file."""
+    return tuple((p.relative_to(folder).as_posix(), hashlib.sha256(p.read_bytes()).hexdigest()) for p in files)
+
+
+def runs(flags: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Lengths of the stretches of true values."""
+    edges = np.flatnonzero(np.diff(np.r_[0, flags.astype(np.int8), 0]))
+    return np.asarray(edges[1::2] - edges[::2], dtype=np.int64)

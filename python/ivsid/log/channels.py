@@ -1,0 +1,218 @@
+"""Foreign columns to the contract's channels: names, scales, missing markers, frames, attitude."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.errors import IvsidError
+from ivsid.log.source import Source
+from ivsid.log_map import Column, LogMap, TimeColumn
+
+COLUMNS: Final = (
+    *("u", "v", "r", "udot", "vdot", "rdot", "ax", "ay", "psi", "x", "y"),
+    *("force_X", "force_Y", "moment_N", "wind_speed", "wind_direction"),
+    *("qw", "qx", "qy", "qz", "velocity_north", "velocity_east", "depth", "voltage"),
+)
+QUATERNION: Final = ("qw", "qx", "qy", "qz")
+# One column a thruster: its demand, and where it points.
+DEMAND: Final = "demand_"
+BY_THRUSTER: Final = (DEMAND, "azimuth_", "rudder_")
+# What a turn of the body axes from forward-left-up to forward-right-down does; earth axes are handled apart.
+_FLU_FLIPPED: Final = ("v", "r", "vdot", "rdot", "ay", "force_Y", "moment_N")
+_FLU_ANGLES: Final = ("psi", "wind_direction")
+# Below this cosine of the pitch a heading means nothing.
+UPRIGHT: Final = 0.1
+# Float evaluation of a heading from a quaternion of norm 1, with the pitch above: about 1e-15 / UPRIGHT.
+HEADING_ROUNDING: Final = 1e-13
+
+Array = NDArray[np.float64]
+Clocked = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Where a channel comes from: table, column, and the stamps it stands on."""
+
+    column: Column
+    table: str
+    name: str
+    clock: Clocked
+    stamps: TimeColumn
+
+
+@dataclass(frozen=True)
+class Channel:
+    """Values on a clock, and what a conversion of each may have lost (None: nothing beside its decimals)."""
+
+    values: Array
+    clock: Clocked
+    lost: Array | None = None
+
+
+def rules_of(source: Source, mapping: LogMap) -> tuple[dict[str, Rule], tuple[str, ...]]:
+    """The rule of every channel that the source has, and the columns that nothing uses.
+
+    Raises:
+        IvsidError: a map to or from something that does not exist.
+    """
+    _check_targets(mapping)
+    several = len(source.tables) > 1
+    bare = {c for table in source.tables.values() for c in table.columns}
+    known = [c for c in COLUMNS if c in bare or c in mapping.columns]
+    foreign = [c for t in source.tables.values() for c in t.columns]
+    demands = [c for c in (*foreign, *mapping.columns) if c.startswith(DEMAND)]
+    # An angle belongs to a thruster that the log knows; another column may be called rudder_mode and hold words.
+    names = [c.removeprefix(DEMAND) for c in demands]
+    angles = [p + n for p in BY_THRUSTER[1:] for n in names if p + n in foreign]
+    thrusters = [*demands, *angles, *(c for c in mapping.columns if c.startswith(BY_THRUSTER[1:]))]
+    rules: dict[str, Rule] = {}
+    used: set[tuple[str, str]] = set()
+    for wanted in dict.fromkeys((*known, *thrusters)):
+        given = mapping.columns.get(wanted, wanted)
+        column = given if isinstance(given, Column) else Column.model_validate({"from": given})
+        found = source.find(column.from_)
+        if found is None:
+            if wanted in mapping.columns:
+                raise IvsidError(
+                    f"{source.name} has no column {column.from_}, which [log] maps to {wanted}; it has {_some(source)}"
+                )
+            continue
+        table, name = found
+        stamps, clock = _clock(source, mapping, table, column)
+        rules[wanted] = Rule(column, table, name, clock, stamps)
+        used |= {found, clock}
+    if not rules and not several:
+        table = next(iter(source.tables))
+        used.add(_clock(source, mapping, table, None)[1])
+    ignored = tuple(
+        f"{t}/{c}" if t else c for t, table in source.tables.items() for c in table.columns if (t, c) not in used
+    )
+    return rules, ignored
+
+
+def _some(source: Source, most: int = 16) -> str:
+    names = source.columns
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+
+
+def _check_targets(mapping: LogMap) -> None:
+    for name in mapping.columns:
+        if name not in COLUMNS and name != "t" and not name.startswith(BY_THRUSTER):
+            raise IvsidError(f"[log] columns maps '{name}', which is no column of a log; see the table of columns")
+    for name in mapping.rates:
+        if name not in COLUMNS and not name.startswith(BY_THRUSTER[1:]):
+            raise IvsidError(f"[log] rates has '{name}', which is no channel that is interpolated; name one such as u")
+    if isinstance(mapping.columns.get("t"), Column):
+        raise IvsidError(
+            '[log] columns maps t with a table; write time = { from = "...", unit = "..." } under [log] instead'
+        )
+
+
+def row_clock(source: Source, mapping: LogMap, table: str) -> tuple[TimeColumn, Clocked]:
+    """The stamps of a table's rows.
+
+    Raises:
+        IvsidError: where the table has none.
+    """
+    return _clock(source, mapping, table, None)
+
+
+def _clock(source: Source, mapping: LogMap, table: str, column: Column | None) -> tuple[TimeColumn, Clocked]:
+    if column is not None and column.time is not None:
+        found = source.find(column.time.from_)
+        if found is None or found[0] != table:
+            raise IvsidError(
+                f"{source.name} has no column {column.time.from_} beside {column.from_}, whose stamps it should be; "
+                f"it has {_some(source)}"
+            )
+        return column.time, found
+    content = source.tables[table]
+    renamed = mapping.columns.get("t")
+    stamps = mapping.time or (TimeColumn.model_validate({"from": renamed}) if isinstance(renamed, str) else None)
+    stamps = stamps or content.clock or TimeColumn()
+    name = stamps.from_.removeprefix(f"{table}/") if table else stamps.from_
+    if name not in content.columns:
+        where = f"{source.name}, table {table}," if table else source.name
+        raise IvsidError(f"{where} has no column {name} for the time; it has {', '.join(list(content.columns)[:12])}")
+    return stamps, (table, name)
+
+
+def converted(values: Array, column: Column, clock: Clocked) -> Channel:
+    """Missing markers, scale and offset."""
+    if column.missing is not None:
+        values = np.where(values == column.missing, np.nan, values)
+    if column.factor == 1.0 and column.offset == 0.0:
+        return Channel(values, clock)
+    scaled = values * column.factor
+    # Three roundings (factor, product, sum), each of half a unit of the larger operand.
+    lost = 4 * np.spacing(np.abs(np.nan_to_num(scaled)) + abs(column.offset))
+    return Channel(scaled + column.offset, clock, lost)
+
+
+def turned(channels: Mapping[str, Channel]) -> dict[str, Channel]:
+    """Forward-left-up body and east-north-up earth axes (REP 103) to forward-right-down and north-east-down.
+
+    The angles of azimuth thrusters and rudders turn with the body axes. Channels that name their direction, such as
+    ``velocity_north``, mean it in any frame.
+    """
+    flipped = (*_FLU_FLIPPED, *(c for c in channels if c.startswith(BY_THRUSTER[1:])))
+    result: dict[str, Channel] = {}
+    for name, c in channels.items():
+        if name in flipped:
+            result[name] = replace(c, values=-c.values)
+        elif name in _FLU_ANGLES:
+            # A quarter turn is no double: half a unit of it, and one rounding of the difference.
+            lost = 2 * np.spacing(np.abs(np.nan_to_num(c.values)) + 2.0)
+            result[name] = replace(c, values=np.pi / 2 - c.values, lost=_sum(c.lost, lost))
+        elif name in ("x", "y"):
+            result["y" if name == "x" else "x"] = c
+        else:
+            result[name] = c
+    if all(q in channels for q in QUATERNION):
+        w, x, y, z = (channels[q].values for q in QUATERNION)
+        half = np.sqrt(0.5)
+        parts = (half * (w + z), half * (x + y), half * (x - y), half * (w - z))
+        for name, part in zip(QUATERNION, parts, strict=True):
+            lost = sum(
+                (c for c in (channels[q].lost for q in QUATERNION) if c is not None), 8 * np.spacing(np.ones_like(w))
+            )
+            result[name] = replace(channels[name], values=part, lost=lost)
+    return result
+
+
+def with_heading(channels: Mapping[str, Channel], source: str) -> tuple[dict[str, Channel], list[str]]:
+    """Adds ``psi`` from the attitude, where only that is there.
+
+    Raises:
+        IvsidError: a part of the quaternion is missing, or stands on another clock.
+    """
+    result = dict(channels)
+    has = [q for q in QUATERNION if q in channels]
+    if not has or "psi" in channels:
+        return result, []
+    lacking = [q for q in QUATERNION if q not in channels]
+    if lacking or len({channels[q].clock for q in QUATERNION}) > 1:
+        raise IvsidError(
+            f"{source} has {', '.join(has)} but not {', '.join(lacking) or 'all four on one clock'}; an attitude needs qw, qx, qy, qz"
+        )
+    w, x, y, z = (channels[q].values for q in QUATERNION)
+    norm = w * w + x * x + y * y + z * z
+    east, north = 2 * (w * z + x * y), w * w + x * x - y * y - z * z
+    usable = (np.abs(norm - 1) < 0.02) & (np.hypot(east, north) > UPRIGHT * norm)
+    psi = np.where(usable, np.arctan2(east, north), np.nan)
+    lost = sum((c for c in (channels[q].lost for q in QUATERNION) if c is not None), np.zeros_like(w))
+    result["psi"] = Channel(psi, channels["qw"].clock, HEADING_ROUNDING + 4 / UPRIGHT * np.nan_to_num(lost))
+    bad = int((~usable & np.isfinite(norm)).sum())
+    notes = ["psi follows from the attitude qw, qx, qy, qz"]
+    if bad:
+        notes.append(f"{bad} attitudes are not of norm 1 or point straight up or down; their heading is missing")
+    return result, notes
+
+
+def _sum(a: Array | None, b: Array) -> Array:
+    return b if a is None else a + b

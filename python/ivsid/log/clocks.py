@@ -1,0 +1,188 @@
+"""Clocks: stamps to seconds without losing digits, and channels of several clocks brought to one, with a stated bound."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Final
+
+import numpy as np
+import polars as pl
+from numpy.typing import NDArray
+
+from ivsid import units
+from ivsid.errors import IvsidError
+from ivsid.log.record import GAP, Clock
+from ivsid.log.source import numbers, stamp_unit
+
+Array = NDArray[np.float64]
+
+EPOCH: Final = 1e6
+# Decimals kept of a large stamp: 23 digits are left before the point.
+DECIMALS: Final = 15
+_SECONDS: Final = {u: Decimal(repr(f)) for u, f in units.TIME.items()}
+
+
+@dataclass(frozen=True)
+class Times:
+    """Stamps in seconds; ``rows`` of the table that they stand for (None: all), what was lost, and the first stamp exactly."""
+
+    t: Array
+    lost: float
+    first: Decimal
+    counted: bool
+    rows: NDArray[np.intp] | None = None
+
+
+def times_of(series: pl.Series, unit: str, source: str, name: str, first_row: int, *, own: bool) -> Times:
+    """Checks and converts one column of stamps. Large stamps (epochs) count from their first one: a double has too few digits.
+
+    Args:
+        series: the stamps with every digit.
+        unit: of the stamps; a column of dates knows its own.
+        source: what messages call the file.
+        name: of the column.
+        first_row: what messages call the first sample.
+        own: a sensor's own stamps beside the rows: a repeated or missing one marks a row without a new sample.
+
+    Raises:
+        IvsidError: a missing stamp, one that is no number, or time that does not increase.
+    """
+    unit = stamp_unit(series) or unit
+    if series.dtype.is_temporal():
+        series = series.to_physical()
+    scale = units.factor(unit, units.TIME, f"column {name}")
+    stamps = numbers(series, name, source, first_row)
+    rows = None
+    if own:
+        new = np.isfinite(stamps)
+        known = np.flatnonzero(new)
+        new[known[1:]] = stamps[known[1:]] != stamps[known[:-1]]
+        rows = np.flatnonzero(new)
+        stamps, series = stamps[rows], series.gather(rows)
+    if stamps.size < 2:
+        what = "stamp" if own else "row"
+        raise IvsidError(f"{source} has {stamps.size} {what}{'s' * (stamps.size != 1)}; at least 2 samples are needed")
+    if np.isnan(stamps).any():
+        row = int(np.argmax(np.isnan(stamps)))
+        raise IvsidError(f"{source}: the time is missing in row {row + first_row}; every row needs one")
+    first = _decimal(series[0]) * _SECONDS[unit]
+    counted = bool(abs(stamps[0]) > EPOCH or scale != 1.0)
+    t, lost = _since_first(series, stamps, scale) if counted else (stamps, 0.0)
+    steps = np.diff(t)
+    if (steps <= 0).any():
+        k = int(np.argmax(steps <= 0))
+        row = (k + 1 if rows is None else int(rows[k + 1])) + first_row
+        raise IvsidError(
+            f"{source}: time goes from {t[k]:.6g} s to {t[k + 1]:.6g} s at row {row}; it must increase strictly: "
+            "sort the log or drop repeated rows"
+        )
+    return Times(t, lost, first, counted, rows)
+
+
+def loses_digits(series: pl.Series, unit: str) -> bool:
+    """Whether doubles are too short for these stamps, so that they have to be read again with every digit."""
+    if not series.dtype.is_float():
+        return False
+    largest = series.abs().max()
+    return isinstance(largest, float) and (largest > EPOCH or unit != "s")
+
+
+def _decimal(stamp: object) -> Decimal:
+    return Decimal(stamp.strip()) if isinstance(stamp, str) else Decimal(str(stamp))
+
+
+def _since_first(series: pl.Series, stamps: Array, scale: float) -> tuple[Array, float]:
+    kind = pl.Decimal(38, DECIMALS)
+    try:
+        exact = series.str.strip_chars().cast(kind) if series.dtype == pl.String else series.cast(kind)
+        difference, lost = (exact - exact[0]).cast(pl.Float64).to_numpy(), 2 * 10.0**-DECIMALS
+    except pl.exceptions.PolarsError:
+        difference, lost = stamps - stamps[0], 2 * float(np.spacing(np.abs(stamps).max()))
+    t = np.asarray(difference * scale, dtype=np.float64)
+    return t, scale * lost + 2 * float(np.spacing(np.abs(t).max()))
+
+
+def together(times: Mapping[tuple[str, str], Times], source: str) -> dict[tuple[str, str], Array]:
+    """The stamps of all clocks from one common zero: that of the files, or the earliest stamp where any counts from its first.
+
+    Raises:
+        IvsidError: clocks that never run at the same time, so that they cannot count from the same zero.
+    """
+    shifted = {k: x.t for k, x in times.items()}
+    if len(times) > 1 and any(x.counted for x in times.values()):
+        origin = min(x.first for x in times.values())
+        for key, x in times.items():
+            shifted[key] = (x.t if x.counted else x.t - x.t[0]) + float(x.first - origin)
+    last, first = max(shifted, key=lambda k: shifted[k][0]), min(shifted, key=lambda k: shifted[k][-1])
+    if shifted[last][0] > shifted[first][-1]:
+        spans = [f"{'/'.join(k).lstrip('/')} from {shifted[k][0]:.6g} to {shifted[k][-1]:.6g} s" for k in (first, last)]
+        raise IvsidError(
+            f"{source}: the clocks {spans[0]} and {spans[1]} never run at the same time; they count from different zeros, "
+            "or in other units than [log] time says: bring them to one zero first"
+        )
+    return shifted
+
+
+def held(rows: Array, t: Array, values: Array, clock_error: float) -> tuple[Array, Array]:
+    """A demand on the rows: between which values it stood from each row to the next, as middle and half-width.
+
+    Missing before the first sample and after the last one.
+    """
+    until = np.r_[rows[1:], rows[-1]]
+    first = np.searchsorted(t, rows - clock_error, side="right") - 1
+    last = np.maximum(np.searchsorted(t, until + clock_error, side="left") - 1, first)
+    last[-1] = max(int(np.searchsorted(t, rows[-1] + clock_error, side="right")) - 1, int(first[-1]))
+    padded = np.r_[values, np.nan]
+    begin = np.maximum(first, 0)
+    pairs = np.c_[begin, np.maximum(last, begin) + 1].ravel()
+    low = np.minimum.reduceat(padded, pairs)[::2]
+    high = np.maximum.reduceat(padded, pairs)[::2]
+    away = (first < 0) | (rows > t[-1] + GAP * np.median(np.diff(t)))
+    middle = np.where(away, np.nan, low + 0.5 * (high - low))
+    return middle, np.where(high > low, np.nextafter(0.5 * (high - low), np.inf) + 2 * np.spacing(np.abs(middle)), 0.0)
+
+
+def nearest(rows: Array, t: Array, within: float) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """The sample next to each row, and whether it stands at the same moment, to within what rounding may have moved it [s]."""
+    after = np.clip(np.searchsorted(t, rows), 0, t.size - 1)
+    before = np.maximum(after - 1, 0)
+    place = np.where(np.abs(t[before] - rows) < np.abs(t[after] - rows), before, after)
+    return place, np.abs(t[place] - rows) <= within
+
+
+def between(rows: Array, t: Array, values: Array, lost: Array, rate: float, clock_error: float) -> tuple[Array, Array]:
+    """A channel on other times: linear between its two neighbours, with a bound on how far the truth can be from that.
+
+    A quantity that moves at most ``rate`` a second is, a time a after one sample and b before the next, at most
+    2 rate a b / (a + b) from the straight line between them. Missing outside the samples and inside gaps.
+
+    Args:
+        rows: times wanted [s], shape (n,).
+        t: times of the samples [s], shape (m,).
+        values: samples, shape (m,), none missing.
+        lost: what each may already be off, shape (m,).
+        rate: bound on the rate of change.
+        clock_error: how far the two clocks may disagree, reading included [s].
+
+    Returns:
+        Values and half-widths, shape (n,); NaN is missing.
+    """
+    j = np.clip(np.searchsorted(t, rows, side="right") - 1, 0, t.size - 2)
+    a, b = rows - t[j], t[j + 1] - rows
+    span = t[j + 1] - t[j]
+    usable = (a >= 0) & (b >= 0) & (span <= GAP * np.median(np.diff(t)))
+    line = values[j] + (values[j + 1] - values[j]) * (a / span)
+    reach = 2 * rate * np.maximum(a, 0) * np.maximum(b, 0) / span + rate * clock_error
+    size = np.maximum(np.abs(values[j]), np.abs(values[j + 1]))
+    off = reach * (1 + 1e-12) + np.maximum(lost[j], lost[j + 1]) + 8 * np.spacing(size)
+    exact = (a == 0) | (b == 0)
+    line = np.where(a == 0, values[j], np.where(b == 0, values[j + 1], line))
+    own = np.where(a == 0, lost[j], lost[j + 1]) + rate * clock_error
+    return np.where(usable | exact, line, np.nan), np.where(exact, own, off)
+
+
+def clock_of(t: Array) -> Clock:
+    """How many samples a channel has, and how close they stand."""
+    return Clock(t.size, float(np.diff(t).min()) if t.size > 1 else 0.0)

@@ -1,0 +1,124 @@
+"""ArduPilot DataFlash logs (.bin), by the optional package pymavlink. A message type is a table, a field a column."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import io
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import polars as pl
+
+from ivsid.errors import IvsidError
+from ivsid.log.source import Table
+from ivsid.log_map import TimeColumn
+
+CLOCK: Final = "TimeUS"
+OWN: Final = TimeColumn.model_validate({"from": CLOCK, "unit": "us"})
+# What describes the log itself.
+DESCRIPTIVE: Final = ("FMT", "FMTU", "UNIT", "MULT", "PARM", "MSG", "FILE", "VER")
+
+
+@dataclass(frozen=True)
+class Messages:
+    """The messages of one type, of one instance where a vehicle has several of a kind (``IMU[1]``)."""
+
+    reader: Any
+    type: str
+    instance: tuple[str, int] | None
+    name: str
+    columns: tuple[str, ...]
+    clock: TimeColumn | None = OWN
+    first_row: int = 1
+
+    def read(self, names: Sequence[str]) -> dict[str, pl.Series]:
+        """The fields, scaled as the log itself says."""
+        found: dict[str, list[Any]] = {n: [] for n in names}
+
+        def take(message: Any) -> None:
+            if self.instance is None or getattr(message, self.instance[0]) == self.instance[1]:
+                for n, values in found.items():
+                    values.append(getattr(message, n))
+
+        _each(self.reader, self.type, self.name, take)
+        return {n: pl.Series(n, v, dtype=pl.UInt64 if n == CLOCK else pl.Float64) for n, v in found.items()}
+
+    def exact(self, name: str) -> pl.Series:
+        """One field; the clock as integers."""
+        return self.read([name])[name]
+
+
+def open_dataflash(path: Path, name: str, stack: ExitStack) -> Mapping[str, Table]:
+    """The message types of a DataFlash log.
+
+    Raises:
+        IvsidError: a damaged log, one without timed messages, or a missing reader.
+    """
+    try:
+        dfreader = importlib.import_module("pymavlink.DFReader")
+    except ImportError:
+        raise IvsidError(
+            f"{name} is a DataFlash log; reading it needs the package pymavlink: pip install 'ivsid[ardupilot]'"
+        ) from None
+    base = dfreader.DFReader_binary
+    # The quicker index of the package is compiled and writes past any silence.
+    quiet: Any = type("Quiet", (base,), {"init_arrays_fast": base.init_arrays})
+    reader = quiet.__new__(quiet)
+    stack.callback(_close, reader)
+    try:
+        with _silence():
+            reader.__init__(str(path))
+    except Exception as error:
+        raise _damaged(name, error) from None
+    tables: dict[str, Table] = {}
+    for number, layout in sorted(reader.formats.items()):
+        fields = tuple(c for c, kind in zip(layout.columns, layout.msg_types, strict=False) if kind in (int, float))
+        if layout.name in DESCRIPTIVE or CLOCK not in fields or not reader.counts[number]:
+            continue
+        if layout.instance_field is None:
+            tables[layout.name] = Messages(reader, layout.name, None, name, fields)
+            continue
+        key = layout.instance_field
+        seen: set[int] = set()
+        _each(reader, layout.name, name, lambda m, key=key, seen=seen: seen.add(getattr(m, key)))  # type: ignore[misc]
+        for each in sorted(seen):
+            tables[f"{layout.name}[{each}]"] = Messages(reader, layout.name, (key, each), name, fields)
+    if not tables:
+        raise IvsidError(f"{name} holds no timed message; give a complete DataFlash log (.bin)")
+    return tables
+
+
+def _close(reader: Any) -> None:
+    """Releases the file, also where the reader gave up half-way."""
+    for part in ("data_map", "filehandle"):
+        # A view that the reader's index still holds keeps the map open; it goes with the reader.
+        with contextlib.suppress(BufferError):
+            if hasattr(reader, part):
+                getattr(reader, part).close()
+
+
+def _each(reader: Any, kind: str, name: str, take: Callable[[Any], None]) -> None:
+    """Hands over every message of a type."""
+    reader.rewind()
+    try:
+        with _silence():
+            while (message := reader.recv_match(type=kind, strict=True)) is not None:
+                take(message)
+    except Exception as error:
+        raise _damaged(name, error) from None
+
+
+@contextlib.contextmanager
+def _silence() -> Iterator[None]:
+    """The reader says on the terminal what it skips; a log that ends in the middle of a message is usual."""
+    with contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):
+        yield
+
+
+def _damaged(name: str, error: Exception) -> IvsidError:
+    words = (str(error).splitlines() or [type(error).__name__])[0]
+    return IvsidError(f"{name} is not a readable DataFlash log ({words}); download it from the vehicle again")

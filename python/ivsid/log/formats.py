@@ -1,0 +1,196 @@
+"""Which reader a file needs: told by its first bytes, or by its ending where the bytes say nothing."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import shutil
+import tempfile
+import zlib
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import polars as pl
+
+from ivsid.errors import IvsidError
+from ivsid.log.dataflash import open_dataflash
+from ivsid.log.matlab import open_matlab
+from ivsid.log.rosbag import open_bag
+from ivsid.log.source import Source, Table
+from ivsid.log.text import open_text
+from ivsid.log_map import TimeColumn
+
+# MATLAB v5 files begin with words; a v4 file is told by its ending.
+MATLAB_5: Final = b"MATLAB 5.0 MAT-file"
+MATLAB_73: Final = (b"MATLAB 7.3 MAT-file", b"\x89HDF\r\n\x1a\n")
+GZIP: Final = b"\x1f\x8b"
+MCAP: Final = b"\x89MCAP0\r\n"
+SQLITE: Final = b"SQLite format 3\x00"
+ROS_1: Final = b"#ROSBAG V2.0"
+DATAFLASH: Final = b"\xa3\x95\x80"
+TABLES: Final = (".csv", ".csv.gz", ".parquet", ".parquet.gz")
+
+
+@contextmanager
+def open_source(path: str | Path) -> Iterator[Source]:
+    """Any log: CSV or Parquet (plain or gzip), MATLAB, a ROS bag, DataFlash, or a folder of CSV and Parquet files.
+
+    Raises:
+        IvsidError: an unreadable, empty, binary or unknown file, or a missing optional reader.
+    """
+    given = Path(path)
+    with ExitStack() as stack:
+        plain = _regular(given, stack)
+        files = _files(plain, str(given))
+        digest = stack.enter_context(ThreadPoolExecutor(1)).submit(_hash, files)
+        yield Source(str(given), _tables(plain, str(given), files, stack), digest)
+
+
+def _regular(path: Path, stack: ExitStack) -> Path:
+    """The path itself, or a copy of what comes through a pipe, which can be read only once."""
+    try:
+        if path.is_file() or path.is_dir() or not path.exists():
+            return path
+        copy = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="ivsid-"))) / path.name
+        with path.open("rb") as source, copy.open("wb") as target:
+            shutil.copyfileobj(source, target, 1 << 20)
+    except OSError as error:
+        raise _unreadable(str(path), error) from None
+    return copy
+
+
+def _unreadable(name: str, error: OSError) -> IvsidError:
+    return IvsidError(f"log {name} cannot be read ({error.strerror}); give the path of a CSV or Parquet file")
+
+
+def _hash(files: Sequence[Path]) -> str:
+    if len(files) == 1:
+        with files[0].open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    whole = hashlib.sha256()
+    for each in files:
+        whole.update(f"{each.name}:{_hash([each])}\n".encode())
+    return whole.hexdigest()
+
+
+def _files(path: Path, name: str) -> list[Path]:
+    """The files of a log: itself, or those of the folder."""
+    if not path.is_dir():
+        try:
+            with path.open("rb"):
+                return [path]
+        except OSError as error:
+            raise _unreadable(name, error) from None
+    files = sorted(p for p in path.iterdir() if p.is_file())
+    if not (_is_bag(path) or any(_is_table(p) for p in files)):
+        raise IvsidError(
+            f"folder {name} holds neither a ROS 2 bag (metadata.yaml) nor a CSV or Parquet file; give a log file"
+        )
+    return files if _is_bag(path) else [p for p in files if _is_table(p)]
+
+
+def _tables(path: Path, name: str, files: Sequence[Path], stack: ExitStack) -> Mapping[str, Table]:
+    """The tables of a log; what they need for reading is released with the stack."""
+    if path.is_dir():
+        if _is_bag(path):
+            return open_bag(path, name, stack)
+        tables: dict[str, Table] = {}
+        for each in files:
+            stem = next(each.name[: -len(e)] for e in TABLES if each.name.lower().endswith(e))
+            if stem in tables:
+                raise IvsidError(f"folder {name} holds two tables named {stem}; rename one")
+            tables[stem] = _table(each, str(each), stack)
+        return tables
+    head, ending = _head(path), path.suffix.lower()
+    if head.startswith(MATLAB_73):
+        raise IvsidError(
+            f"{name} is a MATLAB 7.3 file; save it with the option -v7, or export the log as CSV, and read that"
+        )
+    if head.startswith(MATLAB_5) or ending == ".mat":
+        return open_matlab(path, name)
+    if head.startswith((MCAP, SQLITE, ROS_1)) or ending in (".mcap", ".db3", ".bag"):
+        return open_bag(path, name, stack)
+    if head.startswith(DATAFLASH) or ending == ".bin":
+        return open_dataflash(path, name, stack)
+    return {"": _table(path, name, stack)}
+
+
+def _is_bag(folder: Path) -> bool:
+    return (folder / "metadata.yaml").is_file()
+
+
+def _is_table(path: Path) -> bool:
+    return path.name.lower().endswith(TABLES)
+
+
+def _head(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(64)
+
+
+def _table(path: Path, name: str, stack: ExitStack) -> Table:
+    """CSV or Parquet, plain or gzip. What is packed is laid down once as a plain file: it need not fit in memory."""
+    if _head(path).startswith(GZIP):
+        plain = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="ivsid-"))) / "log"
+        try:
+            with gzip.open(path) as packed, plain.open("wb") as target:
+                shutil.copyfileobj(packed, target, 1 << 20)
+        except (gzip.BadGzipFile, EOFError, zlib.error):
+            raise IvsidError(f"{name} is a damaged gzip file; copy it again") from None
+        except OSError as error:
+            raise IvsidError(
+                f"{name} cannot be unpacked ({error.strerror}); make room, or unpack it yourself"
+            ) from None
+        path = plain
+    if _head(path).startswith(b"PAR1"):
+        return _parquet(path, name)
+    return open_text(path, name)
+
+
+@dataclass(frozen=True)
+class Parquet:
+    """A Parquet file."""
+
+    path: Path
+    name: str
+    names: dict[str, str]
+    clock: TimeColumn | None = None
+    first_row: int = 1
+
+    @property
+    def columns(self) -> list[str]:
+        """Its names, without blanks around them."""
+        return list(self.names)
+
+    def read(self, names: Sequence[str]) -> dict[str, pl.Series]:
+        """The columns as they are."""
+        try:
+            frame = pl.read_parquet(self.path, columns=[self.names[n] for n in names], glob=False)
+        except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
+            raise _unusable(self.name, error) from None
+        return {n: frame[self.names[n]] for n in names}
+
+    def exact(self, name: str) -> pl.Series:
+        """The column as it is."""
+        return self.read([name])[name]
+
+
+def _unusable(name: str, error: BaseException) -> IvsidError:
+    first = (str(error).splitlines() or ["damaged"])[0]
+    return IvsidError(f"{name} is not a readable CSV or Parquet table ({first}); mend or export it again")
+
+
+def _parquet(path: Path, name: str) -> Parquet:
+    try:
+        columns = list(pl.read_parquet_schema(path))
+    except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
+        raise _unusable(name, error) from None
+    stripped = [c.strip() for c in columns]
+    twice = next((n for n in stripped if stripped.count(n) > 1), None)
+    if twice is not None:
+        raise IvsidError(f"{name} has the column {twice} more than once; each needs its own name")
+    return Parquet(path, name, dict(zip(stripped, columns, strict=True)))

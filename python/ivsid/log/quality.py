@@ -1,0 +1,154 @@
+"""What a log's channels are worth: held values, gaps, drop-outs and outliers are reported, and none is mended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.errors import IvsidError
+from ivsid.log.record import GAP, Quality, longest_run
+
+Array = NDArray[np.float64]
+
+HOLDABLE: Final = (
+    *("u", "v", "r", "udot", "vdot", "rdot", "ax", "ay", "x", "y", "psi"),
+    *("velocity_north", "velocity_east"),
+)
+# A spike is this many times the usual change from sample to sample away from both neighbours, on the same side.
+SPIKE: Final = 20.0
+SOME: Final = 100_000
+
+
+def without_held(name: str, values: Array) -> tuple[Array, int, str | None]:
+    """Held values are not measurements: where a channel repeats each value as a rule, repeats become missing samples.
+
+    Returns:
+        The values, how many rows were repeats, and a note.
+    """
+    if name not in HOLDABLE:
+        return values, 0, None
+    missing = np.isnan(values)
+    there = None if not missing.any() else np.flatnonzero(~missing)
+    present = values if there is None else values[there]
+    if present.size < 2:
+        return values, 0, None
+    new = np.empty(present.shape, dtype=bool)
+    new[0] = True
+    np.not_equal(present[1:], present[:-1], out=new[1:])
+    if new.all():
+        return values, 0, None
+    runs = np.diff(np.flatnonzero(new))
+    if not _held(runs):
+        return values, 0, None
+    repeats = np.flatnonzero(~new)
+    kept = values.copy()
+    kept[repeats if there is None else there[repeats]] = np.nan
+    if np.median(runs) >= 2:
+        note = f"{name} holds each value over {runs.mean():.3g} rows; only the first of each run is a measurement"
+    else:
+        note = f"{name} repeats its value in {repeats.size} rows, which are not taken as measurements"
+    return kept, int(repeats.size), note
+
+
+def _held(runs: NDArray[np.int64]) -> bool:
+    """Whether runs of equal values are those of a slower sensor: long as a rule, or of two neighbouring lengths only.
+
+    A coarse but live channel repeats by chance, with runs of any length; one value for ever is a vehicle at rest.
+    """
+    if runs.size < 4 or runs.max() < 2:
+        return False
+    return bool(np.median(runs) >= 2 or runs[1:].max() - runs[1:].min() <= 1)
+
+
+@dataclass(frozen=True)
+class Steps:
+    """The usual and the longest time between two samples [s]."""
+
+    usual: float
+    longest: float
+
+    @staticmethod
+    def of(t: Array) -> Steps:
+        """Those of a clock; 0 where it has one sample."""
+        steps = np.diff(t)
+        return Steps(float(np.median(steps)), float(steps.max())) if steps.size else Steps(0.0, 0.0)
+
+
+def examine(
+    name: str, t: Array, values: Array, held: int, source: str, steps: Steps | None = None
+) -> tuple[Quality, list[str]]:
+    """The quality of a channel on its clock, and the sentences that a user should read.
+
+    Args:
+        name: of the channel.
+        t: its clock [s].
+        values: on it; NaN is a missing sample.
+        held: how many repeats are missing because they are no measurements.
+        source: what messages call the file.
+        steps: of the clock, where they are known already.
+
+    Raises:
+        IvsidError: a channel without any sample.
+    """
+    gone = np.isnan(values)
+    missing = int(np.count_nonzero(gone))
+    if missing == values.size:
+        raise IvsidError(f"{source}: column {name} has no sample at all; fill it or leave the column out")
+    notes = []
+    if missing:
+        notes.append(f"{name} misses {missing} of {gone.size} samples, at most {longest_run(gone)[0]} in a row")
+        there = ~gone
+        times, present = t[there], values[there]
+    else:
+        times, present = t, values
+    spikes = _spikes(name, present)
+    if spikes.size:
+        notes.append(
+            f"{name} has {spikes.size} sample{'s' * (spikes.size > 1)} far from both neighbours, the first at t = "
+            f"{times[spikes[0]]:.6g} s ({present[spikes[0]]:.4g}); {'they are' if spikes.size > 1 else 'it is'} used as "
+            "measured: leave them empty where they are faults"
+        )
+    mine = Steps.of(times) if missing or steps is None else steps
+    quality = Quality(
+        samples=present.size,
+        rate=1.0 / mine.usual if mine.usual else 0.0,
+        missing=missing,
+        longest=mine.longest,
+        held=held,
+        outliers=int(spikes.size),
+        first_outlier=float(times[spikes[0]]) if spikes.size else None,
+        lower=float(present.min()),
+        upper=float(present.max()),
+    )
+    return quality, notes
+
+
+def _spikes(name: str, values: Array) -> NDArray[np.intp]:
+    """Samples that stand out alone. A demand may jump as it likes; angles wrap."""
+    none = np.zeros(0, dtype=np.intp)
+    if name.startswith(("demand_", "azimuth_", "rudder_")) or name in ("psi", "wind_direction") or values.size < 8:
+        return none
+    step = np.diff(values)
+    size = np.abs(step)
+    # The usual change of a long channel is read off a part of it. One of few decimals often does not change at all: then it
+    # is that of the changes that there are.
+    usual = float(np.median(size[:: 1 + size.size // SOME]))
+    if usual == 0.0:
+        moved = size[size > 0]
+        usual = float(np.median(moved)) if moved.size else 0.0
+    limit = SPIKE * usual
+    big = size > limit
+    alone = big[:-1] & big[1:] & (np.signbit(step[:-1]) != np.signbit(step[1:]))
+    return np.flatnonzero(alone) + 1 if usual > 0 else none
+
+
+def gaps(t: Array) -> list[str]:
+    """A note about steps of time that are much longer than the usual one."""
+    steps = np.diff(t)
+    long = steps > GAP * np.median(steps)
+    if not long.any():
+        return []
+    return [f"{int(long.sum())} gaps in time, the longest {steps.max():.3g} s; nothing is filled in"]

@@ -1,0 +1,160 @@
+"""Files of samples, opened: tables whose columns are read when they are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from typing import Final, Protocol
+
+import numpy as np
+import polars as pl
+from numpy.typing import NDArray
+
+from ivsid.errors import IvsidError
+from ivsid.log_map import TimeColumn
+
+MISSING: Final = ("", "nan", "NaN", "NAN", "null")
+# Between a table and its column in the name of a foreign column, where a file holds several tables.
+SEPARATOR: Final = "/"
+_UNIT: Final = {"ns": "ns", "us": "us", "ms": "ms"}
+
+
+class Table(Protocol):
+    """Columns of equal length on one clock."""
+
+    @property
+    def columns(self) -> Sequence[str]:
+        """Their names."""
+
+    @property
+    def clock(self) -> TimeColumn | None:
+        """The stamps that the format itself defines; None where only a name can tell."""
+
+    @property
+    def first_row(self) -> int:
+        """What a message calls the first sample."""
+
+    def read(self, names: Sequence[str]) -> dict[str, pl.Series]:
+        """The columns as they are, or as numbers; a missing cell is null or NaN."""
+
+    def exact(self, name: str) -> pl.Series:
+        """One column with every digit: text, integers or doubles."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A table that is in memory."""
+
+    frame: pl.DataFrame
+    clock: TimeColumn | None = None
+    first_row: int = 2
+
+    @property
+    def columns(self) -> list[str]:
+        """Its names."""
+        return self.frame.columns
+
+    def read(self, names: Sequence[str]) -> dict[str, pl.Series]:
+        """The columns as they are."""
+        return {n: self.frame[n] for n in names}
+
+    def exact(self, name: str) -> pl.Series:
+        """The column as it is."""
+        return self.frame[name]
+
+
+@dataclass(frozen=True)
+class Source:
+    """An opened file or folder.
+
+    Attributes:
+        name: as the user gave it, for messages.
+        tables: by name; a file that is one table has the name "".
+        digest: the running hash of its bytes.
+    """
+
+    name: str
+    tables: Mapping[str, Table]
+    digest: Future[str] = field(repr=False)
+
+    @property
+    def sha256(self) -> str:
+        """Hash of the bytes of the file, or of all files of the folder in order."""
+        return self.digest.result()
+
+    @property
+    def columns(self) -> list[str]:
+        """Every column's name; ``TABLE/column`` where there are several tables."""
+        return [f"{t}{SEPARATOR}{c}" if t else c for t, table in self.tables.items() for c in table.columns]
+
+    def find(self, name: str) -> tuple[str, str] | None:
+        """Table and column of a name; a bare column where only one table has it."""
+        for table, content in self.tables.items():
+            if table and name.startswith(table + SEPARATOR) and name[len(table) + 1 :] in content.columns:
+                return table, name[len(table) + 1 :]
+        holders = [t for t, content in self.tables.items() if name in content.columns]
+        if len(holders) > 1:
+            raise IvsidError(
+                f"{self.name}: column {name} stands in {', '.join(holders)}; map the one that is meant, "
+                f'as "{holders[0]}{SEPARATOR}{name}" under [log] columns'
+            )
+        return (holders[0], name) if holders else None
+
+    def shown(self, table: str, column: str) -> str:
+        """The column's full name, for messages."""
+        return f"{table}{SEPARATOR}{column}" if table else column
+
+    def numeric(self, names: Iterable[str]) -> dict[str, NDArray[np.float64]]:
+        """Columns by their full names as float64, NaN where a cell is missing.
+
+        Raises:
+            IvsidError: an unknown column, or the first cell that is no finite number.
+        """
+        places: dict[str, tuple[str, str]] = {}
+        for name in names:
+            place = self.find(name)
+            if place is None:
+                raise IvsidError(f"{self.name} has no column {name}; it has {', '.join(self.columns[:16])}")
+            places[name] = place
+        cells = {
+            table: self.tables[table].read(list(dict.fromkeys(c for t, c in places.values() if t == table)))
+            for table in {t for t, _ in places.values()}
+        }
+        return {
+            name: numbers(cells[t][c], name, self.name, self.tables[t].first_row) for name, (t, c) in places.items()
+        }
+
+
+def numbers(series: pl.Series, name: str, source: str, first_row: int) -> NDArray[np.float64]:
+    """A column as float64, NaN where a cell is missing.
+
+    Raises:
+        IvsidError: the first cell that is no finite number.
+    """
+    if series.dtype == pl.String:
+        text = series.str.strip_chars()
+        text = text.set(text.is_in(list(MISSING)).fill_null(False), None)
+        series = text.cast(pl.Float64, strict=False)
+        bad = (series.is_null() & text.is_not_null()).arg_true()
+        if len(bad):
+            row = int(bad[0])
+            raise IvsidError(
+                f"{source}: column {name} holds '{text[row]}' in row {row + first_row}, which is no number"
+            )
+    if series.dtype.is_temporal() or not (series.dtype.is_numeric() or series.dtype in (pl.Boolean, pl.Null)):
+        raise IvsidError(
+            f"{source}: column {name} is of type {series.dtype}, not numbers; leave it out or export numbers"
+        )
+    values = series.cast(pl.Float64).to_numpy().astype(np.float64, copy=False)
+    if np.isinf(values).any():
+        row = int(np.argmax(np.isinf(values)))
+        raise IvsidError(f"{source}: column {name} is infinite in row {row + first_row}; leave missing samples empty")
+    return values
+
+
+def stamp_unit(series: pl.Series) -> str | None:
+    """The unit that a column of dates or durations has of itself."""
+    if series.dtype in (pl.Datetime, pl.Duration):
+        return _UNIT[str(series.dtype.time_unit)]  # type: ignore[attr-defined]
+    return None

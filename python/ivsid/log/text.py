@@ -1,0 +1,105 @@
+"""CSV: comma, header row, decimal point; read column by column, so that a large file does not have to fit in memory twice."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import polars as pl
+
+from ivsid.errors import IvsidError
+from ivsid.log.source import MISSING
+from ivsid.log_map import TimeColumn
+
+HEAD: Final = 65536
+SEPARATORS: Final = (";", "\t", " ")
+
+
+@dataclass(frozen=True)
+class Text:
+    """A CSV file with a header row."""
+
+    path: Path
+    name: str
+    columns: tuple[str, ...]
+    clock: TimeColumn | None = None
+    first_row: int = 2
+
+    def read(self, names: Sequence[str]) -> dict[str, pl.Series]:
+        """The columns as doubles where every cell is a plain number, as text otherwise."""
+        try:
+            return self._typed(names, pl.Float64())
+        except pl.exceptions.PolarsError:
+            # A cell is no number, or padded: as text, each column can say which.
+            return self._text(names)
+
+    def exact(self, name: str) -> pl.Series:
+        """The column as text."""
+        return self._text([name])[name]
+
+    def _text(self, names: Sequence[str]) -> dict[str, pl.Series]:
+        try:
+            return self._typed(names, pl.String())
+        except pl.exceptions.PolarsError as error:
+            first = str(error).splitlines()[0]
+            raise IvsidError(f"{self.name} is not a readable CSV table ({first}); mend or export it again") from None
+
+    def _typed(self, names: Sequence[str], kind: pl.DataType) -> dict[str, pl.Series]:
+        lazy = pl.scan_csv(
+            self.path,
+            has_header=False,
+            skip_rows=1,
+            schema={c: kind if c in names else pl.String() for c in self.columns},
+            null_values=list(MISSING),
+            encoding="utf8-lossy",
+            glob=False,
+        )
+        # Counting the cells of the other columns makes the reader look at them: a row with too many is then found.
+        others = [pl.col(c).null_count() for c in self.columns if c not in names]
+        frame = lazy.select(*[pl.col(n) for n in names], *others).collect(engine="streaming")
+        return {n: frame[n] for n in names}
+
+
+def open_text(path: Path, name: str) -> Text:
+    """Checks the beginning of a file and reads its header; ``name`` is what messages call it.
+
+    Raises:
+        IvsidError: an empty or binary file, a wrong separator, a column that stands twice.
+    """
+    with path.open("rb") as file:
+        head = file.read(HEAD)
+        if not head.strip():
+            raise IvsidError(f"log {name} is empty; it needs a header row and samples")
+        if b"\x00" in head:
+            raise _binary(name)
+        file.seek(0)
+        first, second = file.readline(1 << 24), file.readline(1 << 24)
+    encoding = "utf-8-sig"
+    try:
+        head[: head.rfind(b"\n") + 1].decode(encoding)
+    except UnicodeDecodeError:
+        encoding = "latin-1"
+    try:
+        header, sample = first.decode(encoding), second.decode(encoding, "replace")
+    except UnicodeDecodeError:
+        raise _binary(name) from None
+    shown = head[:4096].decode(encoding, "ignore")
+    if sum(c.isprintable() or c in "\r\n\t" for c in shown) < 0.98 * len(shown):
+        raise _binary(name)
+    if "," not in header and second and any(s in sample for s in SEPARATORS):
+        raise IvsidError(f"{name} has no comma in its header; a log is comma-separated with a header row")
+    names = [c.strip() for c in next(csv.reader([header.rstrip("\r\n")]))]
+    twice = next((n for n in names if names.count(n) > 1), None)
+    if twice is not None:
+        raise IvsidError(f"{name} has the column {twice} more than once; each needs its own name")
+    return Text(path, name, tuple(names))
+
+
+def _binary(name: str) -> IvsidError:
+    return IvsidError(
+        f"{name} is a binary file, not CSV or Parquet; export the log as CSV first, or give it the ending of its own "
+        "format (.mat, .bin, .mcap, .db3)"
+    )

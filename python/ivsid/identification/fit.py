@@ -11,7 +11,7 @@ import numpy as np
 
 from ivsid.effects import terms_of
 from ivsid.errors import IvsidError
-from ivsid.records import Lower, Upper, envelope, to_json, write_whole
+from ivsid.records import Lower, Upper, envelope, sealed, to_json, write_whole
 from ivsid.vehicle import Vehicle, parse_vehicle
 
 
@@ -126,7 +126,7 @@ class Identification:
     def save(self, path: str | Path) -> None:
         """Writes the result; a path without ``.json`` is a folder that gets a result.json."""
         target = Path(path)
-        write_whole(target if target.suffix == ".json" else target / "result.json", to_json(self.record()) + "\n")
+        write_whole(target if target.suffix == ".json" else target / "result.json", to_json(sealed(self.record())) + "\n")
 
 
 def read_identification(path: str | Path) -> Identification:

@@ -16,7 +16,7 @@ from ivsid.effects import terms_of
 from ivsid.identification import Identification, Parameter
 from ivsid.intervals import EndpointPair, IntervalArray
 from ivsid.log import Log
-from ivsid.records import envelope, to_json
+from ivsid.records import envelope, sealed, to_json
 from ivsid.regression_rows import RegressionRows, build_rows
 from ivsid.report import Report
 from ivsid.results import allan_record, bollard_record, validation_record
@@ -76,7 +76,7 @@ def demo(*, seed: int | None = None, progress: Progress = silent) -> Report:
     sections = sections_of(vehicle, train, curves, table_iii, fits, worth, published_added, narrowed, checks, drawings)
     extra: dict[str, str | bytes] = {"swan.toml": vehicle.text, "train.csv": train.text, "test.csv": test.text}
     extra["truth.json"] = to_json({"train": train.made.truth, "test": test.made.truth}) + "\n"
-    extra["identify/result.json"] = to_json(feasible.record()) + "\n"
+    extra["identify/result.json"] = to_json(sealed(feasible.record())) + "\n"
     lines = lines_of(fits, worth, checks)
     return Report(
         "The paper, end to end: SWAN identified by interval analysis",

@@ -7,6 +7,7 @@ from pathlib import Path
 from ivsid import figures, identification, report
 from ivsid.identification import Identification
 from ivsid.log import Log, read_log
+from ivsid.records import sealed
 from ivsid.regression_rows import WINDOW
 from ivsid.report import Report, Section
 from ivsid.results import quality_record
@@ -60,7 +61,7 @@ def identification_report(fit: Identification, log: Log) -> Report:
     return Report(
         f"Identification of {fit.vehicle.name}",
         summary,
-        {**fit.record(), "quality": quality_record(log.quality)},
+        sealed({**fit.record(), "quality": quality_record(log.quality)}),
         tuple(sections),
         drawings,
         {},

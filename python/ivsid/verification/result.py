@@ -1,0 +1,90 @@
+"""A result.json of ``ivsid identify`` with every number as it is written, checked for its shape."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from ivsid.errors import IvsidError
+from ivsid.seal import KEY, seal_of
+from ivsid.vehicle import Vehicle, parse_vehicle
+
+
+class Damaged(Exception):
+    """A result that is not as ``ivsid identify`` writes it."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a result claims.
+
+    Attributes:
+        record: the file, its decimals as fractions.
+        vehicle: from the text that it carries.
+        sealed: whether its seal is that of its content.
+    """
+
+    record: dict[str, Any]
+    vehicle: Vehicle
+    sealed: bool
+
+
+def read_result(path: str | Path) -> Result:
+    """Reads a result: its folder, or its result.json.
+
+    Raises:
+        IvsidError: the file is missing, is no JSON, or is the result of another command.
+        Damaged: a part that every result of ``ivsid identify`` has is missing or of another kind.
+    """
+    path = Path(path)
+    file = path / "result.json" if path.is_dir() else path
+    try:
+        text = file.read_text()
+    except OSError as error:
+        raise IvsidError(
+            f"result {file} cannot be read ({error.strerror}); give the --out folder of ivsid identify"
+        ) from None
+    except UnicodeDecodeError:
+        raise IvsidError(f"result {file} is not a text; give the --out folder of ivsid identify") from None
+    return parse_result(text, str(file))
+
+
+def parse_result(text: str, source: str) -> Result:
+    """The same from the text of a result."""
+    try:
+        record = json.loads(text, parse_float=_decimal)
+        seal = seal_of(text)
+    except (ValueError, RecursionError):
+        raise IvsidError(f"result {source} is not JSON; give the --out folder of ivsid identify") from None
+    if not isinstance(record, dict) or record.get("command") != "identify":
+        raise IvsidError(f"{source} is not the result of ivsid identify; run that first and give its --out folder")
+    for key, kind in (
+        ("vehicle", str),
+        ("inputs", list),
+        ("method", str),
+        ("status", str),
+        ("guaranteed", bool),
+        ("parameters", dict),
+        ("options", dict),
+        ("certificates", list),
+        ("contradictions", list),
+        ("assumes", list),
+    ):
+        if not isinstance(record.get(key), kind):
+            raise Damaged(f"'{key}' is missing or of another kind")
+    try:
+        vehicle = parse_vehicle(record["vehicle"], "the vehicle of the result")
+    except IvsidError as error:
+        raise Damaged(str(error)) from None
+    return Result(record, vehicle, record.get(KEY) == seal)
+
+
+def _decimal(text: str) -> Fraction:
+    # A decimal with a huge exponent would be a number of as many digits.
+    mantissa, _, exponent = text.lower().partition("e")
+    if len(mantissa) > 400 or abs(int(exponent or 0)) > 400:
+        raise ValueError("a number without use")
+    return Fraction(text)

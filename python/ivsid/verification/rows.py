@@ -18,7 +18,7 @@ from ivsid.verification.readings import Readings
 from ivsid.verification.thrusters import Thrusters, Unproved
 
 HALF: Final = Fraction(1, 2)
-_STILL: Final = Range(0)
+_STILL: Final = moving(0)
 
 
 @dataclass(frozen=True)

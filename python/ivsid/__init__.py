@@ -13,6 +13,7 @@ from ivsid.intervals import EndpointPair, Interval, IntervalArray
 from ivsid.log import Log, read_log
 from ivsid.validation import Validation, validate
 from ivsid.vehicle import Vehicle, read_vehicle
+from ivsid.verification import Verification, verify
 
 __version__ = version("ivsid")
 
@@ -26,6 +27,7 @@ __all__ = [
     "Parameter",
     "Validation",
     "Vehicle",
+    "Verification",
     "__version__",
     "identify",
     "linalg",
@@ -33,4 +35,5 @@ __all__ = [
     "read_vehicle",
     "regression",
     "validate",
+    "verify",
 ]

@@ -146,6 +146,17 @@ def identify(
 
 
 @app.command()
+def verify(
+    result: Annotated[Path, typer.Argument(help="Folder or result.json of ivsid identify.")],
+    log: Annotated[Path, typer.Argument(help="The log that was identified.")],
+    out: Out = None,
+    json: Json = False,
+) -> None:
+    """Check an identification's certificates in exact arithmetic, without the core."""
+    _run("verify", out, json, lambda w, p: w.verify(result, log, progress=p))
+
+
+@app.command()
 def validate(
     fit: Annotated[Path, typer.Argument(help="Folder or result.json of ivsid identify.")],
     log: Annotated[Path, typer.Argument(help="Another log, as for identify.")],

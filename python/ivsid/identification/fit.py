@@ -126,7 +126,9 @@ class Identification:
     def save(self, path: str | Path) -> None:
         """Writes the result; a path without ``.json`` is a folder that gets a result.json."""
         target = Path(path)
-        write_whole(target if target.suffix == ".json" else target / "result.json", to_json(sealed(self.record())) + "\n")
+        write_whole(
+            target if target.suffix == ".json" else target / "result.json", to_json(sealed(self.record())) + "\n"
+        )
 
 
 def read_identification(path: str | Path) -> Identification:

@@ -14,7 +14,7 @@ from ivsid.verification.multipliers import HalfSpace, contradict, half_space, le
 from ivsid.verification.rational import Range
 from ivsid.verification.result import Result
 from ivsid.verification.rows import Rows
-from ivsid.verification.thrusters import Unproved
+from ivsid.verification.thrusters import UnprovedError
 
 CLAIMS: Final = ("enclosed", "empty", "unbounded")
 Cell = tuple[int, ...]
@@ -66,7 +66,7 @@ class Checker:
     def _trying(self, what: str) -> Iterator[None]:
         try:
             yield
-        except Unproved as error:
+        except UnprovedError as error:
             self.failures.append(f"{what}: {error}")
         except (KeyError, TypeError, ValueError, AttributeError, IndexError, ArithmeticError, AssertionError) as error:
             self.failures.append(f"{what}: cannot be read or recomputed ({type(error).__name__}: {error})")
@@ -91,48 +91,52 @@ class Checker:
             self.failures.append(f"the status: {record['status']} claims nothing that could be proved")
         guaranteed = self.result.vehicle.sensors.sigmas is None
         if record["guaranteed"] != guaranteed:
-            rule = "under confidence a proved result is guaranteed" if guaranteed else "under sigmas nothing is guaranteed"
+            rule = (
+                "under confidence a proved result is guaranteed" if guaranteed else "under sigmas nothing is guaranteed"
+            )
             self.failures.append(f"guaranteed: {record['guaranteed']} is claimed, but {rule}")
 
     def _certificate(self, certificate: Mapping[str, Any], blocks: dict[int, _Block]) -> None:
         ids = tuple(certificate["orthant"])
         cell = tuple(certificate["orthant"].values())
         if any(s not in (-1, 0, 1) or isinstance(s, bool) for s in cell):
-            raise Unproved("signs are 1, -1, or 0 for both")
+            raise UnprovedError("signs are 1, -1, or 0 for both")
         if not set(ids) <= set(self.rows.terms):
-            raise Unproved(f"the model has no {', '.join(set(ids) - set(self.rows.terms))}")
+            raise UnprovedError(f"the model has no {', '.join(set(ids) - set(self.rows.terms))}")
         block = blocks.setdefault(_integer(certificate["block"]), _Block(ids))
         if block.ids != ids:
-            raise Unproved("its parameters are not those of the other certificates of its block")
+            raise UnprovedError("its parameters are not those of the other certificates of its block")
         if certificate["proves"] == "bound" and not isfinite(float.fromhex(certificate["bound"])):
             block.bounds.setdefault(cell, {})
             return
         rows = [self._half_space(r, ids) for r in certificate["rows"]]
         if certificate["proves"] == "empty":
             if not contradict(rows, cell):
-                raise Unproved("its rows do not contradict each other")
+                raise UnprovedError("its rows do not contradict each other")
             block.empty.append(cell)
         elif certificate["proves"] == "bound":
             self._bound(certificate, block, cell, rows)
         else:
-            raise Unproved(f"it proves '{certificate['proves']}', which is not known")
+            raise UnprovedError(f"it proves '{certificate['proves']}', which is not known")
 
     def _bound(self, certificate: Mapping[str, Any], block: _Block, cell: Cell, rows: list[HalfSpace]) -> None:
         end, id_ = certificate["end"], certificate["parameter"]
         if end not in ("lower", "upper"):
-            raise Unproved(f"an end is lower or upper, not {end!r}")
+            raise UnprovedError(f"an end is lower or upper, not {end!r}")
         direction = 1 if end == "lower" else -1
         objective = [Fraction(direction * (i == id_)) for i in block.ids]
         slack = {block.ids.index(s["parameter"]) for s in certificate["signs"]}
         if id_ not in block.ids:
-            raise Unproved(f"{id_} is no parameter of its block")
+            raise UnprovedError(f"{id_} is no parameter of its block")
         proved = least(objective, rows, cell, slack)
         claimed = Fraction(float.fromhex(certificate["bound"]))
         if proved is None:
-            raise Unproved("its rows bound nothing")
+            raise UnprovedError("its rows bound nothing")
         if direction * claimed > proved:
             beyond = float(direction * claimed - proved)
-            raise Unproved(f"its rows prove {float(direction * proved)!r}, which is {beyond:.3g} short of the bound")
+            raise UnprovedError(
+                f"its rows prove {float(direction * proved)!r}, which is {beyond:.3g} short of the bound"
+            )
         known = block.bounds.setdefault(cell, {})
         known[id_, end] = max(claimed, known.get((id_, end), claimed), key=lambda b: direction * b)
 
@@ -140,15 +144,15 @@ class Checker:
         channel, time, duration = stored["channel"], float(stored["time"]), float(stored["duration"])
         lower, upper, right = ([Fraction(float.fromhex(x)) for x in stored[k]] for k in ("lower", "upper", "right"))
         if not len(lower) == len(upper) == len(ids) or len(right) != 2:
-            raise Unproved("a row has not one interval a parameter")
+            raise UnprovedError("a row has not one interval a parameter")
         if stored["side"] not in ("lower", "upper"):
-            raise Unproved(f"a side is lower or upper, not {stored['side']!r}")
+            raise UnprovedError(f"a side is lower or upper, not {stored['side']!r}")
         made = self.rows.row(channel, time, duration)
         where = f"the {channel} row at t = {time!r} s" + (f" over {duration!r} s" if duration else "")
         for id_, range_ in made.matrix.items():
             if id_ not in ids:
                 if range_.magnitude:
-                    raise Unproved(f"{where} holds {id_}, which its block leaves out")
+                    raise UnprovedError(f"{where} holds {id_}, which its block leaves out")
                 continue
             k = ids.index(id_)
             _inside(range_, lower[k], upper[k], f"{where}, column {id_}")
@@ -157,32 +161,37 @@ class Checker:
         return half_space(lower, upper, (right[0], right[1]), lower_side=stored["side"] == "lower")
 
     def _claims(self, blocks: Mapping[int, _Block]) -> None:
-        record, terms = self.record, self.rows.terms
+        record = self.record
         owners = [id_ for block in blocks.values() for id_ in block.ids]
         if len(set(owners)) != len(owners):
-            raise Unproved("a parameter stands in two blocks")
+            raise UnprovedError("a parameter stands in two blocks")
         contradictions = [_integer(k) for k in record["contradictions"]]
         falsifying = [c for c in record["certificates"] if c["proves"] == "empty" and c["block"] in contradictions]
         if (record["certificate"] or []) != falsifying:
-            raise Unproved("'certificate' is not the list of the rows that falsify the model")
+            raise UnprovedError("'certificate' is not the list of the rows that falsify the model")
         proved_empty = [k for k, b in blocks.items() if covers(b.empty, len(b.ids))]
         if record["status"] == "empty":
             if not contradictions or not set(contradictions) <= set(proved_empty):
-                raise Unproved("no block of parameters is proved empty in every cell of signs")
+                raise UnprovedError("no block of parameters is proved empty in every cell of signs")
             if record["parameters"]:
-                raise Unproved("an empty set has no intervals")
+                raise UnprovedError("an empty set has no intervals")
             return
         if proved_empty or contradictions:
-            raise Unproved("the model is proved wrong, but the status is another")
+            raise UnprovedError("the model is proved wrong, but the status is another")
+        self._intervals(blocks)
+
+    def _intervals(self, blocks: Mapping[int, _Block]) -> None:
+        """The ends of every parameter, where the set is not empty."""
+        record, terms = self.record, self.rows.terms
         if set(record["parameters"]) != set(terms):
-            raise Unproved(f"the parameters of the model are {', '.join(terms)}")
+            raise UnprovedError(f"the parameters of the model are {', '.join(terms)}")
         for k, block in blocks.items():
             if not covers([*block.empty, *block.bounds], len(block.ids)):
-                raise Unproved(f"not every cell of signs of block {k} ({', '.join(block.ids)}) has a certificate")
+                raise UnprovedError(f"not every cell of signs of block {k} ({', '.join(block.ids)}) has a certificate")
         open_ends = 0
         for id_, claimed in record["parameters"].items():
             if (claimed["unit"], claimed["symbol"]) != (terms[id_].unit, terms[id_].symbol):
-                raise Unproved(f"{id_} is {terms[id_].symbol} [{terms[id_].unit}]")
+                raise UnprovedError(f"{id_} is {terms[id_].symbol} [{terms[id_].unit}]")
             block = next((b for b in blocks.values() if id_ in b.ids), _Block(()))
             for end in ("lower", "upper"):
                 if claimed[end] is None:
@@ -190,19 +199,19 @@ class Checker:
                     continue
                 _end(id_, end, Fraction(claimed[end]), block)
         if (record["status"] == "unbounded") != (open_ends > 0):
-            raise Unproved(f"status {record['status']} does not go with {open_ends} open ends")
+            raise UnprovedError(f"status {record['status']} does not go with {open_ends} open ends")
 
 
 def _inside(range_: Range, lower: Fraction, upper: Fraction, what: str) -> None:
     if not range_.inside(lower, upper):
-        raise Unproved(f"{what}: recomputed as {range_}, which is not inside [{float(lower)!r}, {float(upper)!r}]")
+        raise UnprovedError(f"{what}: recomputed as {range_}, which is not inside [{float(lower)!r}, {float(upper)!r}]")
 
 
 def _end(id_: str, end: str, claimed: Fraction, block: _Block) -> None:
     """A claimed end must lie outside of the bound in every cell that is not empty."""
     direction = 1 if end == "lower" else -1
     if not block.ids:
-        raise Unproved(f"the {end} end of {id_} has no certificate")
+        raise UnprovedError(f"the {end} end of {id_} has no certificate")
     place = block.ids.index(id_)
     for cell, bounds in block.bounds.items():
         if cell in block.empty:
@@ -212,7 +221,9 @@ def _end(id_: str, end: str, claimed: Fraction, block: _Block) -> None:
             known.append(Fraction(0))
         if not known or direction * claimed > max(known):
             why = "has no certificate" if not known else f"is only proved to be {float(direction * max(known))!r}"
-            raise Unproved(f"the {end} end of {id_}, {float(claimed)!r}, {why} where the signs are {_signs(block, cell)}")
+            raise UnprovedError(
+                f"the {end} end of {id_}, {float(claimed)!r}, {why} where the signs are {_signs(block, cell)}"
+            )
 
 
 def covers(cells: Sequence[Cell], n: int) -> bool:

@@ -74,7 +74,9 @@ def _holds(e: Vector, rows: Sequence[HalfSpace], conditions: list[tuple[int, int
     )
 
 
-def _equations(e: Vector, rows: Sequence[HalfSpace], conditions: list[tuple[int, int]]) -> list[tuple[Vector, Fraction]]:
+def _equations(
+    e: Vector, rows: Sequence[HalfSpace], conditions: list[tuple[int, int]]
+) -> list[tuple[Vector, Fraction]]:
     """``sum l_i s g_ij - w_k = -s e_j`` with l, w >= 0."""
     made = []
     for k, (j, s) in enumerate(conditions):
@@ -125,8 +127,8 @@ def _simplex(equations: list[tuple[Vector, Fraction]], cost: Vector) -> Fraction
     kept = [i for i in range(m) if basis[i] < n]
     table, basis = [table[i] for i in kept], [basis[i] for i in kept]
     second = [*cost, *([ZERO] * m), ZERO]
-    for i, b in enumerate(basis):
-        factor = second[b]
+    for i, j in enumerate(basis):
+        factor = second[j]
         second = [a - factor * x for a, x in zip(second, table[i], strict=True)]
     return -second[-1] if _descend(table, basis, second, n) else None
 
@@ -145,6 +147,6 @@ def _pivot(table: list[Vector], basis: list[int], cost: Vector, i: int, j: int) 
     table[i] = [x / table[i][j] for x in table[i]]
     for other in (*(row for k, row in enumerate(table) if k != i), cost):
         if other[j]:
-            factor = other[j]
-            other[:] = [a - factor * b for a, b in zip(other, table[i], strict=True)]
+            part = other[j]
+            other[:] = [a - part * b for a, b in zip(other, table[i], strict=True)]
     basis[i] = j

@@ -37,7 +37,13 @@ class PoseVelocities:
     """u, v, r at rows that have a pose."""
 
     def __init__(
-        self, log: Log, sensors: Sensors, exact: Decimals, raw: Any, time: Callable[[int], Range], wanted: tuple[str, ...]
+        self,
+        log: Log,
+        sensors: Sensors,
+        exact: Decimals,
+        raw: Any,
+        time: Callable[[int], Range],
+        wanted: tuple[str, ...],
     ) -> None:
         self.log, self.raw, self.time, self.wanted = log, raw, time, wanted
         limits = sensors.limits
@@ -62,7 +68,13 @@ class PoseVelocities:
         """The velocities that a log lacks and its pose gives; None where it lacks none, or the pose is not bounded."""
         limits, columns = sensors.limits, log.columns
         turn = "psi" in columns and sensors.heading is not None and limits.yaw_acceleration is not None
-        move = turn and "x" in columns and "y" in columns and sensors.position is not None and limits.acceleration is not None
+        move = (
+            turn
+            and "x" in columns
+            and "y" in columns
+            and sensors.position is not None
+            and limits.acceleration is not None
+        )
         wanted = tuple(n for n in ("u", "v", "r") if n not in columns and (turn if n == "r" else move))
         if not wanted or ("u" in columns) != ("v" in columns):
             return None
@@ -211,4 +223,4 @@ def _narrowest(bound: Array, t: Array, rate: float) -> NDArray[np.int64]:
     near = np.arange(t.size)
     cost = [bound[k] + rate * np.abs(t - t[k]) for k in (before, after, near)]
     best = np.argmin(np.where(np.isfinite(cost), cost, np.inf), axis=0)
-    return np.choose(best, [before, after, near])
+    return np.where(best == 0, before, np.where(best == 1, after, near))

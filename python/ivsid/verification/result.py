@@ -13,7 +13,7 @@ from ivsid.seal import KEY, seal_of
 from ivsid.vehicle import Vehicle, parse_vehicle
 
 
-class Damaged(Exception):
+class DamagedError(Exception):
     """A result that is not as ``ivsid identify`` writes it."""
 
 
@@ -37,7 +37,7 @@ def read_result(path: str | Path) -> Result:
 
     Raises:
         IvsidError: the file is missing, is no JSON, or is the result of another command.
-        Damaged: a part that every result of ``ivsid identify`` has is missing or of another kind.
+        DamagedError: a part that every result of ``ivsid identify`` has is missing or of another kind.
     """
     path = Path(path)
     file = path / "result.json" if path.is_dir() else path
@@ -74,11 +74,11 @@ def parse_result(text: str, source: str) -> Result:
         ("assumes", list),
     ):
         if not isinstance(record.get(key), kind):
-            raise Damaged(f"'{key}' is missing or of another kind")
+            raise DamagedError(f"'{key}' is missing or of another kind")
     try:
         vehicle = parse_vehicle(record["vehicle"], "the vehicle of the result")
     except IvsidError as error:
-        raise Damaged(str(error)) from None
+        raise DamagedError(str(error)) from None
     return Result(record, vehicle, record.get(KEY) == seal)
 
 

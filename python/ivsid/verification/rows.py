@@ -15,7 +15,7 @@ from ivsid.vehicle import Vehicle
 from ivsid.verification.physics import CHANNELS, Column, Columns, Meaning, Motion, State, model, moving, rigid_body
 from ivsid.verification.rational import Range, sided
 from ivsid.verification.readings import Readings
-from ivsid.verification.thrusters import Thrusters, Unproved
+from ivsid.verification.thrusters import Thrusters, UnprovedError
 
 HALF: Final = Fraction(1, 2)
 _STILL: Final = moving(0)
@@ -51,20 +51,20 @@ class Rows:
         """The row of a channel's equation that starts at a time of the log and lasts so long; 0 for a pointwise one.
 
         Raises:
-            Unproved: no such row can be made, and why.
+            UnprovedError: no such row can be made, and why.
         """
         if channel not in CHANNELS:
-            raise Unproved(f"there is no equation '{channel}'")
+            raise UnprovedError(f"there is no equation '{channel}'")
         t = self.log.t
         first = int(np.searchsorted(t, time))
         if first >= t.size or t[first] != time:
-            raise Unproved(f"the log has no sample at t = {time!r} s")
+            raise UnprovedError(f"the log has no sample at t = {time!r} s")
         last = first
         if duration:
             near = int(np.searchsorted(t, time + duration))
             ends = [k for k in (near - 1, near, near + 1) if first < k < t.size and t[k] - t[first] == duration]
             if not ends:
-                raise Unproved(f"the log has no window of {duration!r} s from t = {time!r} s")
+                raise UnprovedError(f"the log has no window of {duration!r} s from t = {time!r} s")
             last = ends[0]
         key = (channel, first, last)
         if key not in self._made:
@@ -74,7 +74,7 @@ class Rows:
     def _velocity(self, name: str, i: int) -> Range:
         x = self.readings.channel(name, i)
         if x is None:
-            raise Unproved(f"{name} is missing or unbounded in row {i}")
+            raise UnprovedError(f"{name} is missing or unbounded in row {i}")
         return x
 
     def _ambient(self, channel: str) -> Range:
@@ -83,7 +83,7 @@ class Rows:
     def _pointwise(self, channel: str, i: int) -> Row:
         """The equation at a sample."""
         if not self.thrusters.present(i):
-            raise Unproved(f"a demand or force is missing at t = {self.log.t[i]!r} s")
+            raise UnprovedError(f"a demand or force is missing at t = {self.log.t[i]!r} s")
         u, v, r = (self._velocity(n, i) for n in ("u", "v", "r"))
         ax, ay = (self.readings.channel(n, i) for n in ("ax", "ay"))
         udot = self._derivative("udot", i, None if ax is None else ax + v * r)
@@ -104,10 +104,10 @@ class Rows:
         """The mean of the equation over a window: exact differences, and a quadrature with its error."""
         steps = np.diff(self.log.t[first : last + 1])
         if not (steps <= 2.5 * np.median(np.diff(self.log.t))).all():
-            raise Unproved(f"the window from t = {self.log.t[first]!r} s has a gap")
+            raise UnprovedError(f"the window from t = {self.log.t[first]!r} s has a gap")
         for i in range(first, last + 1):
             if not self.thrusters.present(i):
-                raise Unproved(f"a demand or force is missing at t = {self.log.t[i]!r} s")
+                raise UnprovedError(f"a demand or force is missing at t = {self.log.t[i]!r} s")
         span = self.readings.time(last) - self.readings.time(first)
         lengths = [self._step_length(k) for k in range(first, last)]
         index = CHANNELS.index(channel)
@@ -145,7 +145,7 @@ class Rows:
     def _limits(self) -> dict[str, Range]:
         limits = self.vehicle.sensors.limits
         if limits.acceleration is None or limits.yaw_acceleration is None:
-            raise Unproved("a window needs [sensors.limits] acceleration and yaw_acceleration")
+            raise UnprovedError("a window needs [sensors.limits] acceleration and yaw_acceleration")
         a, y = self.readings.exact(limits.acceleration), self.readings.exact(limits.yaw_acceleration)
         return {"u": a, "v": a, "r": y}
 
@@ -176,7 +176,8 @@ class Rows:
 
         def ranges() -> tuple[Range, Range, Range]:
             made = [
-                self._velocity(n, k).hull(self._velocity(n, k + 1)) + self._step_length(k) * HALF * sided(self._limits[n])
+                self._velocity(n, k).hull(self._velocity(n, k + 1))
+                + self._step_length(k) * HALF * sided(self._limits[n])
                 for n in ("u", "v", "r")
             ]
             return made[0], made[1], made[2]
@@ -199,7 +200,7 @@ class _Unknown:
 def _value(columns: Column, state: State, channel: str) -> Range:
     column = columns(state).get(channel)
     if isinstance(column, _Unknown):
-        raise Unproved(f"{column.name} is neither measured nor bounded")
+        raise UnprovedError(f"{column.name} is neither measured nor bounded")
     return Range(0) if column is None else column
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 from functools import cached_property
+from itertools import pairwise
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -22,7 +23,7 @@ Forces: TypeAlias = tuple[Range, Range, Range]
 Motion: TypeAlias = tuple[Range, Range, Range]
 
 
-class Unproved(Exception):
+class UnprovedError(Exception):
     """What the checker cannot recompute, in a sentence."""
 
 
@@ -49,8 +50,8 @@ class Curve:
         """PCHIP's slopes at the knots that its cubics join (Fritsch and Carlson, with their one-sided ends)."""
         demand, thrust, straight = self.knots
         x, y = (demand[1:], thrust[1:]) if straight else (demand, thrust)
-        h = [b - a for a, b in zip(x, x[1:], strict=False)]
-        m = [(b - a) / s for a, b, s in zip(y, y[1:], h, strict=False)]
+        h = [b - a for a, b in pairwise(x)]
+        m = [(b - a) / s for (a, b), s in zip(pairwise(y), h, strict=True)]
         inner = []
         for k in range(1, len(h)):
             if m[k - 1] * m[k] <= 0:
@@ -87,13 +88,13 @@ class Curve:
         """Thrust [N] over a range of demands, with its accuracy.
 
         Raises:
-            Unproved: a demand outside the table.
+            UnprovedError: a demand outside the table.
         """
         t = self.thruster
         if (covered := self.range) is not None:
             beyond = demand.lower > covered.upper or demand.upper < covered.lower
             if beyond and t.outside != "hold":
-                raise Unproved(f"a demand of thruster {t.name} lies outside its curve")
+                raise UnprovedError(f"a demand of thruster {t.name} lies outside its curve")
             ends = [min(max(e, covered.lower), covered.upper) for e in (demand.lower, demand.upper)]
             demand = Range(ends[0], ends[1])
         force = self._claimed(demand - self.neutral, self._over(demand - self.neutral))
@@ -177,7 +178,7 @@ class Thrusters:
     def _logged(self, name: str, i: int) -> Range:
         force = self.readings.channel(name, i)
         if force is None:
-            raise Unproved(f"{name} is missing in row {i}")
+            raise UnprovedError(f"{name} is missing in row {i}")
         return force
 
     @staticmethod
@@ -188,13 +189,13 @@ class Thrusters:
     def _demand(self, name: str, i: int) -> Range:
         demand = self.readings.raw(name, i)
         if demand is None:
-            raise Unproved(f"{name} is missing in row {i}")
+            raise UnprovedError(f"{name} is missing in row {i}")
         return demand
 
     def _pushed(self, curve: Curve, i: int, motion: Callable[[], Motion], *, over: bool) -> Forces:
         t, name = curve.thruster, f"demand_{curve.thruster.name}"
         if t.rudder is not None:
-            raise Unproved(f"thruster {t.name} has a rudder, which is not checked")
+            raise UnprovedError(f"thruster {t.name} has a rudder, which is not checked")
         shares = self._shares(curve, i, over=over)
         if t.time_constant:
             at, mean = self._lagged(curve, i)
@@ -233,13 +234,12 @@ class Thrusters:
             return self._lag[key]
         covered = curve.range
         if covered is None or not self.held:
-            raise Unproved(f"the lag of thruster {curve.thruster.name} has no start, or its demands are not held")
+            raise UnprovedError(f"the lag of thruster {curve.thruster.name} has no start, or its demands are not held")
         shaft = curve.thruster.lag == "demand"
         state = self._state(curve, i, covered, shaft=shaft)
         if not shaft:
-            goal, decay, share = self._goal(curve, i, shaft=False), *self._decay(curve, i)
-            mean = state * share + goal * (1 - share) if goal is not None else state
-            made = state, mean
+            goal, share = self._goal(curve, i, shaft=False), self._decay(curve, i)[1]
+            made = state, state if goal is None else _weighted(share, state, goal)
         else:
             after = Range(max(state.lower, covered.lower), min(state.upper, covered.upper))
             following = self._state(curve, i + 1, covered, shaft=True) if i + 1 < self.log.t.size else after
@@ -273,9 +273,7 @@ class Thrusters:
         for j in range(k, i):
             goal, (decay, _) = self._goal(curve, j, shaft=shaft), self._decay(curve, j)
             assert goal is not None
-            # Linear in the decay: its extremes stand at the ends.
-            ends = [(e * state.lower + (1 - e) * goal.lower, e * state.upper + (1 - e) * goal.upper) for e in _ends(decay)]
-            state = Range(min(e[0] for e in ends), max(e[1] for e in ends))
+            state = _weighted(decay, state, goal)
         return state
 
     def _whole(self, curve: Curve, k: int) -> bool:
@@ -284,5 +282,7 @@ class Thrusters:
         return step <= self.whole_step and not np.isnan(self.log.columns[name][k : k + 2]).any()
 
 
-def _ends(x: Range) -> tuple[Fraction, Fraction]:
-    return x.lower, x.upper
+def _weighted(share: Range, a: Range, b: Range) -> Range:
+    """P a + (1 - p) b for a share p in [0, 1]: linear in it, so that its extremes stand at the ends."""
+    ends = [(p * a.lower + (1 - p) * b.lower, p * a.upper + (1 - p) * b.upper) for p in (share.lower, share.upper)]
+    return Range(min(e[0] for e in ends), max(e[1] for e in ends))

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from ivsid.log import Log, read_log
 from ivsid.verification.checker import Checker
-from ivsid.verification.result import Damaged, read_result
+from ivsid.verification.result import DamagedError, read_result
 
 # What a result says beside its claims; the seal covers it, no proof does.
 NOT_PROVED: Final = ("inflation", "estimate", "directions", "notes", "quality", "rows", "the wording of assumes")
@@ -72,7 +72,7 @@ def verify(result: str | Path, log: str | Path | Log) -> Verification:
     name = str(path)
     try:
         read = read_result(path)
-    except Damaged as error:
+    except DamagedError as error:
         shown = log.name if isinstance(log, Log) else Path(log).name
         return Verification("failed", (f"the result is damaged: {error}",), "", 0, 0, name, shown, ())
     data = log if isinstance(log, Log) else read_log(log, read.vehicle.log)

@@ -7,5 +7,6 @@ from ivsid.workflow.importing import import_set
 from ivsid.workflow.simulate import simulate
 from ivsid.workflow.thrust import thrust
 from ivsid.workflow.validate import validate
+from ivsid.workflow.verify import verify
 
-__all__ = ["allan", "demo", "identify", "import_set", "simulate", "thrust", "validate"]
+__all__ = ["allan", "demo", "identify", "import_set", "simulate", "thrust", "validate", "verify"]

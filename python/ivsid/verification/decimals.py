@@ -11,9 +11,8 @@ from ivsid.verification.rational import Range
 
 
 def nearby(x: float) -> Range:
-    """All decimals that may have been read as this double: half a unit in its last place to either side."""
-    half = Fraction(math.ulp(x)) / 2
-    return Range(Fraction(x) - half, Fraction(x) + half)
+    """All decimals that may have been read as this double: and some more: one unit in its last place to either side."""
+    return Range.around(x, math.ulp(x))
 
 
 class Decimals:

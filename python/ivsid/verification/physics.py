@@ -46,7 +46,7 @@ class Motion:
     __rmul__ = __mul__
 
     def __abs__(self) -> Motion:
-        return Motion(abs(self.value), sided(self.rate.magnitude))
+        return Motion(abs(self.value), sided(self.rate.largest()))
 
     def square(self) -> Motion:
         """``x^2``."""

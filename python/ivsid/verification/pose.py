@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any, Final
 
 import numpy as np
@@ -126,11 +125,11 @@ class PoseVelocities:
         if not self.moving:
             return found
         own = root(Range(2)) * self.limit
-        rate = Range((mean + sided(span * self.yaw * Fraction(1, 2))).magnitude)
+        rate = (mean + sided(span * self.yaw / 2)).largest()
         north, east = (x1 - x0) / span, (y1 - y0) / span
-        room = 1 - rate * span * Fraction(1, 2)
+        room = 1 - rate * span / 2
         speed = root(north.square() + east.square())
-        fastest = (speed + own * span * Fraction(1, 2)) / Range(room.lower)
+        fastest = (speed + own * span / 2) / Range(room.lower)
         off = sided((own + rate * fastest) * weight)
         heading = self._pose(at)[2]
         c, s = cosine(heading), sine(heading)

@@ -1,7 +1,7 @@
-"""Intervals of fractions, and enclosures of what is irrational: roots, angles, exponentials, the normal distribution.
+"""Exact ranges, and enclosures of what is irrational: roots, angles, exponentials, the normal distribution.
 
-Nothing here is a float operation: sums, products and quotients are exact until their fractions grow long, and are then rounded
-outward to 256 bits. A number that a double holds exactly is never rounded.
+Ends are whole multiples of 2^-1200: every double is one, half a unit in the last place of every double too, and sums are exact.
+Products and quotients are rounded outward to such a multiple. Nothing here is a float operation.
 """
 
 from __future__ import annotations
@@ -12,100 +12,140 @@ from math import isqrt
 from statistics import NormalDist
 from typing import Final, TypeAlias
 
-# Fractions with longer denominators are rounded outward to BITS significant bits.
-LONG: Final = 640
+SCALE: Final = 1200
+ONE: Final = 1 << SCALE
+# Digits behind the binary point of what is worked out in whole numbers of its own.
 BITS: Final = 256
-ZERO: Final = Fraction(0)
 
 Number: TypeAlias = "Range | Fraction | int"
 
 
-def _short(x: Fraction, *, up: bool) -> Fraction:
-    if x.denominator.bit_length() <= LONG:
-        return x
-    shift = BITS - x.numerator.bit_length() + x.denominator.bit_length()
-    scaled = (x.numerator << shift) if shift >= 0 else x.numerator
-    divisor = x.denominator if shift >= 0 else x.denominator << -shift
-    whole = -(-scaled // divisor) if up else scaled // divisor
-    return Fraction(whole, 1 << shift) if shift >= 0 else Fraction(whole << -shift)
+def _floor(x: Fraction | int) -> int:
+    return (x.numerator << SCALE) // x.denominator
 
 
 class Range:
-    """A closed interval of fractions; the operators hold every result of members."""
+    """A closed interval; the operators hold every result of members.
 
-    __slots__ = ("lower", "upper")
+    Attributes:
+        low: lower end in units of 2^-1200.
+        high: upper end likewise.
+    """
+
+    __slots__ = ("high", "low")
 
     def __init__(self, lower: Fraction | int, upper: Fraction | int | None = None) -> None:
-        low, high = lower, lower if upper is None else upper
-        self.lower = _short(low if isinstance(low, Fraction) else Fraction(low), up=False)
-        self.upper = _short(high if isinstance(high, Fraction) else Fraction(high), up=True)
+        self.low = _floor(lower)
+        self.high = -_floor(-(lower if upper is None else upper))
+
+    @classmethod
+    def raw(cls, low: int, high: int) -> Range:
+        """From ends in units of 2^-1200."""
+        new = cls.__new__(cls)
+        new.low, new.high = low, high
+        return new
+
+    @classmethod
+    def around(cls, value: float, *reaches: float) -> Range:
+        """A double and all that is as far from it as these others together."""
+        n, d = value.as_integer_ratio()
+        centre, reach = (n << SCALE) // d, 0
+        for r in reaches:
+            n, d = r.as_integer_ratio()
+            reach += (n << SCALE) // d
+        return cls.raw(centre - reach, centre + reach)
+
+    @property
+    def lower(self) -> Fraction:
+        """The lower end."""
+        return Fraction(self.low, ONE)
+
+    @property
+    def upper(self) -> Fraction:
+        """The upper end."""
+        return Fraction(self.high, ONE)
 
     def __repr__(self) -> str:
         return f"[{float(self.lower)!r}, {float(self.upper)!r}]"
 
     def __add__(self, other: Number) -> Range:
         o = to_range(other)
-        return Range(self.lower + o.lower, self.upper + o.upper)
+        return Range.raw(self.low + o.low, self.high + o.high)
 
     __radd__ = __add__
 
     def __neg__(self) -> Range:
-        return Range(-self.upper, -self.lower)
+        return Range.raw(-self.high, -self.low)
 
     def __sub__(self, other: Number) -> Range:
         o = to_range(other)
-        return Range(self.lower - o.upper, self.upper - o.lower)
+        return Range.raw(self.low - o.high, self.high - o.low)
 
     def __rsub__(self, other: Number) -> Range:
         return to_range(other) - self
 
     def __mul__(self, other: Number) -> Range:
+        if isinstance(other, int):
+            ends = self.low * other, self.high * other
+            return Range.raw(min(ends), max(ends))
         o = to_range(other)
-        if self.lower >= 0 and o.lower >= 0:
-            return Range(self.lower * o.lower, self.upper * o.upper)
-        ends = [a * b for a in (self.lower, self.upper) for b in (o.lower, o.upper)]
-        return Range(min(ends), max(ends))
+        a, b, c, d = self.low, self.high, o.low, o.high
+        if c >= 0:
+            low, high = a * (c if a >= 0 else d), b * (d if b >= 0 else c)
+        elif a >= 0:
+            low, high = c * b, d * (b if d >= 0 else a)
+        else:
+            products = a * c, a * d, b * c, b * d
+            low, high = min(products), max(products)
+        return Range.raw(low >> SCALE, -(-high >> SCALE))
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Number) -> Range:
         o = to_range(other)
-        if o.lower <= 0 <= o.upper:
+        if o.low <= 0 <= o.high:
             raise ZeroDivisionError("a divisor may be 0")
-        return self * Range(1 / o.upper, 1 / o.lower)
+        pairs = [(x << SCALE, y) for x in (self.low, self.high) for y in (o.low, o.high)]
+        return Range.raw(min(x // y for x, y in pairs), max(-(-x // y) for x, y in pairs))
 
     def __abs__(self) -> Range:
-        return Range(self.mignitude, self.magnitude)
+        return Range.raw(max(self.low, -self.high, 0), max(-self.low, self.high))
 
     @property
     def magnitude(self) -> Fraction:
         """The largest absolute value."""
-        return max(-self.lower, self.upper)
+        return abs(self).upper
 
     @property
     def mignitude(self) -> Fraction:
         """The smallest absolute value."""
-        return max(self.lower, -self.upper, ZERO)
+        return abs(self).lower
 
     def square(self) -> Range:
         """``x^2``."""
-        return Range(self.mignitude**2, self.magnitude**2)
+        size = abs(self)
+        return Range.raw(size.low * size.low >> SCALE, -(-size.high * size.high >> SCALE))
 
     def signed_square(self) -> Range:
         """``x |x|``."""
-        return Range(self.lower * abs(self.lower), self.upper * abs(self.upper))
+        return Range.raw(self.low * abs(self.low) >> SCALE, -(-self.high * abs(self.high) >> SCALE))
 
     def negative_part(self) -> Range:
         """``min(x, 0)``."""
-        return Range(min(self.lower, ZERO), min(self.upper, ZERO))
+        return Range.raw(min(self.low, 0), min(self.high, 0))
 
     def positive_part(self) -> Range:
         """``max(x, 0)``."""
-        return Range(max(self.lower, ZERO), max(self.upper, ZERO))
+        return Range.raw(max(self.low, 0), max(self.high, 0))
 
     def hull(self, other: Range) -> Range:
         """The smallest range that holds both."""
-        return Range(min(self.lower, other.lower), max(self.upper, other.upper))
+        return Range.raw(min(self.low, other.low), max(self.high, other.high))
+
+    def largest(self) -> Range:
+        """The largest absolute value, as a range of it alone."""
+        top = max(-self.low, self.high)
+        return Range.raw(top, top)
 
     def inside(self, lower: Fraction, upper: Fraction) -> bool:
         """Whether all of it lies between two numbers."""
@@ -119,22 +159,22 @@ def to_range(x: Number) -> Range:
 
 def sided(reach: Number) -> Range:
     """All that is at most ``reach`` from 0."""
-    top = to_range(reach).upper
-    return Range(-top, top)
+    top = to_range(reach).high
+    return Range.raw(-top, top)
+
+
+def weighted(share: Range, a: Range, b: Range) -> Range:
+    """P a + (1 - p) b for a share p in [0, 1]: linear in it, so that its extremes stand at the ends."""
+    lows = [p * a.low + (ONE - p) * b.low for p in (share.low, share.high)]
+    highs = [p * a.high + (ONE - p) * b.high for p in (share.low, share.high)]
+    return Range.raw(min(lows) >> SCALE, -(-max(highs) >> SCALE))
 
 
 def root(x: Range) -> Range:
     """Square root of what is not negative."""
-
-    def of(value: Fraction, *, up: bool) -> Fraction:
-        shift = max(2 * BITS - value.numerator.bit_length() + value.denominator.bit_length(), 0)
-        shift += shift % 2
-        scaled = (value.numerator << shift) // value.denominator
-        low = isqrt(scaled)
-        exact = low * low * value.denominator == value.numerator << shift
-        return Fraction(low + (up and not exact), 1 << (shift // 2))
-
-    return Range(of(max(x.lower, ZERO), up=False), of(x.upper, up=True))
+    low, high = max(x.low, 0) << SCALE, max(x.high, 0) << SCALE
+    top = isqrt(high)
+    return Range.raw(isqrt(low), top + (top * top < high))
 
 
 @lru_cache(maxsize=1)
@@ -143,7 +183,7 @@ def pi() -> Range:
 
     def inverse_tangent(n: int) -> Range:
         terms = [Fraction((-1) ** k, (2 * k + 1) * n ** (2 * k + 1)) for k in range(120)]
-        odd, even = sum(terms, ZERO), sum(terms[:-1], ZERO)
+        odd, even = sum(terms, Fraction(0)), sum(terms[:-1], Fraction(0))
         return Range(min(odd, even), max(odd, even))
 
     return inverse_tangent(5) * 16 - inverse_tangent(239) * 4
@@ -156,7 +196,7 @@ def exponential(x: Range) -> Range:
     y = x * Fraction(1, 1 << halvings)
     total = Range(1)
     for k in range(24, 0, -1):
-        total = total * y * Fraction(1, k) + 1
+        total = total * y / k + 1
     # |y| <= 2^-8: what the polynomial leaves out is less than twice its next term.
     total = total + sided(2 * Fraction(1, 256) ** 25 / (1 << 80))
     for _ in range(halvings):

@@ -27,12 +27,15 @@ class Readings:
     def __init__(self, log: Log, vehicle: Vehicle) -> None:
         self.log, self.vehicle, self.exact = log, vehicle, Decimals(vehicle.text)
         self._made: dict[tuple[str, int], Range | None] = {}
+        self._times: dict[int, Range] = {}
         self._pose = PoseVelocities.of(log, vehicle.sensors, self.exact, self.raw, self.time)
 
     def time(self, i: int) -> Range:
         """A time [s]: its decimals, and what a conversion lost."""
-        t = float(self.log.t[i])
-        return Range(Fraction(t)) + sided(Fraction(math.ulp(t)) / 2 + Fraction(self.log.time_rounding))
+        if i not in self._times:
+            t = float(self.log.t[i])
+            self._times[i] = around(t, self.log.time_rounding)
+        return self._times[i]
 
     def raw(self, name: str, i: int) -> Range | None:
         """A reading without its sensor's error: its decimals, and what a conversion lost; None where it is missing."""
@@ -41,7 +44,7 @@ class Readings:
             return None
         value, lost = float(values[i]), self.log.rounding.get(name)
         off = 0.0 if lost is None or math.isnan(lost[i]) else float(lost[i])
-        return Range(Fraction(value)) + sided(Fraction(math.ulp(value)) / 2 + Fraction(off))
+        return around(value, off)
 
     def has(self, name: str) -> bool:
         """Whether the channel is logged, or follows from the pose, and is bounded."""
@@ -154,6 +157,12 @@ class Readings:
         least = min([*steps, self._period])
         clock = self.log.clocks.get(name)
         return least if clock is None else min(least, Fraction(clock.interval))
+
+
+def around(value: float, off: float) -> Range:
+    """The decimals that were read as a double, half a unit in its last place to either side, and what was lost beside that."""
+    half = Range.around(0.0, math.ulp(value))
+    return Range.around(value, off) + Range.raw(half.low // 2, half.high // 2)
 
 
 def _axis(value: float | tuple[float, float], axis: int) -> float:

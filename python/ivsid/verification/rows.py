@@ -17,7 +17,8 @@ from ivsid.verification.rational import Range, sided
 from ivsid.verification.readings import Readings
 from ivsid.verification.thrusters import Thrusters, UnprovedError
 
-HALF: Final = Fraction(1, 2)
+HALF: Final = Range(Fraction(1, 2))
+QUARTER: Final = Range(Fraction(1, 4))
 _STILL: Final = moving(0)
 
 
@@ -157,8 +158,8 @@ class Rows:
         done = self._step[key]
         if channel not in done:
             ends = [_moving(columns, self._node_state(i), channel).value for i in (k, k + 1)]
-            rate = _moving(columns, self._step_state(k), channel).rate.magnitude
-            done[channel] = (ends[0] + ends[1]) * HALF + sided(rate) * self._step_length(k) * Fraction(1, 4)
+            rate = _moving(columns, self._step_state(k), channel).rate.largest()
+            done[channel] = (ends[0] + ends[1]) * HALF + sided(rate) * self._step_length(k) * QUARTER
         return done[channel]
 
     def _node_state(self, i: int) -> State:

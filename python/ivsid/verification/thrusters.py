@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable
 from fractions import Fraction
 from functools import cached_property
@@ -12,12 +13,12 @@ import numpy as np
 
 from ivsid import units
 from ivsid.vehicle import Thruster
-from ivsid.verification.rational import Range, cosine, exponential, sided, sine
+from ivsid.verification.rational import ONE, Range, cosine, exponential, sided, sine, weighted
 from ivsid.verification.readings import Readings
 
 GAP: Final = 2.5
 # What is left of a thrust after so many steps of a lag is far below a double's last place.
-FORGOTTEN: Final = Fraction(1, 1 << 130)
+FORGOTTEN: Final = ONE >> 130
 
 Forces: TypeAlias = tuple[Range, Range, Range]
 Motion: TypeAlias = tuple[Range, Range, Range]
@@ -33,6 +34,7 @@ class Curve:
     def __init__(self, thruster: Thruster, readings: Readings) -> None:
         self.thruster, self.exact = thruster, readings.exact
         self.neutral = self.exact(thruster.neutral)
+        self._known: dict[tuple[int, int], Range] = {}
 
     @cached_property
     def knots(self) -> tuple[list[Fraction], list[Fraction], bool]:
@@ -44,6 +46,15 @@ class Curve:
         thrust = [self.exact(f).lower * factor for f in table.thrust]
         straight = demand[0] > 0 and thrust[0] > 0
         return ([Fraction(0), *demand], [Fraction(0), *thrust], True) if straight else (demand, thrust, False)
+
+    @cached_property
+    def shares(self) -> Forces:
+        """Of a thrust in X, Y and N, for a thruster that does not turn."""
+        x, y = self.exact.pair(self.thruster.position)
+        if self.thruster.azimuth == 0.0:
+            return Range(1), Range(0), -y
+        c, s = (f(self.exact(self.thruster.azimuth)) for f in (cosine, sine))
+        return c, s, s * x - c * y
 
     @cached_property
     def slopes(self) -> list[Fraction]:
@@ -66,8 +77,7 @@ class Curve:
     def _at(self, d: Fraction) -> Fraction:
         """The table's thrust at one demand inside it."""
         demand, thrust, straight = self.knots
-        k = max(sum(1 for x in demand if x <= d) - 1, 0)
-        k = min(k, len(demand) - 2)
+        k = min(max(bisect_right(demand, d) - 1, 0), len(demand) - 2)
         h, s = demand[k + 1] - demand[k], (d - demand[k]) / (demand[k + 1] - demand[k])
         if len(demand) == 2 or (straight and (k == 0 or len(demand) == 3)):
             return thrust[k] + s * (thrust[k + 1] - thrust[k])
@@ -76,7 +86,7 @@ class Curve:
         left, right = (1 + 2 * s) * (1 - s) ** 2, s * s * (3 - 2 * s)
         return left * thrust[k] + right * thrust[k + 1] + h * (s * (1 - s) ** 2 * a - s * s * (1 - s) * b)
 
-    @property
+    @cached_property
     def range(self) -> Range | None:
         """The demands that the curve covers; None for a curve without end."""
         if self.thruster.table is not None:
@@ -90,24 +100,31 @@ class Curve:
         Raises:
             UnprovedError: a demand outside the table.
         """
+        key = (demand.low, demand.high)
+        if key not in self._known:
+            self._known[key] = self._thrust(demand)
+        return self._known[key]
+
+    def _thrust(self, demand: Range) -> Range:
         t = self.thruster
         if (covered := self.range) is not None:
-            beyond = demand.lower > covered.upper or demand.upper < covered.lower
+            beyond = demand.low > covered.high or demand.high < covered.low
             if beyond and t.outside != "hold":
                 raise UnprovedError(f"a demand of thruster {t.name} lies outside its curve")
-            ends = [min(max(e, covered.lower), covered.upper) for e in (demand.lower, demand.upper)]
-            demand = Range(ends[0], ends[1])
+            ends = [min(max(e, covered.low), covered.high) for e in (demand.low, demand.high)]
+            demand = Range.raw(ends[0], ends[1])
         force = self._claimed(demand - self.neutral, self._over(demand - self.neutral))
         accuracy = t.accuracy
-        return force + sided(self.exact(accuracy.absolute) + self.exact(accuracy.relative) * force.magnitude)
+        return force + sided(self.exact(accuracy.absolute) + self.exact(accuracy.relative) * force.largest())
 
     def _over(self, d: Range) -> Range:
         t = self.thruster
         if t.table is not None:
             demand, thrust, _ = self.knots
-            d = Range(max(d.lower, demand[0]), min(d.upper, demand[-1]))
-            values = [self._at(d.lower), self._at(d.upper)]
-            values += [f for x, f in zip(demand, thrust, strict=True) if d.lower <= x <= d.upper]
+            low, high = max(d.lower, demand[0]), min(d.upper, demand[-1])
+            # Monotone between its knots: the extremes stand at the ends and at the knots between.
+            between = thrust[bisect_left(demand, low) : bisect_right(demand, high)]
+            values = [self._at(low), self._at(high), *between]
             return Range(min(values), max(values))
         if t.quadratic is not None:
             ahead, astern = self.exact(t.quadratic.forward), self.exact(t.quadratic.astern)
@@ -149,7 +166,8 @@ class Thrusters:
         self.curves = [Curve(t, readings) for t in self.vehicle.thrusters]
         self.whole_step = Fraction(5, 2) * Fraction(self.log.period)
         self._lag: dict[tuple[int, int], tuple[Range, Range]] = {}
-        self._sent: dict[tuple[int, int], tuple[Range, Range]] = {}
+        self._states: dict[tuple[int, int], Range] = {}
+        self._decays: dict[tuple[int, int], tuple[Range, Range]] = {}
 
     def present(self, i: int) -> bool:
         """Whether every demand and angle, or every logged force, is known at a row."""
@@ -215,17 +233,14 @@ class Thrusters:
 
     def _shares(self, curve: Curve, i: int, *, over: bool) -> Forces:
         t = curve.thruster
-        x, y = curve.exact.pair(t.position)
         if t.steering == "azimuth":
+            x, y = curve.exact.pair(t.position)
             angle = self._demand(f"azimuth_{t.name}", i)
             if over and not self.held:
                 angle = angle.hull(self._demand(f"azimuth_{t.name}", i + 1))
-        elif t.azimuth == 0.0:
-            return Range(1), Range(0), -y
-        else:
-            angle = curve.exact(t.azimuth)
-        c, s = cosine(angle), sine(angle)
-        return c, s, s * x - c * y
+            c, s = cosine(angle), sine(angle)
+            return c, s, s * x - c * y
+        return curve.shares
 
     def _lagged(self, curve: Curve, i: int) -> tuple[Range, Range]:
         """Thrust at a row and its mean over the step after it, behind a first-order lag of held demands."""
@@ -239,7 +254,7 @@ class Thrusters:
         state = self._state(curve, i, covered, shaft=shaft)
         if not shaft:
             goal, share = self._goal(curve, i, shaft=False), self._decay(curve, i)[1]
-            made = state, state if goal is None else _weighted(share, state, goal)
+            made = state, state if goal is None else weighted(share, state, goal)
         else:
             after = Range(max(state.lower, covered.lower), min(state.upper, covered.upper))
             following = self._state(curve, i + 1, covered, shaft=True) if i + 1 < self.log.t.size else after
@@ -258,31 +273,37 @@ class Thrusters:
         """e^(-h / tau) over the step after a row, and the share of the start in the mean over it."""
         if i + 1 >= self.log.t.size:
             return Range(1), Range(1)
-        ratio = (self.readings.time(i + 1) - self.readings.time(i)) / curve.exact(curve.thruster.time_constant or 0.0)
-        decay = exponential(-ratio)
-        return decay, (1 - decay) / ratio
+        key = (self.curves.index(curve), i)
+        if key not in self._decays:
+            step = self.readings.time(i + 1) - self.readings.time(i)
+            ratio = step / curve.exact(curve.thruster.time_constant or 0.0)
+            decay = exponential(-ratio)
+            self._decays[key] = decay, (1 - decay) / ratio
+        return self._decays[key]
 
     def _state(self, curve: Curve, i: int, covered: Range, *, shaft: bool) -> Range:
         """The lag's state at a row: from all that the curve allows, at the last gap or long enough ago."""
         start = covered if shaft else curve.thrust(covered)
-        k, left = i, Fraction(1)
-        while k > 0 and left > FORGOTTEN and self._whole(curve, k - 1):
+        key = (self.curves.index(curve), i)
+        if key in self._states:
+            return self._states[key]
+        # From a row whose state is known, a gap, or so long ago that what was then is forgotten.
+        k, left = i, Range(1)
+        while k > 0 and left.high > FORGOTTEN and self._whole(curve, k - 1):
             k -= 1
-            left *= self._decay(curve, k)[0].upper
+            left = left * self._decay(curve, k)[0]
+            if (key[0], k) in self._states:
+                start = self._states[key[0], k]
+                break
         state = start
         for j in range(k, i):
-            goal, (decay, _) = self._goal(curve, j, shaft=shaft), self._decay(curve, j)
+            goal = self._goal(curve, j, shaft=shaft)
             assert goal is not None
-            state = _weighted(decay, state, goal)
+            state = weighted(self._decay(curve, j)[0], state, goal)
+        self._states[key] = state
         return state
 
     def _whole(self, curve: Curve, k: int) -> bool:
         t, name = self.log.t, f"demand_{curve.thruster.name}"
         step = Fraction(float(t[k + 1])) - Fraction(float(t[k]))
         return step <= self.whole_step and not np.isnan(self.log.columns[name][k : k + 2]).any()
-
-
-def _weighted(share: Range, a: Range, b: Range) -> Range:
-    """P a + (1 - p) b for a share p in [0, 1]: linear in it, so that its extremes stand at the ends."""
-    ends = [(p * a.lower + (1 - p) * b.lower, p * a.upper + (1 - p) * b.upper) for p in (share.lower, share.upper)]
-    return Range(min(e[0] for e in ends), max(e[1] for e in ends))

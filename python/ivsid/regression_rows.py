@@ -18,6 +18,7 @@ from ivsid.actuation import GAP, Flow, pushed
 from ivsid.effects import CHANNELS, Columns, State, Term, rigid_body
 from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray, Interval, IntervalArray
+from ivsid.log import Log
 from ivsid.motion import Motion
 from ivsid.needs import lacking
 from ivsid.sensors import BoundedLog
@@ -77,7 +78,7 @@ def build_rows(
     *,
     added_mass: bool = False,
     kind: str = "auto",
-    window: float = WINDOW,
+    window: float | Sequence[float] = WINDOW,
 ) -> RegressionRows:
     """All rows that the log supports.
 
@@ -87,20 +88,14 @@ def build_rows(
         terms: the model.
         added_mass: the parameters leave out the rigid-body mass, which is then known (second form of eq. 6).
         kind: ``pointwise``, ``integral``, ``both``, or ``auto`` (pointwise where accelerations are measured).
-        window: length of integral rows [s].
+        window: length of integral rows [s], or several: each row holds by itself, so what is consistent with all is an intersection.
 
     Raises:
         IvsidError: naming the channel, sensor section or limit that is missing.
     """
     if kind not in KINDS:
         raise IvsidError(f"rows '{kind}' are unknown; use {', '.join(KINDS)}")
-    if not 0 < window < np.inf:
-        raise IvsidError(f"a window of {window} s is not usable; give a positive length, such as 1.0")
-    if kind != "pointwise" and window > bounded.log.t[-1] - bounded.log.t[0]:
-        length = bounded.log.t[-1] - bounded.log.t[0]
-        raise IvsidError(
-            f"a window of {window:g} s is longer than {bounded.log.name}, {length:.4g} s; give a shorter --window"
-        )
+    counts = _counts(bounded.log, (window,) if isinstance(window, float | int) else tuple(window), kind)
     builder = _Builder(bounded, vehicle, tuple(terms), vehicle.hull.mass if added_mass else 0.0)
     parts = []
     for index, channel in enumerate(CHANNELS):
@@ -113,7 +108,7 @@ def build_rows(
             if measured:
                 parts.append(builder.pointwise(index, channel))
         if kind in ("integral", "both") or (kind == "auto" and not measured):
-            parts.append(builder.integral(index, channel, window))
+            parts += [builder.integral(index, channel, count) for count in counts]
     parts = [p for p in parts if p.time.size]
     if not parts:
         raise IvsidError(
@@ -128,6 +123,21 @@ def build_rows(
         np.concatenate([p.duration for p in parts]),
         tuple(dict.fromkeys((*builder.forces.assumes, *(s for p in parts for s in p.assumes)))),
     )
+
+
+def _counts(log: Log, windows: Sequence[float], kind: str) -> list[int]:
+    """Steps of each window; windows of as many steps count once."""
+    if not windows:
+        raise IvsidError("no window is given; give a length, such as 1.0, or several")
+    length = log.t[-1] - log.t[0]
+    for window in windows:
+        if not 0 < window < np.inf:
+            raise IvsidError(f"a window of {window} s is not usable; give a positive length, such as 1.0")
+        if kind != "pointwise" and window > length:
+            raise IvsidError(
+                f"a window of {window:g} s is longer than {log.name}, {length:.4g} s; give a shorter --window"
+            )
+    return list(dict.fromkeys(max(1, round(window / log.period)) for window in windows))
 
 
 class _Builder:
@@ -207,9 +217,8 @@ class _Builder:
                 "log rdot with [sensors.yaw_acceleration], or state [sensors.limits] yaw_acceleration"
             )
 
-    def integral(self, index: int, channel: str, window: float) -> RegressionRows:
-        """The mean of the channel's equation over sliding windows."""
-        count = max(1, round(window / self.bounded.log.period))
+    def integral(self, index: int, channel: str, count: int) -> RegressionRows:
+        """The mean of the channel's equation over sliding windows of ``count`` steps."""
         steps = np.diff(self.t)
         names = ("u", "v", "r")
         there = self.forces.present.copy()

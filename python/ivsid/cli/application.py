@@ -130,17 +130,20 @@ def identify(
         str, typer.Option("--form", help="total, or added: the rigid-body mass is known and left out.")
     ] = "total",
     rows: Annotated[str, typer.Option("--rows", help="auto, pointwise, integral or both.")] = "auto",
-    window: Annotated[float, typer.Option("--window", help="Length of integral rows [s].")] = 1.0,
+    window: Annotated[
+        str, typer.Option("--window", help="Length of integral rows [s], or several at once: 0.5,2,10.")
+    ] = "1.0",
     out: Out = None,
     json: Json = False,
 ) -> None:
     """Parameter intervals."""
+    windows = _lengths(window)
     _run(
         "identify",
         out,
         json,
         lambda w, p: w.identify(
-            vehicle, log, method, partitions=partitions, form=form, rows=rows, window=window, progress=p
+            vehicle, log, method, partitions=partitions, form=form, rows=rows, window=windows, progress=p
         ),
     )
 
@@ -176,6 +179,16 @@ def import_(
 ) -> None:
     """A public data set as logs, thrust tables and a vehicle file."""
     _run("import", out, json, lambda w, p: w.import_set(name, folder, progress=p))
+
+
+def _lengths(text: str) -> float | list[float]:
+    try:
+        lengths = [float(part) for part in text.split(",")]
+    except ValueError:
+        raise IvsidError(
+            f"--window {text} is not understood; write a length in seconds, 1.0, or several, 0.5,2,10"
+        ) from None
+    return lengths[0] if len(lengths) == 1 else lengths
 
 
 def _effect(text: str) -> tuple[str, list[float]]:

@@ -67,6 +67,8 @@ class Identification:
         vehicle: the vehicle file.
         log_name: the log's file name.
         log_sha256: hash of the log.
+        determined: combinations of parameters, by id, that stay bounded where some directions are open (an estimate).
+        claims: what the vehicle file's ``model.values`` claims, and whether its interval contradicts it.
     """
 
     method: str
@@ -88,6 +90,8 @@ class Identification:
     vehicle: Vehicle
     log_name: str
     log_sha256: str
+    determined: tuple[dict[str, float], ...] = ()
+    claims: tuple[dict[str, Any], ...] = ()
 
     @property
     def falsifying(self) -> list[dict[str, Any]]:
@@ -112,6 +116,8 @@ class Identification:
             "improper": self.improper,
             "reason": self.reason,
             "directions": self.directions,
+            "determined": self.determined,
+            "claims": self.claims,
             "rows": self.rows,
             "notes": self.notes,
             "ignored": self.ignored,
@@ -174,6 +180,6 @@ def _identification(record: dict[str, Any]) -> Identification:
     ids = {t.id for t in terms_of(given["vehicle"], given["options"]["form"])}
     if given["status"] in ("enclosed", "unbounded") and set(parameters) != ids:
         raise KeyError("the parameters are those of the model")
-    for name in ("assumes", "directions", "certificates", "notes", "ignored", "contradictions"):
+    for name in ("assumes", "directions", "determined", "claims", "certificates", "notes", "ignored", "contradictions"):
         given[name] = tuple(given[name])
     return Identification(**given)

@@ -12,6 +12,7 @@ from ivsid import regression
 from ivsid.effects import CHANNELS, Term, terms_of
 from ivsid.errors import IvsidError
 from ivsid.identification.fit import Identification, Parameter
+from ivsid.identification.freedom import determined
 from ivsid.intervals import FloatArray
 from ivsid.linalg import INVERSE_METHODS, partition_count
 from ivsid.log import Log
@@ -46,7 +47,7 @@ def identify(
     partitions: int | None = None,
     form: str = "total",
     rows: str = "auto",
-    window: float = WINDOW,
+    window: float | Sequence[float] = WINDOW,
 ) -> Identification:
     """Parameter intervals of the vehicle file's model from a log.
 
@@ -59,7 +60,7 @@ def identify(
         partitions: N of the published methods, or the cells of ``partitioned``.
         form: ``total`` mass, or ``added`` mass with the rigid-body mass known (eq. 6, second form).
         rows: ``auto``, ``pointwise``, ``integral`` or ``both``.
-        window: length of integral rows [s].
+        window: length of integral rows [s], or several: their rows are intersected.
 
     Raises:
         IvsidError: unusable input, in one sentence.
@@ -69,7 +70,12 @@ def identify(
     terms = terms_of(vehicle, form)
     bounded = bound_log(log, vehicle)
     made = build_rows(bounded, vehicle, terms, added_mass=form == "added", kind=rows, window=window)
-    options = {"partitions": partition_count(partitions, method), "form": form, "rows": rows, "window": window}
+    options = {
+        "partitions": partition_count(partitions, method),
+        "form": form,
+        "rows": rows,
+        "window": window if isinstance(window, float | int) else list(window),
+    }
     return identify_rows(made, bounded, vehicle, method, options)
 
 
@@ -88,6 +94,12 @@ def identify_rows(
         {rows.terms[c].id: float(x) for c, x in zip(b.columns, d, strict=True) if x}
         for b in blocks
         for d in b.directions
+    )
+    combinations = tuple(
+        {rows.terms[c].id: float(x) for c, x in zip(b.columns, combination, strict=True) if x}
+        for b in blocks
+        if b.directions and b.status == "unbounded"
+        for combination in determined(len(b.columns), b.directions)
     )
     reasons = [b.reason for b in blocks if b.reason]
     return Identification(
@@ -110,6 +122,21 @@ def identify_rows(
         vehicle=vehicle,
         log_name=bounded.log.name,
         log_sha256=bounded.log.sha256,
+        determined=combinations,
+        claims=_claims(vehicle, parameters if status != "empty" else {}),
+    )
+
+
+def _claims(vehicle: Vehicle, parameters: dict[str, Parameter]) -> tuple[dict[str, Any], ...]:
+    """What ``model.values`` claims, beside what the data say: contradicted where it lies outside of the interval."""
+    return tuple(
+        {
+            "parameter": id_,
+            "value": value,
+            "contradicted": not parameters[id_].lower <= value <= parameters[id_].upper,
+        }
+        for id_, value in vehicle.model.values.items()
+        if id_ in parameters
     )
 
 

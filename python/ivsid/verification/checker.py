@@ -198,6 +198,12 @@ class Checker:
                     open_ends += 1
                     continue
                 _end(id_, end, Fraction(claimed[end]), block)
+        values = self.result.vehicle.model.values
+        for claim in record["claims"]:
+            p, value = record["parameters"][claim["parameter"]], Fraction(claim["value"])
+            beyond = (p["lower"] is not None and value < p["lower"]) or (p["upper"] is not None and value > p["upper"])
+            if float(value) != values[claim["parameter"]] or (claim["contradicted"] and not beyond):
+                raise UnprovedError(f"the claim on {claim['parameter']} is not the file's, or not contradicted")
         if (record["status"] == "unbounded") != (open_ends > 0):
             raise UnprovedError(f"status {record['status']} does not go with {open_ends} open ends")
 

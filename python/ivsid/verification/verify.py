@@ -11,7 +11,16 @@ from ivsid.verification.checker import Checker
 from ivsid.verification.result import DamagedError, read_result
 
 # What a result says beside its claims; the seal covers it, no proof does.
-NOT_PROVED: Final = ("inflation", "estimate", "directions", "notes", "quality", "rows", "the wording of assumes")
+NOT_PROVED: Final = (
+    "inflation",
+    "estimate",
+    "directions",
+    "determined",
+    "notes",
+    "quality",
+    "rows",
+    "the wording of assumes",
+)
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from ivsid import figures, identification, report
@@ -12,7 +13,16 @@ from ivsid.regression_rows import WINDOW
 from ivsid.report import Report, Section
 from ivsid.results import quality_record
 from ivsid.vehicle import read_vehicle
-from ivsid.workflow.common import MEANING, Progress, method_table, parameter_lines, quality_table, silent
+from ivsid.workflow.common import (
+    MEANING,
+    Progress,
+    claim_lines,
+    freedom_lines,
+    method_table,
+    parameter_lines,
+    quality_table,
+    silent,
+)
 
 
 def identify(
@@ -23,7 +33,7 @@ def identify(
     partitions: int | None = None,
     form: str = "total",
     rows: str = "auto",
-    window: float = WINDOW,
+    window: float | Sequence[float] = WINDOW,
     progress: Progress = silent,
 ) -> Report:
     """Reads both files, identifies, reports."""
@@ -50,6 +60,8 @@ def identification_report(fit: Identification, log: Log) -> Report:
     if fit.reason:
         facts.append(fit.reason)
     facts += [f"the data leave open: {' '.join(f'{v:+.3g} {k}' for k, v in d.items())}" for d in fit.directions]
+    facts += freedom_lines(fit)
+    facts += claim_lines(fit)
     sections = [
         Section("Parameters", (method_table([fit]), report.drawing(drawings[0]), report.bullets(facts))),
         Section("What this rests on", (report.bullets(fit.assumes),)),

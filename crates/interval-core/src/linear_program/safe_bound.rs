@@ -3,10 +3,10 @@
 //! For multipliers `l >= 0` of half-spaces `g x <= h`, every point of the polyhedron satisfies `c x >= -h l + r x` with
 //! `r = c + G' l`. Neumaier and Shcherbina (*Math. Prog.* 99 (2004) 283-296) enclose `r x` over a box. The unknowns here have
 //! no box, so one is proved first ([`proved_box`]); where there is none, the basis is solved over the rationals, which makes
-//! `r` exactly zero ([`exact_bound`], [`farkas`]).
+//! `r` exactly zero ([`basis_multipliers`], [`farkas`]).
 
 use super::{HalfSpaces, Row};
-use crate::exact::{self, ratio_down};
+use crate::exact;
 use crate::interval::Interval;
 use crate::rounding::{add_up, div_up, mul_up, sub_down};
 use num_rational::BigRational;
@@ -90,56 +90,59 @@ pub(crate) fn safe_bound(problem: &impl HalfSpaces, bound: &Bound, around: &[Int
     residual.iter().zip(around).fold(constant, |sum, (&r, &x)| sum + r * x).lo()
 }
 
-/// The same from the basis alone, over the rationals and without a box; `None` where the basis proves nothing.
-pub(crate) fn exact_bound(problem: &impl HalfSpaces, bound: &Bound) -> Option<f64> {
+/// The exact multipliers of the basis for an objective, without a box; `None` where the basis proves nothing. The bound is
+/// `-sum l h`.
+pub(crate) fn basis_multipliers(
+    problem: &impl HalfSpaces,
+    rows: &[Row],
+    column: usize,
+    direction: f64,
+) -> Option<Vec<(usize, BigRational)>> {
     let n = problem.dimension();
-    let rows: Vec<Row> = bound.rows.iter().map(|r| r.0).collect();
-    let (transposed, right) = basis(problem, &rows, n);
+    let (transposed, _) = basis(problem, rows, n);
     let mut objective = vec![0.0; n];
-    objective[bound.column] = -bound.direction;
+    objective[column] = -direction;
     let multipliers = exact::solve(&transposed, &objective, n)?;
-    let mut value = BigRational::zero();
-    for ((row, multiplier), h) in rows.iter().zip(&multipliers).zip(&right) {
-        let allowed = match row {
-            Row::Given(_) => !multiplier.is_negative(),
-            Row::AtInfinity { .. } => multiplier.is_zero(),
-        };
-        if !allowed {
-            return None;
-        }
-        if !multiplier.is_zero() {
-            value -= multiplier * exact::rational(*h);
+    let mut found = Vec::with_capacity(n);
+    for (&row, multiplier) in rows.iter().zip(multipliers) {
+        match row {
+            Row::Given(index) if !multiplier.is_negative() => found.push((index, multiplier)),
+            Row::AtInfinity { .. } if multiplier.is_zero() => {}
+            _ => return None,
         }
     }
-    Some(ratio_down(&value))
+    Some(found)
+}
+
+/// The bound that exact multipliers give: `direction * x[column]` is at least this.
+pub(crate) fn exact_bound(problem: &impl HalfSpaces, multipliers: &[(usize, BigRational)]) -> BigRational {
+    let mut g = vec![0.0; problem.dimension()];
+    multipliers.iter().filter(|(_, l)| !l.is_zero()).fold(BigRational::zero(), |sum, (index, l)| {
+        sum - l * exact::rational(problem.half_space(*index, &mut g))
+    })
 }
 
 /// Proves over the rationals that the half-spaces contradict each other: the last one's normal is a combination of the
-/// others' with coefficients `<= 0` (Farkas). Returns the multipliers of the contradiction, in the order of `rows`.
-pub(crate) fn farkas(problem: &impl HalfSpaces, rows: &[Row]) -> Option<Vec<BigRational>> {
+/// others' with coefficients `<= 0` (Farkas). Returns the half-spaces of the contradiction with their positive multipliers.
+pub(crate) fn farkas(problem: &impl HalfSpaces, others: &[Row], entering: usize) -> Option<Vec<(usize, BigRational)>> {
     let n = problem.dimension();
-    let (&last, others) = rows.split_last()?;
-    let Row::Given(entering) = last else { return None };
     let (transposed, right) = basis(problem, others, n);
     let mut g = vec![0.0; n];
     let h = problem.half_space(entering, &mut g);
     let alpha = exact::solve(&transposed, &g, n)?;
     let mut gap = exact::rational(h);
-    let mut multipliers = Vec::with_capacity(rows.len());
-    for ((row, a), h) in others.iter().zip(&alpha).zip(&right) {
-        let allowed = match row {
-            Row::Given(_) => !a.is_positive(),
-            Row::AtInfinity { .. } => a.is_zero(),
-        };
-        if !allowed {
-            return None;
+    let mut multipliers = Vec::with_capacity(n + 1);
+    for ((&row, a), h) in others.iter().zip(alpha).zip(&right) {
+        match row {
+            _ if a.is_zero() => {}
+            Row::Given(index) if a.is_negative() => {
+                gap -= &a * exact::rational(*h);
+                multipliers.push((index, -a));
+            }
+            _ => return None,
         }
-        if !a.is_zero() {
-            gap -= a * exact::rational(*h);
-        }
-        multipliers.push(-a);
     }
-    multipliers.push(BigRational::from_integer(1.into()));
+    multipliers.push((entering, BigRational::from_integer(1.into())));
     gap.is_negative().then_some(multipliers)
 }
 

@@ -5,17 +5,29 @@
 //! A column without radius needs no sign.
 
 use super::check_rows;
-use super::inflation::{Attained, Inflation};
-use super::orthant::Orthant;
+use super::inflation;
+use super::orthant::{DataRow, Orthant};
+use super::prove::prove;
+use super::rows::Rows;
+use super::search::{Piece, Pool, solve};
 use crate::error::Error;
 use crate::interval::Interval;
-use crate::linear_program::{Answer, Bound, HalfSpaces, Row, Simplex, exact_bound, farkas, proved_box, safe_bound};
 use crate::matrix::IntervalMatrix;
+use crate::parallel;
+use crate::rounding::slices::Backend;
 use crate::status::Status;
-use num_traits::ToPrimitive;
 
 /// The largest number of columns with a radius: two to this power orthants are examined.
 pub const SIGN_LIMIT: usize = 12;
+
+/// What may be asked of [`feasible_rows`] beside the rows.
+#[derive(Debug, Clone, Default)]
+pub struct FeasibleOptions {
+    /// Signs of the parameters that are known beforehand: 1, -1, or 0 for none. The result holds under this assumption.
+    pub signs: Option<Vec<i8>>,
+    /// Where the scans run; the bits are the same everywhere.
+    pub backend: Option<Backend>,
+}
 
 /// One proved end of one parameter in one orthant.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +39,7 @@ pub struct BoundCertificate {
     /// The end; infinite where none was proved.
     pub bound: f64,
     /// Rows of the basis: row number, whether its lower right-hand side is meant, multiplier (an approximation).
-    pub rows: Vec<(usize, bool, f64)>,
+    pub rows: Vec<DataRow>,
     /// Unknowns whose sign constraint is in the basis, with the multiplier.
     pub signs: Vec<(usize, f64)>,
 }
@@ -38,7 +50,7 @@ pub enum OrthantOutcome {
     /// Proved to hold no consistent parameter, by these rows (as in [`BoundCertificate`]).
     Empty {
         /// Row number, whether its lower right-hand side is meant, multiplier.
-        rows: Vec<(usize, bool, f64)>,
+        rows: Vec<DataRow>,
     },
     /// Enclosed by these bounds, two for each parameter.
     Bounded(Vec<BoundCertificate>),
@@ -88,43 +100,58 @@ pub struct FeasibleSet {
 /// # Ok::<(), interval_core::Error>(())
 /// ```
 pub fn feasible_set(a: &IntervalMatrix, y: &[Interval]) -> Result<FeasibleSet, Error> {
-    crate::rounding::check_environment()?;
     check_rows(a, y)?;
-    if let Some(index) = y.iter().position(|v| v.is_empty()) {
-        return Err(Error::NoFinitePoint { index });
+    let (low, high): (Vec<f64>, Vec<f64>) = y.iter().map(|v| (v.lo(), v.hi())).unzip();
+    feasible_rows(&Rows::new(a.columns(), a.lo(), a.hi(), &low, &high)?, &FeasibleOptions::default())
+}
+
+/// The same of rows where they lie.
+///
+/// # Errors
+/// Signs that do not fit the columns.
+///
+/// # Example
+/// ```
+/// use interval_core::{Status, regression::{FeasibleOptions, Rows, feasible_rows}};
+/// // |x| = 1, and x is known to be positive
+/// let rows = Rows::new(1, &[-1.0, 1.0], &[1.0, 1.0], &[1.0, -1.0], &[1.0, 1.0])?;
+/// let options = FeasibleOptions { signs: Some(vec![1]), ..FeasibleOptions::default() };
+/// assert_eq!(feasible_rows(&rows, &options)?.parameters[0].lo(), 1.0);
+/// # Ok::<(), interval_core::Error>(())
+/// ```
+pub fn feasible_rows(rows: &Rows<'_>, options: &FeasibleOptions) -> Result<FeasibleSet, Error> {
+    crate::rounding::check_environment()?;
+    let n = rows.columns();
+    let known = options.signs.clone().unwrap_or_else(|| vec![0; n]);
+    if known.len() != n {
+        return Err(Error::Shape { what: "the list of signs", given: known.len(), needed: n });
     }
-    let n = a.columns();
-    let signed: Vec<usize> = (0..n).filter(|&j| (0..a.rows()).any(|i| a.get(i, j).width() > 0.0)).collect();
-    if signed.len() > SIGN_LIMIT {
-        let reason =
-            format!("{} parameters have uncertain regressors; at most {SIGN_LIMIT} are possible", signed.len());
-        return Ok(FeasibleSet {
-            status: Status::NotApplicable,
-            parameters: vec![Interval::ENTIRE; n],
-            inflation: None,
-            centre: None,
-            directions: Vec::new(),
-            orthants: Vec::new(),
-            reason: Some(reason),
-        });
+    let mut pool = Pool::new(rows, options.backend.unwrap_or_else(Backend::chosen));
+    let known: Vec<i8> = known.into_iter().map(i8::signum).collect();
+    let open: Vec<usize> = (0..n).filter(|&j| rows.uncertain()[j] && known[j] == 0).collect();
+    if open.len() > SIGN_LIMIT {
+        let reason = format!("{} parameters have uncertain regressors; at most {SIGN_LIMIT} are possible", open.len());
+        return Ok(FeasibleSet::without_answer(n, reason));
     }
-    let inflation = Inflation::new(a, y);
-    let mut orthants = Vec::with_capacity(1 << signed.len());
+    let leaves: Vec<Vec<i8>> = (0..1_usize << open.len())
+        .map(|bits| {
+            let mut signs = known.clone();
+            for (k, &j) in open.iter().enumerate() {
+                signs[j] = if bits >> k & 1 == 0 { 1 } else { -1 };
+            }
+            signs
+        })
+        .collect();
+    let goals: Vec<(usize, f64)> = (0..n).flat_map(|j| [(j, 1.0), (j, -1.0)]).collect();
+    let mut pieces: Vec<Piece<'_>> =
+        leaves.iter().map(|signs| Piece::new(Orthant::new(rows, signs.clone()), &pool, &goals)).collect();
+    solve(rows, &mut pool, &mut pieces);
+    let proofs = parallel::map(pieces.len(), pieces.len() >= 16, |k| prove(rows, &pool, &pieces[k]));
     let mut directions: Vec<Vec<f64>> = Vec::new();
-    let mut least: Option<Attained> = None;
-    for bits in 0..1_usize << signed.len() {
-        let mut signs = vec![0_i8; n];
-        for (k, &j) in signed.iter().enumerate() {
-            signs[j] = if bits >> k & 1 == 0 { 1 } else { -1 };
-        }
-        let outcome = examine(&Orthant::new(a, y, &signs), &mut directions);
-        if let Some(attained) = inflation.smallest(&signs)
-            && attained.factor.is_finite()
-            && least.as_ref().is_none_or(|l| attained.factor < l.factor)
-        {
-            least = Some(attained);
-        }
-        orthants.push(OrthantResult { signs, outcome });
+    let mut orthants = Vec::with_capacity(leaves.len());
+    for (signs, (outcome, rays)) in leaves.iter().zip(proofs) {
+        rays.iter().for_each(|ray| note_direction(&mut directions, ray));
+        orthants.push(OrthantResult { signs: signs.clone(), outcome });
     }
     let parameters = hull(&orthants, n);
     let status = if parameters.iter().any(|x| x.is_empty()) {
@@ -134,8 +161,33 @@ pub fn feasible_set(a: &IntervalMatrix, y: &[Interval]) -> Result<FeasibleSet, E
     } else {
         Status::Unbounded
     };
-    let (inflation, centre) = least.map_or((None, None), |l| (Some(l.factor), Some(l.point)));
+    // A factor of at most 1 is attained where the set is; only where it is nowhere do all orthants compete.
+    let met: Vec<&[i8]> = orthants
+        .iter()
+        .filter(|o| status == Status::Empty || !matches!(o.outcome, OrthantOutcome::Empty { .. }))
+        .map(|o| o.signs.as_slice())
+        .collect();
+    let m = rows.count();
+    let mut start: Vec<usize> = pool.members.iter().map(|&index| index % m).collect();
+    start.sort_unstable();
+    start.dedup();
+    let (inflation, centre) =
+        inflation::smallest(rows, &start, &met).map_or((None, None), |l| (Some(l.factor), Some(l.point)));
     Ok(FeasibleSet { status, parameters, inflation, centre, directions, orthants, reason: None })
+}
+
+impl FeasibleSet {
+    fn without_answer(n: usize, reason: String) -> Self {
+        Self {
+            status: Status::NotApplicable,
+            parameters: vec![Interval::ENTIRE; n],
+            inflation: None,
+            centre: None,
+            directions: Vec::new(),
+            orthants: Vec::new(),
+            reason: Some(reason),
+        }
+    }
 }
 
 /// The union of the orthants' bounds; empty where every orthant is.
@@ -164,104 +216,6 @@ fn half_line(sign: i8) -> Interval {
         -1 => Interval::raw(f64::NEG_INFINITY, 0.0),
         _ => Interval::ENTIRE,
     }
-}
-
-/// Bounds every parameter in one orthant, or proves the orthant empty.
-fn examine(orthant: &Orthant<'_>, directions: &mut Vec<Vec<f64>>) -> OrthantOutcome {
-    let n = orthant.dimension();
-    let search = Simplex::new(orthant);
-    let mut proposals: Vec<Option<Bound>> = Vec::with_capacity(2 * n);
-    for column in 0..n {
-        for direction in [1.0, -1.0] {
-            let mut objective = vec![0.0; n];
-            objective[column] = direction;
-            proposals.push(match search.minimise(&objective) {
-                Answer::Basis { rows, .. } => Some(Bound { column, direction, rows }),
-                Answer::Unbounded { ray } => {
-                    note_direction(directions, &ray);
-                    None
-                }
-                Answer::Infeasible { rows } => match farkas(orthant, &rows) {
-                    Some(multipliers) => {
-                        let weights = multipliers.iter().map(|m| m.to_f64().unwrap_or(f64::NAN));
-                        let pairs: Vec<(Row, f64)> = rows.into_iter().zip(weights).collect();
-                        return OrthantOutcome::Empty { rows: split(orthant, &pairs).0 };
-                    }
-                    None => None,
-                },
-                Answer::Failed => None,
-            });
-        }
-    }
-    let every: Option<Vec<Bound>> = proposals.iter().cloned().collect();
-    let around = every.and_then(|bounds| proved_box(orthant, &bounds));
-    let certificates: Vec<BoundCertificate> = proposals
-        .into_iter()
-        .enumerate()
-        .map(|(k, proposal)| certify(orthant, k / 2, k % 2 == 1, proposal, around.as_deref()))
-        .collect();
-    match contradiction(&certificates, orthant.signs()) {
-        Some(rows) => OrthantOutcome::Empty { rows },
-        None => OrthantOutcome::Bounded(certificates),
-    }
-}
-
-/// The rows of two proved ends that cross, or of one end on the wrong side of zero: they prove the orthant empty as well.
-fn contradiction(certificates: &[BoundCertificate], signs: &[i8]) -> Option<Vec<(usize, bool, f64)>> {
-    certificates.chunks_exact(2).zip(signs).find_map(|(ends, &sign)| {
-        let (lower, upper) = (&ends[0], &ends[1]);
-        if lower.bound > upper.bound {
-            Some([lower.rows.clone(), upper.rows.clone()].concat())
-        } else if sign > 0 && upper.bound < 0.0 {
-            Some(upper.rows.clone())
-        } else if sign < 0 && lower.bound > 0.0 {
-            Some(lower.rows.clone())
-        } else {
-            None
-        }
-    })
-}
-
-/// One proved end, infinite where nothing is proved.
-fn certify(
-    orthant: &Orthant<'_>,
-    column: usize,
-    upper: bool,
-    proposal: Option<Bound>,
-    around: Option<&[Interval]>,
-) -> BoundCertificate {
-    let open = BoundCertificate {
-        column,
-        upper,
-        bound: if upper { f64::INFINITY } else { f64::NEG_INFINITY },
-        rows: Vec::new(),
-        signs: Vec::new(),
-    };
-    let Some(proposal) = proposal else { return open };
-    let proved = match around {
-        Some(around) => Some(safe_bound(orthant, &proposal, around)),
-        None => exact_bound(orthant, &proposal),
-    };
-    let Some(least) = proved.filter(|x| *x > f64::NEG_INFINITY) else { return open };
-    let (rows, signs) = split(orthant, &proposal.rows);
-    BoundCertificate { bound: if upper { -least } else { least }, rows, signs, ..open }
-}
-
-type Weighted = (Vec<(usize, bool, f64)>, Vec<(usize, f64)>);
-
-/// Separates data rows from sign constraints.
-fn split(orthant: &Orthant<'_>, rows: &[(Row, f64)]) -> Weighted {
-    let m = (orthant.count() - orthant.dimension()) / 2;
-    let (mut data, mut signs) = (Vec::new(), Vec::new());
-    for &(row, weight) in rows {
-        match row {
-            Row::Given(index) if index < m => data.push((index, false, weight)),
-            Row::Given(index) if index < 2 * m => data.push((index - m, true, weight)),
-            Row::Given(index) => signs.push((index - 2 * m, weight)),
-            Row::AtInfinity { .. } => {}
-        }
-    }
-    (data, signs)
 }
 
 /// Keeps a direction that differs from those known (up to sign and length).

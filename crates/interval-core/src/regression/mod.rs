@@ -4,8 +4,16 @@ mod feasible;
 mod inflation;
 mod normal_equations;
 mod orthant;
+mod prove;
+mod rows;
+mod scan;
+mod search;
 
-pub use feasible::{BoundCertificate, FeasibleSet, OrthantOutcome, OrthantResult, feasible_set};
+pub use feasible::{
+    BoundCertificate, FeasibleOptions, FeasibleSet, OrthantOutcome, OrthantResult, feasible_rows, feasible_set,
+};
+pub use orthant::DataRow;
+pub use rows::Rows;
 pub use normal_equations::{NormalEquations, normal_equations};
 
 use crate::error::Error;

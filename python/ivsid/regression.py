@@ -76,7 +76,7 @@ def feasible_set(A: Operand, y: Operand) -> FeasibleSet:
         IvsidError: wrong shapes, NaN or reversed bounds.
     """
     rows, right = _rows(A, y)
-    found = _core.feasible_set(rows, right)
+    found = _core.feasible_set(rows, right, None)
     lower, upper = found["parameters"]
     empty = found["status"] == "empty"
     directions = [np.array(d) for d in found["directions"]]

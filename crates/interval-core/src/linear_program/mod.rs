@@ -1,11 +1,13 @@
 //! Linear programs `min c x` over half-spaces `g x <= h` in few unknowns: a plain-float search for a basis on a working set, and
 //! bounds that a proof closes around it, in directed rounding or, where that cannot decide, over the rationals.
 
+mod enclosed;
 mod exact_simplex;
 pub(crate) mod program;
 mod safe_bound;
 mod simplex;
 
+pub(crate) use enclosed::{enclosed_farkas, enclosed_multipliers};
 pub(crate) use exact_simplex::{Proved, minimum};
 pub(crate) use program::Program;
 pub(crate) use safe_bound::{Bound, basis_multipliers, exact_bound, farkas, proved_box, safe_bound};

@@ -31,7 +31,9 @@ impl Program {
         let scaled = &mut self.coefficients[start..];
         let largest = scaled.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
         let by = if largest > 0.0 { power_of_two_near(largest).recip() } else { 1.0 };
-        scaled.iter_mut().for_each(|x| *x *= by);
+        for x in scaled.iter_mut() {
+            *x *= by;
+        }
         let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
         self.unit.push(if length > 0.0 { length.recip() } else { 1.0 });
         self.right.push(h * by);

@@ -117,9 +117,10 @@ pub(crate) fn basis_multipliers(
 /// The bound that exact multipliers give: `direction * x[column]` is at least this.
 pub(crate) fn exact_bound(problem: &impl HalfSpaces, multipliers: &[(usize, BigRational)]) -> BigRational {
     let mut g = vec![0.0; problem.dimension()];
-    multipliers.iter().filter(|(_, l)| !l.is_zero()).fold(BigRational::zero(), |sum, (index, l)| {
-        sum - l * exact::rational(problem.half_space(*index, &mut g))
-    })
+    multipliers
+        .iter()
+        .filter(|(_, l)| !l.is_zero())
+        .fold(BigRational::zero(), |sum, (index, l)| sum - l * exact::rational(problem.half_space(*index, &mut g)))
 }
 
 /// Proves over the rationals that the half-spaces contradict each other: the last one's normal is a combination of the

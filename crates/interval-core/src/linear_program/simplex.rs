@@ -123,9 +123,7 @@ impl Search {
     /// The members of the basis by their names in the problem, with the multipliers of the problem's own half-spaces.
     pub(crate) fn basis(&self, program: &Program) -> Vec<(Row, f64)> {
         let named = |(&row, &m): (&Row, &f64)| match row {
-            Row::Given(index) => {
-                (Row::Given(program.names()[index]), program.unscaled_multiplier(index, m))
-            }
+            Row::Given(index) => (Row::Given(program.names()[index]), program.unscaled_multiplier(index, m)),
             infinite @ Row::AtInfinity { .. } => (infinite, m),
         };
         self.rows.iter().zip(&self.multipliers).map(named).collect()
@@ -304,7 +302,9 @@ fn invert(work: &mut [f64], n: usize) -> Option<()> {
         }
         let (above, rest) = work.split_at_mut(p * width);
         let (row, below) = rest.split_at_mut(width);
-        row.iter_mut().for_each(|x| *x /= pivot);
+        for x in row.iter_mut() {
+            *x /= pivot;
+        }
         for target in above.chunks_exact_mut(width).chain(below.chunks_exact_mut(width)) {
             let factor = target[p];
             if factor != 0.0 {

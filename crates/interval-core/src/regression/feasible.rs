@@ -7,9 +7,11 @@
 use super::check_rows;
 use super::inflation;
 use super::orthant::{DataRow, Orthant};
+use super::outliers::{NODE_LIMIT, Outliers, trees};
 use super::prove::prove;
 use super::rows::Rows;
 use super::search::{Piece, Pool, solve};
+use super::signs::{ORTHANT_LIMIT, SignProof, cover, every};
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::matrix::IntervalMatrix;
@@ -17,14 +19,13 @@ use crate::parallel;
 use crate::rounding::slices::Backend;
 use crate::status::Status;
 
-/// The largest number of columns with a radius: two to this power orthants are examined.
-pub const SIGN_LIMIT: usize = 12;
-
 /// What may be asked of [`feasible_rows`] beside the rows.
 #[derive(Debug, Clone, Default)]
 pub struct FeasibleOptions {
     /// Signs of the parameters that are known beforehand: 1, -1, or 0 for none. The result holds under this assumption.
     pub signs: Option<Vec<i8>>,
+    /// How many rows may be wrong: the result holds for every parameter that all but so many rows allow.
+    pub outliers: usize,
     /// Where the scans run; the bits are the same everywhere.
     pub backend: Option<Backend>,
 }
@@ -61,6 +62,8 @@ pub enum OrthantOutcome {
 pub struct OrthantResult {
     /// 1 or -1; 0 for an unknown that needs no sign.
     pub signs: Vec<i8>,
+    /// Rows that are taken to be wrong here; none unless outliers are allowed.
+    pub dropped: Vec<usize>,
     /// The outcome.
     pub outcome: OrthantOutcome,
 }
@@ -78,8 +81,12 @@ pub struct FeasibleSet {
     pub centre: Option<Vec<f64>>,
     /// Directions in which the set goes on for ever, scaled to a largest entry of 1; approximations.
     pub directions: Vec<Vec<f64>>,
-    /// Every orthant with its proof.
+    /// Every orthant that the set may meet, with its proof.
     pub orthants: Vec<OrthantResult>,
+    /// Why the set meets no other orthant; empty where all of them are listed.
+    pub sign_proofs: Vec<SignProof>,
+    /// The rows that may be wrong; `None` unless outliers are allowed.
+    pub outliers: Option<Outliers>,
     /// Why the method does not apply.
     pub reason: Option<String>,
 }
@@ -128,55 +135,94 @@ pub fn feasible_rows(rows: &Rows<'_>, options: &FeasibleOptions) -> Result<Feasi
     }
     let mut pool = Pool::new(rows, options.backend.unwrap_or_else(Backend::chosen));
     let known: Vec<i8> = known.into_iter().map(i8::signum).collect();
-    let open: Vec<usize> = (0..n).filter(|&j| rows.uncertain()[j] && known[j] == 0).collect();
-    if open.len() > SIGN_LIMIT {
-        let reason = format!("{} parameters have uncertain regressors; at most {SIGN_LIMIT} are possible", open.len());
-        return Ok(FeasibleSet::without_answer(n, reason));
+    if options.outliers > 0 {
+        return Ok(with_outliers(rows, &mut pool, &known, options.outliers));
     }
-    let leaves: Vec<Vec<i8>> = (0..1_usize << open.len())
-        .map(|bits| {
-            let mut signs = known.clone();
-            for (k, &j) in open.iter().enumerate() {
-                signs[j] = if bits >> k & 1 == 0 { 1 } else { -1 };
-            }
-            signs
-        })
-        .collect();
+    let Some((leaves, sign_proofs)) = cover(rows, &mut pool, &known) else {
+        return Ok(FeasibleSet::without_answer(n, too_many(rows, &known)));
+    };
     let goals: Vec<(usize, f64)> = (0..n).flat_map(|j| [(j, 1.0), (j, -1.0)]).collect();
     let mut pieces: Vec<Piece<'_>> =
         leaves.iter().map(|signs| Piece::new(Orthant::new(rows, signs.clone()), &pool, &goals)).collect();
     solve(rows, &mut pool, &mut pieces);
     let proofs = parallel::map(pieces.len(), pieces.len() >= 16, |k| prove(rows, &pool, &pieces[k]));
-    let mut directions: Vec<Vec<f64>> = Vec::new();
+    let mut all_rays = Vec::new();
     let mut orthants = Vec::with_capacity(leaves.len());
-    for (signs, (outcome, rays)) in leaves.iter().zip(proofs) {
-        rays.iter().for_each(|ray| note_direction(&mut directions, ray));
-        orthants.push(OrthantResult { signs: signs.clone(), outcome });
+    for (signs, (outcome, rays)) in leaves.into_iter().zip(proofs) {
+        all_rays.extend(rays);
+        orthants.push(OrthantResult { signs, dropped: Vec::new(), outcome });
     }
     let parameters = hull(&orthants, n);
-    let status = if parameters.iter().any(|x| x.is_empty()) {
-        Status::Empty
-    } else if parameters.iter().all(|x| x.is_bounded()) {
-        Status::Enclosed
-    } else {
-        Status::Unbounded
+    let set = FeasibleSet { orthants, sign_proofs, ..FeasibleSet::new(parameters, &all_rays) };
+    Ok(set.with_inflation(rows, &pool, &[]))
+}
+
+/// The hull where some rows may be wrong. Proofs of signs would use rows that may be among them, so every orthant is looked at.
+fn with_outliers(rows: &Rows<'_>, pool: &mut Pool, known: &[i8], allowed: usize) -> FeasibleSet {
+    let n = rows.columns();
+    let Some(leaves) = every(rows, known) else { return FeasibleSet::without_answer(n, too_many(rows, known)) };
+    let Some(found) = trees(rows, pool, &leaves, allowed) else {
+        let reason = format!("{allowed} wrong rows need more than {NODE_LIMIT} linear programs; allow fewer");
+        return FeasibleSet::without_answer(n, reason);
     };
-    // A factor of at most 1 is attained where the set is; only where it is nowhere do all orthants compete.
-    let met: Vec<&[i8]> = orthants
-        .iter()
-        .filter(|o| status == Status::Empty || !matches!(o.outcome, OrthantOutcome::Empty { .. }))
-        .map(|o| o.signs.as_slice())
-        .collect();
-    let m = rows.count();
-    let mut start: Vec<usize> = pool.members.iter().map(|&index| index % m).collect();
-    start.sort_unstable();
-    start.dedup();
-    let (inflation, centre) =
-        inflation::smallest(rows, &start, &met).map_or((None, None), |l| (Some(l.factor), Some(l.point)));
-    Ok(FeasibleSet { status, parameters, inflation, centre, directions, orthants, reason: None })
+    let parameters = match found.ends {
+        None => vec![Interval::EMPTY; n],
+        Some(ends) => ends.into_iter().map(|(least, most)| Interval::raw(least, most)).collect(),
+    };
+    let dropped = found.outliers.sets.first().cloned().unwrap_or_default();
+    let set = FeasibleSet {
+        orthants: found.nodes,
+        outliers: Some(found.outliers),
+        ..FeasibleSet::new(parameters, &found.rays)
+    };
+    set.with_inflation(rows, pool, &dropped)
+}
+
+fn too_many(rows: &Rows<'_>, known: &[i8]) -> String {
+    let open = known.iter().zip(rows.uncertain()).filter(|(k, u)| **k == 0 && **u).count();
+    format!(
+        "the signs of {open} parameters with uncertain regressors leave more than {ORTHANT_LIMIT} orthants open; state the \
+         signs that are known"
+    )
 }
 
 impl FeasibleSet {
+    fn new(parameters: Vec<Interval>, rays: &[Vec<f64>]) -> Self {
+        let status = if parameters.iter().any(|x| x.is_empty()) {
+            Status::Empty
+        } else if parameters.iter().all(|x| x.is_bounded()) {
+            Status::Enclosed
+        } else {
+            Status::Unbounded
+        };
+        let mut directions: Vec<Vec<f64>> = Vec::new();
+        for ray in rays {
+            note_direction(&mut directions, ray);
+        }
+        Self { status, parameters, directions, reason: None, ..Self::without_answer(0, String::new()) }
+    }
+
+    /// A factor of at most 1 is attained where the set is; only where it is nowhere do all orthants compete.
+    fn with_inflation(mut self, rows: &Rows<'_>, pool: &Pool, dropped: &[usize]) -> Self {
+        let empty = self.status == Status::Empty;
+        let mut met: Vec<&[i8]> = self
+            .orthants
+            .iter()
+            .filter(|o| empty || !matches!(o.outcome, OrthantOutcome::Empty { .. }))
+            .map(|o| o.signs.as_slice())
+            .collect();
+        met.sort_unstable();
+        met.dedup();
+        let m = rows.count();
+        let mut start: Vec<usize> = pool.members.iter().map(|&index| index % m).collect();
+        start.sort_unstable();
+        start.dedup();
+        if let Some(attained) = inflation::smallest(rows, &start, &met, dropped) {
+            (self.inflation, self.centre) = (Some(attained.factor), Some(attained.point));
+        }
+        self
+    }
+
     fn without_answer(n: usize, reason: String) -> Self {
         Self {
             status: Status::NotApplicable,
@@ -185,6 +231,8 @@ impl FeasibleSet {
             centre: None,
             directions: Vec::new(),
             orthants: Vec::new(),
+            sign_proofs: Vec::new(),
+            outliers: None,
             reason: Some(reason),
         }
     }

@@ -26,9 +26,11 @@ const PIECE: usize = 4096;
 /// Rows that one pass adds.
 const TAKEN: usize = 12;
 
-/// The smallest factor over these orthants, starting from these rows; `None` where no factor helps.
-pub(crate) fn smallest(rows: &Rows<'_>, start: &[usize], signs: &[&[i8]]) -> Option<Attained> {
-    let mut set = Working::new(rows, start);
+/// The smallest factor over these orthants, starting from these rows and without the `dropped` ones (in ascending order);
+/// `None` where no factor helps.
+pub(crate) fn smallest(rows: &Rows<'_>, start: &[usize], signs: &[&[i8]], dropped: &[usize]) -> Option<Attained> {
+    let start: Vec<usize> = start.iter().copied().filter(|i| dropped.binary_search(i).is_err()).collect();
+    let mut set = Working::new(rows, &start);
     let mut found: Vec<Option<Attained>> =
         parallel::map(signs.len(), signs.len() >= 8, |k| set.smallest(signs[k], None));
     // How many rows of the working set each of them has seen.
@@ -44,7 +46,7 @@ pub(crate) fn smallest(rows: &Rows<'_>, start: &[usize], signs: &[&[i8]]) -> Opt
             continue;
         }
         let least = found[k].as_ref().filter(|a| a.factor.is_finite())?;
-        let (factor, worst) = factor_of(rows, &least.point);
+        let (factor, worst) = factor_of(rows, &least.point, dropped);
         if best.as_ref().is_none_or(|b| factor < b.factor) {
             best = Some(Attained { factor, point: least.point.clone() });
         }
@@ -57,7 +59,7 @@ pub(crate) fn smallest(rows: &Rows<'_>, start: &[usize], signs: &[&[i8]]) -> Opt
 }
 
 /// The factor at a point over all rows, and rows that ask for the largest ones, the largest first.
-fn factor_of(rows: &Rows<'_>, point: &[f64]) -> (f64, Vec<usize>) {
+fn factor_of(rows: &Rows<'_>, point: &[f64], dropped: &[usize]) -> (f64, Vec<usize>) {
     let (m, n) = (rows.count(), rows.columns());
     let pieces = m.div_ceil(PIECE);
     let mut found: Vec<(f64, usize)> = parallel::map(pieces, pieces > 4, |piece| {
@@ -79,7 +81,7 @@ fn factor_of(rows: &Rows<'_>, point: &[f64]) -> (f64, Vec<usize>) {
             let residual = residual.abs();
             if residual > 4.0 * f64::EPSILON * size && residual < f64::INFINITY && residual > worst.0 * radius {
                 let factor = residual / radius;
-                if factor > worst.0 {
+                if factor > worst.0 && dropped.binary_search(&(start + i)).is_err() {
                     worst = (factor, start + i);
                 }
             }

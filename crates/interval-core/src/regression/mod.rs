@@ -4,17 +4,21 @@ mod feasible;
 mod inflation;
 mod normal_equations;
 mod orthant;
+mod outliers;
 mod prove;
 mod rows;
 mod scan;
 mod search;
+mod signs;
 
 pub use feasible::{
     BoundCertificate, FeasibleOptions, FeasibleSet, OrthantOutcome, OrthantResult, feasible_rows, feasible_set,
 };
-pub use orthant::DataRow;
-pub use rows::Rows;
 pub use normal_equations::{NormalEquations, normal_equations};
+pub use orthant::DataRow;
+pub use outliers::{NODE_LIMIT, Outliers};
+pub use rows::Rows;
+pub use signs::{ORTHANT_LIMIT, SignProof, SignRows};
 
 use crate::error::Error;
 use crate::interval::Interval;

@@ -15,6 +15,8 @@ pub(crate) struct Orthant<'a> {
     pub(crate) signs: Vec<i8>,
     /// Signs that are taken for the coefficients of the rows but not held.
     pub(crate) loose: Vec<bool>,
+    /// Rows that count as wrong, in ascending order.
+    pub(crate) dropped: Vec<usize>,
 }
 
 /// Row number, whether its lower right-hand side is meant, multiplier.
@@ -23,7 +25,7 @@ pub type DataRow = (usize, bool, f64);
 impl<'a> Orthant<'a> {
     pub(crate) fn new(rows: &'a Rows<'a>, signs: Vec<i8>) -> Self {
         let loose = vec![false; signs.len()];
-        Self { rows, signs, loose }
+        Self { rows, signs, loose, dropped: Vec::new() }
     }
 
     /// Half-spaces of rows and of signs.
@@ -54,6 +56,10 @@ impl HalfSpaces for Orthant<'_> {
         }
         let below = index >= m;
         let i = if below { index - m } else { index };
+        if self.dropped.binary_search(&i).is_ok() {
+            g.fill(0.0);
+            return f64::INFINITY;
+        }
         let (lower, upper) = self.rows.row(i);
         let mut meaningful = true;
         for (j, x) in g.iter_mut().enumerate() {

@@ -10,8 +10,8 @@ use super::scan::{Pass, Vertex, scan, violation};
 use super::search::{Goal, Piece, Pool};
 use crate::exact::{ratio_down, rational};
 use crate::linear_program::{
-    Bound, HalfSpaces, Outcome, Proved, Row, Subset, basis_multipliers, exact_bound, farkas, minimum, proved_box,
-    safe_bound,
+    Bound, HalfSpaces, Outcome, Proved, Row, Subset, basis_multipliers, enclosed_farkas, exact_bound, farkas, minimum,
+    proved_box, safe_bound,
 };
 use crate::parallel;
 use num_rational::BigRational;
@@ -32,7 +32,11 @@ pub(crate) fn prove(rows: &Rows<'_>, pool: &Pool, piece: &Piece<'_>) -> Proof {
     let orthant = &piece.orthant;
     if let Some((goal, entering)) = piece.contradiction {
         let basis: Vec<Row> = piece.goals[goal].search.basis(&piece.program).into_iter().map(|r| r.0).collect();
-        return match farkas(orthant, &basis, piece.program.names()[entering]) {
+        let entering = piece.program.names()[entering];
+        if let Some(weights) = enclosed_farkas(orthant, &basis, entering) {
+            return (OrthantOutcome::Empty { rows: orthant.split(&weights).0 }, Vec::new());
+        }
+        return match farkas(orthant, &basis, entering) {
             Some(weights) => (empty(orthant, &weights), Vec::new()),
             None => exactly(rows, pool, piece),
         };
@@ -64,7 +68,7 @@ pub(crate) fn prove(rows: &Rows<'_>, pool: &Pool, piece: &Piece<'_>) -> Proof {
             }
             _ => match exact_goal(piece, goal) {
                 Some(Proved::Empty { rows }) => {
-                    return (empty(orthant, &named(&piece.program.names(), rows)), Vec::new());
+                    return (empty(orthant, &named(piece.program.names(), rows)), Vec::new());
                 }
                 Some(Proved::Unbounded { ray }) => {
                     directions.push(ray);
@@ -249,11 +253,7 @@ impl HalfSpaces for Remainders<'_> {
             size += p.abs();
         }
         let violated = sum + error;
-        if !(violated > 1e-28 * size) {
-            return f64::INFINITY;
-        }
-        // Far enough below the value at the point for the tolerance of the scan.
-        let value = h + sum;
-        value - 1e-9 * size.max(f64::MIN_POSITIVE)
+        // Far enough below the value at the point for the tolerance of the scan; NaN is no violation.
+        if violated > 1e-28 * size { h + sum - 1e-9 * size.max(f64::MIN_POSITIVE) } else { f64::INFINITY }
     }
 }

@@ -66,8 +66,16 @@ impl<'a> Rows<'a> {
         if rows == 0 {
             return Err(Error::Zero { what: "the number of rows" });
         }
-        let mut whole =
-            Self { columns, lower, upper, right_lower, right_upper, magnitude: Vec::new(), uncertain: Vec::new(), open: Vec::new() };
+        let mut whole = Self {
+            columns,
+            lower,
+            upper,
+            right_lower,
+            right_upper,
+            magnitude: Vec::new(),
+            uncertain: Vec::new(),
+            open: Vec::new(),
+        };
         let pieces = rows.div_ceil(PIECE);
         let surveys = parallel::map(pieces, pieces > 1, |k| whole.survey(k * PIECE, rows.min((k + 1) * PIECE)));
         let (mut magnitude, mut uncertain, mut open) = (vec![0.0_f64; columns], vec![false; columns], Vec::new());

@@ -89,8 +89,7 @@ pub(crate) fn scan<P: HalfSpaces>(
         if !finite.is_empty() {
             let blocks = (end - start).div_ceil(BLOCK);
             let mut maxima = vec![0.0; blocks * finite.len()];
-            let [lower, upper, low, high] = rows.slices(start, end);
-            maxima_of(backend, lower, upper, low, high, scale, &points, &tilts, &mut maxima);
+            maxima_of(backend, rows.slices(start, end), scale, &points, &tilts, &mut maxima);
             for (block, maxima) in maxima.chunks_exact(finite.len()).enumerate() {
                 let first = start + block * BLOCK;
                 for (&k, &most) in finite.iter().zip(maxima) {
@@ -137,7 +136,9 @@ fn look<P: HalfSpaces>(
         if h == f64::INFINITY {
             continue;
         }
-        let Some((at_large, amount)) = violation(g, h, &vertex.point, vertex.ray.as_deref(), VIOLATION) else { continue };
+        let Some((at_large, amount)) = violation(g, h, &vertex.point, vertex.ray.as_deref(), VIOLATION) else {
+            continue;
+        };
         let amount = amount / g.iter().zip(scale).map(|(x, s)| (x * s).abs()).sum::<f64>().max(f64::MIN_POSITIVE);
         if best.is_none_or(|(order, most, _)| (at_large, amount) > (order, most)) && !known.contains(&index) {
             *best = Some((at_large, amount, index));
@@ -166,10 +167,7 @@ fn terms(g: &[f64], x: &[f64]) -> (f64, f64) {
 backends! {
     /// The largest violation in each block of rows, for each vertex, in units of the rows' normals; 0 where there is none.
     fn maxima_of(
-        lower: &[f64],
-        upper: &[f64],
-        low: &[f64],
-        high: &[f64],
+        rows: [&[f64]; 4],
         scale: &[f64],
         points: &[f64],
         tilts: &[f64],
@@ -180,10 +178,7 @@ backends! {
 /// `inf(A_i x) = c x - d |x|` and `sup(A_i x) = c x + d |x|` for midpoints `c` and radii `d`.
 #[inline(always)]
 fn blocks<V: Vector>(
-    lower: &[f64],
-    upper: &[f64],
-    low: &[f64],
-    high: &[f64],
+    [lower, upper, low, high]: [&[f64]; 4],
     scale: &[f64],
     points: &[f64],
     tilts: &[f64],
@@ -217,7 +212,9 @@ fn blocks<V: Vector>(
         }
         least[..count].copy_from_slice(&low[start..start + count]);
         most[..count].copy_from_slice(&high[start..start + count]);
-        weight.iter_mut().for_each(|w| *w = 1.0 / *w);
+        for w in &mut weight {
+            *w = 1.0 / *w;
+        }
         for ((x, tilt), maximum) in points.chunks_exact(n).zip(tilts.chunks_exact(n)).zip(maxima) {
             let mut worst = V::splat(0.0);
             let mut group = 0;

@@ -27,8 +27,7 @@ impl Pool {
     /// A sample of the rows, evenly spaced.
     pub(crate) fn new(rows: &Rows<'_>, backend: Backend) -> Self {
         let (m, n) = (rows.count(), rows.columns());
-        let mut pool =
-            Self { members: Vec::new(), known: HashSet::new(), scale: column_scale(rows), backend };
+        let mut pool = Self { members: Vec::new(), known: HashSet::new(), scale: column_scale(rows), backend };
         let wanted = 8 * n;
         let step = (m / wanted).max(1);
         (0..m).step_by(step).take(2 * wanted).for_each(|i| {
@@ -74,6 +73,8 @@ pub(crate) struct Piece<'a> {
     pub(crate) goals: Vec<Goal>,
     /// The goal whose search met a contradiction.
     pub(crate) contradiction: Option<(usize, usize)>,
+    /// Whether a contradiction ends only its own goal: the last basis before it proves a bound all the same.
+    pub(crate) persistent: bool,
     taken: usize,
 }
 
@@ -97,7 +98,7 @@ impl<'a> Piece<'a> {
                 Goal { column, direction, search, outcome: Outcome::Failed, settled: false }
             })
             .collect();
-        Self { orthant, program, goals, contradiction: None, taken: 0 }
+        Self { orthant, program, goals, contradiction: None, persistent: false, taken: 0 }
     }
 
     /// Takes in what is new in the pool and goes on with every search. The first contradiction ends them all.
@@ -110,13 +111,16 @@ impl<'a> Piece<'a> {
         }
         self.taken = pool.members.len();
         for (k, goal) in self.goals.iter_mut().enumerate() {
-            if !grown && goal.settled {
+            if (!grown && goal.settled) || matches!(goal.outcome, Outcome::Contradiction(_)) {
                 continue;
             }
             let before = goal.search.point(&self.program);
             let was = goal.outcome;
             goal.outcome = goal.search.run(&self.program);
             if let Outcome::Contradiction(entering) = goal.outcome {
+                if self.persistent {
+                    continue;
+                }
                 self.contradiction = Some((k, entering));
                 return;
             }
@@ -149,7 +153,7 @@ pub(crate) fn solve(rows: &Rows<'_>, pool: &mut Pool, pieces: &mut [Piece<'_>]) 
             let mut places = Vec::new();
             for (p, piece) in pieces.iter().enumerate().filter(|(_, p)| p.contradiction.is_none()) {
                 for (k, goal) in piece.goals.iter().enumerate() {
-                    if !goal.settled && goal.outcome != Outcome::Failed {
+                    if !goal.settled && matches!(goal.outcome, Outcome::Vertex | Outcome::Unbounded) {
                         vertices.push(piece.vertex(goal));
                         places.push((p, k));
                     }
@@ -158,8 +162,7 @@ pub(crate) fn solve(rows: &Rows<'_>, pool: &mut Pool, pieces: &mut [Piece<'_>]) 
             if vertices.is_empty() {
                 break;
             }
-            let found =
-                scan(rows, &pool.scale, &vertices, &pool.known, Pass::new(rows.count(), stride), pool.backend);
+            let found = scan(rows, &pool.scale, &vertices, &pool.known, Pass::new(rows.count(), stride), pool.backend);
             let mut grown = false;
             for ((p, k), indices) in places.into_iter().zip(found) {
                 pieces[p].goals[k].settled = indices.is_empty();

@@ -1,4 +1,8 @@
-//! The multipliers of a basis, enclosed in directed rounding: what most proofs need, far cheaper than the rationals.
+//! What a basis proves in directed rounding: enclosures of its exact multipliers, far cheaper than the rationals.
+//!
+//! Neumaier and Shcherbina (*Math. Prog.* 99 (2004) 283-296) bound a linear program from any multipliers, but inside a box, and the
+//! unknowns here have none. The exact multipliers of a basis need no box: Krawczyk's method encloses them, and where all are proved
+//! positive the bound follows from the basis alone.
 
 use super::program::power_of_two_near;
 use super::{HalfSpaces, Row};
@@ -58,6 +62,17 @@ pub(crate) fn enclosed_multipliers(
         _ => None,
     };
     rows.iter().zip(multipliers).map(positive).collect()
+}
+
+/// A lower bound of the bound `-sum l h` that the exact multipliers prove.
+pub(crate) fn enclosed_bound(problem: &impl HalfSpaces, multipliers: &[(usize, Interval)]) -> f64 {
+    let mut g = vec![0.0; problem.dimension()];
+    let term = |&(index, l): &(usize, Interval)| {
+        let h = problem.half_space(index, &mut g);
+        l * Interval::raw(h, h)
+    };
+    let terms: Vec<Interval> = multipliers.iter().map(term).collect();
+    -crate::reductions::sum_intervals(&terms).hi()
 }
 
 /// The proof that a half-space contradicts the basis, with approximate multipliers; `None` where that is not certain.

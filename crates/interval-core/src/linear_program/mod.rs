@@ -4,13 +4,13 @@
 mod enclosed;
 mod exact_simplex;
 pub(crate) mod program;
-mod safe_bound;
+mod rational;
 mod simplex;
 
-pub(crate) use enclosed::{enclosed_farkas, enclosed_multipliers};
+pub(crate) use enclosed::{enclosed_bound, enclosed_farkas, enclosed_multipliers};
 pub(crate) use exact_simplex::{Proved, minimum};
 pub(crate) use program::Program;
-pub(crate) use safe_bound::{Bound, basis_multipliers, exact_bound, farkas, proved_box, safe_bound};
+pub(crate) use rational::{basis_multipliers, exact_bound, farkas};
 pub(crate) use simplex::{Outcome, Search};
 
 /// A polyhedron as a list of half-spaces `g x <= h` with finite coefficients.

@@ -134,12 +134,6 @@ impl Search {
         &self.rows
     }
 
-    /// Whether rounding could have changed the sign of a multiplier.
-    pub(crate) fn is_doubtful(&self) -> bool {
-        let size = self.multipliers.iter().fold(0.0_f64, |a, &x| a.max(x));
-        self.rows.iter().zip(&self.multipliers).any(|(row, &m)| row.is_at_infinity() || m <= 1e-9 * size)
-    }
-
     /// The finite part of the vertex.
     pub(crate) fn point(&self, program: &Program) -> Vec<f64> {
         program.unscaled_point(&self.point)

@@ -5,6 +5,7 @@
 //! A column without radius needs no sign.
 
 use super::check_rows;
+use super::directions::directions;
 use super::inflation;
 use super::orthant::{DataRow, Orthant};
 use super::outliers::{NODE_LIMIT, Outliers, trees};
@@ -79,7 +80,8 @@ pub struct FeasibleSet {
     pub inflation: Option<f64>,
     /// Where that factor is attained.
     pub centre: Option<Vec<f64>>,
-    /// Directions in which the set goes on for ever, scaled to a largest entry of 1; approximations.
+    /// Directions in which the set goes on for ever, scaled to a largest entry of 1: a basis of the null space where the set holds
+    /// whole lines, else rays; approximations.
     pub directions: Vec<Vec<f64>>,
     /// Every orthant that the set may meet, with its proof.
     pub orthants: Vec<OrthantResult>,
@@ -153,7 +155,7 @@ pub fn feasible_rows(rows: &Rows<'_>, options: &FeasibleOptions) -> Result<Feasi
         orthants.push(OrthantResult { signs, dropped: Vec::new(), outcome });
     }
     let parameters = hull(&orthants, n);
-    let set = FeasibleSet { orthants, sign_proofs, ..FeasibleSet::new(parameters, &all_rays) };
+    let set = FeasibleSet { orthants, sign_proofs, ..FeasibleSet::new(rows, parameters, &all_rays) };
     Ok(set.with_inflation(rows, &pool, &[]))
 }
 
@@ -173,7 +175,7 @@ fn with_outliers(rows: &Rows<'_>, pool: &mut Pool, known: &[i8], allowed: usize)
     let set = FeasibleSet {
         orthants: found.nodes,
         outliers: Some(found.outliers),
-        ..FeasibleSet::new(parameters, &found.rays)
+        ..FeasibleSet::new(rows, parameters, &found.rays)
     };
     set.with_inflation(rows, pool, &dropped)
 }
@@ -187,7 +189,7 @@ fn too_many(rows: &Rows<'_>, known: &[i8]) -> String {
 }
 
 impl FeasibleSet {
-    fn new(parameters: Vec<Interval>, rays: &[Vec<f64>]) -> Self {
+    fn new(rows: &Rows<'_>, parameters: Vec<Interval>, rays: &[Vec<f64>]) -> Self {
         let status = if parameters.iter().any(|x| x.is_empty()) {
             Status::Empty
         } else if parameters.iter().all(|x| x.is_bounded()) {
@@ -195,10 +197,7 @@ impl FeasibleSet {
         } else {
             Status::Unbounded
         };
-        let mut directions: Vec<Vec<f64>> = Vec::new();
-        for ray in rays {
-            note_direction(&mut directions, ray);
-        }
+        let directions = if status == Status::Unbounded { directions(rows, rays) } else { Vec::new() };
         Self { status, parameters, directions, reason: None, ..Self::without_answer(0, String::new()) }
     }
 
@@ -263,18 +262,5 @@ fn half_line(sign: i8) -> Interval {
         1 => Interval::raw(0.0, f64::INFINITY),
         -1 => Interval::raw(f64::NEG_INFINITY, 0.0),
         _ => Interval::ENTIRE,
-    }
-}
-
-/// Keeps a direction that differs from those known (up to sign and length).
-fn note_direction(directions: &mut Vec<Vec<f64>>, ray: &[f64]) {
-    let largest = ray.iter().fold(0.0_f64, |a, x| if x.abs() > a.abs() { *x } else { a });
-    if largest == 0.0 || !largest.is_finite() {
-        return;
-    }
-    let unit: Vec<f64> = ray.iter().map(|x| if (x / largest).abs() < 1e-9 { 0.0 } else { x / largest }).collect();
-    let known = |d: &Vec<f64>| d.iter().zip(&unit).all(|(a, b)| (a - b).abs() < 1e-6);
-    if !directions.iter().any(known) {
-        directions.push(unit);
     }
 }

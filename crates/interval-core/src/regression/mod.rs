@@ -1,5 +1,6 @@
 //! Parameters of interval rows `A theta = y`.
 
+mod directions;
 mod feasible;
 mod inflation;
 mod normal_equations;

@@ -76,7 +76,9 @@ pub(crate) fn trees(rows: &Rows<'_>, pool: &mut Pool, leaves: &[Vec<i8>], allowe
             };
             match &outcome {
                 OrthantOutcome::Empty { rows } => {
-                    rows.iter().for_each(|r| descend(r.0, &mut goals.iter().copied()));
+                    for row in rows {
+                        descend(row.0, &mut goals.iter().copied());
+                    }
                 }
                 OrthantOutcome::Bounded(ends) => {
                     let best = best.get_or_insert_with(|| vec![(f64::INFINITY, f64::NEG_INFINITY); n]);

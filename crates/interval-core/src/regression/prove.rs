@@ -10,12 +10,12 @@ use super::scan::{Pass, Vertex, scan, violation};
 use super::search::{Goal, Piece, Pool};
 use crate::exact::{ratio_down, rational};
 use crate::linear_program::{
-    Bound, HalfSpaces, Outcome, Proved, Row, Subset, basis_multipliers, enclosed_farkas, exact_bound, farkas, minimum,
-    proved_box, safe_bound,
+    HalfSpaces, Outcome, Proved, Row, Subset, basis_multipliers, enclosed_bound, enclosed_farkas, enclosed_multipliers,
+    exact_bound, farkas, minimum,
 };
 use crate::parallel;
 use num_rational::BigRational;
-use num_traits::ToPrimitive;
+use num_traits::{ToPrimitive, Zero};
 
 /// Relative distance of two ends below which the set may be empty by a rounding.
 const THIN: f64 = 1e-9;
@@ -41,27 +41,11 @@ pub(crate) fn prove(rows: &Rows<'_>, pool: &Pool, piece: &Piece<'_>) -> Proof {
             None => exactly(rows, pool, piece),
         };
     }
-    let bounded = piece.goals.iter().all(|g| g.outcome == Outcome::Vertex);
-    let proposals: Vec<Bound> = piece.goals.iter().map(|g| proposal(piece, g)).collect();
-    let around = if bounded { proved_box(orthant, &proposals) } else { None };
     let mut ends = Vec::with_capacity(piece.goals.len());
     let mut directions = Vec::new();
-    for (goal, proposal) in piece.goals.iter().zip(&proposals) {
+    for goal in &piece.goals {
         ends.push(match goal.outcome {
-            Outcome::Vertex => {
-                let directed = around.as_deref().filter(|_| !goal.search.is_doubtful()).and_then(|around| {
-                    let least = safe_bound(orthant, proposal, around);
-                    let found = goal.direction * goal.search.point(&piece.program)[goal.column];
-                    (least >= found - GAP * found.abs()).then_some((least, proposal))
-                });
-                match directed {
-                    Some((least, proposal)) => {
-                        let weights: Vec<(usize, f64)> = given(&proposal.rows);
-                        end(orthant, goal, Some(least), &weights)
-                    }
-                    None => exact_end(piece, goal, &proposal.rows),
-                }
-            }
+            Outcome::Vertex => proved_end(piece, goal),
             Outcome::Unbounded => {
                 directions.push(goal.search.ray(&piece.program));
                 end(orthant, goal, None, &[])
@@ -82,7 +66,7 @@ pub(crate) fn prove(rows: &Rows<'_>, pool: &Pool, piece: &Piece<'_>) -> Proof {
             },
         });
     }
-    if ends.chunks_exact(2).any(|pair| is_thin(pair[0].bound, pair[1].bound)) {
+    if ends.windows(2).any(|pair| pair[0].column == pair[1].column && is_thin(pair[0].bound, pair[1].bound)) {
         return exactly(rows, pool, piece);
     }
     (OrthantOutcome::Bounded(ends), directions)
@@ -92,20 +76,13 @@ fn is_thin(lower: f64, upper: f64) -> bool {
     upper - lower <= THIN * lower.abs().max(upper.abs())
 }
 
-fn proposal(piece: &Piece<'_>, goal: &Goal) -> Bound {
-    Bound { column: goal.column, direction: goal.direction, rows: goal.search.basis(&piece.program) }
-}
-
-fn given(rows: &[(Row, f64)]) -> Vec<(usize, f64)> {
-    let index = |&(row, weight): &(Row, f64)| match row {
-        Row::Given(index) => Some((index, weight)),
-        Row::AtInfinity { .. } => None,
-    };
-    rows.iter().filter_map(index).collect()
-}
-
 fn approximate(weights: &[(usize, BigRational)]) -> Vec<(usize, f64)> {
-    weights.iter().map(|(index, l)| (*index, l.to_f64().unwrap_or(f64::NAN))).collect()
+    // A multiplier below the range of doubles is still one.
+    let near = |l: &BigRational| match l.to_f64().unwrap_or(f64::NAN) {
+        0.0 if !l.is_zero() => f64::from_bits(1),
+        near => near,
+    };
+    weights.iter().map(|(index, l)| (*index, near(l))).collect()
 }
 
 /// Half-spaces of a working set by their names in the problem.
@@ -126,19 +103,29 @@ fn end(orthant: &Orthant<'_>, goal: &Goal, least: Option<f64>, weights: &[(usize
     BoundCertificate { column: goal.column, upper, bound: if upper { 0.0 - least } else { least }, rows, signs }
 }
 
-/// The end that the basis of the search proves over the rationals, or the basis that the exact search puts in its place.
-fn exact_end(piece: &Piece<'_>, goal: &Goal, basis: &[(Row, f64)]) -> BoundCertificate {
-    let rows: Vec<Row> = basis.iter().map(|r| r.0).collect();
-    if let Some(weights) = basis_multipliers(&piece.orthant, &rows, goal.column, goal.direction) {
-        let least = ratio_down(&exact_bound(&piece.orthant, &weights));
-        return end(&piece.orthant, goal, Some(least), &approximate(&weights));
+/// The end that the basis of the search proves, or the basis that the exact search puts in its place. Either way the rows of the
+/// certificate prove it alone.
+fn proved_end(piece: &Piece<'_>, goal: &Goal) -> BoundCertificate {
+    let orthant = &piece.orthant;
+    let rows: Vec<Row> = goal.search.basis(&piece.program).into_iter().map(|r| r.0).collect();
+    if let Some(weights) = enclosed_multipliers(orthant, &rows, goal.column, goal.direction) {
+        let least = enclosed_bound(orthant, &weights);
+        let found = goal.direction * goal.search.point(&piece.program)[goal.column];
+        if least >= found - GAP * found.abs() {
+            let middle: Vec<(usize, f64)> = weights.iter().map(|(index, l)| (*index, l.midpoint())).collect();
+            return end(orthant, goal, Some(least), &middle);
+        }
+    }
+    if let Some(weights) = basis_multipliers(orthant, &rows, goal.column, goal.direction) {
+        let least = ratio_down(&exact_bound(orthant, &weights));
+        return end(orthant, goal, Some(least), &approximate(&weights));
     }
     match exact_goal(piece, goal) {
         Some(Proved::Minimum { value, rows, .. }) => {
             let weights = named(piece.program.names(), rows);
-            end(&piece.orthant, goal, Some(ratio_down(&value)), &approximate(&weights))
+            end(orthant, goal, Some(ratio_down(&value)), &approximate(&weights))
         }
-        _ => end(&piece.orthant, goal, None, &[]),
+        _ => end(orthant, goal, None, &[]),
     }
 }
 

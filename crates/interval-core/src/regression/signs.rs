@@ -16,8 +16,7 @@ use super::rows::Rows;
 use super::search::{Piece, Pool, solve};
 use crate::approximate::least_squares;
 use crate::exact::{ratio_down, ratio_up, rational};
-use crate::interval::Interval;
-use crate::linear_program::{HalfSpaces, Outcome, Row, basis_multipliers, enclosed_multipliers, exact_bound};
+use crate::linear_program::{Outcome, Row, basis_multipliers, enclosed_bound, enclosed_multipliers, exact_bound};
 use crate::regularity::{contracted_vector, slack, times};
 use crate::rounding::{add_up, div_up, sub_up};
 use num_rational::BigRational;
@@ -233,14 +232,11 @@ fn line(piece: &Piece<'_>, k: usize, open: &[usize]) -> Option<Line> {
     }
     let orthant = &piece.orthant;
     let basis: Vec<Row> = goal.search.basis(&piece.program).into_iter().map(|r| r.0).collect();
-    let mut g = vec![0.0; orthant.dimension()];
     let m = orthant.rows.count();
     if let Some(weights) = enclosed_multipliers(orthant, &basis, goal.column, goal.direction) {
-        let mut least = Interval::ZERO;
+        let least = enclosed_bound(orthant, &weights);
         let mut growth = vec![0.0; open.len()];
         for &(index, l) in &weights {
-            let h = orthant.half_space(index, &mut g);
-            least = least - l * Interval::raw(h, h);
             if index < 2 * m {
                 let (lower, upper) = orthant.rows.row(index % m);
                 for (sum, &j) in growth.iter_mut().zip(open) {
@@ -250,7 +246,7 @@ fn line(piece: &Piece<'_>, k: usize, open: &[usize]) -> Option<Line> {
             }
         }
         let rows = weights.iter().map(|(index, l)| (*index, l.midpoint())).collect();
-        return Some(Line { least: least.lo(), growth, rows }).filter(Line::is_finite);
+        return Some(Line { least, growth, rows }).filter(Line::is_finite);
     }
     let weights = basis_multipliers(orthant, &basis, goal.column, goal.direction)?;
     let least = ratio_down(&exact_bound(orthant, &weights));

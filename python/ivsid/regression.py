@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -74,6 +74,32 @@ class NormalEquations:
         return self.status == "enclosed"
 
 
+LEAST_SQUARES_METHODS: Final = ("qr", "augmented")
+"""Methods of ``least_squares``."""
+
+
+@dataclass(frozen=True)
+class LeastSquares:
+    """An enclosure of the least-squares solutions of all members.
+
+    Attributes:
+        method: how it was found.
+        status: ``enclosed``, ``not_proved`` or ``not_applicable``.
+        value: bounds, shape (n,); None where there are none.
+        reason: why there are none.
+    """
+
+    method: str
+    status: str
+    value: IntervalArray | None
+    reason: str | None
+
+    @property
+    def guaranteed(self) -> bool:
+        """Whether the enclosure was proved."""
+        return self.status == "enclosed"
+
+
 def feasible_set(A: Operand, y: Operand, outliers: int = 0, signs: Sequence[int] | None = None) -> FeasibleSet:
     """The hull of {theta: some member of A and of y gives A theta = y} (Oettli-Prager; METHODS 4.3-4.5).
 
@@ -121,6 +147,26 @@ def normal_equations(A: Operand, y: Operand, method: str = "exact", partitions: 
     bounds = (np.ascontiguousarray(gram.lower), np.ascontiguousarray(gram.upper))
     inverse = make_result(method, found["inverse"], bounds, gram.shape)
     return NormalEquations(found["status"], value, found["improper"], gram, inverse)
+
+
+def least_squares(A: Operand, y: Operand, method: str = "qr") -> LeastSquares:
+    """Every least-squares solution of every member of A and y (METHODS 4.4), and so every consistent parameter.
+
+    Args:
+        A: interval rows or points, shape (m, n).
+        y: right-hand sides, shape (m,).
+        method: ``qr``, a verified QR factorisation (Rump 2012, with the rows' radii to first order), in one pass over the rows; or
+            ``augmented``, Rump's square system of order m + n, far wider, up to an order of 1000.
+
+    Raises:
+        IvsidError: wrong shapes, NaN or reversed bounds, an unknown method.
+    """
+    if method not in LEAST_SQUARES_METHODS:
+        raise IvsidError(f"method '{method}' is not available; choose one of {', '.join(LEAST_SQUARES_METHODS)}")
+    rows, right = _rows(A, y)
+    found = _core.least_squares(rows, right, method)
+    value = None if found["parameters"] is None else IntervalArray(*found["parameters"])
+    return LeastSquares(method, found["status"], value, found["reason"])
 
 
 def _rows(A: Operand, y: Operand) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:

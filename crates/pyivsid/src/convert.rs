@@ -1,7 +1,7 @@
 //! Results of the core as plain Python objects.
 
 use interval_core::inverse::{Certificate, Outcome, Value};
-use interval_core::regression::{BoundCertificate, FeasibleSet, NormalEquations, OrthantOutcome};
+use interval_core::regression::{BoundCertificate, FeasibleSet, LeastSquares, NormalEquations, OrthantOutcome};
 use interval_core::regularity::{Cell, SingularMember, Witness};
 use interval_core::{Interval, IntervalMatrix, Status};
 use numpy::{PyArray1, PyArrayMethods};
@@ -157,6 +157,14 @@ pub fn normal_equations<'py>(py: Python<'py>, result: &NormalEquations) -> PyRes
     found.set_item("improper", result.improper)?;
     found.set_item("gram", interval_matrix(py, &result.gram)?)?;
     found.set_item("inverse", outcome(py, &result.inverse, result.gram.rows())?)?;
+    Ok(found)
+}
+
+pub fn least_squares<'py>(py: Python<'py>, fit: &LeastSquares) -> PyResult<Bound<'py, PyDict>> {
+    let found = PyDict::new(py);
+    found.set_item("status", fit.status.name())?;
+    found.set_item("parameters", fit.parameters.as_ref().map(|p| interval_vector(py, p)).transpose()?)?;
+    found.set_item("reason", &fit.reason)?;
     Ok(found)
 }
 

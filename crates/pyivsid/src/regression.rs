@@ -5,6 +5,7 @@ use crate::convert;
 use crate::linalg::inverse_method;
 use interval_core::regression::{self, FeasibleOptions, Rows, feasible_rows};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -22,6 +23,27 @@ pub fn normal_equations<'py>(
     let invert = inverse_method(method, partitions, "members")?;
     let result = py.detach(|| regression::normal_equations(&a, &y, invert)).map_err(|e| refusal(&e))?;
     convert::normal_equations(py, &result)
+}
+
+/// An enclosure of all least-squares solutions: by `qr` or `augmented`. The arrays are used where they lie.
+#[pyfunction]
+pub fn least_squares<'py>(
+    py: Python<'py>,
+    rows: (PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>),
+    right: (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>),
+    method: &str,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (lower, upper, columns) = row_major(&rows.0, &rows.1)?;
+    let (low, high) = (vector(&right.0)?, vector(&right.1)?);
+    let solve = match method {
+        "qr" => regression::least_squares,
+        "augmented" => regression::augmented,
+        _ => return Err(PyValueError::new_err(format!("no method '{method}' of least squares"))),
+    };
+    let fit = py
+        .detach(|| Rows::new(columns, lower, upper, low, high).and_then(|rows| solve(&rows)))
+        .map_err(|e| refusal(&e))?;
+    convert::least_squares(py, &fit)
 }
 
 /// The proved hull of all parameters that are consistent with every row. The arrays are used where they lie.

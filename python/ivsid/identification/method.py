@@ -271,6 +271,27 @@ def _certificates(rows: RegressionRows, found: regression.FeasibleSet) -> tuple[
         }
 
     certificates = []
+    for proof in found.sign_proofs:
+        home = dict(zip(ids, proof["home"], strict=True))
+        reach = zip((c[0] for c in proof["columns"]), proof["reach"], strict=True)
+        certificates.append(
+            {
+                "proves": "signs",
+                "orthant": dict(zip(ids, proof["decided"], strict=True)),
+                "home": home,
+                "proved": [ids[j] for j, r in reach if r == 0],
+                "branch": None if proof["branch"] is None else ids[proof["branch"]],
+                "columns": [
+                    {
+                        "parameter": ids[j],
+                        "rows": [row(e) for e in rows_],
+                        "signs": [{"parameter": ids[k], "multiplier": m} for k, m in signs_],
+                    }
+                    for j, rows_, signs_ in proof["columns"]
+                ],
+                "vector": [float(v).hex() for v in proof["vector"]],
+            }
+        )
     for orthant in found.certificate:
         signs = dict(zip(ids, orthant["signs"], strict=True))
         if orthant["empty"]:

@@ -10,23 +10,25 @@ from math import isfinite
 from typing import Any, Final
 
 from ivsid.log import Log
-from ivsid.verification.multipliers import HalfSpace, contradict, half_space, least
+from ivsid.verification.cells import Cell, covers
+from ivsid.verification.multipliers import HalfSpace, Vector, contradict, half_space, least
 from ivsid.verification.rational import Range
 from ivsid.verification.result import Result
 from ivsid.verification.rows import Rows
+from ivsid.verification.signs import Line, proved_signs
 from ivsid.verification.thrusters import UnprovedError
 
 CLAIMS: Final = ("enclosed", "empty", "unbounded")
-Cell = tuple[int, ...]
 
 
 @dataclass
 class _Block:
-    """Parameters that share rows: the cells of signs that were closed, and what bounds them."""
+    """Parameters that share rows: the cells of signs that were closed, what bounds them, and where signs are proved."""
 
     ids: tuple[str, ...]
     empty: list[Cell] = field(default_factory=list)
     bounds: dict[Cell, dict[tuple[str, str], Fraction]] = field(default_factory=dict)
+    signs: dict[Cell, tuple[Cell, int | None]] = field(default_factory=dict)
 
 
 @dataclass
@@ -109,6 +111,9 @@ class Checker:
         if certificate["proves"] == "bound" and not isfinite(float.fromhex(certificate["bound"])):
             block.bounds.setdefault(cell, {})
             return
+        if certificate["proves"] == "signs":
+            block.signs[cell] = self._signs(certificate, ids, cell)
+            return
         rows = [self._half_space(r, ids) for r in certificate["rows"]]
         if certificate["proves"] == "empty":
             if not contradict(rows, cell):
@@ -140,6 +145,27 @@ class Checker:
         known = block.bounds.setdefault(cell, {})
         known[id_, end] = max(claimed, known.get((id_, end), claimed), key=lambda b: direction * b)
 
+    def _signs(self, certificate: Mapping[str, Any], ids: Sequence[str], decided: Cell) -> tuple[Cell, int | None]:
+        """The region that is left where the signs ``decided`` hold, and the unknown whose signs are looked at apart."""
+        home = tuple(certificate["home"][id_] for id_ in ids)
+        if any(s not in (-1, 0, 1) or (d and d != s) for d, s in zip(decided, home, strict=True)):
+            raise UnprovedError("its signs are not 1, -1 or 0, or not those that were decided")
+        branch = None if certificate["branch"] is None else ids.index(certificate["branch"])
+        claimed = {ids.index(id_) for id_ in certificate["proved"]}
+        region = decided
+        if claimed:
+            lines = []
+            for column in certificate["columns"]:
+                rows = [self._half_space(r, ids) for r in column["rows"]]
+                slack = {ids.index(s["parameter"]) for s in column["signs"]}
+                lines.append(Line(ids.index(column["parameter"]), rows, [_widths(r) for r in column["rows"]], slack))
+            vector = [Fraction(float.fromhex(x)) for x in certificate["vector"]]
+            proved = proved_signs(decided, home, lines, vector)
+            if proved is None or not claimed <= set(proved):
+                raise UnprovedError("its rows do not prove these signs")
+            region = tuple(home[k] if k in claimed else s for k, s in enumerate(decided))
+        return region, branch
+
     def _half_space(self, stored: Mapping[str, Any], ids: Sequence[str]) -> HalfSpace:
         channel, time, duration = stored["channel"], float(stored["time"]), float(stored["duration"])
         lower, upper, right = ([Fraction(float.fromhex(x)) for x in stored[k]] for k in ("lower", "upper", "right"))
@@ -166,10 +192,10 @@ class Checker:
         if len(set(owners)) != len(owners):
             raise UnprovedError("a parameter stands in two blocks")
         contradictions = [_integer(k) for k in record["contradictions"]]
-        falsifying = [c for c in record["certificates"] if c["proves"] == "empty" and c["block"] in contradictions]
+        falsifying = [c for c in record["certificates"] if c["proves"] != "bound" and c["block"] in contradictions]
         if (record["certificate"] or []) != falsifying:
             raise UnprovedError("'certificate' is not the list of the rows that falsify the model")
-        proved_empty = [k for k, b in blocks.items() if covers(b.empty, len(b.ids))]
+        proved_empty = [k for k, b in blocks.items() if covers(b.empty, len(b.ids), b.signs)]
         if record["status"] == "empty":
             if not contradictions or not set(contradictions) <= set(proved_empty):
                 raise UnprovedError("no block of parameters is proved empty in every cell of signs")
@@ -186,7 +212,7 @@ class Checker:
         if set(record["parameters"]) != set(terms):
             raise UnprovedError(f"the parameters of the model are {', '.join(terms)}")
         for k, block in blocks.items():
-            if not covers([*block.empty, *block.bounds], len(block.ids)):
+            if not covers([*block.empty, *block.bounds], len(block.ids), block.signs):
                 raise UnprovedError(f"not every cell of signs of block {k} ({', '.join(block.ids)}) has a certificate")
         open_ends = 0
         for id_, claimed in record["parameters"].items():
@@ -228,22 +254,16 @@ def _end(id_: str, end: str, claimed: Fraction, block: _Block) -> None:
         if not known or direction * claimed > max(known):
             why = "has no certificate" if not known else f"is only proved to be {float(direction * max(known))!r}"
             raise UnprovedError(
-                f"the {end} end of {id_}, {float(claimed)!r}, {why} where the signs are {_signs(block, cell)}"
+                f"the {end} end of {id_}, {float(claimed)!r}, {why} where the signs are {_region(block, cell)}"
             )
 
 
-def covers(cells: Sequence[Cell], n: int) -> bool:
-    """Whether every combination of n signs lies in a cell; 0 in a cell stands for both signs."""
-    if any(not any(cell) for cell in cells):
-        return True
-    if not n or not cells:
-        return False
-    place = next(k for k in range(n) if any(cell[k] for cell in cells))
-    halves = ([(*c[:place], 0, *c[place + 1 :]) for c in cells if c[place] in (0, s)] for s in (1, -1))
-    return all(covers(half, n) for half in halves)
+def _widths(stored: Mapping[str, Any]) -> Vector:
+    lower, upper = ([Fraction(float.fromhex(x)) for x in stored[k]] for k in ("lower", "upper"))
+    return [b - a for a, b in zip(lower, upper, strict=True)]
 
 
-def _signs(block: _Block, cell: Cell) -> str:
+def _region(block: _Block, cell: Cell) -> str:
     return ", ".join(f"{i} {'>=' if s > 0 else '<='} 0" for i, s in zip(block.ids, cell, strict=True) if s) or "any"
 
 

@@ -51,6 +51,29 @@ def least(objective: Vector, rows: Sequence[HalfSpace], signs: Sequence[int], sl
     return _best(objective, rows, conditions)
 
 
+def multipliers_of(
+    objective: Vector, rows: Sequence[HalfSpace], decided: Sequence[int], home: Sequence[int], slack: set[int]
+) -> Vector | None:
+    """Multipliers that bound ``objective x`` from rows made with the signs ``home``, of which only those ``decided`` hold.
+
+    None where the basis gives none: in ``slack`` stand the decided signs that are in it.
+    """
+    tight = [j for j in range(len(home)) if j not in slack]
+    matrix = [[_coefficient(row, j, home[j] or 1) for row in rows] for j in tight]
+    found = solve(matrix, [-objective[j] for j in tight])
+    if found is None or len(found) != len(rows) or any(m < 0 for m in found):
+        return None
+    for j, sign in enumerate(home):
+        if sign == 0 and any(row.positive[j] != row.negative[j] for row in rows):
+            return None
+        left = objective[j] + sum(
+            (m * _coefficient(row, j, sign or 1) for m, row in zip(found, rows, strict=True)), ZERO
+        )
+        if left != 0 and (decided[j] == 0 or decided[j] != sign or left * sign < 0):
+            return None
+    return found
+
+
 def contradict(rows: Sequence[HalfSpace], signs: Sequence[int]) -> bool:
     """Whether multipliers exist that make the rows say 0 <= something negative in the cell."""
     n = len(signs)

@@ -21,6 +21,7 @@ from ivsid.workflow.common import (
     method_table,
     parameter_lines,
     quality_table,
+    rows_of,
     silent,
 )
 
@@ -103,7 +104,7 @@ def _contradiction(fit: Identification) -> Section:
             r["side"],
         ]
         for c in fit.falsifying
-        for r in c["rows"]
+        for r in rows_of(c)
     ]
     table = report.table(["signs", "channel", "time [s]", "window [s]", "side"], rows[:60])
     words = report.text(

@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import ivsid
-from conftest import as_log, embedded
+from conftest import as_log
 from ivsid import identify, verify
 from ivsid.errors import IvsidError
 from ivsid.intervals import outward_decimal
@@ -63,7 +63,7 @@ def fits(tmp_path_factory, swan, twin):
     )
     made = {
         "pointwise": identify(swan, log),
-        "integral": identify(swan, log, rows="integral", window=2.0),
+        "integral": identify(swan, log, rows="integral", window=1.0),
         "both": identify(swan, log, rows="both"),
         "added": identify(swan, log, form="added"),
         "empty": identify(wrong, log),
@@ -193,8 +193,8 @@ def test_a_changed_log_is_refused(fits, tmp_path):
         ("accuracy = 0.002", "accuracy = 0.0021"),
         ("confidence = 0.999", "confidence = 0.9999"),
         ("absolute = 0.5", "absolute = 0.50001"),
-        ("random_walk = 0.0018", "random_walk = 0.00181"),
-        ("78.924", "79.924"),
+        ("random_walk = [0.0018", "random_walk = [0.0019"),
+        ("azimuth = 0.0", "azimuth = 0.1"),
         ("mass = 52.45", "mass = 62.45"),
     ],
 )
@@ -204,8 +204,7 @@ def test_a_changed_vehicle_is_refused(fits, tmp_path, old, new):
 
     files, log, _ = fits
     record = json.loads(files["both"].read_text())
-    if old not in record["vehicle"]:
-        pytest.skip(f"the vehicle has no {old}")
+    assert old in record["vehicle"]
     record["vehicle"] = record["vehicle"].replace(old, new)
     assert not verify(written(tmp_path / "r.json", record), log).proved
     record["inputs"][0]["sha256"] = hashlib.sha256(record["vehicle"].encode()).hexdigest()
@@ -496,16 +495,3 @@ def test_logged_forces_and_earth_velocities_are_recomputed(swan, twin, tmp_path)
         fit.save(tmp_path / "r.json")
         verdict = verify(tmp_path / "r.json", log)
         assert verdict.proved, verdict.failures[:3]
-
-
-def test_embedded_vehicles_are_proved(tmp_path):
-    from ivsid.scenario import parse_scenario
-
-    for name in ("otter", "vectored_rov"):
-        vehicle = parse_vehicle(embedded(f"{name}.toml"), f"{name}.toml")
-        scenario = parse_scenario(embedded(f"{name}_programme.toml"), name).model_copy(update={"duration": 60.0})
-        log = as_log(simulate(vehicle, scenario, 3))
-        fit = identify(vehicle, log)
-        fit.save(tmp_path / "r.json")
-        verdict = verify(tmp_path / "r.json", log)
-        assert verdict.proved, (name, fit.status, verdict.failures[:3])

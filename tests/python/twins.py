@@ -24,7 +24,12 @@ from ivsid.vehicle import Vehicle, parse_vehicle
 # Vehicle file, programme, the length of its part that is used [s], and terms that both the twin and its model go without.
 VEHICLES = {
     "SWAN": ("swan.toml", "swan_train.toml", 100.0, ()),
-    "Otter": ("otter.toml", "otter_programme.toml", 40.0, ("drag.cross_flow", "added_mass.munk", "drag.yaw.quadratic")),
+    "Otter": (
+        "otter.toml",
+        "otter_programme.toml",
+        120.0,
+        ("drag.cross_flow", "added_mass.munk", "drag.yaw.quadratic"),
+    ),
     "vectored ROV": ("vectored_rov.toml", "vectored_rov_programme.toml", 30.0, ()),
 }
 ROWS = ("pointwise", "integral")

@@ -96,7 +96,7 @@ class Identification:
     @property
     def falsifying(self) -> list[dict[str, Any]]:
         """The certificates of the blocks that hold no parameter: the few rows that prove the model wrong."""
-        return [c for c in self.certificates if c["proves"] != "bound" and c["block"] in self.contradictions]
+        return [c for c in self.certificates if c["proves"] == "empty" and c["block"] in self.contradictions]
 
     def record(self) -> dict[str, Any]:
         """An identification as in INTERFACE.md, with what is needed to use it again."""

@@ -20,7 +20,7 @@ from ivsid.regression_rows import WINDOW, RegressionRows, build_rows
 from ivsid.sensors import BoundedLog, bound_log
 from ivsid.vehicle import Vehicle
 
-METHODS: Final = ("feasible", *INVERSE_METHODS)
+METHODS: Final = ("feasible", *regression.LEAST_SQUARES_METHODS, *INVERSE_METHODS)
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,8 @@ def identify(
     Args:
         vehicle: the checked vehicle file.
         log: the checked log.
-        method: ``feasible`` (all parameters that are consistent with every row; guaranteed), or interval least squares
+        method: ``feasible`` (all parameters that are consistent with every row; guaranteed), the set of all least-squares
+            solutions by ``qr`` or ``augmented`` (METHODS 4.4), or interval least squares
             (eq. 14) with the inverse ``exact``, ``partitioned``, ``hansen-bliek-rohn``,
             ``krawczyk``, ``cramer``, ``kuttler``, ``neumaier``, ``published`` or ``published-hull``.
         partitions: N of the published methods, or the cells of ``partitioned``.
@@ -228,6 +229,12 @@ def _solve(rows: RegressionRows, columns: tuple[int, ...], method: str, partitio
             directions,
             certificates,
         )
+    if method in regression.LEAST_SQUARES_METHODS:
+        solved = regression.least_squares(part.matrix, part.right, method)
+        lower, upper = (solved.value.lower, solved.value.upper) if solved.value is not None else (None, None)
+        status = solved.status if solved.value is not None else "not_applicable"
+        why = f"{', '.join(ids)}: {solved.reason}" if solved.reason else None
+        return _Block(columns, status, lower, upper, None, None, 0, why, (), ())
     fit = regression.normal_equations(part.matrix, part.right, method, partitions)
     lower, upper = (fit.value.lower, fit.value.upper) if fit.value is not None else (None, None)
     why = f"{', '.join(ids)}: {fit.inverse.reason}" if fit.inverse.reason else None

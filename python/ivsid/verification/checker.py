@@ -192,7 +192,7 @@ class Checker:
         if len(set(owners)) != len(owners):
             raise UnprovedError("a parameter stands in two blocks")
         contradictions = [_integer(k) for k in record["contradictions"]]
-        falsifying = [c for c in record["certificates"] if c["proves"] != "bound" and c["block"] in contradictions]
+        falsifying = [c for c in record["certificates"] if c["proves"] == "empty" and c["block"] in contradictions]
         if (record["certificate"] or []) != falsifying:
             raise UnprovedError("'certificate' is not the list of the rows that falsify the model")
         proved_empty = [k for k, b in blocks.items() if covers(b.empty, len(b.ids), b.signs)]

@@ -122,16 +122,9 @@ def claim_lines(fit: Identification) -> list[str]:
     return lines
 
 
-def rows_of(certificate: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """The rows that a certificate uses."""
-    if certificate["proves"] == "signs":
-        return [r for column in certificate["columns"] for r in column["rows"]]
-    return list(certificate["rows"])
-
-
 def _culprits(fit: Identification) -> list[str]:
     """The samples that contradict each other."""
-    places = dict.fromkeys((r["channel"], r["time"], r["duration"]) for c in fit.falsifying for r in rows_of(c))
+    places = dict.fromkeys((r["channel"], r["time"], r["duration"]) for c in fit.falsifying for r in c["rows"])
     if not places:
         return []
     names = [f"{c} at {t:.6g} s" + (f" over {d:.4g} s" if d else "") for c, t, d in list(places)[:MOST_DIRECTIONS]]

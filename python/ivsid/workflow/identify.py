@@ -21,7 +21,6 @@ from ivsid.workflow.common import (
     method_table,
     parameter_lines,
     quality_table,
-    rows_of,
     silent,
 )
 
@@ -104,7 +103,7 @@ def _contradiction(fit: Identification) -> Section:
             r["side"],
         ]
         for c in fit.falsifying
-        for r in rows_of(c)
+        for r in c["rows"]
     ]
     table = report.table(["signs", "channel", "time [s]", "window [s]", "side"], rows[:60])
     words = report.text(

@@ -26,6 +26,8 @@ from ivsid.vehicle import Vehicle
 WINDOW: Final = 1.0
 # Decimals of the mass and the centre of gravity are rounded, and their products too: this factor holds what that can lose.
 PRODUCT: Final = Interval(1 - 2.0**-50, 1 + 2.0**-50)
+# Stands for an acceleration [m/s^2] that nobody knows, where an infinity would spoil the sum over a window.
+MOST: Final = 1e6
 KINDS: Final = ("auto", "pointwise", "integral", "both")
 
 
@@ -107,11 +109,9 @@ def build_rows(
         if not builder.acts(channel):
             continue
         measured = builder.measured(channel)
-        if kind in ("pointwise", "both") or (kind == "auto" and measured):
-            if not measured and kind == "pointwise":
-                continue
-            if measured:
-                parts.append(builder.pointwise(index, channel))
+        # An acceleration that only follows from velocities adds its rows to those over windows.
+        if kind != "integral" and builder.known(channel):
+            parts.append(builder.pointwise(index, channel))
         if kind in ("integral", "both") or (kind == "auto" and not measured):
             parts.append(builder.integral(index, channel, window))
     parts = [p for p in parts if p.time.size]
@@ -154,7 +154,13 @@ class _Builder:
     def measured(self, channel: str) -> bool:
         """Whether the channel's own acceleration is logged and bounded."""
         names = {"surge": ("udot", "ax"), "sway": ("vdot", "ay"), "yaw": ("rdot",)}[channel]
-        return any(n in self.bounded.channels for n in names)
+        derived = self.bounded.log.derived
+        return any(n in self.bounded.channels and n not in derived for n in names)
+
+    def known(self, channel: str) -> bool:
+        """Whether the channel's own acceleration is bounded at samples, measured or not."""
+        own = {"surge": "udot", "sway": "vdot", "yaw": "rdot"}[channel]
+        return self.measured(channel) or own in self.bounded.channels
 
     def _channel(self, name: str) -> IntervalArray:
         self.bounded.log.column(name, "by the equations of motion")
@@ -272,11 +278,34 @@ class _Quadrature:
             coefficient = columns(_unit(derivative)).get(channel, 0.0)
             if coefficient:
                 x = self.builder.bounded.channels[name]
-                difference = x[self.starts + self.count] - x[self.starts]
+                difference = self._narrowed(x[self.starts + self.count] - x[self.starts], name)
                 total = total + difference * coefficient / self.spans
         if self._has_velocity_part(columns, channel):
             total = total + self.window_mean(self._step_mean(columns, channel))
         return total
+
+    def _narrowed(self, difference: IntervalArray, name: str) -> IntervalArray:
+        """A difference of u or v, by what an averaging accelerometer says of it, too: its mean, and that of v r or u r."""
+        own = {"u": "mean_ax", "v": "mean_ay"}.get(name)
+        channels = self.builder.bounded.channels
+        if own is None or own not in channels:
+            return difference
+
+        def turning(s: State) -> Columns:
+            return {"surge": s.v * s.r if name == "u" else -(s.u * s.r)}
+
+        reading = channels[own][1:]
+        there = np.isfinite(reading.lower)
+        known = IntervalArray(np.where(there, reading.lower, -MOST), np.where(there, reading.upper, MOST))
+        other = self.window_mean(known + self._step_mean(turning, "surge")) * self.spans
+        lower, upper = np.maximum(difference.lower, other.lower), np.minimum(difference.upper, other.upper)
+        if (lower > upper).any():
+            k = int(self.starts[np.argmax(lower > upper)])
+            raise IvsidError(
+                f"{self.builder.bounded.log.name}: around t = {self.builder.t[k]:.6g} s {name} and its averaged acceleration contradict "
+                "each other within their bounds; look at the bounds, the axes and the sampling of [sensors.acceleration]"
+            )
+        return IntervalArray(lower, upper)
 
     def _has_velocity_part(self, columns: Any, channel: str) -> bool:
         probes = [State(0.3, 0.7, 1.1, 0.0, 0.0, 0.0), State(-0.9, 0.4, -0.2, 0.0, 0.0, 0.0)]

@@ -93,7 +93,7 @@ def identify_rows(
     return Identification(
         method=method,
         status=status,
-        guaranteed=proved and bounded.rule.guaranteed,
+        guaranteed=proved and bounded.rule.guaranteed and not bounded.statistical,
         assumes=_assumptions(rows, bounded, vehicle),
         parameters=parameters if status != "empty" else {},
         estimate=estimate,
@@ -119,13 +119,6 @@ def _assumptions(rows: RegressionRows, bounded: BoundedLog, vehicle: Vehicle) ->
         force, moment = bounded.ambient
         lines.append(f"ambient force within {force:.3g} N and moment within {moment:.3g} N m")
     for thruster in vehicle.thrusters:
-        claims = [
-            k for k in ("time_constant", "dead_band", "limit", "reverse_factor") if getattr(thruster, k) is not None
-        ]
-        if claims:
-            lines.append(
-                f"the thrust of {thruster.name} follows its curve at once: its claimed {', '.join(claims)} is not applied"
-            )
         if thruster.outside == "hold":
             lines.append(f"beyond its table the thrust of {thruster.name} keeps the end values")
     if vehicle.thrusters:
@@ -133,7 +126,7 @@ def _assumptions(rows: RegressionRows, bounded: BoundedLog, vehicle: Vehicle) ->
         lines.append(f"each demand is {hold}")
     else:
         lines.append("between two rows each logged force lies between their values")
-    return (*lines, *bounded.log.assumes, *rows.assumes, "model structure")
+    return (*lines, *bounded.statistical, *bounded.log.assumes, *rows.assumes, "model structure")
 
 
 def _force_accuracy(vehicle: Vehicle) -> str:

@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.actuation import GAP, Flow, pushed
-from ivsid.effects import CHANNELS, Columns, State, Term, rigid_body
+from ivsid.effects import CHANNELS, Columns, Place, State, Term, rigid_body
 from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray, Interval, IntervalArray
 from ivsid.motion import Motion
-from ivsid.needs import lacking
+from ivsid.needs import lacking, needed_by
 from ivsid.sensors import BoundedLog
 from ivsid.vehicle import Vehicle
 
@@ -28,6 +28,8 @@ WINDOW: Final = 1.0
 PRODUCT: Final = Interval(1 - 2.0**-50, 1 + 2.0**-50)
 # Stands for an acceleration [m/s^2] that nobody knows, where an infinity would spoil the sum over a window.
 MOST: Final = 1e6
+# A place for questions of which quantities stand in a term.
+_SOMEWHERE: Final = Place(0.3, 0.0, 0.0, 0.0)
 KINDS: Final = ("auto", "pointwise", "integral", "both")
 
 
@@ -145,10 +147,14 @@ class _Builder:
         self.forces = _forces(bounded, vehicle)
         for name in ("u", "v", "r"):
             self._channel(name)
+        # Some terms turn with the vehicle; the heading is one more quantity that moves.
+        self.turning = "psi" in needed_by(terms, vehicle)
+        if self.turning:
+            self._channel("psi")
 
     def acts(self, channel: str) -> bool:
         """Whether a parameter stands in the channel's equation."""
-        probe = State(1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
+        probe = State(1.0, 1.0, 1.0, 1.0, 1.0, 1.0, place=_SOMEWHERE)
         return any(channel in term.columns(probe) for term in self.terms)
 
     def measured(self, channel: str) -> bool:
@@ -165,7 +171,7 @@ class _Builder:
     def _channel(self, name: str) -> IntervalArray:
         self.bounded.log.column(name, "by the equations of motion")
         if name not in self.bounded.channels:
-            section = {"u": "velocity", "v": "velocity", "r": "yaw_rate"}[name]
+            section = {"u": "velocity", "v": "velocity", "r": "yaw_rate", "psi": "heading"}[name]
             raise IvsidError(
                 f"vehicle file {self.vehicle.source or self.vehicle.name} has no [sensors.{section}]; it is needed to bound column {name}"
             )
@@ -190,7 +196,8 @@ class _Builder:
                 np.full(self.t.shape, -limits.yaw_acceleration), np.full(self.t.shape, limits.yaw_acceleration)
             )
             assumes.append(f"|rdot| never exceeds {limits.yaw_acceleration!r} rad/s^2")
-        state = State(u, v, r, udot, vdot, rdot, ax, ay)
+        place = Place(self._channel("psi"), entire, entire, self.clock) if self.turning else None
+        state = State(u, v, r, udot, vdot, rdot, ax, ay, place=place)
         zero = IntervalArray(np.zeros(self.t.shape))
         columns = [_array(term.columns(state).get(channel), zero) for term in self.terms]
         right = self.forces.values[index] - _array(self._known(state).get(channel), zero) * PRODUCT
@@ -203,8 +210,11 @@ class _Builder:
 
     def _needs_rdot(self, channel: str) -> bool:
         """Whether the derivative of the yaw rate stands in the channel's equation."""
-        probe = State(0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
-        return any(c.get(channel, 0.0) != 0 for c in (*(t.columns(probe) for t in self.terms), self._known(probe)))
+        still, probe = (State(0.0, 0.0, 0.0, 0.0, 0.0, rdot, place=_SOMEWHERE) for rdot in (0.0, 1.0))
+        return any(
+            f(probe).get(channel, 0.0) != f(still).get(channel, 0.0)
+            for f in (*(t.columns for t in self.terms), self._known)
+        )
 
     def _explain(self, channel: str) -> None:
         if self._needs_rdot(channel) and "rdot" not in self.bounded.channels:
@@ -217,7 +227,7 @@ class _Builder:
         """The mean of the channel's equation over sliding windows."""
         count = max(1, round(window / self.bounded.log.period))
         steps = np.diff(self.t)
-        names = ("u", "v", "r")
+        names = ("u", "v", "r", "psi") if self.turning else ("u", "v", "r")
         there = self.forces.present.copy()
         for n in names:
             there &= self.bounded.present[n]
@@ -275,7 +285,7 @@ class _Quadrature:
         """The mean of a column: exact differences for its accelerations, a bounded quadrature for the rest."""
         total = IntervalArray(np.zeros(self.starts.shape))
         for name, derivative in (("u", "udot"), ("v", "vdot"), ("r", "rdot")):
-            coefficient = columns(_unit(derivative)).get(channel, 0.0)
+            coefficient = columns(_unit(derivative)).get(channel, 0.0) - columns(_unit("")).get(channel, 0.0)
             if coefficient:
                 x = self.builder.bounded.channels[name]
                 difference = self._narrowed(x[self.starts + self.count] - x[self.starts], name)
@@ -308,7 +318,7 @@ class _Quadrature:
         return IntervalArray(lower, upper)
 
     def _has_velocity_part(self, columns: Any, channel: str) -> bool:
-        probes = [State(0.3, 0.7, 1.1, 0.0, 0.0, 0.0), State(-0.9, 0.4, -0.2, 0.0, 0.0, 0.0)]
+        probes = [State(*nu, 0.0, 0.0, 0.0, place=_SOMEWHERE) for nu in ((0.3, 0.7, 1.1), (-0.9, 0.4, -0.2))]
         return any(columns(p).get(channel, 0.0) != 0.0 for p in probes)
 
     def _step_mean(self, columns: Any, channel: str) -> IntervalArray:
@@ -331,18 +341,32 @@ class _Quadrature:
             rate = IntervalArray(np.array(-limit), np.array(limit))
             nodes[name] = Motion(x, rate)
             ranges[name] = Motion(x[:-1].hull(x[1:]) + self.steps * 0.5 * rate, rate)
-        at_nodes: Motion = columns(State(nodes["u"], nodes["v"], nodes["r"], 0.0, 0.0, 0.0))[channel]
-        over_steps: Motion = columns(State(ranges["u"], ranges["v"], ranges["r"], 0.0, 0.0, 0.0))[channel]
+        here, along = self._places(nodes["r"].value, ranges["r"].value)
+        at_nodes: Motion = columns(State(nodes["u"], nodes["v"], nodes["r"], 0.0, 0.0, 0.0, place=here))[channel]
+        over_steps: Motion = columns(State(ranges["u"], ranges["v"], ranges["r"], 0.0, 0.0, 0.0, place=along))[channel]
         lipschitz = np.broadcast_to(over_steps.rate.magnitude, self.steps.shape)
         error = IntervalArray(-lipschitz, lipschitz) * self.steps * 0.25
         trapezoid: IntervalArray = (at_nodes.value[:-1] + at_nodes.value[1:]) * 0.5 + error
         return trapezoid
 
+    def _places(self, r: IntervalArray, swept: IntervalArray) -> tuple[Place | None, Place | None]:
+        """The heading at rows and over steps, with the yaw rate as its rate, where a term turns with it."""
+        if not self.builder.turning:
+            return None, None
+        psi, there = self.builder.bounded.channels["psi"], self.builder.bounded.present["psi"]
+        psi = IntervalArray(np.where(there, psi.lower, 0.0), np.where(there, psi.upper, 0.0))
+        over = psi[:-1].hull(psi[1:]) + self.steps * 0.5 * swept
+        nowhere = 0.0
+        return (
+            Place(Motion(psi, r), nowhere, nowhere, nowhere),
+            Place(Motion(over, swept), nowhere, nowhere, nowhere),
+        )
+
 
 def _unit(derivative: str) -> State:
     """At rest, with one unit acceleration."""
     udot, vdot, rdot = (1.0 if derivative == name else 0.0 for name in ("udot", "vdot", "rdot"))
-    return State(0.0, 0.0, 0.0, udot, vdot, rdot)
+    return State(0.0, 0.0, 0.0, udot, vdot, rdot, place=_SOMEWHERE)
 
 
 def _complete(whole: NDArray[np.bool_], count: int) -> NDArray[np.int64]:
@@ -369,7 +393,9 @@ def _forces(bounded: BoundedLog, vehicle: Vehicle) -> _Forces:
         zero = IntervalArray(np.zeros(log.t.shape))
         totals, ramps = [zero] * 3, [zero[1:]] * 3
         assumes: tuple[str, ...] = ()
-        flow = _flow(bounded, vehicle) if any(t.advance_loss for t in vehicle.thrusters) else None
+        flow = (
+            _flow(bounded, vehicle) if any(t.advance_loss or t.rudder is not None for t in vehicle.thrusters) else None
+        )
         for thruster in vehicle.thrusters:
             push = pushed(thruster, log, held=held, flow=flow)
             present &= push.present
@@ -396,13 +422,13 @@ def _flow(bounded: BoundedLog, vehicle: Vehicle) -> Flow:
     limits = vehicle.sensors.limits
     if limits.acceleration is None or limits.yaw_acceleration is None:
         raise IvsidError(
-            "a thruster claims advance_loss, whose mean over a step needs [sensors.limits] acceleration and yaw_acceleration in the "
+            "a thruster claims advance_loss or has a rudder, whose mean over a step needs [sensors.limits] acceleration and yaw_acceleration in the "
             "vehicle file; state them, or leave the claim out"
         )
     steps = np.diff(bounded.log.t) * (1 + 2.0**-40) + 2 * np.max(bounded.log.time_error)
     rows, ranges = [], []
     for name, limit in (("u", limits.acceleration), ("v", limits.acceleration), ("r", limits.yaw_acceleration)):
-        bounded.log.column(name, "by the thrusters' advance loss")
+        bounded.log.column(name, "by the thrusters' advance loss or rudder")
         x = bounded.channels[name]
         reach = IntervalArray(-limit, limit) * (0.5 * steps)
         rows.append(x)

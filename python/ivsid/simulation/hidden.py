@@ -43,7 +43,7 @@ def can_hide(effect: Effect, vehicle: Vehicle, scenario: Scenario) -> bool:
     if effect.plain:
         # A term of the plain model is an effect only for the paper's model, which shares the surge column.
         return vehicle.model.terms == "paper" and effect.id in ("mass.sway", "drag.sway.quadratic")
-    if isinstance(effect.acts, Terms) and effect.id in {t.id for t in terms_of(vehicle)}:
+    if isinstance(effect.acts, Terms) and {t.id for t in terms_of(vehicle)} & {effect.id, *effect.parts}:
         return False
     if isinstance(effect.acts, Reading):
         return getattr(vehicle.sensors, effect.acts.sensor) is not None

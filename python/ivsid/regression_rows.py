@@ -22,6 +22,7 @@ from ivsid.motion import Motion
 from ivsid.needs import lacking, needed_by
 from ivsid.sensors import BoundedLog
 from ivsid.vehicle import Vehicle
+from ivsid.weak_form import ROUNDING, pose_means
 
 WINDOW: Final = 1.0
 # Decimals of the mass and the centre of gravity are rounded, and their products too: this factor holds what that can lose.
@@ -30,7 +31,7 @@ PRODUCT: Final = Interval(1 - 2.0**-50, 1 + 2.0**-50)
 MOST: Final = 1e6
 # A place for questions of which quantities stand in a term.
 _SOMEWHERE: Final = Place(0.3, 0.0, 0.0, 0.0)
-KINDS: Final = ("auto", "pointwise", "integral", "both")
+KINDS: Final = ("auto", "pointwise", "integral", "both", "weak")
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,8 @@ def build_rows(
         vehicle: thrusters, rigid body and limits.
         terms: the model.
         added_mass: the parameters leave out the rigid-body mass, which is then known (second form of eq. 6).
-        kind: ``pointwise``, ``integral``, ``both``, or ``auto`` (pointwise where accelerations are measured).
+        kind: ``pointwise``, ``integral``, ``weak`` (hat-weighted over two windows, for velocities that come from a pose), ``both``
+            (every kind that there is), or ``auto`` (pointwise where accelerations are measured, else integral).
         window: length of integral rows [s].
 
     Raises:
@@ -112,10 +114,17 @@ def build_rows(
             continue
         measured = builder.measured(channel)
         # An acceleration that only follows from velocities adds its rows to those over windows.
-        if kind != "integral" and builder.known(channel):
+        if kind not in ("integral", "weak") and builder.known(channel):
             parts.append(builder.pointwise(index, channel))
         if kind in ("integral", "both") or (kind == "auto" and not measured):
             parts.append(builder.integral(index, channel, window))
+        if kind in ("weak", "both") and (weak := builder.weak(index, channel, window)) is not None:
+            parts.append(weak)
+    if kind == "weak" and not parts:
+        raise IvsidError(
+            f"rows 'weak' need velocities that are enclosed from the pose, and {bounded.log.name} measures them or its vehicle file has "
+            "[ambient]; use rows 'auto'"
+        )
     parts = [p for p in parts if p.time.size]
     if not parts:
         raise IvsidError(
@@ -245,6 +254,26 @@ class _Builder:
         durations = self.t[starts + count] - self.t[starts]
         return self._rows(index, matrix, right, self.t[starts], durations, quadrature.assumes)
 
+    def weak(self, index: int, channel: str, window: float) -> RegressionRows | None:
+        """The channel's equation weighted by a hat over two windows, with means of velocities from the pose itself; None without it."""
+        steps = self.clock[1:] - self.clock[:-1]
+        means = pose_means(self.bounded.log, self.vehicle.sensors, dict(self.bounded.channels), steps)
+        mixed = any(t.time_constant and (t.advance_loss or t.rudder is not None) for t in self.vehicle.thrusters)
+        if means is None or mixed or self.bounded.ambient != (0.0, 0.0):
+            return None
+        half = max(1, round(window / self.bounded.log.period))
+        there = self.forces.present & means.there
+        whole = there[1:] & there[:-1] & (np.diff(self.t) <= GAP * self.bounded.log.period)
+        starts = _complete(whole, 2 * half)
+        hat = _Hat(self, starts, half, means.rising(starts, half))
+        columns = [hat.mean(term.columns, channel) for term in self.terms]
+        values, over = self.forces.values[index], self.forces.steps[index]
+        right = hat.weighted(over, over.hull(values[:-1].hull(values[1:]))) - hat.mean(self._known, channel) * PRODUCT
+        durations = self.t[starts + 2 * half] - self.t[starts]
+        return self._rows(
+            index, IntervalArray.stack(columns, axis=1), right, self.t[starts], durations, hat.quadrature.assumes
+        )
+
     def _ambient(self, channel: str) -> IntervalArray:
         force, moment = self.bounded.ambient
         reach = moment if channel == "yaw" else force
@@ -290,7 +319,7 @@ class _Quadrature:
                 x = self.builder.bounded.channels[name]
                 difference = self._narrowed(x[self.starts + self.count] - x[self.starts], name)
                 total = total + difference * coefficient / self.spans
-        if self._has_velocity_part(columns, channel):
+        if self.has_velocity_part(columns, channel):
             total = total + self.window_mean(self._step_mean(columns, channel))
         return total
 
@@ -317,12 +346,18 @@ class _Quadrature:
             )
         return IntervalArray(lower, upper)
 
-    def _has_velocity_part(self, columns: Any, channel: str) -> bool:
+    def has_velocity_part(self, columns: Any, channel: str) -> bool:
         probes = [State(*nu, 0.0, 0.0, 0.0, place=_SOMEWHERE) for nu in ((0.3, 0.7, 1.1), (-0.9, 0.4, -0.2))]
         return any(columns(p).get(channel, 0.0) != 0.0 for p in probes)
 
     def _step_mean(self, columns: Any, channel: str) -> IntervalArray:
-        """Trapezoid with its error: a Lipschitz constant L over a step h leaves at most L h / 4 on the mean."""
+        return self.step_parts(columns, channel)[0]
+
+    def step_parts(self, columns: Any, channel: str) -> tuple[IntervalArray, IntervalArray]:
+        """A column's mean over each step, and all that it can be within.
+
+        Trapezoid with its error: a Lipschitz constant L over a step h leaves at most L h / 4 on the mean.
+        """
         limits = self.builder.vehicle.sensors.limits
         if limits.acceleration is None or limits.yaw_acceleration is None:
             raise IvsidError(
@@ -347,7 +382,7 @@ class _Quadrature:
         lipschitz = np.broadcast_to(over_steps.rate.magnitude, self.steps.shape)
         error = IntervalArray(-lipschitz, lipschitz) * self.steps * 0.25
         trapezoid: IntervalArray = (at_nodes.value[:-1] + at_nodes.value[1:]) * 0.5 + error
-        return trapezoid
+        return trapezoid, over_steps.value
 
     def _places(self, r: IntervalArray, swept: IntervalArray) -> tuple[Place | None, Place | None]:
         """The heading at rows and over steps, with the yaw rate as its rate, where a term turns with it."""
@@ -361,6 +396,53 @@ class _Quadrature:
             Place(Motion(psi, r), nowhere, nowhere, nowhere),
             Place(Motion(over, swept), nowhere, nowhere, nowhere),
         )
+
+
+class _Hat:
+    """Means weighted by a hat over two halves of ``half`` steps each."""
+
+    def __init__(
+        self, builder: _Builder, starts: NDArray[np.int64], half: int, rising: dict[str, IntervalArray]
+    ) -> None:
+        clock = builder.clock
+        self.starts, self.half, self.rising = starts, half, rising
+        middle, end = starts + half, starts + 2 * half
+        self.first, self.second = clock[middle] - clock[starts], clock[end] - clock[middle]
+        self.area = (clock[end] - clock[starts]) * 0.5
+        self.quadrature = _Quadrature(builder, np.diff(builder.t), starts, 2 * half, clock[end] - clock[starts])
+        self.clock = clock
+
+    def weighted(self, per_step: IntervalArray, within: IntervalArray) -> IntervalArray:
+        """The weighted mean of a quantity given by its mean over each step and by all that it can be within.
+
+        Within a step the weight is off its mean by a line: what that can catch is at most a quarter of its rise times the radius.
+        """
+        steps = self.quadrature.steps
+        radius = within.radius * (1 + ROUNDING)
+        total = IntervalArray(np.zeros(self.starts.shape))
+        for offset in range(2 * self.half):
+            k = self.starts + offset
+            if offset < self.half:
+                span, out = self.first, self.clock[self.starts]
+                twice = (self.clock[k] - out) + (self.clock[k + 1] - out)
+            else:
+                span, out = self.second, self.clock[self.starts + 2 * self.half]
+                twice = (out - self.clock[k]) + (out - self.clock[k + 1])
+            caught = IntervalArray(-radius[k], radius[k]) * (steps[k] / span) * 0.25
+            total = total + (per_step[k] * (twice / span) * 0.5 + caught) * steps[k]
+        mean: IntervalArray = total / self.area
+        return mean
+
+    def mean(self, columns: Any, channel: str) -> IntervalArray:
+        """The weighted mean of a column: its accelerations through the means of both halves, the rest by a bounded quadrature."""
+        total = IntervalArray(np.zeros(self.starts.shape))
+        for name, derivative in (("u", "udot"), ("v", "vdot"), ("r", "rdot")):
+            coefficient = columns(_unit(derivative)).get(channel, 0.0) - columns(_unit("")).get(channel, 0.0)
+            if coefficient:
+                total = total + self.rising[name] * coefficient / self.area
+        if self.quadrature.has_velocity_part(columns, channel):
+            total = total + self.weighted(*self.quadrature.step_parts(columns, channel))
+        return total
 
 
 def _unit(derivative: str) -> State:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ivsid.effects import EFFECTS, Effect, Reading, Terms, terms_of
+from ivsid.errors import IvsidError
 from ivsid.scenario import Scenario
 from ivsid.thrust import ThrustCurve
 from ivsid.vehicle import Vehicle
@@ -32,6 +33,28 @@ def hidden_effect(vehicle: Vehicle, scenario: Scenario, seed: int) -> dict[str, 
         effect = effect.measured
     size = float(np.exp(rng.uniform(np.log(SIZES[0]), np.log(SIZES[1]))))
     return draw(effect, size, vehicle, scenario, rng)
+
+
+def hidden_effects(vehicle: Vehicle, scenario: Scenario, seed: int, count: int) -> dict[str, float]:
+    """Exactly this many different effects drawn from the seed, each as ``hidden_effect`` draws one.
+
+    Raises:
+        IvsidError: fewer effects can act on the vehicle.
+    """
+    rng = np.random.default_rng([seed, 0x1D, count])
+    possible = [e for e in EFFECTS.values() if can_hide(e, vehicle, scenario)]
+    if len(possible) < count:
+        raise IvsidError(
+            f"{count} effects are asked for and {len(possible)} can be hidden in {vehicle.name}; ask for fewer"
+        )
+    found: dict[str, float] = {}
+    for k in rng.choice(len(possible), count, replace=False):
+        effect = possible[int(k)]
+        if effect.measured is not None and _measured(effect, scenario):
+            effect = effect.measured
+        size = float(np.exp(rng.uniform(np.log(SIZES[0]), np.log(SIZES[1]))))
+        found |= draw(effect, size, vehicle, scenario, rng)
+    return found
 
 
 def can_hide(effect: Effect, vehicle: Vehicle, scenario: Scenario) -> bool:

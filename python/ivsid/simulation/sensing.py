@@ -183,6 +183,8 @@ def faulty(columns: dict[str, NDArray[np.float64]], scenario: Scenario, rng: np.
         fresh = np.arange(n) // every * every
         wild = rng.uniform(size=n) < faults.outliers
         lost = _lost(n, faults, scenario.rate, rng)
+        if not faults.hold:
+            lost = lost | (fresh != np.arange(n))
         for name in here:
             reading = columns[name] + np.where(wild, rng.standard_normal(n) * faults.outlier_size, 0.0)
             reading = reading[fresh]

@@ -11,6 +11,7 @@ import numpy as np
 from ivsid import regression
 from ivsid.effects import CHANNELS, Term, terms_of
 from ivsid.errors import IvsidError
+from ivsid.identification.bias import CHOICES, apart, with_unknowns, without_unknowns
 from ivsid.identification.fit import Identification, Parameter
 from ivsid.intervals import FloatArray
 from ivsid.linalg import INVERSE_METHODS, partition_count
@@ -47,6 +48,7 @@ def identify(
     form: str = "total",
     rows: str = "auto",
     window: float = WINDOW,
+    bias: str = "auto",
 ) -> Identification:
     """Parameter intervals of the vehicle file's model from a log.
 
@@ -60,17 +62,27 @@ def identify(
         form: ``total`` mass, or ``added`` mass with the rigid-body mass known (eq. 6, second form).
         rows: ``auto``, ``pointwise``, ``integral`` or ``both``.
         window: length of integral rows [s].
+        bias: of the accelerometer: ``sample`` bounds it anew at every sample, ``log`` takes it as one unknown (method ``feasible``),
+            ``auto`` does so where that is clearly tighter.
 
     Raises:
         IvsidError: unusable input, in one sentence.
     """
+    if bias not in CHOICES:
+        raise IvsidError(f"bias '{bias}' is unknown; use {', '.join(CHOICES)}")
     if method not in METHODS:
         raise IvsidError(f"method '{method}' is not available; choose one of {', '.join(METHODS)}")
     terms = terms_of(vehicle, form)
     bounded = bound_log(log, vehicle)
+    taken = apart(bounded, vehicle, bias) if method == "feasible" else None
+    bounded = bounded if taken is None else taken[0]
     made = build_rows(bounded, vehicle, terms, added_mass=form == "added", kind=rows, window=window)
     options = {"partitions": partition_count(partitions, method), "form": form, "rows": rows, "window": window}
-    return identify_rows(made, bounded, vehicle, method, options)
+    if taken is None:
+        return identify_rows(made, bounded, vehicle, method, options)
+    mass = vehicle.hull.mass if form == "added" else 0.0
+    extended = with_unknowns(made, taken[1], bounded.log, vehicle, mass)
+    return without_unknowns(identify_rows(extended, bounded, vehicle, method, options), terms)
 
 
 def identify_rows(

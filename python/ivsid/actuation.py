@@ -1,7 +1,7 @@
 """From logged demands to thrusts in intervals and in numbers: lag, and thrusters that turn.
 
 The static curve with its accuracy is ``thrust``; here stands what happens between a demand and the water in time. Nothing that the
-vehicle file claims is left out in silence: a rudder is refused.
+vehicle file claims is left out in silence.
 """
 
 from __future__ import annotations
@@ -14,8 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
+from ivsid.foil import rudder_force
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
+from ivsid.rudder import rudder_over
 from ivsid.thrust import ThrustCurve, directions
 from ivsid.vehicle import Thruster, Vehicle
 
@@ -91,23 +93,36 @@ def pushed(thruster: Thruster, log: Log, *, held: bool, flow: Flow | None = None
         rows, steps = (_shares(thruster, a) for a in (turned, swept))
     else:
         rows = steps = directions(thruster)
-    if thruster.advance_loss:
-        if flow is None:
-            raise IvsidError(f"thruster {thruster.name} claims advance_loss, which needs the motion; give u, v and r")
-        # Behind a lag the thrust moves between its values at both rows, and its mean alone is no bound.
-        swept_thrust = at[:-1].hull(at[1:]) if thruster.time_constant and thruster.lag == "thrust" else over
+    if flow is None and (thruster.advance_loss or thruster.rudder is not None):
+        raise IvsidError(
+            f"thruster {thruster.name} claims advance_loss or has a rudder, which needs the motion; give u, v and r"
+        )
+    # Behind a lag the thrust moves between its values at both rows, and its mean alone is no bound.
+    swept_thrust = at[:-1].hull(at[1:]) if thruster.time_constant and thruster.lag == "thrust" else over
+    if thruster.advance_loss and flow is not None:
         at = at - _advance_loss(thruster, at, rows, flow.at_rows)
-        over = over - _advance_loss(thruster, swept_thrust, steps, flow.over_steps)
+        lost = _advance_loss(thruster, swept_thrust, steps, flow.over_steps)
+        over, swept_thrust = over - lost, swept_thrust - lost
     at_rows, over_steps = ([force * s for s in shares] for force, shares in ((at, rows), (over, steps)))
+    if thruster.rudder is not None and flow is not None:
+        column = f"rudder_{thruster.name}"
+        angle = log.column(column, f"for the rudder of thruster {thruster.name}")
+        known = ~np.isnan(angle)
+        there = there & known
+        delta = IntervalArray.around(np.where(known, angle, 0.0), log.error(column))
+        swept = delta[:-1] if held else delta[:-1].hull(delta[1:])
+        blades = (
+            rudder_over(thruster.rudder, delta, at, flow.at_rows),
+            rudder_over(thruster.rudder, swept, swept_thrust, flow.over_steps),
+        )
+        at_rows = [a + b for a, b in zip(at_rows, blades[0], strict=True)]
+        over_steps = [a + b for a, b in zip(over_steps, blades[1], strict=True)]
+        within = f", each within {thruster.rudder.accuracy:g} of itself" if thruster.rudder.accuracy else ""
+        assumes += (f"the rudder behind {thruster.name} has the lift and drag of the stated foil{within}",)
     return Pushed((at_rows[0], at_rows[1], at_rows[2]), (over_steps[0], over_steps[1], over_steps[2]), there, assumes)
 
 
 def _followed(thruster: Thruster, *, held: bool) -> None:
-    if thruster.rudder is not None:
-        raise IvsidError(
-            f"thruster {thruster.name} has a rudder; its force depends on the motion and is simulated but not yet identified: log "
-            "force_X, force_Y, moment_N in place of the thrusters, or leave the rudder out where it stays amidships"
-        )
     if thruster.time_constant and not held:
         raise IvsidError(
             f"thruster {thruster.name} claims a time_constant and the log's demands are linear; a lag is followed for held demands "
@@ -214,7 +229,7 @@ def _between(
 def nominal_force(vehicle: Vehicle, log: Log) -> NDArray[np.float64]:
     """X, Y [N], N [N m] from the demands without their error, as means over the step after each row, shape (n, 3).
 
-    An advance loss takes the logged motion. NaN where a demand or an angle is missing, and behind a lag for the first five time constants: what it did before the log is
+    An advance loss and a rudder take the logged motion. NaN where a demand or an angle is missing, and behind a lag for the first five time constants: what it did before the log is
     not known.
     """
     if not vehicle.thrusters:
@@ -243,6 +258,10 @@ def nominal_force(vehicle: Vehicle, log: Log) -> NDArray[np.float64]:
             )
         for j, share in enumerate(shares):
             total[:, j] += thrust * share
+        if thruster.rudder is not None:
+            delta = log.column(f"rudder_{thruster.name}", f"for the rudder of thruster {thruster.name}")
+            u, v, r = (log.columns[n] for n in ("u", "v", "r"))
+            total += np.stack(rudder_force(thruster.rudder, delta, thrust, u, v, r), axis=1)
     return total
 
 

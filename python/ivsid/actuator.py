@@ -39,6 +39,7 @@ class Rudder(BaseModel):
         drag: coefficient at no angle of attack.
         rate: how fast the rudder turns at most [rad/s].
         density: of the water [kg/m^3].
+        accuracy: the largest error of its lift and drag coefficients, as a share.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -50,6 +51,7 @@ class Rudder(BaseModel):
     drag: NonNegative = 0.02
     rate: Positive | None = None
     density: Positive = 1025.0
+    accuracy: NonNegative = 0.0
 
 
 def expand_units(table: Any) -> Any:

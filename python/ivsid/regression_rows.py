@@ -15,19 +15,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.actuation import GAP, Flow, pushed
-from ivsid.effects import CHANNELS, Columns, State, Term, rigid_body
+from ivsid.effects import CHANNELS, Columns, Place, State, Term, rigid_body
 from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray, Interval, IntervalArray
 from ivsid.log import Log
 from ivsid.motion import Motion
-from ivsid.needs import lacking
+from ivsid.needs import lacking, needed_by
 from ivsid.sensors import BoundedLog
 from ivsid.vehicle import Vehicle
+from ivsid.weak_form import ROUNDING, pose_means
 
 WINDOW: Final = 1.0
 # Decimals of the mass and the centre of gravity are rounded, and their products too: this factor holds what that can lose.
 PRODUCT: Final = Interval(1 - 2.0**-50, 1 + 2.0**-50)
-KINDS: Final = ("auto", "pointwise", "integral", "both")
+# Stands for an acceleration [m/s^2] that nobody knows, where an infinity would spoil the sum over a window.
+MOST: Final = 1e6
+# A place for questions of which quantities stand in a term.
+_SOMEWHERE: Final = Place(0.3, 0.0, 0.0, 0.0)
+KINDS: Final = ("auto", "pointwise", "integral", "both", "weak")
 
 
 @dataclass(frozen=True)
@@ -87,7 +92,8 @@ def build_rows(
         vehicle: thrusters, rigid body and limits.
         terms: the model.
         added_mass: the parameters leave out the rigid-body mass, which is then known (second form of eq. 6).
-        kind: ``pointwise``, ``integral``, ``both``, or ``auto`` (pointwise where accelerations are measured).
+        kind: ``pointwise``, ``integral``, ``weak`` (hat-weighted over two windows, for velocities that come from a pose), ``both``
+            (every kind that there is), or ``auto`` (pointwise where accelerations are measured, else integral).
         window: length of integral rows [s], or several: each row holds by itself, so what is consistent with all is an intersection.
 
     Raises:
@@ -102,13 +108,18 @@ def build_rows(
         if not builder.acts(channel):
             continue
         measured = builder.measured(channel)
-        if kind in ("pointwise", "both") or (kind == "auto" and measured):
-            if not measured and kind == "pointwise":
-                continue
-            if measured:
-                parts.append(builder.pointwise(index, channel))
+        # An acceleration that only follows from velocities adds its rows to those over windows.
+        if kind not in ("integral", "weak") and builder.known(channel):
+            parts.append(builder.pointwise(index, channel))
         if kind in ("integral", "both") or (kind == "auto" and not measured):
             parts += [builder.integral(index, channel, count) for count in counts]
+        if kind in ("weak", "both"):
+            parts += [w for count in counts if (w := builder.weak(index, channel, count)) is not None]
+    if kind == "weak" and not parts:
+        raise IvsidError(
+            f"rows 'weak' need velocities that are enclosed from the pose, and {bounded.log.name} measures them or its vehicle file has "
+            "[ambient]; use rows 'auto'"
+        )
     parts = [p for p in parts if p.time.size]
     if not parts:
         raise IvsidError(
@@ -155,21 +166,31 @@ class _Builder:
         self.forces = _forces(bounded, vehicle)
         for name in ("u", "v", "r"):
             self._channel(name)
+        # Some terms turn with the vehicle; the heading is one more quantity that moves.
+        self.turning = "psi" in needed_by(terms, vehicle)
+        if self.turning:
+            self._channel("psi")
 
     def acts(self, channel: str) -> bool:
         """Whether a parameter stands in the channel's equation."""
-        probe = State(1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
+        probe = State(1.0, 1.0, 1.0, 1.0, 1.0, 1.0, place=_SOMEWHERE)
         return any(channel in term.columns(probe) for term in self.terms)
 
     def measured(self, channel: str) -> bool:
         """Whether the channel's own acceleration is logged and bounded."""
         names = {"surge": ("udot", "ax"), "sway": ("vdot", "ay"), "yaw": ("rdot",)}[channel]
-        return any(n in self.bounded.channels for n in names)
+        derived = self.bounded.log.derived
+        return any(n in self.bounded.channels and n not in derived for n in names)
+
+    def known(self, channel: str) -> bool:
+        """Whether the channel's own acceleration is bounded at samples, measured or not."""
+        own = {"surge": "udot", "sway": "vdot", "yaw": "rdot"}[channel]
+        return self.measured(channel) or own in self.bounded.channels
 
     def _channel(self, name: str) -> IntervalArray:
         self.bounded.log.column(name, "by the equations of motion")
         if name not in self.bounded.channels:
-            section = {"u": "velocity", "v": "velocity", "r": "yaw_rate"}[name]
+            section = {"u": "velocity", "v": "velocity", "r": "yaw_rate", "psi": "heading"}[name]
             raise IvsidError(
                 f"vehicle file {self.vehicle.source or self.vehicle.name} has no [sensors.{section}]; it is needed to bound column {name}"
             )
@@ -194,7 +215,8 @@ class _Builder:
                 np.full(self.t.shape, -limits.yaw_acceleration), np.full(self.t.shape, limits.yaw_acceleration)
             )
             assumes.append(f"|rdot| never exceeds {limits.yaw_acceleration!r} rad/s^2")
-        state = State(u, v, r, udot, vdot, rdot, ax, ay)
+        place = Place(self._channel("psi"), entire, entire, self.clock) if self.turning else None
+        state = State(u, v, r, udot, vdot, rdot, ax, ay, place=place)
         zero = IntervalArray(np.zeros(self.t.shape))
         columns = [_array(term.columns(state).get(channel), zero) for term in self.terms]
         right = self.forces.values[index] - _array(self._known(state).get(channel), zero) * PRODUCT
@@ -207,8 +229,11 @@ class _Builder:
 
     def _needs_rdot(self, channel: str) -> bool:
         """Whether the derivative of the yaw rate stands in the channel's equation."""
-        probe = State(0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
-        return any(c.get(channel, 0.0) != 0 for c in (*(t.columns(probe) for t in self.terms), self._known(probe)))
+        still, probe = (State(0.0, 0.0, 0.0, 0.0, 0.0, rdot, place=_SOMEWHERE) for rdot in (0.0, 1.0))
+        return any(
+            f(probe).get(channel, 0.0) != f(still).get(channel, 0.0)
+            for f in (*(t.columns for t in self.terms), self._known)
+        )
 
     def _explain(self, channel: str) -> None:
         if self._needs_rdot(channel) and "rdot" not in self.bounded.channels:
@@ -220,7 +245,7 @@ class _Builder:
     def integral(self, index: int, channel: str, count: int) -> RegressionRows:
         """The mean of the channel's equation over sliding windows of ``count`` steps."""
         steps = np.diff(self.t)
-        names = ("u", "v", "r")
+        names = ("u", "v", "r", "psi") if self.turning else ("u", "v", "r")
         there = self.forces.present.copy()
         for n in names:
             there &= self.bounded.present[n]
@@ -237,6 +262,25 @@ class _Builder:
         matrix = IntervalArray.stack(columns, axis=1)
         durations = self.t[starts + count] - self.t[starts]
         return self._rows(index, matrix, right, self.t[starts], durations, quadrature.assumes)
+
+    def weak(self, index: int, channel: str, half: int) -> RegressionRows | None:
+        """The channel's equation weighted by a hat of ``half`` steps on either side, with means of velocities from the pose itself; None without it."""
+        steps = self.clock[1:] - self.clock[:-1]
+        means = pose_means(self.bounded.log, self.vehicle.sensors, dict(self.bounded.channels), steps)
+        mixed = any(t.time_constant and (t.advance_loss or t.rudder is not None) for t in self.vehicle.thrusters)
+        if means is None or mixed or self.bounded.ambient != (0.0, 0.0):
+            return None
+        there = self.forces.present & means.there
+        whole = there[1:] & there[:-1] & (np.diff(self.t) <= GAP * self.bounded.log.period)
+        starts = _complete(whole, 2 * half)
+        hat = _Hat(self, starts, half, means.rising(starts, half))
+        columns = [hat.mean(term.columns, channel) for term in self.terms]
+        values, over = self.forces.values[index], self.forces.steps[index]
+        right = hat.weighted(over, over.hull(values[:-1].hull(values[1:]))) - hat.mean(self._known, channel) * PRODUCT
+        durations = self.t[starts + 2 * half] - self.t[starts]
+        return self._rows(
+            index, IntervalArray.stack(columns, axis=1), right, self.t[starts], durations, hat.quadrature.assumes
+        )
 
     def _ambient(self, channel: str) -> IntervalArray:
         force, moment = self.bounded.ambient
@@ -278,21 +322,50 @@ class _Quadrature:
         """The mean of a column: exact differences for its accelerations, a bounded quadrature for the rest."""
         total = IntervalArray(np.zeros(self.starts.shape))
         for name, derivative in (("u", "udot"), ("v", "vdot"), ("r", "rdot")):
-            coefficient = columns(_unit(derivative)).get(channel, 0.0)
+            coefficient = columns(_unit(derivative)).get(channel, 0.0) - columns(_unit("")).get(channel, 0.0)
             if coefficient:
                 x = self.builder.bounded.channels[name]
-                difference = x[self.starts + self.count] - x[self.starts]
+                difference = self._narrowed(x[self.starts + self.count] - x[self.starts], name)
                 total = total + difference * coefficient / self.spans
-        if self._has_velocity_part(columns, channel):
+        if self.has_velocity_part(columns, channel):
             total = total + self.window_mean(self._step_mean(columns, channel))
         return total
 
-    def _has_velocity_part(self, columns: Any, channel: str) -> bool:
-        probes = [State(0.3, 0.7, 1.1, 0.0, 0.0, 0.0), State(-0.9, 0.4, -0.2, 0.0, 0.0, 0.0)]
+    def _narrowed(self, difference: IntervalArray, name: str) -> IntervalArray:
+        """A difference of u or v, by what an averaging accelerometer says of it, too: its mean, and that of v r or u r."""
+        own = {"u": "mean_ax", "v": "mean_ay"}.get(name)
+        channels = self.builder.bounded.channels
+        if own is None or own not in channels:
+            return difference
+
+        def turning(s: State) -> Columns:
+            return {"surge": s.v * s.r if name == "u" else -(s.u * s.r)}
+
+        reading = channels[own][1:]
+        there = np.isfinite(reading.lower)
+        known = IntervalArray(np.where(there, reading.lower, -MOST), np.where(there, reading.upper, MOST))
+        other = self.window_mean(known + self._step_mean(turning, "surge")) * self.spans
+        lower, upper = np.maximum(difference.lower, other.lower), np.minimum(difference.upper, other.upper)
+        if (lower > upper).any():
+            k = int(self.starts[np.argmax(lower > upper)])
+            raise IvsidError(
+                f"{self.builder.bounded.log.name}: around t = {self.builder.t[k]:.6g} s {name} and its averaged acceleration contradict "
+                "each other within their bounds; look at the bounds, the axes and the sampling of [sensors.acceleration]"
+            )
+        return IntervalArray(lower, upper)
+
+    def has_velocity_part(self, columns: Any, channel: str) -> bool:
+        probes = [State(*nu, 0.0, 0.0, 0.0, place=_SOMEWHERE) for nu in ((0.3, 0.7, 1.1), (-0.9, 0.4, -0.2))]
         return any(columns(p).get(channel, 0.0) != 0.0 for p in probes)
 
     def _step_mean(self, columns: Any, channel: str) -> IntervalArray:
-        """Trapezoid with its error: a Lipschitz constant L over a step h leaves at most L h / 4 on the mean."""
+        return self.step_parts(columns, channel)[0]
+
+    def step_parts(self, columns: Any, channel: str) -> tuple[IntervalArray, IntervalArray]:
+        """A column's mean over each step, and all that it can be within.
+
+        Trapezoid with its error: a Lipschitz constant L over a step h leaves at most L h / 4 on the mean.
+        """
         limits = self.builder.vehicle.sensors.limits
         if limits.acceleration is None or limits.yaw_acceleration is None:
             raise IvsidError(
@@ -311,18 +384,79 @@ class _Quadrature:
             rate = IntervalArray(np.array(-limit), np.array(limit))
             nodes[name] = Motion(x, rate)
             ranges[name] = Motion(x[:-1].hull(x[1:]) + self.steps * 0.5 * rate, rate)
-        at_nodes: Motion = columns(State(nodes["u"], nodes["v"], nodes["r"], 0.0, 0.0, 0.0))[channel]
-        over_steps: Motion = columns(State(ranges["u"], ranges["v"], ranges["r"], 0.0, 0.0, 0.0))[channel]
+        here, along = self._places(nodes["r"].value, ranges["r"].value)
+        at_nodes: Motion = columns(State(nodes["u"], nodes["v"], nodes["r"], 0.0, 0.0, 0.0, place=here))[channel]
+        over_steps: Motion = columns(State(ranges["u"], ranges["v"], ranges["r"], 0.0, 0.0, 0.0, place=along))[channel]
         lipschitz = np.broadcast_to(over_steps.rate.magnitude, self.steps.shape)
         error = IntervalArray(-lipschitz, lipschitz) * self.steps * 0.25
         trapezoid: IntervalArray = (at_nodes.value[:-1] + at_nodes.value[1:]) * 0.5 + error
-        return trapezoid
+        return trapezoid, over_steps.value
+
+    def _places(self, r: IntervalArray, swept: IntervalArray) -> tuple[Place | None, Place | None]:
+        """The heading at rows and over steps, with the yaw rate as its rate, where a term turns with it."""
+        if not self.builder.turning:
+            return None, None
+        psi, there = self.builder.bounded.channels["psi"], self.builder.bounded.present["psi"]
+        psi = IntervalArray(np.where(there, psi.lower, 0.0), np.where(there, psi.upper, 0.0))
+        over = psi[:-1].hull(psi[1:]) + self.steps * 0.5 * swept
+        nowhere = 0.0
+        return (
+            Place(Motion(psi, r), nowhere, nowhere, nowhere),
+            Place(Motion(over, swept), nowhere, nowhere, nowhere),
+        )
+
+
+class _Hat:
+    """Means weighted by a hat over two halves of ``half`` steps each."""
+
+    def __init__(
+        self, builder: _Builder, starts: NDArray[np.int64], half: int, rising: dict[str, IntervalArray]
+    ) -> None:
+        clock = builder.clock
+        self.starts, self.half, self.rising = starts, half, rising
+        middle, end = starts + half, starts + 2 * half
+        self.first, self.second = clock[middle] - clock[starts], clock[end] - clock[middle]
+        self.area = (clock[end] - clock[starts]) * 0.5
+        self.quadrature = _Quadrature(builder, np.diff(builder.t), starts, 2 * half, clock[end] - clock[starts])
+        self.clock = clock
+
+    def weighted(self, per_step: IntervalArray, within: IntervalArray) -> IntervalArray:
+        """The weighted mean of a quantity given by its mean over each step and by all that it can be within.
+
+        Within a step the weight is off its mean by a line: what that can catch is at most a quarter of its rise times the radius.
+        """
+        steps = self.quadrature.steps
+        radius = within.radius * (1 + ROUNDING)
+        total = IntervalArray(np.zeros(self.starts.shape))
+        for offset in range(2 * self.half):
+            k = self.starts + offset
+            if offset < self.half:
+                span, out = self.first, self.clock[self.starts]
+                twice = (self.clock[k] - out) + (self.clock[k + 1] - out)
+            else:
+                span, out = self.second, self.clock[self.starts + 2 * self.half]
+                twice = (out - self.clock[k]) + (out - self.clock[k + 1])
+            caught = IntervalArray(-radius[k], radius[k]) * (steps[k] / span) * 0.25
+            total = total + (per_step[k] * (twice / span) * 0.5 + caught) * steps[k]
+        mean: IntervalArray = total / self.area
+        return mean
+
+    def mean(self, columns: Any, channel: str) -> IntervalArray:
+        """The weighted mean of a column: its accelerations through the means of both halves, the rest by a bounded quadrature."""
+        total = IntervalArray(np.zeros(self.starts.shape))
+        for name, derivative in (("u", "udot"), ("v", "vdot"), ("r", "rdot")):
+            coefficient = columns(_unit(derivative)).get(channel, 0.0) - columns(_unit("")).get(channel, 0.0)
+            if coefficient:
+                total = total + self.rising[name] * coefficient / self.area
+        if self.quadrature.has_velocity_part(columns, channel):
+            total = total + self.weighted(*self.quadrature.step_parts(columns, channel))
+        return total
 
 
 def _unit(derivative: str) -> State:
     """At rest, with one unit acceleration."""
     udot, vdot, rdot = (1.0 if derivative == name else 0.0 for name in ("udot", "vdot", "rdot"))
-    return State(0.0, 0.0, 0.0, udot, vdot, rdot)
+    return State(0.0, 0.0, 0.0, udot, vdot, rdot, place=_SOMEWHERE)
 
 
 def _complete(whole: NDArray[np.bool_], count: int) -> NDArray[np.int64]:
@@ -349,7 +483,9 @@ def _forces(bounded: BoundedLog, vehicle: Vehicle) -> _Forces:
         zero = IntervalArray(np.zeros(log.t.shape))
         totals, ramps = [zero] * 3, [zero[1:]] * 3
         assumes: tuple[str, ...] = ()
-        flow = _flow(bounded, vehicle) if any(t.advance_loss for t in vehicle.thrusters) else None
+        flow = (
+            _flow(bounded, vehicle) if any(t.advance_loss or t.rudder is not None for t in vehicle.thrusters) else None
+        )
         for thruster in vehicle.thrusters:
             push = pushed(thruster, log, held=held, flow=flow)
             present &= push.present
@@ -376,13 +512,13 @@ def _flow(bounded: BoundedLog, vehicle: Vehicle) -> Flow:
     limits = vehicle.sensors.limits
     if limits.acceleration is None or limits.yaw_acceleration is None:
         raise IvsidError(
-            "a thruster claims advance_loss, whose mean over a step needs [sensors.limits] acceleration and yaw_acceleration in the "
+            "a thruster claims advance_loss or has a rudder, whose mean over a step needs [sensors.limits] acceleration and yaw_acceleration in the "
             "vehicle file; state them, or leave the claim out"
         )
     steps = np.diff(bounded.log.t) * (1 + 2.0**-40) + 2 * np.max(bounded.log.time_error)
     rows, ranges = [], []
     for name, limit in (("u", limits.acceleration), ("v", limits.acceleration), ("r", limits.yaw_acceleration)):
-        bounded.log.column(name, "by the thrusters' advance loss")
+        bounded.log.column(name, "by the thrusters' advance loss or rudder")
         x = bounded.channels[name]
         reach = IntervalArray(-limit, limit) * (0.5 * steps)
         rows.append(x)

@@ -11,10 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import norm
 
+from ivsid.derivatives import with_accelerations
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
+from ivsid.origin import at_origin
 from ivsid.pose import with_velocities
+from ivsid.smoothing import splined
 from ivsid.vehicle import InertialSensor, Sensors, Vehicle, VelocitySensor
 
 DEFAULT_CONFIDENCE: Final = 0.999
@@ -66,6 +69,7 @@ class BoundedLog:
         present: where each channel has a sample.
         rule: how noise was turned into bounds.
         ambient: half-widths (force [N], moment [N m]) of the force that nobody models.
+        statistical: what is an estimate and no bound; nothing that rests on it is guaranteed.
     """
 
     log: Log
@@ -73,6 +77,7 @@ class BoundedLog:
     present: Mapping[str, NDArray[np.bool_]]
     rule: Rule
     ambient: tuple[float, float]
+    statistical: tuple[str, ...] = ()
 
 
 def sigma_published(n: float, b: float, dt: float, t: float) -> float:
@@ -150,7 +155,7 @@ def bound_log(log: Log, vehicle: Vehicle) -> BoundedLog:
     """
     sensors = vehicle.sensors
     channels = body_velocities(log, sensors) if log.derived else {}
-    log, enclosed = with_velocities(log, sensors)
+    log, enclosed, statistical = velocities_of(log, sensors)
     channels |= enclosed
     sections = _inertial(log, sensors)
     # A channel that came from a clock of its own may have more samples than the log has rows, and closer ones.
@@ -171,6 +176,8 @@ def bound_log(log: Log, vehicle: Vehicle) -> BoundedLog:
         if name in log.derived:
             continue
         there = ~np.isnan(values)
+        if name == "r" and sensors.yaw_rate is not None and sensors.yaw_rate.sampling == "averaged":
+            radii[name] = radii[name] + _since_average(log, sensors)
         filled = np.where(there, values, 0.0)
         reading = IntervalArray.around(filled, log.error(name))
         if name in radii:
@@ -183,11 +190,64 @@ def bound_log(log: Log, vehicle: Vehicle) -> BoundedLog:
             continue
         lower, upper = np.where(there, bounded.lower, -np.inf), np.where(there, bounded.upper, np.inf)
         channels[name], present[name] = IntervalArray(lower, upper), there
+    _set_averages_apart(channels, present, sensors)
+    if "psi" in log.columns and sensors.heading is not None:
+        channels["psi"], present["psi"] = _heading(log, sensors.heading.accuracy)
+    log, channels, present = at_origin(log, channels, present, sensors)
+    log, rates = with_accelerations(log, channels, sensors)
+    channels |= rates
+    present |= {name: np.isfinite(x.lower) for name, x in rates.items()}
     ambient = (0.0, 0.0)
     if vehicle.ambient is not None:
         k = rule.sigmas * (1 + ROUNDING)
         ambient = (k * vehicle.ambient.force, k * vehicle.ambient.moment)
-    return BoundedLog(log, channels, present, rule, ambient)
+    return BoundedLog(log, channels, present, rule, ambient, statistical)
+
+
+def _set_averages_apart(
+    channels: dict[str, IntervalArray], present: dict[str, NDArray[np.bool_]], sensors: Sensors
+) -> None:
+    """An averaging accelerometer reads no moment: under another name, so that only rows over whole steps use it."""
+    if sensors.acceleration is None or sensors.acceleration.sampling != "averaged":
+        return
+    for name in ("ax", "ay"):
+        if name in channels:
+            channels[f"mean_{name}"], present[f"mean_{name}"] = channels.pop(name), present.pop(name)
+
+
+def _heading(log: Log, accuracy: float) -> tuple[IntervalArray, NDArray[np.bool_]]:
+    """The heading [rad], without jumps of whole turns."""
+    psi = log.columns["psi"]
+    there = ~np.isnan(psi)
+    turned = np.zeros(psi.shape)
+    turned[there] = np.unwrap(psi[there])
+    reach = np.nextafter(accuracy, np.inf)
+    # Whole turns are multiples of a rounded 2 pi.
+    around = IntervalArray.around(turned, log.error("psi") + 4 * np.spacing(np.abs(turned) + 7.0)) + IntervalArray(
+        -reach, reach
+    )
+    return IntervalArray(np.where(there, around.lower, -np.inf), np.where(there, around.upper, np.inf)), there
+
+
+def velocities_of(log: Log, sensors: Sensors) -> tuple[Log, dict[str, IntervalArray], tuple[str, ...]]:
+    """The velocities that the log lacks, from its pose; and what about them is no bound."""
+    if sensors.from_pose == "spline":
+        return splined(log, sensors)
+    return (*with_velocities(log, sensors), ())
+
+
+def _since_average(log: Log, sensors: Sensors) -> NDArray[np.float64]:
+    """How far a yaw rate may have moved from its mean over the sample before, |rdot| h / 2 [rad/s]."""
+    limit = sensors.limits.yaw_acceleration
+    if limit is None:
+        raise IvsidError(
+            'sampling = "averaged" of [sensors.yaw_rate] needs [sensors.limits] yaw_acceleration: it bounds how far r moves from its '
+            "mean; state it, or log instantaneous samples"
+        )
+    steps = np.diff(log.t)
+    before = np.r_[steps.max(), steps] + 2 * log.time_error
+    moved: NDArray[np.float64] = np.nextafter(0.5 * limit * before * (1 + ROUNDING), np.inf)
+    return moved
 
 
 def count_errors(n: int, sensors: Iterable[tuple[InertialSensor, int]], vehicle: Vehicle) -> int:
@@ -212,12 +272,6 @@ def _inertial(log: Log, sensors: Sensors) -> dict[str, tuple[InertialSensor, int
             sections[name] = (sensors.acceleration, axis)
     if "r" in log.columns and "r" not in log.derived and sensors.yaw_rate is not None:
         sections["r"] = (sensors.yaw_rate, 0)
-    for name, (sensor, _) in sections.items():
-        if sensor.sampling == "averaged":
-            raise IvsidError(
-                f"sampling = 'averaged' of the sensor behind {name} is not supported yet; log instantaneous samples, or leave "
-                "the column out and let the rates be enclosed from velocities"
-            )
     return sections
 
 

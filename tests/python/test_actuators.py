@@ -191,12 +191,65 @@ def test_an_azimuth_thruster_pushes_where_its_column_points(demand):
         identify(vehicle, as_log(made))
 
 
-def test_a_rudder_turns_the_vehicle_and_is_not_identified_in_silence():
+@pytest.mark.parametrize("window", [0.1, 0.5])
+def test_a_rudder_turns_the_vehicle_and_is_identified(window):
+    """From the simulator's log as a file: rows hold at the truth, intervals hold it, and a rudder left out is falsified."""
     vehicle = vehicle_of(RUDDER)
     made = simulate(vehicle, scenario_of(), 3)
     assert "rudder_screw" in made.columns and np.abs(made.columns["rudder_screw"]).max() == pytest.approx(0.3)
-    with pytest.raises(IvsidError, match="screw has a rudder.*not yet identified"):
-        identify(vehicle, as_log(made))
+    rows = build_rows(bound_log(as_log(made), vehicle), vehicle, terms_of(vehicle), kind="both", window=window)
+    assert violated(rows, VALUES) == 0 and set(rows.channel) == {0, 1, 2}
+    fit = identify(vehicle, as_log(made), window=window)
+    assert fit.guaranteed and fit.status in ("enclosed", "unbounded")
+    for id_, p in fit.parameters.items():
+        assert p.lower <= VALUES[id_] <= p.upper, id_
+    assert any("lift and drag of the stated foil" in a for a in fit.assumes)
+    without = vehicle.model_copy(
+        update={"thrusters": tuple(t.model_copy(update={"rudder": None}) for t in vehicle.thrusters)}
+    )
+    assert identify(without, as_log(made), window=window).status == "empty"
+    force = nominal_force(vehicle, as_log(made))
+    thrust = ThrustCurve(vehicle.thrusters[0]).value(made.columns["demand_screw"])
+    blade = rudder_force(
+        vehicle.thrusters[0].rudder, made.columns["rudder_screw"], thrust, *(made.columns[n] for n in "uvr")
+    )
+    np.testing.assert_allclose(force[:, 1], blade[1])
+    columns = {k: v for k, v in made.columns.items() if k != "rudder_screw"}
+    with pytest.raises(IvsidError, match="no column rudder_screw .the rudder angle of thruster screw"):
+        identify(vehicle, Log("x.csv", "", made.t, columns))
+    bare = parse_vehicle(vehicle.text.split("[sensors.limits]")[0], "bare.toml")
+    with pytest.raises(IvsidError, match=r"has a rudder.*needs \[sensors.limits\]"):
+        identify(bare, as_log(made))
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_rudder_s_force_is_enclosed_over_boxes(seed):
+    """Random points of random boxes, small and large, across stall, reversal and standstill."""
+    from ivsid.rudder import drag_over, lift_over, rudder_over
+
+    rng = np.random.default_rng(seed)
+    blade = {"area": 0.02, "aspect_ratio": 1.5, "position": -0.5, "propeller_diameter": 0.12}
+    rudder = Thruster.model_validate({"name": "r", "gain": 1.0, "rudder": blade}).rudder
+    n = 400
+    centre = rng.uniform(-1, 1, (5, n)) * np.array([[3.5], [15.0], [1.2], [0.6], [0.8]])
+    radius = 10 ** rng.uniform(-6, 0, (5, n)) * np.array([[0.5], [4.0], [0.4], [0.3], [0.3]])
+    box = [IntervalArray(c - q, c + q) for c, q in zip(centre, radius, strict=True)]
+    found = rudder_over(rudder, box[0], box[1], (box[2], box[3], box[4]))
+    slope = lift_slope(1.5)
+    lift, drag = lift_over(box[0], slope, 0.6), drag_over(box[0], slope, rudder)
+    for share in rng.uniform(-1, 1, (40, 5, n)):
+        point = centre + share * radius
+        for x, force in zip(found, rudder_force(rudder, *point), strict=True):
+            assert x.contains(force).all()
+        assert lift.contains(lift_coefficient(point[0], slope, 0.6)).all()
+        assert drag.contains(drag_coefficient(point[0], slope, 0.6, 0.02, 1.5)).all()
+    # Small boxes stay small: the ends are those of the curve, not of a crude bound.
+    thin = IntervalArray(centre[0] - 1e-9, centre[0] + 1e-9)
+    assert lift_over(thin, slope, 0.6).width.max() < 2e-8
+
+
+def test_a_blade_turns_to_starboard():
+    vehicle = vehicle_of(RUDDER)
     t = np.arange(200) * 0.05
     angles = {"screw": np.full(200, 0.3)}
     turning = follow(vehicle, VALUES, t, {"screw": np.full(200, 50.0)}, Start(u=0.8), angles)

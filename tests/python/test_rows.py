@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from conftest import as_log
-from ivsid import IntervalArray, IvsidError
+from ivsid import IntervalArray, IvsidError, identify
 from ivsid.effects import CATALOGUE, terms_of
 from ivsid.log import Log
 from ivsid.motion import Motion
 from ivsid.regression_rows import build_rows
+from ivsid.scenario import Start
 from ivsid.sensors import bound_log
 from ivsid.simulation import simulate
 from ivsid.thrust import ThrustCurve
@@ -202,3 +203,53 @@ def test_a_logged_force_may_move_between_its_rows():
     surge = rows.take(rows.channel == 0, [0])
     residual = surge.matrix @ IntervalArray(np.array([7.0])) - surge.right
     assert residual.contains(np.zeros(residual.shape)).all() and residual.size > 500
+
+
+HEADING = "\n[sensors.heading]\naccuracy = 0.004\n"
+
+
+@pytest.mark.parametrize("window", [0.05, 0.5, 2.0])
+def test_rows_hold_with_a_wind_that_keeps_its_direction(swan, programme, window):
+    """The heading turns the columns: pointwise and over windows, through the jump of the logged angle, with missing headings."""
+    text = swan.text.replace(
+        'terms = "paper"', 'terms = ["mass.surge", "inertia.yaw", "drag.surge.quadratic", "mass.sway", "wind.steady"]'
+    )
+    vehicle = parse_vehicle(text + HEADING, "wind.toml")
+    truth = {"mass.surge": 60.0, "mass.sway": 75.0, "inertia.yaw": 8.0, "drag.surge.quadratic": 250.0}
+    truth |= {"wind.steady.north": 3.0, "wind.steady.east": -2.0}
+    start = Start(psi=-2.5)
+    made = simulate(vehicle, programme.model_copy(update={"noise": "uniform", "truth": truth, "start": start}), 5)
+    assert np.abs(made.exact["udot"]).max() < 2.5 and np.abs(made.exact["rdot"]).max() < 1.5, "the stated limits hold"
+    psi = np.angle(np.exp(1j * made.columns["psi"]))
+    assert np.abs(np.diff(psi)).max() > 6
+    psi[700:720] = np.nan
+    log = Log("wind.csv", "0" * 64, made.t, {**made.columns, "psi": psi})
+    rows = build_rows(bound_log(log, vehicle), vehicle, terms_of(vehicle), kind="both", window=window)
+    assert violated(rows, truth) == 0
+    over = (rows.duration > 0) & (rows.channel < 2)
+    assert over.sum() > 2000
+    across = over & (rows.time <= made.t[719]) & (rows.time + rows.duration >= made.t[700])
+    assert not across.any()
+    calm = build_rows(bound_log(log, swan), swan, terms_of(swan), kind="both", window=window)
+    assert violated(calm, {**truth}) > 0
+
+
+def test_a_wind_is_identified_from_two_headings(swan, programme):
+    text = swan.text.replace(
+        'terms = "paper"',
+        'terms = ["mass.surge", "mass.sway", "inertia.yaw", "drag.surge.quadratic", "drag.sway.quadratic", "wind.steady"]',
+    )
+    vehicle = parse_vehicle(text + HEADING, "wind.toml")
+    truth = {"mass.surge": 60.0, "mass.sway": 75.0, "inertia.yaw": 8.0, "drag.surge.quadratic": 250.0}
+    truth |= {"drag.sway.quadratic": 300.0, "wind.steady.north": 3.0, "wind.steady.east": -2.0}
+    made = simulate(vehicle, programme.model_copy(update={"noise": "uniform", "truth": truth}), 5)
+    fit = identify(vehicle, as_log(made))
+    assert fit.status == "enclosed" and fit.guaranteed
+    for id_, value in truth.items():
+        assert fit.parameters[id_].lower <= value <= fit.parameters[id_].upper, id_
+    assert fit.parameters["wind.steady.north"].lower > 0 > fit.parameters["wind.steady.east"].upper
+    unbounded = parse_vehicle(text, "x.toml")
+    with pytest.raises(IvsidError, match=r"no \[sensors.heading\]; it is needed to bound column psi"):
+        identify(unbounded, Log("x.csv", "", made.t, {**made.columns, "psi": made.exact["psi"]}))
+    with pytest.raises(IvsidError, match="no column psi .needed for wind.steady.north, wind.steady.east"):
+        identify(vehicle, Log("x.csv", "", made.t, {k: v for k, v in made.columns.items() if k != "psi"}))

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from scipy.stats import norm
 
 from conftest import as_log
-from ivsid import IvsidError
 from ivsid.sensors import bound_log, doppler, half_width, rule_for
 from ivsid.vehicle import InertialSensor, Sensors, VelocitySensor, parse_vehicle
 
@@ -89,7 +88,16 @@ def test_three_sigma_is_no_bound_for_a_log(swan, programme):
     assert outside > 0
 
 
-def test_averaged_sampling_is_refused_in_words(swan, twin):
-    text = swan.text.replace("bias_time = 270.0", 'bias_time = 270.0\nsampling = "averaged"')
-    with pytest.raises(IvsidError, match="averaged.*not supported"):
-        bound_log(as_log(twin), parse_vehicle(text, "x.toml"))
+@pytest.mark.parametrize(("sign", "error"), [(1, 0.004), (-1, 0.004), (0, 0.004)])
+def test_a_scale_of_known_sign_is_one_sided_and_half_as_wide(sign, error):
+    reading = np.array([2.0])
+    wide = doppler(reading, VelocitySensor(accuracy=0.0, scale_factor_error=error))
+    found = doppler(reading, VelocitySensor(accuracy=0.0, scale_factor_error=error, scale_factor_sign=sign))
+    assert found.subset(wide).all()
+    if sign > 0:
+        # It reads too much: the truth is 2 / (1 + s), 0 <= s <= e.
+        assert found.upper[0] >= 2.0 > found.upper[0] - 1e-12 and found.lower[0] == pytest.approx(2 / 1.004)
+    elif sign < 0:
+        assert found.lower[0] <= 2.0 < found.lower[0] + 1e-12 and found.upper[0] == pytest.approx(2 / 0.996)
+    if sign:
+        assert found.width[0] < 0.52 * wide.width[0]

@@ -66,14 +66,20 @@ def simulate(
     hide: Annotated[
         int | None, typer.Option("--hide", min=0, help="Draw a hidden effect from this seed; only truth.json names it.")
     ] = None,
+    effects: Annotated[
+        int | None, typer.Option("--effects", min=1, max=5, help="Hide exactly so many effects at once, with --hide.")
+    ] = None,
+    table: Annotated[str, typer.Option("--format", help="Format of the log: csv or parquet.")] = "csv",
 ) -> None:
     """A log with sensor noise from a known truth."""
-    effects = dict(_effect(e) for e in effect or [])
+    given = dict(_effect(e) for e in effect or [])
     _run(
         "simulate",
         out,
         json,
-        lambda w, p: w.simulate(vehicle, scenario, seed=seed, effects=effects, hide=hide, progress=p),
+        lambda w, p: w.simulate(
+            vehicle, scenario, seed=seed, effects=given, hide=hide, hidden=effects, table=table, progress=p
+        ),
     )
 
 
@@ -129,7 +135,9 @@ def identify(
     form: Annotated[
         str, typer.Option("--form", help="total, or added: the rigid-body mass is known and left out.")
     ] = "total",
-    rows: Annotated[str, typer.Option("--rows", help="auto, pointwise, integral or both.")] = "auto",
+    rows: Annotated[
+        str, typer.Option("--rows", help="auto, pointwise, integral, weak (from a pose) or both: every kind.")
+    ] = "auto",
     window: Annotated[
         str, typer.Option("--window", help="Length of integral rows [s], or several at once: 0.5,2,10.")
     ] = "1.0",

@@ -11,6 +11,7 @@ import numpy as np
 from ivsid import regression
 from ivsid.effects import CHANNELS, Term, terms_of
 from ivsid.errors import IvsidError
+from ivsid.identification.bias import CHOICES, apart, with_unknowns, without_unknowns
 from ivsid.identification.fit import Identification, Parameter
 from ivsid.identification.freedom import determined
 from ivsid.intervals import FloatArray
@@ -48,6 +49,7 @@ def identify(
     form: str = "total",
     rows: str = "auto",
     window: float | Sequence[float] = WINDOW,
+    bias: str = "auto",
 ) -> Identification:
     """Parameter intervals of the vehicle file's model from a log.
 
@@ -62,14 +64,20 @@ def identify(
         form: ``total`` mass, or ``added`` mass with the rigid-body mass known (eq. 6, second form).
         rows: ``auto``, ``pointwise``, ``integral`` or ``both``.
         window: length of integral rows [s], or several: their rows are intersected.
+        bias: of the accelerometer: ``sample`` bounds it anew at every sample, ``log`` takes it as one unknown (method ``feasible``),
+            ``auto`` does so where that is clearly tighter.
 
     Raises:
         IvsidError: unusable input, in one sentence.
     """
+    if bias not in CHOICES:
+        raise IvsidError(f"bias '{bias}' is unknown; use {', '.join(CHOICES)}")
     if method not in METHODS:
         raise IvsidError(f"method '{method}' is not available; choose one of {', '.join(METHODS)}")
     terms = terms_of(vehicle, form)
     bounded = bound_log(log, vehicle)
+    taken = apart(bounded, vehicle, bias) if method == "feasible" else None
+    bounded = bounded if taken is None else taken[0]
     made = build_rows(bounded, vehicle, terms, added_mass=form == "added", kind=rows, window=window)
     options = {
         "partitions": partition_count(partitions, method),
@@ -77,7 +85,11 @@ def identify(
         "rows": rows,
         "window": window if isinstance(window, float | int) else list(window),
     }
-    return identify_rows(made, bounded, vehicle, method, options)
+    if taken is None:
+        return identify_rows(made, bounded, vehicle, method, options)
+    mass = vehicle.hull.mass if form == "added" else 0.0
+    extended = with_unknowns(made, taken[1], bounded.log, vehicle, mass)
+    return without_unknowns(identify_rows(extended, bounded, vehicle, method, options), terms)
 
 
 def identify_rows(
@@ -106,7 +118,7 @@ def identify_rows(
     return Identification(
         method=method,
         status=status,
-        guaranteed=proved and bounded.rule.guaranteed,
+        guaranteed=proved and bounded.rule.guaranteed and not bounded.statistical,
         assumes=_assumptions(rows, bounded, vehicle),
         parameters=parameters if status != "empty" else {},
         estimate=estimate,
@@ -147,13 +159,6 @@ def _assumptions(rows: RegressionRows, bounded: BoundedLog, vehicle: Vehicle) ->
         force, moment = bounded.ambient
         lines.append(f"ambient force within {force:.3g} N and moment within {moment:.3g} N m")
     for thruster in vehicle.thrusters:
-        claims = [
-            k for k in ("time_constant", "dead_band", "limit", "reverse_factor") if getattr(thruster, k) is not None
-        ]
-        if claims:
-            lines.append(
-                f"the thrust of {thruster.name} follows its curve at once: its claimed {', '.join(claims)} is not applied"
-            )
         if thruster.outside == "hold":
             lines.append(f"beyond its table the thrust of {thruster.name} keeps the end values")
     if vehicle.thrusters:
@@ -161,7 +166,7 @@ def _assumptions(rows: RegressionRows, bounded: BoundedLog, vehicle: Vehicle) ->
         lines.append(f"each demand is {hold}")
     else:
         lines.append("between two rows each logged force lies between their values")
-    return (*lines, *bounded.log.assumes, *rows.assumes, "model structure")
+    return (*lines, *bounded.statistical, *bounded.log.assumes, *rows.assumes, "model structure")
 
 
 def _force_accuracy(vehicle: Vehicle) -> str:

@@ -17,13 +17,14 @@ COLUMNS: Final = (
     *("u", "v", "r", "udot", "vdot", "rdot", "ax", "ay", "psi", "x", "y"),
     *("force_X", "force_Y", "moment_N", "wind_speed", "wind_direction"),
     *("qw", "qx", "qy", "qz", "velocity_north", "velocity_east", "depth", "voltage"),
+    *("roll", "pitch"),
 )
 QUATERNION: Final = ("qw", "qx", "qy", "qz")
 # One column a thruster: its demand, and where it points.
 DEMAND: Final = "demand_"
 BY_THRUSTER: Final = (DEMAND, "azimuth_", "rudder_")
 # What a turn of the body axes from forward-left-up to forward-right-down does; earth axes are handled apart.
-_FLU_FLIPPED: Final = ("v", "r", "vdot", "rdot", "ay", "force_Y", "moment_N")
+_FLU_FLIPPED: Final = ("v", "r", "vdot", "rdot", "ay", "force_Y", "moment_N", "pitch")
 _FLU_ANGLES: Final = ("psi", "wind_direction")
 # Below this cosine of the pitch a heading means nothing.
 UPRIGHT: Final = 0.1

@@ -120,6 +120,8 @@ class Propulsion:
         self.shaft = [t.lag == "demand" for t in thrusters]
         self._lagging = any(self.lags)
         self.plain = not any(self.lags) and not any(self.delays) and not self.events
+        # Thrusts that hold from sample to sample: no lag, no delay, no clock.
+        self.steady = self.plain and not any(self._timed)
         self._times: list[float] = []
         self._demands: list[list[float]] = []
         neutral = [t.neutral for t in thrusters]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
@@ -195,3 +196,10 @@ def quality_table(quality: Mapping[str, Quality]) -> dict[str, Any]:
 def csv(t: NDArray[np.float64], columns: dict[str, NDArray[np.float64]]) -> str:
     """A log as CSV text; the decimals read back as the same doubles."""
     return pl.DataFrame({"t": t, **columns}).write_csv()
+
+
+def parquet(t: NDArray[np.float64], columns: dict[str, NDArray[np.float64]]) -> bytes:
+    """A log as a Parquet file; missing samples are NaN."""
+    buffer = io.BytesIO()
+    pl.DataFrame({"t": t, **columns}).write_parquet(buffer)
+    return buffer.getvalue()

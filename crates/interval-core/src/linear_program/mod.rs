@@ -11,7 +11,7 @@ pub(crate) use enclosed::{enclosed_bound, enclosed_farkas, enclosed_multipliers}
 pub(crate) use exact_simplex::{Proved, minimum};
 pub(crate) use program::Program;
 pub(crate) use rational::{basis_multipliers, exact_bound, farkas};
-pub(crate) use simplex::{Outcome, Search};
+pub(crate) use simplex::{Outcome, Search, VIOLATION, violation};
 
 /// A polyhedron as a list of half-spaces `g x <= h` with finite coefficients.
 pub(crate) trait HalfSpaces: Sync {

@@ -21,7 +21,7 @@ pub(crate) enum Outcome {
 }
 
 /// Relative size below which a violation is rounding.
-const VIOLATION: f64 = 1e-13;
+pub(crate) const VIOLATION: f64 = 1e-13;
 /// Relative size below which a pivot is rounding.
 const PIVOT: f64 = 1e-11;
 /// Relative size below which a multiplier is zero.
@@ -210,10 +210,11 @@ impl Search {
     /// The half-space that the vertex violates most (in units of its normal), at order `M` before the finite order; with
     /// `careful` the first one violated (Bland's rule, which cannot cycle).
     fn violated(&self, program: &Program, careful: bool) -> Option<usize> {
+        let ray = (!self.bounded).then_some(self.ray.as_slice());
         let mut worst: Option<(bool, f64, usize)> = None;
         for index in 0..program.count() {
             let (g, h) = (program.normal(index), program.right(index));
-            let Some((at_large, violation)) = violation(g, h, &self.point, (!self.bounded).then_some(&self.ray)) else {
+            let Some((at_large, violation)) = violation(g, h, &self.point, ray, VIOLATION) else {
                 continue;
             };
             let amount = violation * program.unit(index);
@@ -231,27 +232,34 @@ impl Search {
     }
 }
 
-/// By how much `g x <= h` is violated at `point + M ray`, and whether at order `M`; `None` where it holds up to rounding.
-pub(crate) fn violation(g: &[f64], h: f64, point: &[f64], ray: Option<&Vec<f64>>) -> Option<(bool, f64)> {
+/// By how much `g x <= h` is violated at `point + M ray`, and whether at order `M`; `None` where it holds up to the
+/// tolerance, which is relative to the terms.
+pub(crate) fn violation(g: &[f64], h: f64, point: &[f64], ray: Option<&[f64]>, tolerance: f64) -> Option<(bool, f64)> {
     if let Some(ray) = ray {
-        let (mut large, mut size) = (0.0, 0.0);
-        for (a, b) in g.iter().zip(ray) {
-            let term = a * b;
-            large += term;
-            size += term.abs();
-        }
+        let (large, size) = terms(g, ray);
         // The ray comes out of an elimination, so what vanishes leaves more behind than one rounding.
         if large.abs() > 10.0 * VIOLATION * size {
             return (large > 0.0).then_some((true, large));
         }
     }
-    let (mut sum, mut size) = (-h, h.abs());
-    for (a, b) in g.iter().zip(point) {
-        let term = a * b;
-        sum += term;
-        size += term.abs();
+    let (sum, size) = terms(g, point);
+    (sum - h > tolerance * (size + h.abs())).then_some((false, sum - h))
+}
+
+/// `g x` and the sum of the magnitudes of its terms, in four strands that a vector register holds.
+fn terms(g: &[f64], x: &[f64]) -> (f64, f64) {
+    let (mut sums, mut sizes) = ([0.0; 4], [0.0; 4]);
+    let (gs, xs) = (g.chunks_exact(4), x.chunks_exact(4));
+    let rest = gs.remainder().iter().zip(xs.remainder());
+    for (a, b) in gs.zip(xs) {
+        for k in 0..4 {
+            let term = a[k] * b[k];
+            sums[k] += term;
+            sizes[k] += term.abs();
+        }
     }
-    (sum > VIOLATION * size).then_some((false, sum))
+    let start = ((sums[0] + sums[1]) + (sums[2] + sums[3]), (sizes[0] + sizes[1]) + (sizes[2] + sizes[3]));
+    rest.fold(start, |(sum, size), (a, b)| (sum + a * b, size + (a * b).abs()))
 }
 
 /// The position that keeps the multipliers non-negative (smallest ratio; ties: rows at infinity, then the largest pivot, or

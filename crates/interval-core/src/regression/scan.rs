@@ -10,7 +10,7 @@
 
 use super::rows::Rows;
 use crate::lanes::{Vector, backends};
-use crate::linear_program::HalfSpaces;
+use crate::linear_program::{HalfSpaces, VIOLATION, violation};
 use crate::parallel;
 use crate::rounding::slices::Backend;
 use std::collections::HashSet;
@@ -21,8 +21,6 @@ const BLOCK: usize = 64;
 const PIECE: usize = 4096;
 /// Half-spaces that one vertex may add in one pass.
 const TAKEN: usize = 6;
-/// Relative size below which a violation is rounding.
-const VIOLATION: f64 = 1e-13;
 
 /// A vertex `point + M ray` of a working set, with the signs that its orthant's coefficients are made with.
 pub(crate) struct Vertex<P> {
@@ -144,24 +142,6 @@ fn look<P: HalfSpaces>(
             *best = Some((at_large, amount, index));
         }
     }
-}
-
-/// By how much `g x <= h` is violated at `point + M ray`, and whether at order `M`; `None` where it holds up to the
-/// tolerance, which is relative to the terms.
-pub(crate) fn violation(g: &[f64], h: f64, point: &[f64], ray: Option<&[f64]>, tolerance: f64) -> Option<(bool, f64)> {
-    if let Some(ray) = ray {
-        let (large, size) = terms(g, ray);
-        // The ray comes out of an elimination, so what vanishes leaves more behind than one rounding.
-        if large.abs() > 10.0 * VIOLATION * size {
-            return (large > 0.0).then_some((true, large));
-        }
-    }
-    let (sum, size) = terms(g, point);
-    (sum - h > tolerance * (size + h.abs())).then_some((false, sum - h))
-}
-
-fn terms(g: &[f64], x: &[f64]) -> (f64, f64) {
-    g.iter().zip(x).fold((0.0, 0.0), |(sum, size), (a, b)| (sum + a * b, size + (a * b).abs()))
 }
 
 backends! {

@@ -19,8 +19,9 @@ use std::collections::HashSet;
 const BLOCK: usize = 64;
 /// Rows of the largest piece.
 const PIECE: usize = 4096;
-/// Half-spaces that one vertex may add in one pass.
-const TAKEN: usize = 6;
+/// Half-spaces that one vertex may add in one pass, and all of them together about.
+const TAKEN: std::ops::RangeInclusive<usize> = 2..=6;
+const TOGETHER: usize = 120;
 
 /// A vertex `point + M ray` of a working set, with the signs that its orthant's coefficients are made with.
 pub(crate) struct Vertex<P> {
@@ -105,6 +106,7 @@ pub(crate) fn scan<P: HalfSpaces>(
         best
     });
     let mut g = vec![0.0; n];
+    let taken = (TOGETHER / vertices.len().max(1)).clamp(*TAKEN.start(), *TAKEN.end());
     (0..vertices.len())
         .map(|k| {
             let mut candidates: Vec<(bool, f64, usize)> = found.iter().filter_map(|best| best[k]).collect();
@@ -112,7 +114,7 @@ pub(crate) fn scan<P: HalfSpaces>(
             rows.open().iter().for_each(|&i| look(&vertices[k], scale, m, i, known, &mut g, &mut beside));
             candidates.extend(beside);
             candidates.sort_by(|a, b| (b.0, b.1).partial_cmp(&(a.0, a.1)).unwrap_or(std::cmp::Ordering::Equal));
-            let mut indices: Vec<usize> = candidates.into_iter().map(|c| c.2).take(TAKEN).collect();
+            let mut indices: Vec<usize> = candidates.into_iter().map(|c| c.2).take(taken).collect();
             indices.dedup();
             indices
         })

@@ -107,6 +107,49 @@ def test_two_hundred_programs_none_unsafe():
     assert unsafe > 20, "HiGHS is not expected to round outward"
 
 
+def holds(lower, upper, low, high, x):
+    """Whether some member of every row holds at x, exactly (Oettli-Prager)."""
+    for l, u, p, q in zip(lower.tolist(), upper.tolist(), low.tolist(), high.tolist(), strict=True):  # noqa: E741
+        ends = [sorted((Fraction(a) * v, Fraction(b) * v)) for a, b, v in zip(l, u, x, strict=True)]
+        if sum(e[0] for e in ends) > Fraction(q) or sum(e[1] for e in ends) < Fraction(p):
+            return False
+    return True
+
+
+def test_degenerate_rows_in_fractions():
+    """Ties, zeros, equalities, wide scales, contradictions by 2^-50: no consistent parameter is lost, no end exceeds its proof."""
+    rng = np.random.default_rng(9)
+    held = checked = 0
+    for case in range(240):
+        n, kind = int(rng.integers(1, 6)), case % 4
+        m = int(rng.integers(n, 30))
+        exact = rng.integers(-2, 3, (m, n)).astype(float) if kind < 2 else rng.uniform(-1, 1, (m, n))
+        radius = rng.choice([0.0, 0.125, 0.25, 0.02]) * (rng.random((m, n)) < 0.6)
+        truth = rng.integers(-3, 4, n).astype(float)
+        low = exact @ truth - rng.choice([0.0, 0.25, 0.5, 1.0])
+        high = 2 * (exact @ truth) - low
+        lower, upper = exact - radius, exact + radius
+        if kind == 3:
+            scale = 2.0 ** rng.integers(-40, 40, n)
+            lower, upper, truth = lower * scale, upper * scale, truth / scale
+        if kind == 1:
+            low[rng.integers(0, m)] += rng.choice([0, 2.0**-50, 0.5])
+            high = np.maximum(low, high)
+        matrix, right = IntervalArray(lower, upper), IntervalArray(low, high)
+        found = regression.feasible_set(matrix, right)
+        if holds(lower, upper, low, high, [Fraction(v) for v in truth]):
+            held += 1
+            assert found.status != "empty" and found.value.contains(truth).all(), case
+        for orthant in found.certificate:
+            signs = [s or 1 for s in orthant["signs"]]
+            for bound in orthant.get("bounds", ()):
+                if np.isfinite(bound["bound"]) and len(bound["rows"]) + len(bound["signs"]) == n:
+                    proved, end = proved_end(matrix, right, signs, bound), Fraction(bound["bound"])
+                    assert end >= proved if bound["end"] == "upper" else end <= proved, case
+                    checked += 1
+    assert held > 100 and checked > 1500, (held, checked)
+
+
 @pytest.mark.parametrize("n", [2, 5, 7])
 def test_the_hull_is_the_union_over_all_orthants(n):
     rng = np.random.default_rng(n)

@@ -3,12 +3,14 @@
 
 mod enclosed;
 mod exact_simplex;
+mod pricing;
 pub(crate) mod program;
 mod rational;
 mod simplex;
 
 pub(crate) use enclosed::{enclosed_bound, enclosed_farkas, enclosed_multipliers};
 pub(crate) use exact_simplex::{Proved, minimum};
+pub(crate) use pricing::{VIOLATION, violation};
 pub(crate) use program::Program;
 pub(crate) use rational::{basis_multipliers, exact_bound, farkas};
 pub(crate) use simplex::{Outcome, Search};

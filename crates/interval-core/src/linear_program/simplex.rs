@@ -4,6 +4,7 @@
 //! inverse of the basis is updated by each exchange and made anew now and then, and always before an answer. A search keeps its
 //! basis: when the working set has grown it goes on from there. Nothing here is a proof.
 
+use super::pricing::{VIOLATION, leaving, violation};
 use super::program::Program;
 use super::{Row, patience};
 
@@ -20,12 +21,10 @@ pub(crate) enum Outcome {
     Failed,
 }
 
-/// Relative size below which a violation is rounding.
-const VIOLATION: f64 = 1e-13;
-/// Relative size below which a pivot is rounding.
-const PIVOT: f64 = 1e-11;
 /// Relative size below which a multiplier is zero.
 const MULTIPLIER: f64 = 1e-12;
+/// Half-spaces that are looked at before the whole working set is again.
+const CANDIDATES: usize = 24;
 /// Exchanges after which the inverse is made anew.
 const FRESH: usize = 20;
 
@@ -79,12 +78,13 @@ impl Search {
             return Outcome::Failed;
         }
         let patience = patience(n);
+        let mut candidates = Vec::new();
         for step in 0..20 * patience {
             if self.exchanges >= FRESH && self.factorise(program).is_none() {
                 return Outcome::Failed;
             }
             let careful = step > patience;
-            let Some(entering) = self.violated(program, careful) else {
+            let Some(entering) = self.violated(program, &mut candidates, careful) else {
                 if self.exchanges > 0 {
                     if self.factorise(program).is_none() {
                         return Outcome::Failed;
@@ -207,77 +207,34 @@ impl Search {
         self.locate(program);
     }
 
-    /// The half-space that the vertex violates most (in units of its normal), at order `M` before the finite order; with
-    /// `careful` the first one violated (Bland's rule, which cannot cycle).
-    fn violated(&self, program: &Program, careful: bool) -> Option<usize> {
-        let mut worst: Option<(bool, f64, usize)> = None;
-        for index in 0..program.count() {
-            let (g, h) = (program.normal(index), program.right(index));
-            let Some((at_large, violation)) = violation(g, h, &self.point, (!self.bounded).then_some(&self.ray)) else {
-                continue;
-            };
-            let amount = violation * program.unit(index);
-            if worst.is_some_and(|(order, most, _)| (at_large, amount) <= (order, most))
-                || self.rows.contains(&Row::Given(index))
-            {
-                continue;
-            }
-            if careful {
-                return Some(index);
-            }
-            worst = Some((at_large, amount, index));
+    /// A half-space that the vertex violates, `None` where all hold: the most violated one (in units of its normal, at order `M`
+    /// before the finite order) of the candidates, which are chosen anew from the whole working set where none of them is
+    /// violated any more; with `careful` the first one (Bland's rule, which cannot cycle).
+    fn violated(&self, program: &Program, candidates: &mut Vec<usize>, careful: bool) -> Option<usize> {
+        if careful {
+            return (0..program.count()).find(|&index| self.amount(program, index).is_some());
         }
-        worst.map(|(_, _, index)| index)
+        let amount = |index: usize| self.amount(program, index).map(|(large, amount)| (large, amount, index));
+        let more = |a: &(bool, f64, usize), b: &(bool, f64, usize)| b.0.cmp(&a.0).then(b.1.total_cmp(&a.1));
+        if let Some(worst) = candidates.iter().copied().filter_map(amount).min_by(more) {
+            return Some(worst.2);
+        }
+        let mut found: Vec<(bool, f64, usize)> = (0..program.count()).filter_map(amount).collect();
+        if found.len() > CANDIDATES {
+            found.select_nth_unstable_by(CANDIDATES, more);
+            found.truncate(CANDIDATES);
+        }
+        candidates.clear();
+        candidates.extend(found.iter().map(|f| f.2));
+        found.into_iter().min_by(more).map(|worst| worst.2)
     }
-}
 
-/// By how much `g x <= h` is violated at `point + M ray`, and whether at order `M`; `None` where it holds up to rounding.
-pub(crate) fn violation(g: &[f64], h: f64, point: &[f64], ray: Option<&Vec<f64>>) -> Option<(bool, f64)> {
-    if let Some(ray) = ray {
-        let (mut large, mut size) = (0.0, 0.0);
-        for (a, b) in g.iter().zip(ray) {
-            let term = a * b;
-            large += term;
-            size += term.abs();
-        }
-        // The ray comes out of an elimination, so what vanishes leaves more behind than one rounding.
-        if large.abs() > 10.0 * VIOLATION * size {
-            return (large > 0.0).then_some((true, large));
-        }
+    /// By how much a half-space that is not in the basis is violated, and whether at order `M`.
+    fn amount(&self, program: &Program, index: usize) -> Option<(bool, f64)> {
+        let ray = (!self.bounded).then_some(self.ray.as_slice());
+        let (large, by) = violation(program.normal(index), program.right(index), &self.point, ray, VIOLATION)?;
+        (!self.rows.contains(&Row::Given(index))).then_some((large, by * program.unit(index)))
     }
-    let (mut sum, mut size) = (-h, h.abs());
-    for (a, b) in g.iter().zip(point) {
-        let term = a * b;
-        sum += term;
-        size += term.abs();
-    }
-    (sum > VIOLATION * size).then_some((false, sum))
-}
-
-/// The position that keeps the multipliers non-negative (smallest ratio; ties: rows at infinity, then the largest pivot, or
-/// with `careful` the smallest index); `None` where no multiplier falls, which proves infeasibility up to rounding.
-fn leaving(rows: &[Row], alpha: &[f64], multipliers: &[f64], careful: bool) -> Option<usize> {
-    let size = alpha.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
-    let mut best: Option<(f64, usize)> = None;
-    for (i, (&a, &m)) in alpha.iter().zip(multipliers).enumerate() {
-        if a <= PIVOT * size {
-            continue;
-        }
-        let ratio = m / a;
-        let better = best.is_none_or(|(least, k)| {
-            ratio < least
-                || (ratio == least
-                    && if careful {
-                        rows[i].order() < rows[k].order()
-                    } else {
-                        (rows[i].is_at_infinity(), a) > (rows[k].is_at_infinity(), alpha[k])
-                    })
-        });
-        if better {
-            best = Some((ratio, i));
-        }
-    }
-    best.map(|(_, i)| i)
 }
 
 /// Gauss-Jordan elimination of `[B | I]` with partial pivoting, in place; `None` where a pivot vanishes.

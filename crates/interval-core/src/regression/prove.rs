@@ -6,12 +6,12 @@
 use super::feasible::{BoundCertificate, OrthantOutcome};
 use super::orthant::Orthant;
 use super::rows::Rows;
-use super::scan::{Pass, Vertex, scan, violation};
+use super::scan::{Pass, Vertex, scan};
 use super::search::{Goal, Piece, Pool};
 use crate::exact::{ratio_down, rational};
 use crate::linear_program::{
     HalfSpaces, Outcome, Proved, Row, Subset, basis_multipliers, enclosed_bound, enclosed_farkas, enclosed_multipliers,
-    exact_bound, farkas, minimum,
+    exact_bound, farkas, minimum, violation,
 };
 use crate::parallel;
 use num_rational::BigRational;

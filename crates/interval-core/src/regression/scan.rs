@@ -10,7 +10,7 @@
 
 use super::rows::Rows;
 use crate::lanes::{Vector, backends};
-use crate::linear_program::HalfSpaces;
+use crate::linear_program::{HalfSpaces, VIOLATION, violation};
 use crate::parallel;
 use crate::rounding::slices::Backend;
 use std::collections::HashSet;
@@ -19,10 +19,9 @@ use std::collections::HashSet;
 const BLOCK: usize = 64;
 /// Rows of the largest piece.
 const PIECE: usize = 4096;
-/// Half-spaces that one vertex may add in one pass.
-const TAKEN: usize = 6;
-/// Relative size below which a violation is rounding.
-const VIOLATION: f64 = 1e-13;
+/// Half-spaces that one vertex may add in one pass, and all of them together about.
+const TAKEN: std::ops::RangeInclusive<usize> = 2..=6;
+const TOGETHER: usize = 120;
 
 /// A vertex `point + M ray` of a working set, with the signs that its orthant's coefficients are made with.
 pub(crate) struct Vertex<P> {
@@ -107,6 +106,7 @@ pub(crate) fn scan<P: HalfSpaces>(
         best
     });
     let mut g = vec![0.0; n];
+    let taken = (TOGETHER / vertices.len().max(1)).clamp(*TAKEN.start(), *TAKEN.end());
     (0..vertices.len())
         .map(|k| {
             let mut candidates: Vec<(bool, f64, usize)> = found.iter().filter_map(|best| best[k]).collect();
@@ -114,7 +114,7 @@ pub(crate) fn scan<P: HalfSpaces>(
             rows.open().iter().for_each(|&i| look(&vertices[k], scale, m, i, known, &mut g, &mut beside));
             candidates.extend(beside);
             candidates.sort_by(|a, b| (b.0, b.1).partial_cmp(&(a.0, a.1)).unwrap_or(std::cmp::Ordering::Equal));
-            let mut indices: Vec<usize> = candidates.into_iter().map(|c| c.2).take(TAKEN).collect();
+            let mut indices: Vec<usize> = candidates.into_iter().map(|c| c.2).take(taken).collect();
             indices.dedup();
             indices
         })
@@ -144,24 +144,6 @@ fn look<P: HalfSpaces>(
             *best = Some((at_large, amount, index));
         }
     }
-}
-
-/// By how much `g x <= h` is violated at `point + M ray`, and whether at order `M`; `None` where it holds up to the
-/// tolerance, which is relative to the terms.
-pub(crate) fn violation(g: &[f64], h: f64, point: &[f64], ray: Option<&[f64]>, tolerance: f64) -> Option<(bool, f64)> {
-    if let Some(ray) = ray {
-        let (large, size) = terms(g, ray);
-        // The ray comes out of an elimination, so what vanishes leaves more behind than one rounding.
-        if large.abs() > 10.0 * VIOLATION * size {
-            return (large > 0.0).then_some((true, large));
-        }
-    }
-    let (sum, size) = terms(g, point);
-    (sum - h > tolerance * (size + h.abs())).then_some((false, sum - h))
-}
-
-fn terms(g: &[f64], x: &[f64]) -> (f64, f64) {
-    g.iter().zip(x).fold((0.0, 0.0), |(sum, size), (a, b)| (sum + a * b, size + (a * b).abs()))
 }
 
 backends! {

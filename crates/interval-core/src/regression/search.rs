@@ -65,6 +65,24 @@ pub(crate) struct Goal {
     settled: bool,
 }
 
+impl Goal {
+    fn is_contradicted(&self) -> bool {
+        matches!(self.outcome, Outcome::Contradiction(_))
+    }
+
+    /// Goes on after the working set has grown, or from where it stood.
+    fn advance(&mut self, program: &Program, grown: bool) {
+        if (!grown && self.settled) || self.is_contradicted() {
+            return;
+        }
+        let (before, was) = (self.search.point(program), self.outcome);
+        self.outcome = self.search.run(program);
+        if self.outcome != was || self.search.point(program) != before {
+            self.settled = false;
+        }
+    }
+}
+
 /// A polyhedron with its working set and its objectives.
 #[derive(Debug, Clone)]
 pub(crate) struct Piece<'a> {
@@ -110,23 +128,22 @@ impl<'a> Piece<'a> {
             self.program.push(index, &g, h);
         }
         self.taken = pool.members.len();
-        for (k, goal) in self.goals.iter_mut().enumerate() {
-            if (!grown && goal.settled) || matches!(goal.outcome, Outcome::Contradiction(_)) {
-                continue;
-            }
-            let before = goal.search.point(&self.program);
-            let was = goal.outcome;
-            goal.outcome = goal.search.run(&self.program);
-            if let Outcome::Contradiction(entering) = goal.outcome {
-                if self.persistent {
-                    continue;
-                }
-                self.contradiction = Some((k, entering));
-                return;
-            }
-            if goal.outcome != was || goal.search.point(&self.program) != before {
-                goal.settled = false;
-            }
+        // An empty orthant shows at its first goal, so the others wait for it.
+        let program = &self.program;
+        let persistent = self.persistent;
+        let one = self.goals.len().min(1);
+        let (first, others) = self.goals.split_at_mut(one);
+        for goal in first.iter_mut() {
+            goal.advance(program, grown);
+        }
+        if persistent || first.iter().all(|goal| !goal.is_contradicted()) {
+            parallel::for_each(others, program.dimension() > 6, |goal| goal.advance(program, grown));
+        }
+        if !persistent {
+            self.contradiction = self.goals.iter().enumerate().find_map(|(k, goal)| match goal.outcome {
+                Outcome::Contradiction(entering) => Some((k, entering)),
+                _ => None,
+            });
         }
     }
 

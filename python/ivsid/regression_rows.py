@@ -190,9 +190,8 @@ class _Builder:
         rdot = channels.get("rdot", entire)
         limits = self.vehicle.sensors.limits
         if "rdot" not in channels and limits.yaw_acceleration is not None and self._needs_rdot(channel):
-            rdot = IntervalArray(
-                np.full(self.t.shape, -limits.yaw_acceleration), np.full(self.t.shape, limits.yaw_acceleration)
-            )
+            most = _above(limits.yaw_acceleration)
+            rdot = IntervalArray(np.full(self.t.shape, -most), np.full(self.t.shape, most))
             assumes.append(f"|rdot| never exceeds {limits.yaw_acceleration!r} rad/s^2")
         state = State(u, v, r, udot, vdot, rdot, ax, ay)
         zero = IntervalArray(np.zeros(self.t.shape))
@@ -302,7 +301,8 @@ class _Quadrature:
         self.assumes.append(
             f"|udot| and |vdot| never exceed {limits.acceleration!r} m/s^2, |rdot| {limits.yaw_acceleration!r} rad/s^2"
         )
-        reach = {"u": limits.acceleration, "v": limits.acceleration, "r": limits.yaw_acceleration}
+        acceleration, yaw_acceleration = _above(limits.acceleration), _above(limits.yaw_acceleration)
+        reach = {"u": acceleration, "v": acceleration, "r": yaw_acceleration}
         nodes, ranges = {}, {}
         for name, limit in reach.items():
             x = self.builder.bounded.channels[name]
@@ -317,6 +317,11 @@ class _Quadrature:
         error = IntervalArray(-lipschitz, lipschitz) * self.steps * 0.25
         trapezoid: IntervalArray = (at_nodes.value[:-1] + at_nodes.value[1:]) * 0.5 + error
         return trapezoid
+
+
+def _above(limit: float) -> float:
+    """The decimals of a limit are rounded to a double, too: the next one up holds them."""
+    return float(np.nextafter(limit, np.inf))
 
 
 def _unit(derivative: str) -> State:
@@ -384,7 +389,7 @@ def _flow(bounded: BoundedLog, vehicle: Vehicle) -> Flow:
     for name, limit in (("u", limits.acceleration), ("v", limits.acceleration), ("r", limits.yaw_acceleration)):
         bounded.log.column(name, "by the thrusters' advance loss")
         x = bounded.channels[name]
-        reach = IntervalArray(-limit, limit) * (0.5 * steps)
+        reach = IntervalArray(-_above(limit), _above(limit)) * (0.5 * steps)
         rows.append(x)
         ranges.append(x[:-1].hull(x[1:]) + reach)
     return Flow((rows[0], rows[1], rows[2]), (ranges[0], ranges[1], ranges[2]))

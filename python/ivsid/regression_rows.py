@@ -211,9 +211,8 @@ class _Builder:
         rdot = channels.get("rdot", entire)
         limits = self.vehicle.sensors.limits
         if "rdot" not in channels and limits.yaw_acceleration is not None and self._needs_rdot(channel):
-            rdot = IntervalArray(
-                np.full(self.t.shape, -limits.yaw_acceleration), np.full(self.t.shape, limits.yaw_acceleration)
-            )
+            most = _above(limits.yaw_acceleration)
+            rdot = IntervalArray(np.full(self.t.shape, -most), np.full(self.t.shape, most))
             assumes.append(f"|rdot| never exceeds {limits.yaw_acceleration!r} rad/s^2")
         place = Place(self._channel("psi"), entire, entire, self.clock) if self.turning else None
         state = State(u, v, r, udot, vdot, rdot, ax, ay, place=place)
@@ -375,7 +374,8 @@ class _Quadrature:
         self.assumes.append(
             f"|udot| and |vdot| never exceed {limits.acceleration!r} m/s^2, |rdot| {limits.yaw_acceleration!r} rad/s^2"
         )
-        reach = {"u": limits.acceleration, "v": limits.acceleration, "r": limits.yaw_acceleration}
+        acceleration, yaw_acceleration = _above(limits.acceleration), _above(limits.yaw_acceleration)
+        reach = {"u": acceleration, "v": acceleration, "r": yaw_acceleration}
         nodes, ranges = {}, {}
         for name, limit in reach.items():
             x = self.builder.bounded.channels[name]
@@ -453,6 +453,11 @@ class _Hat:
         return total
 
 
+def _above(limit: float) -> float:
+    """The decimals of a limit are rounded to a double, too: the next one up holds them."""
+    return float(np.nextafter(limit, np.inf))
+
+
 def _unit(derivative: str) -> State:
     """At rest, with one unit acceleration."""
     udot, vdot, rdot = (1.0 if derivative == name else 0.0 for name in ("udot", "vdot", "rdot"))
@@ -520,7 +525,7 @@ def _flow(bounded: BoundedLog, vehicle: Vehicle) -> Flow:
     for name, limit in (("u", limits.acceleration), ("v", limits.acceleration), ("r", limits.yaw_acceleration)):
         bounded.log.column(name, "by the thrusters' advance loss or rudder")
         x = bounded.channels[name]
-        reach = IntervalArray(-limit, limit) * (0.5 * steps)
+        reach = IntervalArray(-_above(limit), _above(limit)) * (0.5 * steps)
         rows.append(x)
         ranges.append(x[:-1].hull(x[1:]) + reach)
     return Flow((rows[0], rows[1], rows[2]), (ranges[0], ranges[1], ranges[2]))

@@ -131,6 +131,18 @@ class ThrustCurve:
         ends = self.thruster.demand_range
         return 0.0 if ends is None else float(np.abs(self._curve(np.array(ends))).max())
 
+    def _check(self, d: NDArray[np.float64]) -> None:
+        low, high = self.range
+        if self.thruster.outside == "hold" or not d.size or (d.min() >= low and d.max() <= high):
+            return
+        outside = (d < low) | (d > high)
+        if outside.any():
+            what = "demand_range" if self.thruster.table is None else "table"
+            raise IvsidError(
+                f"demand {d[outside].flat[0]:g} of thruster {self.thruster.name} lies outside its {what} ({low:g} to {high:g}); "
+                f'extend the {what}, or set outside = "hold" to keep its end values'
+            )
+
     def value(self, demand: ArrayLike) -> NDArray[np.float64]:
         """Thrust [N] at each demand, in plain floats.
 
@@ -138,14 +150,8 @@ class ThrustCurve:
             IvsidError: a demand outside the table, unless the thruster says ``outside = "hold"``.
         """
         d = np.asarray(demand, dtype=np.float64)
+        self._check(d)
         low, high = self.range
-        outside = (d < low) | (d > high)
-        if outside.any() and self.thruster.outside != "hold":
-            what = "demand_range" if self.thruster.table is None else "table"
-            raise IvsidError(
-                f"demand {d[outside].flat[0]:g} of thruster {self.thruster.name} lies outside its {what} ({low:g} to {high:g}); "
-                f'extend the {what}, or set outside = "hold" to keep its end values'
-            )
         from_neutral = np.clip(d, low, high) - self.thruster.neutral
         return self._claimed(from_neutral, self._curve(from_neutral))
 
@@ -163,9 +169,20 @@ class ThrustCurve:
         d = np.asarray(demand, dtype=np.float64)
         other = d if to is None else np.asarray(to, dtype=np.float64)
         for end in (d, other):
-            self.value(end)  # refuses what lies outside
+            self._check(end)
         reach = np.asarray(error, dtype=np.float64)
         least, most = np.minimum(d, other) - reach, np.maximum(d, other) + reach
+        if least.ndim == 1 and least.size > 1:
+            # Demands are held for many rows: each is worked out once, with the same bits.
+            new = np.r_[True, (least[1:] != least[:-1]) | (most[1:] != most[:-1])]
+            first = np.flatnonzero(new)
+            if 2 * first.size < least.size:
+                held = self._with_accuracy(least[first], most[first])
+                times = np.diff(np.r_[first, least.size])
+                return IntervalArray._raw((np.repeat(held.lower, times), np.repeat(held.upper, times)), least.shape)
+        return self._with_accuracy(least, most)
+
+    def _with_accuracy(self, least: NDArray[np.float64], most: NDArray[np.float64]) -> IntervalArray:
         thrust = self._claimed_over(least, most, self._over(least, most))
         accuracy = self.thruster.accuracy
         radius = (accuracy.absolute + accuracy.relative * thrust.magnitude) * (1 + ROUNDING)

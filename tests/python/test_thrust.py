@@ -7,7 +7,7 @@ import pytest
 
 from ivsid import IvsidError
 from ivsid.thrust import TABLE_III, ThrustCurve, combine, examine
-from ivsid.vehicle import Thruster, Vehicle
+from ivsid.vehicle import Thruster, Vehicle, parse_vehicle
 
 
 def thruster(**changes) -> Thruster:
@@ -124,3 +124,18 @@ def test_the_published_cubic_misses_and_the_quadratic_finds_its_own():
     exact = examine(n, np.where(n < 0, 0.3, 0.5) * n * abs(n))
     quadratic = next(f for f in exact.fits if f.quadratic)
     assert quadratic.quadratic == pytest.approx((0.5, 0.3)) and quadratic.largest < 1e-12
+
+
+def test_held_demands_give_the_bits_of_single_ones():
+    rng = np.random.default_rng(5)
+    text = "{ demand = [15, 20, 40, 85], thrust = [4.654, 6.297, 14.463, 78.924] }\naccuracy = { absolute = 0.5, relative = 0.03 }\ndead_band = 20.0"
+    unit = parse_vehicle(
+        f'name = "b"\n[hull]\nmass = 1\n[[thrusters]]\nname = "m"\ntable = {text}\n', "b.toml"
+    ).thrusters[0]
+    demand = np.repeat(rng.uniform(0, 85, 40), rng.integers(1, 12, 40))
+    held = ThrustCurve(unit).interval(demand, error=1e-9)
+    for k, d in enumerate(demand):
+        single = ThrustCurve(unit).interval(np.array([d]), error=1e-9)
+        assert (held.lower[k], held.upper[k]) == (single.lower[0], single.upper[0])
+    with pytest.raises(IvsidError, match="outside its table"):
+        ThrustCurve(unit).interval(np.array([20.0, 85.1, 85.1, 85.1, 85.1]))

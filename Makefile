@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 OUT ?= out/demo
 RUST_SOURCES := $(shell find crates -name '*.rs' -o -name 'Cargo.toml') Cargo.toml Cargo.lock
 
-.PHONY: demo test check bench peers inverse-peers throughput exhaustive twins itf1788 differential fuzz docs build format clean
+.PHONY: demo test check bench vessels peers inverse-peers throughput exhaustive twins itf1788 differential fuzz docs build format clean
 
 demo: build
 	$(BIN)/ivsid demo --out $(OUT)
@@ -31,6 +31,11 @@ docs: build
 bench: build
 	cargo bench --locked
 	$(BIN)/python benches/ratios.py
+
+# Every command on every real set; the sets are not part of this repository.
+DATA ?= ../shared/data
+vessels: build
+	$(BIN)/python benches/real_data.py $(DATA) out/vessels
 
 # inari beside this crate, built for two targets; GMP and MPFR are built from source (m4 is needed, some minutes).
 peers:

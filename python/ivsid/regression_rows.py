@@ -30,6 +30,8 @@ WINDOW: Final = 1.0
 PRODUCT: Final = Interval(1 - 2.0**-50, 1 + 2.0**-50)
 # Stands for an acceleration [m/s^2] that nobody knows, where an infinity would spoil the sum over a window.
 MOST: Final = 1e6
+# A step this much longer than the usual one is more than one sample.
+WHOLE_STEP: Final = 1.5
 # A place for questions of which quantities stand in a term.
 _SOMEWHERE: Final = Place(0.3, 0.0, 0.0, 0.0)
 KINDS: Final = ("auto", "pointwise", "integral", "both", "weak")
@@ -341,7 +343,9 @@ class _Quadrature:
             return {"surge": s.v * s.r if name == "u" else -(s.u * s.r)}
 
         reading = channels[own][1:]
-        there = np.isfinite(reading.lower)
+        # Where a row was lost the reading averages the last sample alone, not the step.
+        usual = np.diff(self.builder.t) <= WHOLE_STEP * self.builder.bounded.log.period
+        there = np.isfinite(reading.lower) & usual
         known = IntervalArray(np.where(there, reading.lower, -MOST), np.where(there, reading.upper, MOST))
         other = self.window_mean(known + self._step_mean(turning, "surge")) * self.spans
         lower, upper = np.maximum(difference.lower, other.lower), np.minimum(difference.upper, other.upper)

@@ -184,6 +184,36 @@ def test_averaged_accelerations_narrow_the_rows_over_steps(swan, programme):
     assert np.median(with_it.matrix[surge].width[:, 0]) < 0.7 * np.median(without.matrix[surge].width[:, 0])
 
 
+def test_a_lost_row_is_not_averaged_over(swan, programme):
+    """Every seventh row is missing from the file: the reading after it averages one sample of the two, and is not used for both."""
+    averaged = changed(
+        swan,
+        ("[sensors.acceleration]\n", '[sensors.acceleration]\nsampling = "averaged"\n'),
+        ("random_walk = [0.0018, 0.002]", "random_walk = [1e-6, 1e-6]"),
+        ("bias_instability = [3.0e-4, 2.8e-4]", "bias_instability = 1e-7"),
+    )
+    made = simulate(averaged, programme.model_copy(update={"noise": "uniform"}), 13)
+    kept = np.arange(made.t.size) % 7 != 3
+    columns = {k: v[kept] for k, v in made.columns.items()}
+    # A demand that changed in a lost row is known no more: such steps are left to one constant demand.
+    steady = {k: np.full(kept.sum(), v[0]) for k, v in columns.items() if k.startswith("demand")}
+    log = Log("x.csv", "", made.t[kept], {**columns, **steady})
+    bounded = bound_log(log, averaged)
+    from ivsid.regression_rows import _Builder, _Quadrature
+
+    builder = _Builder(bounded, averaged, tuple(terms_of(averaged)), 0.0)
+    t = made.t[kept]
+    starts = np.arange(t.size - 1)
+    spans = builder.clock[starts + 1] - builder.clock[starts]
+    quadrature = _Quadrature(builder, np.diff(t), starts, 1, spans)
+    u = bounded.channels["u"]
+    found = quadrature._narrowed(u[1:] - u[:-1], "u")
+    true = np.diff(made.exact["u"][kept])
+    assert found.contains(true).all()
+    short = np.diff(t) < 0.06
+    assert np.median(found.width[short]) < 0.7 * np.median(found.width[~short])
+
+
 def test_an_averaged_gyro_is_widened_by_what_the_rate_can_move(swan, twin):
     vehicle = changed(swan, ("bias_time = 270.0", 'bias_time = 270.0\nsampling = "averaged"'))
     mean = np.r_[twin.columns["r"][0], 0.5 * (twin.exact["r"][1:] + twin.exact["r"][:-1])]

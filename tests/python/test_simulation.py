@@ -284,6 +284,21 @@ def test_ten_minutes_at_20_hz_take_about_a_second(swan, programme):
     assert time.process_time() - start < 3.0
 
 
+def test_equations_in_two_halves_are_the_same_to_the_bit(swan, programme):
+    from ivsid.simulation.equations import equations, halves, plant
+
+    given = sort_given(
+        {**programme.truth, "wave.force.amplitude": 2.0, "wave.force.period": 4.0}
+        | {f"wave.force.{p}": 0.3 for p in ("phase", "direction")}
+    )
+    model = plant(swan, terms_of(swan), given)
+    whole, (first, second) = equations(model), halves(model)
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        moving, held = rng.uniform(-2, 2, 7).tolist(), rng.uniform(-5, 5, 9).tolist()
+        assert second(*moving, *first(*held)) == whole(*moving, *held)
+
+
 def test_floats_and_arrays_compile_to_the_same_motion(swan):
     truth = {"mass.surge": 60.0, "drag.surge.quadratic": 200.0, "inertia.yaw": 8.0}
     further = {"drag.cross_flow": 20.0, "friction.coulomb": 1.0, "drag.surge.astern": 5.0, "payload.step.mass": 3.0}

@@ -119,6 +119,22 @@ def equations(plant: Plant, *, arrays: bool = False) -> Rates:
     Raises:
         IvsidError: masses and inertia that do not make a regular mass matrix.
     """
+    tape, names, results = _written(plant)
+    return tape.function(names, results, arrays=arrays)
+
+
+def halves(plant: Plant) -> tuple[Callable[..., tuple[Any, ...]], Rates]:
+    """The same equations in two functions of floats.
+
+    The first takes what holds between samples (X, Y, N, wind, thrusts, angles) and gives what the second takes after time and state.
+    """
+    tape, names, results = _written(plant)
+    moving = _STATE.index("X")
+    return tape.halves(names[:moving], names[moving:], results)
+
+
+def _written(plant: Plant) -> tuple[Tape, list[str], tuple[Any, ...]]:
+    """The equations noted down, with the names of their arguments and results."""
     tape = Tape()
     t, u, v, r, psi, x, y, X, Y, N, wn, we = (tape.symbol(n) for n in _STATE)
     thrusts = [tape.symbol(f"T{k}") for k in range(len(plant.vehicle.thrusters))]
@@ -162,7 +178,7 @@ def equations(plant: Plant, *, arrays: bool = False) -> Rates:
     c, s = cos(psi), sin(psi)
     results = (udot, vdot, rdot, r, u * c - v * s, u * s + v * c)
     names = [*_STATE, *(q.name for q in thrusts), *(q.name for q in angles)]
-    return tape.function(names, results, arrays=arrays)
+    return tape, names, results
 
 
 def _current(given: Sequence[Given], t: Symbol) -> list[Any]:

@@ -63,6 +63,7 @@ def settle(
     times: Sequence[float],
     start: Pose,
     outside: NDArray[np.float64],
+    halves: tuple[Callable[..., tuple[float, ...]], Rates] | None = None,
 ) -> Path:
     """Integrates with one step a sample, then with twice as many, until halving the step changes nothing that matters.
 
@@ -72,14 +73,15 @@ def settle(
         times: of the samples [s], increasing.
         start: u, v, r, psi, x, y at the first.
         outside: X, Y, N and wind north, east, each held from its sample to the next, shape (n, 5).
+        halves: the equations in two, for thrusts that hold from sample to sample.
 
     Raises:
         IvsidError: the motion grows without bound, or does not settle.
     """
     steps = 1
-    coarse = run(rates, *make(), times, start, outside, steps)
+    coarse = run(rates, *make(), times, start, outside, steps, halves)
     while True:
-        fine = run(rates, *make(), times, start, outside, 2 * steps)
+        fine = run(rates, *make(), times, start, outside, 2 * steps, halves)
         moved = None
         if coarse is not None and fine is not None:
             # The method is of fourth order: the finer run is 15 times as close to the truth as the two are to each other.
@@ -110,6 +112,7 @@ def run(
     start: Pose,
     outside: NDArray[np.float64],
     steps: int,
+    halves: tuple[Callable[..., tuple[float, ...]], Rates] | None = None,
 ) -> Path | None:
     """One run with ``steps`` Runge-Kutta steps a sample; None where it grows without bound."""
     state = start
@@ -136,10 +139,13 @@ def run(
             if propulsion.steady:
                 # Nothing changes between the samples but the state: thrusts are looked up once.
                 tail = (*fixed, *thrust, *angle)
+                moving = rates
+                if halves is not None:
+                    tail, moving = halves[0](*tail), halves[1]
                 tails = tail, tail, tail
                 h = (end - time) / steps
                 for j in range(steps):
-                    state = _step(rates, state, time + j * h, h, tails)
+                    state = _step(moving, state, time + j * h, h, tails)
                 if not -1e9 < state[0] + state[1] + state[2] < 1e9:
                     raise OverflowError
                 continue

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ivsid import IvsidError, identify
-from ivsid.effects import CATALOGUE, CHANNELS, State
+from ivsid.effects import CATALOGUE, CHANNELS, State, on_hull
 from ivsid.log import Log
 from ivsid.needs import needed_by
 from ivsid.vehicle import parse_vehicle
@@ -17,7 +17,8 @@ QUANTITIES = ("u", "v", "r", "udot", "vdot", "rdot")
 def test_what_a_term_needs_against_its_own_numbers(id_):
     """A quantity is needed where moving it moves a column; found here by numbers, in the package by names."""
     rng = np.random.default_rng(0)
-    term = CATALOGUE[id_]
+    vehicle = parse_vehicle(HEAD + "length = 2\n", "a.toml")
+    term = on_hull(CATALOGUE[id_], vehicle)
     moved = set()
     for _ in range(20):
         base = dict(zip(QUANTITIES, rng.uniform(-1, 1, 6), strict=True))
@@ -26,7 +27,6 @@ def test_what_a_term_needs_against_its_own_numbers(id_):
             before, after = term.columns(State(**base)), term.columns(State(**other))
             if any(before.get(c, 0.0) != after.get(c, 0.0) for c in CHANNELS):
                 moved.add(name.removesuffix("dot"))
-    vehicle = parse_vehicle(HEAD, "a.toml")
     wanted = {c for c in needed_by([term], vehicle) if c in ("u", "v", "r")}
     assert wanted == moved
 

@@ -55,7 +55,7 @@ def open_matlab(path: Path, name: str) -> Mapping[str, Table]:
     Vectors at the top level are one table under their own names; a struct is a table of its fields; a matrix gives a
     column to each of its rows, or columns where it is taller than wide, counted from 1: ``data(1)``, ``data(2)``.
     """
-    vectors: dict[str, dict[str, NDArray[np.float64]]] = {}
+    vectors: dict[str, dict[str, NDArray[Any]]] = {}
     for variable, value in matlab_variables(path, name).items():
         if isinstance(value, dict):
             _fields(vectors.setdefault(variable, {}), "", value, DEPTH)
@@ -76,7 +76,7 @@ def open_matlab(path: Path, name: str) -> Mapping[str, Table]:
     return tables if len(tables) > 1 else {"": next(iter(tables.values()))}
 
 
-def _fields(into: dict[str, NDArray[np.float64]], prefix: str, value: Mapping[str, Any], depth: int) -> None:
+def _fields(into: dict[str, NDArray[Any]], prefix: str, value: Mapping[str, Any], depth: int) -> None:
     """Adds every numeric vector and matrix below a struct; scalars and words are no channels."""
     for key, inner in value.items():
         where = f"{prefix}.{key}" if prefix else key
@@ -86,8 +86,15 @@ def _fields(into: dict[str, NDArray[np.float64]], prefix: str, value: Mapping[st
         if not isinstance(inner, np.ndarray) or inner.dtype.kind not in "fiub":
             continue
         if inner.ndim == 1 and inner.size > 1:
-            into[where] = inner.astype(np.float64)
+            into[where] = _plain(inner)
         elif inner.ndim == 2 and min(inner.shape) <= CHANNELS:
             rows = inner if inner.shape[0] <= inner.shape[1] else inner.T
             for k, row in enumerate(rows, start=1):
-                into[f"{where}({k})"] = row.astype(np.float64)
+                into[f"{where}({k})"] = _plain(row)
+
+
+def _plain(values: NDArray[Any]) -> NDArray[Any]:
+    """In the machine's byte order; integers stay integers, for doubles are too short for stamps of nanoseconds."""
+    if values.dtype.kind in "iu":
+        return np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("="))
+    return values.astype(np.float64)

@@ -154,7 +154,9 @@ def numbers(series: pl.Series, name: str, source: str, first_row: int) -> NDArra
 
 
 def stamp_unit(series: pl.Series) -> str | None:
-    """The unit that a column of dates or durations has of itself."""
+    """The unit that a column of dates, times of day or durations has of itself."""
+    if series.dtype == pl.Time:
+        return "ns"
     if series.dtype in (pl.Datetime, pl.Duration):
         return _UNIT[str(series.dtype.time_unit)]  # type: ignore[attr-defined]
     return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
@@ -11,6 +12,7 @@ import polars as pl
 from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
+from ivsid.log.matlab_structure import check_structure
 from ivsid.log.source import Frame, Table
 
 # A matrix with at most this many rows (or columns) is a set of channels, not a picture.
@@ -28,6 +30,8 @@ def matlab_variables(path: Path, name: str) -> dict[str, Any]:
     from scipy.io import loadmat, matlab  # noqa: PLC0415
 
     try:
+        if matlab.matfile_version(path)[0] == 1:
+            check_structure(path)
         content = loadmat(path, simplify_cells=True)
     except NotImplementedError:
         raise IvsidError(
@@ -41,8 +45,10 @@ def matlab_variables(path: Path, name: str) -> dict[str, Any]:
         KeyError,
         EOFError,
         IndexError,
-        OverflowError,
+        ArithmeticError,
+        AttributeError,
         MemoryError,
+        zlib.error,
     ) as error:
         words = (str(error).splitlines() or ["damaged"])[0]
         raise IvsidError(f"{name} is not a readable MATLAB v4 or v5 file ({words}); save it again with -v7") from None

@@ -131,7 +131,13 @@ def _collect(reading: _Reading, rules: Mapping[str, Rule]) -> None:
                 arrays[rule.name] = numbers(series[rule.name], shown, source.name, content.first_row)
             rows = reading.times[rule.clock].rows
             values = arrays[rule.name] if rows is None else arrays[rule.name][rows]
-            reading.channels[wanted] = converted(values, rule.column, rule.clock)
+            made = converted(values, rule.column, rule.clock)
+            if np.isinf(made.values).any():
+                raise IvsidError(
+                    f"{source.name}: column {rule.name} times its scale, plus its offset, is no finite number for {wanted}; "
+                    "look at scale and offset under [log] columns"
+                )
+            reading.channels[wanted] = made
 
 
 def _examine(reading: _Reading, stamps: Mapping[Clocked, Array]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Final, Protocol
 
 import numpy as np
@@ -18,6 +19,12 @@ MISSING: Final = ("", "nan", "NaN", "NAN", "null")
 # Between a table and its column in the name of a foreign column, where a file holds several tables.
 SEPARATOR: Final = "/"
 _UNIT: Final = {"ns": "ns", "us": "us", "ms": "ms"}
+
+
+def head(path: Path) -> bytes:
+    """The first bytes of a file."""
+    with path.open("rb") as file:
+        return file.read(64)
 
 
 class Table(Protocol):

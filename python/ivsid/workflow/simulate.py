@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 
+import numpy as np
+
 from ivsid import figures, report, simulation
 from ivsid.effects import spread
 from ivsid.errors import IvsidError
@@ -34,7 +36,7 @@ def simulate(
         scenario: path of a scenario file, or the name of the vehicle that a shipped one is for.
         seed: in place of the scenario's.
         effects: further numbers of the catalogue by id; several in EFFECTS.md's order, or one by id.part or id.NAME.
-        hide: draws the effect from this seed instead.
+        hide: draws the effect, and the noise where no seed is given, from this seed instead; neither seed is in the result.
         progress: told of each step.
 
     Raises:
@@ -50,12 +52,14 @@ def simulate(
         if effects:
             raise IvsidError("--hide draws the effect itself; leave --effect out")
         given = simulation.hidden_effect(checked, programme, hide)
+        # Who knows the seed of the noise can take the noise away: it is drawn from the hidden seed, and not printed.
+        seed = _noise_seed(hide) if seed is None else seed
     progress(f"simulating {programme.duration:g} s at {programme.rate:g} Hz")
     made = simulation.simulate(checked, programme, seed, given)
     text = csv(made.t, made.columns)
     digest = hashlib.sha256(text.encode()).hexdigest()
     log = Log("log.csv", digest, made.t, made.columns)
-    used = made.truth["seed"]
+    used = made.truth["seed"] if hide is None else None
     inputs = {
         Path(vehicle).name: checked.sha256,
         Path(scenario).name: hashlib.sha256(Path(scenario).read_bytes()).hexdigest(),
@@ -63,11 +67,12 @@ def simulate(
     record = {
         **envelope("simulate", inputs, used),
         "log": {"name": "log.csv", "sha256": digest, "samples": made.t.size, "columns": ["t", *made.columns]},
-        "truth": "truth.json",
+        "truth": "truth.json" if hide is None else None,
     }
     drawing = figures.channels(log)
-    sections = (Section("The log", (report.drawing(drawing), report.text("The truth stands in truth.json."))),)
-    summary = f"{made.t.size} samples of {checked.name}, seed {used}."
+    where = "The truth stands in truth.json." if hide is None else "The truth stands apart from this folder."
+    sections = (Section("The log", (report.drawing(drawing), report.text(where))),)
+    summary = f"{made.t.size} samples of {checked.name}" + (f", seed {used}." if hide is None else ".")
     return Report(
         f"Simulation of {checked.name}",
         summary,
@@ -77,6 +82,10 @@ def simulate(
         {"log.csv": text, "truth.json": to_json(made.truth) + "\n"},
         (summary, "  log.csv: the log; truth.json: what is true of it"),
     )
+
+
+def _noise_seed(hide: int) -> int:
+    return int(np.random.default_rng([hide, 0x5EED]).integers(2**53))
 
 
 def _measured(id_: str, scenario: Scenario) -> bool:

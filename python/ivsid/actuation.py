@@ -17,6 +17,7 @@ from ivsid.errors import IvsidError
 from ivsid.foil import rudder_force
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
+from ivsid.log.angles import unwrapped
 from ivsid.rudder import rudder_over
 from ivsid.thrust import ThrustCurve, directions
 from ivsid.vehicle import Thruster, Vehicle
@@ -49,12 +50,65 @@ class Pushed:
         over_steps: their means over each step to the next row.
         present: where demand and angle are known, shape (n,).
         assumes: sentences that the intervals rely on.
+        whole: steps over which the angle is known, shape (n - 1,); None: wherever it is at both rows.
     """
 
     at_rows: tuple[IntervalArray, IntervalArray, IntervalArray]
     over_steps: tuple[IntervalArray, IntervalArray, IntervalArray]
     present: NDArray[np.bool_]
     assumes: tuple[str, ...] = ()
+    whole: NDArray[np.bool_] | None = None
+
+
+@dataclass(frozen=True)
+class Turned:
+    """The angle of a thruster or a rudder at the rows, shape (n,), and all that it passes over each step, shape (n - 1,).
+
+    Attributes:
+        at_rows: angles [rad].
+        over_steps: those of each step; not between -pi and pi where it crosses that end.
+        present: where the log has the angle, shape (n,).
+        whole: steps over which it is known, shape (n - 1,).
+        assumes: what that rests on.
+    """
+
+    at_rows: IntervalArray
+    over_steps: IntervalArray
+    present: NDArray[np.bool_]
+    whole: NDArray[np.bool_]
+    assumes: str
+
+
+def angle_of(log: Log, column: str, why: str, *, held: bool) -> Turned:
+    """An angle of the log, from every sample that stands between its rows.
+
+    Args:
+        log: with the column.
+        column: ``azimuth_NAME`` or ``rudder_NAME``.
+        why: what needs it, for a message.
+        held: the angle holds from row to row; else it turns the shorter way from one to the next.
+    """
+    angle = log.column(column, why)
+    present = ~np.isnan(angle)
+    filled, error = np.where(present, angle, 0.0), np.where(present, log.error(column), 0.0)
+    rows = IntervalArray.around(filled, error)
+    sweep = log.over.get(column)
+    if sweep is not None:
+        whole = np.isfinite(sweep.lower) & np.isfinite(sweep.upper)
+        steps = IntervalArray(np.where(whole, sweep.lower, 0.0), np.where(whole, sweep.upper, 0.0))
+        return Turned(rows, steps, present, whole, sweep.assumes)
+    whole = present[:-1] & present[1:]
+    if held:
+        return Turned(rows, rows[:-1], present, whole, f"{column} holds from each row to the next")
+    followed, lost = unwrapped(filled)
+    ends = IntervalArray.around(followed, error + lost)
+    steps = ends[:-1].hull(ends[1:])
+    # Where half a turn is not excluded, either way is possible.
+    either = steps.upper - steps.lower > np.pi * (1 - 1e-12)
+    steps = IntervalArray(np.where(either, -4.0, steps.lower), np.where(either, 4.0, steps.upper))
+    return Turned(
+        rows, steps, present, whole, f"{column} turns the shorter way from each row to the next, and no further"
+    )
 
 
 def pushed(thruster: Thruster, log: Log, *, held: bool, flow: Flow | None = None) -> Pushed:
@@ -79,19 +133,20 @@ def pushed(thruster: Thruster, log: Log, *, held: bool, flow: Flow | None = None
     assumes: tuple[str, ...] = ()
     if thruster.time_constant:
         at, over = _lagged(curve, demand, np.broadcast_to(error, demand.shape), log, there, thruster.time_constant)
-        assumes = (f"thruster {thruster.name} follows its demand with a time constant of {thruster.time_constant!r} s",)
+        assumes = (
+            f"thruster {thruster.name} follows its demand with a time constant of {thruster.time_constant!r} s; before the log it was "
+            "at rest or pushed anything that its curve allows",
+        )
     else:
         at = curve.interval(demand, error=error)
         over = at[:-1] if held else curve.interval(demand[:-1], demand[1:], np.maximum(error[:-1], error[1:]))
     if thruster.steering == "azimuth":
-        column = f"azimuth_{thruster.name}"
-        angle = log.column(column, f"for the direction of thruster {thruster.name}")
-        known = ~np.isnan(angle)
-        there = there & known
-        turned = IntervalArray.around(np.where(known, angle, 0.0), log.error(column))
-        swept = turned[:-1] if held else turned[:-1].hull(turned[1:])
-        rows, steps = (_shares(thruster, a) for a in (turned, swept))
+        turned = angle_of(log, f"azimuth_{thruster.name}", f"for the direction of thruster {thruster.name}", held=held)
+        there, whole = there & turned.present, turned.whole
+        assumes = (*assumes, turned.assumes)
+        rows, steps = (_shares(thruster, a) for a in (turned.at_rows, turned.over_steps))
     else:
+        whole = None
         rows = steps = directions(thruster)
     if flow is None and (thruster.advance_loss or thruster.rudder is not None):
         raise IvsidError(
@@ -105,21 +160,20 @@ def pushed(thruster: Thruster, log: Log, *, held: bool, flow: Flow | None = None
         over, swept_thrust = over - lost, swept_thrust - lost
     at_rows, over_steps = ([force * s for s in shares] for force, shares in ((at, rows), (over, steps)))
     if thruster.rudder is not None and flow is not None:
-        column = f"rudder_{thruster.name}"
-        angle = log.column(column, f"for the rudder of thruster {thruster.name}")
-        known = ~np.isnan(angle)
-        there = there & known
-        delta = IntervalArray.around(np.where(known, angle, 0.0), log.error(column))
-        swept = delta[:-1] if held else delta[:-1].hull(delta[1:])
+        delta = angle_of(log, f"rudder_{thruster.name}", f"for the rudder of thruster {thruster.name}", held=held)
+        there, whole = there & delta.present, delta.whole if whole is None else whole & delta.whole
         blades = (
-            rudder_over(thruster.rudder, delta, at, flow.at_rows),
-            rudder_over(thruster.rudder, swept, swept_thrust, flow.over_steps),
+            rudder_over(thruster.rudder, delta.at_rows, at, flow.at_rows),
+            rudder_over(thruster.rudder, delta.over_steps, swept_thrust, flow.over_steps),
         )
         at_rows = [a + b for a, b in zip(at_rows, blades[0], strict=True)]
         over_steps = [a + b for a, b in zip(over_steps, blades[1], strict=True)]
         within = f", each within {thruster.rudder.accuracy:g} of itself" if thruster.rudder.accuracy else ""
-        assumes += (f"the rudder behind {thruster.name} has the lift and drag of the stated foil{within}",)
-    return Pushed((at_rows[0], at_rows[1], at_rows[2]), (over_steps[0], over_steps[1], over_steps[2]), there, assumes)
+        foil = f"the rudder behind {thruster.name} has the lift and drag of the stated foil{within}"
+        assumes = (*assumes, delta.assumes, foil)
+    return Pushed(
+        (at_rows[0], at_rows[1], at_rows[2]), (over_steps[0], over_steps[1], over_steps[2]), there, assumes, whole
+    )
 
 
 def _followed(thruster: Thruster, *, held: bool) -> None:
@@ -160,8 +214,9 @@ def _lagged(
 ) -> tuple[IntervalArray, IntervalArray]:
     """The thrust behind a first-order lag of held demands, at rows and as mean over steps.
 
-    Under a held demand with thrust G the lag is exact, T(t) = G + (T_0 - G) exp(-t / tau); T_0 is whatever the curve allows before
-    the first row, and again after a gap or a missing demand.
+    Under a held demand with thrust G the lag is exact, T(t) = G + (T_0 - G) exp(-t / tau); T_0 is nothing or whatever the curve allows
+    before the first row, and again after a gap or a missing demand. On its way from rest to a curve that does not begin there a shaft
+    gives anything between no thrust and that of the curve's nearer end.
     """
     shaft = curve.thruster.lag == "demand"
     low, high = curve.range
@@ -171,22 +226,39 @@ def _lagged(
             "end the curve with demand_range = [lowest, highest]"
         )
     everything = curve.interval(np.array([low]), np.array([high]))
+    rest = curve.thruster.neutral
     if shaft:
-        goal, start = IntervalArray(demand - error, demand + error), (low, high)
+        # A demand outside the curve is held at its end before the shaft follows it.
+        goal = IntervalArray(*curve.inside(demand - error, demand + error))
+        start = min(low, rest), max(high, rest)
     else:
-        goal, start = curve.interval(demand, error=error), (float(everything.lower[0]), float(everything.upper[0]))
+        goal = curve.interval(demand, error=error)
+        start = min(float(everything.lower[0]), 0.0), max(float(everything.upper[0]), 0.0)
     steps = np.diff(log.t)
     whole = (steps <= GAP * log.period) & there[:-1] & there[1:]
     ratio = steps / tau
     slack = DECAY_ROUNDING * (1 + ratio) + 2 * np.max(log.time_error) / tau
     at = _follow(goal, start, np.exp(-ratio), slack, whole)
     if shaft:
-        after = IntervalArray(np.maximum(at.lower, low), np.minimum(at.upper, high))
-        reach = after[:-1].hull(after[1:])
-        return curve.interval(after.lower, after.upper), curve.interval(reach.lower, reach.upper)
+        reach = at[:-1].hull(at[1:])
+        return _of_shaft(curve, at), _of_shaft(curve, reach)
     share = np.where(ratio > 1e-8, -np.expm1(-ratio) / np.maximum(ratio, 1e-300), 1.0)
     over = _between(at[:-1], goal[:-1], share, slack + np.where(ratio > 1e-8, 0.0, 1e-8))
     return at, over
+
+
+def _of_shaft(curve: ThrustCurve, speed: IntervalArray) -> IntervalArray:
+    """The thrust at a shaft's speed, from rest on."""
+    low, high = curve.range
+    thrust = curve.interval(np.clip(speed.lower, low, high), np.clip(speed.upper, low, high))
+    rest = curve.thruster.neutral
+    if low <= rest <= high:
+        return thrust
+    starting = speed.lower < low if rest < low else speed.upper > high
+    return IntervalArray(
+        np.where(starting, np.minimum(thrust.lower, 0.0), thrust.lower),
+        np.where(starting, np.maximum(thrust.upper, 0.0), thrust.upper),
+    )
 
 
 def _follow(

@@ -30,6 +30,9 @@ class Quadratic(BaseModel):
 class Rudder(BaseModel):
     """A rudder behind the propeller; its angle [rad] is the column ``rudder_NAME``, positive with the trailing edge to starboard.
 
+    That turns the vehicle to starboard, which is positive. Under ``frame = "flu"`` a positive angle turns it to positive yaw, too, to
+    port: there the trailing edge stands to port.
+
     Attributes:
         area: of the blade [m^2].
         aspect_ratio: span squared over area.

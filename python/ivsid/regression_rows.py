@@ -76,6 +76,7 @@ class _Forces:
     steps: tuple[IntervalArray, IntervalArray, IntervalArray]
     present: NDArray[np.bool_]
     assumes: tuple[str, ...] = ()
+    whole: NDArray[np.bool_] | None = None
 
 
 def build_rows(
@@ -251,6 +252,8 @@ class _Builder:
         for n in names:
             there &= self.bounded.present[n]
         whole = there[1:] & there[:-1] & (steps <= GAP * np.median(steps))
+        if self.forces.whole is not None:
+            whole &= self.forces.whole
         starts = _complete(whole, count)
         spans = self.clock[starts + count] - self.clock[starts]
         quadrature = _Quadrature(self, steps, starts, count, spans)
@@ -488,32 +491,48 @@ def _finite(a: IntervalArray) -> NDArray[np.bool_]:
 def _forces(bounded: BoundedLog, vehicle: Vehicle) -> _Forces:
     log, held = bounded.log, vehicle.log.demand == "hold"
     present = np.ones(log.t.shape, dtype=bool)
+    whole = np.ones(log.t.size - 1, dtype=bool)
     if vehicle.thrusters:
         zero = IntervalArray(np.zeros(log.t.shape))
         totals, ramps = [zero] * 3, [zero[1:]] * 3
-        assumes: tuple[str, ...] = ()
+        assumes: tuple[str, ...] = (
+            "demands hold from each row to the next" if held else "demands change on straight lines from row to row",
+        )
         flow = (
             _flow(bounded, vehicle) if any(t.advance_loss or t.rudder is not None for t in vehicle.thrusters) else None
         )
         for thruster in vehicle.thrusters:
             push = pushed(thruster, log, held=held, flow=flow)
             present &= push.present
+            whole &= True if push.whole is None else push.whole
             assumes += push.assumes
             totals = [a + b for a, b in zip(totals, push.at_rows, strict=True)]
             ramps = [a + b for a, b in zip(ramps, push.over_steps, strict=True)]
-        return _Forces((totals[0], totals[1], totals[2]), (ramps[0], ramps[1], ramps[2]), present, assumes)
-    values = []
+        return _Forces((totals[0], totals[1], totals[2]), (ramps[0], ramps[1], ramps[2]), present, assumes, whole)
+    values, between, sentences = [], [], []
     for name, section in (("force_X", "force"), ("force_Y", "force"), ("moment_N", "moment")):
         log.column(name, "because the vehicle file has no thrusters")
         if name not in bounded.channels:
             raise IvsidError(
                 f"the vehicle file has no [sensors.{section}] accuracy; it is needed to bound column {name}"
             )
-        values.append(bounded.channels[name])
+        x, sweep = bounded.channels[name], log.over.get(name)
+        values.append(x)
         present &= bounded.present[name]
-    # Unlike a demand, a logged force need not be held to the next row: between two rows it lies between their values.
-    between = [v[:-1].hull(v[1:]) for v in values]
-    return _Forces((values[0], values[1], values[2]), (between[0], between[1], between[2]), present)
+        if sweep is None:
+            # Unlike a demand, a logged force need not be held to the next row: between two rows it lies between their values.
+            between.append(x[:-1].hull(x[1:]))
+            sentences.append(f"{name} lies between the values of neighbouring samples")
+            continue
+        known = np.isfinite(sweep.lower) & np.isfinite(sweep.upper)
+        whole &= known
+        accuracy = np.nextafter(getattr(vehicle.sensors, section).accuracy, np.inf)
+        readings = IntervalArray(np.where(known, sweep.lower, 0.0), np.where(known, sweep.upper, 0.0))
+        between.append(readings + IntervalArray(-accuracy, accuracy))
+        sentences.append(sweep.assumes)
+    return _Forces(
+        (values[0], values[1], values[2]), (between[0], between[1], between[2]), present, tuple(sentences), whole
+    )
 
 
 def _flow(bounded: BoundedLog, vehicle: Vehicle) -> Flow:

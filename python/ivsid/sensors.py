@@ -21,6 +21,8 @@ from ivsid.smoothing import splined
 from ivsid.vehicle import InertialSensor, Sensors, Vehicle, VelocitySensor
 
 DEFAULT_CONFIDENCE: Final = 0.999
+# What a velocity sensor with a scale factor error shows.
+VELOCITIES: Final = ("u", "v", "velocity_north", "velocity_east")
 # Relative slack that covers the float evaluation of half-widths and quantiles.
 ROUNDING: Final = 1e-9
 
@@ -154,6 +156,7 @@ def bound_log(log: Log, vehicle: Vehicle) -> BoundedLog:
         IvsidError: a sensor section is missing for a logged channel, or samples are averaged.
     """
     sensors = vehicle.sensors
+    _certain_turns(log, sensors)
     channels = body_velocities(log, sensors) if log.derived else {}
     log, enclosed, statistical = velocities_of(log, sensors)
     channels |= enclosed
@@ -179,7 +182,7 @@ def bound_log(log: Log, vehicle: Vehicle) -> BoundedLog:
         if name == "r" and sensors.yaw_rate is not None and sensors.yaw_rate.sampling == "averaged":
             radii[name] = radii[name] + _since_average(log, sensors)
         filled = np.where(there, values, 0.0)
-        reading = IntervalArray.around(filled, log.error(name))
+        reading = IntervalArray.around(filled, _reading_error(log, name, sensors))
         if name in radii:
             # The decimals of a bound are rounded to a double, too: the next one up holds them.
             radius = np.nextafter(radii[name], np.inf)
@@ -289,7 +292,10 @@ def body_velocities(log: Log, sensors: Sensors) -> dict[str, IntervalArray]:
     parts = ("velocity_north", "velocity_east", "psi")
     there = np.all([np.isfinite(log.columns[c]) for c in parts], axis=0)
     north, east, psi = (
-        IntervalArray.around(np.where(there, log.columns[c], 0.0), np.where(there, log.error(c), 0.0)) for c in parts
+        IntervalArray.around(
+            np.where(there, log.columns[c], 0.0), np.where(there, _reading_error(log, c, sensors), 0.0)
+        )
+        for c in parts
     )
     accuracy = np.nextafter(sensors.heading.accuracy, np.inf)
     heading = psi + IntervalArray(-accuracy, accuracy)
@@ -300,6 +306,32 @@ def body_velocities(log: Log, sensors: Sensors) -> dict[str, IntervalArray]:
         name: IntervalArray(np.where(there, x.lower, -np.inf), np.where(there, x.upper, np.inf))
         for name, x in bodies.items()
     }
+
+
+def _certain_turns(log: Log, sensors: Sensors) -> None:
+    """Refuses a heading that was followed through whole turns with too large an error to be sure of the way round."""
+    most = log.certain.get("psi")
+    if most is not None and sensors.heading is not None and sensors.heading.accuracy >= most:
+        raise IvsidError(
+            f"{log.name}: with [sensors.heading] accuracy = {sensors.heading.accuracy:g} rad the way round from one sample of psi to the "
+            f"next is not certain (below {max(most, 0.0):.3g} rad it is); state a smaller [log] rates psi, or log psi more often"
+        )
+
+
+def _reading_error(log: Log, name: str, sensors: Sensors) -> NDArray[np.float64]:
+    """How far a reading may be from what the sensor would show.
+
+    Where a stated rate says how far the velocity itself can have moved, the sensor's scale factor makes that larger.
+    """
+    error = log.error(name)
+    if (
+        name not in log.by_rate
+        or name not in VELOCITIES
+        or sensors.velocity is None
+        or sensors.velocity.scale_factor_sign < 0
+    ):
+        return error
+    return error * (1 + sensors.velocity.scale_factor_error) * (1 + ROUNDING)
 
 
 def _own_interval(log: Log, name: str, rows: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -131,18 +131,6 @@ class ThrustCurve:
         ends = self.thruster.demand_range
         return 0.0 if ends is None else float(np.abs(self._curve(np.array(ends))).max())
 
-    def _check(self, d: NDArray[np.float64]) -> None:
-        low, high = self.range
-        if self.thruster.outside == "hold" or not d.size or (d.min() >= low and d.max() <= high):
-            return
-        outside = (d < low) | (d > high)
-        if outside.any():
-            what = "demand_range" if self.thruster.table is None else "table"
-            raise IvsidError(
-                f"demand {d[outside].flat[0]:g} of thruster {self.thruster.name} lies outside its {what} ({low:g} to {high:g}); "
-                f'extend the {what}, or set outside = "hold" to keep its end values'
-            )
-
     def value(self, demand: ArrayLike) -> NDArray[np.float64]:
         """Thrust [N] at each demand, in plain floats.
 
@@ -150,10 +138,40 @@ class ThrustCurve:
             IvsidError: a demand outside the table, unless the thruster says ``outside = "hold"``.
         """
         d = np.asarray(demand, dtype=np.float64)
-        self._check(d)
         low, high = self.range
+        self._refuse(d, (d < low) | (d > high))
         from_neutral = np.clip(d, low, high) - self.thruster.neutral
         return self._claimed(from_neutral, self._curve(from_neutral))
+
+    def _refuse(self, demand: NDArray[np.float64], outside: NDArray[np.bool_]) -> None:
+        if self.thruster.outside != "hold" and outside.any():
+            low, high = self.range
+            what = "demand_range" if self.thruster.table is None else "table"
+            raise IvsidError(
+                f"demand {demand[outside].flat[0]:g} of thruster {self.thruster.name} lies outside its {what} ({low:g} to {high:g}); "
+                f'extend the {what}, or set outside = "hold" to keep its end values'
+            )
+
+    def inside(
+        self, least: NDArray[np.float64], most: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Ranges of demands from ``least`` to ``most``, with what lies outside the curve held at its ends.
+
+        Raises:
+            IvsidError: a demand that may lie outside the curve by more than the rounding of decimals, unless ``outside = "hold"``.
+        """
+        low, high = self.range
+        if not np.isfinite(low) and not np.isfinite(high):
+            return least, most
+        # Both ends are sums of rounded decimals.
+        edge = ROUNDING * max(abs(low), abs(high))
+        self._refuse(least, least < low - edge)
+        self._refuse(most, most > high + edge)
+        below, above = np.nextafter((low, high), -np.inf), np.nextafter((low, high), np.inf)
+        return (
+            np.where(least < low, np.maximum(least, below[0]), np.where(least > high, below[1], least)),
+            np.where(most > high, np.minimum(most, above[1]), np.where(most < low, above[0], most)),
+        )
 
     def interval(self, demand: ArrayLike, to: ArrayLike | None = None, error: ArrayLike = 0.0) -> IntervalArray:
         """Thrust [N] +- (absolute + relative |T|) at each demand, or over all demands from it ``to`` another one.
@@ -168,10 +186,8 @@ class ThrustCurve:
         """
         d = np.asarray(demand, dtype=np.float64)
         other = d if to is None else np.asarray(to, dtype=np.float64)
-        for end in (d, other):
-            self._check(end)
         reach = np.asarray(error, dtype=np.float64)
-        least, most = np.minimum(d, other) - reach, np.maximum(d, other) + reach
+        least, most = self.inside(np.minimum(d, other) - reach, np.maximum(d, other) + reach)
         if least.ndim == 1 and least.size > 1:
             # Demands are held for many rows: each is worked out once, with the same bits.
             new = np.r_[True, (least[1:] != least[:-1]) | (most[1:] != most[:-1])]

@@ -10,11 +10,13 @@ from ivsid import IntervalArray, IvsidError, identify, validate
 from ivsid.actuation import nominal_force, pushed
 from ivsid.effects import terms_of
 from ivsid.foil import drag_coefficient, lift_coefficient, lift_slope, rudder_force
-from ivsid.log import Log
+from ivsid.log import Log, Sweep
 from ivsid.regression_rows import build_rows
 from ivsid.scenario import Start, parse_scenario
 from ivsid.sensors import bound_log
 from ivsid.simulation import follow, simulate
+from ivsid.simulation.equations import Plant
+from ivsid.simulation.propulsion import Propulsion, TrueThrust
 from ivsid.thrust import ThrustCurve
 from ivsid.vehicle import Thruster, parse_vehicle
 from test_rows import violated
@@ -144,6 +146,95 @@ def test_a_lag_starts_again_after_a_gap_and_a_missing_demand():
     for k in (0, 203, 400):
         assert X[k].lower <= full.lower[0] and X[k].upper >= full.upper[0]
     assert X[150].width < 0.1 * full.width[0] and not push.present[201]
+
+
+@pytest.mark.parametrize("lag", ["thrust", "demand"])
+@pytest.mark.parametrize(
+    ("demand", "curve"),
+    [
+        (50.0, {"gain": 1.0, "demand_range": (20, 100)}),
+        (50.0, {"table": {"demand": [20, 100], "thrust": [0.0, 80.0]}}),
+        (-50.0, {"table": {"demand": [-100, -20], "thrust": [-100.0, -20.0]}}),
+        (150.0, {"gain": 1.0, "demand_range": (20, 100), "outside": "hold"}),
+        (1650.0, {"gain": 0.1, "demand_range": (20, 400), "neutral": 1500.0}),
+    ],
+)
+def test_a_lagging_thruster_may_be_at_rest_before_the_log(lag, demand, curve):
+    thruster = Thruster.model_validate({"name": "a", "time_constant": 0.5, "lag": lag, **curve})
+    t = np.arange(0, 3, 0.1)
+    X = pushed(thruster, Log("x", "", t, {"demand_a": np.full(t.size, demand)}), held=True)
+    low, high = ThrustCurve(thruster).range
+    goal = min(max(demand, low), high)
+    if lag == "thrust":
+        truth = float(ThrustCurve(thruster).value(goal)) * (1 - np.exp(-t / 0.5))
+        known = np.ones(t.size, dtype=bool)
+    else:
+        shaft = thruster.neutral + (goal - thruster.neutral) * (1 - np.exp(-t / 0.5))
+        known = (shaft >= low) & (shaft <= high)
+        truth = np.where(known, ThrustCurve(thruster).value(np.clip(shaft, low, high)), 0.0)
+    assert X.at_rows[0].contains(truth).all() and known.any()
+    assert X.at_rows[0].width[-1] < 1 and any("before the log it was at rest" in a for a in X.assumes)
+
+
+def test_a_shaft_is_not_followed_to_a_demand_outside_its_curve():
+    thruster = Thruster(name="a", gain=1.0, demand_range=(-100, 100), time_constant=0.5, lag="demand")
+    log = Log("x", "", np.arange(0, 3, 0.1), {"demand_a": np.full(30, 150.0)})
+    with pytest.raises(IvsidError, match="demand 150 of thruster a lies outside its demand_range"):
+        pushed(thruster, log, held=True)
+
+
+def azimuth_log(t, angle, over=None, demand=10.0):
+    sweeps = {} if over is None else {"azimuth_a": Sweep(*over, "azimuth_a never changes faster than 0.5 a second")}
+    return Log("x", "", t, {"demand_a": np.full(t.size, demand), "azimuth_a": angle}, over=sweeps)
+
+
+def test_an_azimuth_pushes_wherever_it_points_between_the_rows():
+    """An angle that turns on: the exact mean of its force over each step, which no held angle gives."""
+    t, rate = np.arange(0, 5, 0.2), 0.5
+    thruster = Thruster(name="a", gain=1.0, steering="azimuth")
+    over = (rate * t[:-1], rate * t[1:])
+    X, Y, _ = pushed(thruster, azimuth_log(t, rate * t, over), held=True).over_steps
+    turned = rate * t
+    assert X.contains(10 * np.diff(np.sin(turned)) / (rate * 0.2)).all()
+    assert Y.contains(-10 * np.diff(np.cos(turned)) / (rate * 0.2)).all() and X.width.max() < 1.1
+    push = pushed(thruster, azimuth_log(t, rate * t, (np.r_[np.nan, over[0][1:]], over[1])), held=True)
+    assert push.whole is not None and not push.whole[0] and push.whole[1:].all() and push.present.all()
+    assert push.assumes == ("azimuth_a never changes faster than 0.5 a second",)
+    held = pushed(thruster, azimuth_log(t, rate * t), held=True)
+    assert held.assumes == ("azimuth_a holds from each row to the next",)
+
+
+def test_an_azimuth_turns_the_shorter_way_through_half_a_turn():
+    t = np.arange(0, 2, 0.5)
+    angle = 2.8 + 1.3664 * t
+    thruster = Thruster(name="a", gain=1.0, steering="azimuth")
+    wrapped = np.arctan2(np.sin(angle), np.cos(angle))
+    X, Y, _ = pushed(thruster, azimuth_log(t, wrapped), held=False).over_steps
+    for k in range(3):
+        fine = np.linspace(angle[k], angle[k + 1], 1001)
+        assert X[k].contains(10 * np.cos(fine).mean()) and Y[k].contains(10 * np.sin(fine).mean())
+    assert X.width.max() < 7
+    # Half a turn from row to row may go either way round.
+    X, Y, _ = pushed(thruster, azimuth_log(t, np.array([0.0, np.pi, 0.0, 0.1])), held=False).over_steps
+    assert (Y.lower[:2] <= -10).all() and (Y.upper[:2] >= 10).all() and Y[2].width < 1.1
+
+
+@pytest.mark.parametrize(
+    "claims", [{}, {"reverse_factor": 1.4}, {"reverse_factor": 0.7, "limit": 20.0, "dead_band": 10.0}]
+)
+def test_the_true_thrust_stays_inside_what_the_file_claims_of_its_error(claims):
+    text = {"name": "a", "gain": 0.5, "demand_range": (-100, 100), "accuracy": {"absolute": 2.0, "relative": 0.05}}
+    thruster = Thruster.model_validate({**text, **claims})
+    vehicle = parse_vehicle(HULL, "boat.toml").model_copy(update={"thrusters": (thruster,)})
+    demand = np.linspace(-100, 100, 101)
+    bounds = ThrustCurve(thruster).interval(demand)
+    most = 0.0
+    for seed in range(40):
+        moving = Propulsion(Plant(vehicle, (), {}, ()), [TrueThrust(thruster, np.random.default_rng(seed))])
+        thrust = np.array([moving._thrust(0, float(d), 0.0) for d in demand])
+        assert bounds.contains(thrust).all()
+        most = max(most, float(np.abs(thrust - ThrustCurve(thruster).value(demand)).max()))
+    assert most > 2.0
 
 
 def test_an_advance_loss_left_out_is_falsified_and_needs_its_limits():

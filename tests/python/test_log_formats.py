@@ -11,6 +11,8 @@ from scipy.io import savemat
 
 import log_files
 from ivsid import IvsidError, read_log
+from ivsid.log.matlab_structure import StructureError, check_structure
+from ivsid.log.panics import panics_unprinted
 from ivsid.vehicle import LogMap
 
 
@@ -372,3 +374,114 @@ def test_a_bag_by_the_command_line(tmp_path):
     record = json.loads(made.stdout)
     assert record["quality"]["u"]["samples"] == log_files.N
     assert any("agree exactly" in a for a in record["assumes"])
+
+
+def matlab(path, **variables):
+    savemat(path, variables or {"t": log_files.T, "u": log_files.U})
+    return path
+
+
+def test_a_damaged_matlab_file_never_reaches_a_reader_that_follows_it(tmp_path):
+    """One byte at a time in tags and sizes: SciPy alone ends the process on some of these."""
+    whole = matlab(
+        tmp_path / "whole.mat", t=np.arange(8.0), u=np.arange(8.0), s={"t": np.arange(8.0), "v": np.arange(8.0)}
+    ).read_bytes()
+    packed = tmp_path / "packed.mat"
+    savemat(packed, {"t": np.arange(8.0), "u": np.arange(8.0)}, do_compression=True)
+    for data in (whole, packed.read_bytes()):
+        for at in range(124, len(data), 3):
+            for byte in (0, 15, 255):
+                path = tmp_path / "damaged.mat"
+                path.write_bytes(data[:at] + bytes([byte]) + data[at + 1 :])
+                try:
+                    check_structure(path)
+                    read_log(path)
+                except StructureError:
+                    assert "\n" not in sentence(path)
+                except IvsidError:
+                    pass
+
+
+def test_whole_matlab_files_of_every_class_pass(tmp_path):
+    import scipy.sparse
+
+    cell = np.empty((2, 2), dtype=object)
+    cell[:] = [["a", np.arange(3)], [{"b": 1.0}, 1 + 2j]]
+    content = {
+        "t": np.arange(9.0),
+        "u": np.sin(np.arange(9.0)),
+        "count": np.arange(9, dtype=np.uint8),
+        "flags": np.arange(9) > 4,
+        "words": "text",
+        "cell": cell,
+        "wave": np.arange(4) * 1j,
+        "sparse": scipy.sparse.csc_matrix(np.diag([1.0, 0.0, 2.0])),
+        "nested": {"deep": {"deeper": np.arange(9.0)}},
+        "empty": np.zeros((0, 0)),
+    }
+    for packed in (False, True):
+        path = tmp_path / "all.mat"
+        savemat(path, content, do_compression=packed)
+        check_structure(path)
+        assert set(read_log(path, mapping({"columns": {"u": "u"}})).columns) == {"u"}
+
+
+@pytest.mark.parametrize("cut", [b"\x00" * 40, b""])
+def test_a_packed_matlab_file_that_cannot_be_unpacked(tmp_path, cut):
+    path = tmp_path / "packed.mat"
+    savemat(path, {"t": log_files.T, "u": log_files.U}, do_compression=True)
+    data = path.read_bytes()
+    path.write_bytes(data[:200] + cut + data[240:])
+    assert "not a readable MATLAB v4 or v5 file" in sentence(path)
+
+
+def test_a_damaged_parquet_file_prints_nothing(tmp_path, capfd):
+    """Polars prints a page where its own reader panics."""
+    path = tmp_path / "log.parquet"
+    pl.DataFrame({"t": log_files.T, "u": log_files.U}).write_parquet(path)
+    data, said = path.read_bytes(), 0
+    rng = np.random.default_rng(1)
+    for _ in range(60):
+        at = int(rng.integers(len(data) - 600, len(data) - 8))
+        path.write_bytes(data[:at] + data[at + int(rng.integers(1, 32)) :])
+        try:
+            read_log(path)
+        except IvsidError as error:
+            said += 1
+            assert "\n" not in str(error) and "unwrap" not in str(error)
+    assert said > 30 and capfd.readouterr().err == ""
+
+
+def test_other_words_on_the_standard_error_are_not_lost(capfd):
+    with panics_unprinted():
+        os.write(2, b"something else\n")
+    assert capfd.readouterr().err == "something else\n"
+
+
+def test_lines_that_end_with_carriage_returns_and_open_quotes(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_bytes(b"t,u,v\r0,1,1\r1,1,1\r")
+    assert "carriage returns alone" in sentence(path)
+    path.write_text('t,"u,v\n0,1,1\n1,1,1\n')
+    assert "a header that cannot be read" in sentence(path)
+    path.write_text("t,u\n0,1\n1,0,5,5\n2,0,5\n")
+    words = sentence(path)
+    assert "a row has more cells than the 2 of the header" in words and "schema" not in words.lower()
+
+
+def test_a_file_that_breaks_off_in_a_number_is_refused(tmp_path):
+    path = tmp_path / "log.csv"
+    rows = "t,u,v\n" + "".join(f"{k / 10},0.9{k:02d},0.1\n" for k in range(20))
+    path.write_text(rows + "2.0,0.9")
+    assert "breaks off in its last row, after 2 of 3 cells" in sentence(path)
+    path.write_text(rows + "2.0,0.9,0.1")
+    assert read_log(path).t.size == 21
+    path.write_text(rows + "2.0,0.9\n")
+    assert np.isnan(read_log(path).columns["v"][-1])
+
+
+def test_a_scale_that_overflows_names_the_column(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("t,speed\n0,1\n1,2\n")
+    words = sentence(path, {"columns": {"u": {"from": "speed", "scale": 1e308, "offset": 1e308}}})
+    assert "column speed times its scale, plus its offset, is no finite number for u" in words

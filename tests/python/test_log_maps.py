@@ -230,3 +230,15 @@ def test_the_angle_of_a_thruster_comes_with_its_demand(tmp_path):
     assert set(log.columns) == {"demand_bow", "azimuth_bow"} and set(log.ignored) == {"rudder_mode", "azimuth_stern"}
     mapped = read_log(path, LogMap.model_validate({"columns": {"rudder_bow": {"from": "azimuth_bow", "unit": "deg"}}}))
     np.testing.assert_allclose(mapped.columns["rudder_bow"], np.radians(np.sin(T)))
+
+
+def test_a_fault_in_a_table_of_a_column_is_named_by_its_key():
+    text = 'name = "a"\n[hull]\nmass = 1\n[log]\ncolumns = {{ u = {} }}\n'
+    with pytest.raises(
+        IvsidError, match=r"log\.columns\.u\.scale = nan is not usable: input should be a finite number"
+    ):
+        parse_vehicle(text.format('{ from = "u", scale = nan }'), "v.toml")
+    with pytest.raises(IvsidError, match=r"log\.columns\.u = 3 is not usable"):
+        parse_vehicle(text.format("3"), "v.toml")
+    with pytest.raises(IvsidError, match="key log.columns.u.form is unknown; did you mean from"):
+        parse_vehicle(text.format('{ from = "u", form = "u" }'), "v.toml")

@@ -1,10 +1,11 @@
 """Rows hold at the truth: the one property that everything after them rests on."""
 
 import numpy as np
+import polars as pl
 import pytest
 
 from conftest import as_log
-from ivsid import IntervalArray, IvsidError, identify
+from ivsid import IntervalArray, IvsidError, identify, read_log
 from ivsid.effects import CATALOGUE, terms_of
 from ivsid.log import Log
 from ivsid.motion import Motion
@@ -253,3 +254,30 @@ def test_a_wind_is_identified_from_two_headings(swan, programme):
         identify(unbounded, Log("x.csv", "", made.t, {**made.columns, "psi": made.exact["psi"]}))
     with pytest.raises(IvsidError, match="no column psi .needed for wind.steady.north, wind.steady.east"):
         identify(vehicle, Log("x.csv", "", made.t, {k: v for k, v in made.columns.items() if k != "psi"}))
+def test_a_force_that_pulses_between_the_rows_does_not_prove_a_wrong_mass(tmp_path):
+    """The force stands at 100 Hz in the log, the rows at 10 Hz; motion in closed form, no noise."""
+    mass, drag, h, rng = 50.0, 20.0, 0.01, np.random.default_rng(0)
+    force = np.repeat(rng.uniform(-40, 40, 10), 400) * ((np.arange(4000) % 10 > 2) & (np.arange(4000) % 10 < 8))
+    u = [0.0]
+    for f in force:
+        u.append(f / drag + (u[-1] - f / drag) * np.exp(-drag * h / mass))
+    k = np.arange(4000)
+    run = tmp_path / "run"
+    run.mkdir()
+    fine = {"t": k * h, "force_X": force, "force_Y": 0.0 * k, "moment_N": 0.0 * k}
+    pl.DataFrame(fine).write_csv(run / "force.csv")
+    rows = {"t": k * h, "u": np.array(u)[:-1], "v": 0.0 * k, "r": 1e-9 * (k // 10 % 3)}
+    pl.DataFrame({n: x[::10] for n, x in rows.items()}).write_csv(run / "rows.csv")
+    vehicle = parse_vehicle(
+        'name = "a"\n[hull]\nmass = 50\n[sensors.velocity]\naccuracy = 1e-4\n[sensors.yaw_rate]\naccuracy = 1e-6\n[sensors.force]\n'
+        "accuracy = 0.01\n[sensors.moment]\naccuracy = 0.01\n[sensors.limits]\nacceleration = 1.0\nyaw_acceleration = 0.1\n[log]\n"
+        'base = "rows"\n[model]\nterms = ["mass.surge", "drag.surge.linear"]\n',
+        "a.toml",
+    )
+    fit = identify(vehicle, read_log(run, vehicle.log))
+    assert (
+        fit.status in ("enclosed", "unbounded")
+        and fit.parameters["mass.surge"].lower <= mass <= fit.parameters["mass.surge"].upper
+    )
+    assert fit.parameters["drag.surge.linear"].lower <= drag <= fit.parameters["drag.surge.linear"].upper
+    assert "force_X lies between the values of neighbouring samples" in fit.assumes

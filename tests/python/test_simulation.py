@@ -6,7 +6,7 @@ import pytest
 
 from ivsid import IvsidError
 from ivsid.effects import CATALOGUE, EFFECTS, sort_given, terms_of
-from ivsid.scenario import Start, parse_scenario
+from ivsid.scenario import Faults, Sensing, Start, parse_scenario
 from ivsid.simulation import follow, simulate
 from ivsid.simulation.equations import equations, plant
 from ivsid.thrust import ThrustCurve
@@ -416,3 +416,17 @@ def test_otter_of_a_third_party(real, name, current, limits):
         other = follow(vehicle, {**values, **wrong}, at, demands, force=force)
         worse = np.sqrt(np.mean((other["v"][::fine] - log["v"]) ** 2))
         assert worse > 2 * np.sqrt(np.mean((made["v"][::fine] - log["v"]) ** 2)), wrong
+
+
+@pytest.mark.parametrize(
+    "effects", [{"coupling.cg_x": 1e9}, {"payload.step.mass": -200.0, "payload.step.time": 1.0}, {"mass.surge": -5.0}]
+)
+def test_a_mass_matrix_that_is_not_positive_definite_is_refused(swan, programme, effects):
+    short = programme.model_copy(update={"duration": 3.0})
+    with pytest.raises(IvsidError, match="mass matrix of the model is not positive definite"):
+        simulate(swan, short, 1, effects)
+
+
+def test_a_sensor_slower_than_the_log_is_long_gives_one_reading(swan, programme):
+    scenario = programme.model_copy(update={"duration": 3.0, "sensing": Sensing(velocity=Faults(period=1e300))})
+    assert np.unique(simulate(swan, scenario, 1).columns["u"]).size == 1

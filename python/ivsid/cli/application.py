@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
@@ -70,16 +71,27 @@ def simulate(
         int | None, typer.Option("--effects", min=1, max=5, help="Hide exactly so many effects at once, with --hide.")
     ] = None,
     table: Annotated[str, typer.Option("--format", help="Format of the log: csv or parquet.")] = "csv",
+    truth: Annotated[
+        Path | None,
+        typer.Option(
+            "--truth", help="Where the truth goes; with --hide OUT-truth/truth.json by default, else OUT/truth.json."
+        ),
+    ] = None,
 ) -> None:
     """A log with sensor noise from a known truth."""
     given = dict(_effect(e) for e in effect or [])
+    folder = out if out is not None else Path("ivsid-simulate")
+    if truth is None and hide is not None:
+        # Beside the log it would lie open before whoever is to find the effect.
+        truth = folder.with_name(f"{folder.name}-truth") / "truth.json"
     _run(
         "simulate",
-        out,
+        folder,
         json,
         lambda w, p: w.simulate(
             vehicle, scenario, seed=seed, effects=given, hide=hide, hidden=effects, table=table, progress=p
         ),
+        {} if truth is None else {"truth.json": truth},
     )
 
 
@@ -213,21 +225,33 @@ def _effect(text: str) -> tuple[str, list[float]]:
     return id_.strip(), numbers
 
 
-def _run(command: str, out: Path | None, json: bool, work: Callable[[Any, Callable[[str], None]], Any]) -> None:
-    """Checks the folder, works, writes, prints."""
+def _run(
+    command: str,
+    out: Path | None,
+    json: bool,
+    work: Callable[[Any, Callable[[str], None]], Any],
+    apart: Mapping[str, Path] | None = None,
+) -> None:
+    """Checks the folder, works, writes, prints; files named in ``apart`` go to places of their own."""
+    apart = apart or {}
     folder = out if out is not None else Path(f"ivsid-{command}")
     from ivsid import records, report, workflow  # noqa: PLC0415 - the heavy imports wait until a command runs
 
-    records.check_writable(folder)
+    for place in (folder, *(p.parent for p in apart.values())):
+        records.check_writable(place)
     console = Console(stderr=True, quiet=json)
     with console.status(command) as status:
         made = work(workflow, lambda step: status.update(f"{command}: {step}"))
-        report.write(made, folder)
+        report.write(replace(made, files={n: c for n, c in made.files.items() if n not in apart}), folder)
+        for name, place in apart.items():
+            records.write_whole(place, made.files[name])
     if json:
         typer.echo(records.to_json(made.record))
         return
     for line in made.lines:
         typer.echo(line)
+    for name, place in apart.items():
+        typer.echo(f"  {name} stands apart: {place}")
     typer.echo(f"written to {folder}/ (report.html, result.json, {len(made.drawings)} figures)")
 
 

@@ -176,7 +176,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
     ),
     Effect(
         "tether.tension",
-        "a tether pulls toward its anchor with a constant force",
+        "a tether pulls toward its anchor with a constant force, which fades within some 0.05 m of it",
         (
             Parameter("force", "", "N", 1.5),
             Parameter("anchor_north", "", "m", 10.0, draw="north"),

@@ -149,10 +149,13 @@ def converted(values: Array, column: Column, clock: Clocked) -> Channel:
         values = np.where(values == column.missing, np.nan, values)
     if column.factor == 1.0 and column.offset == 0.0:
         return Channel(values, clock)
-    scaled = values * column.factor
-    # Three roundings (factor, product, sum), each of half a unit of the larger operand.
-    lost = 4 * np.spacing(np.abs(np.nan_to_num(scaled)) + abs(column.offset))
-    return Channel(scaled + column.offset, clock, lost)
+    with np.errstate(over="ignore"):
+        # What overflows is refused with the column's name.
+        scaled = values * column.factor
+        made = scaled + column.offset
+        # Three roundings (factor, product, sum), each of half a unit of the larger operand.
+        lost = 4 * np.spacing(np.abs(np.nan_to_num(scaled)) + abs(column.offset))
+    return Channel(made, clock, lost)
 
 
 def turned(channels: Mapping[str, Channel]) -> dict[str, Channel]:

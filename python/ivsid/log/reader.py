@@ -11,12 +11,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
-from ivsid.log.channels import DEMAND, Channel, Clocked, Rule, converted, row_clock, rules_of, turned, with_heading
+from ivsid.log.angles import certain_below, is_angle, unwrapped, wrapped
+from ivsid.log.channels import (
+    BY_THRUSTER,
+    DEMAND,
+    Channel,
+    Clocked,
+    Rule,
+    converted,
+    row_clock,
+    rules_of,
+    turned,
+    with_heading,
+)
 from ivsid.log.clocks import Times, between, clock_of, held, loses_digits, nearest, times_of, together
 from ivsid.log.formats import open_source
 from ivsid.log.quality import Steps, examine, gaps, without_held
-from ivsid.log.record import GAP, Clock, Log, Quality
+from ivsid.log.record import GAP, Clock, Log, Quality, Sweep
 from ivsid.log.source import Source, numbers
+from ivsid.log.sweep import Manner, swept
 from ivsid.log_map import LogMap
 
 Array = NDArray[np.float64]
@@ -24,6 +37,7 @@ Array = NDArray[np.float64]
 # Whose clock becomes the rows' where nothing is said: where accelerations stand, rows need no interpolation of them.
 _BASES: Final = ("ax", "udot", "ay", "vdot", "r", "u", "velocity_north", "psi", "x")
 EARTH: Final = ("velocity_north", "velocity_east")
+FORCES: Final = ("force_X", "force_Y", "moment_N")
 
 
 @dataclass
@@ -37,6 +51,9 @@ class _Reading:
     notes: list[str] = field(default_factory=list)
     assumes: list[str] = field(default_factory=list)
     quality: dict[str, Quality] = field(default_factory=dict)
+    over: dict[str, Sweep] = field(default_factory=dict)
+    by_rate: list[str] = field(default_factory=list)
+    certain: dict[str, float] = field(default_factory=dict)
 
 
 def read_log(path: str | Path, mapping: LogMap | None = None) -> Log:
@@ -62,7 +79,8 @@ def read_log(path: str | Path, mapping: LogMap | None = None) -> Log:
             reading.channels = turned(reading.channels)
         reading.channels, words = with_heading(reading.channels, source.name)
         reading.notes += words
-        stamps = together(reading.times, source.name)
+        reading.times = together(reading.times, source.name)
+        stamps = {clock: x.t for clock, x in reading.times.items()}
         _examine(reading, stamps)
         t, columns, rounding, clocks = _on_one_clock(reading, stamps)
         derived = _body_velocities(columns, rounding, reading)
@@ -80,6 +98,9 @@ def read_log(path: str | Path, mapping: LogMap | None = None) -> Log:
             derived=derived,
             clocks=clocks,
             quality=reading.quality,
+            over=reading.over,
+            by_rate=tuple(reading.by_rate),
+            certain=reading.certain,
         )
 
 
@@ -110,7 +131,13 @@ def _collect(reading: _Reading, rules: Mapping[str, Rule]) -> None:
                 arrays[rule.name] = numbers(series[rule.name], shown, source.name, content.first_row)
             rows = reading.times[rule.clock].rows
             values = arrays[rule.name] if rows is None else arrays[rule.name][rows]
-            reading.channels[wanted] = converted(values, rule.column, rule.clock)
+            made = converted(values, rule.column, rule.clock)
+            if np.isinf(made.values).any():
+                raise IvsidError(
+                    f"{source.name}: column {rule.name} times its scale, plus its offset, is no finite number for {wanted}; "
+                    "look at scale and offset under [log] columns"
+                )
+            reading.channels[wanted] = made
 
 
 def _examine(reading: _Reading, stamps: Mapping[Clocked, Array]) -> None:
@@ -120,6 +147,7 @@ def _examine(reading: _Reading, stamps: Mapping[Clocked, Array]) -> None:
         values, repeats, note = without_held(name, channel.values)
         if note:
             reading.notes.append(note)
+            reading.assumes.append(f"the first of equal values of {name} is a measurement at its row")
             reading.channels[name] = replace(channel, values=values)
         found, words = examine(name, stamps[channel.clock], values, repeats, reading.source.name, steps[channel.clock])
         reading.quality[name] = found
@@ -201,6 +229,12 @@ def _brought(
         # Stamps that differ by rounding alone are one moment.
         row, same = nearest(own, t, rounded)
         values, off = held(t, np.where(same, t[row], own), c.values, mapping.clock_error if c.clock != base else 0.0)
+        away = np.isnan(values) & (t >= own[0])
+        if c.clock != base and away.any() and not np.isnan(c.values).any():
+            reading.notes.append(
+                f"{name} is missing in {int(away.sum())} of {t.size} rows, which reach into a hole of its samples; where it was held "
+                "there, log it again at its usual step"
+            )
         if off.any():
             reading.notes.append(
                 f"{name} changes within {int((off > 0).sum())} of {t.size} rows; there it is an interval"
@@ -209,6 +243,11 @@ def _brought(
     there = ~np.isnan(c.values)
     times, values, off = own[there], c.values[there], lost[there]
     rate = mapping.rates.get(name)
+    if is_angle(name):
+        values, more = unwrapped(values)
+        off = off + more
+    if name in FORCES or name.startswith(BY_THRUSTER[1:]):
+        _sweep(reading, name, c, base, t, times, values, off)
     if times.size < 2 or rate is None:
         # Clocks that may disagree have no common moment; between clocks that agree only rounding can stand.
         place, same = nearest(t, times, -1.0 if c.clock != base and mapping.clock_error else apart)
@@ -219,24 +258,24 @@ def _brought(
             )
         # Fewer rows than samples: the noise of each is still that of the sensor's own step.
         clock = None if own.size == t.size and np.array_equal(own, t) else clock_of(own)
+        values, off = c.values[there], lost[there]
         return np.where(same, values[place], np.nan), np.where(same, off[place], 0.0), clock
-    angle = name in ("psi", "wind_direction")
-    if angle:
-        values = np.unwrap(values)
-    made, reach = between(t, times, values, off, rate, apart)
-    if angle:
+    jitter = _jitter(reading, c.clock, base)
+    made, reach = between(t, times, values, off, rate, apart, jitter)
+    if is_angle(name):
         # Gaps are not bridged, so whole turns in them do not matter.
         steps = np.diff(times)
-        longest = float(steps[steps <= GAP * np.median(steps)].max())
-        if rate * longest >= np.pi:
+        longest = GAP * float(np.median(steps))
+        most = float(steps[steps <= longest].max())
+        if rate * most >= np.pi:
             raise IvsidError(
                 f"[log] rates {name} = {rate:g} lets it turn by half a circle between two of its samples, "
-                f"{longest:.3g} s apart; state a smaller rate or leave it out"
+                f"{most:.3g} s apart; state a smaller rate or leave it out"
             )
-        made, reach = (
-            np.arctan2(np.sin(made), np.cos(made)),
-            reach + 8 * np.spacing(np.abs(np.nan_to_num(made)) + np.pi),
-        )
+        reading.certain[name] = certain_below(values, times, rate, longest, jitter + float(np.spacing(times[-1])))
+        made, more = wrapped(made)
+        reach = reach + more
+    reading.by_rate.append(name)
     moved = int((~nearest(t, times, 0.0)[1] & ~np.isnan(made)).sum())
     if moved:
         reading.assumes.append(
@@ -249,6 +288,43 @@ def _brought(
             f"{name} changes faster than the stated {rate:g} a second between {fast} of {times.size - 1} pairs of samples: noise, or the rate is too small"
         )
     return made, reach, clock_of(times)
+
+
+def _jitter(reading: _Reading, *clocks: Clocked) -> float:
+    """How far a stamp of these clocks may be off beyond the rounding of its decimals [s]."""
+    return max(reading.times[k].lost for k in clocks)
+
+
+def _sweep(
+    reading: _Reading, name: str, c: Channel, base: Clocked, t: Array, times: Array, values: Array, off: Array
+) -> None:
+    """Keeps between which values a force or an angle stood over each step, from every sample that the log has there."""
+    mapping = reading.mapping
+    rate = mapping.rates.get(name)
+    if times.size < 2 or (rate is None and times.size == t.size and np.array_equal(times, t)):
+        # Nothing stands between the rows.
+        return
+    manner: Manner = "between" if name in FORCES else "hold"
+    if rate is not None:
+        assumes = f"{name} never changes faster than {rate!r} a second"
+    elif manner == "hold":
+        assumes = f"{name} holds from each of its samples to the next"
+    else:
+        assumes = f"{name} lies between the values of neighbouring samples"
+    # Stamps that differ by rounding alone are one moment.
+    jitter = _jitter(reading, c.clock, base)
+    row, same = nearest(times, t, 2 * jitter + 4 * float(np.spacing(t[-1])) if c.clock != base else 0.0)
+    lower, upper = swept(
+        t,
+        np.where(same, t[row], times),
+        values,
+        off + np.spacing(np.abs(values)),
+        manner=manner,
+        rate=rate,
+        clock_error=mapping.clock_error if c.clock != base else 0.0,
+        jitter=jitter,
+    )
+    reading.over[name] = Sweep(lower, upper, assumes)
 
 
 def _body_velocities(columns: _Columns, rounding: _Columns, reading: _Reading) -> dict[str, tuple[str, ...]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Final, Protocol
 
 import numpy as np
@@ -18,6 +19,12 @@ MISSING: Final = ("", "nan", "NaN", "NAN", "null")
 # Between a table and its column in the name of a foreign column, where a file holds several tables.
 SEPARATOR: Final = "/"
 _UNIT: Final = {"ns": "ns", "us": "us", "ms": "ms"}
+
+
+def head(path: Path) -> bytes:
+    """The first bytes of a file."""
+    with path.open("rb") as file:
+        return file.read(64)
 
 
 class Table(Protocol):
@@ -154,7 +161,9 @@ def numbers(series: pl.Series, name: str, source: str, first_row: int) -> NDArra
 
 
 def stamp_unit(series: pl.Series) -> str | None:
-    """The unit that a column of dates or durations has of itself."""
+    """The unit that a column of dates, times of day or durations has of itself."""
+    if series.dtype == pl.Time:
+        return "ns"
     if series.dtype in (pl.Datetime, pl.Duration):
         return _UNIT[str(series.dtype.time_unit)]  # type: ignore[attr-defined]
     return None

@@ -179,7 +179,7 @@ def faulty(columns: dict[str, NDArray[np.float64]], scenario: Scenario, rng: np.
         if faults is None or not here:
             continue
         n = columns[here[0]].size
-        every = 1 if faults.period is None else max(1, round(faults.period * scenario.rate))
+        every = 1 if faults.period is None else max(1, round(min(faults.period * scenario.rate, float(n))))
         fresh = np.arange(n) // every * every
         wild = rng.uniform(size=n) < faults.outliers
         lost = _lost(n, faults, scenario.rate, rng)

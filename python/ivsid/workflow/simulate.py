@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 
+import numpy as np
+
 from ivsid import figures, report, simulation
 from ivsid.effects import spread
 from ivsid.errors import IvsidError
@@ -38,7 +40,8 @@ def simulate(
         scenario: path of a scenario file, or the name of the vehicle that a shipped one is for.
         seed: in place of the scenario's.
         effects: further numbers of the catalogue by id; several in EFFECTS.md's order, or one by id.part or id.NAME.
-        hide: draws the effect from this seed instead: none in one of three.
+        hide: draws the effect, and the noise where no seed is given, from this seed instead: none in one of three; neither seed
+            is in the result.
         hidden: draws exactly so many with it.
         table: the log's format, csv or parquet.
         progress: told of each step.
@@ -61,6 +64,8 @@ def simulate(
             given = simulation.hidden_effect(checked, programme, hide)
         else:
             given = simulation.hidden_effects(checked, programme, hide, hidden)
+        # Who knows the seed of the noise can take the noise away: it is drawn from the hidden seed, and not printed.
+        seed = _noise_seed(hide) if seed is None else seed
     elif hidden is not None:
         raise IvsidError("--effects says how many effects --hide draws; give --hide SEED with it")
     progress(f"simulating {programme.duration:g} s at {programme.rate:g} Hz")
@@ -69,7 +74,7 @@ def simulate(
     content = TABLES[table](made.t, made.columns)
     digest = hashlib.sha256(content if isinstance(content, bytes) else content.encode()).hexdigest()
     log = Log(name, digest, made.t, made.columns)
-    used = made.truth["seed"]
+    used = made.truth["seed"] if hide is None else None
     inputs = {
         Path(vehicle).name: checked.sha256,
         Path(scenario).name: hashlib.sha256(Path(scenario).read_bytes()).hexdigest(),
@@ -77,11 +82,12 @@ def simulate(
     record = {
         **envelope("simulate", inputs, used),
         "log": {"name": name, "sha256": digest, "samples": made.t.size, "columns": ["t", *made.columns]},
-        "truth": "truth.json",
+        "truth": "truth.json" if hide is None else None,
     }
     drawing = figures.channels(log)
-    sections = (Section("The log", (report.drawing(drawing), report.text("The truth stands in truth.json."))),)
-    summary = f"{made.t.size} samples of {checked.name}, seed {used}."
+    where = "The truth stands in truth.json." if hide is None else "The truth stands apart from this folder."
+    sections = (Section("The log", (report.drawing(drawing), report.text(where))),)
+    summary = f"{made.t.size} samples of {checked.name}" + (f", seed {used}." if hide is None else ".")
     return Report(
         f"Simulation of {checked.name}",
         summary,
@@ -91,6 +97,10 @@ def simulate(
         {name: content, "truth.json": to_json(made.truth) + "\n"},
         (summary, f"  {name}: the log; truth.json: what is true of it"),
     )
+
+
+def _noise_seed(hide: int) -> int:
+    return int(np.random.default_rng([hide, 0x5EED]).integers(2**53))
 
 
 def _measured(id_: str, scenario: Scenario) -> bool:

@@ -18,6 +18,8 @@ def test_feasible_is_guaranteed_and_holds_the_truth(made):
     fits = {f["method"]: f for f in record["identifications"]}
     assert set(fits) == {
         "feasible",
+        "qr",
+        "augmented",
         "exact",
         "hansen-bliek-rohn",
         "krawczyk",

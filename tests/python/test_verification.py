@@ -304,6 +304,7 @@ def at(record, path):
     return record
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
 @given(
     data=st.data(),
@@ -410,6 +411,7 @@ def test_claims_of_thrusters_are_recomputed(swan, programme, tmp_path, change, r
     assert fit.status in ("enclosed", "unbounded")
 
 
+@pytest.mark.slow
 def test_every_term_of_the_catalogue_is_recomputed(swan, programme, tmp_path):
     from ivsid.effects import CATALOGUE, terms_of
     from ivsid.verification.physics import CHANNELS, State, model

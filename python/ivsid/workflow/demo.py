@@ -167,7 +167,7 @@ def _worth(rows: RegressionRows, fits: list[Identification]) -> dict[str, Any]:
     found["width_over_feasible"] = {
         f.method: {i: f.parameters[i].width / feasible[i].width for i in feasible if i in f.parameters}
         for f in fits[1:]
-        if feasible
+        if feasible and f.parameters
     }
     return found
 

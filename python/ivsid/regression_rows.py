@@ -276,6 +276,8 @@ class _Builder:
             return None
         there = self.forces.present & means.there
         whole = there[1:] & there[:-1] & (np.diff(self.t) <= GAP * self.bounded.log.period)
+        if self.forces.whole is not None:
+            whole &= self.forces.whole
         starts = _complete(whole, 2 * half)
         hat = _Hat(self, starts, half, means.rising(starts, half))
         columns = [hat.mean(term.columns, channel) for term in self.terms]

@@ -254,6 +254,8 @@ def test_a_wind_is_identified_from_two_headings(swan, programme):
         identify(unbounded, Log("x.csv", "", made.t, {**made.columns, "psi": made.exact["psi"]}))
     with pytest.raises(IvsidError, match="no column psi .needed for wind.steady.north, wind.steady.east"):
         identify(vehicle, Log("x.csv", "", made.t, {k: v for k, v in made.columns.items() if k != "psi"}))
+
+
 def test_a_force_that_pulses_between_the_rows_does_not_prove_a_wrong_mass(tmp_path):
     """The force stands at 100 Hz in the log, the rows at 10 Hz; motion in closed form, no noise."""
     mass, drag, h, rng = 50.0, 20.0, 0.01, np.random.default_rng(0)

@@ -15,7 +15,7 @@ import numpy as np
 
 from ivsid import IntervalArray, IvsidError, read_log, read_vehicle, regression, report, workflow
 from ivsid.effects import terms_of
-from ivsid.regression_rows import build_rows
+from ivsid.rows import build_rows
 from ivsid.sensors import bound_log
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"

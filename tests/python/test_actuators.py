@@ -11,7 +11,7 @@ from ivsid.actuation import nominal_force, pushed
 from ivsid.effects import terms_of
 from ivsid.foil import drag_coefficient, lift_coefficient, lift_slope, rudder_force
 from ivsid.log import Log, Sweep
-from ivsid.regression_rows import build_rows
+from ivsid.rows import build_rows
 from ivsid.scenario import Start, parse_scenario
 from ivsid.sensors import bound_log
 from ivsid.simulation import follow, simulate

@@ -7,7 +7,7 @@ from conftest import as_log
 from ivsid import IntervalArray, IvsidError, identify
 from ivsid.effects import terms_of
 from ivsid.identification.bias import apart, with_unknowns
-from ivsid.regression_rows import build_rows
+from ivsid.rows import build_rows
 from ivsid.sensors import bound_log
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle

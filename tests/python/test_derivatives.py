@@ -9,7 +9,7 @@ from ivsid.derivatives import enclosed_rate
 from ivsid.effects import terms_of
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
-from ivsid.regression_rows import build_rows
+from ivsid.rows import build_rows
 from ivsid.sensors import bound_log
 from ivsid.vehicle import parse_vehicle
 from test_pose import HEAD, boat, motion

@@ -89,7 +89,7 @@ def test_rows_from_the_pose_itself_say_more_of_cse1(sets):
     """Damping in yaw within a factor of three, where velocities gave sixteen; the towing tank's drag is not contradicted."""
     from ivsid import IntervalArray, identify, regression
     from ivsid.effects import terms_of
-    from ivsid.regression_rows import build_rows
+    from ivsid.rows import build_rows
     from ivsid.sensors import bound_log
 
     out, record = sets("cse1", "cse1")

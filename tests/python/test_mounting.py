@@ -12,7 +12,7 @@ from ivsid.effects import terms_of
 from ivsid.log import Log
 from ivsid.mount import Mounted
 from ivsid.mounting import force_at_origin, velocity_at_origin
-from ivsid.regression_rows import build_rows
+from ivsid.rows import build_rows
 from ivsid.sensors import bound_log
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
@@ -199,13 +199,14 @@ def test_a_lost_row_is_not_averaged_over(swan, programme):
     steady = {k: np.full(kept.sum(), v[0]) for k, v in columns.items() if k.startswith("demand")}
     log = Log("x.csv", "", made.t[kept], {**columns, **steady})
     bounded = bound_log(log, averaged)
-    from ivsid.regression_rows import _Builder, _Quadrature
+    from ivsid.rows.equations import Equations
+    from ivsid.rows.integral import Quadrature
 
-    builder = _Builder(bounded, averaged, tuple(terms_of(averaged)), 0.0)
+    equations = Equations(bounded, averaged, tuple(terms_of(averaged)), 0.0)
     t = made.t[kept]
     starts = np.arange(t.size - 1)
-    spans = builder.clock[starts + 1] - builder.clock[starts]
-    quadrature = _Quadrature(builder, np.diff(t), starts, 1, spans)
+    spans = equations.clock[starts + 1] - equations.clock[starts]
+    quadrature = Quadrature(equations, np.diff(t), starts, 1, spans)
     u = bounded.channels["u"]
     found = quadrature._narrowed(u[1:] - u[:-1], "u")
     true = np.diff(made.exact["u"][kept])

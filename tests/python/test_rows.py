@@ -9,7 +9,7 @@ from ivsid import IntervalArray, IvsidError, identify, read_log
 from ivsid.effects import CATALOGUE, terms_of
 from ivsid.log import Log
 from ivsid.motion import Motion
-from ivsid.regression_rows import build_rows
+from ivsid.rows import build_rows
 from ivsid.scenario import Start
 from ivsid.sensors import bound_log
 from ivsid.simulation import simulate

@@ -355,7 +355,7 @@ sys.modules["ivsid._core"] = None
 from ivsid.verification import verify
 verdict = verify({str(files["pointwise"])!r}, {str(place / "log.csv")!r})
 assert verdict.proved, verdict.failures
-banned = ["intervals", "linalg", "regression", "regression_rows", "sensors", "thrust", "identification", "effects", "pose"]
+banned = ["intervals", "linalg", "regression", "rows", "sensors", "thrust", "identification", "effects", "pose"]
 assert not [m for m in sys.modules if any(m == f"ivsid.{{b}}" or m.startswith(f"ivsid.{{b}}.") for b in banned)]
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120, check=False)

@@ -7,7 +7,7 @@ from ivsid import IntervalArray, IvsidError, identify
 from ivsid.effects import terms_of
 from ivsid.log import Log
 from ivsid.pose import with_velocities
-from ivsid.regression_rows import build_rows
+from ivsid.rows import build_rows
 from ivsid.sensors import bound_log
 from ivsid.vehicle import parse_vehicle
 from ivsid.weak_form import pose_means

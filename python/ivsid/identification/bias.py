@@ -24,7 +24,7 @@ from ivsid.effects import CHANNELS, State, Term, rigid_body
 from ivsid.identification.fit import Identification
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
-from ivsid.regression_rows import RegressionRows
+from ivsid.rows import ROW_KINDS, RegressionRows
 from ivsid.sensors import BoundedLog, rule_for
 from ivsid.vehicle import AccelerationSensor, Vehicle
 
@@ -112,7 +112,7 @@ def with_unknowns(
     unknown: list[tuple[Term, NDArray[np.float64], list[float], IntervalArray, int]] = []
     for axis, bound in reach.items():
         for index, channel in enumerate(CHANNELS):
-            pointwise = (rows.channel == index) & (rows.duration == 0)
+            pointwise = (rows.channel == index) & (rows.kind == ROW_KINDS.index("pointwise"))
             shares = [_share(t.columns, axis, channel) for t in rows.terms]
             known = _share(
                 lambda s: rigid_body(s, vehicle.hull.mass * x_g, vehicle.hull.mass * y_g, mass), axis, channel
@@ -144,6 +144,7 @@ def with_unknowns(
         np.r_[rows.channel, np.array([u[4] for u in unknown], dtype=np.int64)],
         np.r_[rows.time, np.full(more, middle)],
         np.r_[rows.duration, np.zeros(more)],
+        np.r_[rows.kind, np.array([ROW_KINDS.index(f"bias.{u[0].id.split('.')[1]}") for u in unknown], dtype=np.int64)],
         (*rows.assumes, words),
     )
 

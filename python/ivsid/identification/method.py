@@ -17,7 +17,7 @@ from ivsid.identification.freedom import determined
 from ivsid.intervals import FloatArray
 from ivsid.linalg import INVERSE_METHODS, partition_count
 from ivsid.log import Log
-from ivsid.regression_rows import WINDOW, RegressionRows, build_rows
+from ivsid.rows import ROW_KINDS, WINDOW, RegressionRows, build_rows
 from ivsid.sensors import BoundedLog, bound_log
 from ivsid.vehicle import Vehicle
 
@@ -84,6 +84,7 @@ def identify(
         "form": form,
         "rows": rows,
         "window": window if isinstance(window, float | int) else list(window),
+        "bias": "sample" if taken is None else "log",
     }
     if taken is None:
         return identify_rows(made, bounded, vehicle, method, options)
@@ -272,6 +273,7 @@ def _certificates(rows: RegressionRows, found: regression.FeasibleSet) -> tuple[
         matrix, right = rows.matrix[index], rows.right[index]
         return {
             "row": int(index),
+            "kind": ROW_KINDS[rows.kind[index]],
             "channel": CHANNELS[rows.channel[index]],
             "time": float(rows.time[index]),
             "duration": float(rows.duration[index]),

@@ -17,9 +17,9 @@ from ivsid.identification import Identification, Parameter
 from ivsid.intervals import EndpointPair, IntervalArray
 from ivsid.log import Log
 from ivsid.records import envelope, sealed, to_json
-from ivsid.regression_rows import RegressionRows, build_rows
 from ivsid.report import Report
 from ivsid.results import allan_record, bollard_record, validation_record
+from ivsid.rows import RegressionRows, build_rows
 from ivsid.scenario import parse_scenario
 from ivsid.sensors import BoundedLog, bound_log
 from ivsid.simulation import gauss_markov

@@ -9,9 +9,9 @@ from ivsid import figures, identification, report
 from ivsid.identification import Identification
 from ivsid.log import Log, read_log
 from ivsid.records import sealed
-from ivsid.regression_rows import WINDOW
 from ivsid.report import Report, Section
 from ivsid.results import quality_record
+from ivsid.rows import WINDOW
 from ivsid.vehicle import read_vehicle
 from ivsid.workflow.common import (
     MEANING,

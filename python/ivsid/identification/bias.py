@@ -58,7 +58,8 @@ def apart(bounded: BoundedLog, vehicle: Vehicle, choice: str) -> tuple[BoundedLo
     found = {
         a: n for k, a in enumerate(AXES) for n in _NAMES[k] if n in bounded.channels and n not in bounded.log.derived
     }
-    if moved or not found or not all(sensor.axis(AXES.index(a))[0] for a in found):
+    both = sum(n in bounded.channels for pair in _NAMES for n in pair) > len(found)
+    if moved or both or not found or not all(sensor.axis(AXES.index(a))[0] for a in found):
         return None
     # The bias in the middle is one more error an axis; what it moves from there takes the place of itself at each sample.
     rule = rule_for(vehicle.sensors, bounded.rule.errors + len(found))

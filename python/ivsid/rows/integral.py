@@ -144,7 +144,9 @@ class Quadrature:
             return None, None
         psi, there = self.equations.bounded.channels["psi"], self.equations.bounded.present["psi"]
         psi = IntervalArray(np.where(there, psi.lower, 0.0), np.where(there, psi.upper, 0.0))
-        over = psi[:-1].hull(psi[1:]) + self.steps * 0.5 * swept
+        # A turn in one direction alone moves the heading away from one row and towards the next.
+        turned = IntervalArray(np.zeros(self.steps.shape), self.steps.upper) * 0.5 * swept
+        over = (psi[:-1] + turned).hull(psi[1:] - turned)
         nowhere = 0.0
         return (
             Place(Motion(psi, r), nowhere, nowhere, nowhere),

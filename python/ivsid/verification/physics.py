@@ -11,7 +11,7 @@ from fractions import Fraction
 from typing import Any, Final
 
 from ivsid.vehicle import Vehicle
-from ivsid.verification.rational import Range, sided, tanh, to_range
+from ivsid.verification.rational import Range, cosine, sided, sine, tanh, to_range
 
 CHANNELS: Final = ("surge", "sway", "yaw")
 STRIPS: Final = 160
@@ -68,7 +68,7 @@ def moving(x: Any) -> Motion:
 
 @dataclass(frozen=True)
 class State:
-    """u, v [m/s], r [rad/s] and their derivatives; the specific forces where they are measured themselves."""
+    """u, v [m/s], r [rad/s] and their derivatives; the specific forces where they are measured themselves; the heading [rad]."""
 
     u: Any
     v: Any
@@ -78,6 +78,7 @@ class State:
     rdot: Any
     measured_ax: Any = None
     measured_ay: Any = None
+    psi: Any = None
 
     @property
     def ax(self) -> Any:
@@ -109,6 +110,23 @@ def _friction(u: Any) -> Any:
     return tanh(scaled)
 
 
+def _cos(x: Any) -> Any:
+    return Motion(cosine(x.value), -(sine(x.value) * x.rate)) if isinstance(x, Motion) else cosine(x)
+
+
+def _sin(x: Any) -> Any:
+    return Motion(sine(x.value), cosine(x.value) * x.rate) if isinstance(x, Motion) else sine(x)
+
+
+def _north(s: State) -> Columns:
+    """A force of 1 N to the north pushes by (cos psi, -sin psi); on the left it stands with the other sign."""
+    return {} if s.psi is None else {"surge": -_cos(s.psi), "sway": _sin(s.psi)}
+
+
+def _east(s: State) -> Columns:
+    return {} if s.psi is None else {"surge": -_sin(s.psi), "sway": -_cos(s.psi)}
+
+
 _TERMS: Final[dict[str, tuple[str, str, Column]]] = {
     "mass.surge": ("m - X_udot", "kg", lambda s: {"surge": s.udot, "sway": s.u * s.r}),
     "mass.sway": ("m - Y_vdot", "kg", lambda s: {"surge": -(s.v * s.r), "sway": s.vdot}),
@@ -132,6 +150,10 @@ _TERMS: Final[dict[str, tuple[str, str, Column]]] = {
     "drag.yaw.quadratic": ("-N_|r|r", "N m s^2", lambda s: {"yaw": s.r.signed_square()}),
     "drag.lift.sway": ("-Y_|u|v", "kg/m", lambda s: {"sway": abs(s.u) * s.v}),
     "drag.lift.yaw": ("-N_uv", "kg", lambda s: {"yaw": s.u * s.v}),
+}
+_WIND: Final[dict[str, tuple[str, str, Column]]] = {
+    "wind.steady.north": ("", "N", _north),
+    "wind.steady.east": ("", "N", _east),
 }
 _PLAIN: Final = ("mass.surge", "mass.sway", "inertia.yaw", "drag.surge.quadratic", "drag.sway.quadratic")
 _SHARED_MASS: Final[Column] = lambda s: {"surge": s.ax, "sway": s.ay}  # noqa: E731 - beside its table
@@ -158,8 +180,11 @@ def model(vehicle: Vehicle, form: str) -> dict[str, Meaning]:
             "drag.surge.quadratic": Meaning("-X_|u|u", "kg/m", _SHARED_DRAG),
             "inertia.yaw": Meaning(*_TERMS["inertia.yaw"]),
         }
-    made = {}
+    made: dict[str, Meaning] = {}
     for id_ in _PLAIN if terms is None else terms:
+        if id_ == "wind.steady":
+            made |= {part: Meaning(*meant) for part, meant in _WIND.items()}
+            continue
         meaning = _cross_flow(vehicle) if id_ == "drag.cross_flow" else Meaning(*_TERMS[id_])
         if form == "added" and id_ in _ADDED:
             name, symbol = _ADDED[id_]

@@ -56,6 +56,12 @@ class PoseVelocities:
         turned = np.full(psi.shape, np.nan)
         turned[there] = np.unwrap(psi[there])
         self.turns = np.where(there, np.round((turned - psi) / (2 * np.pi)), 0.0).astype(np.int64)
+        # A truth that turns by less than pi gives readings less than pi - 2 e apart only the right way round.
+        uncertain = np.zeros(psi.shape, dtype=np.int64)
+        uncertain[np.flatnonzero(there)[1:]] = (
+            np.abs(np.diff(turned[there])) >= np.pi - 2 * sensors.heading.accuracy - 1e-10
+        )
+        self.piece = np.cumsum(uncertain)
         self.halves = self._windows(sensors)
         self._exact: dict[tuple[int, int], dict[str, Range]] = {}
         self._proposed = self._propose(turned)
@@ -75,7 +81,7 @@ class PoseVelocities:
             and limits.acceleration is not None
         )
         wanted = tuple(n for n in ("u", "v", "r") if n not in columns and (turn if n == "r" else move))
-        if not wanted or ("u" in columns) != ("v" in columns):
+        if not wanted or ("u" in columns) != ("v" in columns) or sensors.from_pose != "enclosed":
             return None
         return cls(log, sensors, exact, raw, time, wanted)
 
@@ -88,7 +94,7 @@ class PoseVelocities:
         ends = []
         for proposal in (lower, upper):
             row = int(proposal.row[i])
-            near = self._from_window(row, int(proposal.half[row]))[name]
+            near = self._from_window(row, int(proposal.half[row]), name)
             apart = abs(self.time(i) - self.time(row)) if row != i else Range(0)
             ends.append(near + sided(rate * apart))
         return Range(ends[0].lower, ends[1].upper)
@@ -102,28 +108,27 @@ class PoseVelocities:
         halves = {max(1, round(0.5 * s * b / self.log.period)) for b in best for s in SHARES}
         return sorted(h for h in halves if 2 * h < self.log.t.size)
 
-    def _pose(self, i: int) -> tuple[Range, Range, Range]:
-        psi = self.raw("psi", i) + pi() * (2 * int(self.turns[i])) + sided(self.heading)
-        if not self.moving:
-            return psi, psi, psi
-        x, y = (self.raw(c, i) + sided(self.place) for c in ("x", "y"))
-        return x, y, psi
+    def _turned(self, i: int) -> Range:
+        psi: Range = self.raw("psi", i) + pi() * (2 * int(self.turns[i])) + sided(self.heading)
+        return psi
 
-    def _from_window(self, at: int, half: int) -> dict[str, Range]:
+    def _from_window(self, at: int, half: int, name: str) -> Range:
         key = (at, half)
-        if key not in self._exact:
-            self._exact[key] = self._window(at, half)
-        return self._exact[key]
+        known = self._exact.setdefault(key, {})
+        if name not in known:
+            known.update(self._window(at, half, moving=name != "r"))
+        return known[name]
 
-    def _window(self, at: int, half: int) -> dict[str, Range]:
-        (x0, y0, psi0), (x1, y1, psi1) = self._pose(at - half), self._pose(at + half)
+    def _window(self, at: int, half: int, *, moving: bool) -> dict[str, Range]:
+        psi0, psi1 = self._turned(at - half), self._turned(at + half)
         before = self.time(at) - self.time(at - half)
         after, span = self.time(at + half) - self.time(at), self.time(at + half) - self.time(at - half)
         weight = (before.square() + after.square()) / (span * 2)
         mean = (psi1 - psi0) / span
         found = {"r": mean + sided(weight * self.yaw)}
-        if not self.moving:
+        if not moving:
             return found
+        x0, y0, x1, y1 = (self.raw(c, i) + sided(self.place) for i in (at - half, at + half) for c in ("x", "y"))
         own = root(Range(2)) * self.limit
         rate = (mean + sided(span * self.yaw / 2)).largest()
         north, east = (x1 - x0) / span, (y1 - y0) / span
@@ -131,7 +136,7 @@ class PoseVelocities:
         speed = root(north.square() + east.square())
         fastest = (speed + own * span / 2) / Range(room.lower)
         off = sided((own + rate * fastest) * weight)
-        heading = self._pose(at)[2]
+        heading = self._turned(at)
         c, s = cosine(heading), sine(heading)
         return {**found, "u": north * c + east * s + off, "v": east * c - north * s + off}
 
@@ -167,7 +172,7 @@ class PoseVelocities:
         span = t[j] - t[i]
         weight = ((t[at] - t[i]) ** 2 + (t[j] - t[at]) ** 2) / (2 * span)
         error, yaw = float(self.heading.upper), float(self.yaw.upper)
-        mean = (psi[j] - psi[i]) / span
+        mean = np.where(self.piece[i] == self.piece[j], psi[j] - psi[i], np.nan) / span
         result = {"r": (mean, 2 * error / span + weight * yaw)}
         if not self.moving:
             return at, result
@@ -185,7 +190,7 @@ class PoseVelocities:
         u = _sum(_product(north_range, c), _product(east_range, s))
         v = _sum(_product(east_range, c), _product((-north_range[1], -north_range[0]), s))
         for name, (least, most) in (("u", u), ("v", v)):
-            here = 0.5 * (least + most) + 0.0 * x[at] * y[at]
+            here = 0.5 * (least + most) + 0.0 * x[at] * y[at] + 0.0 * mean
             result[name] = (here, 0.5 * (most - least) + reach)
         return at, result
 

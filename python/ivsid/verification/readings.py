@@ -1,4 +1,8 @@
-"""Readings to ranges: the sensors' half-widths once more, in fractions (METHODS 5.1)."""
+"""Readings to ranges: the sensors' half-widths once more, in fractions (METHODS 5.1).
+
+With the accelerometer's bias taken apart, a reading is the truth plus one number for the log within this range: what the bias moves
+away from its value in the middle of the log has k B sqrt(2 (1 - exp(-|t - t_m| / T))) at each sample.
+"""
 
 from __future__ import annotations
 
@@ -12,23 +16,53 @@ import numpy as np
 from ivsid.log import Log
 from ivsid.vehicle import InertialSensor, Vehicle
 from ivsid.verification.decimals import Decimals
+from ivsid.verification.errors import UnprovedError
 from ivsid.verification.pose import PoseVelocities
-from ivsid.verification.rational import Range, cosine, normal_factor, root, sided, sine
+from ivsid.verification.rates import Rates
+from ivsid.verification.rational import Range, cosine, exponential, normal_factor, pi, root, sided, sine
 
 DEFAULT_CONFIDENCE: Final = 0.999
 _ACCELERATIONS: Final = {"udot": 0, "vdot": 1, "ax": 0, "ay": 1}
 _PLAIN: Final = {"force_X": "force", "force_Y": "force", "moment_N": "moment", "rdot": "yaw_acceleration"}
 EARTH: Final = ("velocity_north", "velocity_east", "psi")
+# What a velocity sensor with a scale factor error shows.
+_VELOCITIES: Final = ("u", "v", "velocity_north", "velocity_east")
+AXES: Final = ("x", "y")
 
 
 class Readings:
     """Every channel of a log as ranges that hold the truth under the vehicle file's assumptions."""
 
-    def __init__(self, log: Log, vehicle: Vehicle) -> None:
+    def __init__(self, log: Log, vehicle: Vehicle, *, apart: bool = False) -> None:
         self.log, self.vehicle, self.exact = log, vehicle, Decimals(vehicle.text)
+        self._certain_turns()
+        self.apart = self._one_bias() if apart else {}
         self._made: dict[tuple[str, int], Range | None] = {}
         self._times: dict[int, Range] = {}
         self._pose = PoseVelocities.of(log, vehicle.sensors, self.exact, self.raw, self.time)
+        self._rates = Rates(log, vehicle.sensors.limits, self.exact, self)
+
+    def _certain_turns(self) -> None:
+        most, heading = self.log.certain.get("psi"), self.vehicle.sensors.heading
+        if most is not None and heading is not None and self.exact(heading.accuracy).upper >= Fraction(most):
+            raise UnprovedError("the way round from one sample of psi to the next is not certain")
+
+    def _one_bias(self) -> dict[str, str]:
+        """The channel of each axis of an accelerometer whose bias is one unknown of the log."""
+        sensor, sensors = self.vehicle.sensors.acceleration, self.vehicle.sensors
+        names = [n for n in _ACCELERATIONS if n in self.log.columns]
+        found = {AXES[_ACCELERATIONS[n]]: n for n in names}
+        if sensor is None or sensors.sigmas is not None or not names or len(found) < len(names):
+            raise UnprovedError("a bias can be taken apart under confidence only, from one acceleration an axis")
+        if sensor.sampling == "averaged" or sensor.off_origin or sensor.turned or sensor.gravity:
+            raise UnprovedError("the bias of a mounted or averaging accelerometer cannot be taken apart")
+        return found
+
+    def bias(self, axis: str) -> Range:
+        """All that an accelerometer's bias may be in the middle of the log [m/s^2]."""
+        sensor = self.vehicle.sensors.acceleration
+        assert sensor is not None
+        return sided(self.factor * self.exact(_axis(sensor.bias_instability, AXES.index(axis))))
 
     def time(self, i: int) -> Range:
         """A time [s]: its decimals, and what a conversion lost."""
@@ -44,10 +78,34 @@ class Readings:
             return None
         value, lost = float(values[i]), self.log.rounding.get(name)
         off = 0.0 if lost is None or math.isnan(lost[i]) else float(lost[i])
-        return around(value, off)
+        made = around(value, off)
+        velocity = self.vehicle.sensors.velocity
+        if (
+            name in self.log.by_rate
+            and name in _VELOCITIES
+            and velocity is not None
+            and velocity.scale_factor_sign >= 0
+        ):
+            # What the velocity itself may have moved shows in a reading with the scale factor.
+            made = made + sided(self.exact(velocity.scale_factor_error).upper * Fraction(off))
+        return made
+
+    def heading(self, i: int) -> Range | None:
+        """The heading [rad] but for whole turns; None where it is missing or nothing bounds it."""
+        psi, heading = self.raw("psi", i), self.vehicle.sensors.heading
+        return None if psi is None or heading is None else psi + sided(self.exact(heading.accuracy))
+
+    def whole_turns(self, name: str, i: int) -> Range:
+        """The multiple of a turn to add to an angle at the next row: the shorter way from here."""
+        values = self.log.columns[name]
+        return pi() * (-2 * round(float(values[i + 1] - values[i]) / (2 * math.pi)))
 
     def has(self, name: str) -> bool:
         """Whether the channel is logged, or follows from the pose, and is bounded."""
+        return self.logged(name) or self._rates.made(name)
+
+    def logged(self, name: str) -> bool:
+        """The same but for accelerations that only follow from velocities."""
         if self._pose is not None and name in self._pose.wanted:
             return True
         sensors = self.vehicle.sensors
@@ -56,7 +114,10 @@ class Readings:
         if name in self.log.derived:
             return sensors.velocity is not None and sensors.heading is not None
         if name in _ACCELERATIONS:
-            return sensors.acceleration is not None
+            # The mean over a sample is no acceleration at a moment.
+            return sensors.acceleration is not None and not (
+                sensors.acceleration.sampling == "averaged" and name in ("ax", "ay")
+            )
         if name in _PLAIN:
             return getattr(sensors, _PLAIN[name]) is not None
         return {"r": sensors.yaw_rate, "u": sensors.velocity, "v": sensors.velocity}.get(name) is not None
@@ -72,6 +133,8 @@ class Readings:
         sensors = self.vehicle.sensors
         if self._pose is not None and name in self._pose.wanted:
             return self._pose.velocity(name, i)
+        if not self.logged(name):
+            return self._rates.rate(name, i)
         if name in self.log.derived:
             return self._from_earth(name, i)
         reading = self.raw(name, i)
@@ -82,7 +145,7 @@ class Readings:
         if name in _ACCELERATIONS and sensors.acceleration is not None:
             return reading + sided(self._half_width(sensors.acceleration, _ACCELERATIONS[name], name, i))
         if name == "r" and sensors.yaw_rate is not None:
-            return reading + sided(self._half_width(sensors.yaw_rate, 0, name, i))
+            return reading + sided(self._half_width(sensors.yaw_rate, 0, name, i) + self._since_average(i))
         return self._doppler(reading)
 
     def _doppler(self, reading: Range) -> Range:
@@ -117,7 +180,8 @@ class Readings:
             count += n * ((walk > 0) + (bias > 0)) + 4 * (sensor.rate_random_walk > 0)
         if vehicle.ambient is not None:
             count += 2 * n * (2 * (vehicle.ambient.force > 0) + (vehicle.ambient.moment > 0))
-        return int(count)
+        # The bias in the middle is one more error an axis.
+        return int(count) + len(self.apart)
 
     @cached_property
     def factor(self) -> Range:
@@ -144,7 +208,24 @@ class Readings:
             step = Range(max(self._interval(name, j) for j in (range(t.size) if len(set(np.diff(t))) > 1 else (0,))))
             noise = walk / root(step) + root(step / self.exact(_axis(sensor.bias_time, axis))) * bias
             return k * noise + drift + self.exact(sensor.accuracy)
+        if name in self.apart.values():
+            bias = bias * self._moved(self.exact(_axis(sensor.bias_time, axis)), i)
         return k * walk / root(Range(self._interval(name, i))) + k * bias + drift + self.exact(sensor.accuracy)
+
+    def _moved(self, time: Range, i: int) -> Range:
+        """Of a Gauss-Markov bias: what it moves from the middle of the log to a sample, in its own standard deviations."""
+        away = abs(self.time(i) * 2 - self.time(0) - self.time(self.log.t.size - 1)) / 2
+        return root((1 - exponential(-(away / time))) * 2)
+
+    def _since_average(self, i: int) -> Range:
+        """How far the yaw rate may have moved from its mean over the step before."""
+        sensor, limit = self.vehicle.sensors.yaw_rate, self.vehicle.sensors.limits.yaw_acceleration
+        if sensor is None or sensor.sampling != "averaged":
+            return Range(0)
+        if limit is None:
+            raise UnprovedError("an averaging gyro needs [sensors.limits] yaw_acceleration")
+        k = i - 1 if i else int(np.argmax(np.diff(self.log.t)))
+        return self.exact(limit) * (self.time(k + 1) - self.time(k)) / 2
 
     @cached_property
     def _period(self) -> Fraction:

@@ -12,14 +12,17 @@ import numpy as np
 
 from ivsid.log import Log
 from ivsid.vehicle import Vehicle
+from ivsid.verification.errors import UncheckedError, UnprovedError
 from ivsid.verification.physics import CHANNELS, Column, Columns, Meaning, Motion, State, model, moving, rigid_body
 from ivsid.verification.rational import Range, sided
-from ivsid.verification.readings import Readings
-from ivsid.verification.thrusters import Thrusters, UnprovedError
+from ivsid.verification.readings import AXES, Readings
+from ivsid.verification.thrusters import Thrusters
+from ivsid.verification.unchecked import not_recomputed
 
 HALF: Final = Range(Fraction(1, 2))
 QUARTER: Final = Range(Fraction(1, 4))
 _STILL: Final = moving(0)
+KINDS: Final = ("pointwise", "integral", "weak", *(f"bias.{axis}" for axis in AXES))
 
 
 @dataclass(frozen=True)
@@ -33,9 +36,9 @@ class Row:
 class Rows:
     """Rows of a model, made when they are asked for."""
 
-    def __init__(self, log: Log, vehicle: Vehicle, form: str) -> None:
+    def __init__(self, log: Log, vehicle: Vehicle, form: str, *, apart: bool = False) -> None:
         self.log, self.vehicle = log, vehicle
-        self.readings = Readings(log, vehicle)
+        self.readings = Readings(log, vehicle, apart=apart)
         self.thrusters = Thrusters(self.readings)
         self.terms: dict[str, Meaning] = model(vehicle, form)
         exact = self.readings.exact
@@ -43,19 +46,33 @@ class Rows:
         x_g, y_g = exact.pair(vehicle.hull.centre_of_gravity)
         mx, my, left_out = mass * x_g, mass * y_g, mass if form == "added" else None
         self.known: Column = lambda s: rigid_body(s, mx, my, left_out)
+        self.turning = any(id_.startswith("wind.") for id_ in self.terms)
+        self.unknowns = {f"bias.{a}.{c}": (a, c) for a in self.readings.apart for c in CHANNELS if self._has_bias(a, c)}
+        self.beyond = not_recomputed(log, vehicle)
         self._made: dict[tuple[str, int, int], Row] = {}
         self._node: dict[int, State] = {}
         self._step: dict[tuple[str, int], dict[str, Range]] = {}
         self._length: dict[int, Range] = {}
 
-    def row(self, channel: str, time: float, duration: float) -> Row:
+    def row(self, kind: str, channel: str, time: float, duration: float) -> Row:
         """The row of a channel's equation that starts at a time of the log and lasts so long; 0 for a pointwise one.
 
         Raises:
             UnprovedError: no such row can be made, and why.
+            UncheckedError: it may hold, but the checker does not know how to make it.
         """
         if channel not in CHANNELS:
             raise UnprovedError(f"there is no equation '{channel}'")
+        if kind not in KINDS:
+            raise UnprovedError(f"there is no row of the kind '{kind}'")
+        if kind == "weak":
+            raise UncheckedError("rows straight from the pose are not recomputed by the checker")
+        if kind in self.beyond or "" in self.beyond:
+            raise UncheckedError(self.beyond.get("", self.beyond.get(kind, "")))
+        if kind.startswith("bias."):
+            return self._bias(kind.removeprefix("bias."), channel)
+        if (duration > 0) != (kind == "integral"):
+            raise UnprovedError(f"a row of {duration!r} s is not of the kind '{kind}'")
         t = self.log.t
         first = int(np.searchsorted(t, time))
         if first >= t.size or t[first] != time:
@@ -71,6 +88,24 @@ class Rows:
         if key not in self._made:
             self._made[key] = self._integral(*key) if duration else self._pointwise(channel, first)
         return self._made[key]
+
+    def _share(self, columns: Column, axis: str, channel: str) -> Range:
+        """What one unit of acceleration adds to a column."""
+        return _value(columns, _at_rest("udot" if axis == "x" else "vdot"), channel)
+
+    def _has_bias(self, axis: str, channel: str) -> bool:
+        """Whether an accelerometer's bias adds to a channel's equation."""
+        columns = [self.known, *(m.columns for m in self.terms.values())]
+        return any(self._share(c, axis, channel).magnitude for c in columns)
+
+    def _bias(self, axis: str, channel: str) -> Row:
+        """With C the sum of what multiplies the acceleration: the unknown is the bias times C, and the bias has a bound."""
+        id_ = f"bias.{axis}.{channel}"
+        if id_ not in self.unknowns:
+            raise UnprovedError(f"no {id_} was taken apart")
+        reach = self.readings.bias(axis)
+        matrix = {k: reach * self._share(m.columns, axis, channel) for k, m in self.terms.items()}
+        return Row({**matrix, id_: Range(1)}, reach * self._share(self.known, axis, channel))
 
     def _velocity(self, name: str, i: int) -> Range:
         x = self.readings.channel(name, i)
@@ -91,15 +126,23 @@ class Rows:
         vdot = self._derivative("vdot", i, None if ay is None else ay - u * r)
         limit = self.vehicle.sensors.limits.yaw_acceleration
         bound = None if limit is None or self.readings.has("rdot") else sided(self.readings.exact(limit))
-        state = State(u, v, r, udot, vdot, self._derivative("rdot", i, bound), ax, ay)
+        psi = self._heading(i) if self.turning else None
+        state = State(u, v, r, udot, vdot, self._derivative("rdot", i, bound), ax, ay, psi)
         force = self.thrusters.at_row(i, lambda: (u, v, r))[CHANNELS.index(channel)]
         matrix = {k: _value(m.columns, state, channel) for k, m in self.terms.items()}
+        matrix |= {id_: Range(-1) for id_, (_, c) in self.unknowns.items() if c == channel}
         return Row(matrix, force - _value(self.known, state, channel) + self._ambient(channel))
 
     def _derivative(self, name: str, i: int, otherwise: Range | None) -> Any:
         """A measured acceleration, or what follows from others; what is not known must not be used."""
         x = self.readings.channel(name, i) if self.readings.has(name) else otherwise
         return _Unknown(name) if x is None else x
+
+    def _heading(self, i: int) -> Range:
+        psi = self.readings.heading(i)
+        if psi is None:
+            raise UnprovedError(f"psi is missing or unbounded in row {i}")
+        return psi
 
     def _integral(self, channel: str, first: int, last: int) -> Row:
         """The mean of the equation over a window: exact differences, and a quadrature with its error."""
@@ -139,7 +182,11 @@ class Rows:
     @staticmethod
     def _moves(columns: Column, channel: str) -> bool:
         """Whether velocities stand in a column, asked at two states."""
-        states = [State(*(Range(Fraction(x, 10)) for x in (*v, 0, 0, 0))) for v in ((3, 7, 11), (-9, 4, -2))]
+        still, here = Range(0), Range(Fraction(3, 10))
+        states = [
+            State(u, v, r, still, still, still, psi=here)
+            for u, v, r in (tuple(Range(Fraction(x, 10)) for x in nu) for nu in ((3, 7, 11), (-9, 4, -2)))
+        ]
         return any(_value(columns, s, channel).magnitude for s in states)
 
     @cached_property
@@ -165,12 +212,19 @@ class Rows:
     def _node_state(self, i: int) -> State:
         if i not in self._node:
             u, v, r = (Motion(self._velocity(n, i), sided(self._limits[n])) for n in ("u", "v", "r"))
-            self._node[i] = State(u, v, r, _STILL, _STILL, _STILL)
+            psi = Motion(self._heading(i), r.value) if self.turning else None
+            self._node[i] = State(u, v, r, _STILL, _STILL, _STILL, psi=psi)
         return self._node[i]
 
     def _step_state(self, k: int) -> State:
         u, v, r = (Motion(x, sided(self._limits[n])) for n, x in zip(("u", "v", "r"), self._swept(k)(), strict=True))
-        return State(u, v, r, _STILL, _STILL, _STILL)
+        if not self.turning:
+            return State(u, v, r, _STILL, _STILL, _STILL)
+        # Away from one row, and towards the next.
+        turned = Range(0).hull(self._step_length(k)) * HALF * r.value
+        end = self._heading(k + 1) + self.readings.whole_turns("psi", k)
+        psi = Motion((self._heading(k) + turned).hull(end - turned), r.value)
+        return State(u, v, r, _STILL, _STILL, _STILL, psi=psi)
 
     def _swept(self, k: int) -> Callable[[], tuple[Range, Range, Range]]:
         """All that u, v, r can be over a step."""

@@ -13,19 +13,18 @@ import numpy as np
 
 from ivsid import units
 from ivsid.vehicle import Thruster
-from ivsid.verification.rational import ONE, Range, cosine, exponential, sided, sine, weighted
+from ivsid.verification.errors import UncheckedError, UnprovedError
+from ivsid.verification.rational import ONE, Range, cosine, exponential, pi, sided, sine, weighted
 from ivsid.verification.readings import Readings
 
 GAP: Final = 2.5
 # What is left of a thrust after so many steps of a lag is far below a double's last place.
 FORGOTTEN: Final = ONE >> 130
+# Decimals of a demand and of the curve's end may round apart by this share of them.
+EDGE: Final = Fraction(2, 10**12)
 
 Forces: TypeAlias = tuple[Range, Range, Range]
 Motion: TypeAlias = tuple[Range, Range, Range]
-
-
-class UnprovedError(Exception):
-    """What the checker cannot recompute, in a sentence."""
 
 
 class Curve:
@@ -105,14 +104,31 @@ class Curve:
             self._known[key] = self._thrust(demand)
         return self._known[key]
 
+    def inside(self, demand: Range) -> Range:
+        """Demands with those outside of the curve held at its ends.
+
+        Raises:
+            UnprovedError: a demand may lie outside, and the vehicle file does not say that it is held there.
+        """
+        if (covered := self.range) is None:
+            return demand
+        edge = covered.magnitude * EDGE
+        if self.thruster.outside != "hold" and not demand.inside(covered.lower - edge, covered.upper + edge):
+            raise UnprovedError(f"a demand of thruster {self.thruster.name} lies outside its curve")
+        return clipped(demand, covered)
+
+    def of_shaft(self, speed: Range) -> Range:
+        """The thrust at a shaft's speed; on its way from rest to a curve that does not begin there, anything between none and the nearer end's."""
+        covered, rest = self.range, self.neutral
+        assert covered is not None
+        thrust = self.thrust(clipped(speed, covered))
+        below, above = rest.low < covered.low, rest.high > covered.high
+        starting = (below and speed.low < covered.low) or (above and speed.high > covered.high)
+        return thrust.hull(Range(0)) if starting else thrust
+
     def _thrust(self, demand: Range) -> Range:
         t = self.thruster
-        if (covered := self.range) is not None:
-            beyond = demand.low > covered.high or demand.high < covered.low
-            if beyond and t.outside != "hold":
-                raise UnprovedError(f"a demand of thruster {t.name} lies outside its curve")
-            ends = [min(max(e, covered.low), covered.high) for e in (demand.low, demand.high)]
-            demand = Range.raw(ends[0], ends[1])
+        demand = self.inside(demand)
         force = self._claimed(demand - self.neutral, self._over(demand - self.neutral))
         accuracy = t.accuracy
         return force + sided(self.exact(accuracy.absolute) + self.exact(accuracy.relative) * force.largest())
@@ -148,6 +164,12 @@ class Curve:
         if t.reverse_factor is not None:
             force = force.positive_part() + force.negative_part() * self.exact(t.reverse_factor)
         return force
+
+
+def clipped(x: Range, covered: Range) -> Range:
+    """Each end brought into another range."""
+    ends = [min(max(e, covered.low), covered.high) for e in (x.low, x.high)]
+    return Range.raw(ends[0], ends[1])
 
 
 def _end_slope(h: Fraction, h_next: Fraction, m: Fraction, m_next: Fraction) -> Fraction:
@@ -187,11 +209,29 @@ class Thrusters:
     def over_step(self, i: int, motion: Callable[[], Motion]) -> Forces:
         """Their means from a row to the next one."""
         if not self.curves:
-            x, y, n = (
-                self._logged(name, i).hull(self._logged(name, i + 1)) for name in ("force_X", "force_Y", "moment_N")
-            )
+            x, y, n = (self._between(name, i) for name in ("force_X", "force_Y", "moment_N"))
             return x, y, n
         return self._total([self._pushed(c, i, motion, over=True) for c in self.curves])
+
+    def _between(self, name: str, i: int) -> Range:
+        """A logged force over a step: from all samples that the log has there, else between the values of both rows."""
+        swept = self._swept(name, i)
+        if swept is None:
+            return self._logged(name, i).hull(self._logged(name, i + 1))
+        sensor = self.vehicle.sensors.moment if name == "moment_N" else self.vehicle.sensors.force
+        if sensor is None:
+            raise UnprovedError(f"nothing bounds {name}")
+        return swept + sided(self.readings.exact(sensor.accuracy))
+
+    def _swept(self, name: str, i: int) -> Range | None:
+        """The readings of a channel over the step after a row; None where the rows are all that the log has."""
+        sweep = self.log.over.get(name)
+        if sweep is None:
+            return None
+        lower, upper = float(sweep.lower[i]), float(sweep.upper[i])
+        if not (np.isfinite(lower) and np.isfinite(upper)):
+            raise UnprovedError(f"{name} is not known over the step after t = {self.log.t[i]!r} s")
+        return Range(Fraction(lower), Fraction(upper))
 
     def _logged(self, name: str, i: int) -> Range:
         force = self.readings.channel(name, i)
@@ -213,7 +253,7 @@ class Thrusters:
     def _pushed(self, curve: Curve, i: int, motion: Callable[[], Motion], *, over: bool) -> Forces:
         t, name = curve.thruster, f"demand_{curve.thruster.name}"
         if t.rudder is not None:
-            raise UnprovedError(f"thruster {t.name} has a rudder, which is not checked")
+            raise UncheckedError(f"the force of the rudder behind thruster {t.name} is not recomputed by the checker")
         shares = self._shares(curve, i, over=over)
         if t.time_constant:
             at, mean = self._lagged(curve, i)
@@ -235,12 +275,22 @@ class Thrusters:
         t = curve.thruster
         if t.steering == "azimuth":
             x, y = curve.exact.pair(t.position)
-            angle = self._demand(f"azimuth_{t.name}", i)
-            if over and not self.held:
-                angle = angle.hull(self._demand(f"azimuth_{t.name}", i + 1))
+            angle = self._angle(f"azimuth_{t.name}", i, over=over)
             c, s = cosine(angle), sine(angle)
             return c, s, s * x - c * y
         return curve.shares
+
+    def _angle(self, name: str, i: int, *, over: bool) -> Range:
+        """An angle at a row, or all that it passes over the step after it."""
+        here = self._demand(name, i)
+        swept = self._swept(name, i) if over else None
+        if swept is not None:
+            return swept
+        if not over or self.held:
+            return here
+        both = here.hull(self._demand(name, i + 1) + self.readings.whole_turns(name, i))
+        # Where half a turn is not excluded, either way round is possible.
+        return both if (both.upper - both.lower) < pi().lower else Range(-4, 4)
 
     def _lagged(self, curve: Curve, i: int) -> tuple[Range, Range]:
         """Thrust at a row and its mean over the step after it, behind a first-order lag of held demands."""
@@ -256,10 +306,8 @@ class Thrusters:
             goal, share = self._goal(curve, i, shaft=False), self._decay(curve, i)[1]
             made = state, state if goal is None else weighted(share, state, goal)
         else:
-            after = Range(max(state.lower, covered.lower), min(state.upper, covered.upper))
-            following = self._state(curve, i + 1, covered, shaft=True) if i + 1 < self.log.t.size else after
-            following = Range(max(following.lower, covered.lower), min(following.upper, covered.upper))
-            made = curve.thrust(after), curve.thrust(after.hull(following))
+            following = self._state(curve, i + 1, covered, shaft=True) if i + 1 < self.log.t.size else state
+            made = curve.of_shaft(state), curve.of_shaft(state.hull(following))
         self._lag[key] = made
         return made
 
@@ -267,7 +315,7 @@ class Thrusters:
         demand = self.readings.raw(f"demand_{curve.thruster.name}", i)
         if demand is None:
             return None
-        return demand if shaft else curve.thrust(demand)
+        return curve.inside(demand) if shaft else curve.thrust(demand)
 
     def _decay(self, curve: Curve, i: int) -> tuple[Range, Range]:
         """e^(-h / tau) over the step after a row, and the share of the start in the mean over it."""
@@ -282,8 +330,8 @@ class Thrusters:
         return self._decays[key]
 
     def _state(self, curve: Curve, i: int, covered: Range, *, shaft: bool) -> Range:
-        """The lag's state at a row: from all that the curve allows, at the last gap or long enough ago."""
-        start = covered if shaft else curve.thrust(covered)
+        """The lag's state at a row: from rest or all that the curve allows, at the last gap or long enough ago."""
+        start = covered.hull(curve.neutral) if shaft else curve.thrust(covered).hull(Range(0))
         key = (self.curves.index(curve), i)
         if key in self._states:
             return self._states[key]

@@ -28,8 +28,9 @@ class Verification:
     """A verdict.
 
     Attributes:
-        status: ``proved`` or ``failed``.
+        status: ``proved``, ``failed``, or ``not_checked`` where nothing failed and part of it cannot be recomputed.
         failures: which certificate or claim failed, and why; empty where all is proved.
+        not_checked: what the checker does not know how to recompute.
         claim: the status of the result that was checked, such as ``enclosed``.
         certificates: how many hold.
         rows: how many rows of the log they use.
@@ -40,6 +41,7 @@ class Verification:
 
     status: str
     failures: tuple[str, ...]
+    not_checked: tuple[str, ...]
     claim: str
     certificates: int
     rows: int
@@ -58,6 +60,7 @@ class Verification:
             "status": self.status,
             "claim": self.claim,
             "failures": list(self.failures),
+            "not_checked": list(self.not_checked),
             "certificates": self.certificates,
             "rows": self.rows,
             "not_proved": list(NOT_PROVED),
@@ -83,14 +86,15 @@ def verify(result: str | Path, log: str | Path | Log) -> Verification:
         read = read_result(path)
     except DamagedError as error:
         shown = log.name if isinstance(log, Log) else Path(log).name
-        return Verification("failed", (f"the result is damaged: {error}",), "", 0, 0, name, shown, ())
+        return Verification("failed", (f"the result is damaged: {error}",), (), "", 0, 0, name, shown, ())
     data = log if isinstance(log, Log) else read_log(log, read.vehicle.log)
     checker = Checker(read, data)
     checker.run()
     inputs = ((read.vehicle.source, read.vehicle.sha256), (data.name, data.sha256))
     return Verification(
-        "failed" if checker.failures else "proved",
+        "failed" if checker.failures else "not_checked" if checker.unknown else "proved",
         tuple(checker.failures),
+        tuple(checker.unknown),
         read.record["status"],
         checker.certificates,
         len(checker.rows_used),

@@ -33,6 +33,8 @@ def verify(result: str | Path, log: str | Path, *, progress: Progress = silent) 
             ),
         )
     ]
+    if verdict.not_checked:
+        sections.insert(0, Section("What was not checked", (report.bullets(verdict.not_checked),)))
     if verdict.failures:
         sections.insert(0, Section("What failed", (report.bullets(verdict.failures),)))
     return Report(
@@ -52,6 +54,11 @@ def verdict_lines(verdict: Verification) -> list[str]:
         return [
             f"PROVED: {verdict.result_name} ({verdict.claim}) follows from {verdict.log_name}: {verdict.certificates} certificates "
             f"over {verdict.rows} rows hold in exact arithmetic"
+        ]
+    if verdict.status == "not_checked":
+        return [
+            f"NOT CHECKED: {verdict.result_name} ({verdict.claim}) holds if its rows do, but not all of them can be recomputed from {verdict.log_name}",
+            *(f"  {sentence}" for sentence in verdict.not_checked),
         ]
     lines = [
         f"NOT PROVED: {verdict.result_name} does not follow from {verdict.log_name}; {len(verdict.failures)} checks failed"

@@ -111,7 +111,8 @@ def _pose(log: Log, sensors: Sensors, *, moving: bool) -> _Pose:
     turned[there], more = unwrapped(psi[there])
     lost[there] += more
     # A truth that turns by less than pi gives readings less than pi - 2 e apart only the right way round.
-    most = np.pi - 2 * sensors.heading.accuracy - 1e-9
+    off = sensors.heading.accuracy + lost[there]
+    most = np.pi - off[1:] - off[:-1] - 1e-9
     piece[np.flatnonzero(there)[1:]] = np.abs(np.diff(turned[there])) >= most
     piece = np.cumsum(piece)
     heading = IntervalArray.around(turned, lost) + _reach(sensors.heading.accuracy)

@@ -1,7 +1,7 @@
 """Logs: files of many kinds to checked channels in SI units and the contract's axes (INTERFACE.md).
 
 One file a format (``text``, ``matlab``, ``rosbag``, ``dataflash``; ``formats`` tells them apart), and one a step:
-``channels`` maps and turns, ``clocks`` brings to one clock, ``sweep`` keeps what stands between rows, ``quality`` examines, ``reader`` calls them in order.
+``channels`` maps and turns, ``clocks`` and ``one_clock`` bring to one clock, ``sweep`` keeps what stands between rows, ``quality`` examines, ``reader`` calls them in order.
 """
 
 from ivsid.log.channels import COLUMNS

@@ -15,6 +15,7 @@ from ivsid.derivatives import with_accelerations
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
+from ivsid.log.angles import unwrapped
 from ivsid.origin import at_origin
 from ivsid.pose import with_velocities
 from ivsid.smoothing import splined
@@ -222,13 +223,11 @@ def _heading(log: Log, accuracy: float) -> tuple[IntervalArray, NDArray[np.bool_
     """The heading [rad], without jumps of whole turns."""
     psi = log.columns["psi"]
     there = ~np.isnan(psi)
-    turned = np.zeros(psi.shape)
-    turned[there] = np.unwrap(psi[there])
+    turned, lost = np.zeros(psi.shape), log.error("psi")
+    turned[there], more = unwrapped(psi[there])
+    lost[there] += more
     reach = np.nextafter(accuracy, np.inf)
-    # Whole turns are multiples of a rounded 2 pi.
-    around = IntervalArray.around(turned, log.error("psi") + 4 * np.spacing(np.abs(turned) + 7.0)) + IntervalArray(
-        -reach, reach
-    )
+    around = IntervalArray.around(turned, lost) + IntervalArray(-reach, reach)
     return IntervalArray(np.where(there, around.lower, -np.inf), np.where(there, around.upper, np.inf)), there
 
 

@@ -30,6 +30,7 @@ from scipy.ndimage import maximum_filter1d
 
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
+from ivsid.log.angles import unwrapped
 from ivsid.pose import DIAGONAL, POSE
 from ivsid.vehicle import Sensors
 
@@ -164,7 +165,7 @@ def pose_means(
     there &= np.all([np.isfinite(channels[n].lower) for n in ("u", "v", "r")], axis=0)
     known = ~np.isnan(log.columns["psi"])
     psi = log.columns["psi"].copy()
-    psi[known] = np.unwrap(psi[known])
+    psi[known] = unwrapped(psi[known])[0]
     return PoseMeans(log, sensors, channels, steps, _bridged(log.t, psi), there)
 
 

@@ -1,5 +1,7 @@
 """Rows hold at the truth: the one property that everything after them rests on."""
 
+from dataclasses import replace
+
 import numpy as np
 import polars as pl
 import pytest
@@ -283,3 +285,21 @@ def test_a_force_that_pulses_between_the_rows_does_not_prove_a_wrong_mass(tmp_pa
     )
     assert fit.parameters["drag.surge.linear"].lower <= drag <= fit.parameters["drag.surge.linear"].upper
     assert "force_X lies between the values of neighbouring samples" in fit.assumes
+
+
+def test_a_known_coupling_that_cancels_keeps_the_rounding_of_its_parts():
+    """In decimals m x_G r^2 = -m y_G rdot exactly; the doubles of both parts are not each other's negative."""
+    vehicle = parse_vehicle(
+        'name = "a"\n[hull]\nmass = 3.3\ncentre_of_gravity = [0.1, -0.3]\n[sensors.velocity]\naccuracy = 1\n[sensors.yaw_rate]\n'
+        "accuracy = 1\n[sensors.yaw_acceleration]\naccuracy = 1\n[sensors.acceleration]\naccuracy = 1\n[sensors.force]\naccuracy = 1\n"
+        '[sensors.moment]\naccuracy = 1\n[model]\nterms = ["mass.surge"]\n',
+        "a.toml",
+    )
+    names = ("u", "v", "r", "udot", "vdot", "rdot", "force_X", "force_Y", "moment_N")
+    values = dict.fromkeys(names, 0.0) | {"r": 3.0, "rdot": 3.0}
+    columns = {n: np.full(4, x) for n, x in values.items()}
+    bounded = bound_log(Log("a.csv", "", np.arange(4.0), columns), vehicle)
+    exact = {n: IntervalArray(np.full(4, x)) for n, x in values.items()}
+    rows = build_rows(replace(bounded, channels=exact), vehicle, terms_of(vehicle), kind="pointwise")
+    surge = rows.right[rows.channel == 0]
+    assert surge.contains(np.zeros(4)).all() and surge.width.max() < 1e-12

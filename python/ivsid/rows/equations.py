@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -20,6 +21,8 @@ from ivsid.vehicle import Vehicle
 
 # Decimals of the mass and the centre of gravity are rounded, and their products too: this factor holds what that can lose.
 PRODUCT: Final = Interval(1 - 2.0**-50, 1 + 2.0**-50)
+# A truth that turns by less than pi has readings less than this apart, errors included, only the right way round.
+HALF_TURN: Final = np.pi * (1 - 1e-12)
 # A place for questions of which quantities stand in a term.
 SOMEWHERE: Final = Place(0.3, 0.0, 0.0, 0.0)
 
@@ -74,6 +77,12 @@ class Equations:
         """The left-hand side that the vehicle file knows already."""
         return rigid_body(state, self.mx, self.my, self.mass)
 
+    def known_force(self, mean: Callable[[Callable[[State], Columns]], IntervalArray]) -> IntervalArray:
+        """The same in intervals, from what ``mean`` makes of columns: number by number, since rounded ones may cancel in a sum."""
+        numbers = ((self.mx, 0.0, 0.0), (0.0, self.my, 0.0), (0.0, 0.0, self.mass))
+        parts = [mean(partial(rigid_body, mx=a, my=b, mass=c)) * PRODUCT for a, b, c in numbers if a or b or c]
+        return sum(parts[1:], parts[0]) if parts else IntervalArray(np.array(0.0))
+
     def needs_rdot(self, channel: str) -> bool:
         """Whether the derivative of the yaw rate stands in the channel's equation."""
         still, probe = (State(0.0, 0.0, 0.0, 0.0, 0.0, rdot, place=SOMEWHERE) for rdot in (0.0, 1.0))
@@ -88,9 +97,18 @@ class Equations:
         reach = moment if channel == "yaw" else force
         return IntervalArray(-reach, reach)
 
-    def whole_steps(self, there: NDArray[np.bool_], usual: float) -> NDArray[np.bool_]:
-        """Steps of no gap, a step of ``usual`` seconds being the usual one, between rows that are both there, with known forces."""
+    def whole_steps(self, there: NDArray[np.bool_], usual: float, *, heading: bool) -> NDArray[np.bool_]:
+        """Steps of no gap between rows that are both there, with known forces.
+
+        Args:
+            there: rows that have all that is needed.
+            usual: length of the usual step [s].
+            heading: it is followed, and must not be able to have turned either way round.
+        """
         whole: NDArray[np.bool_] = there[1:] & there[:-1] & (np.diff(self.t) <= GAP * usual)
+        if heading:
+            psi = self.bounded.channels["psi"]
+            whole &= np.maximum(psi.upper[1:] - psi.lower[:-1], psi.upper[:-1] - psi.lower[1:]) < HALF_TURN
         return whole if self.forces.whole is None else whole & self.forces.whole
 
     def rows(

@@ -11,7 +11,7 @@ from ivsid.effects import Columns, Place, State
 from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray, IntervalArray
 from ivsid.motion import Motion
-from ivsid.rows.equations import PRODUCT, SOMEWHERE, Equations, complete, unit
+from ivsid.rows.equations import SOMEWHERE, Equations, complete, unit
 from ivsid.rows.forces import above
 from ivsid.rows.record import RegressionRows
 
@@ -28,18 +28,31 @@ def integral(equations: Equations, index: int, channel: str, count: int) -> Regr
     there = equations.forces.present.copy()
     for n in names:
         there &= equations.bounded.present[n]
-    starts = complete(equations.whole_steps(there, float(np.median(steps))), count)
+    starts = complete(equations.whole_steps(there, float(np.median(steps)), heading=equations.turning), count)
     spans = equations.clock[starts + count] - equations.clock[starts]
     quadrature = Quadrature(equations, steps, starts, count, spans)
     columns = [quadrature.mean(term.columns, channel) for term in equations.terms]
     right = (
         quadrature.window_mean(equations.forces.steps[index])
-        - quadrature.mean(equations.known_part, channel) * PRODUCT
+        - equations.known_force(lambda columns: quadrature.mean(columns, channel))
         + equations.ambient(channel)
     )
     matrix = IntervalArray.stack(columns, axis=1)
     durations = equations.t[starts + count] - equations.t[starts]
     return equations.rows("integral", index, matrix, right, equations.t[starts], durations, quadrature.assumes)
+
+
+def window_sum(x: IntervalArray, starts: NDArray[np.int64], count: int) -> IntervalArray:
+    """The sum of ``count`` neighbours from each start, by sums of 1, 2, 4 ... neighbours: few additions, and few roundings."""
+    total, done = None, 0
+    doubled, length = x, 1
+    while True:
+        if count & length:
+            part = doubled[starts + done]
+            total, done = part if total is None else total + part, done + length
+        if 2 * length > count:
+            return IntervalArray(np.zeros(starts.shape)) if total is None else total
+        doubled, length = doubled[:-length] + doubled[length:], 2 * length
 
 
 class Quadrature:
@@ -50,15 +63,11 @@ class Quadrature:
     ) -> None:
         self.equations, self.starts, self.count, self.spans = equations, starts, count, spans
         self.steps = equations.clock[1:] - equations.clock[:-1]
-        self.assumes: list[str] = []
+        self.assumes: list[str] = ["psi turns by less than half a turn from row to row"] if equations.turning else []
 
     def window_mean(self, per_step: IntervalArray) -> IntervalArray:
         """The mean over each window of a quantity given by its mean over each step."""
-        weighted = per_step * self.steps
-        total = IntervalArray(np.zeros(self.starts.shape))
-        for offset in range(self.count):
-            total = total + weighted[self.starts + offset]
-        return total / self.spans
+        return window_sum(per_step * self.steps, self.starts, self.count) / self.spans
 
     def mean(self, columns: Any, channel: str) -> IntervalArray:
         """The mean of a column: exact differences for its accelerations, a bounded quadrature for the rest."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ivsid.effects import Place, State
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
-from ivsid.rows.equations import PRODUCT, Equations
+from ivsid.rows.equations import Equations
 from ivsid.rows.forces import above
 from ivsid.rows.record import RegressionRows
 
@@ -34,7 +34,7 @@ def pointwise(equations: Equations, index: int, channel: str) -> RegressionRows:
     state = State(u, v, r, udot, vdot, rdot, ax, ay, place=place)
     zero = IntervalArray(np.zeros(equations.t.shape))
     columns = [_array(term.columns(state).get(channel), zero) for term in equations.terms]
-    right = equations.forces.values[index] - _array(equations.known_part(state).get(channel), zero) * PRODUCT
+    right = equations.forces.values[index] - equations.known_force(lambda f: _array(f(state).get(channel), zero))
     right = right + equations.ambient(channel)
     matrix = IntervalArray.stack(columns, axis=1)
     usable = equations.forces.present & _finite(matrix) & _finite(right.reshape(-1, 1))

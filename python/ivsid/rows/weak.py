@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.intervals import IntervalArray
-from ivsid.rows.equations import PRODUCT, Equations, complete, unit
+from ivsid.rows.equations import Equations, complete, unit
 from ivsid.rows.integral import Quadrature
 from ivsid.rows.record import RegressionRows
 from ivsid.weak_form import ROUNDING, pose_means
@@ -22,13 +22,12 @@ def weak(equations: Equations, index: int, channel: str, half: int) -> Regressio
     if means is None or mixed or equations.bounded.ambient != (0.0, 0.0):
         return None
     there = equations.forces.present & means.there
-    starts = complete(equations.whole_steps(there, equations.bounded.log.period), 2 * half)
+    starts = complete(equations.whole_steps(there, equations.bounded.log.period, heading=True), 2 * half)
     hat = _Hat(equations, starts, half, means.rising(starts, half))
     columns = [hat.mean(term.columns, channel) for term in equations.terms]
     values, over = equations.forces.values[index], equations.forces.steps[index]
-    right = (
-        hat.weighted(over, over.hull(values[:-1].hull(values[1:]))) - hat.mean(equations.known_part, channel) * PRODUCT
-    )
+    right = hat.weighted(over, over.hull(values[:-1].hull(values[1:])))
+    right = right - equations.known_force(lambda columns: hat.mean(columns, channel))
     durations = equations.t[starts + 2 * half] - equations.t[starts]
     return equations.rows(
         "weak",

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from conftest import as_log
-from ivsid import IvsidError, identify
+from ivsid import IvsidError, identify, verify
 from ivsid.identification import METHODS, read_identification
+from ivsid.log import Log
 from ivsid.records import to_json, write_whole
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
@@ -204,3 +205,34 @@ def test_claims_are_checked_and_not_fitted(swan, twin):
         fit = identify(vehicle, as_log(twin))
         assert fit.claims == ({"parameter": "mass.surge", "value": value, "contradicted": wrong},)
         assert fit.parameters == identify(swan, as_log(twin)).parameters
+
+
+def test_a_few_bad_samples_are_named_and_left_out(swan, programme, tmp_path):
+    """Three spikes of the accelerometer contradict the truth; the intervals that allow them hold it again."""
+    truth = {"mass.surge": 60.0, "inertia.yaw": 8.0, "drag.surge.quadratic": 250.0}
+    made = simulate(swan, programme.model_copy(update={"noise": "uniform", "truth": truth, "duration": 60.0}), 3)
+    columns = {k: v.copy() for k, v in made.columns.items()}
+    columns["ax"][[200, 500, 800]] += 0.5
+    log = Log("spikes.csv", "0" * 64, made.t, columns)
+    assert identify(swan, log).status == "empty"
+    fit = identify(swan, log, outliers=3)
+    assert fit.status == "enclosed" and fit.guaranteed
+    for id_, value in truth.items():
+        assert fit.parameters[id_].lower <= value <= fit.parameters[id_].upper
+    assert "all but 3 rows of each set of parameters that share rows hold" in fit.assumes
+    block = next(b for b in fit.outliers if b["fewest"])
+    assert block["fewest"] == 3
+    times = [sorted(r["time"] for r in chosen) for chosen in block["sets"]]
+    assert [made.t[k] for k in (200, 500, 800)] in times
+    assert any("3 rows of" in n and "must be wrong" in n for n in fit.notes)
+    clean = identify(swan, Log("clean.csv", "0" * 64, made.t, made.columns))
+    wider = identify(swan, Log("clean.csv", "0" * 64, made.t, made.columns), outliers=1)
+    for id_ in truth:
+        assert wider.parameters[id_].lower <= clean.parameters[id_].lower
+        assert clean.parameters[id_].upper <= wider.parameters[id_].upper
+    assert all(b["fewest"] == 0 and not b["sets"] for b in wider.outliers)
+    fit.save(tmp_path)
+    assert read_identification(tmp_path).outliers == fit.outliers
+    assert verify(tmp_path, log).status == "not_checked"
+    with pytest.raises(IvsidError, match="outliers = 1 with method exact is not possible"):
+        identify(swan, log, "exact", outliers=1)

@@ -153,6 +153,9 @@ def identify(
     window: Annotated[
         str, typer.Option("--window", help="Length of integral rows [s], or several at once: 0.5,2,10.")
     ] = "1.0",
+    outliers: Annotated[
+        int, typer.Option("--outliers", min=0, help="How many rows of each set of parameters may be wrong.")
+    ] = 0,
     out: Out = None,
     json: Json = False,
 ) -> None:
@@ -163,7 +166,15 @@ def identify(
         out,
         json,
         lambda w, p: w.identify(
-            vehicle, log, method, partitions=partitions, form=form, rows=rows, window=windows, progress=p
+            vehicle,
+            log,
+            method,
+            partitions=partitions,
+            form=form,
+            rows=rows,
+            window=windows,
+            outliers=outliers,
+            progress=p,
         ),
     )
 

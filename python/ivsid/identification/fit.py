@@ -69,6 +69,7 @@ class Identification:
         log_sha256: hash of the log.
         determined: combinations of parameters, by id, that stay bounded where some directions are open (an estimate).
         claims: what the vehicle file's ``model.values`` claims, and whether its interval contradicts it.
+        outliers: by block, with ``options.outliers``: the fewest rows that must be wrong, and every choice of so many.
     """
 
     method: str
@@ -92,6 +93,7 @@ class Identification:
     log_sha256: str
     determined: tuple[dict[str, float], ...] = ()
     claims: tuple[dict[str, Any], ...] = ()
+    outliers: tuple[dict[str, Any], ...] = ()
 
     @property
     def falsifying(self) -> list[dict[str, Any]]:
@@ -118,6 +120,7 @@ class Identification:
             "directions": self.directions,
             "determined": self.determined,
             "claims": self.claims,
+            "outliers": self.outliers,
             "rows": self.rows,
             "notes": self.notes,
             "ignored": self.ignored,
@@ -180,6 +183,16 @@ def _identification(record: dict[str, Any]) -> Identification:
     ids = {t.id for t in terms_of(given["vehicle"], given["options"]["form"])}
     if given["status"] in ("enclosed", "unbounded") and set(parameters) != ids:
         raise KeyError("the parameters are those of the model")
-    for name in ("assumes", "directions", "determined", "claims", "certificates", "notes", "ignored", "contradictions"):
+    for name in (
+        "assumes",
+        "directions",
+        "determined",
+        "claims",
+        "outliers",
+        "certificates",
+        "notes",
+        "ignored",
+        "contradictions",
+    ):
         given[name] = tuple(given[name])
     return Identification(**given)

@@ -38,6 +38,7 @@ class _Block:
     reason: str | None
     directions: tuple[FloatArray, ...]
     certificates: tuple[dict[str, Any], ...]
+    outliers: dict[str, Any] | None = None
 
 
 def identify(
@@ -50,6 +51,7 @@ def identify(
     rows: str = "auto",
     window: float | Sequence[float] = WINDOW,
     bias: str = "auto",
+    outliers: int = 0,
 ) -> Identification:
     """Parameter intervals of the vehicle file's model from a log.
 
@@ -66,6 +68,8 @@ def identify(
         window: length of integral rows [s], or several: their rows are intersected.
         bias: of the accelerometer: ``sample`` bounds it anew at every sample, ``log`` takes it as one unknown (method ``feasible``),
             ``auto`` does so where that is clearly tighter.
+        outliers: how many rows of each set of parameters that share rows may be wrong (method ``feasible``): the intervals hold every
+            parameter that all but so many rows allow (METHODS 5.3).
 
     Raises:
         IvsidError: unusable input, in one sentence.
@@ -74,9 +78,14 @@ def identify(
         raise IvsidError(f"bias '{bias}' is unknown; use {', '.join(CHOICES)}")
     if method not in METHODS:
         raise IvsidError(f"method '{method}' is not available; choose one of {', '.join(METHODS)}")
+    if outliers < 0 or (outliers and method != "feasible"):
+        raise IvsidError(
+            f"outliers = {outliers} with method {method} is not possible; give a number of rows, at least 0, with method feasible"
+        )
     terms = terms_of(vehicle, form)
     bounded = bound_log(log, vehicle)
-    taken = apart(bounded, vehicle, bias) if method == "feasible" else None
+    # A row that bounds a bias is no measurement that could be wrong.
+    taken = apart(bounded, vehicle, bias) if method == "feasible" and not outliers else None
     bounded = bounded if taken is None else taken[0]
     made = build_rows(bounded, vehicle, terms, added_mass=form == "added", kind=rows, window=window)
     options = {
@@ -85,6 +94,7 @@ def identify(
         "rows": rows,
         "window": window if isinstance(window, float | int) else list(window),
         "bias": "sample" if taken is None else "log",
+        "outliers": outliers,
     }
     if taken is None:
         return identify_rows(made, bounded, vehicle, method, options)
@@ -99,7 +109,8 @@ def identify_rows(
     """The same from rows that stand already, so that several methods can share them."""
     if method not in METHODS:
         raise IvsidError(f"method '{method}' is not available; choose one of {', '.join(METHODS)}")
-    blocks = [_solve(rows, columns, method, options["partitions"]) for columns in _blocks(rows)]
+    allowed = options.get("outliers", 0)
+    blocks = [_solve(rows, columns, method, options["partitions"], allowed) for columns in _blocks(rows)]
     parameters, estimate = _gather(rows.terms, blocks)
     status = _overall([b.status for b in blocks])
     proved = status in ("enclosed", "empty", "unbounded")
@@ -120,7 +131,7 @@ def identify_rows(
         method=method,
         status=status,
         guaranteed=proved and bounded.rule.guaranteed and not bounded.statistical,
-        assumes=_assumptions(rows, bounded, vehicle),
+        assumes=_assumptions(rows, bounded, vehicle, allowed),
         parameters=parameters if status != "empty" else {},
         estimate=estimate,
         inflation=None if not inflations or None in inflations else max(i for i in inflations if i is not None),
@@ -130,7 +141,7 @@ def identify_rows(
         certificates=tuple({**c, "block": k} for k, b in enumerate(blocks) for c in b.certificates),
         contradictions=tuple(k for k, b in enumerate(blocks) if b.status == "empty"),
         rows={name: int((rows.channel == k).sum()) for k, name in enumerate(CHANNELS)},
-        notes=bounded.log.notes,
+        notes=(*bounded.log.notes, *outlier_notes(rows.terms, blocks)),
         ignored=bounded.log.ignored,
         options=options,
         vehicle=vehicle,
@@ -138,6 +149,7 @@ def identify_rows(
         log_sha256=bounded.log.sha256,
         determined=combinations,
         claims=_claims(vehicle, parameters if status != "empty" else {}),
+        outliers=tuple({**b.outliers, "block": k} for k, b in enumerate(blocks) if b.outliers is not None),
     )
 
 
@@ -154,8 +166,25 @@ def _claims(vehicle: Vehicle, parameters: dict[str, Parameter]) -> tuple[dict[st
     )
 
 
-def _assumptions(rows: RegressionRows, bounded: BoundedLog, vehicle: Vehicle) -> tuple[str, ...]:
+def outlier_notes(terms: Sequence[Term], blocks: Sequence[_Block]) -> list[str]:
+    """What is wrong in each block, in words."""
+    notes = []
+    for b in blocks:
+        if b.outliers is None or not b.outliers["fewest"]:
+            continue
+        few, sets = b.outliers["fewest"], b.outliers["sets"]
+        rows = " and ".join(f"the {r['channel']} row at t = {r['time']:.6g} s" for r in sets[0])
+        others = f", or {len(sets) - 1} other choices" if len(sets) > 1 else ""
+        notes.append(
+            f"{few} row{'s' * (few > 1)} of {', '.join(terms[c].id for c in b.columns)} must be wrong: {rows}{others}"
+        )
+    return notes
+
+
+def _assumptions(rows: RegressionRows, bounded: BoundedLog, vehicle: Vehicle, allowed: int = 0) -> tuple[str, ...]:
     lines = [bounded.rule.sentence, _force_accuracy(vehicle)]
+    if allowed:
+        lines.append(f"all but {allowed} rows of each set of parameters that share rows hold")
     if bounded.ambient != (0.0, 0.0):
         force, moment = bounded.ambient
         lines.append(f"ambient force within {force:.3g} N and moment within {moment:.3g} N m")
@@ -202,7 +231,7 @@ def _blocks(rows: RegressionRows) -> list[tuple[int, ...]]:
     return blocks
 
 
-def _solve(rows: RegressionRows, columns: tuple[int, ...], method: str, partitions: int) -> _Block:
+def _solve(rows: RegressionRows, columns: tuple[int, ...], method: str, partitions: int, allowed: int = 0) -> _Block:
     used = (rows.matrix.lower != 0) | (rows.matrix.upper != 0)
     # Rows without any parameter say nothing of this block; where the model has one block they falsify it, so they stay.
     mine = used[:, list(columns)].any(axis=1)
@@ -219,7 +248,7 @@ def _solve(rows: RegressionRows, columns: tuple[int, ...], method: str, partitio
         free = tuple(np.eye(n))
         return _Block(columns, "unbounded", np.full(n, -np.inf), np.full(n, np.inf), None, 0.0, 0, reason, free, ())
     if method == "feasible":
-        found = regression.feasible_set(part.matrix, part.right)
+        found = regression.feasible_set(part.matrix, part.right, outliers=allowed)
         lower, upper = (found.value.lower, found.value.upper) if found.value is not None else (None, None)
         certificates = _certificates(part, found)
         directions = tuple(found.directions) if found.status == "unbounded" else ()
@@ -234,6 +263,7 @@ def _solve(rows: RegressionRows, columns: tuple[int, ...], method: str, partitio
             found.reason,
             directions,
             certificates,
+            None if not allowed else _wrong(part, found),
         )
     if method in regression.LEAST_SQUARES_METHODS:
         solved = regression.least_squares(part.matrix, part.right, method)
@@ -245,6 +275,26 @@ def _solve(rows: RegressionRows, columns: tuple[int, ...], method: str, partitio
     lower, upper = (fit.value.lower, fit.value.upper) if fit.value is not None else (None, None)
     why = f"{', '.join(ids)}: {fit.inverse.reason}" if fit.inverse.reason else None
     return _Block(columns, fit.status, lower, upper, None, None, fit.improper, why, (), ())
+
+
+def _named(rows: RegressionRows, index: int) -> dict[str, Any]:
+    """A row by its kind, channel and time."""
+    return {
+        "kind": ROW_KINDS[rows.kind[index]],
+        "channel": CHANNELS[rows.channel[index]],
+        "time": float(rows.time[index]),
+        "duration": float(rows.duration[index]),
+    }
+
+
+def _wrong(rows: RegressionRows, found: regression.FeasibleSet) -> dict[str, Any]:
+    """The fewest rows that must be wrong, and every choice of so many, by name."""
+    return {
+        "fewest": found.fewest_outliers,
+        "sets": [[_named(rows, k) for k in sorted(chosen)] for chosen in found.outliers]
+        if found.fewest_outliers
+        else [],
+    }
 
 
 def _gather(terms: Sequence[Term], blocks: Sequence[_Block]) -> tuple[dict[str, Parameter], dict[str, float]]:
@@ -273,10 +323,7 @@ def _certificates(rows: RegressionRows, found: regression.FeasibleSet) -> tuple[
         matrix, right = rows.matrix[index], rows.right[index]
         return {
             "row": int(index),
-            "kind": ROW_KINDS[rows.kind[index]],
-            "channel": CHANNELS[rows.channel[index]],
-            "time": float(rows.time[index]),
-            "duration": float(rows.duration[index]),
+            **_named(rows, index),
             "side": "lower" if lower_side else "upper",
             "multiplier": multiplier,
             "lower": [x.hex() for x in matrix.lower.tolist()],
@@ -308,8 +355,10 @@ def _certificates(rows: RegressionRows, found: regression.FeasibleSet) -> tuple[
         )
     for orthant in found.certificate:
         signs = dict(zip(ids, orthant["signs"], strict=True))
+        left_out = {"dropped": [_named(rows, k) for k in orthant["dropped"]]} if orthant["dropped"] else {}
         if orthant["empty"]:
-            certificates.append({"proves": "empty", "orthant": signs, "rows": [row(e) for e in orthant["rows"]]})
+            proof = {"proves": "empty", "orthant": signs, "rows": [row(e) for e in orthant["rows"]]}
+            certificates.append({**proof, **left_out})
             continue
         for bound in orthant["bounds"]:
             certificates.append(
@@ -321,6 +370,7 @@ def _certificates(rows: RegressionRows, found: regression.FeasibleSet) -> tuple[
                     "bound": bound["bound"].hex(),
                     "rows": [row(e) for e in bound["rows"]],
                     "signs": [{"parameter": ids[j], "multiplier": m} for j, m in bound["signs"]],
+                    **left_out,
                 }
             )
     return tuple(certificates)

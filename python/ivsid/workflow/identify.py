@@ -34,6 +34,7 @@ def identify(
     form: str = "total",
     rows: str = "auto",
     window: float | Sequence[float] = WINDOW,
+    outliers: int = 0,
     progress: Progress = silent,
 ) -> Report:
     """Reads both files, identifies, reports."""
@@ -41,7 +42,9 @@ def identify(
     checked = read_vehicle(vehicle)
     data = read_log(log, checked.log)
     progress(f"identifying by {method} on {data.t.size} samples")
-    fit = identification.identify(checked, data, method, partitions=partitions, form=form, rows=rows, window=window)
+    fit = identification.identify(
+        checked, data, method, partitions=partitions, form=form, rows=rows, window=window, outliers=outliers
+    )
     progress("drawing")
     return identification_report(fit, data)
 

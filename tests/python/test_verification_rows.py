@@ -198,11 +198,39 @@ def checked(vehicle, log, tmp_path, **how):
     return verdict.status, " ".join(verdict.not_checked)
 
 
-def test_what_is_not_recomputed_is_said(swan, programme, twin, tmp_path):
-    mounted = changed(swan, MOUNTS[0])
+def test_mounted_sensors_are_recomputed_and_a_sensor_that_may_stand_elsewhere_is_not_proved(swan, programme, tmp_path):
+    mounted = changed(swan, *MOUNTS)
     log = as_log(simulate(mounted, programme.model_copy(update={"noise": "uniform", "duration": 40.0}), 4))
-    status, words = checked(mounted, log, tmp_path)
-    assert status == "not_checked" and "velocity sensor" in words
+    assert outside(mounted, log, kind="both", window=0.2) == []
+    assert checked(mounted, log, tmp_path) == ("proved", "")
+    record = json.loads((tmp_path / "fit.json").read_text())
+    assert not ends(record, log, tmp_path)
+    for old, new in (("position = [0.5, -0.2]", "position = [0.7, -0.2]"), ("position = [-0.3", "position = [-0.5")):
+        other = parse_vehicle(mounted.text.replace(old, new), "o.toml")
+        edited = {**record, "vehicle": other.text}
+        edited["inputs"] = [{**record["inputs"][0], "sha256": other.sha256}, record["inputs"][1]]
+        verdict = verify(written(tmp_path / "r.json", edited), log)
+        assert verdict.status == "failed" and any("recomputed as" in f for f in verdict.failures)
+
+
+def test_averaged_accelerations_are_recomputed(swan, programme, tmp_path):
+    averaged = changed(
+        swan,
+        ("[sensors.acceleration]\n", '[sensors.acceleration]\nsampling = "averaged"\n'),
+        ("random_walk = [0.0018, 0.002]", "random_walk = [0.0002, 0.0002]"),
+    )
+    log = as_log(simulate(averaged, programme.model_copy(update={"noise": "uniform", "duration": 40.0}), 12))
+    assert outside(averaged, log, window=0.05) == outside(averaged, log, window=0.5) == []
+    assert checked(averaged, log, tmp_path, window=0.1) == ("proved", "")
+    record = json.loads((tmp_path / "fit.json").read_text())
+    assert not ends(record, log, tmp_path)
+    # Noisier averages leave the differences of the velocities, which are wider.
+    noisy = parse_vehicle(averaged.text.replace("[0.0002, 0.0002]", "[0.002, 0.002]"), "n.toml")
+    record["vehicle"], record["inputs"][0]["sha256"] = noisy.text, noisy.sha256
+    assert verify(written(tmp_path / "r.json", record), log).status == "failed"
+
+
+def test_what_is_not_recomputed_is_said(swan, twin, tmp_path):
     leaning = changed(
         swan,
         ("[sensors.acceleration]\n", "[sensors.acceleration]\ngravity = true\n"),
@@ -214,9 +242,6 @@ def test_what_is_not_recomputed_is_said(swan, programme, twin, tmp_path):
     assert status == "not_checked" and "gravity" in words
     # Rows over windows do not use the accelerometer: what it holds is of no concern to them.
     assert checked(leaning, imu, tmp_path, rows="integral") == ("proved", "")
-    averaged = changed(swan, ("[sensors.acceleration]\n", '[sensors.acceleration]\nsampling = "averaged"\n'))
-    status, words = checked(averaged, as_log(twin), tmp_path)
-    assert status == "not_checked" and "averaging accelerometer" in words
     steered = vehicle_of(RUDDER)
     status, words = checked(steered, as_log(simulate(steered, scenario_of(), 3)), tmp_path)
     assert status == "not_checked" and "rudder behind thruster screw" in words

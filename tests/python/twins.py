@@ -30,7 +30,7 @@ VEHICLES = {
         120.0,
         ("drag.cross_flow", "added_mass.munk", "drag.yaw.quadratic"),
     ),
-    "vectored ROV": ("vectored_rov.toml", "vectored_rov_programme.toml", 30.0, ()),
+    "vectored ROV": ("vectored_rov.toml", "vectored_rov_programme.toml", 60.0, ()),
 }
 ROWS = ("pointwise", "integral")
 

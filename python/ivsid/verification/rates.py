@@ -64,10 +64,9 @@ class Rates:
         """The acceleration at a row; None where no window and no limit bounds it."""
         velocity = _SOURCES[name][0]
         limit, jerk = self._of(name)
-        assert jerk is not None
         found = [] if limit is None else [sided(self.exact(limit))]
         if name not in self._lengths:
-            self._lengths[name] = list(self._windows(velocity, jerk))
+            self._lengths[name] = [] if jerk is None else list(self._windows(velocity, jerk))
         for before, after in self._lengths[name]:
             if i - before < 0 or i + after >= self.log.t.size:
                 continue
@@ -76,7 +75,7 @@ class Rates:
                 continue
             start, now, end = (self.source.time(k) for k in (i - before, i, i + after))
             weight = ((now - start).square() + (end - now).square()) / ((end - start) * 2)
-            found.append((last - first) / (end - start) + sided(weight * self.exact(jerk)))
+            found.append((last - first) / (end - start) + sided(weight * self.exact(jerk or 0.0)))
         if not found:
             return None
         lower, upper = max(f.low for f in found), min(f.high for f in found)

@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 
 from ivsid.log import Log
+from ivsid.mount import Mounted
 from ivsid.vehicle import InertialSensor, Vehicle
 from ivsid.verification.decimals import Decimals
 from ivsid.verification.errors import UnprovedError
@@ -136,17 +137,76 @@ class Readings:
         if not self.logged(name):
             return self._rates.rate(name, i)
         if name in self.log.derived:
-            return self._from_earth(name, i)
+            earth = self._from_earth(name, i)
+            velocity = sensors.velocity
+            return self._moved_by(velocity, name, earth, i) if velocity is not None and earth is not None else earth
         reading = self.raw(name, i)
         if reading is None:
             return None
         if name in _PLAIN:
             return reading + sided(self.exact(getattr(sensors, _PLAIN[name]).accuracy))
+        if name in ("ax", "ay") and sensors.acceleration is not None and mounted(sensors.acceleration):
+            return self._force_at_origin(sensors.acceleration, name, i)
+        if name in ("u", "v") and sensors.velocity is not None and mounted(sensors.velocity):
+            return self._velocity_at_origin(sensors.velocity, name, i)
+        return self._plain(name, i)
+
+    def _plain(self, name: str, i: int) -> Range | None:
+        """A reading with its sensor's own error, wherever that sensor stands."""
+        sensors, reading = self.vehicle.sensors, self.raw(name, i)
+        if reading is None:
+            return None
         if name in _ACCELERATIONS and sensors.acceleration is not None:
             return reading + sided(self._half_width(sensors.acceleration, _ACCELERATIONS[name], name, i))
         if name == "r" and sensors.yaw_rate is not None:
             return reading + sided(self._half_width(sensors.yaw_rate, 0, name, i) + self._since_average(i))
         return self._doppler(reading)
+
+    def _velocity_at_origin(self, mount: Mounted, name: str, i: int) -> Range | None:
+        """Velocity of the body origin, u or v, from what a sensor that stands elsewhere, or is turned, reads."""
+        pair = [self._plain(n, i) for n in ("u", "v")]
+        return self._moved_by(mount, name, self._turned_back(mount, pair[0], pair[1], first=name == "u"), i)
+
+    def _moved_by(self, mount: Mounted, name: str, speed: Range | None, i: int) -> Range | None:
+        if speed is None or not mount.off_origin:
+            return speed
+        r, (x, y) = self.channel("r", i), self._arm(mount)
+        if r is None:
+            return None
+        return speed + y * r if name == "u" else speed - x * r
+
+    def _force_at_origin(self, mount: Mounted, name: str, i: int) -> Range | None:
+        """Specific force a_x or a_y of the body origin likewise."""
+        force = self._turned_back(mount, self._plain("ax", i), self._plain("ay", i), first=name == "ax")
+        if force is None or not mount.off_origin:
+            return force
+        r, (x, y) = self.channel("r", i), self._arm(mount)
+        rdot = self.channel("rdot", i) if self.logged("rdot") else self._rates.rate("rdot", i)
+        if r is None or rdot is None:
+            return None
+        return force + x * r.square() + y * rdot if name == "ax" else force - x * rdot + y * r.square()
+
+    def _arm(self, mount: Mounted) -> tuple[Range, Range]:
+        (x, y), off = self.exact.pair(mount.position), sided(self.exact(mount.position_accuracy))
+        return x + off, y + off
+
+    def _turned_back(self, mount: Mounted, a: Range | None, b: Range | None, *, first: bool) -> Range | None:
+        if a is None or b is None:
+            return None
+        if not mount.turned:
+            return a if first else b
+        angle = self.exact(mount.rotation) + sided(self.exact(mount.rotation_accuracy))
+        c, s = cosine(angle), sine(angle)
+        return a * c - b * s if first else a * s + b * c
+
+    def averages(self, name: str) -> bool:
+        """Whether a channel holds means of a specific force over the steps."""
+        sensor = self.vehicle.sensors.acceleration
+        return sensor is not None and sensor.sampling == "averaged" and name in self.log.columns
+
+    def average(self, name: str, i: int) -> Range | None:
+        """The mean of a_x or a_y over the step before a row; None where it is missing."""
+        return self._plain(name, i)
 
     def _doppler(self, reading: Range) -> Range:
         velocity = self.vehicle.sensors.velocity
@@ -244,6 +304,11 @@ def around(value: float, off: float) -> Range:
     """The decimals that were read as a double, half a unit in its last place to either side, and what was lost beside that."""
     half = Range.around(0.0, math.ulp(value))
     return Range.around(value, off) + Range.raw(half.low // 2, half.high // 2)
+
+
+def mounted(sensor: Mounted) -> bool:
+    """Whether a sensor stands off the origin or is turned."""
+    return sensor.off_origin or sensor.turned
 
 
 def _axis(value: float | tuple[float, float], axis: int) -> float:

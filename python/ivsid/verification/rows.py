@@ -21,6 +21,8 @@ from ivsid.verification.unchecked import not_recomputed
 
 HALF: Final = Range(Fraction(1, 2))
 QUARTER: Final = Range(Fraction(1, 4))
+# A step this much longer than the usual one is more than one sample.
+WHOLE_STEP: Final = 1.5
 _STILL: Final = moving(0)
 KINDS: Final = ("pointwise", "integral", "weak", *(f"bias.{axis}" for axis in AXES))
 
@@ -173,11 +175,30 @@ class Rows:
         for name, unit in (("u", "udot"), ("v", "vdot"), ("r", "rdot")):
             factor = _value(columns, _at_rest(unit), channel)
             if factor.magnitude:
-                total = total + (self._velocity(name, last) - self._velocity(name, first)) * factor / span
+                total = total + self._difference(name, first, last, lengths) * factor / span
         if self._moves(columns, channel):
             means = [self._step_mean(id_, columns, channel, k) for k in range(first, last)]
             total = total + _total(means, lengths) / span
         return total
+
+    def _difference(self, name: str, first: int, last: int, lengths: list[Range]) -> Range:
+        """Of u, v or r over a window, by what an averaging accelerometer says of u and v, too: its mean, and that of v r or u r."""
+        difference = self._velocity(name, last) - self._velocity(name, first)
+        own = {"u": "ax", "v": "ay"}.get(name, "")
+        if not self.readings.averages(own):
+            return difference
+        total, t = Range(0), self.log.t
+        for k, length in zip(range(first, last), lengths, strict=True):
+            mean = self.readings.average(own, k + 1)
+            # Where a row was lost the reading averages the last sample alone, not the step.
+            if mean is None or t[k + 1] - t[k] > WHOLE_STEP * self.log.period:
+                return difference
+            turning: Column = (lambda s: {own: s.v * s.r}) if name == "u" else (lambda s: {own: -(s.u * s.r)})
+            total = total + (mean + self._step_mean("turning", turning, own, k)) * length
+        low, high = max(difference.low, total.low), min(difference.high, total.high)
+        if low > high:
+            raise UnprovedError(f"{name} and its averaged acceleration contradict each other")
+        return Range.raw(low, high)
 
     @staticmethod
     def _moves(columns: Column, channel: str) -> bool:

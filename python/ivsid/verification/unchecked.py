@@ -17,20 +17,12 @@ def estimated(log: Log, vehicle: Vehicle) -> bool:
 def not_recomputed(log: Log, vehicle: Vehicle) -> dict[str, str]:
     """By kind of row, or "" for all: why the checker cannot make it."""
     sensors, found = vehicle.sensors, {}
-    velocity, acceleration = sensors.velocity, sensors.acceleration
+    acceleration = sensors.acceleration
     rudders = [t.name for t in vehicle.thrusters if t.rudder is not None]
-    reads = {"ax", "ay", "udot", "vdot"} & set(log.columns)
     if rudders:
         found[""] = f"the force of the rudder behind thruster {rudders[0]} is not recomputed by the checker"
-    if acceleration is not None and reads:
-        if acceleration.off_origin or acceleration.turned:
-            found["pointwise"] = "a mounted or turned accelerometer is not recomputed by the checker"
-        if acceleration.gravity:
-            found["pointwise"] = "accelerations that hold gravity are not recomputed by the checker"
-        if acceleration.sampling == "averaged":
-            found["integral"] = "an averaging accelerometer is not recomputed by the checker"
-    if velocity is not None and (velocity.off_origin or velocity.turned):
-        found[""] = "a mounted or turned velocity sensor is not recomputed by the checker"
+    if acceleration is not None and acceleration.gravity and {"ax", "ay"} & set(log.columns):
+        found["pointwise"] = "accelerations that hold gravity are not recomputed by the checker"
     if estimated(log, vehicle):
         found[""] = "velocities by splines are an estimate, which the checker cannot prove"
     return found

@@ -40,9 +40,10 @@ def pointwise(equations: Equations, index: int, channel: str) -> RegressionRows:
     usable = equations.forces.present & _finite(matrix) & _finite(right.reshape(-1, 1))
     if not usable.any():
         _explain(equations, channel)
-    return equations.rows(
-        "pointwise", index, matrix[usable], right[usable], equations.t[usable], np.zeros(usable.sum()), assumes
-    )
+    time = equations.t
+    if not usable.all():
+        matrix, right, time = matrix[usable], right[usable], time[usable]
+    return equations.rows("pointwise", index, matrix, right, time, np.zeros(time.shape), assumes)
 
 
 def _explain(equations: Equations, channel: str) -> None:

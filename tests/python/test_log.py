@@ -168,3 +168,15 @@ def test_what_held_values_rest_on_is_said(tmp_path):
     frame = pl.DataFrame({"t": np.arange(moment.size) / 6, "u": np.sin(moment), "v": np.cos(np.arange(moment.size))})
     frame.write_csv(tmp_path / "log.csv")
     assert read_log(tmp_path / "log.csv").assumes == ("the first of equal values of u is a measurement at its row",)
+
+
+def test_a_header_of_letters_without_names_is_text(tmp_path):
+    (tmp_path / "log.csv").write_text(
+        "t,u,\ud7fc\ud7fc\U00011daa\U0001342f\U00018cd6\n0,1,0\n1,2,0\n2,1,0\n", encoding="utf-8"
+    )
+    log = read_log(tmp_path / "log.csv")
+    assert log.ignored == ("\ud7fc\ud7fc\U00011daa\U0001342f\U00018cd6",) and log.columns["u"].tolist() == [
+        1.0,
+        2.0,
+        1.0,
+    ]

@@ -95,7 +95,8 @@ def open_text(path: Path, name: str) -> Text:
     except UnicodeDecodeError:
         raise _binary(name) from None
     shown = head[:4096].decode(encoding, "ignore")
-    if sum(c.isprintable() or c in "\r\n\t" for c in shown) < 0.98 * len(shown):
+    # Beyond Latin-1, characters that are valid UTF-8 are text, whether or not this Unicode has names for them.
+    if sum(c.isprintable() or c in "\r\n\t" or c > "\xff" for c in shown) < 0.98 * len(shown):
         raise _binary(name)
     if "," not in header and second and any(s in sample for s in SEPARATORS):
         raise IvsidError(f"{name} has no comma in its header; a log is comma-separated with a header row")

@@ -18,6 +18,7 @@ from ivsid.mount import Mounted
 from ivsid.vehicle import InertialSensor, Vehicle
 from ivsid.verification.decimals import Decimals
 from ivsid.verification.errors import UnprovedError
+from ivsid.verification.mounted import arm_of, mounted, turned_back
 from ivsid.verification.pose import PoseVelocities
 from ivsid.verification.rates import Rates
 from ivsid.verification.rational import Range, cosine, exponential, normal_factor, pi, root, sided, sine
@@ -165,39 +166,26 @@ class Readings:
     def _velocity_at_origin(self, mount: Mounted, name: str, i: int) -> Range | None:
         """Velocity of the body origin, u or v, from what a sensor that stands elsewhere, or is turned, reads."""
         pair = [self._plain(n, i) for n in ("u", "v")]
-        return self._moved_by(mount, name, self._turned_back(mount, pair[0], pair[1], first=name == "u"), i)
+        return self._moved_by(mount, name, turned_back(self.exact, mount, pair[0], pair[1], first=name == "u"), i)
 
     def _moved_by(self, mount: Mounted, name: str, speed: Range | None, i: int) -> Range | None:
         if speed is None or not mount.off_origin:
             return speed
-        r, (x, y) = self.channel("r", i), self._arm(mount)
+        r, (x, y) = self.channel("r", i), arm_of(self.exact, mount)
         if r is None:
             return None
         return speed + y * r if name == "u" else speed - x * r
 
     def _force_at_origin(self, mount: Mounted, name: str, i: int) -> Range | None:
         """Specific force a_x or a_y of the body origin likewise."""
-        force = self._turned_back(mount, self._plain("ax", i), self._plain("ay", i), first=name == "ax")
+        force = turned_back(self.exact, mount, self._plain("ax", i), self._plain("ay", i), first=name == "ax")
         if force is None or not mount.off_origin:
             return force
-        r, (x, y) = self.channel("r", i), self._arm(mount)
+        r, (x, y) = self.channel("r", i), arm_of(self.exact, mount)
         rdot = self.channel("rdot", i) if self.logged("rdot") else self._rates.rate("rdot", i)
         if r is None or rdot is None:
             return None
         return force + x * r.square() + y * rdot if name == "ax" else force - x * rdot + y * r.square()
-
-    def _arm(self, mount: Mounted) -> tuple[Range, Range]:
-        (x, y), off = self.exact.pair(mount.position), sided(self.exact(mount.position_accuracy))
-        return x + off, y + off
-
-    def _turned_back(self, mount: Mounted, a: Range | None, b: Range | None, *, first: bool) -> Range | None:
-        if a is None or b is None:
-            return None
-        if not mount.turned:
-            return a if first else b
-        angle = self.exact(mount.rotation) + sided(self.exact(mount.rotation_accuracy))
-        c, s = cosine(angle), sine(angle)
-        return a * c - b * s if first else a * s + b * c
 
     def averages(self, name: str) -> bool:
         """Whether a channel holds means of a specific force over the steps."""
@@ -304,11 +292,6 @@ def around(value: float, off: float) -> Range:
     """The decimals that were read as a double, half a unit in its last place to either side, and what was lost beside that."""
     half = Range.around(0.0, math.ulp(value))
     return Range.around(value, off) + Range.raw(half.low // 2, half.high // 2)
-
-
-def mounted(sensor: Mounted) -> bool:
-    """Whether a sensor stands off the origin or is turned."""
-    return sensor.off_origin or sensor.turned
 
 
 def _axis(value: float | tuple[float, float], axis: int) -> float:

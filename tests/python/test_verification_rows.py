@@ -173,6 +173,7 @@ def test_between_rows_the_heading_of_a_steady_turn_is_enclosed():
         assert outside(vehicle, log, kind="integral", window=1.0) == []
 
 
+@pytest.mark.slow
 def test_rows_straight_from_the_pose_are_not_checked_and_never_proved(tmp_path):
     log, vehicle = from_pose(1, length=60.0)
     fit = identify(vehicle, log, rows="both", window=2.0)

@@ -103,6 +103,9 @@ def pushed(thruster: Thruster, log: Log, *, held: bool, flow: Flow | None = None
         )
     # Behind a lag the thrust moves between its values at both rows, and its mean alone is no bound.
     swept_thrust = at[:-1].hull(at[1:]) if thruster.time_constant and thruster.lag == "thrust" else over
+    if f"azimuth_{thruster.name}" in log.over:
+        # The mean of T cos a is the mean of T times cos a only where the angle holds still.
+        over = swept_thrust
     if thruster.advance_loss and flow is not None:
         at = at - _advance_loss(thruster, at, rows, flow.at_rows)
         lost = _advance_loss(thruster, swept_thrust, steps, flow.over_steps)

@@ -87,6 +87,9 @@ def with_accelerations(
         return log, {}
     columns = {n: np.where(np.isfinite(x.lower), x.midpoint, np.nan) for n, x in found.items()}
     parts = [f"|d2{RATES[n]}/dt2| never exceeds {(limits.yaw_jerk if n == 'rdot' else limits.jerk)!r}" for n in found]
+    for n in found:
+        limit = limits.yaw_acceleration if n == "rdot" else limits.acceleration
+        parts += [f"|{n}| never exceeds {limit!r}"] if limit is not None else []
     sentence = f"{', '.join(found)} follow from {', '.join(RATES[n] for n in found)} where {' and '.join(parts)}"
     made = replace(
         log,

@@ -58,7 +58,40 @@ def at_origin(
         present[name] = there
     centres = {name: np.where(known[name], channels[name].midpoint, np.nan) for name in moved}
     note = f"{', '.join(moved)} are brought to the body origin by the mounting of their sensors"
-    return replace(log, columns={**log.columns, **centres}, notes=(*log.notes, note)), channels, present
+    assumes = (*log.assumes, *_assumptions(sensors, set(moved)))
+    return (
+        replace(log, columns={**log.columns, **centres}, notes=(*log.notes, note), assumes=assumes),
+        channels,
+        present,
+    )
+
+
+def _assumptions(sensors: Sensors, moved: set[str]) -> list[str]:
+    """What the readings at the origin rest on, beside the bounds of the readings themselves."""
+    words = []
+    for name, sensor, own in (
+        ("velocity", sensors.velocity, {"u", "v"}),
+        ("acceleration", sensors.acceleration, {"ax", "ay"}),
+    ):
+        if sensor is None or not own & moved:
+            continue
+        x, y = sensor.position
+        words.append(
+            f"the {name} sensor stands at ({x!r}, {y!r}) m within {sensor.position_accuracy!r} m, turned by {sensor.rotation!r} rad within "
+            f"{sensor.rotation_accuracy!r} rad; the vehicle moves in the plane"
+        )
+    acceleration, limits = sensors.acceleration, sensors.limits
+    if acceleration is not None and {"ax", "ay"} & moved:
+        if acceleration.off_origin:
+            for what, limit in (("|rdot|", limits.yaw_acceleration), ("|d2r/dt2|", limits.yaw_jerk)):
+                words += (
+                    [f"{what} never exceeds {limit!r}, where the yaw acceleration is not measured"] if limit else []
+                )
+        if acceleration.gravity:
+            g = f"within {GRAVITY}" if acceleration.gravity is True else f"{acceleration.gravity!r} within 1e-6"
+            tilt = "" if sensors.attitude is None else f", roll and pitch within {sensors.attitude.accuracy!r} rad"
+            words.append(f"gravity is {g} m/s^2{tilt}")
+    return words
 
 
 def _needed(x: IntervalArray | None, name: str, section: str, sensor: str, log: Log) -> IntervalArray:

@@ -150,8 +150,13 @@ def rule_for(sensors: Sensors, errors: int) -> Rule:
     return Rule(k * (1 + ROUNDING), confidence, errors)
 
 
-def bound_log(log: Log, vehicle: Vehicle) -> BoundedLog:
+def bound_log(log: Log, vehicle: Vehicle, windows: int = 1) -> BoundedLog:
     """Encloses every channel of the log that the vehicle file bounds.
+
+    Args:
+        log: the checked log.
+        vehicle: its sensors and ambient force.
+        windows: how many lengths of window rows will have: the mean of an ambient force over each is one more error a sample.
 
     Raises:
         IvsidError: a sensor section is missing for a logged channel, or samples are averaged.
@@ -164,7 +169,7 @@ def bound_log(log: Log, vehicle: Vehicle) -> BoundedLog:
     sections = _inertial(log, sensors)
     # A channel that came from a clock of its own may have more samples than the log has rows, and closer ones.
     most = max([log.t.size, *(c.samples for c in log.clocks.values())])
-    rule = rule_for(sensors, count_errors(most, sections.values(), vehicle))
+    rule = rule_for(sensors, count_errors(most, sections.values(), vehicle, windows))
     duration = float(log.t[-1] - log.t[0])
     interval = _sampling_interval(log)
     radii: dict[str, float | NDArray[np.float64]] = {
@@ -214,6 +219,11 @@ def _set_averages_apart(
     """An averaging accelerometer reads no moment: under another name, so that only rows over whole steps use it."""
     if sensors.acceleration is None or sensors.acceleration.sampling != "averaged":
         return
+    if moments := [n for n in ("udot", "vdot") if n in channels]:
+        raise IvsidError(
+            f'sampling = "averaged" of [sensors.acceleration] is about ax and ay, and the log has {" and ".join(moments)}; give ax and ay, '
+            "or leave these columns out: their means are differences of the velocities"
+        )
     for name in ("ax", "ay"):
         if name in channels:
             channels[f"mean_{name}"], present[f"mean_{name}"] = channels.pop(name), present.pop(name)
@@ -246,23 +256,28 @@ def _since_average(log: Log, sensors: Sensors) -> NDArray[np.float64]:
             'sampling = "averaged" of [sensors.yaw_rate] needs [sensors.limits] yaw_acceleration: it bounds how far r moves from its '
             "mean; state it, or log instantaneous samples"
         )
+    if "r" in {*log.clocks, *log.by_rate}:
+        raise IvsidError(
+            f'{log.name}: r stands on another clock than the rows, where sampling = "averaged" of [sensors.yaw_rate] does not say what a '
+            "reading averages; make it the clock of the rows ([log] base), or log instantaneous samples"
+        )
     steps = np.diff(log.t)
     before = np.r_[steps.max(), steps] + 2 * log.time_error
     moved: NDArray[np.float64] = np.nextafter(0.5 * limit * before * (1 + ROUNDING), np.inf)
     return moved
 
 
-def count_errors(n: int, sensors: Iterable[tuple[InertialSensor, int]], vehicle: Vehicle) -> int:
+def count_errors(n: int, sensors: Iterable[tuple[InertialSensor, int]], vehicle: Vehicle, windows: int = 1) -> int:
     """Errors that the union bound covers in a log of n samples, for each inertial channel's sensor and axis.
 
     Each sample of white noise and of bias counts once; a rate random walk counts as four; ambient force counts at each sample
-    and once more for its mean over the window that starts there.
+    and once more for its mean over each window that starts there.
     """
     count = 0
     for sensor, axis in sensors:
         count += n * (_walk(sensor, axis) > 0) + n * (sensor.axis(axis)[0] > 0) + 4 * (sensor.rate_random_walk > 0)
     if vehicle.ambient is not None:
-        count += 2 * n * (2 * (vehicle.ambient.force > 0) + (vehicle.ambient.moment > 0))
+        count += (1 + windows) * n * (2 * (vehicle.ambient.force > 0) + (vehicle.ambient.moment > 0))
     return int(count)
 
 

@@ -439,3 +439,21 @@ def test_shipped_vehicles_hold_their_own_truth(name):
     assert np.abs(made.exact["rdot"]).max() < limits.yaw_acceleration
     rows = build_rows(bound_log(as_log(made), vehicle), vehicle, terms_of(vehicle))
     assert set(rows.channel) == {0, 1, 2} and violated(rows, scenario.truth) == 0
+
+
+def test_a_lagging_thrust_that_turns_within_a_step_is_bounded_by_all_its_values():
+    """The mean of T cos a is not the mean of T times a cosine where T changes its sign on the way."""
+    unit = 'name = "p"\ngain = 1.0\ndemand_range = [-10, 10]\ntime_constant = 0.4\nsteering = "azimuth"\n'
+    vehicle = parse_vehicle(f'name = "a"\n[hull]\nmass = 3\n[[thrusters]]\n{unit}', "a.toml")
+    demand, t = np.array([10.0, -10.0, 10.0, -10.0, 10.0]), np.arange(5.0)
+    turning = Sweep(np.zeros(4), np.full(4, np.pi), "it turns")
+    columns = {"demand_p": demand, "azimuth_p": np.zeros(5)}
+    log = Log("a.csv", "", t, columns, over={"azimuth_p": turning})
+    found = pushed(vehicle.thrusters[0], log, held=True).over_steps[0]
+    s = (np.arange(20000) + 0.5) / 20000
+    thrust = 0.0
+    for k in range(4):
+        inside = demand[k] + (thrust - demand[k]) * np.exp(-s / 0.4)
+        mean = float(np.mean(inside * np.cos(np.pi * s)))
+        assert found.lower[k] <= mean <= found.upper[k]
+        thrust = demand[k] + (thrust - demand[k]) * np.exp(-1 / 0.4)

@@ -497,3 +497,47 @@ def test_logged_forces_and_earth_velocities_are_recomputed(swan, twin, tmp_path)
         fit.save(tmp_path / "r.json")
         verdict = verify(tmp_path / "r.json", log)
         assert verdict.proved, verdict.failures[:3]
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        lambda r: r["options"].update(form="other"),
+        lambda r: r["options"].update(outliers=None),
+        lambda r: r["options"].pop("outliers"),
+        lambda r: r["options"].update(outliers=2),
+        lambda r: r.update(outliers=[{"fewest": 2, "sets": [], "block": 0}]),
+        lambda r: r["certificates"][0].update(dropped=[{"channel": "surge", "time": 0.0}]),
+        lambda r: r["claims"].append({"parameter": "mass.surge", "value": 1.0, "contradicted": True}),
+    ],
+)
+def test_options_and_statements_that_no_certificate_holds_are_not_proved(fits, tmp_path, edit):
+    files, log, _ = fits
+    path = files["pointwise"]
+    record = json.loads(path.read_text())
+    assert verify(path, log).proved
+    edit(record)
+    assert not verify(written(tmp_path / "result.json", record), log).proved
+
+
+def test_claims_of_the_file_are_all_there_and_right(swan, twin, tmp_path):
+    text = swan.text.split("[model]")[0] + '[model]\nterms = "paper"\nvalues = { "mass.surge" = 20.0 }\n'
+    path = tmp_path / "log.csv"
+    path.write_text(as_csv(twin.t, twin.columns))
+    vehicle = parse_vehicle(text, "claims.toml")
+    log = read_log(path, vehicle.log)
+    fit = identify(vehicle, log)
+    fit.save(tmp_path / "fit.json")
+    assert fit.claims[0]["contradicted"] and verify(tmp_path / "fit.json", log).proved
+    record = json.loads((tmp_path / "fit.json").read_text())
+    for claims in ([], [{**record["claims"][0], "contradicted": False}], [{**record["claims"][0], "value": 21.0}]):
+        assert not verify(written(tmp_path / "edited.json", {**record, "claims": claims}), log).proved
+
+
+def test_a_key_that_stands_twice_is_refused(fits, tmp_path):
+    files, log, _ = fits
+    path = files["pointwise"]
+    text = path.read_text()
+    (tmp_path / "result.json").write_text(text.replace('{\n "ivsid"', '{\n "parameters": {},\n "ivsid"', 1))
+    with pytest.raises(IvsidError, match="is not JSON"):
+        verify(tmp_path / "result.json", log)

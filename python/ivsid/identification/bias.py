@@ -59,7 +59,9 @@ def apart(bounded: BoundedLog, vehicle: Vehicle, choice: str) -> tuple[BoundedLo
         a: n for k, a in enumerate(AXES) for n in _NAMES[k] if n in bounded.channels and n not in bounded.log.derived
     }
     both = sum(n in bounded.channels for pair in _NAMES for n in pair) > len(found)
-    if moved or both or not found or not all(sensor.axis(AXES.index(a))[0] for a in found):
+    # On another clock, or beside a rate made of windows, the growth below is not all that changes.
+    elsewhere = {*found.values()} & {*bounded.log.clocks, *bounded.log.by_rate} or "rdot" in bounded.log.derived
+    if moved or both or elsewhere or not found or not all(sensor.axis(AXES.index(a))[0] for a in found):
         return None
     # The bias in the middle is one more error an axis; what it moves from there takes the place of itself at each sample.
     rule = rule_for(vehicle.sensors, bounded.rule.errors + len(found))
@@ -68,7 +70,7 @@ def apart(bounded: BoundedLog, vehicle: Vehicle, choice: str) -> tuple[BoundedLo
     for axis, name in found.items():
         narrow = _narrowed(bounded, name, sensor, AXES.index(axis), rule.sigmas)
         known = bounded.present[name]
-        share.append(float(np.median((narrow.width / channels[name].width)[known])))
+        share.append(float(np.median(narrow.width[known] / channels[name].width[known])))
         channels[name] = narrow
     if choice == "auto" and max(share) > WORTHWHILE:
         return None

@@ -83,7 +83,7 @@ def identify(
             f"outliers = {outliers} with method {method} is not possible; give a number of rows, at least 0, with method feasible"
         )
     terms = terms_of(vehicle, form)
-    bounded = bound_log(log, vehicle)
+    bounded = bound_log(log, vehicle, 1 if isinstance(window, float | int) else max(len(window), 1))
     # A row that bounds a bias is no measurement that could be wrong.
     taken = apart(bounded, vehicle, bias) if method == "feasible" and not outliers else None
     bounded = bounded if taken is None else taken[0]
@@ -176,7 +176,8 @@ def outlier_notes(terms: Sequence[Term], blocks: Sequence[_Block]) -> list[str]:
         rows = " and ".join(f"the {r['channel']} row at t = {r['time']:.6g} s" for r in sets[0])
         others = f", or {len(sets) - 1} other choices" if len(sets) > 1 else ""
         notes.append(
-            f"{few} row{'s' * (few > 1)} of {', '.join(terms[c].id for c in b.columns)} must be wrong: {rows}{others}"
+            f"at least {few} row{'s' * (few > 1)} of {', '.join(terms[c].id for c in b.columns)} must be wrong; without {rows}{others}, no "
+            "contradiction was found"
         )
     return notes
 

@@ -17,8 +17,8 @@ from ivsid.rows.record import RegressionRows
 
 # Stands for an acceleration [m/s^2] that nobody knows, where an infinity would spoil the sum over a window.
 MOST: Final = 1e6
-# A step this much longer than the usual one is more than one sample.
-WHOLE_STEP: Final = 1.5
+# A step that differs from the usual one by this share may be more than one sample.
+WHOLE_STEP: Final = 0.1
 
 
 def integral(equations: Equations, index: int, channel: str, count: int) -> RegressionRows:
@@ -86,15 +86,18 @@ class Quadrature:
         """A difference of u or v, by what an averaging accelerometer says of it, too: its mean, and that of v r or u r."""
         own = {"u": "mean_ax", "v": "mean_ay"}.get(name)
         channels = self.equations.bounded.channels
-        if own is None or own not in channels:
+        log = self.equations.bounded.log
+        if own is None or own not in channels or own.removeprefix("mean_") in {*log.clocks, *log.by_rate}:
+            # Of another clock than the rows, a reading averages something else than the step before its row.
             return difference
+        self.assumes.append(f"each reading of {own.removeprefix('mean_')} is the mean since the row before it")
 
         def turning(s: State) -> Columns:
             return {"surge": s.v * s.r if name == "u" else -(s.u * s.r)}
 
         reading = channels[own][1:]
         # Where a row was lost the reading averages the last sample alone, not the step.
-        usual = np.diff(self.equations.t) <= WHOLE_STEP * self.equations.bounded.log.period
+        usual = np.abs(np.diff(self.equations.t) - log.period) <= WHOLE_STEP * log.period
         there = np.isfinite(reading.lower) & usual
         known = IntervalArray(np.where(there, reading.lower, -MOST), np.where(there, reading.upper, MOST))
         other = self.window_mean(known + self._step_mean(turning, "surge")) * self.spans

@@ -18,7 +18,11 @@ def weak(equations: Equations, index: int, channel: str, half: int) -> Regressio
     """The channel's equation weighted by a hat of ``half`` steps on either side, with means of velocities from the pose itself; None without it."""
     steps = equations.clock[1:] - equations.clock[:-1]
     means = pose_means(equations.bounded.log, equations.vehicle.sensors, dict(equations.bounded.channels), steps)
-    mixed = any(t.time_constant and (t.advance_loss or t.rudder is not None) for t in equations.vehicle.thrusters)
+    # Behind a lag these change the force at a row, so that its values at both rows do not enclose it between them.
+    mixed = any(
+        t.time_constant and (t.advance_loss or t.rudder is not None or t.steering == "azimuth")
+        for t in equations.vehicle.thrusters
+    )
     if means is None or mixed or equations.bounded.ambient != (0.0, 0.0):
         return None
     there = equations.forces.present & means.there

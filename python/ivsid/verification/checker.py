@@ -49,14 +49,20 @@ class Checker:
         self._kind()
         if self.failures:
             return
-        if self.record["options"].get("outliers"):
-            self.unknown.append("results that leave rows out (outliers) are not recomputed by the checker")
-            return
         with self._trying("the model"):
             options = self.record["options"]
+            left_out = any(c.get("dropped") for c in self.record["certificates"]) or self.record["outliers"]
+            if _integer(options["outliers"]) or left_out:
+                self.unknown.append("results that leave rows out (outliers) are not recomputed by the checker")
+                return
+            if options["form"] not in ("total", "added"):
+                raise UnprovedError(f"a form is total or added, not {options['form']!r}")
             if options["bias"] not in ("sample", "log"):
                 raise UnprovedError(f"a bias is bounded by the sample or one of the log, not {options['bias']!r}")
-            self.rows = Rows(self.log, self.result.vehicle, options["form"], apart=options["bias"] == "log")
+            windows = len(options["window"]) if isinstance(options["window"], list) else 1
+            self.rows = Rows(
+                self.log, self.result.vehicle, options["form"], apart=options["bias"] == "log", windows=windows
+            )
         if self.failures:
             return
         blocks: dict[int, _Block] = {}
@@ -235,15 +241,27 @@ class Checker:
                 if claimed[end] is None:
                     open_ends += 1
                     continue
+                if isinstance(claimed[end], bool):
+                    raise UnprovedError(f"the {end} end of {id_} is no number")
                 _end(id_, end, Fraction(claimed[end]), block)
-        values = self.result.vehicle.model.values
-        for claim in record["claims"]:
-            p, value = record["parameters"][claim["parameter"]], Fraction(claim["value"])
-            beyond = (p["lower"] is not None and value < p["lower"]) or (p["upper"] is not None and value > p["upper"])
-            if float(value) != values[claim["parameter"]] or (claim["contradicted"] and not beyond):
-                raise UnprovedError(f"the claim on {claim['parameter']} is not the file's, or not contradicted")
+        self._model_values()
         if (record["status"] == "unbounded") != (open_ends > 0):
             raise UnprovedError(f"status {record['status']} does not go with {open_ends} open ends")
+
+    def _model_values(self) -> None:
+        """What the vehicle file claims, and whether its interval contradicts it: one statement for each number."""
+        record, values = self.record, self.result.vehicle.model.values
+        stated = {id_: value for id_, value in values.items() if id_ in record["parameters"]}
+        if [c["parameter"] for c in record["claims"]] != list(stated):
+            raise UnprovedError(f"the claims of the vehicle file are on {', '.join(stated) or 'nothing'}")
+        for claim in record["claims"]:
+            p, value = record["parameters"][claim["parameter"]], Fraction(stated[claim["parameter"]])
+            beyond = (p["lower"] is not None and value < p["lower"]) or (p["upper"] is not None and value > p["upper"])
+            # Printed ends lie outside of those that were compared: what they contradict is contradicted.
+            if float(claim["value"]) != float(value) or not isinstance(claim["contradicted"], bool):
+                raise UnprovedError(f"the claim on {claim['parameter']} is not the file's")
+            if beyond != claim["contradicted"]:
+                raise UnprovedError(f"the claim on {claim['parameter']} is {'' if beyond else 'not '}contradicted")
 
 
 def _inside(range_: Range, lower: Fraction, upper: Fraction, what: str) -> None:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ivsid.log import Log
 from ivsid.vehicle import Sensors
 from ivsid.verification.decimals import Decimals
+from ivsid.verification.errors import UnprovedError
 from ivsid.verification.rational import Range, cosine, pi, root, sided, sine
 
 SHARES: Final = (0.35, 0.5, 0.7, 1.0, 1.4, 2.0)
@@ -97,6 +98,8 @@ class PoseVelocities:
             near = self._from_window(row, int(proposal.half[row]), name)
             apart = abs(self.time(i) - self.time(row)) if row != i else Range(0)
             ends.append(near + sided(rate * apart))
+        if ends[0].lower > ends[1].upper:
+            raise UnprovedError("the pose moves as no velocity within the limits can")
         return Range(ends[0].lower, ends[1].upper)
 
     def _windows(self, sensors: Sensors) -> list[int]:

@@ -149,7 +149,7 @@ class Range:
 
     def inside(self, lower: Fraction, upper: Fraction) -> bool:
         """Whether all of it lies between two numbers."""
-        return lower <= self.lower and self.upper <= upper
+        return lower <= self.lower <= self.upper <= upper
 
 
 def to_range(x: Number) -> Range:

@@ -35,8 +35,8 @@ AXES: Final = ("x", "y")
 class Readings:
     """Every channel of a log as ranges that hold the truth under the vehicle file's assumptions."""
 
-    def __init__(self, log: Log, vehicle: Vehicle, *, apart: bool = False) -> None:
-        self.log, self.vehicle, self.exact = log, vehicle, Decimals(vehicle.text)
+    def __init__(self, log: Log, vehicle: Vehicle, *, apart: bool = False, windows: int = 1) -> None:
+        self.log, self.vehicle, self.exact, self.windows = log, vehicle, Decimals(vehicle.text), windows
         self._certain_turns()
         self.apart = self._one_bias() if apart else {}
         self._made: dict[tuple[str, int], Range | None] = {}
@@ -58,6 +58,10 @@ class Readings:
             raise UnprovedError("a bias can be taken apart under confidence only, from one acceleration an axis")
         if sensor.sampling == "averaged" or sensor.off_origin or sensor.turned or sensor.gravity:
             raise UnprovedError("the bias of a mounted or averaging accelerometer cannot be taken apart")
+        if {*found.values()} & {*self.log.clocks, *self.log.by_rate}:
+            raise UnprovedError("the bias of an accelerometer of another clock than the rows cannot be taken apart")
+        if sensors.limits.yaw_jerk is not None and "rdot" not in self.log.columns:
+            raise UnprovedError("a bias cannot be taken apart beside accelerations that follow from a jerk in yaw")
         return found
 
     def bias(self, axis: str) -> Range:
@@ -227,7 +231,7 @@ class Readings:
             walk, bias = _axis(sensor.random_walk, axis), _axis(sensor.bias_instability, axis)
             count += n * ((walk > 0) + (bias > 0)) + 4 * (sensor.rate_random_walk > 0)
         if vehicle.ambient is not None:
-            count += 2 * n * (2 * (vehicle.ambient.force > 0) + (vehicle.ambient.moment > 0))
+            count += (1 + self.windows) * n * (2 * (vehicle.ambient.force > 0) + (vehicle.ambient.moment > 0))
         # The bias in the middle is one more error an axis.
         return int(count) + len(self.apart)
 

@@ -55,7 +55,7 @@ def read_result(path: str | Path) -> Result:
 def parse_result(text: str, source: str) -> Result:
     """The same from the text of a result."""
     try:
-        record = json.loads(text, parse_float=_decimal)
+        record = json.loads(text, parse_float=_decimal, object_pairs_hook=_unique)
         seal = seal_of(text)
     except (ValueError, RecursionError):
         raise IvsidError(f"result {source} is not JSON; give the --out folder of ivsid identify") from None
@@ -80,6 +80,16 @@ def parse_result(text: str, source: str) -> Result:
     except IvsidError as error:
         raise DamagedError(str(error)) from None
     return Result(record, vehicle, record.get(KEY) == seal)
+
+
+def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise ValueError("a key stands twice")
+    for text in (x for pair in pairs for x in pair if isinstance(x, str)):
+        # Halves of a character cannot be printed; the error is a ValueError.
+        text.encode()
+    return found
 
 
 def _decimal(text: str) -> Fraction:

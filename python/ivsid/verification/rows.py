@@ -22,7 +22,7 @@ from ivsid.verification.unchecked import not_recomputed
 HALF: Final = Range(Fraction(1, 2))
 QUARTER: Final = Range(Fraction(1, 4))
 # A step this much longer than the usual one is more than one sample.
-WHOLE_STEP: Final = 1.5
+WHOLE_STEP: Final = 0.1
 _STILL: Final = moving(0)
 KINDS: Final = ("pointwise", "integral", "weak", *(f"bias.{axis}" for axis in AXES))
 
@@ -38,9 +38,10 @@ class Row:
 class Rows:
     """Rows of a model, made when they are asked for."""
 
-    def __init__(self, log: Log, vehicle: Vehicle, form: str, *, apart: bool = False) -> None:
-        self.log, self.vehicle = log, vehicle
-        self.readings = Readings(log, vehicle, apart=apart)
+    def __init__(self, log: Log, vehicle: Vehicle, form: str, *, apart: bool = False, windows: int = 1) -> None:
+        self.log, self.vehicle, self.windows = log, vehicle, windows
+        self.readings = Readings(log, vehicle, apart=apart, windows=windows)
+        self._counts: set[int] = set()
         self.thrusters = Thrusters(self.readings)
         self.terms: dict[str, Meaning] = model(vehicle, form)
         exact = self.readings.exact
@@ -86,6 +87,10 @@ class Rows:
             if not ends:
                 raise UnprovedError(f"the log has no window of {duration!r} s from t = {time!r} s")
             last = ends[0]
+        if duration:
+            self._counts.add(last - first)
+            if len(self._counts) > self.windows:
+                raise UnprovedError(f"its rows are of more than the {self.windows} lengths of window that were bounded")
         key = (channel, first, last)
         if key not in self._made:
             self._made[key] = self._integral(*key) if duration else self._pointwise(channel, first)
@@ -185,13 +190,13 @@ class Rows:
         """Of u, v or r over a window, by what an averaging accelerometer says of u and v, too: its mean, and that of v r or u r."""
         difference = self._velocity(name, last) - self._velocity(name, first)
         own = {"u": "ax", "v": "ay"}.get(name, "")
-        if not self.readings.averages(own):
+        if not self.readings.averages(own) or own in {*self.log.clocks, *self.log.by_rate}:
             return difference
         total, t = Range(0), self.log.t
         for k, length in zip(range(first, last), lengths, strict=True):
             mean = self.readings.average(own, k + 1)
             # Where a row was lost the reading averages the last sample alone, not the step.
-            if mean is None or t[k + 1] - t[k] > WHOLE_STEP * self.log.period:
+            if mean is None or abs(t[k + 1] - t[k] - self.log.period) > WHOLE_STEP * self.log.period:
                 return difference
             turning: Column = (lambda s: {own: s.v * s.r}) if name == "u" else (lambda s: {own: -(s.u * s.r)})
             total = total + (mean + self._step_mean("turning", turning, own, k)) * length

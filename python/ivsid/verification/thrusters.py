@@ -100,6 +100,8 @@ class Thrusters:
             at, mean = self._lagged(curve, i)
             thrust = mean if over else at
             swept = at.hull(self._lagged(curve, i + 1)[0]) if over and t.lag == "thrust" else thrust
+            if t.steering == "azimuth" and f"azimuth_{t.name}" in self.log.over:
+                thrust = swept
         else:
             demand = self._demand(name, i)
             if over and not self.held:

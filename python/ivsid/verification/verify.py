@@ -19,7 +19,11 @@ NOT_PROVED: Final = (
     "notes",
     "quality",
     "rows",
-    "the wording of assumes",
+    "reason",
+    "improper",
+    "options that no certificate rests on",
+    "that ends without a bound have none",
+    "what assumes says, and its wording",
 )
 
 

@@ -26,8 +26,6 @@ from ivsid.vehicle import Sensors
 POSE: Final = ("x", "y", "psi")
 # Just above the square root of 2: the largest norm of two components that are each at most 1.
 DIAGONAL: Final = 1.4142135623730952
-# Headings further apart than this many usual steps leave the way round between them open.
-HOLE: Final = 2.5
 # Windows that are tried, as shares of the one where sensor and acceleration weigh the same.
 SHARES: Final = (0.35, 0.5, 0.7, 1.0, 1.4, 2.0)
 
@@ -115,8 +113,7 @@ def _pose(log: Log, sensors: Sensors, *, moving: bool) -> _Pose:
     # A truth that turns by less than pi gives readings less than pi - 2 e apart only the right way round.
     off = sensors.heading.accuracy + lost[there]
     most = np.pi - off[1:] - off[:-1] - 1e-9
-    apart = np.diff(log.t[there])
-    piece[np.flatnonzero(there)[1:]] = (np.abs(np.diff(turned[there])) >= most) | (apart > HOLE * np.median(apart))
+    piece[np.flatnonzero(there)[1:]] = np.abs(np.diff(turned[there])) >= most
     piece = np.cumsum(piece)
     heading = IntervalArray.around(turned, lost) + _reach(sensors.heading.accuracy)
     both = there & (~np.isnan(log.columns["x"]) & ~np.isnan(log.columns["y"]) if moving else True)

@@ -14,9 +14,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ivsid.allan import AllanDeviation
+from ivsid.bollard import Bollard
 from ivsid.identification import Identification
 from ivsid.log import Log
-from ivsid.thrust import Bollard, table_curve
+from ivsid.thrust import table_curve
 from ivsid.validation import ForceCheck, MotionCheck
 
 # Blue, orange, green, vermilion, purple, black of Okabe and Ito: told apart by colour-blind readers.

@@ -7,9 +7,9 @@ from dataclasses import asdict
 from typing import Any
 
 from ivsid.allan import AllanDeviation
+from ivsid.bollard import Bollard
 from ivsid.log import Quality
 from ivsid.records import envelope
-from ivsid.thrust import Bollard
 from ivsid.validation import Validation
 
 

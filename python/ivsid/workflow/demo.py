@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ivsid import identification, linalg, regression, simulation, thrust, validation
+from ivsid import bollard, identification, linalg, regression, simulation, validation
 from ivsid.allan import AllanDeviation, allan_deviation
 from ivsid.constriction import Constriction, constrict
 from ivsid.effects import terms_of
@@ -45,7 +45,7 @@ def demo(*, seed: int | None = None, progress: Progress = silent) -> Report:
     progress(f"static recording of {STATIC_HOURS:g} h, Allan analysis")
     curves = _static(vehicle, 100 + shift)
     progress("thrust models of Table III")
-    table_iii = thrust.examine(np.array(thrust.TABLE_III[0]), np.array(thrust.TABLE_III[1]), thrust.PUBLISHED_CUBIC)
+    table_iii = bollard.examine(np.array(bollard.TABLE_III[0]), np.array(bollard.TABLE_III[1]), bollard.PUBLISHED_CUBIC)
     progress("identifying by every method")
     bounded = bound_log(train.log, vehicle)
     total = build_rows(bounded, vehicle, terms_of(vehicle))

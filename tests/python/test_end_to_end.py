@@ -11,7 +11,8 @@ from ivsid.manoeuvres import Segment
 from ivsid.scenario import parse_scenario
 from ivsid.simulation import hidden_effect, hidden_effects, simulate
 from ivsid.vehicle import parse_vehicle
-from test_actuators import HULL, POD, PRBS, RUDDER, SENSORS, TRUTH, VALUES
+from test_actuators import HULL, POD, PRBS, SENSORS, TRUTH, VALUES
+from test_rudders import RUDDER
 
 MANOEUVRES = Segment.model_fields["manoeuvre"].annotation.__args__
 VSP = """

@@ -1,5 +1,8 @@
 """What stands in a log between two rows is in the range of the step."""
 
+from fractions import Fraction
+
+import gmpy2
 import numpy as np
 import polars as pl
 import pytest
@@ -12,25 +15,34 @@ from ivsid.sensors import bound_log
 from ivsid.vehicle import parse_vehicle
 from log_files import log_map, rows_at, two_tables
 
+TURN = 2 * Fraction(*map(int, gmpy2.const_pi(200).as_integer_ratio()))
+
 
 @settings(max_examples=200, deadline=None)
 @given(st.data())
 def test_what_stands_between_the_rows_is_in_the_range_of_the_step(data):
     """Held values, values between their neighbours, and the extreme curve of a stated rate, over steps of other rows."""
-    t = np.cumsum(data.draw(st.lists(st.floats(0.1, 0.2), min_size=6, max_size=20)))
-    rows = np.cumsum(data.draw(st.lists(st.floats(0.02, 0.5), min_size=3, max_size=20)))
+    # Times and curves are multiples of a power of two, so that the truth between two samples is known exactly.
+    t = np.cumsum(data.draw(st.lists(st.integers(7, 12), min_size=6, max_size=20))) / 64
+    rows = np.cumsum(data.draw(st.lists(st.integers(1, 32), min_size=3, max_size=20))) / 64
     values = np.array(data.draw(st.lists(st.floats(-5, 5), min_size=t.size, max_size=t.size)))
-    fine = np.unique(np.r_[np.linspace(t[0], t[-1], 301), t, rows[(rows >= t[0]) & (rows <= t[-1])]])
+    fine = np.arange(64 * t[0], 64 * t[-1] + 1) / 64
     nothing = np.zeros(t.size)
     rate = 2.0
-    turns = np.array(data.draw(st.lists(st.sampled_from([-1.0, 1.0, 0.3]), min_size=60, max_size=60)))
-    curve = np.r_[0.0, np.cumsum(turns[(np.arange(fine.size - 1) * 60) // fine.size] * rate * np.diff(fine))]
+    turns = data.draw(st.lists(st.sampled_from([-1.0, 1.0, 0.25]), min_size=fine.size - 1, max_size=fine.size - 1))
+    curve = np.r_[0.0, np.cumsum(np.array(turns) * rate / 64)]
     at = curve[np.searchsorted(fine, t)]
     held_now = values[np.searchsorted(t, fine, side="right") - 1]
+    place = np.clip(np.searchsorted(t, fine, side="right") - 1, 0, t.size - 2)
+    shares = [Fraction(x - t[k]) / Fraction(t[k + 1] - t[k]) for k, x in zip(place, fine, strict=True)]
+    straight = [
+        Fraction(values[k]) + s * (Fraction(values[k + 1]) - Fraction(values[k]))
+        for k, s in zip(place, shares, strict=True)
+    ]
     for truth, samples, how in (
-        (held_now, values, {"manner": "hold"}),
-        (np.interp(fine, t, values), values, {"manner": "between"}),
-        (curve, at, {"manner": "hold", "rate": rate}),
+        ([Fraction(x) for x in held_now], values, {"manner": "hold"}),
+        (straight, values, {"manner": "between"}),
+        ([Fraction(x) for x in curve], at, {"manner": "hold", "rate": rate}),
     ):
         lower, upper = swept(rows, t, samples, nothing, **how)
         for k in range(rows.size - 1):
@@ -38,7 +50,8 @@ def test_what_stands_between_the_rows_is_in_the_range_of_the_step(data):
             covered = rows[k] >= t[0] and rows[k + 1] <= t[-1]
             assert np.isfinite(lower[k]) >= covered
             if covered and np.isfinite(lower[k]):
-                assert (lower[k] - 1e-12 <= truth[inside]).all() and (truth[inside] <= upper[k] + 1e-12).all()
+                low, high = Fraction(lower[k]), Fraction(upper[k])
+                assert all(low <= truth[i] <= high for i in np.flatnonzero(inside))
                 if "rate" not in how:
                     assert {lower[k], upper[k]} <= {np.nextafter(v, s) for v in values for s in (-np.inf, np.inf)}
 
@@ -89,17 +102,20 @@ def test_a_held_angle_that_changes_in_a_row_that_is_left_out(tmp_path):
 def test_angles_of_thrusters_are_followed_through_half_a_turn(tmp_path):
     """At 2.9 rad and turning: halfway between 3.1 and -3.08 the truth is 3.15, not 0.01."""
     rate, slow, t = 0.5, np.arange(0, 20, 0.2), np.arange(0.1, 19.75, 0.1)
-    turned = 2.9 + rate * slow
-    angle = {"t": slow, "angle": np.arctan2(np.sin(turned), np.cos(turned))}
+    # Readings are the doubles next to the exact angle in its turn.
+    turned = [Fraction(29, 10) + Fraction(x) / 2 for x in slow]
+    angle = {"t": slow, "angle": [float(q - round(q / TURN) * TURN) for q in turned]}
     for channel in ("azimuth_a", "rudder_a"):
         path = two_tables(tmp_path / channel, rows={**rows_at(t), "demand_a": 50 + 0 * t}, angle=angle)
         log = read_log(path, log_map(columns={channel: "angle/angle"}, base="rows", rates={channel: rate}))
         off = np.angle(np.exp(1j * (log.columns[channel] - 2.9 - rate * t)))
         assert (np.abs(off) <= log.error(channel)).all() and np.abs(log.columns[channel]).max() <= np.pi
         over = log.over[channel]
-        for share in (0.0, 0.4, 1.0):
-            truth = 2.9 + rate * (t[:-1] + share * np.diff(t))
-            assert ((over.lower - 1e-12 <= truth) & (truth <= over.upper + 1e-12)).all()
+        for k in range(t.size - 1):
+            for tenths in (0, 4, 10):
+                moment = Fraction(t[k]) + Fraction(tenths, 10) * (Fraction(t[k + 1]) - Fraction(t[k]))
+                truth = Fraction(29, 10) + moment / 2
+                assert Fraction(over.lower[k]) <= truth <= Fraction(over.upper[k])
         assert (over.upper - over.lower).max() < 0.2
         assert over.assumes == f"{channel} never changes faster than 0.5 a second"
         with pytest.raises(IvsidError, match="half a circle"):

@@ -18,6 +18,14 @@ def mapping(table):
     return LogMap.model_validate(table)
 
 
+def surge_velocity(monkeypatch, u):
+    """Other values of u in every writer."""
+    monkeypatch.setattr(log_files, "U", u)
+    monkeypatch.setattr(log_files, "COLUMNS", {**log_files.COLUMNS, "u": u})
+    monkeypatch.setattr(log_files.bag, "__defaults__", ("sqlite3", u, log_files.NS))
+    monkeypatch.setattr(log_files.dataflash, "__defaults__", (u, None))
+
+
 def sentence(path, table=None):
     with pytest.raises(IvsidError) as caught:
         read_log(path, mapping(table or {}))
@@ -59,10 +67,7 @@ def test_time_that_does_not_increase_is_refused(tmp_path, kind, monkeypatch):
 def test_an_infinite_value_is_refused(tmp_path, kind, monkeypatch):
     u = log_files.U.copy()
     u[7] = np.inf
-    monkeypatch.setattr(log_files, "U", u)
-    monkeypatch.setattr(log_files, "COLUMNS", {**log_files.COLUMNS, "u": u})
-    monkeypatch.setattr(log_files.bag, "__defaults__", ("sqlite3", u, log_files.NS))
-    monkeypatch.setattr(log_files.dataflash, "__defaults__", (u, None))
+    surge_velocity(monkeypatch, u)
     write, table = log_files.FORMATS[kind]
     assert "is infinite in row" in sentence(write(tmp_path), table)
 
@@ -71,10 +76,7 @@ def test_an_infinite_value_is_refused(tmp_path, kind, monkeypatch):
 def test_a_missing_sample_stays_missing(tmp_path, kind, monkeypatch):
     u = log_files.U.copy()
     u[20:25] = np.nan
-    monkeypatch.setattr(log_files, "U", u)
-    monkeypatch.setattr(log_files, "COLUMNS", {**log_files.COLUMNS, "u": u})
-    monkeypatch.setattr(log_files.bag, "__defaults__", ("sqlite3", u, log_files.NS))
-    monkeypatch.setattr(log_files.dataflash, "__defaults__", (u, None))
+    surge_velocity(monkeypatch, u)
     write, table = log_files.FORMATS[kind]
     log = read_log(write(tmp_path), mapping(table))
     np.testing.assert_array_equal(np.flatnonzero(np.isnan(log.columns["u"])), np.arange(20, 25))
@@ -85,10 +87,7 @@ def test_a_missing_sample_stays_missing(tmp_path, kind, monkeypatch):
 @pytest.mark.parametrize("kind", list(log_files.FORMATS))
 def test_a_channel_without_any_sample_is_refused(tmp_path, kind, monkeypatch):
     u = np.full(log_files.N, np.nan)
-    monkeypatch.setattr(log_files, "U", u)
-    monkeypatch.setattr(log_files, "COLUMNS", {**log_files.COLUMNS, "u": u})
-    monkeypatch.setattr(log_files.bag, "__defaults__", ("sqlite3", u, log_files.NS))
-    monkeypatch.setattr(log_files.dataflash, "__defaults__", (u, None))
+    surge_velocity(monkeypatch, u)
     write, table = log_files.FORMATS[kind]
     assert "column u has no sample at all" in sentence(write(tmp_path), table)
 

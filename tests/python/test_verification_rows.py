@@ -18,10 +18,11 @@ from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 from ivsid.verification.rows import Rows
 from ivsid.workflow.verify import verdict_lines
-from test_actuators import POD, RUDDER, scenario_of, vehicle_of
+from test_actuators import POD, scenario_of, vehicle_of
 from test_bias import VALUES, biased
 from test_derivatives import towed as smooth_motion
 from test_mounting import MOUNTS, changed, tilted
+from test_rudders import RUDDER
 from test_verification import written
 from test_weak_form import towed as from_pose
 

@@ -21,7 +21,7 @@ from ivsid.log.dataflash import open_dataflash
 from ivsid.log.matlab import open_matlab
 from ivsid.log.panics import panics_unprinted
 from ivsid.log.rosbag import open_bag
-from ivsid.log.source import Source, Table, head
+from ivsid.log.source import Lossless, Source, Table, head
 from ivsid.log.text import open_text
 from ivsid.log_map import TimeColumn
 
@@ -148,7 +148,7 @@ def _table(path: Path, name: str, stack: ExitStack) -> Table:
 
 
 @dataclass(frozen=True)
-class Parquet:
+class Parquet(Lossless):
     """A Parquet file."""
 
     path: Path
@@ -170,10 +170,6 @@ class Parquet:
         except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
             raise _unusable(self.name, error) from None
         return {n: frame[self.names[n]] for n in names}
-
-    def exact(self, name: str) -> pl.Series:
-        """The column as it is."""
-        return self.read([name])[name]
 
 
 def _unusable(name: str, error: BaseException) -> IvsidError:

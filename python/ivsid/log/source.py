@@ -49,8 +49,16 @@ class Table(Protocol):
         """One column with every digit: text, integers or doubles."""
 
 
+class Lossless:
+    """A table that ``read`` gives with every digit."""
+
+    def exact(self: Table, name: str) -> pl.Series:
+        """One column with every digit."""
+        return self.read([name])[name]
+
+
 @dataclass(frozen=True)
-class Frame:
+class Frame(Lossless):
     """A table that is in memory."""
 
     frame: pl.DataFrame
@@ -65,10 +73,6 @@ class Frame:
     def read(self, names: Sequence[str]) -> dict[str, pl.Series]:
         """The columns as they are."""
         return {n: self.frame[n] for n in names}
-
-    def exact(self, name: str) -> pl.Series:
-        """The column as it is."""
-        return self.frame[name]
 
 
 @dataclass(frozen=True)

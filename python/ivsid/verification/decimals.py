@@ -15,12 +15,25 @@ def nearby(x: float) -> Range:
     return Range.around(x, math.ulp(x))
 
 
+def decimal(text: str) -> Fraction:
+    """A decimal exactly; ValueError for one with a huge exponent, which would be a number of as many digits."""
+    mantissa, _, exponent = text.lower().replace("_", "").partition("e")
+    if len(mantissa) > 400 or abs(int(exponent or 0)) > 400:
+        raise ValueError(f"{text[:40]} has too many digits to be used")
+    return Fraction(text)
+
+
+def stated(text: str) -> dict[str, Any]:
+    """A vehicle file with its decimals as exact numbers."""
+    return tomllib.loads(text, parse_float=decimal)
+
+
 class Decimals:
     """The numbers of a vehicle file's text, by the doubles that they were read as."""
 
     def __init__(self, text: str) -> None:
         self._known: dict[float, Range] = {}
-        self._collect(tomllib.loads(text, parse_float=Fraction))
+        self._collect(stated(text))
 
     def _collect(self, value: Any) -> None:
         if isinstance(value, dict):

@@ -11,6 +11,7 @@ from fractions import Fraction
 from typing import Any, Final
 
 from ivsid.vehicle import Vehicle
+from ivsid.verification.decimals import stated
 from ivsid.verification.rational import Range, cosine, sided, sine, tanh, to_range
 
 CHANNELS: Final = ("surge", "sway", "yaw")
@@ -209,7 +210,7 @@ def rigid_body(s: State, mx: Range, my: Range, mass: Range | None) -> Columns:
 
 
 def _cross_flow(vehicle: Vehicle) -> Meaning:
-    half = Fraction(vehicle.hull.length or 0.0) / 2
+    half = Fraction(stated(vehicle.text)["hull"]["length"]) / 2
 
     def columns(s: State) -> Columns:
         if isinstance(s.v, Motion):

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from ivsid.errors import IvsidError
 from ivsid.seal import KEY, seal_of
 from ivsid.vehicle import Vehicle, parse_vehicle
+from ivsid.verification.decimals import decimal
 
 
 class DamagedError(Exception):
@@ -55,7 +55,7 @@ def read_result(path: str | Path) -> Result:
 def parse_result(text: str, source: str) -> Result:
     """The same from the text of a result."""
     try:
-        record = json.loads(text, parse_float=_decimal, object_pairs_hook=_unique)
+        record = json.loads(text, parse_float=decimal, object_pairs_hook=_unique)
         seal = seal_of(text)
     except (ValueError, RecursionError):
         raise IvsidError(f"result {source} is not JSON; give the --out folder of ivsid identify") from None
@@ -90,11 +90,3 @@ def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         # Halves of a character cannot be printed; the error is a ValueError.
         text.encode()
     return found
-
-
-def _decimal(text: str) -> Fraction:
-    # A decimal with a huge exponent would be a number of as many digits.
-    mantissa, _, exponent = text.lower().partition("e")
-    if len(mantissa) > 400 or abs(int(exponent or 0)) > 400:
-        raise ValueError("a number without use")
-    return Fraction(text)

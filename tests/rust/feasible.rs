@@ -245,6 +245,16 @@ fn hugely_different_scales() {
 }
 
 #[test]
+fn inflation_of_an_open_set_is_looked_for_far_out() {
+    // |x - 10| <= k (2 |x| + 1) and |x + 10| <= k (2 |x| + 1): the factor falls towards 1/2 for ever.
+    let a = rows(2, 1, &[-1.0, -1.0], &[3.0, 3.0]);
+    let found = feasible_set(&a, &[at(9.0, 11.0), at(-11.0, -9.0)]).unwrap();
+    let factor = found.inflation.unwrap();
+    assert_eq!(found.status, Status::Unbounded);
+    assert!((0.5..0.5 + 1e-5).contains(&factor), "{factor}");
+}
+
+#[test]
 fn inflation_is_the_least_factor() {
     // |x - 0| <= 1 k and |x - 4| <= 1 k: k = 2 at x = 2.
     let a = rows(2, 1, &[1.0, 1.0], &[1.0, 1.0]);

@@ -315,7 +315,7 @@ def test_a_heading_that_may_have_turned_either_way_gives_no_window():
     psi = log.columns["psi"].copy()
     psi[400:] += 3.14 - (psi[400] - psi[399])
     turned = replace(log, columns={**log.columns, "psi": np.angle(np.exp(1j * psi))})
-    own = Rows(turned, vehicle, "total").readings._pose
+    own = Rows(turned, vehicle, "total").readings.pose
     assert own.piece[0] != own.piece[-1]
     assert outside(vehicle, log, kind="integral", window=1.0, picked=12) == []
     uncertain = replace(log, certain={"psi": 1e-4})

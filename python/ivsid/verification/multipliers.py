@@ -32,8 +32,10 @@ def half_space(lower: Vector, upper: Vector, right: tuple[Fraction, Fraction], *
     return HalfSpace(list(lower), list(upper), right[1])
 
 
-def least(objective: Vector, rows: Sequence[HalfSpace], signs: Sequence[int], slack: set[int]) -> Fraction | None:
-    """The largest lower bound of ``objective x`` that these rows prove in the cell; None where they prove none.
+def least(
+    objective: Vector, rows: Sequence[HalfSpace], signs: Sequence[int], slack: set[int]
+) -> tuple[Fraction, set[int]] | None:
+    """The largest lower bound of ``objective x`` that these rows prove in the cell, and which of them it takes; None where they prove none.
 
     Args:
         objective: e, shape (n,).
@@ -47,7 +49,7 @@ def least(objective: Vector, rows: Sequence[HalfSpace], signs: Sequence[int], sl
     matrix = [[_coefficient(row, j, signs[j] or 1) for row in rows] for j in tight]
     found = solve(matrix, [-objective[j] for j in tight])
     if found is not None and len(found) == len(rows) and _holds(objective, rows, conditions, found):
-        return -sum((m * row.height for m, row in zip(found, rows, strict=True)), ZERO)
+        return -sum((m * row.height for m, row in zip(found, rows, strict=True)), ZERO), _used(found)
     return _best(objective, rows, conditions)
 
 
@@ -74,14 +76,19 @@ def multipliers_of(
     return found
 
 
-def contradict(rows: Sequence[HalfSpace], signs: Sequence[int]) -> bool:
-    """Whether multipliers exist that make the rows say 0 <= something negative in the cell."""
+def contradict(rows: Sequence[HalfSpace], signs: Sequence[int]) -> set[int] | None:
+    """The rows that multipliers take to make them say 0 <= something negative in the cell; None where there are no such multipliers."""
     n = len(signs)
     conditions = [(j, s) for j, sign in enumerate(signs) for s in (1, -1) if sign in (0, s)]
     equations = _equations([ZERO] * n, rows, conditions)
     heights = [row.height for row in rows]
     equations.append(([*heights, *([ZERO] * len(conditions))], Fraction(-1)))
-    return _simplex(equations, [ZERO] * (len(rows) + len(conditions))) is not None
+    found = _simplex(equations, [ZERO] * (len(rows) + len(conditions)))
+    return None if found is None else _used(found[1][: len(rows)])
+
+
+def _used(multipliers: Vector) -> set[int]:
+    return {i for i, m in enumerate(multipliers) if m}
 
 
 def _coefficient(row: HalfSpace, j: int, sign: int) -> Fraction:
@@ -108,10 +115,10 @@ def _equations(
     return made
 
 
-def _best(e: Vector, rows: Sequence[HalfSpace], conditions: list[tuple[int, int]]) -> Fraction | None:
+def _best(e: Vector, rows: Sequence[HalfSpace], conditions: list[tuple[int, int]]) -> tuple[Fraction, set[int]] | None:
     cost = [*(row.height for row in rows), *([ZERO] * len(conditions))]
     smallest = _simplex(_equations(e, rows, conditions), cost)
-    return None if smallest is None else -smallest
+    return None if smallest is None else (-smallest[0], _used(smallest[1][: len(rows)]))
 
 
 def solve(matrix: list[Vector], right: Vector) -> Vector | None:
@@ -131,8 +138,8 @@ def solve(matrix: list[Vector], right: Vector) -> Vector | None:
     return None if any(row[n] for row in table[n:]) else [table[k][n] for k in range(n)]
 
 
-def _simplex(equations: list[tuple[Vector, Fraction]], cost: Vector) -> Fraction | None:
-    """The least cost of x >= 0 under equations, or None where there is no such x or no least cost (Bland's rule, two phases)."""
+def _simplex(equations: list[tuple[Vector, Fraction]], cost: Vector) -> tuple[Fraction, Vector] | None:
+    """The least cost of x >= 0 under equations, with such an x, or None where there is no x or no least cost (Bland's rule, two phases)."""
     n, m = len(cost), len(equations)
     table: list[Vector] = []
     for k, (row, b) in enumerate(equations):
@@ -153,7 +160,12 @@ def _simplex(equations: list[tuple[Vector, Fraction]], cost: Vector) -> Fraction
     for i, j in enumerate(basis):
         factor = second[j]
         second = [a - factor * x for a, x in zip(second, table[i], strict=True)]
-    return -second[-1] if _descend(table, basis, second, n) else None
+    if not _descend(table, basis, second, n):
+        return None
+    x = [ZERO] * n
+    for row, j in zip(table, basis, strict=True):
+        x[j] = row[-1]
+    return -second[-1], x
 
 
 def _descend(table: list[Vector], basis: list[int], cost: Vector, n: int) -> bool:

@@ -111,7 +111,8 @@ class PoseVelocities:
         halves = {max(1, round(0.5 * s * b / self.log.period)) for b in best for s in SHARES}
         return sorted(h for h in halves if 2 * h < self.log.t.size)
 
-    def _turned(self, i: int) -> Range:
+    def turned(self, i: int) -> Range:
+        """The heading of a row, counted on over whole turns [rad]."""
         psi: Range = self.raw("psi", i) + pi() * (2 * int(self.turns[i])) + sided(self.heading)
         return psi
 
@@ -123,7 +124,7 @@ class PoseVelocities:
         return known[name]
 
     def _window(self, at: int, half: int, *, moving: bool) -> dict[str, Range]:
-        psi0, psi1 = self._turned(at - half), self._turned(at + half)
+        psi0, psi1 = self.turned(at - half), self.turned(at + half)
         before = self.time(at) - self.time(at - half)
         after, span = self.time(at + half) - self.time(at), self.time(at + half) - self.time(at - half)
         weight = (before.square() + after.square()) / (span * 2)
@@ -139,7 +140,7 @@ class PoseVelocities:
         speed = root(north.square() + east.square())
         fastest = (speed + own * span / 2) / Range(room.lower)
         off = sided((own + rate * fastest) * weight)
-        heading = self._turned(at)
+        heading = self.turned(at)
         c, s = cosine(heading), sine(heading)
         return {**found, "u": north * c + east * s + off, "v": east * c - north * s + off}
 

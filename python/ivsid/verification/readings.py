@@ -41,7 +41,7 @@ class Readings:
         self.apart = self._one_bias() if apart else {}
         self._made: dict[tuple[str, int], Range | None] = {}
         self._times: dict[int, Range] = {}
-        self._pose = PoseVelocities.of(log, vehicle.sensors, self.exact, self.raw, self.time)
+        self.pose = PoseVelocities.of(log, vehicle.sensors, self.exact, self.raw, self.time)
         self._rates = Rates(log, vehicle.sensors.limits, self.exact, self)
 
     def _certain_turns(self) -> None:
@@ -112,7 +112,7 @@ class Readings:
 
     def logged(self, name: str) -> bool:
         """The same but for accelerations that only follow from velocities."""
-        if self._pose is not None and name in self._pose.wanted:
+        if self.pose is not None and name in self.pose.wanted:
             return True
         sensors = self.vehicle.sensors
         if name not in self.log.columns:
@@ -137,8 +137,8 @@ class Readings:
 
     def _bounded(self, name: str, i: int) -> Range | None:
         sensors = self.vehicle.sensors
-        if self._pose is not None and name in self._pose.wanted:
-            return self._pose.velocity(name, i)
+        if self.pose is not None and name in self.pose.wanted:
+            return self.pose.velocity(name, i)
         if not self.logged(name):
             return self._rates.rate(name, i)
         if name in self.log.derived:

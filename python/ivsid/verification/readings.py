@@ -15,9 +15,10 @@ import numpy as np
 
 from ivsid.log import Log
 from ivsid.mount import Mounted
-from ivsid.vehicle import InertialSensor, Vehicle
+from ivsid.vehicle import AccelerationSensor, InertialSensor, Vehicle
 from ivsid.verification.decimals import Decimals
 from ivsid.verification.errors import UnprovedError
+from ivsid.verification.gravity import along_and_across, size
 from ivsid.verification.mounted import arm_of, mounted, turned_back
 from ivsid.verification.pose import PoseVelocities
 from ivsid.verification.rates import Rates
@@ -150,8 +151,9 @@ class Readings:
             return None
         if name in _PLAIN:
             return reading + sided(self.exact(getattr(sensors, _PLAIN[name]).accuracy))
-        if name in ("ax", "ay") and sensors.acceleration is not None and mounted(sensors.acceleration):
-            return self._force_at_origin(sensors.acceleration, name, i)
+        feels = sensors.acceleration
+        if name in ("ax", "ay") and feels is not None and (mounted(feels) or feels.gravity):
+            return self._force_at_origin(feels, name, i)
         if name in ("u", "v") and sensors.velocity is not None and mounted(sensors.velocity):
             return self._velocity_at_origin(sensors.velocity, name, i)
         return self._plain(name, i)
@@ -181,8 +183,10 @@ class Readings:
         return speed + y * r if name == "u" else speed - x * r
 
     def _force_at_origin(self, mount: Mounted, name: str, i: int) -> Range | None:
-        """Specific force a_x or a_y of the body origin likewise."""
+        """Specific force a_x or a_y of the body origin likewise, without what it holds of gravity."""
         force = turned_back(self.exact, mount, self._plain("ax", i), self._plain("ay", i), first=name == "ax")
+        if force is not None and isinstance(mount, AccelerationSensor) and mount.gravity:
+            force = force - self._gravity(mount.gravity, i)[name == "ay"]
         if force is None or not mount.off_origin:
             return force
         r, (x, y) = self.channel("r", i), arm_of(self.exact, mount)
@@ -190,6 +194,12 @@ class Readings:
         if r is None or rdot is None:
             return None
         return force + x * r.square() + y * rdot if name == "ax" else force - x * rdot + y * r.square()
+
+    def _gravity(self, stated: bool | float, i: int) -> tuple[Range, Range]:
+        attitude = self.vehicle.sensors.attitude
+        if attitude is None:
+            raise UnprovedError("accelerations that hold gravity need [sensors.attitude]")
+        return along_and_across(self.raw, i, self.exact(attitude.accuracy), size(self.exact, stated))
 
     def averages(self, name: str) -> bool:
         """Whether a channel holds means of a specific force over the steps."""

@@ -63,8 +63,8 @@ class Rows:
             raise UnprovedError(f"there is no equation '{channel}'")
         if kind not in KINDS:
             raise UnprovedError(f"there is no row of the kind '{kind}'")
-        if kind in self.beyond or "" in self.beyond:
-            raise UncheckedError(self.beyond.get("", self.beyond.get(kind, "")))
+        if self.beyond is not None:
+            raise UncheckedError(self.beyond)
         if kind.startswith("bias."):
             return self._bias(kind.removeprefix("bias."), channel)
         if (duration > 0) != (kind in ("integral", "weak")):

@@ -35,6 +35,7 @@ class Checker:
     unknown: list[str] = field(default_factory=list)
     certificates: int = 0
     rows_used: set[tuple[Any, ...]] = field(default_factory=set)
+    _spaces: dict[tuple[Any, ...], HalfSpace] = field(default_factory=dict)
 
     def run(self) -> None:
         """Checks everything."""
@@ -131,7 +132,7 @@ class Checker:
             )
         rows = [self._half_space(r, ids) for r in certificate["rows"]]
         if certificate["proves"] == "empty":
-            used = contradict(rows, cell)
+            used = contradict(rows, cell, [float(r["multiplier"]) for r in certificate["rows"]])
             if used is None:
                 raise UnprovedError("its rows do not contradict each other")
             known.append(Proof(None, None, frozenset(names[k] for k in used), meant))
@@ -187,6 +188,14 @@ class Checker:
         return region, branch
 
     def _half_space(self, stored: Mapping[str, Any], ids: Sequence[str]) -> HalfSpace:
+        """What a stored row says, once it is recomputed; many certificates share their rows."""
+        ends = (tuple(stored[k]) for k in ("lower", "upper", "right"))
+        key = (*named(stored), stored["side"], *ends, tuple(ids))
+        if key not in self._spaces:
+            self._spaces[key] = self._recomputed(stored, ids)
+        return self._spaces[key]
+
+    def _recomputed(self, stored: Mapping[str, Any], ids: Sequence[str]) -> HalfSpace:
         channel, time, duration = stored["channel"], float(stored["time"]), float(stored["duration"])
         lower, upper, right = ([Fraction(float.fromhex(x)) for x in stored[k]] for k in ("lower", "upper", "right"))
         if not len(lower) == len(upper) == len(ids) or len(right) != 2:

@@ -10,9 +10,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from math import isfinite
 from typing import Final, TypeAlias
 
 ZERO: Final = Fraction(0)
+# A sum of products that is this much smaller than the largest of them may be 0 with exact multipliers.
+NEARLY: Final = 1e-9
 Vector: TypeAlias = list[Fraction]
 
 
@@ -49,7 +52,7 @@ def least(
     matrix = [[_coefficient(row, j, signs[j] or 1) for row in rows] for j in tight]
     found = solve(matrix, [-objective[j] for j in tight])
     if found is not None and len(found) == len(rows) and _holds(objective, rows, conditions, found):
-        return -sum((m * row.height for m, row in zip(found, rows, strict=True)), ZERO), _used(found)
+        return -_height(rows, found), _used(found)
     return _best(objective, rows, conditions)
 
 
@@ -76,15 +79,50 @@ def multipliers_of(
     return found
 
 
-def contradict(rows: Sequence[HalfSpace], signs: Sequence[int]) -> set[int] | None:
-    """The rows that multipliers take to make them say 0 <= something negative in the cell; None where there are no such multipliers."""
+def contradict(rows: Sequence[HalfSpace], signs: Sequence[int], near: Sequence[float] = ()) -> set[int] | None:
+    """The rows that multipliers take to make them say 0 <= something negative in the cell; None where there are no such multipliers.
+
+    Args:
+        rows: half-spaces.
+        signs: of the cell, 1 or -1, 0 for both.
+        near: a proposal of the multipliers, rounded; whatever it is, those that are found are checked.
+    """
     n = len(signs)
     conditions = [(j, s) for j, sign in enumerate(signs) for s in (1, -1) if sign in (0, s)]
+    exact = _from_near(rows, signs, near)
+    if exact is not None and _holds([ZERO] * n, rows, conditions, exact) and _height(rows, exact) < 0:
+        return _used(exact)
     equations = _equations([ZERO] * n, rows, conditions)
     heights = [row.height for row in rows]
     equations.append(([*heights, *([ZERO] * len(conditions))], Fraction(-1)))
     found = _simplex(equations, [ZERO] * (len(rows) + len(conditions)))
     return None if found is None else _used(found[1][: len(rows)])
+
+
+def _from_near(rows: Sequence[HalfSpace], signs: Sequence[int], near: Sequence[float]) -> Vector | None:
+    """The exact multipliers that make those columns 0 which rounded ones nearly do, the largest of them being 1."""
+    if len(near) != len(rows) or not all(isfinite(m) and m >= 0 for m in near) or not any(near):
+        return None
+    first = max(range(len(rows)), key=lambda i: near[i])
+    others = [i for i, m in enumerate(near) if m and i != first]
+    tight = []
+    for j, sign in enumerate(signs):
+        parts = [m * float(_coefficient(row, j, sign or 1)) for m, row in zip(near, rows, strict=True)]
+        if abs(sum(parts)) <= NEARLY * max(abs(p) for p in parts):
+            tight.append(j)
+    matrix = [[_coefficient(rows[i], j, signs[j] or 1) for i in others] for j in tight]
+    found = solve(matrix, [-_coefficient(rows[first], j, signs[j] or 1) for j in tight]) if others else []
+    if found is None or len(found) != len(others):
+        return None
+    whole = [ZERO] * len(rows)
+    whole[first] = Fraction(1)
+    for i, m in zip(others, found, strict=True):
+        whole[i] = m
+    return whole
+
+
+def _height(rows: Sequence[HalfSpace], multipliers: Vector) -> Fraction:
+    return sum((m * row.height for m, row in zip(multipliers, rows, strict=True)), ZERO)
 
 
 def _used(multipliers: Vector) -> set[int]:

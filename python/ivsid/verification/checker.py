@@ -25,6 +25,18 @@ from ivsid.verification.unchecked import estimated
 CLAIMS: Final = ("enclosed", "empty", "unbounded")
 
 
+READING_ERRORS: Final = (
+    KeyError,
+    TypeError,
+    ValueError,
+    AttributeError,
+    IndexError,
+    ArithmeticError,
+    AssertionError,
+    RecursionError,
+)
+
+
 @dataclass
 class Checker:
     """Collects what fails and what it does not know, and counts what holds."""
@@ -34,6 +46,7 @@ class Checker:
     failures: list[str] = field(default_factory=list)
     unknown: list[str] = field(default_factory=list)
     certificates: int = 0
+    wrong: int = 0
     rows_used: set[tuple[Any, ...]] = field(default_factory=set)
     _spaces: dict[tuple[Any, ...], HalfSpace] = field(default_factory=dict)
 
@@ -79,7 +92,7 @@ class Checker:
             yield
         except UnprovedError as error:
             self.failures.append(f"{what}: {error}")
-        except (KeyError, TypeError, ValueError, AttributeError, IndexError, ArithmeticError, AssertionError) as error:
+        except READING_ERRORS as error:
             self.failures.append(f"{what}: cannot be read or recomputed ({type(error).__name__}: {error})")
 
     def _files(self) -> None:

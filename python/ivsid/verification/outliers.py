@@ -19,7 +19,8 @@ Chosen: TypeAlias = frozenset[RowName]
 
 NOTHING: Final[Chosen] = frozenset()
 # Choices of wrong rows that one claim may cost.
-MOST: Final = 200_000
+MOST: Final = 50_000
+DEEPEST: Final = 100
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,8 @@ def left_open(
         wrong: rows that may be wrong.
         allowed: choices of that many rows which need no proof.
     """
+    if wrong > DEEPEST:
+        raise UnprovedError(f"{wrong} wrong rows are more than the {DEEPEST} that are followed")
     first = {p.meant: p for p in proofs if not p.rows & p.meant}
     seen: set[Chosen] = set()
 

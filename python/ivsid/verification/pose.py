@@ -58,10 +58,9 @@ class PoseVelocities:
         turned[there] = np.unwrap(psi[there])
         self.turns = np.where(there, np.round((turned - psi) / (2 * np.pi)), 0.0).astype(np.int64)
         # A truth that turns by less than pi gives readings less than pi - 2 e apart only the right way round.
+        off = np.broadcast_to(sensors.heading.accuracy + log.rounding.get("psi", np.zeros(1)), psi.shape)[there]
         uncertain = np.zeros(psi.shape, dtype=np.int64)
-        uncertain[np.flatnonzero(there)[1:]] = (
-            np.abs(np.diff(turned[there])) >= np.pi - 2 * sensors.heading.accuracy - 1e-10
-        )
+        uncertain[np.flatnonzero(there)[1:]] = np.abs(np.diff(turned[there])) >= np.pi - off[1:] - off[:-1] - 1e-9
         self.piece = np.cumsum(uncertain)
         self.halves = self._windows(sensors)
         self._exact: dict[tuple[int, int], dict[str, Range]] = {}

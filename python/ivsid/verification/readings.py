@@ -23,6 +23,7 @@ from ivsid.verification.mounted import arm_of, mounted, turned_back
 from ivsid.verification.pose import PoseVelocities
 from ivsid.verification.rates import Rates
 from ivsid.verification.rational import Range, cosine, exponential, normal_factor, pi, root, sided, sine
+from ivsid.verification.refused import refuse
 
 DEFAULT_CONFIDENCE: Final = 0.999
 _ACCELERATIONS: Final = {"udot": 0, "vdot": 1, "ax": 0, "ay": 1}
@@ -38,17 +39,12 @@ class Readings:
 
     def __init__(self, log: Log, vehicle: Vehicle, *, apart: bool = False, windows: int = 1) -> None:
         self.log, self.vehicle, self.exact, self.windows = log, vehicle, Decimals(vehicle.text), windows
-        self._certain_turns()
+        refuse(log, vehicle, self.exact)
         self.apart = self._one_bias() if apart else {}
         self._made: dict[tuple[str, int], Range | None] = {}
         self._times: dict[int, Range] = {}
         self.pose = PoseVelocities.of(log, vehicle.sensors, self.exact, self.raw, self.time)
         self._rates = Rates(log, vehicle.sensors.limits, self.exact, self)
-
-    def _certain_turns(self) -> None:
-        most, heading = self.log.certain.get("psi"), self.vehicle.sensors.heading
-        if most is not None and heading is not None and self.exact(heading.accuracy).upper >= Fraction(most):
-            raise UnprovedError("the way round from one sample of psi to the next is not certain")
 
     def _one_bias(self) -> dict[str, str]:
         """The channel of each axis of an accelerometer whose bias is one unknown of the log."""

@@ -14,7 +14,7 @@ from ivsid.vehicle import Vehicle
 from ivsid.verification.columns import Row, Unknown, in_motion, moves, share, summed, value
 from ivsid.verification.errors import UncheckedError, UnprovedError
 from ivsid.verification.physics import CHANNELS, Column, Meaning, Motion, State, model, moving, rigid_body
-from ivsid.verification.rational import Range, sided
+from ivsid.verification.rational import Range, pi, sided
 from ivsid.verification.readings import AXES, Readings
 from ivsid.verification.thrusters import Thrusters
 from ivsid.verification.unchecked import not_recomputed
@@ -248,6 +248,8 @@ class Rows:
         # Away from one row, and towards the next.
         turned = Range(0).hull(self.step_length(k)) * HALF * r.value
         end = self._heading(k + 1) + self.readings.whole_turns("psi", k)
+        if (end - self._heading(k)).largest().high >= pi().low:
+            raise UnprovedError(f"the way round after t = {self.log.t[k]!r} s is not certain")
         psi = Motion((self._heading(k) + turned).hull(end - turned), r.value)
         return State(u, v, r, _STILL, _STILL, _STILL, psi=psi)
 

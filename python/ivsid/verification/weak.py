@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -37,6 +38,7 @@ class Weak:
     def __init__(self, rows: Rows) -> None:
         self.rows, self.readings, self.log = rows, rows.readings, rows.log
         self._ways: dict[int, tuple[Range, Range]] = {}
+        self._places: dict[int, tuple[Range, Range]] = {}
         self._unit: dict[int, tuple[Range, Range]] = {}
         self._within: dict[tuple[str, str, int], Range] = {}
         self._forces: dict[int, tuple[tuple[Range, Range, Range], tuple[Range, Range, Range]]] = {}
@@ -110,18 +112,19 @@ class Weak:
         assert self.readings.pose is not None
         return self.readings.pose.turned(i)
 
+    def _measured(self, i: int) -> Range:
+        """The same without its error."""
+        assert self.readings.pose is not None
+        return Range(Fraction(float(self.log.columns["psi"][i]))) + pi() * (2 * int(self.readings.pose.turns[i]))
+
     def way(self, name: str, first: int, last: int) -> Range:
         """The integral of u or v from one row to another [m]: positions with one weight each, and what each step leaves open."""
-        pose = self.readings.pose
-        assert pose is not None
         total = Range(0)
         for i in range(first, last + 1):
             # Half the cosine and the sine of both neighbours; of the row itself where it has one alone.
             (c0, s0), (c1, s1) = self._direction(max(i - 1, first)), self._direction(min(i + 1, last))
             c, s = ((c0 - c1), (s0 - s1)) if first < i < last else self._ended(i, first)
-            x, y = (self.readings.raw(n, i) for n in ("x", "y"))
-            assert x is not None and y is not None
-            x, y = x + sided(pose.place), y + sided(pose.place)
+            x, y = self._place(i)
             total = total + (x * c + y * s if name == "u" else y * c - x * s)
         open_ = sum((self._left(k)[name == "v"] for k in range(first, last)), Range(0))
         return total / 2 + sided(open_)
@@ -130,6 +133,15 @@ class Weak:
         (c0, s0), (c1, s1) = self._direction(i), self._direction(i + 1 if i == first else i - 1)
         sign = -1 if i == first else 1
         return (c0 + c1) * sign, (s0 + s1) * sign
+
+    def _place(self, i: int) -> tuple[Range, Range]:
+        """The position at a row [m]."""
+        if i not in self._places:
+            x, y = (self.readings.raw(n, i) for n in ("x", "y"))
+            assert x is not None and y is not None and self.readings.pose is not None
+            error = sided(self.readings.pose.place)
+            self._places[i] = x + error, y + error
+        return self._places[i]
 
     def _direction(self, i: int) -> tuple[Range, Range]:
         """Cosine and sine of the measured heading."""
@@ -145,19 +157,10 @@ class Weak:
             assert pose is not None
             u, v, r = (x.largest() for x in self.rows.swept(k)())
             speed = root(u.square() + v.square())
-            off = [
-                (
-                    self.heading(i)
-                    - pi() * (2 * int(pose.turns[i]))
-                    - Range(Fraction(float(self.log.columns["psi"][i])))
-                ).largest()
-                for i in (k, k + 1)
-            ]
-            angle = off[0].hull(off[1]).largest() + pose.yaw * h.square() / 8
-            psi = [
-                Range(Fraction(float(self.log.columns["psi"][i]))) + pi() * (2 * int(pose.turns[i])) for i in (k, k + 1)
-            ]
-            chord = (psi[1] - psi[0]).square() / 8 * speed
+            here, there = self._measured(k), self._measured(k + 1)
+            off = (self.heading(k) - here).largest().hull((self.heading(k + 1) - there).largest())
+            angle = off.largest() + pose.yaw * h.square() / 8
+            chord = (there - here).square() / 8 * speed
             (c0, s0), (c1, s1) = self._direction(k), self._direction(k + 1)
             bulge = (root(Range(2)) * pose.limit + r * speed) * h.square() / 12
             bent = (abs(c1 - c0) + abs(s1 - s0)) * bulge
@@ -194,11 +197,20 @@ class _Hat:
         Within a step the weight leaves its own mean by at most half its rise, by a quarter of it on the mean; what it catches there is
         what the quantity leaves its middle.
         """
-        total, time = Range(0), self.weak.readings.time
-        for k, mean, all_ in zip(range(self.first, self.last), per_step, within, strict=True):
+        total = Range(0)
+        for (weight, quarter), mean, all_ in zip(self._weights, per_step, within, strict=True):
+            radius = Range.raw(0, -(-(all_.high - all_.low) // 2))
+            total = total + mean * weight + sided(radius * quarter)
+        return total
+
+    @cached_property
+    def _weights(self) -> list[tuple[Range, Range]]:
+        """For each step what its mean counts, and what its radius does: of the whole."""
+        found, time = [], self.weak.readings.time
+        for k in range(self.first, self.last):
             h, span = self.weak.rows.step_length(k), self.up if k < self.middle else self.down
             out = time(self.first if k < self.middle else self.last)
-            weight = abs(time(k) - out + time(k + 1) - out) / (span * 2)
-            radius = Range.raw(0, -(-(all_.high - all_.low) // 2))
-            total = total + (mean * weight + sided(radius * h / (span * 4))) * h
-        return total / self.area
+            height = abs(time(k) - out + time(k + 1) - out) / (span * 2)
+            share = h / self.area
+            found.append((height * share, h / (span * 4) * share))
+        return found

@@ -16,7 +16,7 @@ import numpy as np
 from ivsid.log import Log
 from ivsid.mount import Mounted
 from ivsid.vehicle import AccelerationSensor, InertialSensor, Vehicle
-from ivsid.verification.decimals import Decimals
+from ivsid.verification.decimals import Decimals, around
 from ivsid.verification.errors import UnprovedError
 from ivsid.verification.gravity import along_and_across, size
 from ivsid.verification.mounted import arm_of, mounted, turned_back
@@ -296,12 +296,6 @@ class Readings:
         least = min([*steps, self._period])
         clock = self.log.clocks.get(name)
         return least if clock is None else min(least, Fraction(clock.interval))
-
-
-def around(value: float, off: float) -> Range:
-    """The decimals that were read as a double, half a unit in its last place to either side, and what was lost beside that."""
-    half = Range.around(0.0, math.ulp(value))
-    return Range.around(value, off) + Range.raw(half.low // 2, half.high // 2)
 
 
 def _axis(value: float | tuple[float, float], axis: int) -> float:

@@ -112,6 +112,18 @@ def test_a_number_of_wrong_rows_that_nobody_could_follow_is_refused(swan, progra
         left_open(proofs, 8)
 
 
+def test_stored_multipliers_are_a_proposal_and_nothing_else(fits, tmp_path):
+    files, log, _ = fits
+    record = json.loads(files["empty"].read_text())
+    for value in (None, "one", -1.0, 0.0, 1e308, 10**400, 1.0):
+        for certificate in record["certificates"]:
+            for row in certificate.get("rows", ()):
+                row["multiplier"] = value
+        record["certificate"] = [c for c in record["certificates"] if c["proves"] == "empty"]
+        verdict = verify(written(tmp_path / "r.json", record), log)
+        assert verdict.proved, (value, verdict.failures[:2])
+
+
 def test_the_verdict_says_how_many_rows_may_be_wrong(swan, programme, tmp_path):
     from ivsid.workflow.verify import verdict_lines
 

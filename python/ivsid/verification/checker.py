@@ -145,7 +145,7 @@ class Checker:
             )
         rows = [self._half_space(r, ids) for r in certificate["rows"]]
         if certificate["proves"] == "empty":
-            used = contradict(rows, cell, [float(r["multiplier"]) for r in certificate["rows"]])
+            used = contradict(rows, cell, _multipliers(certificate))
             if used is None:
                 raise UnprovedError("its rows do not contradict each other")
             known.append(Proof(None, None, frozenset(names[k] for k in used), meant))
@@ -239,6 +239,14 @@ class Checker:
 def _inside(range_: Range, lower: Fraction, upper: Fraction, what: str) -> None:
     if not range_.inside(lower, upper):
         raise UnprovedError(f"{what}: recomputed as {range_}, which is not inside [{float(lower)!r}, {float(upper)!r}]")
+
+
+def _multipliers(certificate: Mapping[str, Any]) -> list[float]:
+    """Those that are stored, rounded; none where one of them is no number: a proposal and nothing else."""
+    try:
+        return [float(r["multiplier"]) for r in certificate["rows"]]
+    except (KeyError, TypeError, ValueError, OverflowError):
+        return []
 
 
 def _widths(stored: Mapping[str, Any]) -> Vector:

@@ -74,6 +74,7 @@ def test_every_branch_of_the_tree_is_proved(saved, tmp_path, name, status):
     assert deepest == record["options"]["outliers"] and verdict.certificates == len(record["certificates"])
 
 
+@pytest.mark.slow
 def test_no_branch_can_be_left_out(saved, tmp_path):
     """Of each choice of wrong rows: without its certificates the claims do not stand, wherever they rest on it."""
     for name in ("three", "one"):

@@ -44,7 +44,14 @@ class RegressionRows:
     def take(self, rows: NDArray[Any], columns: Sequence[int]) -> RegressionRows:
         """Some of the rows, with some of the columns."""
         terms = tuple(self.terms[j] for j in columns)
-        matrix = self.matrix[rows][:, list(columns)]
+        if rows.dtype == bool:
+            where = np.flatnonzero(rows)
+            together = where.size and where[-1] - where[0] + 1 == where.size
+            # Rows that follow each other are a view; of scattered ones whole rows are copied, which is quicker than entries.
+            rows = slice(where[0], where[-1] + 1) if together else where  # type: ignore[assignment]
+        matrix = self.matrix[rows]
+        if list(columns) != list(range(self.matrix.shape[1])):
+            matrix = matrix[:, list(columns)]
         return RegressionRows(
             terms,
             matrix,

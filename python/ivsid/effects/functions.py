@@ -88,16 +88,19 @@ def _cross_flow(v: Any, r: Any, half: float, power: int) -> Any:
 
 def cross_flow_value(v: float, r: float, half: float, power: int) -> float:
     """The integral in closed form: a polynomial where the flow has one sign along the hull, else split at its zero."""
+    return cross_flow_both(v, r, half)[power]
+
+
+def cross_flow_both(v: float, r: float, half: float) -> tuple[float, float]:
+    """Force and moment at once."""
     if abs(v) >= abs(r) * half:
         sign = math.copysign(1.0, v)
-        return sign * (2 * half * v * v + 2 * half**3 * r * r / 3 if power == 0 else 4 * v * r * half**3 / 3)
+        return sign * (2 * half * v * v + 2 * half**3 * r * r / 3), sign * (4 * v * r * half**3 / 3)
     # With w = v + x r and dx = dw / r: w|w| integrates to w^2|w| / 3, w^2|w| to w^3|w| / 4. The ends have different signs.
     low, high = v - r * half, v + r * half
     first = (high * high * abs(high) - low * low * abs(low)) / (3 * r)
-    if power == 0:
-        return first
     second = (high**3 * abs(high) - low**3 * abs(low)) / (4 * r * r)
-    return second - v * first / r
+    return first, second - v * first / r
 
 
 def cross_flow_array(v: Any, r: Any, half: float, power: int) -> Any:

@@ -25,8 +25,12 @@ pub(crate) enum Proved {
     Empty { rows: Weights },
 }
 
-/// The minimum of `direction * x[column]`, `direction` being 1 or -1, from a proposed basis. `None` is not met: a
-/// contradiction that does not stand.
+/// What one search may cost, in operations on words: seconds. Numbers from both ends of the range of doubles have thousands of
+/// digits, and grow with every unknown.
+const BUDGET: u64 = 1_000_000_000;
+
+/// The minimum of `direction * x[column]`, `direction` being 1 or -1, from a proposed basis. `None` where it would cost too
+/// much, and for a contradiction that does not stand, which is not met.
 pub(crate) fn minimum<P: HalfSpaces>(
     problem: &P,
     column: usize,
@@ -39,8 +43,12 @@ pub(crate) fn minimum<P: HalfSpaces>(
     let mut basis = proposal
         .and_then(|rows| Basis::new(problem, rows, &objective))
         .or_else(|| Basis::new(problem, Row::corner(&objective), &objective))?;
-    let mut steps = 0;
+    let (mut steps, mut spent) = (0, 0);
     loop {
+        spent += basis.cost();
+        if spent > BUDGET {
+            return None;
+        }
         let vertex = Vertex::of(&basis);
         // Bland's rule cannot cycle in exact arithmetic, so the search ends.
         let Some(entering) = basis.violated(&vertex, steps > patience(n)) else {
@@ -79,6 +87,13 @@ impl<'a, P: HalfSpaces> Basis<'a, P> {
         let multipliers: Vec<BigRational> = (0..n).map(|i| dot(&objective, inverse[i..].iter().step_by(n))).collect();
         let feasible = multipliers.iter().all(|l| !l.is_negative());
         feasible.then_some(Self { problem, rows, right, inverse, multipliers })
+    }
+
+    /// What a step costs about: with each entry of the inverse some fractions are reduced, in the square of their length.
+    fn cost(&self) -> u64 {
+        let bits = |x: &BigRational| x.numer().bits() + x.denom().bits();
+        let longest = self.inverse.iter().chain(&self.multipliers).map(bits).max().unwrap_or(0);
+        3 * self.inverse.len() as u64 * longest * longest.div_ceil(64)
     }
 
     /// The half-space that the vertex violates most (in units of its normal), at order `M` before the finite order; with

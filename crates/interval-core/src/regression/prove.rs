@@ -141,18 +141,21 @@ fn exactly(rows: &Rows<'_>, pool: &Pool, piece: &Piece<'_>) -> Proof {
     let orthant = &piece.orthant;
     let mut names = piece.program.names().to_vec();
     let mut starts: Vec<Vec<Row>> = piece.goals.iter().map(|g| g.search.rows().to_vec()).collect();
+    // What cost too much once is not tried again.
+    let mut given_up: Vec<bool> = piece.goals.iter().map(|g| g.retired).collect();
     for round in 0.. {
         let problem = Subset { problem: orthant, indices: &names };
         let found = parallel::map(piece.goals.len(), rows.columns() > 4, |k| {
             let goal = &piece.goals[k];
-            if goal.retired {
+            if given_up[k] {
                 return None;
             }
             minimum(&problem, goal.column, goal.direction, Some(starts[k].clone()))
         });
         let mut points: Vec<Vec<BigRational>> = Vec::new();
         let (mut ends, mut directions) = (Vec::new(), Vec::new());
-        for ((goal, proved), start) in piece.goals.iter().zip(found).zip(&mut starts) {
+        for (((goal, proved), start), give_up) in piece.goals.iter().zip(found).zip(&mut starts).zip(&mut given_up) {
+            *give_up |= proved.is_none();
             ends.push(match proved {
                 Some(Proved::Empty { rows }) => return (empty(orthant, &named(&names, rows)), Vec::new()),
                 Some(Proved::Minimum { value, rows, point }) => {

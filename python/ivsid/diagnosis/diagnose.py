@@ -1,0 +1,319 @@
+"""The stages in turn: a log, its model, what is wrong with it, and what the better model is worth on another log."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.bench import Bench
+from ivsid.diagnosis.channels import Channels, channels
+from ivsid.diagnosis.families import everything, score
+from ivsid.diagnosis.fit import Fit, plain_fit
+from ivsid.diagnosis.gain import Gain, compare
+from ivsid.diagnosis.projection import Projection
+from ivsid.diagnosis.selection import MARGIN, Found, Selection, select
+from ivsid.diagnosis.testing import VISIBLE, Threshold, Visibility, visibility
+from ivsid.effects import EFFECTS, Parameter
+from ivsid.log import Log
+from ivsid.records import Lower, Upper, envelope
+from ivsid.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+LEVEL: Final = 0.005
+# Half-widths of the intervals in standard deviations.
+SIGMAS: Final = 3.3
+# No log shows these by itself.
+_TWINS: Final = {
+    "added_mass.munk": ("drag.lift.yaw",),
+    "drag.lift.yaw": ("added_mass.munk",),
+    "thruster.asymmetry": ("thruster.failure",),
+}
+EPOCH: Final = 1e8
+
+
+@dataclass(frozen=True)
+class Bound:
+    """An interval of one number of an effect; statistical."""
+
+    lower: float
+    upper: float
+    unit: str
+    symbol: str
+    guaranteed: bool = False
+
+    def record(self) -> dict[str, Any]:
+        """As in result.json."""
+        return {
+            "lower": Lower(self.lower),
+            "upper": Upper(self.upper),
+            "unit": self.unit,
+            "symbol": self.symbol,
+            "guaranteed": self.guaranteed,
+        }
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A cause, with those that could be taken for it."""
+
+    effect: str
+    confidence: float
+    alternatives: tuple[str, ...]
+    separate_by: str
+    parameters: dict[str, Bound]
+    evidence: dict[str, Any]
+    description: str = ""
+
+    def record(self) -> dict[str, Any]:
+        """As in result.json."""
+        out: dict[str, Any] = {
+            "effect": self.effect,
+            "confidence": self.confidence,
+            "alternatives": list(self.alternatives),
+            "separate_by": self.separate_by,
+            "parameters": {k: b.record() for k, b in self.parameters.items()},
+            "evidence": self.evidence,
+        }
+        if self.description:
+            out["description"] = self.description
+        return out
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What the simulation gets wrong.
+
+    Attributes:
+        verdict: adequate, wrong or unknown.
+        findings: the causes, strongest first.
+        hints: structure that declared errors can explain, in sentences.
+        not_tested: ids that this log cannot show, with the reason and what it would need.
+        visible: how far each effect of typical size would have stood out.
+        calibration: how the thresholds were made.
+        unexplained: share of the residual's energy above the noise, by channel.
+        gain: on TEST.
+        selection: the steps behind it.
+        vehicle: of the file.
+        inputs: names and hashes.
+        seed: of every random draw.
+    """
+
+    verdict: str
+    findings: tuple[Finding, ...]
+    hints: tuple[str, ...]
+    not_tested: tuple[dict[str, str], ...]
+    visible: Mapping[str, Visibility]
+    calibration: dict[str, Any]
+    unexplained: dict[str, float]
+    gain: Gain
+    selection: Selection
+    vehicle: Vehicle
+    inputs: tuple[tuple[str, str], ...]
+    seed: int
+    notes: tuple[str, ...] = field(default=())
+
+    def record(self) -> dict[str, Any]:
+        """As in result.json."""
+        return {
+            **envelope("diagnose", self.inputs, self.seed),
+            "verdict": self.verdict,
+            "findings": [f.record() for f in self.findings],
+            "hints": list(self.hints),
+            "not_tested": list(self.not_tested),
+            "detectable": _detectable(self.visible),
+            "calibration": self.calibration,
+            "unexplained": self.unexplained,
+            "gain": self.gain.record(),
+            "parameters": {k: float(v) for k, v in self.selection.last.h.values.items()},
+            "notes": list(self.notes),
+        }
+
+
+def diagnose(
+    vehicle: Vehicle,
+    train: Log,
+    test: Log,
+    *,
+    seed: int = 1,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Diagnosis:
+    """Compares the vehicle file's simulation with a log, and what it finds with another.
+
+    Args:
+        vehicle: whose ``[model]`` is examined; the plain model by default.
+        train: the log in which causes are looked for.
+        test: another log, on which the better model is tried.
+        seed: of the random draws.
+        progress: told of each step.
+
+    Raises:
+        IvsidError: a log that the model cannot be held against, in one sentence.
+    """
+    origin = float(train.t[0]) if max(train.t[0], test.t[0]) > EPOCH else None
+    log, other = channels(train, vehicle, origin), channels(test, vehicle, origin)
+    progress("fitting the model")
+    fit = plain_fit(vehicle, log, everything)
+    visible = visibility(fit)
+    seen = frozenset(i for i, v in visible.items() if v.z >= VISIBLE)
+    test_of = Threshold(LEVEL, seen, max(1, len({f.id for f in fit.families})))
+    progress("looking for causes")
+    selection = select(fit, test_of, vehicle.model.values, progress)
+    findings = tuple(_finding(f, selection.last) for f in selection.found)
+    progress("trying both models on the other log")
+    bench = Bench(vehicle, other, selection.last.noise.bench.ambient)
+    gain = compare(bench, fit.h, selection.last.h, seed)
+    verdict = "adequate" if not findings else ("wrong" if any(f.effect != "unknown" for f in findings) else "unknown")
+    return Diagnosis(
+        verdict,
+        findings,
+        (),
+        _not_tested(fit, visible),
+        visible,
+        {"family_wise": LEVEL, "method": "chi^2 of prediction errors over all families", "logs": 0, "seed": seed},
+        _unexplained(selection.last),
+        gain,
+        selection,
+        vehicle,
+        (
+            (vehicle.source.rsplit("/", 1)[-1] or vehicle.name, vehicle.sha256),
+            (train.name, train.sha256),
+            (test.name, test.sha256),
+        ),
+        seed,
+        (*log.notes, *train.notes),
+    )
+
+
+def _not_tested(fit: Fit, visible: Mapping[str, Visibility]) -> tuple[dict[str, str], ...]:
+    out = [{"effect": id_, "reason": why, "needs": ", ".join(EFFECTS[id_].needs)} for id_, why in fit.refused.items()]
+    for id_, v in visible.items():
+        if v.z < VISIBLE:
+            reason = f"an effect of typical size would stand out by {v.z:.1f} standard deviations, and 8 are needed"
+            out.append({"effect": id_, "reason": reason, "needs": EFFECTS[id_].separate})
+    return tuple(out)
+
+
+def _detectable(visible: Mapping[str, Visibility]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for id_, v in visible.items():
+        if v.z < VISIBLE:
+            continue
+        units = {n: p.unit for e in _forms(id_) for n, p in zip(e.parts, e.parameters, strict=True)}
+        for name, value in v.detectable.items():
+            found[name] = {"value": abs(value), "unit": units.get(name, "")}
+    return found
+
+
+def _forms(id_: str) -> list[Any]:
+    effect = EFFECTS[id_]
+    return [effect] if effect.measured is None else [effect, effect.measured]
+
+
+def _unexplained(fit: Fit) -> dict[str, float]:
+    """The share of each channel's squared errors above what its noise gives."""
+    p = fit.projection
+    g = fit.gram
+    left = g.y - np.einsum("i,bij->bj", p.coefficients, g.x[:, p.base, :])
+    rows = len(fit.noise.bench.labels)
+    energy = (left.reshape(-1, rows, g.length) ** 2).sum(axis=(0, 2))
+    count = g.rows.sum() / rows
+    out: dict[str, float] = {}
+    for channel in ("surge", "sway", "yaw"):
+        at = [i for i, c in enumerate(fit.noise.bench.channels) if c == channel]
+        total = float(energy[at].sum())
+        out[channel] = max(0.0, 1.0 - count * len(at) / total) if total > 0 else 0.0
+    return out
+
+
+def _finding(found: Found, last: Fit) -> Finding:
+    weights = np.array([np.exp(-0.5 * (found.rivals[0].merit - r.merit)) for r in found.rivals])
+    names = [r.id for r in found.rivals]
+    for twin in _TWINS.get(found.id, ()):
+        if twin not in names:
+            names.append(twin)
+            weights = np.r_[weights, 1.0 if twin in ("added_mass.munk", "drag.lift.yaw") else 0.3]
+    confidence = float(weights[0] / weights.sum())
+    alternatives = tuple(n for n in names if n != found.id)[:4]
+    effect = EFFECTS[found.id]
+    return Finding(
+        found.id,
+        confidence,
+        alternatives,
+        effect.separate if alternatives else "",
+        intervals(last, found.id),
+        {
+            "channel": _channel(last, found.id),
+            "z": float(np.sqrt(max(found.gain, 0.0))),
+            "chance": found.chance,
+        },
+    )
+
+
+def _channel(fit: Fit, id_: str) -> str:
+    """Where an effect shows most."""
+    g = fit.gram
+    own = [k for k in fit.base if g.names[k] == id_ or g.names[k].startswith(f"{id_}.")]
+    if not own:
+        return ""
+    rows = len(fit.noise.bench.labels)
+    energy = (g.x[:, own, :].reshape(-1, rows, g.length) ** 2).sum(axis=(0, 2))
+    return fit.noise.bench.channels[int(np.argmax(energy))]
+
+
+def intervals(fit: Fit, id_: str) -> dict[str, Bound]:
+    """Intervals of an effect's numbers: the larger of the errors by the noise model and by the blocks' own scatter."""
+    p, g = fit.projection, fit.gram
+    covariance = np.linalg.inv(p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9))
+    robust = _scatter(p, covariance)
+    out: dict[str, Bound] = {}
+    for i, k in enumerate(p.base):
+        name = g.names[k]
+        if name != id_ and not name.startswith(f"{id_}."):
+            continue
+        sigma = float(np.sqrt(max(covariance[i, i], robust[i]))) / float(g.unit[k])
+        value, parameter = _number(fit, name)
+        # The last step of the fit is not taken: it belongs into the interval.
+        rest = abs(float(p.coefficients[i])) / float(g.unit[k])
+        reach = SIGMAS * sigma + rest
+        out[name] = Bound(value - reach, value + reach, parameter.unit, parameter.symbol)
+    for given in fit.h.given:
+        if given.effect.id != id_:
+            continue
+        for name, parameter, value in zip(given.effect.parts, given.effect.parameters, given.values, strict=True):
+            if parameter.draw == "thruster":
+                out[name] = Bound(value, value, parameter.unit, parameter.symbol)
+            elif parameter.draw == "time":
+                reach = g.length * fit.noise.bench.log.h
+                out[name] = Bound(value - reach, value + reach, parameter.unit, parameter.symbol)
+    return out
+
+
+def _scatter(p: Projection, covariance: Array) -> Array:
+    """Variances of the coefficients from the scores of half-minutes."""
+    g = p.g
+    score = g.score[:, p.base] - g.blocks[:, p.base][:, :, p.base] @ p.coefficients
+    blocks = score.shape[0] // 3 * 3
+    side = score[:blocks].reshape(-1, 3, score.shape[1]).sum(axis=1)
+    n = side.shape[0]
+    middle = side.T @ side * n / max(n - 1, 1)
+    return np.asarray(np.diag(covariance @ middle @ covariance))
+
+
+def _number(fit: Fit, name: str) -> tuple[float, Parameter]:
+    for effect in EFFECTS.values():
+        for form in (effect, effect.measured):
+            if form is not None and name in form.parts:
+                parameter = form.parameters[form.parts.index(name)]
+                if name in fit.h.values:
+                    return float(fit.h.values[name]), parameter
+                for given in fit.h.given:
+                    if name in given.named:
+                        return float(given.named[name]), parameter
+    raise KeyError(name)
+
+
+__all__ = ["MARGIN", "Channels", "Diagnosis", "Finding", "diagnose", "score"]

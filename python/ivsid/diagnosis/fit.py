@@ -1,0 +1,211 @@
+"""Stage 2: a hypothesis fitted to a log by generalised least squares of its prediction errors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Final, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.bench import Anchor, Bench, replaced
+from ivsid.diagnosis.channels import Channels
+from ivsid.diagnosis.noise import Whitening, ambient_of, declared, usable_rows, whiten
+from ivsid.diagnosis.physics import Hypothesis
+from ivsid.diagnosis.projection import Gram, Projection, gram
+from ivsid.diagnosis.signatures import Columns, Family, Signatures, free_parameters
+from ivsid.diagnosis.start import first_values
+from ivsid.effects import terms_of
+from ivsid.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+STEPS: Final = 3
+
+
+@dataclass(frozen=True)
+class Noise:
+    """What was learnt of a log's noise: its filters, its whitening and the samples that count."""
+
+    bench: Bench
+    whitening: Whitening
+    good: NDArray[np.bool_]
+
+
+Search: TypeAlias = "Callable[[Fit], Fit]"
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted hypothesis with all signatures around it.
+
+    Attributes:
+        noise: filters and whitening.
+        h: the hypothesis with its numbers.
+        anchor: its states.
+        signatures: what made the columns, for further ones.
+        gram: cross-products of everything below.
+        base: columns that are fitted: free parameters, then what is declared.
+        free: names of the free parameters.
+        families: candidates.
+        refused: ids that the log cannot show, and why.
+    """
+
+    noise: Noise
+    h: Hypothesis
+    anchor: Anchor
+    signatures: Signatures
+    gram: Gram
+    base: tuple[int, ...]
+    free: tuple[str, ...]
+    families: tuple[Family, ...]
+    refused: Mapping[str, str]
+
+    @property
+    def projection(self) -> Projection:
+        """On the base, over the whole log."""
+        return Projection(self.gram, self.base)
+
+
+def learn(
+    bench: Bench, h: Hypothesis, anchor: Anchor, search: Search, held: Mapping[str, float], rounds: int = 2
+) -> tuple[Noise, Hypothesis, Anchor]:
+    """The noise of a log from what the whole library leaves unexplained, and the hypothesis fitted on the way.
+
+    An effect that is taken for noise would hide itself, so everything that the catalogue can explain is taken out first, whether it
+    is there or not: the ``search`` adds the columns of waves, tethers and steps that explain most.
+    """
+    good = usable_rows(bench)
+    white: Whitening | None = None
+    for turn in range(rounds):
+        h, anchor = improve(bench, h, anchor, white, good, held)
+        scale = _plain_scale(bench.errors(h, anchor), good, bench)
+        fit = search(survey(Noise(bench, scale, good), h, anchor, held))
+        left = _left(fit)
+        if turn == rounds - 1:
+            return Noise(bench, whiten(bench, left, good), good), h, anchor
+        bench = bench.adopt(ambient_of(bench, left, good))
+        anchor = bench.settle(h, anchor)
+    raise AssertionError("rounds must be positive")
+
+
+def _left(fit: Fit) -> Array:
+    """The errors, in their own units, without all that any column explains; shape (rows, n)."""
+    g = fit.gram
+    theta, _ = Projection(g, []).solve(range(len(g.names)))
+    left = g.y - np.einsum("c,bcj->bj", theta, g.x)
+    rows = len(fit.noise.bench.labels)
+    count = left.shape[0] * g.length
+    out = np.zeros((rows, fit.noise.good.size))
+    out[:, :count] = left.reshape(-1, rows, g.length).transpose(1, 0, 2).reshape(rows, count)
+    for group, taps in zip(fit.noise.whitening.groups, fit.noise.whitening.taps, strict=True):
+        out[list(group)] /= np.diag(taps[0])[:, None]
+    return out
+
+
+def _plain_scale(errors: Array, good: NDArray[np.bool_], bench: Bench) -> Whitening:
+    """Each row divided by its usual size: a start."""
+    size = np.maximum(np.median(np.abs(errors[:, good]), axis=1) / 0.6745, 1e-12)
+    groups: dict[int, list[int]] = {}
+    for i, (k, _) in enumerate(bench.labels):
+        groups.setdefault(k, []).append(i)
+    return Whitening(
+        tuple(tuple(r) for r in groups.values()), tuple(np.diag(1 / size[r])[None] for r in groups.values())
+    )
+
+
+def _joined(*parts: Columns) -> Columns:
+    out = Columns()
+    for part in parts:
+        for name, array in zip(part.names, part.arrays, strict=True):
+            out.add(name, array, part.prior.get(name))
+    return out
+
+
+def improve(
+    bench: Bench,
+    h: Hypothesis,
+    anchor: Anchor,
+    white: Whitening | None,
+    good: NDArray[np.bool_],
+    claimed: Mapping[str, float] | None = None,
+    steps: int = STEPS,
+) -> tuple[Hypothesis, Anchor]:
+    """Gauss-Newton steps of all free parameters, with what is declared beside them."""
+    held = claimed if claimed is not None else dict.fromkeys(bench.vehicle.model.values)
+    for _ in range(steps):
+        signatures = Signatures(bench, h, anchor)
+        fitted = signatures.fitted(held)
+        every = _joined(fitted, signatures.nuisances())
+        errors = bench.errors(h, anchor)
+        by = white or _plain_scale(errors, good, bench)
+        g = gram(every.names, by(every.stack()), by(errors), good, bench.log.h, every.prior)
+        p = Projection(g, range(len(every.names)))
+        moved = dict(zip(every.names, p.coefficients / g.unit, strict=True))
+        h = stepped(h, {n: moved[n] for n in fitted.names}, bench)
+        anchor = bench.settle(h, anchor)
+        sigma = np.sqrt(np.diag(np.linalg.inv(p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9))))
+        if all(
+            abs(p.coefficients[k]) < 0.1 * sigma[k] for k in range(len(fitted.names))
+        ):
+            break
+    return h, anchor
+
+
+def base_gram(noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float]) -> Gram:
+    """Cross-products of what is fitted and what is declared alone."""
+    signatures = Signatures(noise.bench, h, anchor)
+    every = _joined(signatures.fitted(held), signatures.nuisances())
+    errors = noise.whitening(noise.bench.errors(h, anchor))
+    return gram(every.names, noise.whitening(every.stack()), errors, noise.good, noise.bench.log.h, every.prior)
+
+
+def stepped(h: Hypothesis, moves: Mapping[str, float], bench: Bench) -> Hypothesis:
+    """The hypothesis with its parameters moved, no mass to less than a third and none outside what its physics allows."""
+    values = {}
+    for term in h.terms:
+        if term.id in moves:
+            new = h.values[term.id] + moves[term.id]
+            if term.id in ("mass.surge", "mass.sway", "inertia.yaw"):
+                new = float(np.clip(new, h.values[term.id] / 3, h.values[term.id] * 3))
+            values[term.id] = float(new)
+    h = replaced(h, values)
+    for g in h.given:
+        numbers = list(g.values)
+        for name, p, j in free_parameters(g):
+            step = moves.get(name, 0.0)
+            most = 0.5 * max(abs(numbers[j]), 0.2 * abs(p.scaled(bench.vehicle.hull.mass)), 1e-9)
+            if p.unit != "rad":
+                step = float(np.clip(step, -most, most))
+            new = numbers[j] + step
+            if p.lowest is not None:
+                new = max(new, p.lowest + (1e-6 if p.exclusive else 0.0))
+            numbers[j] = float(new)
+        h = h.with_effect(replace(g, values=tuple(numbers)))
+    return h
+
+
+def survey(noise: Noise, h: Hypothesis, anchor: Anchor, claimed: Mapping[str, float]) -> Fit:
+    """All signatures at a fitted hypothesis, whitened and crossed."""
+    bench = noise.bench
+    signatures = Signatures(bench, h, anchor)
+    fitted, declared_ones = signatures.fitted(claimed), signatures.nuisances()
+    extra, families, refused = signatures.candidates()
+    every = _joined(fitted, declared_ones, extra)
+    # The same name twice would be a parameter of the model beside its claim.
+    errors = noise.whitening(bench.errors(h, anchor))
+    g = gram(every.names, noise.whitening(every.stack()), errors, noise.good, bench.log.h, every.prior)
+    count = len(fitted.names) + len(declared_ones.names)
+    return Fit(
+        noise, h, anchor, signatures, g, tuple(range(count)), tuple(fitted.names), tuple(families), dict(refused)
+    )
+
+
+def plain_fit(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
+    """The vehicle file's model on a log."""
+    claimed = dict(vehicle.model.values)
+    h = first_values(vehicle, log, terms_of(vehicle), claimed)
+    bench = Bench(vehicle, log, declared(vehicle))
+    noise, h, anchor = learn(bench, h, bench.settle(h, bench.start(h), 2), search, claimed)
+    h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, claimed)
+    return survey(noise, h, anchor, claimed)

@@ -1,0 +1,159 @@
+"""What is random in a log: the ambient force, estimated from what no effect explains, and a causal whitening of the rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
+
+from ivsid.diagnosis.bench import Ambient, Bench
+from ivsid.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+# Memory of the whitening [s] and most lags.
+MEMORY: Final = 0.6
+MOST_LAGS: Final = 12
+# What the filter takes of the log's start, and of the time after a gap [s].
+SETTLING: Final = 4.0
+_TIMES: Final = (0.3, 20.0)
+
+
+def declared(vehicle: Vehicle) -> Ambient:
+    """What the vehicle file says of the ambient force, as accelerations; else a share of the thrusters' accuracy."""
+    m = vehicle.hull.mass
+    length = vehicle.hull.length or (m / 60.0) ** (1 / 3)
+    inertia = m * length**2 / 8
+    a = vehicle.ambient
+    if a is not None and (a.force or a.moment):
+        deviation = (max(a.force, 1e-4 * m) / m, max(a.force, 1e-4 * m) / m, max(a.moment, 1e-4 * inertia) / inertia)
+        return Ambient(deviation, (a.time, a.time, a.time))
+    force = sum(t.accuracy.absolute for t in vehicle.thrusters) or 0.01 * m
+    arm = 0.3 * length
+    return Ambient((0.2 * force / m, 0.2 * force / m, 0.2 * force * arm / inertia), (2.0, 2.0, 2.0))
+
+
+def ambient_of(bench: Bench, residual: Array, rows: NDArray[np.bool_]) -> Ambient:
+    """The ambient acceleration behind prediction errors that no effect explains.
+
+    The errors are put through the filter's inverse, which gives the velocity that they stand for. Its mean slopes over a second,
+    correlated at lags where the sensors' noise is not shared, give deviation and time.
+    """
+    h, n = bench.log.h, bench.log.n
+    q = max(2, round(0.5 / h))
+    deviations, times = [], []
+    row = 0
+    for k in range(3):
+        here = bench.axes[k]
+        count = len(here.outputs)
+        velocity = _data_of(bench, k, residual[row : row + count])
+        row += count
+        mean = uniform_filter1d(velocity, q)
+        slope = (mean[2 * q :] - mean[: -2 * q]) / (2 * q * h)
+        good = rows[q:-q][: slope.size]
+        near, far = (_covariance(slope, good, int(round(s / h))) for s in (2.0, 4.0))
+        if near <= 0:
+            deviations.append(bench.ambient.deviation[k] * 0.3)
+            times.append(bench.ambient.time[k])
+            continue
+        ratio = np.clip(far / near, 1e-3, 0.9)
+        time = float(np.clip(-2.0 / np.log(ratio), *_TIMES))
+        deviations.append(float(np.sqrt(near * np.exp(2.0 / time))))
+        times.append(time)
+    floor = [1e-2 * d for d in declared(bench.vehicle).deviation]
+    d = [max(a, b) for a, b in zip(deviations, floor, strict=True)]
+    del n
+    return Ambient((d[0], d[1], d[2]), (times[0], times[1], times[2]))
+
+
+def _covariance(x: Array, good: NDArray[np.bool_], lag: int) -> float:
+    both = good[lag:] & good[:-lag]
+    x = np.where(good, x, 0.0)
+    x = x - x.sum() / max(good.sum(), 1)
+    return float(np.sum((x[lag:] * x[:-lag])[both]) / max(both.sum(), 1))
+
+
+def _data_of(bench: Bench, k: int, errors: Array) -> Array:
+    """The velocity reading that would have given these errors without a model: the filter's inverse."""
+    here = bench.axes[k]
+    h = bench.log.h
+    decay = float(np.exp(-h / bench.ambient.time[k]))
+    at = here.outputs.index("velocity")
+    K = here.gain
+    # velocity and ambient states alone: the position does not act on them
+    v = np.zeros(2)
+    out = np.empty(errors.shape[1])
+    gain = K[1:]
+    pushes = gain @ errors
+    own = errors[at]
+    w0, w1 = pushes.tolist()
+    velocity, wind = 0.0, 0.0
+    for i, e in enumerate(own.tolist()):
+        out[i] = velocity + e
+        velocity += w0[i]
+        wind += w1[i]
+        velocity += h * wind
+        wind *= decay
+    del v
+    return out
+
+
+@dataclass(frozen=True)
+class Whitening:
+    """A causal filter of each axis's prediction errors, to unit and uncorrelated variance.
+
+    Attributes:
+        groups: rows of each axis.
+        taps: by axis, shape (lags + 1, rows, rows).
+    """
+
+    groups: tuple[tuple[int, ...], ...]
+    taps: tuple[Array, ...]
+
+    def __call__(self, x: Array) -> Array:
+        """Whitens errors or signatures, shape (..., rows, n)."""
+        out = np.zeros_like(x)
+        for rows, taps in zip(self.groups, self.taps, strict=True):
+            here = x[..., rows, :]
+            total = np.einsum("ij,...jn->...in", taps[0], here)
+            for lag in range(1, taps.shape[0]):
+                total[..., lag:] += np.einsum("ij,...jn->...in", taps[lag], here[..., :-lag])
+            out[..., rows, :] = total
+        return out
+
+
+def whiten(bench: Bench, residual: Array, good: NDArray[np.bool_]) -> Whitening:
+    """An autoregression of the errors that no effect explains, axis by axis, by least squares."""
+    groups: dict[int, list[int]] = {}
+    for i, (k, _) in enumerate(bench.labels):
+        groups.setdefault(k, []).append(i)
+    lags = int(np.clip(round(MEMORY / bench.log.h), 3, MOST_LAGS))
+    taps = []
+    for rows in groups.values():
+        x = residual[rows]
+        usable = good.copy()
+        for lag in range(1, lags + 1):
+            usable[lag:] &= good[:-lag]
+        usable[:lags] = False
+        at = np.flatnonzero(usable)
+        past = np.concatenate([x[:, at - lag] for lag in range(1, lags + 1)])
+        now = x[:, at]
+        scale = np.maximum(np.abs(past).max(axis=1), 1e-300)
+        A = np.linalg.lstsq((past / scale[:, None]).T, now.T, rcond=1e-10)[0].T / scale
+        left = now - A @ past
+        root = np.linalg.inv(np.linalg.cholesky(left @ left.T / at.size + 1e-24 * np.eye(len(rows))))
+        each = [root] + [-root @ A[:, lag * len(rows) : (lag + 1) * len(rows)] for lag in range(lags)]
+        taps.append(np.stack(each))
+    return Whitening(tuple(tuple(r) for r in groups.values()), tuple(taps))
+
+
+def usable_rows(bench: Bench) -> NDArray[np.bool_]:
+    """Samples whose errors count: not those of a gap, nor those that the filter's start or a gap still shapes, shape (n,)."""
+    good = bench.log.good.copy()
+    settle = round(SETTLING / bench.log.h)
+    bad = ~good
+    bad[0] = True
+    reach = np.convolve(bad.astype(float), np.ones(settle))[: good.size] > 0
+    return ~reach

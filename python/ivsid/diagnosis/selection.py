@@ -1,0 +1,208 @@
+"""Stages 5 to 8: which causes are there, one after the other, with those that could be taken for them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.bench import Anchor
+from ivsid.diagnosis.families import Scored, adopted, everything, score
+from ivsid.diagnosis.fit import Fit, Noise, improve, learn, survey
+from ivsid.diagnosis.physics import Hypothesis
+from ivsid.diagnosis.projection import Projection
+
+Array = NDArray[np.float64]
+MOST: Final = 4
+# Candidates that are fitted in full, and chi^2 within which two cannot be told apart.
+FINALISTS: Final = 6
+MARGIN: Final = 9.0
+# Below this size an effect of its typical strength would not show in the log.
+VISIBLE: Final = 8.0
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A cause in place of another, fitted in full.
+
+    Attributes:
+        id: of the effect.
+        h: the hypothesis with it.
+        chi2: of the log under it, priors included.
+        count: its numbers.
+        gain: fall of chi^2 against the hypothesis without either.
+    """
+
+    id: str
+    h: Hypothesis
+    anchor: Anchor
+    chi2: float
+    count: int
+    gain: float
+
+    @property
+    def merit(self) -> float:
+        """With a price for each number beyond the first."""
+        return self.gain - 3.0 * (self.count - 1)
+
+
+@dataclass(frozen=True)
+class Found:
+    """A cause that was found.
+
+    Attributes:
+        id: of the effect.
+        rivals: every cause that does as well within the margin, the best first.
+        rejected: the others that were fitted in full, or scored, with their gains.
+        gain: fall of chi^2 against the model without it.
+        chance: of such a gain without it, over the whole library.
+        first: the score that it was found by.
+    """
+
+    id: str
+    rivals: tuple[Rival, ...]
+    rejected: tuple[tuple[str, float], ...]
+    gain: float
+    chance: float
+    first: Scored
+
+
+@dataclass(frozen=True)
+class Selection:
+    """The outcome.
+
+    Attributes:
+        plain: the model as it was, under the last noise.
+        last: the model with every cause that was found.
+        found: the causes.
+        screened: the scores of the first round.
+        untested: ids that this log could not show, with z at their typical size.
+        leftover: the scores that remain beside the causes.
+    """
+
+    plain: Fit
+    last: Fit
+    found: tuple[Found, ...]
+    screened: tuple[Scored, ...]
+    untested: Mapping[str, float]
+    leftover: tuple[Scored, ...] = field(default=())
+
+
+Test = Callable[[Fit, list[Scored]], list[Scored]]
+
+
+def select(plain: Fit, passes: Test, held: Mapping[str, float], progress: Progress = lambda _: None) -> Selection:
+    """Adds causes while one passes the test; after each, looks whether another would do in place of one that is there."""
+    fit, scored = score(plain)
+    screened = tuple(scored)
+    found: list[Found] = []
+    while len(found) < MOST:
+        passed = passes(fit, scored)
+        if not passed:
+            break
+        progress(f"{passed[0].id}?")
+        made = _admit(fit, passed, scored, held)
+        if made is None:
+            break
+        one, best, noise = made
+        found.append(one)
+        h, anchor = improve(noise.bench, best.h, best.anchor, noise.whitening, noise.good, held)
+        fit, scored = score(survey(noise, h, anchor, held))
+        dropped = _unneeded(fit, found)
+        if dropped is not None:
+            found.remove(dropped)
+            h = _without(fit.h, dropped.id, plain.h)
+            h, anchor = improve(noise.bench, h, fit.anchor, noise.whitening, noise.good, held)
+            fit, scored = score(survey(noise, h, anchor, held))
+            break
+    return Selection(plain, fit, tuple(found), screened, {}, tuple(scored))
+
+
+def _admit(
+    fit: Fit, passed: list[Scored], scored: list[Scored], held: Mapping[str, float]
+) -> tuple[Found, Rival, Noise] | None:
+    """The best of the causes that pass, fitted in full under a noise that no longer holds it, and its rivals."""
+    finalists = [s for s in passed if s.physical][:FINALISTS]
+    rivals = [_fitted(fit, s, fit.noise, held) for s in finalists]
+    rivals = [r for r in rivals if r is not None and r.gain > 0]
+    if not rivals:
+        return None
+    best = max(rivals, key=lambda r: r.merit)
+    noise, _, _ = learn(fit.noise.bench, best.h, best.anchor, everything, held, rounds=2)
+    # Under the better noise, once more: who is best, and who cannot be told from it.
+    base = _chi2(noise, *improve(noise.bench, fit.h, fit.anchor, noise.whitening, noise.good, held), held)
+    again = []
+    for r in sorted(rivals, key=lambda r: -r.merit)[:FINALISTS]:
+        h, anchor = improve(noise.bench, r.h, r.anchor, noise.whitening, noise.good, held)
+        chi2 = _chi2(noise, h, anchor, held)
+        again.append(replace(r, h=h, anchor=anchor, chi2=chi2, gain=base - chi2))
+    again.sort(key=lambda r: -r.merit)
+    best = again[0]
+    close = tuple(r for r in again if best.merit - r.merit <= MARGIN)
+    first = next(s for s in passed if s.id == best.id)
+    others = {s.id: s.gain for s in scored if s.id not in {r.id for r in close}}
+    others |= {r.id: r.gain for r in again if r not in close}
+    rejected = tuple(sorted(others.items(), key=lambda q: -q[1])[:8])
+    return Found(best.id, close, rejected, best.gain, first.chance, first), best, noise
+
+
+def _fitted(fit: Fit, s: Scored, noise: Noise, held: Mapping[str, float]) -> Rival | None:
+    """A family's effect in the hypothesis, by Gauss-Newton from the values of its score."""
+    base = fit.projection.chi2
+    h = adopted(fit.h, s, fit)
+    try:
+        anchor = noise.bench.settle(h, fit.anchor)
+        h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held, steps=3)
+        chi2 = _chi2(noise, h, anchor, held)
+    except (np.linalg.LinAlgError, ValueError, FloatingPointError):
+        return None
+    if not np.isfinite(chi2):
+        return None
+    return Rival(s.id, h, anchor, chi2, s.count, base - chi2)
+
+
+def _chi2(noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float]) -> float:
+    from ivsid.diagnosis.fit import base_gram  # noqa: PLC0415
+
+    g = base_gram(noise, h, anchor, held)
+    return Projection(g, range(len(g.names))).chi2
+
+
+def _without(h: Hypothesis, id_: str, plain: Hypothesis) -> Hypothesis:
+    terms = tuple(t for t in h.terms if t.id == id_ or not t.id.startswith(f"{id_}."))
+    ids = {t.id for t in plain.terms}
+    terms = tuple(t for t in terms if t.id in ids or (t.id != id_ and not t.id.startswith(f"{id_}.")))
+    given = tuple(g for g in h.given if g.effect.id != id_)
+    return replace(h, terms=terms, given=given)
+
+
+def _unneeded(fit: Fit, found: list[Found]) -> Found | None:
+    """A cause that the others now explain: what its parameters gain beside them is no longer much."""
+    if len(found) < 2:
+        return None
+    g = fit.gram
+    for one in found[:-1]:
+        own = [k for k in fit.base if g.names[k] == one.id or g.names[k].startswith(f"{one.id}.")]
+        if not own:
+            continue
+        # The information of its parameters beside everything else, at their values.
+        rest = Projection(g, [k for k in fit.base if k not in own])
+        H = rest.information(own)
+        values = np.array([_value(fit.h, g.names[k]) * g.unit[k] for k in own])
+        if float(values @ H @ values) < 20.0:
+            return one
+    return None
+
+
+def _value(h: Hypothesis, name: str) -> float:
+    if name in h.values:
+        return float(h.values[name])
+    for given in h.given:
+        if name in given.named:
+            parameter = given.effect.parameters[list(given.named).index(name)]
+            return float(given.named[name] - parameter.none)
+    return 0.0

@@ -1,0 +1,155 @@
+"""Stage 5: what a log can show at all, and which gains are more than chance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import f as fisher
+
+from ivsid.diagnosis.families import Scored
+from ivsid.diagnosis.fit import Fit
+from ivsid.diagnosis.projection import Projection
+from ivsid.diagnosis.signatures import Family
+
+Array = NDArray[np.float64]
+VISIBLE: Final = 8.0
+# Blocks of the bootstrap: as many blocks of the Gram side by side as make half a minute.
+SIDE: Final = 3
+# The second opinion has few blocks: it is asked for less.
+SECOND: Final = 2e-3
+
+
+@dataclass(frozen=True)
+class Visibility:
+    """How far an effect of its typical size would stand out.
+
+    Attributes:
+        z: in standard deviations.
+        typical: the size that this is for, by parameter.
+        detectable: the smallest size that would have shown, by parameter.
+    """
+
+    z: float
+    typical: Mapping[str, float]
+    detectable: Mapping[str, float]
+
+
+def visibility(fit: Fit) -> dict[str, Visibility]:
+    """For every family with columns of its own, by id."""
+    p = fit.projection
+    mass = fit.noise.bench.vehicle.hull.mass
+    found: dict[str, Visibility] = {}
+    for family in fit.families:
+        if not family.variants:
+            continue
+        z, sizes = _size(fit, p, family, mass)
+        if family.id in found and found[family.id].z >= z:
+            continue
+        factor = VISIBLE / z if z > 0 else np.inf
+        least = {k: v * factor for k, v in sizes.items() if v}
+        found[family.id] = Visibility(z, sizes, least)
+    return found
+
+
+def _size(fit: Fit, p: Projection, family: Family, mass: float) -> tuple[float, dict[str, float]]:
+    g = fit.gram
+    parameters = family.effect.parameters
+    if family.kind == "secant":
+        typical = parameters[0].scaled(mass)
+        if family.id == "thruster.deadband":
+            typical = parameters[0].typical / 100 * float(np.abs(fit.noise.bench.log.demands).max())
+        values = [v[0] for v in family.values]
+        k = int(np.argmin([abs(np.log(max(v, 1e-9) / max(typical, 1e-9))) for v in values]))
+        at = g.at(family.variants[k])
+        scale = typical / values[k] if parameters[0].unit == "s" else 1.0
+        z = scale * float(np.sqrt(max(p.information(at)[0, 0], 0.0))) * float(g.unit[at[0]])
+        return z, {family.effect.parts[0]: typical}
+    at = g.at(family.variants[0])
+    if family.kind == "step":
+        j = at[0]
+        size = parameters[0].scaled(mass) if family.thruster is None else 0.15
+        half = len(g.blocks) // 2
+        later = g.blocks[half:, j, :].sum(axis=0)
+        cross = later[p.base]
+        inner = p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9)
+        H = float(later[j] - cross @ np.linalg.solve(inner, cross))
+        name = family.effect.parts[0] if family.thruster is None else family.effect.parts[1]
+        return size * float(g.unit[j]) * float(np.sqrt(max(H, 0.0))), {name: size}
+    H = p.information(at)
+    sizes = np.array([q.scaled(mass) - q.none for q in parameters])
+    theta = sizes * g.unit[at]
+    named = dict(zip(family.effect.parts, sizes.tolist(), strict=True))
+    return float(np.sqrt(max(theta @ H @ theta, 0.0))), named
+
+
+def second_opinion(fit: Fit, s: Scored) -> float:
+    """The probability of a gain without the effect, from how much the blocks of the log agree on it: no noise model stands in it."""
+    p = fit.projection
+    g = fit.gram
+    at = list(s.columns)
+    if s.family.kind == "step":
+        first = round((s.values[-1] - float(fit.noise.bench.log.t[0])) / (g.length * fit.noise.bench.log.h))
+        keep = np.arange(len(g.blocks)) >= first
+    else:
+        keep = np.ones(len(g.blocks), dtype=bool)
+    solved = np.linalg.solve(
+        p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9), p.total[np.ix_(p.base, at)]
+    )
+    # Scores of the projected columns block by block, at the fit of the base.
+    own = g.blocks[:, at][:, :, at] * keep[:, None, None]
+    cross = g.blocks[:, at][:, :, p.base] * keep[:, None, None]
+    score = (g.score[:, at] - cross @ p.coefficients) * keep[:, None]
+    base_score = g.score[:, p.base] - g.blocks[:, p.base][:, :, p.base] @ p.coefficients
+    score = score - base_score @ solved
+    H = own - cross @ solved
+    theta = np.linalg.lstsq(H.sum(axis=0), score.sum(axis=0), rcond=1e-9)[0]
+    left = score - H @ theta
+    blocks = left.shape[0] // SIDE * SIDE
+    left = left[:blocks].reshape(-1, SIDE, len(at)).sum(axis=1)
+    whole = score.sum(axis=0)
+    n, k = left.shape[0], len(at)
+    if n <= k + 1:
+        return 1.0
+    V = left.T @ left
+    wald = float(whole @ np.linalg.pinv(V, rcond=1e-9) @ whole)
+    return float(fisher.sf(wald * (n - k) / (n * k), k, n - k))
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """The test of a round: every family's chance is held against one level, shared out over all of them.
+
+    Attributes:
+        level: probability of any false finding in a round.
+        visible: ids that the log can show.
+        families: how many causes were looked for.
+        scale: what chi^2 gains are divided by, from null logs; at least 1.
+    """
+
+    level: float
+    visible: frozenset[str]
+    families: int
+    scale: float = 1.0
+
+    def __call__(self, fit: Fit, scored: list[Scored]) -> list[Scored]:
+        """Those that pass both the calibrated test and the second opinion, best first."""
+        found = []
+        for s in scored:
+            if s.id not in self.visible and s.family.kind not in ("wave", "tether"):
+                continue
+            if not s.physical or self.chance(s) * self.families > self.level:
+                continue
+            if second_opinion(fit, s) > SECOND:
+                continue
+            found.append(s)
+        return found
+
+    def chance(self, s: Scored) -> float:
+        """Of one family's gain."""
+        from dataclasses import replace  # noqa: PLC0415
+
+        return replace(s, gain=s.gain / self.scale).chance

@@ -132,7 +132,7 @@ def _admit(
     if not rivals:
         return None
     best = max(rivals, key=lambda r: r.merit)
-    noise, _, _ = learn(fit.noise.bench, best.h, best.anchor, everything, held, rounds=2)
+    noise, _, _ = learn(fit.noise.bench, best.h, best.anchor, everything, held, rounds=1)
     # Under the better noise, once more: who is best, and who cannot be told from it.
     base = _chi2(noise, *improve(noise.bench, fit.h, fit.anchor, noise.whitening, noise.good, held), held)
     again = []

@@ -20,7 +20,9 @@ VISIBLE: Final = 8.0
 # Blocks of the bootstrap: as many blocks of the Gram side by side as make half a minute.
 SIDE: Final = 3
 # The second opinion has few blocks: it is asked for less.
-SECOND: Final = 2e-3
+SECOND: Final = 1e-2
+# A gain like this is none of the noise model's; its blocks may disagree only because the fit is not finished.
+BEYOND_DOUBT: Final = 60.0
 
 
 @dataclass(frozen=True)
@@ -143,7 +145,7 @@ class Threshold:
                 continue
             if not s.physical or self.chance(s) * self.families > self.level:
                 continue
-            if second_opinion(fit, s) > SECOND:
+            if s.gain < BEYOND_DOUBT and second_opinion(fit, s) > SECOND:
                 continue
             found.append(s)
         return found

@@ -208,6 +208,17 @@ class Bench:
         """The errors that one unit of a term's parameter leaves when the model lacks it."""
         return self.answer(term_column(self.vehicle, h, mass, anchor.points, anchor.nudot, term))
 
+    def damping(self, h: Hypothesis, anchor: Anchor) -> tuple[float, float, float]:
+        """How fast each axis alone comes to rest, on average over the log [1/s]."""
+        found = []
+        for k in range(3):
+            size = 1e-3 * max(float(np.std(anchor.points.nu[k])), 1e-6)
+            shift = np.zeros((3, 1))
+            shift[k] = size
+            rate = acceleration(self.vehicle, h, anchor.points.moved(shift)) - anchor.nudot
+            found.append(max(float(-np.mean(rate[k]) / size), 0.0))
+        return found[0], found[1], found[2]
+
     def mass(self, h: Hypothesis, anchor: Anchor) -> Mass:
         """The mass matrix at the anchor's times."""
         return Mass(self.vehicle, h.terms, changed(h, anchor.points.t))

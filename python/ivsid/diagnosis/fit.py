@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.bench import Anchor, Bench, replaced
 from ivsid.diagnosis.channels import Channels
-from ivsid.diagnosis.noise import Whitening, ambient_of, declared, usable_rows, whiten
+from ivsid.diagnosis.noise import Whitening, ambient_of, declared, quick_enough, usable_rows, whiten
 from ivsid.diagnosis.physics import Hypothesis
 from ivsid.diagnosis.projection import Gram, Projection, gram
 from ivsid.diagnosis.signatures import Columns, Family, Signatures, free_parameters
@@ -85,6 +85,7 @@ def learn(
         if turn == rounds - 1:
             return Noise(bench, whiten(bench, left, good), good), h, anchor
         bench = bench.adopt(ambient_of(bench, left, good))
+        bench = quick_enough(bench, bench.damping(h, anchor))
         anchor = bench.settle(h, anchor)
     raise AssertionError("rounds must be positive")
 

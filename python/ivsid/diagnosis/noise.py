@@ -18,7 +18,9 @@ MEMORY: Final = 0.6
 MOST_LAGS: Final = 12
 # What the filter takes of the log's start, and of the time after a gap [s].
 SETTLING: Final = 4.0
-_TIMES: Final = (0.3, 20.0)
+_TIMES: Final = (1.0, 5.0)
+# A filter forgets so many times faster than the vehicle.
+QUICKER: Final = 2.0
 
 
 def declared(vehicle: Vehicle) -> Ambient:
@@ -62,8 +64,13 @@ def ambient_of(bench: Bench, residual: Array, rows: NDArray[np.bool_]) -> Ambien
         time = float(np.clip(-2.0 / np.log(ratio), *_TIMES))
         deviations.append(float(np.sqrt(near * np.exp(2.0 / time))))
         times.append(time)
-    floor = [1e-2 * d for d in declared(bench.vehicle).deviation]
-    d = [max(a, b) for a, b in zip(deviations, floor, strict=True)]
+    said = declared(bench.vehicle)
+    given = bench.vehicle.ambient is not None
+    # A filter that is too quick is whitened afterwards; one that is too slow is wrong about the motion in between.
+    low, high = (0.6, 30.0) if given else (0.05, 1e3)
+    d = [float(np.clip(a, low * b, high * b)) for a, b in zip(deviations, said.deviation, strict=True)]
+    if given:
+        times = [float(np.clip(a, 0.5 * b, 1.5 * b)) for a, b in zip(times, said.time, strict=True)]
     del n
     return Ambient((d[0], d[1], d[2]), (times[0], times[1], times[2]))
 
@@ -157,3 +164,25 @@ def usable_rows(bench: Bench) -> NDArray[np.bool_]:
     bad[0] = True
     reach = np.convolve(bad.astype(float), np.ones(settle))[: good.size] > 0
     return ~reach
+
+
+def quick_enough(bench: Bench, damping: tuple[float, float, float]) -> Bench:
+    """The bench with filters that forget faster than the vehicle does, so that their states hardly depend on the hypothesis.
+
+    Args:
+        bench: with filters of the estimated ambient force.
+        damping: of each axis [1/s].
+    """
+    deviation = list(bench.ambient.deviation)
+    for _ in range(8):
+        slow = [
+            k
+            for k in range(3)
+            if np.abs(np.roots(bench.axes[k].denominator)).max() > np.exp(-bench.log.h * max(QUICKER * damping[k], 0.3))
+        ]
+        if not slow:
+            return bench
+        for k in slow:
+            deviation[k] *= 1.6
+        bench = bench.adopt(Ambient((deviation[0], deviation[1], deviation[2]), bench.ambient.time))
+    return bench

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.channels import Channels
 from ivsid.diagnosis.physics import Hypothesis, Mass, Points, acceleration, changed, term_column
 from ivsid.diagnosis.predictor import Axis, axis
-from ivsid.diagnosis.propulsion import Propulsion
+from ivsid.diagnosis.propulsion import Propulsion, error_shapes
 from ivsid.effects import Given, Reading, Response, Term, Thrust
 from ivsid.vehicle import Vehicle
 
@@ -48,6 +48,12 @@ class Bench:
     def __init__(self, vehicle: Vehicle, log: Channels, ambient: Ambient) -> None:
         self.vehicle, self.log, self.ambient = vehicle, log, ambient
         self.propulsion = Propulsion(vehicle, log)
+        # Smooth thrust errors that the declared accuracy allows, by thruster: at samples, then over steps.
+        self.shapes = [
+            [np.r_[now, mean] for now, mean in error_shapes(self.propulsion, k)] for k in range(len(vehicle.thrusters))
+        ]
+        t = (np.arange(log.n) + 0.5) / log.n
+        self.slow = [np.cos(np.pi * j * t) for j in range(3)]
         noise = log.noise
         measured: list[dict[str, str]] = [
             {"velocity": "u", "acceleration": "ax"},
@@ -73,7 +79,12 @@ class Bench:
     def thrusts(self, h: Hypothesis) -> Array:
         """Thrusts of a hypothesis at samples and over steps, shape (thrusters, 2 n)."""
         found = self.propulsion.thrusts(h.given)
-        return np.concatenate([found.now, found.mean], axis=1)
+        both = np.concatenate([found.now, found.mean], axis=1)
+        for k, thruster in enumerate(self.vehicle.thrusters):
+            for j, shape in enumerate(self.shapes[k]):
+                if size := h.declared.get(f"~thrust.{thruster.name}.{j}", 0.0):
+                    both[k] += size * shape
+        return both
 
     def start(self, h: Hypothesis) -> Anchor:
         """States from the readings themselves."""
@@ -125,16 +136,25 @@ class Bench:
         """What the sensors would read without the hypothesis's sensor effects, by axis."""
         log = self.log
         wrong = self.sensed(h.given, anchor)
-        nu = [log.nu[k] - wrong[q] for k, q in enumerate(("u", "v", "r"))]
+        scale = h.declared.get("~scale.velocity", 0.0)
+        nu = [
+            log.nu[k] - wrong[q] - (scale * anchor.points.nu[k, : log.n] if k < 2 else self._bias(h, "r"))
+            for k, q in enumerate(("u", "v", "r"))
+        ]
         out: list[dict[str, Array]] = []
         for k in range(3):
             here = {"velocity": nu[k]}
             if (a := log.acceleration[k]) is not None:
-                here["acceleration"] = a - wrong[("ax", "ay", "rdot")[k]]
+                name = ("ax", "ay", "rdot")[k]
+                here["acceleration"] = a - wrong[name] - self._bias(h, name)
             out.append(here)
         if log.psi is not None:
             out[2]["position"] = log.psi
         return out
+
+    def _bias(self, h: Hypothesis, name: str) -> Array | float:
+        parts = [h.declared.get(f"~bias.{name}.{j}", 0.0) * wave for j, wave in enumerate(self.slow)]
+        return sum(parts)
 
     def _filter(self, readings: list[dict[str, Array]], anchor: Anchor) -> Array:
         log, n = self.log, self.log.n

@@ -140,10 +140,10 @@ def improve(
         every = _joined(fitted, signatures.nuisances())
         errors = bench.errors(h, anchor)
         by = white or _plain_scale(errors, good, bench)
-        g = gram(every.names, by(every.stack()), by(errors), good, bench.log.h, every.prior)
+        g = gram(every.names, by(every.stack()), by(errors), good, bench.log.h, every.prior, h.declared)
         p = Projection(g, range(len(every.names)))
         moved = dict(zip(every.names, p.coefficients / g.unit, strict=True))
-        h = stepped(h, {n: moved[n] for n in fitted.names}, bench)
+        h = stepped(h, moved, bench)
         anchor = bench.settle(h, anchor)
         sigma = np.sqrt(np.diag(np.linalg.inv(p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9))))
         if all(
@@ -158,7 +158,7 @@ def base_gram(noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, fl
     signatures = Signatures(noise.bench, h, anchor)
     every = _joined(signatures.fitted(held), signatures.nuisances())
     errors = noise.whitening(noise.bench.errors(h, anchor))
-    return gram(every.names, noise.whitening(every.stack()), errors, noise.good, noise.bench.log.h, every.prior)
+    return gram(every.names, noise.whitening(every.stack()), errors, noise.good, noise.bench.log.h, every.prior, h.declared)
 
 
 def stepped(h: Hypothesis, moves: Mapping[str, float], bench: Bench) -> Hypothesis:
@@ -171,6 +171,8 @@ def stepped(h: Hypothesis, moves: Mapping[str, float], bench: Bench) -> Hypothes
                 new = float(np.clip(new, h.values[term.id] / 3, h.values[term.id] * 3))
             values[term.id] = float(new)
     h = replaced(h, values)
+    known = {n: h.declared.get(n, 0.0) + m for n, m in moves.items() if n.startswith("~")}
+    h = replace(h, declared={**h.declared, **known})
     for g in h.given:
         numbers = list(g.values)
         for name, p, j in free_parameters(g):
@@ -195,7 +197,7 @@ def survey(noise: Noise, h: Hypothesis, anchor: Anchor, claimed: Mapping[str, fl
     every = _joined(fitted, declared_ones, extra)
     # The same name twice would be a parameter of the model beside its claim.
     errors = noise.whitening(bench.errors(h, anchor))
-    g = gram(every.names, noise.whitening(every.stack()), errors, noise.good, bench.log.h, every.prior)
+    g = gram(every.names, noise.whitening(every.stack()), errors, noise.good, bench.log.h, every.prior, h.declared)
     count = len(fitted.names) + len(declared_ones.names)
     return Fit(
         noise, h, anchor, signatures, g, tuple(range(count)), tuple(fitted.names), tuple(families), dict(refused)

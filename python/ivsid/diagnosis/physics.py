@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -31,11 +31,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A model with numbers: terms with their values by id, and effects that are no terms, with theirs."""
+    """A model with numbers: terms with their values by id, effects that are no terms with theirs, and the size of what is declared."""
 
     terms: tuple[Term, ...]
     values: Mapping[str, float]
     given: tuple[Given, ...] = ()
+    declared: Mapping[str, float] = field(default_factory=dict)
 
     def with_effect(self, given: Given) -> Hypothesis:
         """The same with an effect more, or with other numbers for one that it has."""

@@ -28,6 +28,7 @@ class Gram:
         energy: squared errors, shape (blocks,).
         rows: numbers in each block.
         prior: precision of each column's coefficient before the data, shape (columns,).
+        centre: how far each coefficient is from what was expected of it already, in the columns' units.
         unit: what each column was divided by.
         good: samples that count, shape (n,).
         length: samples in a block.
@@ -41,6 +42,7 @@ class Gram:
     energy: Array
     rows: Array
     prior: Array
+    centre: Array
     unit: Array
     good: NDArray[np.bool_]
     length: int
@@ -69,6 +71,7 @@ class Gram:
             blocks=blocks,
             score=np.concatenate([self.score, np.einsum("bci,bi->bc", x, self.y)], axis=1),
             prior=np.r_[self.prior, np.zeros(len(names))],
+            centre=np.r_[self.centre, np.zeros(len(names))],
             unit=np.r_[self.unit, unit],
         )
 
@@ -88,7 +91,8 @@ def _blocked(x: Array, good: NDArray[np.bool_], length: int) -> Array:
 
 
 def gram(
-    names: Sequence[str], columns: Array, errors: Array, good: NDArray[np.bool_], h: float, prior: Mapping[str, float]
+    names: Sequence[str], columns: Array, errors: Array, good: NDArray[np.bool_], h: float, prior: Mapping[str, float],
+    centre: Mapping[str, float],
 ) -> Gram:
     """Cross-products.
 
@@ -99,6 +103,7 @@ def gram(
         good: samples that count, shape (n,).
         h: step [s].
         prior: standard deviation of the coefficients that are known beforehand, by name; infinite for the others.
+        centre: how much of each is in the hypothesis already.
     """
     length = max(1, round(BLOCK / h))
     x = _blocked(columns, good, length)
@@ -116,6 +121,7 @@ def gram(
         np.einsum("bi,bi->b", y, y),
         rows.astype(float),
         precision,
+        np.array([centre.get(n, 0.0) for n in names]) * unit,
         unit,
         good,
         length,
@@ -129,8 +135,8 @@ class Projection:
         self.g, self.base = g, list(base)
         use = slice(None) if blocks is None else blocks
         self.total = g.blocks[use].sum(axis=0)
-        self.score = g.score[use].sum(axis=0)
-        self.energy = float(g.energy[use].sum())
+        self.score = g.score[use].sum(axis=0) - g.prior * g.centre
+        self.energy = float(g.energy[use].sum()) + float(g.prior @ g.centre**2)
         G = self.total[np.ix_(self.base, self.base)] + np.diag(g.prior[self.base] + 1e-9)
         self._factor = cho_factor(G)
         self.coefficients: Array = cho_solve(self._factor, self.score[self.base])

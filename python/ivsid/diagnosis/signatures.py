@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.bench import Anchor, Bench
 from ivsid.diagnosis.physics import Hypothesis, Mass, acceleration
-from ivsid.diagnosis.propulsion import error_shapes
 from ivsid.effects import (
     CATALOGUE,
     EFFECTS,
@@ -111,8 +110,7 @@ class Signatures:
         out = Columns()
         bench, log = self.bench, self.bench.log
         sensors = bench.vehicle.sensors
-        t = (np.arange(log.n) + 0.5) / log.n
-        slow = [np.cos(np.pi * j * t) for j in range(3)]
+        slow = bench.slow
         if sensors.acceleration is not None:
             for k, name in enumerate(("ax", "ay")):
                 size = sensors.acceleration.axis(k)[0] + 0.6 * sensors.acceleration.accuracy
@@ -130,9 +128,10 @@ class Signatures:
         for k, thruster in enumerate(bench.vehicle.thrusters):
             angle, (x, y) = bench.log.angles[k], thruster.position
             c, s = np.cos(angle), np.sin(angle)
+            # A loss by inflow takes the same share of the error as of the thrust, which is small.
             shares = np.stack([c, s, x * s - y * c])
-            for j, (now, mean) in enumerate(error_shapes(bench.propulsion, k)):
-                force = np.concatenate([shares * now, shares * mean], axis=1)
+            for j, shape in enumerate(bench.shapes[k]):
+                force = np.concatenate([shares, shares], axis=1) * shape
                 out.add(f"~thrust.{thruster.name}.{j}", bench.answer(self.mass.solve(force)), SHARE)
         return out
 

@@ -7,6 +7,7 @@ sensors and thrust. See the README for the commands, and ``docs/`` for the user'
 from importlib.metadata import version
 
 from ivsid import linalg, regression
+from ivsid.diagnosis import Diagnosis, diagnose
 from ivsid.errors import IvsidError
 from ivsid.identification import Identification, Parameter, identify
 from ivsid.intervals import EndpointPair, Interval, IntervalArray
@@ -17,6 +18,7 @@ from ivsid.vehicle import Vehicle, read_vehicle
 __version__ = version("ivsid")
 
 __all__ = [
+    "Diagnosis",
     "EndpointPair",
     "Identification",
     "Interval",
@@ -27,6 +29,7 @@ __all__ = [
     "Validation",
     "Vehicle",
     "__version__",
+    "diagnose",
     "identify",
     "linalg",
     "read_log",

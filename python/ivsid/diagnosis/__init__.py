@@ -1,1 +1,7 @@
 """What a simulation gets wrong, and why: one stage a file, each a function with a frozen result (EFFECTS.md 4)."""
+
+from ivsid.diagnosis.diagnose import Bound, Diagnosis, Finding, diagnose
+from ivsid.diagnosis.explain import explain, why_rejected
+from ivsid.diagnosis.extended import extended_vehicle
+
+__all__ = ["Bound", "Diagnosis", "Finding", "diagnose", "explain", "extended_vehicle", "why_rejected"]

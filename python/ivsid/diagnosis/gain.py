@@ -31,6 +31,8 @@ class Gain:
         interval: before/after of u, v, r: 95 % of a bootstrap over windows.
         residual: low-passed force residuals before and after, shape (2, 3, n), for figures.
         motion: simulated velocities before and after, shape (2, 3, n), NaN outside windows.
+        measured: velocities, shape (3, n).
+        time: [s], shape (n,).
         log: name of the log.
     """
 
@@ -40,6 +42,8 @@ class Gain:
     interval: dict[str, tuple[float, float]]
     residual: Array
     motion: Array
+    measured: Array
+    time: Array
     log: str
 
     def record(self) -> dict[str, Any]:
@@ -75,7 +79,7 @@ def compare(bench: Bench, before: Hypothesis, after: Hypothesis, seed: int = 0) 
     size = np.sqrt(np.mean(force[:, :, bench.log.good] ** 2, axis=2))
     forces = {n: (float(size[0, k]), float(size[1, k])) for k, n in enumerate(("X", "Y", "N"))}
     motion = np.stack([v[0] for v in velocity])
-    return Gain(forces, rms, position, interval, force, motion, bench.log.name)
+    return Gain(forces, rms, position, interval, force, motion, bench.log.nu, bench.log.t, bench.log.name)
 
 
 def _force(bench: Bench, h: Hypothesis, anchor: Anchor) -> Array:

@@ -2,10 +2,11 @@
 
 from ivsid.workflow.allan import allan
 from ivsid.workflow.demo import demo
+from ivsid.workflow.diagnose import diagnose
 from ivsid.workflow.identify import identify
 from ivsid.workflow.importing import import_set
 from ivsid.workflow.simulate import simulate
 from ivsid.workflow.thrust import thrust
 from ivsid.workflow.validate import validate
 
-__all__ = ["allan", "demo", "identify", "import_set", "simulate", "thrust", "validate"]
+__all__ = ["allan", "demo", "diagnose", "identify", "import_set", "simulate", "thrust", "validate"]

@@ -49,6 +49,7 @@ def one(job):
         "z": {i: z.get(i, -1) * s for i, s in sizes.items()}, "held": held, "cpu": spent,
         "evidence": [f.evidence for f in d.findings], "tested": {i: (i in z and z[i] >= 8) for i in sizes},
         "left": [(s.id, round(s.gain, 1)) for s in d.selection.leftover[:4]],
+        "adequacy": [(a.gain, a.freedom, a.chance, a.chance_of_one, a.strongest[:2]) for a in d.adequacy],
         "gain": d.gain.simulation_rms,
     }
 
@@ -72,7 +73,7 @@ def score(rows):
         mark = "ok " if hit(r) else ("-- " if r["verdict"] == "adequate" else ("?? " if "unknown" in r["found"] else "XX "))
         extra = [f for f, s in zip(r["found"], r["sets"]) if i not in s]
         if mark != "ok " and r in visible or extra or any(not h[0] for h in r["held"].values()):
-            out.append(f"  {mark}{r['seed']} {i} z {r['z'][i]:.1f} {r['stratum']['style']} {r['stratum']['kind']} amb {r['stratum']['ambient']} -> {r['sets']} {[round(e.get('z', 0), 1) for e in r['evidence']]} held {[(k, h) for k, h in r['held'].items() if not h[0]]}")
+            out.append(f"  {mark}{r['seed']} {i} z {r['z'][i]:.1f} {r['stratum']['style']} {r['stratum']['kind']} amb {r['stratum']['ambient']} -> {r['sets']} ad {[round(r['adequacy'][1][k], 4) for k in (0, 1, 2, 3)]} of {r['adequacy'][0][0]:.0f} {[round(e.get('z', 0), 1) for e in r['evidence']]} held {[(k, h) for k, h in r['held'].items() if not h[0]]}")
     held = [h for r in rows for h in r["held"].values()]
     out.append(f"intervals {len(held)}, hold {sum(h[0] for h in held)}")
     two = [r for r in rows if r["stratum"]["what"] == "two"]

@@ -169,6 +169,18 @@ def diagnose(
     _run("diagnose", out, json, lambda w, p: w.diagnose(vehicle, train, test, seed=seed, progress=p))
 
 
+@app.command()
+def isolability(
+    vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML).")],
+    log: Annotated[Path, typer.Argument(metavar="LOG_OR_SCENARIO", help="A log, or a scenario (TOML) that is simulated.")],
+    out: Out = None,
+    json: Json = False,
+    seed: Seed = None,
+) -> None:
+    """What a programme can detect and tell apart, and the manoeuvre that would help."""
+    _run("isolability", out, json, lambda w, p: w.isolability(vehicle, log, seed=seed, progress=p))
+
+
 @app.command("import")
 def import_(
     name: Annotated[str, typer.Argument(metavar="SET", help="cse1, rov30k or t200.")],

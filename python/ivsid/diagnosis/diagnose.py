@@ -9,7 +9,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.diagnosis.adequacy import Adequacy, adequacy
 from ivsid.diagnosis.bench import Bench
+from ivsid.diagnosis.calibration import calibrate
 from ivsid.diagnosis.channels import Channels, channels
 from ivsid.diagnosis.families import everything, score
 from ivsid.diagnosis.fit import Fit, plain_fit
@@ -96,6 +98,7 @@ class Diagnosis:
         calibration: how the thresholds were made.
         unexplained: share of the residual's energy above the noise, by channel.
         gain: on TEST.
+        adequacy: what a generic dictionary sees, of the model as it was and with the findings.
         selection: the steps behind it.
         vehicle: of the file.
         inputs: names and hashes.
@@ -110,6 +113,7 @@ class Diagnosis:
     calibration: dict[str, Any]
     unexplained: dict[str, float]
     gain: Gain
+    adequacy: tuple[Adequacy, Adequacy]
     selection: Selection
     vehicle: Vehicle
     inputs: tuple[tuple[str, str], ...]
@@ -158,11 +162,15 @@ def diagnose(
     progress("fitting the model")
     fit = plain_fit(vehicle, log, everything)
     visible = visibility(fit)
-    seen = frozenset(i for i, v in visible.items() if v.z >= VISIBLE)
-    test_of = Threshold(LEVEL, seen, max(1, len({f.id for f in fit.families})))
+    seen = frozenset(i for i, v in visible.items() if v.tested)
+    calibration = calibrate(fit, seen, LEVEL, seed)
+    test_of = Threshold(calibration, seen)
     progress("looking for causes")
     selection = select(fit, test_of, vehicle.model.values, progress)
+    before, after = adequacy(fit), adequacy(selection.last)
     findings = tuple(_finding(f, selection.last) for f in selection.found)
+    if not after.sufficient(before, len(findings)):
+        findings = (*findings, _unknown(after))
     progress("trying both models on the other log")
     bench = Bench(vehicle, other, selection.last.noise.bench.ambient)
     gain = compare(bench, fit.h, selection.last.h, seed)
@@ -173,9 +181,10 @@ def diagnose(
         (),
         _not_tested(fit, visible),
         visible,
-        {"family_wise": LEVEL, "method": "chi^2 of prediction errors over all families", "logs": 0, "seed": seed},
+        calibration.record(),
         _unexplained(selection.last),
         gain,
+        (before, after),
         selection,
         vehicle,
         (
@@ -191,7 +200,10 @@ def diagnose(
 def _not_tested(fit: Fit, visible: Mapping[str, Visibility]) -> tuple[dict[str, str], ...]:
     out = [{"effect": id_, "reason": why, "needs": ", ".join(EFFECTS[id_].needs)} for id_, why in fit.refused.items()]
     for id_, v in visible.items():
-        if v.z < VISIBLE:
+        if v.blind and v.z >= VISIBLE:
+            reason = "in this log its signature is mostly made of the sensors' own errors"
+            out.append({"effect": id_, "reason": reason, "needs": EFFECTS[id_].separate})
+        elif v.z < VISIBLE:
             reason = f"an effect of typical size would stand out by {v.z:.1f} standard deviations, and 8 are needed"
             out.append({"effect": id_, "reason": reason, "needs": EFFECTS[id_].separate})
     return tuple(out)
@@ -200,7 +212,7 @@ def _not_tested(fit: Fit, visible: Mapping[str, Visibility]) -> tuple[dict[str, 
 def _detectable(visible: Mapping[str, Visibility]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for id_, v in visible.items():
-        if v.z < VISIBLE:
+        if not v.tested:
             continue
         units = {n: p.unit for e in _forms(id_) for n, p in zip(e.parts, e.parameters, strict=True)}
         for name, value in v.detectable.items():
@@ -251,6 +263,18 @@ def _finding(found: Found, last: Fit) -> Finding:
             "chance": found.chance,
         },
     )
+
+
+def _unknown(left: Adequacy) -> Finding:
+    """A finding without a name: what the residual looks like."""
+    likely = ", ".join(f"{name} in {channel} ({np.sqrt(gain):.0f} sigma)" for name, channel, gain in left.strongest)
+    channel = left.strongest[0][1]
+    text = (
+        f"the errors that the model leaves still follow the motion (dictionary statistic {left.statistic:.2f}, about 1 where nothing is "
+        f"left), strongest with {likely}; no cause of the catalogue explains it"
+    )
+    evidence = {"channel": channel, "z": float(np.sqrt(left.strongest[0][2])), "statistic": left.statistic, "chance": left.chance}
+    return Finding("unknown", 1.0, (), "", {}, evidence, text)
 
 
 def _channel(fit: Fit, id_: str) -> str:

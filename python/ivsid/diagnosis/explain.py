@@ -52,7 +52,7 @@ def why_rejected(result: Diagnosis, s: Scored) -> str:
     if not s.physical:
         return "its sign is not one that the cause can have"
     left = {q.id: q.gain for q in result.selection.leftover}
-    if s.chance * 40 > result.calibration["family_wise"]:
+    if s.chance > float(result.calibration["threshold"]):
         return "no more than chance"
     if result.findings and left.get(s.id, 0.0) < 0.2 * s.gain:
         return "explained by what was found"

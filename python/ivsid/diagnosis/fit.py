@@ -123,42 +123,81 @@ def _joined(*parts: Columns) -> Columns:
     return out
 
 
+@dataclass(frozen=True)
+class Declared:
+    """Whitened signatures of what the vehicle file declares; they hardly depend on the hypothesis, and are made once for many."""
+
+    names: tuple[str, ...]
+    white: Array
+    prior: Mapping[str, float]
+
+
+def declared_columns(bench: Bench, h: Hypothesis, anchor: Anchor, white: Whitening) -> Declared:
+    """Those around a hypothesis."""
+    c = Signatures(bench, h, anchor).nuisances()
+    return Declared(tuple(c.names), white(c.stack()) if c.names else np.zeros((0, len(bench.labels), bench.log.n)), c.prior)
+
+
 def improve(
     bench: Bench,
     h: Hypothesis,
     anchor: Anchor,
     white: Whitening | None,
     good: NDArray[np.bool_],
-    claimed: Mapping[str, float] | None = None,
+    held: Mapping[str, float],
     steps: int = STEPS,
+    known: Declared | None = None,
 ) -> tuple[Hypothesis, Anchor]:
-    """Gauss-Newton steps of all free parameters, with what is declared beside them."""
-    held = claimed if claimed is not None else dict.fromkeys(bench.vehicle.model.values)
+    """Gauss-Newton steps of all free parameters, with what is declared beside them.
+
+    Args:
+        bench: the log.
+        h: where to start.
+        anchor: its states.
+        white: the whitening; a plain scale of each row by default.
+        good: samples that count.
+        held: parameters that are not fitted.
+        steps: at most.
+        known: signatures of what is declared, for the same whitening.
+    """
+    by = white
     for _ in range(steps):
-        signatures = Signatures(bench, h, anchor)
-        fitted = signatures.fitted(held)
-        every = _joined(fitted, signatures.nuisances())
         errors = bench.errors(h, anchor)
-        by = white or _plain_scale(errors, good, bench)
-        g = gram(every.names, by(every.stack()), by(errors), good, bench.log.h, every.prior, h.declared)
-        p = Projection(g, range(len(every.names)))
-        moved = dict(zip(every.names, p.coefficients / g.unit, strict=True))
-        h = stepped(h, moved, bench)
+        if by is None:
+            by = _plain_scale(errors, good, bench)
+        if known is None:
+            known = declared_columns(bench, h, anchor, by)
+        g, free = _small_gram(bench, h, anchor, by, good, held, known, errors)
+        p = Projection(g, range(len(g.names)))
+        h = stepped(h, dict(zip(g.names, (p.coefficients / g.unit).tolist(), strict=True)), bench)
         anchor = bench.settle(h, anchor)
-        sigma = np.sqrt(np.diag(np.linalg.inv(p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9))))
-        if all(
-            abs(p.coefficients[k]) < 0.1 * sigma[k] for k in range(len(fitted.names))
-        ):
+        sigma = np.sqrt(np.diag(np.linalg.inv(p.total + np.diag(g.prior + 1e-9))))
+        if (np.abs(p.coefficients[:free]) < 0.1 * sigma[:free]).all():
             break
     return h, anchor
 
 
-def base_gram(noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float]) -> Gram:
-    """Cross-products of what is fitted and what is declared alone."""
-    signatures = Signatures(noise.bench, h, anchor)
-    every = _joined(signatures.fitted(held), signatures.nuisances())
-    errors = noise.whitening(noise.bench.errors(h, anchor))
-    return gram(every.names, noise.whitening(every.stack()), errors, noise.good, noise.bench.log.h, every.prior, h.declared)
+def _small_gram(
+    bench: Bench,
+    h: Hypothesis,
+    anchor: Anchor,
+    by: Whitening,
+    good: NDArray[np.bool_],
+    held: Mapping[str, float],
+    known: Declared,
+    errors: Array,
+) -> tuple[Gram, int]:
+    fitted = Signatures(bench, h, anchor).fitted(held)
+    columns = np.concatenate([by(fitted.stack()), known.white]) if fitted.names else known.white
+    g = gram((*fitted.names, *known.names), columns, by(errors), good, bench.log.h, known.prior, h.declared)
+    return g, len(fitted.names)
+
+
+def chi2_of(noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float], known: Declared) -> float:
+    """Of the log under a hypothesis, what is declared fitted beside it."""
+    errors = noise.bench.errors(h, anchor)
+    g, _ = _small_gram(noise.bench, h, anchor, noise.whitening, noise.good, held, known, errors)
+    return Projection(g, range(len(g.names))).chi2
 
 
 def stepped(h: Hypothesis, moves: Mapping[str, float], bench: Bench) -> Hypothesis:

@@ -27,12 +27,14 @@ class Axis:
     Attributes:
         outputs: which of position, velocity and acceleration are measured.
         gain: Kalman gain of the states on the errors, shape (3, outputs).
+        spread: standard deviation of the filtered velocity's error, as the filter believes.
         numerators: by input (an output's name, or "process") and output.
         denominator: common to all.
     """
 
     outputs: tuple[str, ...]
     gain: Array
+    spread: float
     numerators: Mapping[tuple[str, str], Array]
     denominator: Array
 
@@ -83,4 +85,5 @@ def axis(h: float, noise: Mapping[str, float], ambient: float, time: float) -> A
         for j, output in enumerate(outputs):
             numerators[name, output] = top[j]
     gain = K if "position" in noise else np.vstack([np.zeros(len(outputs)), K])
-    return Axis(outputs, gain, numerators, denominator)
+    spread = float(np.sqrt(((np.eye(len(B)) - K @ C) @ X)[-2, -2]))
+    return Axis(outputs, gain, spread, numerators, denominator)

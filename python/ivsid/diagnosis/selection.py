@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.bench import Anchor
 from ivsid.diagnosis.families import Scored, adopted, everything, score
-from ivsid.diagnosis.fit import Fit, Noise, improve, learn, survey
+from ivsid.diagnosis.fit import Declared, Fit, Noise, chi2_of, declared_columns, improve, learn, survey
 from ivsid.diagnosis.physics import Hypothesis
 from ivsid.diagnosis.projection import Projection
 
@@ -20,6 +20,8 @@ MOST: Final = 4
 # Candidates that are fitted in full, and chi^2 within which two cannot be told apart.
 FINALISTS: Final = 6
 MARGIN: Final = 9.0
+# A candidate this far behind under the first noise is not fitted again.
+FAR: Final = 60.0
 # Below this size an effect of its typical strength would not show in the log.
 VISIBLE: Final = 8.0
 Progress = Callable[[str], None]
@@ -127,18 +129,26 @@ def _admit(
 ) -> tuple[Found, Rival, Noise] | None:
     """The best of the causes that pass, fitted in full under a noise that no longer holds it, and its rivals."""
     finalists = [s for s in passed if s.physical][:FINALISTS]
-    rivals = [_fitted(fit, s, fit.noise, held) for s in finalists]
+    known = declared_columns(fit.noise.bench, fit.h, fit.anchor, fit.noise.whitening)
+    rivals = [_fitted(fit, s, fit.noise, held, known) for s in finalists]
     rivals = [r for r in rivals if r is not None and r.gain > 0]
     if not rivals:
         return None
     best = max(rivals, key=lambda r: r.merit)
     noise, _, _ = learn(fit.noise.bench, best.h, best.anchor, everything, held, rounds=1)
     # Under the better noise, once more: who is best, and who cannot be told from it.
-    base = _chi2(noise, *improve(noise.bench, fit.h, fit.anchor, noise.whitening, noise.good, held), held)
+    known = declared_columns(noise.bench, best.h, best.anchor, noise.whitening)
+
+    def exact(h: Hypothesis, anchor: Anchor) -> tuple[Hypothesis, Anchor, float]:
+        h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held, known=known)
+        return h, anchor, chi2_of(noise, h, anchor, held, known)
+
+    base = exact(fit.h, fit.anchor)[2]
     again = []
-    for r in sorted(rivals, key=lambda r: -r.merit)[:FINALISTS]:
-        h, anchor = improve(noise.bench, r.h, r.anchor, noise.whitening, noise.good, held)
-        chi2 = _chi2(noise, h, anchor, held)
+    for r in sorted(rivals, key=lambda r: -r.merit):
+        if best.merit - r.merit > max(FAR, 0.5 * best.merit):
+            continue
+        h, anchor, chi2 = exact(r.h, r.anchor)
         again.append(replace(r, h=h, anchor=anchor, chi2=chi2, gain=base - chi2))
     again.sort(key=lambda r: -r.merit)
     best = again[0]
@@ -150,26 +160,19 @@ def _admit(
     return Found(best.id, close, rejected, best.gain, first.chance, first), best, noise
 
 
-def _fitted(fit: Fit, s: Scored, noise: Noise, held: Mapping[str, float]) -> Rival | None:
+def _fitted(fit: Fit, s: Scored, noise: Noise, held: Mapping[str, float], known: Declared) -> Rival | None:
     """A family's effect in the hypothesis, by Gauss-Newton from the values of its score."""
     base = fit.projection.chi2
     h = adopted(fit.h, s, fit)
     try:
         anchor = noise.bench.settle(h, fit.anchor)
-        h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held, steps=3)
-        chi2 = _chi2(noise, h, anchor, held)
+        h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held, 3, known)
+        chi2 = chi2_of(noise, h, anchor, held, known)
     except (np.linalg.LinAlgError, ValueError, FloatingPointError):
         return None
     if not np.isfinite(chi2):
         return None
     return Rival(s.id, h, anchor, chi2, s.count, base - chi2)
-
-
-def _chi2(noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float]) -> float:
-    from ivsid.diagnosis.fit import base_gram  # noqa: PLC0415
-
-    g = base_gram(noise, h, anchor, held)
-    return Projection(g, range(len(g.names))).chi2
 
 
 def _without(h: Hypothesis, id_: str, plain: Hypothesis) -> Hypothesis:

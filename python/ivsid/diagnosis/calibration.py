@@ -111,10 +111,10 @@ def _family(fit: Fit, family: Family, scores: Array, left: Array, fitted: Array,
         keep = values > 1e-8 * max(float(values.max()), 1e-300)
         z = left[:, at] @ vectors[:, keep] / np.sqrt(values[keep])
         gain = (z**2).sum(axis=1)
-        if len(at) == 1 and not parameters[0].signed:
+        if len(at) == 1 and not parameters[0].signed and family.kind != "claim":
             gain = np.where(left[:, at[0]] > 0, gain, 0.0)
         best = np.maximum(best, gain)
     looks = 1.0 + 0.3 * len(family.variants) if family.kind == "secant" else 1.0
     count = 1 if family.kind == "secant" else len(family.variants[0])
-    sided = len(parameters) == 1 and not parameters[0].signed
+    sided = family.kind != "claim" and len(parameters) == 1 and not parameters[0].signed
     return np.minimum(1.0, chi2.sf(best, count) * looks * (0.5 if sided else 1.0))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -13,9 +13,11 @@ from ivsid.diagnosis.adequacy import Adequacy, adequacy
 from ivsid.diagnosis.bench import Bench
 from ivsid.diagnosis.calibration import calibrate
 from ivsid.diagnosis.channels import Channels, channels
+from ivsid.diagnosis.change import Change, change
 from ivsid.diagnosis.families import everything, score
 from ivsid.diagnosis.fit import Fit, plain_fit
 from ivsid.diagnosis.gain import Gain, compare
+from ivsid.diagnosis.hints import hints
 from ivsid.diagnosis.projection import Projection
 from ivsid.diagnosis.selection import MARGIN, Found, Selection, select
 from ivsid.diagnosis.testing import VISIBLE, Threshold, Visibility, visibility
@@ -171,6 +173,10 @@ def diagnose(
     findings = tuple(_finding(f, selection.last) for f in selection.found)
     if not after.sufficient(before, len(findings)):
         findings = (*findings, _unknown(after))
+    progress("fitting the other log")
+    moved = change(vehicle, selection.last, other)
+    if moved is not None and moved.factor is not None:
+        findings = (*findings, _shallow(moved))
     progress("trying both models on the other log")
     bench = Bench(vehicle, other, selection.last.noise.bench.ambient)
     gain = compare(bench, fit.h, selection.last.h, seed)
@@ -178,7 +184,7 @@ def diagnose(
     return Diagnosis(
         verdict,
         findings,
-        (),
+        hints(selection.last),
         _not_tested(fit, visible),
         visible,
         calibration.record(),
@@ -265,6 +271,17 @@ def _finding(found: Found, last: Fit) -> Finding:
     )
 
 
+def _shallow(moved: Change) -> Finding:
+    """Masses and drags scale alike from one log to the other."""
+    assert moved.factor is not None
+    factor, sigma = moved.factor
+    p = EFFECTS["environment.shallow_water"].parameters[0]
+    bound = Bound(factor - 4 * sigma, factor + 4 * sigma, p.unit, p.symbol)
+    evidence = {"channel": "surge", "z": abs(np.log(factor)) * factor / sigma, "ratio": {k: r for k, (r, _) in moved.ratio.items()}}
+    id_ = "environment.shallow_water"
+    return Finding(id_, 1.0, (), "", {id_: bound}, evidence)
+
+
 def _unknown(left: Adequacy) -> Finding:
     """A finding without a name: what the residual looks like."""
     likely = ", ".join(f"{name} in {channel} ({np.sqrt(gain):.0f} sigma)" for name, channel, gain in left.strongest)
@@ -304,6 +321,7 @@ def intervals(fit: Fit, id_: str) -> dict[str, Bound]:
         rest = abs(float(p.coefficients[i])) / float(g.unit[k])
         reach = SIGMAS * sigma + rest
         out[name] = Bound(value - reach, value + reach, parameter.unit, parameter.symbol)
+    _turned(out, id_)
     for given in fit.h.given:
         if given.effect.id != id_:
             continue
@@ -314,6 +332,22 @@ def intervals(fit: Fit, id_: str) -> dict[str, Bound]:
                 reach = g.length * fit.noise.bench.log.h
                 out[name] = Bound(value - reach, value + reach, parameter.unit, parameter.symbol)
     return out
+
+
+def _turned(out: dict[str, Bound], id_: str) -> None:
+    """Angles of waves between 0 and a turn: a wave half a turn later in the opposite direction is the same."""
+    phase, direction = out.get(f"{id_}.phase"), out.get(f"{id_}.direction")
+    if phase is None:
+        return
+    shift = 0.0
+    if direction is not None:
+        middle = 0.5 * (direction.lower + direction.upper)
+        half = np.floor(middle / np.pi) * np.pi
+        out[f"{id_}.direction"] = replace(direction, lower=direction.lower - half, upper=direction.upper - half)
+        shift = half
+    middle = 0.5 * (phase.lower + phase.upper) + shift
+    shift -= np.floor(middle / (2 * np.pi)) * 2 * np.pi
+    out[f"{id_}.phase"] = replace(phase, lower=phase.lower + shift, upper=phase.upper + shift)
 
 
 def _scatter(p: Projection, covariance: Array) -> Array:

@@ -64,7 +64,7 @@ class Scored:
     def chance(self) -> float:
         """The probability of such a gain without the effect, over the values that were searched; of one sign where it has one."""
         one = chi2.sf(self.gain, self.count) * self.looks
-        sided = len(self.family.effect.parameters) == 1 and not self.family.effect.parameters[0].signed
+        sided = self.family.kind != "claim" and len(self.family.effect.parameters) == 1 and not self.family.effect.parameters[0].signed
         return float(min(1.0, one * (0.5 if sided else 1.0)))
 
 
@@ -73,7 +73,7 @@ def score(fit: Fit, base: Projection | None = None) -> tuple[Fit, list[Scored]]:
     p = base or fit.projection
     found: list[Scored] = []
     for family in fit.families:
-        if family.kind == "linear":
+        if family.kind in ("linear", "claim"):
             found += _linear(fit, p, family)
         elif family.kind == "secant":
             found += _secant(fit, p, family)
@@ -101,6 +101,9 @@ def _linear(fit: Fit, p: Projection, family: Family) -> list[Scored]:
     at = fit.gram.at(family.variants[0])
     theta, gain = p.solve(at)
     real = tuple((theta / fit.gram.unit[at]).tolist())
+    if family.kind == "claim":
+        value = float(fit.h.values[family.id]) + real[0]
+        return [Scored(family, gain, 1, 1.0, tuple(at), real, (value,), value > 0)]
     if isinstance(family.effect.acts, Terms):
         values = real
     else:
@@ -315,6 +318,8 @@ def _pull_numbers(anchor: tuple[float, ...], theta: tuple[float, ...]) -> tuple[
 def adopted(h: Hypothesis, s: Scored, fit: Fit) -> Hypothesis:
     """The hypothesis with a family's effect in it, at the values of its score."""
     effect = s.family.effect
+    if s.family.kind == "claim":
+        return replace(h, values={**h.values, s.id: s.values[0]}, freed=h.freed | {s.id})
     if not isinstance(effect.acts, Terms):
         values = list(s.values)
         for j, p in enumerate(effect.parameters):

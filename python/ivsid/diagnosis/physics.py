@@ -31,12 +31,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A model with numbers: terms with their values by id, effects that are no terms with theirs, and the size of what is declared."""
+    """A model with numbers: terms with their values by id, effects that are no terms with theirs, and the size of what is declared.
+
+    ``freed`` are claimed parameters that are fitted after all, since the log contradicts the claim.
+    """
 
     terms: tuple[Term, ...]
     values: Mapping[str, float]
     given: tuple[Given, ...] = ()
     declared: Mapping[str, float] = field(default_factory=dict)
+    freed: frozenset[str] = frozenset()
 
     def with_effect(self, given: Given) -> Hypothesis:
         """The same with an effect more, or with other numbers for one that it has."""
@@ -139,7 +143,8 @@ class Mass:
         if self.inverse.shape[0] == 1:
             out: Array = self.inverse[0] @ force
             return out
-        return np.asarray(np.einsum("nij,jn->in", self.inverse, force))
+        # Points at samples alone are the first of those that the matrix knows.
+        return np.asarray(np.einsum("nij,jn->in", self.inverse[: force.shape[1]], force))
 
 
 def _inertial(term: Term, state: State) -> dict[str, Any]:

@@ -176,9 +176,11 @@ def _fitted(fit: Fit, s: Scored, noise: Noise, held: Mapping[str, float], known:
 
 
 def _without(h: Hypothesis, id_: str, plain: Hypothesis) -> Hypothesis:
-    terms = tuple(t for t in h.terms if t.id == id_ or not t.id.startswith(f"{id_}."))
+    """The hypothesis without a cause."""
+    if id_ in h.freed:
+        return replace(h, values={**h.values, id_: plain.values[id_]}, freed=h.freed - {id_})
     ids = {t.id for t in plain.terms}
-    terms = tuple(t for t in terms if t.id in ids or (t.id != id_ and not t.id.startswith(f"{id_}.")))
+    terms = tuple(t for t in h.terms if t.id in ids or (t.id != id_ and not t.id.startswith(f"{id_}.")))
     given = tuple(g for g in h.given if g.effect.id != id_)
     return replace(h, terms=terms, given=given)
 

@@ -61,7 +61,7 @@ class Family:
     Attributes:
         effect: of the catalogue, in the form that the log supports.
         variants: groups of columns, each a value of what is not linear; the parameters' values that belong to each.
-        kind: "linear", "secant" (a column is the whole effect at a value), "step" (starts at a time), "wave", "tether".
+        kind: "linear", "claim" (a number that is not fitted), "secant" (a column is the whole effect at a value), "step" (starts at a time), "wave", "tether".
         thruster: index of the thruster that a failure is of.
     """
 
@@ -87,7 +87,7 @@ class Signatures:
     def fitted(self, claimed: Iterable[str]) -> Columns:
         """Those of the model's free parameters, and of the parameters of effects that the hypothesis has."""
         out = Columns()
-        held = set(claimed)
+        held = set(claimed) - self.h.freed
         for term in self.h.terms:
             if term.id not in held:
                 out.add(term.id, self.bench.term(self.h, self.anchor, self.mass, term))
@@ -158,6 +158,10 @@ class Signatures:
         families: list[Family] = []
         refused: dict[str, str] = {}
         present = {g.effect.id for g in self.h.given} | {t.id for t in self.h.terms}
+        for term in self.h.terms:
+            if term.id in self.bench.vehicle.model.values and term.id not in self.h.freed and term.id in EFFECTS:
+                out.add(term.id, self.bench.term(self.h, self.anchor, self.mass, term))
+                families.append(Family(EFFECTS[term.id], ((term.id,),), kind="claim"))
         for effect in EFFECTS.values():
             if effect.id in present and not (effect.plain and self._shared(effect)):
                 continue
@@ -186,7 +190,7 @@ class Signatures:
             return "a term of every model"
         if id_ == "environment.shallow_water":
             return "one log at one depth does not tell it from other masses and drags"
-        if id_ == "thruster.gain":
+        if id_ == "thruster.gain" and not set(vehicle.model.values) - self.h.freed:
             return "it scales every mass and drag alike, and none is claimed"
         if id_ == "drag.cross_flow" and vehicle.hull.length is None:
             return "the vehicle file gives no hull.length"

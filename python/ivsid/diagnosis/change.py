@@ -1,0 +1,77 @@
+"""TRAIN against TEST: masses and drags that scale together between two logs are shallow water."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from ivsid.diagnosis.bench import Bench
+from ivsid.diagnosis.channels import Channels
+from ivsid.diagnosis.families import everything
+from ivsid.diagnosis.fit import Fit, improve, learn, survey
+from ivsid.diagnosis.noise import declared
+from ivsid.vehicle import Vehicle
+
+SCALED: Final = ("mass.surge", "mass.sway", "drag.surge.quadratic", "drag.sway.quadratic")
+# Errors of two fits that a change has to exceed, and the least change that counts.
+SIGMAS: Final = 5.0
+LEAST: Final = 0.02
+
+
+@dataclass(frozen=True)
+class Change:
+    """How the model differs between two logs.
+
+    Attributes:
+        ratio: TEST over TRAIN of each parameter, with its standard deviation.
+        factor: the common one with its standard deviation, or None where there is none.
+    """
+
+    ratio: dict[str, tuple[float, float]]
+    factor: tuple[float, float] | None
+
+
+def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
+    """Fits the last hypothesis to the other log, too; None where that does not work."""
+    held = vehicle.model.values
+    wanted = [i for i in SCALED if i in last.h.values and i not in held]
+    if len(wanted) < 3:
+        return None
+    bench = Bench(vehicle, test, declared(vehicle))
+    try:
+        noise, h, anchor = learn(bench, last.h, bench.settle(last.h, bench.start(last.h), 2), everything, held)
+        h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held)
+        other = survey(noise, h, anchor, held)
+    except np.linalg.LinAlgError:
+        return None
+    ratio = {}
+    for id_ in wanted:
+        a, b = last.h.values[id_], h.values[id_]
+        if a <= 0 or b <= 0:
+            return None
+        spread = np.hypot(_sigma(last, id_) / a, _sigma(other, id_) / b)
+        ratio[id_] = (float(b / a), float(spread))
+    return Change(ratio, _common(ratio))
+
+
+def _common(ratio: dict[str, tuple[float, float]]) -> tuple[float, float] | None:
+    logs = np.array([np.log(r) for r, _ in ratio.values()])
+    sigma = np.maximum([s for _, s in ratio.values()], 1e-4)
+    weight = 1 / sigma**2
+    mean = float(np.sum(weight * logs) / np.sum(weight))
+    error = float(1 / np.sqrt(np.sum(weight)))
+    agree = bool((np.abs(logs - mean) < 4 * sigma).all())
+    # Each parameter has to have moved by itself, not only their mean.
+    moved = bool((np.abs(logs) > 3 * sigma).sum() >= 3)
+    if abs(mean) < max(SIGMAS * error, LEAST) or not agree or not moved:
+        return None
+    return float(np.exp(mean)), float(np.exp(mean) * error)
+
+
+def _sigma(fit: Fit, id_: str) -> float:
+    p, g = fit.projection, fit.gram
+    inverse = np.linalg.inv(p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9))
+    i = p.base.index(g.at([id_])[0])
+    return float(np.sqrt(inverse[i, i]) / g.unit[p.base[i]])

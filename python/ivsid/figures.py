@@ -247,7 +247,9 @@ def force_residual(gain: Gain, name: str = "force_residual") -> Drawing:
     figure = Figure(figsize=(8.5, 5.4), layout="constrained")
     n = gain.residual.shape[2]
     s = _thin(n)
-    for k, (label, axes) in enumerate(zip(("X [N]", "Y [N]", "N [N m]"), figure.subplots(3, 1, sharex=True), strict=True)):
+    for k, (label, axes) in enumerate(
+        zip(("X [N]", "Y [N]", "N [N m]"), figure.subplots(3, 1, sharex=True), strict=True)
+    ):
         for j, (word, colour) in enumerate((("before", COLOURS[3]), ("after", COLOURS[0]))):
             axes.plot(gain.time[s], gain.residual[j, k, s], lw=0.7, color=colour, label=word)
         axes.set_ylabel(f"missing {label}")
@@ -255,7 +257,9 @@ def force_residual(gain: Gain, name: str = "force_residual") -> Drawing:
     axes.set_xlabel("time [s]")
     figure.axes[0].legend(fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
     text = "; ".join(f"{q} {b:.3g} before, {a:.3g} after" for q, (b, a) in gain.force_rms.items())
-    return _finish(name, f"Force residuals on {gain.log}", f"Low-passed at 0.35 Hz without a shift in time. Rms: {text}.", figure)
+    return _finish(
+        name, f"Force residuals on {gain.log}", f"Low-passed at 0.35 Hz without a shift in time. Rms: {text}.", figure
+    )
 
 
 def gain(gain: Gain, name: str = "gain") -> Drawing:
@@ -272,4 +276,9 @@ def gain(gain: Gain, name: str = "gain") -> Drawing:
     axes.set_xlabel("time [s]")
     figure.axes[0].legend(fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, frameon=False)
     text = "; ".join(f"{q} {b:.3g} before, {a:.3g} after" for q, (b, a) in gain.simulation_rms.items())
-    return _finish(name, f"Simulated motion on {gain.log}", f"Restarted from the measured state every 10 s. Medians of the rms: {text}.", figure)
+    return _finish(
+        name,
+        f"Simulated motion on {gain.log}",
+        f"Restarted from the measured state every 10 s. Medians of the rms: {text}.",
+        figure,
+    )

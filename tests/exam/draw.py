@@ -172,8 +172,16 @@ class Case:
     exact: dict[str, float]
 
 
-def case(seed: int, what: str | None = None, effect: str | None = None, size: float | None = None, style: str | None = None,
-         kind: str | None = None, ambient: float | None = None, duration: float | None = None) -> Case:
+def case(
+    seed: int,
+    what: str | None = None,
+    effect: str | None = None,
+    size: float | None = None,
+    style: str | None = None,
+    kind: str | None = None,
+    ambient: float | None = None,
+    duration: float | None = None,
+) -> Case:
     """The case of a seed; what is given is not drawn."""
     rng = np.random.default_rng([seed, 77])
     k = str(rng.choice(KINDS))
@@ -195,7 +203,11 @@ def case(seed: int, what: str | None = None, effect: str | None = None, size: fl
     other = parse_scenario(head + programme(rng, d, k, scale, "rich"), "s.toml")
     sizes = []
     if w in ("one", "two"):
-        possible = [e for e in EFFECTS.values() if can_hide(e, vehicle, scenario) and e.id not in ("thruster.gain", "environment.shallow_water")]
+        possible = [
+            e
+            for e in EFFECTS.values()
+            if can_hide(e, vehicle, scenario) and e.id not in ("thruster.gain", "environment.shallow_water")
+        ]
         for _ in range(1 if w == "one" else 2):
             e = EFFECTS[effect] if effect else possible[int(rng.integers(len(possible)))]
             s = size if size is not None else float(np.exp(rng.uniform(np.log(0.1), np.log(3.0))))
@@ -214,4 +226,12 @@ def case(seed: int, what: str | None = None, effect: str | None = None, size: fl
     finally:
         for id_ in OUTSIDE:
             EFFECTS.pop(id_, None)
-    return Case(seed, vehicle, train, test, truth, {"what": w, "kind": k, "style": st, "ambient": a, "duration": d, "rate": rate, "sizes": sizes}, exact)
+    return Case(
+        seed,
+        vehicle,
+        train,
+        test,
+        truth,
+        {"what": w, "kind": k, "style": st, "ambient": a, "duration": d, "rate": rate, "sizes": sizes},
+        exact,
+    )

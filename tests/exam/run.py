@@ -16,11 +16,10 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 def one(job):
     seed, options = job
-    import numpy as np
+    from tests.exam.draw import case
 
     from ivsid.diagnosis.diagnose import diagnose
     from ivsid.log import Log
-    from tests.exam.draw import case
 
     try:
         c = case(seed, **options)
@@ -48,9 +47,17 @@ def one(job):
             inside = any(b.lower <= value + k * 3.141592653589793 <= b.upper for k in turns)
             held[name] = [bool(inside), value, b.lower, b.upper]
     return {
-        "seed": seed, "stratum": c.stratum, "truth": c.truth, "verdict": d.verdict, "found": found, "sets": sets,
-        "z": {i: z.get(i, -1) * s for i, s in sizes.items()}, "held": held, "cpu": spent,
-        "evidence": [f.evidence for f in d.findings], "tested": {i: (i in z and z[i] >= 8) for i in sizes},
+        "seed": seed,
+        "stratum": c.stratum,
+        "truth": c.truth,
+        "verdict": d.verdict,
+        "found": found,
+        "sets": sets,
+        "z": {i: z.get(i, -1) * s for i, s in sizes.items()},
+        "held": held,
+        "cpu": spent,
+        "evidence": [f.evidence for f in d.findings],
+        "tested": {i: (i in z and z[i] >= 8) for i in sizes},
         "left": [(s.id, round(s.gain, 1)) for s in d.selection.leftover[:4]],
         "adequacy": [(a.gain, a.freedom, a.chance, a.chance_of_one, a.strongest[:2]) for a in d.adequacy],
         "gain": d.gain.simulation_rms,
@@ -64,8 +71,14 @@ def score(rows):
     rows = [r for r in rows if "verdict" in r]
     none = [r for r in rows if r["stratum"]["what"] == "none"]
     bad = [r for r in none if r["verdict"] != "adequate"]
-    out.append(f"cases {len(rows)}, crashes {len(crashes)}, skipped {len(skipped)}, cpu median {sorted(r['cpu'] for r in rows)[len(rows) // 2]:.1f} s" if rows else "no rows")
-    out.append(f"nulls {len(none)}: not adequate {len(bad)} {[(r['seed'], r['found'], r['stratum']['style'], r['stratum']['ambient']) for r in bad]}")
+    out.append(
+        f"cases {len(rows)}, crashes {len(crashes)}, skipped {len(skipped)}, cpu median {sorted(r['cpu'] for r in rows)[len(rows) // 2]:.1f} s"
+        if rows
+        else "no rows"
+    )
+    out.append(
+        f"nulls {len(none)}: not adequate {len(bad)} {[(r['seed'], r['found'], r['stratum']['style'], r['stratum']['ambient']) for r in bad]}"
+    )
     singles = [r for r in rows if r["stratum"]["what"] == "one"]
     visible = [r for r in singles if max(r["z"].values()) >= 8 or max(r["z"].values()) < 0]
     hit = lambda r: all(any(i in s for s in r["sets"]) for i in r["z"])  # noqa: E731
@@ -73,20 +86,30 @@ def score(rows):
     out.append(f"singles {len(singles)}, z >= 8: {len(visible)}, named or in set {len(named)}")
     for r in singles:
         i = next(iter(r["z"]))
-        mark = "ok " if hit(r) else ("-- " if r["verdict"] == "adequate" else ("?? " if "unknown" in r["found"] else "XX "))
-        extra = [f for f, s in zip(r["found"], r["sets"]) if i not in s]
-        if mark != "ok " and r in visible or extra or any(not h[0] for h in r["held"].values()):
-            out.append(f"  {mark}{r['seed']} {i} z {r['z'][i]:.1f} {r['stratum']['style']} {r['stratum']['kind']} amb {r['stratum']['ambient']} -> {r['sets']} ad {[round(r['adequacy'][1][k], 4) for k in (0, 1, 2, 3)]} of {r['adequacy'][0][0]:.0f} {[round(e.get('z', 0), 1) for e in r['evidence']]} held {[(k, h) for k, h in r['held'].items() if not h[0]]}")
+        mark = (
+            "ok "
+            if hit(r)
+            else ("-- " if r["verdict"] == "adequate" else ("?? " if "unknown" in r["found"] else "XX "))
+        )
+        extra = [f for f, s in zip(r["found"], r["sets"], strict=True) if i not in s]
+        if (mark != "ok " and r in visible) or extra or any(not h[0] for h in r["held"].values()):
+            out.append(
+                f"  {mark}{r['seed']} {i} z {r['z'][i]:.1f} {r['stratum']['style']} {r['stratum']['kind']} amb {r['stratum']['ambient']} -> {r['sets']} ad {[round(r['adequacy'][1][k], 4) for k in (0, 1, 2, 3)]} of {r['adequacy'][0][0]:.0f} {[round(e.get('z', 0), 1) for e in r['evidence']]} held {[(k, h) for k, h in r['held'].items() if not h[0]]}"
+            )
     held = [h for r in rows for h in r["held"].values()]
     out.append(f"intervals {len(held)}, hold {sum(h[0] for h in held)}")
     two = [r for r in rows if r["stratum"]["what"] == "two"]
-    out.append(f"pairs {len(two)}: both {sum(hit(r) for r in two)}, extra {sum(len([f for f, s in zip(r['found'], r['sets']) if not set(s) & set(r['z'])]) for r in two)}")
+    out.append(
+        f"pairs {len(two)}: both {sum(hit(r) for r in two)}, extra {sum(len([f for f, s in zip(r['found'], r['sets'], strict=True) if not set(s) & set(r['z'])]) for r in two)}"
+    )
     for r in two:
         if not hit(r):
             out.append(f"  {r['seed']} {r['z']} -> {r['sets']}")
     outside = [r for r in rows if r["stratum"]["what"] == "outside"]
     ok = [r for r in outside if "unknown" in r["found"] or r["verdict"] == "adequate"]
-    out.append(f"outside {len(outside)}: unknown or adequate {len(ok)} {[(r['truth'], r['found']) for r in outside if r not in ok]}")
+    out.append(
+        f"outside {len(outside)}: unknown or adequate {len(ok)} {[(r['truth'], r['found']) for r in outside if r not in ok]}"
+    )
     for r in crashes[:3]:
         out.append(f"CRASH {r['seed']} {r['stratum']} {r['truth']}\n{r['crash'][-900:]}")
     return "\n".join(out)
@@ -109,7 +132,7 @@ def main():
         rows = list(pool.map(one, [(first + k, options) for k in range(count)]))
     if path:
         Path(path).write_text(json.dumps(rows, default=float))
-    print(score(rows))
+    sys.stdout.write(score(rows) + "\n")
 
 
 if __name__ == "__main__":

@@ -172,7 +172,9 @@ def diagnose(
 @app.command()
 def isolability(
     vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML).")],
-    log: Annotated[Path, typer.Argument(metavar="LOG_OR_SCENARIO", help="A log, or a scenario (TOML) that is simulated.")],
+    log: Annotated[
+        Path, typer.Argument(metavar="LOG_OR_SCENARIO", help="A log, or a scenario (TOML) that is simulated.")
+    ],
     out: Out = None,
     json: Json = False,
     seed: Seed = None,

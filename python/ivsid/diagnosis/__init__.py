@@ -5,4 +5,14 @@ from ivsid.diagnosis.explain import explain, why_rejected
 from ivsid.diagnosis.extended import extended_vehicle
 from ivsid.diagnosis.isolability import Isolability, isolability
 
-__all__ = ["Bound", "Diagnosis", "Finding", "Isolability", "diagnose", "explain", "extended_vehicle", "isolability", "why_rejected"]
+__all__ = [
+    "Bound",
+    "Diagnosis",
+    "Finding",
+    "Isolability",
+    "diagnose",
+    "explain",
+    "extended_vehicle",
+    "isolability",
+    "why_rejected",
+]

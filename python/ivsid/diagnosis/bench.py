@@ -119,16 +119,15 @@ class Bench:
         half = 0.5 * log.h
         rate = np.zeros((3, n)) if nudot is None else nudot[:, n:]
         place = np.zeros((2, n)) if log.place is None else log.place
-        double = (lambda x: np.concatenate([x, x], axis=-1))
         points = Points(
             np.concatenate([nu if before is None else before, nu + half * rate], axis=1),
             np.r_[psi, psi + half * nu[2]],
-            double(place),
+            _twice(place),
             np.r_[log.t, log.t + half],
             self.thrusts(h),
-            double(log.angles),
-            double(log.force),
-            None if log.wind is None else double(log.wind),
+            _twice(log.angles),
+            _twice(log.force),
+            None if log.wind is None else _twice(log.wind),
         )
         return Anchor(points, acceleration(self.vehicle, h, points))
 
@@ -197,7 +196,14 @@ class Bench:
         c, s = np.cos(p.psi[n:]), np.sin(p.psi[n:])
         return np.stack([u * c - v * s, u * s + v * c])
 
-    def answer(self, process: Array, *, specific: Array | None = None, reading: Mapping[str, Array] | None = None, track: Array | None = None) -> Array:
+    def answer(
+        self,
+        process: Array,
+        *,
+        specific: Array | None = None,
+        reading: Mapping[str, Array] | None = None,
+        track: Array | None = None,
+    ) -> Array:
         """Prediction errors that an unmodelled cause leaves, shape (rows, n).
 
         Args:
@@ -255,10 +261,11 @@ class Bench:
             return self.answer(process)
         return self.misread(h, anchor, reading, process)
 
-    def misread(self, h: Hypothesis, anchor: Anchor, reading: Mapping[str, Array], process: Array | float = 0.0) -> Array:
+    def misread(
+        self, h: Hypothesis, anchor: Anchor, reading: Mapping[str, Array], process: Array | float = 0.0
+    ) -> Array:
         """The errors that wrong readings leave: in themselves, and in the model's acceleration, which believes them."""
-        double = lambda x: np.r_[x, x]  # noqa: E731 - the same at samples and over steps
-        g = np.stack([double(reading.get(q, np.zeros(self.log.n))) for q in ("u", "v", "r")])
+        g = np.stack([_twice(reading.get(q, np.zeros(self.log.n))) for q in ("u", "v", "r")])
         specific = process
         track = None
         if np.any(g):
@@ -266,9 +273,7 @@ class Bench:
             there = acceleration(self.vehicle, h, shifted)
             believed = there - anchor.nudot
             process = process - believed
-            specific = specific - (
-                self._specific(shifted.nu, there) - self._specific(anchor.points.nu, anchor.nudot)
-            )
+            specific = specific - (self._specific(shifted.nu, there) - self._specific(anchor.points.nu, anchor.nudot))
             track = -(self._over_ground(shifted) - self._over_ground(anchor.points))
         if np.isscalar(process):
             process = np.zeros_like(anchor.nudot)
@@ -324,6 +329,11 @@ def _earlier(nu: Array, rate: Array, delay: float, h: float) -> tuple[Array, ...
     if whole:
         then = np.concatenate([np.repeat(then[:, :1], whole, axis=1), then[:, :-whole]], axis=1)
     return then[0], then[1], then[2]
+
+
+def _twice(x: Array) -> Array:
+    """The same at samples and over steps."""
+    return np.concatenate([x, x], axis=-1)
 
 
 def replaced(h: Hypothesis, values: Mapping[str, float]) -> Hypothesis:

@@ -99,10 +99,10 @@ def _family(fit: Fit, family: Family, scores: Array, left: Array, fitted: Array,
         cross = later[:, list(fit.base)]
         H = later[:, j] - np.einsum("bi,bi->b", cross, np.linalg.solve(inner, cross.T).T)
         s = np.cumsum(scores[:, ::-1, j], axis=1)[:, ::-1] - fitted @ cross.T
-        usable = H > 1e-6 * max(float(later[0, j]), 1e-300)
+        usable = H / max(float(later[0, j]), 1e-300) > 1e-6
         usable[:EDGE] = usable[len(usable) - EDGE :] = False
         gain = np.where(usable, s**2 / np.where(usable, H, 1.0), 0.0).max(axis=1)
-        return np.minimum(1.0, chi2.sf(gain, 2) * len(H) / 6.0)
+        return np.asarray(np.minimum(1.0, chi2.sf(gain, 2) * len(H) / 6.0))
     best = np.zeros(len(left))
     for names in family.variants:
         at = g.at(names)
@@ -117,4 +117,4 @@ def _family(fit: Fit, family: Family, scores: Array, left: Array, fitted: Array,
     looks = 1.0 + 0.3 * len(family.variants) if family.kind == "secant" else 1.0
     count = 1 if family.kind == "secant" else len(family.variants[0])
     sided = family.kind != "claim" and len(parameters) == 1 and not parameters[0].signed
-    return np.minimum(1.0, chi2.sf(best, count) * looks * (0.5 if sided else 1.0))
+    return np.asarray(np.minimum(1.0, chi2.sf(best, count) * looks * (0.5 if sided else 1.0)))

@@ -99,19 +99,8 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     Raises:
         IvsidError: the log lacks velocities or demands, or is shorter than a minute.
     """
-    for thruster in vehicle.thrusters:
-        if thruster.rudder is not None:
-            raise IvsidError(
-                f"thruster {thruster.name} has a rudder, whose force a diagnosis does not follow yet; log force_X, force_Y, moment_N "
-                "in place of the thrusters, or leave the rudder out where it stays amidships"
-            )
     log, _ = with_velocities(log, vehicle.sensors)
-    for name in ("u", "v", "r"):
-        log.column(name, "by every equation of motion")
-    if log.t[-1] - log.t[0] < SHORTEST:
-        raise IvsidError(
-            f"{log.name} lasts {log.t[-1] - log.t[0]:.3g} s; a diagnosis needs at least {SHORTEST:.0f} s, so give a longer log"
-        )
+    _usable(log, vehicle)
     h = log.period
     notes = []
     if 1 / h > FASTEST * 1.01:
@@ -173,6 +162,22 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     return made
 
 
+def _usable(log: Log, vehicle: Vehicle) -> None:
+    """Refuses what a diagnosis cannot follow."""
+    for thruster in vehicle.thrusters:
+        if thruster.rudder is not None:
+            raise IvsidError(
+                f"thruster {thruster.name} has a rudder, whose force a diagnosis does not follow yet; log force_X, force_Y, moment_N "
+                "in place of the thrusters, or leave the rudder out where it stays amidships"
+            )
+    for name in ("u", "v", "r"):
+        log.column(name, "by every equation of motion")
+    if log.t[-1] - log.t[0] < SHORTEST:
+        raise IvsidError(
+            f"{log.name} lasts {log.t[-1] - log.t[0]:.3g} s; a diagnosis needs at least {SHORTEST:.0f} s, so give a longer log"
+        )
+
+
 class _Resampler:
     """Columns on the clock, and where all of them have samples."""
 
@@ -190,9 +195,7 @@ class _Resampler:
         if held:
             found: Array = x[at]
             return found
-        nearest = np.minimum(
-            np.abs(self.clock - t[at]), np.abs(t[np.minimum(at + 1, t.size - 1)] - self.clock)
-        )
+        nearest = np.minimum(np.abs(self.clock - t[at]), np.abs(t[np.minimum(at + 1, t.size - 1)] - self.clock))
         self.good &= nearest <= OFF_CLOCK * self.h
         return np.interp(self.clock, t, x)
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.adequacy import Adequacy, adequacy
 from ivsid.diagnosis.bench import Bench
 from ivsid.diagnosis.calibration import calibrate
-from ivsid.diagnosis.channels import Channels, channels
 from ivsid.diagnosis.change import Change, change
+from ivsid.diagnosis.channels import Channels, channels
 from ivsid.diagnosis.families import everything, score
 from ivsid.diagnosis.fit import Fit, plain_fit
 from ivsid.diagnosis.gain import Gain, compare
@@ -277,7 +277,11 @@ def _shallow(moved: Change) -> Finding:
     factor, sigma = moved.factor
     p = EFFECTS["environment.shallow_water"].parameters[0]
     bound = Bound(factor - 4 * sigma, factor + 4 * sigma, p.unit, p.symbol)
-    evidence = {"channel": "surge", "z": abs(np.log(factor)) * factor / sigma, "ratio": {k: r for k, (r, _) in moved.ratio.items()}}
+    evidence = {
+        "channel": "surge",
+        "z": abs(np.log(factor)) * factor / sigma,
+        "ratio": {k: r for k, (r, _) in moved.ratio.items()},
+    }
     id_ = "environment.shallow_water"
     return Finding(id_, 1.0, (), "", {id_: bound}, evidence)
 
@@ -290,7 +294,12 @@ def _unknown(left: Adequacy) -> Finding:
         f"the errors that the model leaves still follow the motion (dictionary statistic {left.statistic:.2f}, about 1 where nothing is "
         f"left), strongest with {likely}; no cause of the catalogue explains it"
     )
-    evidence = {"channel": channel, "z": float(np.sqrt(left.strongest[0][2])), "statistic": left.statistic, "chance": left.chance}
+    evidence = {
+        "channel": channel,
+        "z": float(np.sqrt(left.strongest[0][2])),
+        "statistic": left.statistic,
+        "chance": left.chance,
+    }
     return Finding("unknown", 1.0, (), "", {}, evidence, text)
 
 

@@ -22,7 +22,9 @@ def _paragraph(result: Diagnosis, f: Finding) -> str:
     if sizes:
         words.append(f"{'; '.join(sizes)}.")
     z = f.evidence.get("z", 0.0)
-    words.append(f"It stands out by {z:.0f} standard deviations, most in {f.evidence.get('channel') or 'several channels'}.")
+    words.append(
+        f"It stands out by {z:.0f} standard deviations, most in {f.evidence.get('channel') or 'several channels'}."
+    )
     if f.alternatives:
         words.append(f"The log does not tell it from {', '.join(f.alternatives)}. To separate them: {f.separate_by}.")
     else:

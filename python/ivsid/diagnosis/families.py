@@ -64,7 +64,11 @@ class Scored:
     def chance(self) -> float:
         """The probability of such a gain without the effect, over the values that were searched; of one sign where it has one."""
         one = chi2.sf(self.gain, self.count) * self.looks
-        sided = self.family.kind != "claim" and len(self.family.effect.parameters) == 1 and not self.family.effect.parameters[0].signed
+        sided = (
+            self.family.kind != "claim"
+            and len(self.family.effect.parameters) == 1
+            and not self.family.effect.parameters[0].signed
+        )
         return float(min(1.0, one * (0.5 if sided else 1.0)))
 
 
@@ -137,7 +141,7 @@ def _step(fit: Fit, p: Projection, family: Family) -> list[Scored]:
     cross = later[:, p.base]
     H = own - np.einsum("bi,bi->b", cross, np.linalg.solve(_inner(p), cross.T).T)
     s = score - cross @ p.coefficients
-    usable = H > 1e-6 * max(float(own[0]), 1e-300)
+    usable = H / max(float(own[0]), 1e-300) > 1e-6
     usable[:EDGE] = usable[len(usable) - EDGE :] = False
     if not usable.any():
         return []
@@ -172,23 +176,12 @@ def _searched(fit: Fit, p: Projection, found: list[Scored]) -> tuple[Fit, list[S
     arrays: list[Array] = []
     plans: list[tuple[Family, list[tuple[float, ...]], int, float]] = []
     for family in wanted:
-        if family.kind == "wave":
-            periods, looks = _periods(fit, family, back)
-            for period in periods:
-                many = (
-                    fit.signatures.earth_wave(period) if family.id == "wave.force" else fit.signatures.earth_flow(period)
-                )
-                for j, x in enumerate(many):
-                    names.append(f"{family.id}@{period!r}.{j}")
-                    arrays.append(x)
-            plans.append((family, [(q,) for q in periods], 4, looks))
-        else:
-            anchors, looks = _anchors(fit, back)
-            for anchor in anchors:
-                for j, x in enumerate(fit.signatures.pull(anchor)):
-                    names.append(f"{family.id}@{anchor!r}.{j}")
-                    arrays.append(x)
-            plans.append((family, list(anchors), 2, looks))
+        values, looks = _anchors(fit, back) if family.kind == "tether" else _periods(fit, family, back)
+        for value in values:
+            for j, x in enumerate(_made(fit, family, value)):
+                names.append(f"{family.id}@{value!r}.{j}")
+                arrays.append(x)
+        plans.append((family, values, 2 if family.kind == "tether" else 4, looks))
     if not names:
         return fit, found
     at = len(g.names)
@@ -210,6 +203,13 @@ def _searched(fit: Fit, p: Projection, found: list[Scored]) -> tuple[Fit, list[S
     return fit, found
 
 
+def _made(fit: Fit, family: Family, value: tuple[float, ...]) -> list[Array]:
+    """The columns of a searched cause at a value."""
+    if family.kind == "tether":
+        return fit.signatures.pull((value[0], value[1]))
+    return fit.signatures.earth_wave(value[0]) if family.id == "wave.force" else fit.signatures.earth_flow(value[0])
+
+
 def _unwhiten(fit: Fit, errors: Array) -> Array:
     """The transpose of the whitening."""
     out = np.zeros_like(errors)
@@ -223,7 +223,7 @@ def _unwhiten(fit: Fit, errors: Array) -> Array:
     return out
 
 
-def _periods(fit: Fit, family: Family, back: Array) -> tuple[list[float], float]:
+def _periods(fit: Fit, family: Family, back: Array) -> tuple[list[tuple[float, ...]], float]:
     """The periods [s] at which a wave would explain most, and how many were independent."""
     log = fit.noise.bench.log
     p = fit.anchor.points
@@ -248,12 +248,12 @@ def _periods(fit: Fit, family: Family, back: Array) -> tuple[list[float], float]
     inside = (frequency >= 1 / high) & (frequency <= 1 / low)
     weight = spectrum / np.maximum(_sensitivity(fit, padded, unit), 1e-300)
     weight = np.where(inside, weight, 0.0)
-    found: list[float] = []
+    found: list[tuple[float, ...]] = []
     for _ in range(PEAKS):
         k = int(np.argmax(weight))
         if weight[k] <= 0:
             break
-        found.append(float(1 / frequency[k]))
+        found.append((float(1 / frequency[k]),))
         weight[max(0, k - 5) : k + 6] = 0.0
     return found, float(max(1.0, inside.sum() / 4))
 
@@ -272,7 +272,7 @@ def _sensitivity(fit: Fit, padded: int, unit: Array) -> Array:
     return total
 
 
-def _anchors(fit: Fit, back: Array) -> tuple[list[tuple[float, float]], float]:
+def _anchors(fit: Fit, back: Array) -> tuple[list[tuple[float, ...]], float]:
     """Where a tether would have to be made fast to explain most."""
     log = fit.noise.bench.log
     if log.place is None:

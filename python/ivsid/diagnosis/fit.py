@@ -135,7 +135,9 @@ class Declared:
 def declared_columns(bench: Bench, h: Hypothesis, anchor: Anchor, white: Whitening) -> Declared:
     """Those around a hypothesis."""
     c = Signatures(bench, h, anchor).nuisances()
-    return Declared(tuple(c.names), white(c.stack()) if c.names else np.zeros((0, len(bench.labels), bench.log.n)), c.prior)
+    return Declared(
+        tuple(c.names), white(c.stack()) if c.names else np.zeros((0, len(bench.labels), bench.log.n)), c.prior
+    )
 
 
 def improve(

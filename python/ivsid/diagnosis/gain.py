@@ -87,7 +87,9 @@ def _force(bench: Bench, h: Hypothesis, anchor: Anchor) -> Array:
     n, log = bench.log.n, bench.log
     readings = bench.readings(h, anchor)
     measured = np.stack([np.gradient(readings[k]["velocity"], log.h) for k in range(3)])
-    left = measured - 0.5 * (anchor.nudot[:, n:] + np.concatenate([anchor.nudot[:, n : n + 1], anchor.nudot[:, n:-1]], 1))
+    left = measured - 0.5 * (
+        anchor.nudot[:, n:] + np.concatenate([anchor.nudot[:, n : n + 1], anchor.nudot[:, n:-1]], 1)
+    )
     mass = np.linalg.inv(bench.mass(h, anchor).inverse)
     # A step of mass is small beside what it multiplies here: its mean serves.
     force = mass.mean(axis=0) @ left

@@ -10,7 +10,11 @@ from ivsid.diagnosis.fit import Fit
 
 # A declared error is mentioned where it stands out by so many standard deviations of its estimate.
 SHOWN: Final = 5.0
-_BIAS: Final = {"ax": ("accelerometer's bias in x", "m/s^2"), "ay": ("accelerometer's bias in y", "m/s^2"), "r": ("gyro's bias", "rad/s")}
+_BIAS: Final = {
+    "ax": ("accelerometer's bias in x", "m/s^2"),
+    "ay": ("accelerometer's bias in y", "m/s^2"),
+    "r": ("gyro's bias", "rad/s"),
+}
 
 
 def hints(fit: Fit) -> tuple[str, ...]:
@@ -43,5 +47,7 @@ def hints(fit: Fit) -> tuple[str, ...]:
         mass = np.linalg.inv(fit.signatures.mass.inverse[0])
         force = [ambient.deviation[k] * mass[k, k] for k in range(2)]
         if min(force) > 2 * vehicle.ambient.force:
-            out.append(f"the ambient force looks like {min(force):.2g} N rms, more than the {vehicle.ambient.force:g} N of the vehicle file")
+            out.append(
+                f"the ambient force looks like {min(force):.2g} N rms, more than the {vehicle.ambient.force:g} N of the vehicle file"
+            )
     return tuple(out)

@@ -63,16 +63,19 @@ class Isolability:
             "classes": [{"effects": list(ids), "separate_by": words} for ids, words in self.classes],
             "not_tested": [{"effect": k, "reason": why} for k, why in self.refused.items()]
             + [
-                {"effect": k, "reason": f"z = {v.z:.1f} at its typical size" if not v.blind else "made of the sensors' own errors"}
+                {
+                    "effect": k,
+                    "reason": f"z = {v.z:.1f} at its typical size"
+                    if not v.blind
+                    else "made of the sensors' own errors",
+                }
                 for k, v in self.visible.items()
                 if not v.tested
             ],
         }
 
 
-def isolability(
-    vehicle: Vehicle, log: Log, *, progress: Callable[[str], None] = lambda _: None
-) -> Isolability:
+def isolability(vehicle: Vehicle, log: Log, *, progress: Callable[[str], None] = lambda _: None) -> Isolability:
     """What this log's programme can detect and tell apart.
 
     Raises:
@@ -110,9 +113,7 @@ def separability(fit: Fit, inputs: tuple[tuple[str, str], ...] = ()) -> Isolabil
             rho[i, j] = rho[j, i] = min(float(np.linalg.svd(cross, compute_uv=False).max()), 1.0)
     z = np.array([chosen[i][2] for i in ids])
     distance = z[:, None] * np.sqrt(np.maximum(1 - rho**2, 0.0))
-    classes = tuple(
-        (members, EFFECTS[members[0]].separate) for members in _classes(ids, distance) if len(members) > 1
-    )
+    classes = tuple((members, EFFECTS[members[0]].separate) for members in _classes(ids, distance) if len(members) > 1)
     return Isolability(visible, ids, rho, distance, classes, fit.refused, inputs)
 
 

@@ -43,7 +43,7 @@ def ambient_of(bench: Bench, residual: Array, rows: NDArray[np.bool_]) -> Ambien
     The errors are put through the filter's inverse, which gives the velocity that they stand for. Its mean slopes over a second,
     correlated at lags where the sensors' noise is not shared, give deviation and time.
     """
-    h, n = bench.log.h, bench.log.n
+    h = bench.log.h
     q = max(2, round(0.5 / h))
     deviations, times = [], []
     row = 0
@@ -55,7 +55,7 @@ def ambient_of(bench: Bench, residual: Array, rows: NDArray[np.bool_]) -> Ambien
         mean = uniform_filter1d(velocity, q)
         slope = (mean[2 * q :] - mean[: -2 * q]) / (2 * q * h)
         good = rows[q:-q][: slope.size]
-        near, far = (_covariance(slope, good, int(round(s / h))) for s in (2.0, 4.0))
+        near, far = (_covariance(slope, good, round(s / h)) for s in (2.0, 4.0))
         if near <= 0:
             deviations.append(bench.ambient.deviation[k] * 0.3)
             times.append(bench.ambient.time[k])
@@ -71,7 +71,6 @@ def ambient_of(bench: Bench, residual: Array, rows: NDArray[np.bool_]) -> Ambien
     d = [float(np.clip(a, low * b, high * b)) for a, b in zip(deviations, said.deviation, strict=True)]
     if given:
         times = [float(np.clip(a, 0.5 * b, 1.5 * b)) for a, b in zip(times, said.time, strict=True)]
-    del n
     return Ambient((d[0], d[1], d[2]), (times[0], times[1], times[2]))
 
 
@@ -89,8 +88,7 @@ def _data_of(bench: Bench, k: int, errors: Array) -> Array:
     decay = float(np.exp(-h / bench.ambient.time[k]))
     at = here.outputs.index("velocity")
     K = here.gain
-    # velocity and ambient states alone: the position does not act on them
-    v = np.zeros(2)
+    # Velocity and ambient states alone: the position does not act on them.
     out = np.empty(errors.shape[1])
     gain = K[1:]
     pushes = gain @ errors
@@ -103,7 +101,6 @@ def _data_of(bench: Bench, k: int, errors: Array) -> Array:
         wind += w1[i]
         velocity += h * wind
         wind *= decay
-    del v
     return out
 
 

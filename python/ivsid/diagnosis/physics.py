@@ -77,7 +77,7 @@ def _place(p: Points) -> Place:
     return Place(p.psi, p.place[0], p.place[1], p.t, blows[0] - p.nu[0], blows[1] - p.nu[1])
 
 
-def thruster_force(vehicle: Vehicle, given: Sequence[Given], p: Points, relative: Sequence[Any]) -> Array:
+def thruster_force(vehicle: Vehicle, given: Sequence[Given], p: Points, relative: Any) -> Array:
     """X, Y [N], N [N m] of all thrusters, shape (3, n)."""
     u, v, r = relative
     total = p.force.copy()
@@ -136,7 +136,7 @@ class Mass:
         for i in range(3):
             for j in range(3):
                 matrix[:, i, j] = entries[i][j]
-        self.inverse: Array = np.linalg.inv(matrix)
+        self.inverse: Array = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
 
     def solve(self, force: Array) -> Array:
         """Accelerations, shape (3, n)."""

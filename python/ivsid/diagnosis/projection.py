@@ -91,7 +91,12 @@ def _blocked(x: Array, good: NDArray[np.bool_], length: int) -> Array:
 
 
 def gram(
-    names: Sequence[str], columns: Array, errors: Array, good: NDArray[np.bool_], h: float, prior: Mapping[str, float],
+    names: Sequence[str],
+    columns: Array,
+    errors: Array,
+    good: NDArray[np.bool_],
+    h: float,
+    prior: Mapping[str, float],
     centre: Mapping[str, float],
 ) -> Gram:
     """Cross-products.

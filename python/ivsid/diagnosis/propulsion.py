@@ -38,9 +38,7 @@ class Propulsion:
         bare = {"dead_band": None, "limit": None, "reverse_factor": None}
         self.curves = [ThrustCurve(t.model_copy(update={**bare, "outside": "hold"})) for t in vehicle.thrusters]
         self.demands = [log.demands[k] - t.neutral for k, t in enumerate(vehicle.thrusters)]
-        self._static = [
-            np.asarray(c.value(log.demands[k]), dtype=np.float64) for k, c in enumerate(self.curves)
-        ]
+        self._static = [np.asarray(c.value(log.demands[k]), dtype=np.float64) for k, c in enumerate(self.curves)]
 
     def thrusts(self, given: Sequence[Given] = ()) -> Thrusts:
         """The thrusts under a hypothesis's effects, before the loss by inflow."""
@@ -62,9 +60,7 @@ class Propulsion:
         delay = max(late.get("delay", 0.0), 0.0)
 
         def static(demand: Array | None) -> Array:
-            thrust: Any = (
-                self._static[k] if demand is None else self.curves[k].value(demand + thruster.neutral)
-            )
+            thrust: Any = self._static[k] if demand is None else self.curves[k].value(demand + thruster.neutral)
             d = self.demands[k] if demand is None else demand
             drive = Drive(d, self.log.t, k, thruster.position[1], self.curves[k].largest, self.log.voltage)
             for g in changes:

@@ -130,8 +130,8 @@ def _admit(
     """The best of the causes that pass, fitted in full under a noise that no longer holds it, and its rivals."""
     finalists = [s for s in passed if s.physical][:FINALISTS]
     known = declared_columns(fit.noise.bench, fit.h, fit.anchor, fit.noise.whitening)
-    rivals = [_fitted(fit, s, fit.noise, held, known) for s in finalists]
-    rivals = [r for r in rivals if r is not None and r.gain > 0]
+    tried = [_fitted(fit, s, fit.noise, held, known) for s in finalists]
+    rivals = [r for r in tried if r is not None and r.gain > 0]
     if not rivals:
         return None
     best = max(rivals, key=lambda r: r.merit)

@@ -124,7 +124,9 @@ class Signatures:
                     reading = {"r": wave * 1e-3}
                     out.add(f"~bias.r.{j}", bench.misread(self.h, self.anchor, reading) / 1e-3, size)
         if sensors.velocity is not None and sensors.velocity.scale_factor_error:
-            out.add("~scale.velocity", self._reading("sensor.velocity.scale")[0], 0.7 * sensors.velocity.scale_factor_error)
+            out.add(
+                "~scale.velocity", self._reading("sensor.velocity.scale")[0], 0.7 * sensors.velocity.scale_factor_error
+            )
         for k, thruster in enumerate(bench.vehicle.thrusters):
             angle, (x, y) = bench.log.angles[k], thruster.position
             c, s = np.cos(angle), np.sin(angle)

@@ -19,9 +19,7 @@ Array = NDArray[np.float64]
 WINDOW: Final = 1.0
 
 
-def first_values(
-    vehicle: Vehicle, log: Channels, terms: Sequence[Term], claimed: dict[str, float]
-) -> Hypothesis:
+def first_values(vehicle: Vehicle, log: Channels, terms: Sequence[Term], claimed: dict[str, float]) -> Hypothesis:
     """A hypothesis with values that are good enough to improve.
 
     Args:

@@ -136,11 +136,11 @@ def _size(fit: Fit, p: Projection, family: Family, mass: float) -> tuple[float, 
         H = float(later[j] - cross @ np.linalg.solve(inner, cross))
         name = family.effect.parts[0] if family.thruster is None else family.effect.parts[1]
         return size * float(g.unit[j]) * float(np.sqrt(max(H, 0.0))), {name: size}
-    H = p.information(at)
+    information = p.information(at)
     sizes = np.array([q.scaled(mass) - q.none for q in parameters])
     theta = sizes * g.unit[at]
     named = dict(zip(family.effect.parts, sizes.tolist(), strict=True))
-    return float(np.sqrt(max(theta @ H @ theta, 0.0))), named
+    return float(np.sqrt(max(float(theta @ information @ theta), 0.0))), named
 
 
 def second_opinion(fit: Fit, s: Scored) -> float:

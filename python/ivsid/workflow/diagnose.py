@@ -113,6 +113,8 @@ def _lines(result: Diagnosis) -> list[str]:
             lines.append(f"    to separate them: {f.separate_by}")
     for name, (before, after) in result.gain.simulation_rms.items():
         lines.append(f"  simulated {name} over 10 s on {result.gain.log}: {before:.4g} before, {after:.4g} after")
-    lines.append(f"  {len(result.visible) - sum(v.z < 8 for v in result.visible.values())} effects tested, "
-                 f"{len(result.not_tested)} not (result.json says why)")
+    lines.append(
+        f"  {len(result.visible) - sum(v.z < 8 for v in result.visible.values())} effects tested, "
+        f"{len(result.not_tested)} not (result.json says why)"
+    )
     return lines

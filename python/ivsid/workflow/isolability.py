@@ -43,7 +43,9 @@ def isolability_report(vehicle: Vehicle, result: Isolability) -> Report:
     header = ["effect at its typical size", "z", "tested", "nearest", "rho", "d"]
     classes = [[", ".join(ids), words] for ids, words in result.classes]
     sections = (
-        Section("What this programme shows", (report.table(header, rows, "Tested from z = 8; told apart from d = 5."),)),
+        Section(
+            "What this programme shows", (report.table(header, rows, "Tested from z = 8; told apart from d = 5."),)
+        ),
         Section("What it does not tell apart", (report.table(["causes", "what would separate them"], classes),)),
         Section(
             "What it cannot test",

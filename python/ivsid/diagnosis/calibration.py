@@ -58,19 +58,18 @@ def calibrate(fit: Fit, visible: frozenset[str], level: float, seed: int, draws:
     g, base = fit.gram, list(fit.base)
     rng = np.random.default_rng(seed)
     c = len(g.names)
-    scores = np.empty((draws, len(g.blocks), c))
-    for b, block in enumerate(g.blocks):
-        values, vectors = np.linalg.eigh(block)
-        root = vectors * np.sqrt(np.maximum(values, 0.0))
-        scores[:, b] = rng.standard_normal((draws, c)) @ root.T
-    total = scores.sum(axis=1)
     p = fit.projection
     inner = p.total[np.ix_(base, base)] + np.diag(g.prior[base] + 1e-9)
     # What is declared scatters as its prior says: its own part of the score belongs to the draw.
     spread = np.zeros((draws, len(base)))
     known = g.prior[base] > 0
     spread[:, known] = rng.standard_normal((draws, int(known.sum()))) / np.sqrt(g.prior[base][known])
-    total = total + spread @ p.total[base]
+    scores = np.empty((draws, len(g.blocks), c))
+    for b, block in enumerate(g.blocks):
+        values, vectors = np.linalg.eigh(block)
+        root = vectors * np.sqrt(np.maximum(values, 0.0))
+        scores[:, b] = rng.standard_normal((draws, c)) @ root.T + spread @ block[base]
+    total = scores.sum(axis=1)
     fitted = np.linalg.solve(inner, total[:, base].T).T
     left = total - fitted @ p.total[base]
     chances = [

@@ -21,7 +21,7 @@ from ivsid.diagnosis.signatures import Family
 Array = NDArray[np.float64]
 DRAWS: Final = 400
 # Gains are divided by this before they are held against the threshold: the noise is estimated, not known.
-HIGH_SIDE: Final = 1.1
+HIGH_SIDE: Final = 1.15
 
 
 @dataclass(frozen=True)

@@ -67,10 +67,11 @@ def ambient_of(bench: Bench, residual: Array, rows: NDArray[np.bool_]) -> Ambien
     said = declared(bench.vehicle)
     given = bench.vehicle.ambient is not None
     # A filter that is too quick is whitened afterwards; one that is too slow is wrong about the motion in between.
-    low, high = (0.6, 30.0) if given else (0.05, 1e3)
+    # What is declared is no discovery, and slow noise that is taken for less than it is makes every slow signature look certain.
+    low, high = (1.0, 30.0) if given else (0.05, 1e3)
     d = [float(np.clip(a, low * b, high * b)) for a, b in zip(deviations, said.deviation, strict=True)]
     if given:
-        times = [float(np.clip(a, 0.5 * b, 1.5 * b)) for a, b in zip(times, said.time, strict=True)]
+        times = list(said.time)
     return Ambient((d[0], d[1], d[2]), (times[0], times[1], times[2]))
 
 

@@ -27,7 +27,7 @@ EXCITED: Final = 4.0
 # Blocks of the bootstrap: as many blocks of the Gram side by side as make half a minute.
 SIDE: Final = 3
 # The second opinion has few blocks: it is asked for less.
-SECOND: Final = 1e-2
+SECOND: Final = 5e-3
 # A gain like this is none of the noise model's; its blocks may disagree only because the fit is not finished.
 BEYOND_DOUBT: Final = 60.0
 

@@ -14,9 +14,10 @@ from ivsid.diagnosis.bench import Bench
 from ivsid.diagnosis.calibration import calibrate
 from ivsid.diagnosis.change import Change, change
 from ivsid.diagnosis.channels import Channels, channels
+from ivsid.diagnosis.falsify import falsified
 from ivsid.diagnosis.families import everything, score
 from ivsid.diagnosis.fit import Fit, plain_fit
-from ivsid.diagnosis.gain import Gain, compare
+from ivsid.diagnosis.gain import Gain, compare, missing_force
 from ivsid.diagnosis.hints import hints
 from ivsid.diagnosis.projection import Projection
 from ivsid.diagnosis.selection import MARGIN, Found, Selection, select
@@ -170,7 +171,8 @@ def diagnose(
     progress("looking for causes")
     selection = select(fit, test_of, vehicle.model.values, progress)
     before, after = adequacy(fit), adequacy(selection.last)
-    findings = tuple(_finding(f, selection.last) for f in selection.found)
+    evidence = _before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
+    findings = tuple(_finding(f, selection.last, evidence) for f in selection.found)
     if not after.sufficient(before, len(findings)):
         findings = (*findings, _unknown(after))
     progress("fitting the other log")
@@ -247,7 +249,24 @@ def _unexplained(fit: Fit) -> dict[str, float]:
     return out
 
 
-def _finding(found: Found, last: Fit) -> Finding:
+def _before_and_after(vehicle: Vehicle, log: Log, plain: Fit, last: Fit) -> dict[str, dict[str, Any]]:
+    """Force residuals and contradicted rows of both models on TRAIN, by channel."""
+    rms = [missing_force(f.noise.bench, f.h, f.anchor) for f in (plain, last)]
+    rows = [falsified(vehicle, log, f.h) for f in (plain, last)]
+    return {
+        c: {
+            "residual_rms_before": rms[0][c],
+            "residual_rms_after": rms[1][c],
+            "falsified_samples_before": None if rows[0] is None else rows[0][c],
+            "falsified_samples_after": None if rows[1] is None else rows[1][c],
+        }
+        for c in ("surge", "sway", "yaw")
+    }
+
+
+def _finding(found: Found, last: Fit, evidence: Mapping[str, dict[str, Any]]) -> Finding:
+    """A cause with its set, its intervals and what speaks for it."""
+    channel = _channel(last, found.id)
     weights = np.array([np.exp(-0.5 * (found.rivals[0].merit - r.merit)) for r in found.rivals])
     names = [r.id for r in found.rivals]
     for twin in _TWINS.get(found.id, ()):
@@ -264,7 +283,8 @@ def _finding(found: Found, last: Fit) -> Finding:
         effect.separate if alternatives else "",
         intervals(last, found.id),
         {
-            "channel": _channel(last, found.id),
+            "channel": channel,
+            **evidence.get(channel, {}),
             "z": float(np.sqrt(max(found.gain, 0.0))),
             "chance": found.chance,
         },

@@ -82,6 +82,12 @@ def compare(bench: Bench, before: Hypothesis, after: Hypothesis, seed: int = 0) 
     return Gain(forces, rms, position, interval, force, motion, bench.log.nu, bench.log.t, bench.log.name)
 
 
+def missing_force(bench: Bench, h: Hypothesis, anchor: Anchor) -> dict[str, float]:
+    """Rms of the low-passed force that a hypothesis lacks, by channel [N, N m]."""
+    force = _force(bench, h, anchor)[:, bench.log.good]
+    return dict(zip(("surge", "sway", "yaw"), np.sqrt(np.mean(force**2, axis=1)).tolist(), strict=True))
+
+
 def _force(bench: Bench, h: Hypothesis, anchor: Anchor) -> Array:
     """The missing force [N, N m], low-passed without a shift in time, shape (3, n)."""
     n, log = bench.log.n, bench.log

@@ -128,10 +128,13 @@ def main():
             workers = int(v)
         else:
             options[k] = float(v) if k in ("size", "ambient", "duration") else v
+    rows = []
     with ProcessPoolExecutor(workers) as pool:
-        rows = list(pool.map(one, [(first + k, options) for k in range(count)]))
-    if path:
-        Path(path).write_text(json.dumps(rows, default=float))
+        for row in pool.map(one, [(first + k, options) for k in range(count)]):
+            rows.append(row)
+            if path:
+                # After each case: a run that is stopped leaves what it has.
+                Path(path).write_text(json.dumps(rows, default=float))
     sys.stdout.write(score(rows) + "\n")
 
 

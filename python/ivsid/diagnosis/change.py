@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from ivsid.diagnosis.bench import Bench
 from ivsid.diagnosis.channels import Channels
-from ivsid.diagnosis.families import everything
-from ivsid.diagnosis.fit import Fit, improve, learn, survey
-from ivsid.diagnosis.noise import declared
+from ivsid.diagnosis.fit import Fit, Noise, fitted_gram, improve
+from ivsid.diagnosis.noise import usable_rows
+from ivsid.diagnosis.projection import Gram, Projection
 from ivsid.vehicle import Vehicle
 
 SCALED: Final = ("mass.surge", "mass.sway", "drag.surge.quadratic", "drag.sway.quadratic")
@@ -34,16 +35,21 @@ class Change:
 
 
 def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
-    """Fits the last hypothesis to the other log, too; None where that does not work."""
+    """Fits the last hypothesis to the other log, too, under the noise of the first; None where the logs have other channels."""
     held = vehicle.model.values
     wanted = [i for i in SCALED if i in last.h.values and i not in held]
     if len(wanted) < 3:
         return None
-    bench = Bench(vehicle, test, declared(vehicle))
+    bench = Bench(vehicle, test, last.noise.bench.ambient)
+    if bench.labels != last.noise.bench.labels or abs(test.h / last.noise.bench.log.h - 1) > 1e-6:
+        return None
+    noise = Noise(bench, last.noise.whitening, usable_rows(bench))
+    # Biases and thrust errors are those of a log: they start anew.
+    first = replace(last.h, declared={})
     try:
-        noise, h, anchor = learn(bench, last.h, bench.settle(last.h, bench.start(last.h), 2), everything, held)
-        h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held)
-        other = survey(noise, h, anchor, held)
+        anchor = bench.settle(first, bench.start(first), 2)
+        h, anchor = improve(bench, first, anchor, noise.whitening, noise.good, held)
+        g = fitted_gram(noise, h, anchor, held)
     except np.linalg.LinAlgError:
         return None
     ratio = {}
@@ -51,7 +57,7 @@ def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
         a, b = last.h.values[id_], h.values[id_]
         if a <= 0 or b <= 0:
             return None
-        spread = np.hypot(_sigma(last, id_) / a, _sigma(other, id_) / b)
+        spread = np.hypot(_sigma(last.gram, last.base, id_) / a, _sigma(g, range(len(g.names)), id_) / b)
         ratio[id_] = (float(b / a), float(spread))
     return Change(ratio, _common(ratio))
 
@@ -70,8 +76,8 @@ def _common(ratio: dict[str, tuple[float, float]]) -> tuple[float, float] | None
     return float(np.exp(mean)), float(np.exp(mean) * error)
 
 
-def _sigma(fit: Fit, id_: str) -> float:
-    p, g = fit.projection, fit.gram
+def _sigma(g: Gram, base: Sequence[int], id_: str) -> float:
+    p = Projection(g, base)
     inverse = np.linalg.inv(p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9))
     i = p.base.index(g.at([id_])[0])
     return float(np.sqrt(inverse[i, i]) / g.unit[p.base[i]])

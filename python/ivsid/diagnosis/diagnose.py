@@ -170,7 +170,8 @@ def diagnose(
     test_of = Threshold(calibration, seen)
     progress("looking for causes")
     selection = select(fit, test_of, vehicle.model.values, progress)
-    before, after = adequacy(fit), adequacy(selection.last)
+    before = adequacy(fit)
+    after = adequacy(selection.last) if selection.found else before
     evidence = _before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
     findings = tuple(_finding(f, selection.last, evidence) for f in selection.found)
     if not after.sufficient(before, len(findings)):

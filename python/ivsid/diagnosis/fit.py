@@ -195,6 +195,13 @@ def _small_gram(
     return g, len(fitted.names)
 
 
+def fitted_gram(noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float]) -> Gram:
+    """Cross-products of what is fitted and what is declared alone."""
+    known = declared_columns(noise.bench, h, anchor, noise.whitening)
+    errors = noise.bench.errors(h, anchor)
+    return _small_gram(noise.bench, h, anchor, noise.whitening, noise.good, held, known, errors)[0]
+
+
 def chi2_of(noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float], known: Declared) -> float:
     """Of the log under a hypothesis, what is declared fitted beside it."""
     errors = noise.bench.errors(h, anchor)

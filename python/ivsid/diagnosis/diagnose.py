@@ -167,7 +167,7 @@ def diagnose(
     visible = visibility(fit)
     seen = frozenset(i for i, v in visible.items() if v.tested)
     calibration = calibrate(fit, seen, LEVEL, seed)
-    test_of = Threshold(calibration, seen)
+    test_of = Threshold(calibration, seen, frozenset(i for i, v in visible.items() if v.blind))
     progress("looking for causes")
     selection = select(fit, test_of, vehicle.model.values, progress)
     before = adequacy(fit)

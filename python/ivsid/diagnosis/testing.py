@@ -30,6 +30,8 @@ SIDE: Final = 3
 SECOND: Final = 5e-3
 # A gain like this is none of the noise model's; its blocks may disagree only because the fit is not finished.
 BEYOND_DOUBT: Final = 60.0
+# An effect that would not show at its typical size needs this gain.
+STRONG: Final = 100.0
 
 
 @dataclass(frozen=True)
@@ -183,16 +185,20 @@ class Threshold:
     Attributes:
         calibration: the threshold of this programme.
         visible: ids that the log can show.
+        blind: ids whose signature is made of the states' own errors.
     """
 
     calibration: Calibration
     visible: frozenset[str]
+    blind: frozenset[str] = frozenset()
 
     def __call__(self, fit: Fit, scored: list[Scored]) -> list[Scored]:
         """Those that pass both the calibrated test and the second opinion, best first."""
         found = []
         for s in scored:
-            if s.id not in self.visible and s.family.kind not in ("wave", "tether"):
+            # Far larger than typical: what is hidden in the noise that a very wrong model leaves may still stand out.
+            strong = s.id not in self.blind and s.gain >= STRONG
+            if s.id not in self.visible and s.family.kind not in ("wave", "tether") and not strong:
                 continue
             if not s.physical or self.chance(s) > self.calibration.chance:
                 continue

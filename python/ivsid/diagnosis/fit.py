@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.bench import Anchor, Bench, replaced
 from ivsid.diagnosis.channels import Channels
-from ivsid.diagnosis.noise import Whitening, ambient_of, declared, quick_enough, usable_rows, whiten
+from ivsid.diagnosis.noise import Whitening, ambient_of, declared, quick_enough, still_axes, usable_rows, whiten
 from ivsid.diagnosis.physics import Hypothesis
 from ivsid.diagnosis.projection import Gram, Projection, gram
 from ivsid.diagnosis.signatures import Columns, Family, Signatures, free_parameters
@@ -76,14 +76,15 @@ def learn(
     is there or not: the ``search`` adds the columns of waves, tethers and steps that explain most.
     """
     good = usable_rows(bench)
+    still = still_axes(bench, anchor)
     white: Whitening | None = None
     for turn in range(rounds):
         h, anchor = improve(bench, h, anchor, white, good, held)
-        scale = _plain_scale(bench.errors(h, anchor), good, bench)
+        scale = _plain_scale(bench.errors(h, anchor), good, bench, still)
         fit = search(survey(Noise(bench, scale, good), h, anchor, held))
         left = _left(fit)
         if turn == rounds - 1:
-            return Noise(bench, whiten(bench, left, good), good), h, anchor
+            return Noise(bench, whiten(bench, left, good, still), good), h, anchor
         bench = bench.adopt(ambient_of(bench, left, good))
         bench = quick_enough(bench, bench.damping(h, anchor))
         anchor = bench.settle(h, anchor)
@@ -100,18 +101,22 @@ def _left(fit: Fit) -> Array:
     out = np.zeros((rows, fit.noise.good.size))
     out[:, :count] = left.reshape(-1, rows, g.length).transpose(1, 0, 2).reshape(rows, count)
     for group, taps in zip(fit.noise.whitening.groups, fit.noise.whitening.taps, strict=True):
-        out[list(group)] /= np.diag(taps[0])[:, None]
+        scale = np.diag(taps[0])[:, None]
+        out[list(group)] /= np.where(scale > 0, scale, 1.0)
     return out
 
 
-def _plain_scale(errors: Array, good: NDArray[np.bool_], bench: Bench) -> Whitening:
-    """Each row divided by its usual size: a start."""
+def _plain_scale(
+    errors: Array, good: NDArray[np.bool_], bench: Bench, still: frozenset[int] = frozenset()
+) -> Whitening:
+    """Each row divided by its usual size: a start. Still axes are left out."""
     size = np.maximum(np.median(np.abs(errors[:, good]), axis=1) / 0.6745, 1e-12)
     groups: dict[int, list[int]] = {}
     for i, (k, _) in enumerate(bench.labels):
         groups.setdefault(k, []).append(i)
     return Whitening(
-        tuple(tuple(r) for r in groups.values()), tuple(np.diag(1 / size[r])[None] for r in groups.values())
+        tuple(tuple(r) for r in groups.values()),
+        tuple(np.diag((0.0 if k in still else 1.0) / size[r])[None] for k, r in groups.items()),
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from ivsid.diagnosis.bench import Ambient, Bench
+from ivsid.diagnosis.bench import Ambient, Anchor, Bench
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -21,6 +21,8 @@ SETTLING: Final = 4.0
 _TIMES: Final = (1.0, 5.0)
 # A filter forgets so many times faster than the vehicle.
 QUICKER: Final = 2.0
+# An axis moves where its velocity is so many times the error of its filter.
+MOVING: Final = 20.0
 
 
 def declared(vehicle: Vehicle) -> Ambient:
@@ -129,14 +131,30 @@ class Whitening:
         return out
 
 
-def whiten(bench: Bench, residual: Array, good: NDArray[np.bool_]) -> Whitening:
-    """An autoregression of the errors that no effect explains, axis by axis, by least squares."""
+def still_axes(bench: Bench, anchor: Anchor) -> frozenset[int]:
+    """Axes that hardly move beyond what their filter can know: yaw on a straight line, and sway with it.
+
+    An autopilot that holds a heading answers to the motion itself; where little else moves the vehicle, demands and errors are of one
+    piece, and inertia and damping come out wrong. Such an axis is left out, and its causes are not tested.
+    """
+    n = bench.log.n
+    size = [float(np.sqrt(np.mean(anchor.points.nu[k, :n] ** 2))) / bench.axes[k].spread for k in range(3)]
+    if size[2] >= MOVING:
+        return frozenset()
+    return frozenset({2} if size[1] >= MOVING else {1, 2})
+
+
+def whiten(bench: Bench, residual: Array, good: NDArray[np.bool_], still: frozenset[int] = frozenset()) -> Whitening:
+    """An autoregression of the errors that no effect explains, axis by axis, by least squares; nothing is left of still axes."""
     groups: dict[int, list[int]] = {}
     for i, (k, _) in enumerate(bench.labels):
         groups.setdefault(k, []).append(i)
     lags = int(np.clip(round(MEMORY / bench.log.h), 3, MOST_LAGS))
     taps = []
-    for rows in groups.values():
+    for axis_index, rows in groups.items():
+        if axis_index in still:
+            taps.append(np.zeros((1, len(rows), len(rows))))
+            continue
         x = residual[rows]
         usable = good.copy()
         for lag in range(1, lags + 1):

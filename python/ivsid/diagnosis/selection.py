@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,7 +94,14 @@ class Selection:
     leftover: tuple[Scored, ...] = field(default=())
 
 
-Test = Callable[[Fit, list[Scored]], list[Scored]]
+class Test(Protocol):
+    """Which families pass, and which may be named at all."""
+
+    def __call__(self, fit: Fit, scored: list[Scored]) -> list[Scored]:
+        """Those that pass, best first."""
+
+    def eligible(self, s: Scored) -> bool:
+        """Whether the log can say anything of a family."""
 
 
 def select(plain: Fit, passes: Test, held: Mapping[str, float], progress: Progress = lambda _: None) -> Selection:
@@ -107,7 +114,7 @@ def select(plain: Fit, passes: Test, held: Mapping[str, float], progress: Progre
         if not passed:
             break
         progress(f"{passed[0].id}?")
-        made = _admit(fit, passed, scored, held)
+        made = _admit(fit, passed, scored, held, passes.eligible)
         if made is None:
             break
         one, best, noise = made
@@ -125,10 +132,15 @@ def select(plain: Fit, passes: Test, held: Mapping[str, float], progress: Progre
 
 
 def _admit(
-    fit: Fit, passed: list[Scored], scored: list[Scored], held: Mapping[str, float]
+    fit: Fit, passed: list[Scored], scored: list[Scored], held: Mapping[str, float], eligible: Callable[[Scored], bool]
 ) -> tuple[Found, Rival, Noise] | None:
     """The best of the causes that pass, fitted in full under a noise that no longer holds it, and its rivals."""
-    finalists = [s for s in passed if s.physical][:FINALISTS]
+    # What does not pass by itself may still do as well in full as what does.
+    near = [s for s in scored if passed[0].merit - s.merit <= max(FAR, 0.5 * passed[0].merit) and s.gain > 4.0]
+    finalists = sorted(
+        {s.id: s for s in (*near, *passed) if s.physical and eligible(s)}.values(), key=lambda s: -s.merit
+    )
+    finalists = finalists[:FINALISTS]
     known = declared_columns(fit.noise.bench, fit.h, fit.anchor, fit.noise.whitening)
     tried = [_fitted(fit, s, fit.noise, held, known) for s in finalists]
     rivals = [r for r in tried if r is not None and r.gain > 0]
@@ -153,7 +165,7 @@ def _admit(
     again.sort(key=lambda r: -r.merit)
     best = again[0]
     close = tuple(r for r in again if best.merit - r.merit <= MARGIN)
-    first = next(s for s in passed if s.id == best.id)
+    first = next(s for s in scored if s.id == best.id)
     others = {s.id: s.gain for s in scored if s.id not in {r.id for r in close}}
     others |= {r.id: r.gain for r in again if r not in close}
     rejected = tuple(sorted(others.items(), key=lambda q: -q[1])[:8])

@@ -108,8 +108,8 @@ def visibility(fit: Fit) -> dict[str, Visibility]:
         blind = min((excited[n] for n in family.variants[0] if n in excited), default=np.inf) < EXCITED
         if family.id in found and found[family.id].z >= z:
             continue
-        factor = VISIBLE / z if z > 0 else np.inf
-        least = {k: v * factor for k, v in sizes.items() if v}
+        # Without any signature there is no size that would show.
+        least = {k: v * VISIBLE / z for k, v in sizes.items() if v} if z > 1e-6 else {}
         found[family.id] = Visibility(z, sizes, least, blind)
     return found
 
@@ -206,6 +206,10 @@ class Threshold:
                 continue
             found.append(s)
         return found
+
+    def eligible(self, s: Scored) -> bool:
+        """Whether a family may stand in a set: all but those that the log is blind to."""
+        return s.id not in self.blind
 
     def chance(self, s: Scored) -> float:
         """Of one family's gain."""

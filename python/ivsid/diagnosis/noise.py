@@ -132,16 +132,14 @@ class Whitening:
 
 
 def still_axes(bench: Bench, anchor: Anchor) -> frozenset[int]:
-    """Axes that hardly move beyond what their filter can know: yaw on a straight line, and sway with it.
+    """The axes to leave out where the vehicle hardly turns beyond what the filter can know: yaw, and sway with it.
 
     An autopilot that holds a heading answers to the motion itself; where little else moves the vehicle, demands and errors are of one
     piece, and inertia and damping come out wrong. Such an axis is left out, and its causes are not tested.
     """
-    n = bench.log.n
-    size = [float(np.sqrt(np.mean(anchor.points.nu[k, :n] ** 2))) / bench.axes[k].spread for k in range(3)]
-    if size[2] >= MOVING:
-        return frozenset()
-    return frozenset({2} if size[1] >= MOVING else {1, 2})
+    turning = float(np.sqrt(np.mean(anchor.points.nu[2, : bench.log.n] ** 2)))
+    # Sway turns with u r: without the yaw rate it is not known either.
+    return frozenset() if turning >= MOVING * bench.axes[2].spread else frozenset({1, 2})
 
 
 def whiten(bench: Bench, residual: Array, good: NDArray[np.bool_], still: frozenset[int] = frozenset()) -> Whitening:

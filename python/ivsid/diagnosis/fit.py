@@ -76,7 +76,7 @@ def learn(
     is there or not: the ``search`` adds the columns of waves, tethers and steps that explain most.
     """
     good = usable_rows(bench)
-    still = still_axes(bench, anchor)
+    still = still_axes(bench)
     white: Whitening | None = None
     for turn in range(rounds):
         h, anchor = improve(bench, h, anchor, white, good, held)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from ivsid.diagnosis.bench import Ambient, Anchor, Bench
+from ivsid.diagnosis.bench import Ambient, Bench
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -131,13 +131,14 @@ class Whitening:
         return out
 
 
-def still_axes(bench: Bench, anchor: Anchor) -> frozenset[int]:
+def still_axes(bench: Bench) -> frozenset[int]:
     """The axes to leave out where the vehicle hardly turns beyond what the filter can know: yaw, and sway with it.
 
     An autopilot that holds a heading answers to the motion itself; where little else moves the vehicle, demands and errors are of one
     piece, and inertia and damping come out wrong. Such an axis is left out, and its causes are not tested.
     """
-    turning = float(np.sqrt(np.mean(anchor.points.nu[2, : bench.log.n] ** 2)))
+    smooth = uniform_filter1d(bench.log.nu[2], max(2, round(0.5 / bench.log.h)))
+    turning = float(np.sqrt(np.mean(smooth**2)))
     # Sway turns with u r: without the yaw rate it is not known either.
     return frozenset() if turning >= MOVING * bench.axes[2].spread else frozenset({1, 2})
 

@@ -350,6 +350,11 @@ def intervals(fit: Fit, id_: str) -> dict[str, Bound]:
         # The last step of the fit is not taken: it belongs into the interval.
         rest = abs(float(p.coefficients[i])) / float(g.unit[k])
         reach = SIGMAS * sigma + rest
+        if parameter.unit == "N" and id_ == "thruster.saturation":
+            # The limit is of the true thrust, which the curve gives within its accuracy alone.
+            reach += max(
+                t.accuracy.absolute + t.accuracy.relative * abs(value) for t in fit.noise.bench.vehicle.thrusters
+            )
         out[name] = Bound(value - reach, value + reach, parameter.unit, parameter.symbol)
     _turned(out, id_)
     for given in fit.h.given:

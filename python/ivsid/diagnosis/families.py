@@ -197,7 +197,8 @@ def _searched(fit: Fit, p: Projection, found: list[Scored]) -> tuple[Fit, list[S
             if best is None or gain > best.gain:
                 numbers = _wave_numbers(family, value[0], real) if size == 4 else _pull_numbers(value, real)
                 ok = size == 4 or real[0] > 0
-                best = Scored(family, gain if ok else 0.0, size, looks, columns, real, numbers, ok)
+                # A far anchor is a wind: the two numbers of its place are paid for, too.
+                best = Scored(family, gain if ok else 0.0, 4, looks, columns, real, numbers, ok)
         if best is not None:
             found.append(best)
     return fit, found

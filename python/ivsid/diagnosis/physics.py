@@ -149,7 +149,9 @@ class Mass:
 
 def _inertial(term: Term, state: State) -> dict[str, Any]:
     """The term's column at rest: what multiplies an acceleration."""
-    columns = term.columns(state)
+    still = term.columns(State(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, place=state.place))
+    # What is there without any acceleration, as a wind, is no inertia.
+    columns = {k: c - still.get(k, 0.0) for k, c in term.columns(state).items()}
     return {k: c for k, c in columns.items() if isinstance(c, (int, float)) and c}
 
 

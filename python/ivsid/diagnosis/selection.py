@@ -152,7 +152,7 @@ def _admit(
     known = declared_columns(noise.bench, best.h, best.anchor, noise.whitening)
 
     def exact(h: Hypothesis, anchor: Anchor) -> tuple[Hypothesis, Anchor, float]:
-        h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held, known=known)
+        h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held, 6, known)
         return h, anchor, chi2_of(noise, h, anchor, held, known)
 
     base = exact(fit.h, fit.anchor)[2]

@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 OUT ?= out/demo
 RUST_SOURCES := $(shell find crates -name '*.rs' -o -name 'Cargo.toml') Cargo.toml Cargo.lock
 
-.PHONY: demo test check bench peers inverse-peers throughput exhaustive itf1788 differential fuzz exam docs build format clean
+.PHONY: demo test check bench vessels peers inverse-peers throughput exhaustive twins itf1788 differential fuzz exam docs build format clean
 
 demo: build
 	$(BIN)/ivsid demo --out $(OUT)
@@ -32,6 +32,11 @@ bench: build
 	cargo bench --locked
 	$(BIN)/python benches/ratios.py
 
+# Every command on every real set; the sets are not part of this repository.
+DATA ?= ../shared/data
+vessels: build
+	$(BIN)/python benches/real_data.py $(DATA) out/vessels
+
 # inari beside this crate, built for two targets; GMP and MPFR are built from source (m4 is needed, some minutes).
 peers:
 	cd benches/peers && cargo run --release --locked --target-dir target/haswell
@@ -46,6 +51,11 @@ CASES ?= 1e8
 differential: build
 	IVSID_CASES=$(CASES) $(BIN)/pytest -n auto tests/python/test_oracle.py
 	IVSID_CASES=$(CASES) cargo test --locked --release --test slices
+
+# Twins with a known truth, several vehicles, both kinds of rows and noise: is it inside? VERIFY=--verify proves each result, too.
+TWINS ?= 500
+twins: build
+	$(BIN)/python tests/python/twins.py --twins $(TWINS) $(VERIFY)
 
 # Inverses: verdicts on regularity by exact determinants, members of every family inside every enclosure; some minutes.
 MATRICES ?= 1e5

@@ -1,7 +1,7 @@
 //! The feasible set against the number of rows, and interval arithmetic against a plain loop.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use interval_core::regression::feasible_set;
+use interval_core::regression::{FeasibleOptions, Rows, feasible_rows, feasible_set, least_squares};
 use interval_core::{Interval, IntervalMatrix};
 use std::hint::black_box;
 use std::time::Duration;
@@ -39,6 +39,45 @@ fn feasible(c: &mut Criterion) {
     }
 }
 
+/// Rows with radii of 0.01 and parameters of either sign, as four arrays.
+fn bounds(m: usize, n: usize) -> [Vec<f64>; 4] {
+    let mut state = 11;
+    let truth: Vec<f64> = (0..n).map(|_| 50.0 * unit(&mut state)).collect();
+    let mut made = [vec![], vec![], vec![], vec![]];
+    for _ in 0..m {
+        let mut value = unit(&mut state);
+        for t in &truth {
+            let exact = unit(&mut state);
+            let shift = 0.01 * unit(&mut state);
+            made[0].push(exact + shift - 0.01);
+            made[1].push(exact + shift + 0.01);
+            value += exact * t;
+        }
+        made[2].push(value - 1.1);
+        made[3].push(value + 1.1);
+    }
+    made
+}
+
+fn many_rows(c: &mut Criterion) {
+    let mut group = c.benchmark_group("many rows");
+    group.warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(5)).sample_size(10);
+    for (m, n) in [(12_000, 9), (1_000_000, 3), (100_000, 12)] {
+        let [lower, upper, low, high] = bounds(m, n);
+        group.throughput(Throughput::Elements(m as u64));
+        let name = format!("{m} x {n}");
+        group.bench_function(BenchmarkId::new("feasible", &name), |b| {
+            b.iter(|| {
+                let rows = Rows::new(n, black_box(&lower), &upper, &low, &high).expect("good rows");
+                feasible_rows(&rows, &FeasibleOptions::default())
+            });
+        });
+        group.bench_function(BenchmarkId::new("least squares", &name), |b| {
+            b.iter(|| least_squares(&Rows::new(n, black_box(&lower), &upper, &low, &high).expect("good rows")));
+        });
+    }
+}
+
 type Operation = fn(Interval, Interval) -> Interval;
 
 fn arithmetic(c: &mut Criterion) {
@@ -59,5 +98,5 @@ fn arithmetic(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, feasible, arithmetic);
+criterion_group!(benches, feasible, many_rows, arithmetic);
 criterion_main!(benches);

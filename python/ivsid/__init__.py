@@ -14,6 +14,7 @@ from ivsid.intervals import EndpointPair, Interval, IntervalArray
 from ivsid.log import Log, read_log
 from ivsid.validation import Validation, validate
 from ivsid.vehicle import Vehicle, read_vehicle
+from ivsid.verification import Verification, verify
 
 __version__ = version("ivsid")
 
@@ -28,6 +29,7 @@ __all__ = [
     "Parameter",
     "Validation",
     "Vehicle",
+    "Verification",
     "__version__",
     "diagnose",
     "identify",
@@ -36,4 +38,5 @@ __all__ = [
     "read_vehicle",
     "regression",
     "validate",
+    "verify",
 ]

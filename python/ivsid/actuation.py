@@ -1,7 +1,7 @@
 """From logged demands to thrusts in intervals and in numbers: lag, and thrusters that turn.
 
 The static curve with its accuracy is ``thrust``; here stands what happens between a demand and the water in time. Nothing that the
-vehicle file claims is left out in silence: a rudder is refused.
+vehicle file claims is left out in silence.
 """
 
 from __future__ import annotations
@@ -14,8 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
+from ivsid.foil import rudder_force
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
+from ivsid.log.turning import angle_of
+from ivsid.rudder import rudder_over
 from ivsid.thrust import ThrustCurve, directions
 from ivsid.vehicle import Thruster, Vehicle
 
@@ -47,12 +50,14 @@ class Pushed:
         over_steps: their means over each step to the next row.
         present: where demand and angle are known, shape (n,).
         assumes: sentences that the intervals rely on.
+        whole: steps over which the angle is known, shape (n - 1,); None: wherever it is at both rows.
     """
 
     at_rows: tuple[IntervalArray, IntervalArray, IntervalArray]
     over_steps: tuple[IntervalArray, IntervalArray, IntervalArray]
     present: NDArray[np.bool_]
     assumes: tuple[str, ...] = ()
+    whole: NDArray[np.bool_] | None = None
 
 
 def pushed(thruster: Thruster, log: Log, *, held: bool, flow: Flow | None = None) -> Pushed:
@@ -77,37 +82,53 @@ def pushed(thruster: Thruster, log: Log, *, held: bool, flow: Flow | None = None
     assumes: tuple[str, ...] = ()
     if thruster.time_constant:
         at, over = _lagged(curve, demand, np.broadcast_to(error, demand.shape), log, there, thruster.time_constant)
-        assumes = (f"thruster {thruster.name} follows its demand with a time constant of {thruster.time_constant!r} s",)
+        assumes = (
+            f"thruster {thruster.name} follows its demand with a time constant of {thruster.time_constant!r} s; before the log it was "
+            "at rest or pushed anything that its curve allows",
+        )
     else:
         at = curve.interval(demand, error=error)
         over = at[:-1] if held else curve.interval(demand[:-1], demand[1:], np.maximum(error[:-1], error[1:]))
     if thruster.steering == "azimuth":
-        column = f"azimuth_{thruster.name}"
-        angle = log.column(column, f"for the direction of thruster {thruster.name}")
-        known = ~np.isnan(angle)
-        there = there & known
-        turned = IntervalArray.around(np.where(known, angle, 0.0), log.error(column))
-        swept = turned[:-1] if held else turned[:-1].hull(turned[1:])
-        rows, steps = (_shares(thruster, a) for a in (turned, swept))
+        turned = angle_of(log, f"azimuth_{thruster.name}", f"for the direction of thruster {thruster.name}", held=held)
+        there, whole = there & turned.present, turned.whole
+        assumes = (*assumes, turned.assumes)
+        rows, steps = (_shares(thruster, a) for a in (turned.at_rows, turned.over_steps))
     else:
+        whole = None
         rows = steps = directions(thruster)
-    if thruster.advance_loss:
-        if flow is None:
-            raise IvsidError(f"thruster {thruster.name} claims advance_loss, which needs the motion; give u, v and r")
-        # Behind a lag the thrust moves between its values at both rows, and its mean alone is no bound.
-        swept_thrust = at[:-1].hull(at[1:]) if thruster.time_constant and thruster.lag == "thrust" else over
+    if flow is None and (thruster.advance_loss or thruster.rudder is not None):
+        raise IvsidError(
+            f"thruster {thruster.name} claims advance_loss or has a rudder, which needs the motion; give u, v and r"
+        )
+    # Behind a lag the thrust moves between its values at both rows, and its mean alone is no bound.
+    swept_thrust = at[:-1].hull(at[1:]) if thruster.time_constant and thruster.lag == "thrust" else over
+    if f"azimuth_{thruster.name}" in log.over:
+        # The mean of T cos a is the mean of T times cos a only where the angle holds still.
+        over = swept_thrust
+    if thruster.advance_loss and flow is not None:
         at = at - _advance_loss(thruster, at, rows, flow.at_rows)
-        over = over - _advance_loss(thruster, swept_thrust, steps, flow.over_steps)
+        lost = _advance_loss(thruster, swept_thrust, steps, flow.over_steps)
+        over, swept_thrust = over - lost, swept_thrust - lost
     at_rows, over_steps = ([force * s for s in shares] for force, shares in ((at, rows), (over, steps)))
-    return Pushed((at_rows[0], at_rows[1], at_rows[2]), (over_steps[0], over_steps[1], over_steps[2]), there, assumes)
+    if thruster.rudder is not None and flow is not None:
+        delta = angle_of(log, f"rudder_{thruster.name}", f"for the rudder of thruster {thruster.name}", held=held)
+        there, whole = there & delta.present, delta.whole if whole is None else whole & delta.whole
+        blades = (
+            rudder_over(thruster.rudder, delta.at_rows, at, flow.at_rows),
+            rudder_over(thruster.rudder, delta.over_steps, swept_thrust, flow.over_steps),
+        )
+        at_rows = [a + b for a, b in zip(at_rows, blades[0], strict=True)]
+        over_steps = [a + b for a, b in zip(over_steps, blades[1], strict=True)]
+        within = f", each within {thruster.rudder.accuracy:g} of itself" if thruster.rudder.accuracy else ""
+        foil = f"the rudder behind {thruster.name} has the lift and drag of the stated foil{within}"
+        assumes = (*assumes, delta.assumes, foil)
+    return Pushed(
+        (at_rows[0], at_rows[1], at_rows[2]), (over_steps[0], over_steps[1], over_steps[2]), there, assumes, whole
+    )
 
 
 def _followed(thruster: Thruster, *, held: bool) -> None:
-    if thruster.rudder is not None:
-        raise IvsidError(
-            f"thruster {thruster.name} has a rudder; its force depends on the motion and is simulated but not yet identified: log "
-            "force_X, force_Y, moment_N in place of the thrusters, or leave the rudder out where it stays amidships"
-        )
     if thruster.time_constant and not held:
         raise IvsidError(
             f"thruster {thruster.name} claims a time_constant and the log's demands are linear; a lag is followed for held demands "
@@ -145,8 +166,9 @@ def _lagged(
 ) -> tuple[IntervalArray, IntervalArray]:
     """The thrust behind a first-order lag of held demands, at rows and as mean over steps.
 
-    Under a held demand with thrust G the lag is exact, T(t) = G + (T_0 - G) exp(-t / tau); T_0 is whatever the curve allows before
-    the first row, and again after a gap or a missing demand.
+    Under a held demand with thrust G the lag is exact, T(t) = G + (T_0 - G) exp(-t / tau); T_0 is nothing or whatever the curve allows
+    before the first row, and again after a gap or a missing demand. On its way from rest to a curve that does not begin there a shaft
+    gives anything between no thrust and that of the curve's nearer end.
     """
     shaft = curve.thruster.lag == "demand"
     low, high = curve.range
@@ -156,22 +178,39 @@ def _lagged(
             "end the curve with demand_range = [lowest, highest]"
         )
     everything = curve.interval(np.array([low]), np.array([high]))
+    rest = curve.thruster.neutral
     if shaft:
-        goal, start = IntervalArray(demand - error, demand + error), (low, high)
+        # A demand outside the curve is held at its end before the shaft follows it.
+        goal = IntervalArray(*curve.inside(demand - error, demand + error))
+        start = min(low, rest), max(high, rest)
     else:
-        goal, start = curve.interval(demand, error=error), (float(everything.lower[0]), float(everything.upper[0]))
+        goal = curve.interval(demand, error=error)
+        start = min(float(everything.lower[0]), 0.0), max(float(everything.upper[0]), 0.0)
     steps = np.diff(log.t)
     whole = (steps <= GAP * log.period) & there[:-1] & there[1:]
     ratio = steps / tau
     slack = DECAY_ROUNDING * (1 + ratio) + 2 * np.max(log.time_error) / tau
     at = _follow(goal, start, np.exp(-ratio), slack, whole)
     if shaft:
-        after = IntervalArray(np.maximum(at.lower, low), np.minimum(at.upper, high))
-        reach = after[:-1].hull(after[1:])
-        return curve.interval(after.lower, after.upper), curve.interval(reach.lower, reach.upper)
+        reach = at[:-1].hull(at[1:])
+        return _of_shaft(curve, at), _of_shaft(curve, reach)
     share = np.where(ratio > 1e-8, -np.expm1(-ratio) / np.maximum(ratio, 1e-300), 1.0)
     over = _between(at[:-1], goal[:-1], share, slack + np.where(ratio > 1e-8, 0.0, 1e-8))
     return at, over
+
+
+def _of_shaft(curve: ThrustCurve, speed: IntervalArray) -> IntervalArray:
+    """The thrust at a shaft's speed, from rest on."""
+    low, high = curve.range
+    thrust = curve.interval(np.clip(speed.lower, low, high), np.clip(speed.upper, low, high))
+    rest = curve.thruster.neutral
+    if low <= rest <= high:
+        return thrust
+    starting = speed.lower < low if rest < low else speed.upper > high
+    return IntervalArray(
+        np.where(starting, np.minimum(thrust.lower, 0.0), thrust.lower),
+        np.where(starting, np.maximum(thrust.upper, 0.0), thrust.upper),
+    )
 
 
 def _follow(
@@ -214,7 +253,7 @@ def _between(
 def nominal_force(vehicle: Vehicle, log: Log) -> NDArray[np.float64]:
     """X, Y [N], N [N m] from the demands without their error, as means over the step after each row, shape (n, 3).
 
-    An advance loss takes the logged motion. NaN where a demand or an angle is missing, and behind a lag for the first five time constants: what it did before the log is
+    An advance loss and a rudder take the logged motion. NaN where a demand or an angle is missing, and behind a lag for the first five time constants: what it did before the log is
     not known.
     """
     if not vehicle.thrusters:
@@ -243,6 +282,10 @@ def nominal_force(vehicle: Vehicle, log: Log) -> NDArray[np.float64]:
             )
         for j, share in enumerate(shares):
             total[:, j] += thrust * share
+        if thruster.rudder is not None:
+            delta = log.column(f"rudder_{thruster.name}", f"for the rudder of thruster {thruster.name}")
+            u, v, r = (log.columns[n] for n in ("u", "v", "r"))
+            total += np.stack(rudder_force(thruster.rudder, delta, thrust, u, v, r), axis=1)
     return total
 
 

@@ -30,6 +30,9 @@ class Quadratic(BaseModel):
 class Rudder(BaseModel):
     """A rudder behind the propeller; its angle [rad] is the column ``rudder_NAME``, positive with the trailing edge to starboard.
 
+    That turns the vehicle to starboard, which is positive. Under ``frame = "flu"`` a positive angle turns it to positive yaw, too, to
+    port: there the trailing edge stands to port.
+
     Attributes:
         area: of the blade [m^2].
         aspect_ratio: span squared over area.
@@ -39,6 +42,7 @@ class Rudder(BaseModel):
         drag: coefficient at no angle of attack.
         rate: how fast the rudder turns at most [rad/s].
         density: of the water [kg/m^3].
+        accuracy: the largest error of its lift and drag coefficients, as a share.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -50,6 +54,7 @@ class Rudder(BaseModel):
     drag: NonNegative = 0.02
     rate: Positive | None = None
     density: Positive = 1025.0
+    accuracy: NonNegative = 0.0
 
 
 def expand_units(table: Any) -> Any:

@@ -1,23 +1,22 @@
 """Allan deviation of a static recording -> random walk, bias instability, bounds (paper V.A, eq. 15, Figs 1-2).
 
-The curve is the overlapping Allan deviation of allantools. Random walk N and a first-order Gauss-Markov bias (standard deviation
-B, time T) are fitted to it together:
-
-    sigma^2(tau) = N^2 / tau + (2 B^2 T / tau) (1 - T / (2 tau) (3 - 4 exp(-tau/T) + exp(-2 tau/T)))
-
-whose hump peaks at 0.617 B near tau = 1.89 T. The lowest point of the curve over 0.664 is the classical flicker coefficient.
+The curve is the overlapping Allan deviation of allantools. Random walk N, a first-order Gauss-Markov bias (standard deviation
+B, time T) and a rate random walk K are fitted to it together (``allan_fit``). The bias makes a hump that peaks at 0.617 B near
+tau = 1.89 T. The lowest point of the curve over 0.664 is the classical flicker coefficient.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import allantools
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
+from scipy.stats import chi2
 
+from ivsid.allan_fit import covariance, fit_noise, octaves, variance
 from ivsid.errors import IvsidError
 from ivsid.sensors import sigma_published
 
@@ -34,13 +33,16 @@ class AllanDeviation:
         channel: its name.
         taus: averaging times [s].
         deviation: overlapping Allan deviation, in the channel's unit.
-        error: standard error of each point.
+        error: standard error of each point, from the fitted noise.
+        band: 95 % band of the deviation at each point (chi^2 with the degrees of freedom of the fitted noise), shape (2, n).
         random_walk: N [unit/sqrt(s)].
         bias_instability: B, the standard deviation of the Gauss-Markov bias [unit].
         bias_time: T [s].
         resolved: whether the hump of the bias stands inside the record; else B is what the fit tolerates, not a measurement.
         floor: lowest deviation over 0.664, the classical flicker coefficient [unit].
         floor_time: where the curve is lowest [s].
+        rate_random_walk: K [unit/s/sqrt(s)]; 0 where the record shows none.
+        bands: the 95 % band of each number that was read off, by its name here; ends that the record leaves open are 0 or infinite.
         sigma_c: eq. 15 with the record's period and T [unit].
         mean: mean reading [unit].
     """
@@ -49,9 +51,12 @@ class AllanDeviation:
     taus: NDArray[np.float64]
     deviation: NDArray[np.float64]
     error: NDArray[np.float64]
+    band: NDArray[np.float64]
     random_walk: float
     bias_instability: float
     bias_time: float
+    rate_random_walk: float
+    bands: Mapping[str, tuple[float, float]]
     resolved: bool
     floor: float
     floor_time: float
@@ -60,7 +65,7 @@ class AllanDeviation:
 
     def model(self, taus: NDArray[np.float64]) -> NDArray[np.float64]:
         """The fitted deviation at averaging times [s]."""
-        return np.sqrt(_variance(taus, self.random_walk, self.bias_instability, self.bias_time))
+        return np.sqrt(variance(taus, self.random_walk, self.bias_instability, self.bias_time, self.rate_random_walk))
 
 
 def allan_deviation(channel: str, values: NDArray[np.float64], period: float) -> AllanDeviation:
@@ -82,14 +87,28 @@ def allan_deviation(channel: str, values: NDArray[np.float64], period: float) ->
         raise IvsidError(f"channel {channel} misses samples; an Allan deviation needs a gap-free record: cut one out")
     if np.ptp(values) == 0:
         raise IvsidError(f"channel {channel} is constant at {values[0]:g}; a live sensor is needed")
-    longest = values.size * period / 5
-    wanted = np.unique(np.round(np.geomspace(1, longest / period, POINTS)).astype(int)) * period
-    taus, deviation, _, counts = allantools.oadev(values, rate=1 / period, data_type="freq", taus=wanted)
-    usable = np.isfinite(deviation) & (deviation > 0) & (counts > 1)
-    taus, deviation = taus[usable], deviation[usable]
-    # Overlapping estimates have about n tau0 / tau independent averages (Riley, NIST SP 1065, 5.4).
-    error = deviation / np.sqrt(2 * np.maximum(values.size * period / taus - 1, 1))
-    n, b, t = _fit(taus, deviation, error)
+    longest = values.size / 5
+    grid = np.unique(np.round(np.geomspace(1, longest, POINTS)).astype(int))
+    powers = octaves(values.size)
+    wanted = np.union1d(grid, powers)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        taus, deviation, _, _ = allantools.oadev(values, rate=1 / period, data_type="freq", taus=wanted * period)
+    samples = np.round(taus / period).astype(np.int64)
+    usable = np.isfinite(deviation) & (deviation > 0)
+    fitted = usable & np.isin(samples, powers)
+    if fitted.sum() < 4:
+        raise IvsidError(
+            f"channel {channel} repeats itself so that its Allan deviation vanishes; give a recording of a live sensor"
+        )
+    found = fit_noise(samples[fitted], deviation[fitted] ** 2, values.size, period)
+    n, b, t, k = found.values
+    shown = usable & (samples <= longest)
+    taus, deviation, samples = taus[shown], deviation[shown], samples[shown]
+    model = variance(taus, n, b, t, k)
+    spread = np.diag(covariance(found.values, samples, values.size, period)) / model**2
+    freedom = 2 / spread
+    error = deviation * np.sqrt(spread) / 2
+    band = deviation * np.sqrt(np.stack([freedom / chi2.ppf(0.975, freedom), freedom / chi2.ppf(0.025, freedom)]))
     lowest = int(np.argmin(deviation))
     hump = 1.89 * t
     visible = b * 0.617 > 0.5 * n / np.sqrt(hump) and 2 * taus[0] < hump < taus[-1]
@@ -98,40 +117,15 @@ def allan_deviation(channel: str, values: NDArray[np.float64], period: float) ->
         taus,
         deviation,
         error,
+        band,
         n,
         b,
         t,
+        k,
+        found.bands,
         bool(visible),
         float(deviation[lowest]) / FLICKER,
         float(taus[lowest]),
         sigma_published(n, b, period, t),
         float(values.mean()),
     )
-
-
-def _variance(tau: NDArray[np.float64], n: float, b: float, t: float) -> NDArray[np.float64]:
-    x = tau / t
-    # 1 - (3 - 4 exp(-x) + exp(-2x)) / (2x) loses all digits for small x; its series is x^2/3.
-    hump = np.where(x > 1e-3, 1 - (3 - 4 * np.exp(-x) + np.exp(-2 * x)) / (2 * np.maximum(x, 1e-3)), x * x / 3)
-    return np.asarray(n * n / tau + 2 * b * b / x * hump, dtype=np.float64)
-
-
-def _fit(
-    taus: NDArray[np.float64], deviation: NDArray[np.float64], error: NDArray[np.float64]
-) -> tuple[float, float, float]:
-    """N, B, T by weighted least squares on the logarithm of the curve, from several starts."""
-    weight = deviation / error
-    n0 = float(np.median(deviation[:3] * np.sqrt(taus[:3])))
-
-    def residual(p: NDArray[np.float64]) -> NDArray[np.float64]:
-        n, b, t = np.exp(p)
-        return np.asarray(weight * (0.5 * np.log(_variance(taus, n, b, t)) - np.log(deviation)), dtype=np.float64)
-
-    floor = float(deviation.min())
-    low = np.log([n0 * 1e-3, floor * 1e-3, taus[0]])
-    high = np.log([n0 * 1e3, float(deviation.max()) * 1e2, 20 * taus[-1]])
-    starts = [np.log([n0, floor, t]) for t in np.geomspace(4 * taus[0], taus[-1], 4)]
-    fits: list[Any] = [least_squares(residual, np.clip(s, low, high), bounds=(low, high)) for s in starts]
-    best = min(fits, key=lambda f: f.cost)
-    n, b, t = np.exp(best.x)
-    return float(n), float(b), float(t)

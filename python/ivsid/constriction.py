@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
-from ivsid.regression_rows import RegressionRows
+from ivsid.rows import RegressionRows
 
 COVERAGE: Final = 0.95
 STEPS: Final = 60

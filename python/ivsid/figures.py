@@ -14,10 +14,11 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ivsid.allan import AllanDeviation
+from ivsid.bollard import Bollard
 from ivsid.diagnosis.gain import Gain
 from ivsid.identification import Identification
 from ivsid.log import Log
-from ivsid.thrust import Bollard, table_curve
+from ivsid.thrust import table_curve
 from ivsid.validation import ForceCheck, MotionCheck
 
 # Blue, orange, green, vermilion, purple, black of Okabe and Ito: told apart by colour-blind readers.
@@ -60,20 +61,29 @@ def allan_curves(curves: Mapping[str, AllanDeviation], name: str, title: str, un
     for k, (channel, a) in enumerate(curves.items()):
         colour = COLOURS[k % len(COLOURS)]
         axes.loglog(a.taus, a.deviation, ".", color=colour, label=channel)
-        axes.fill_between(
-            a.taus,
-            np.maximum(a.deviation - a.error, a.deviation * 0.05),
-            a.deviation + a.error,
-            color=colour,
-            alpha=0.2,
+        axes.fill_between(a.taus, *a.band, color=colour, alpha=0.2)
+        axes.loglog(a.taus, a.model(a.taus), "-", color=colour, lw=1, label=_read_off(a))
+        parts = (
+            (a.random_walk / np.sqrt(a.taus), ":"),
+            (np.sqrt(np.maximum(a.model(a.taus) ** 2 - a.random_walk**2 / a.taus, 0.0)), "--"),
         )
-        axes.loglog(a.taus, a.model(a.taus), "-", color=colour, lw=1)
+        for part, style in parts:
+            seen = part > 0.2 * a.deviation.min()
+            axes.loglog(a.taus[seen], part[seen], style, color=colour, lw=0.7)
     axes.set_xlabel("averaging time [s]")
     axes.set_ylabel(f"Allan deviation [{unit}]")
     axes.grid(True, which="both", alpha=0.3)
-    axes.legend()
-    caption = "Points: overlapping Allan deviation with one standard error. Lines: random walk and Gauss-Markov bias fitted together."
+    axes.legend(fontsize=7)
+    caption = (
+        "Points: overlapping Allan deviation with its 95 % band. Full lines: random walk N (dotted), Gauss-Markov bias B, T and rate "
+        "random walk K (both dashed) fitted together; what was read off stands in the legend."
+    )
     return _finish(name, title, caption, figure)
+
+
+def _read_off(a: AllanDeviation) -> str:
+    words = f"fit: N {a.random_walk:.3g}, B {a.bias_instability:.3g}, T {a.bias_time:.3g} s"
+    return words + (f", K {a.rate_random_walk:.3g}" if a.rate_random_walk else "")
 
 
 def thrust_curve(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
 from ivsid import units
 
@@ -55,6 +55,14 @@ class Column(_Section):
         return self.scale * (1.0 if self.unit is None else units.COLUMN[self.unit])
 
 
+def _name_or_table(given: object) -> str:
+    return "table" if isinstance(given, (dict, Column)) else "name"
+
+
+# Told apart before they are checked, so that a fault in a table is not reported as a wrong name.
+Given = Annotated[Annotated[str, Tag("name")] | Annotated[Column, Tag("table")], Discriminator(_name_or_table)]
+
+
 class LogMap(_Section):
     """How a foreign log maps to the contract's columns, and what may be assumed between the samples of several clocks.
 
@@ -69,7 +77,7 @@ class LogMap(_Section):
         clock_error: how far two clocks may disagree [s].
     """
 
-    columns: dict[str, str | Column] = {}
+    columns: dict[str, Given] = {}
     frame: Literal["frd", "flu"] = "frd"
     time: TimeColumn | None = None
     demand: Literal["hold", "linear"] = "hold"

@@ -12,6 +12,8 @@ from ivsid.intervals import IntervalArray
 # NumPy's types know no intervals, its functions do.
 _minimum: Any = np.minimum
 _tanh: Any = np.tanh
+_cos: Any = np.cos
+_sin: Any = np.sin
 
 Scalar: TypeAlias = "Motion | float"
 
@@ -70,3 +72,11 @@ class Motion:
         """Hyperbolic tangent."""
         value = _tanh(self.value)
         return Motion(value, (1.0 - value.square()) * self.rate)
+
+    def cos(self) -> Motion:
+        """Cosine of an angle [rad]."""
+        return Motion(_cos(self.value), -(_sin(self.value) * self.rate))
+
+    def sin(self) -> Motion:
+        """Sine of an angle [rad]."""
+        return Motion(_sin(self.value), _cos(self.value) * self.rate)

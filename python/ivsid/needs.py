@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ivsid.effects import CHANNELS, State, Term
+from ivsid.effects import CHANNELS, Place, State, Term
 from ivsid.log import Log
 from ivsid.vehicle import Vehicle
 
@@ -47,7 +47,8 @@ def needed_by(terms: Sequence[Term], vehicle: Vehicle) -> dict[str, tuple[str, .
         vehicle: whose thrusters act.
     """
     quantity: dict[str, Any] = {n: Uses(frozenset({n})) for n in ("u", "v", "r", "udot", "vdot", "rdot")}
-    state = State(**quantity)
+    named = {n: Uses(frozenset({n})) for n in ("psi", "x", "y", "t")}
+    state = State(**quantity, place=Place(**named))
     wanted: dict[str, dict[str, None]] = {}
 
     def add(column: str, id_: str) -> None:
@@ -69,6 +70,7 @@ def needed_by(terms: Sequence[Term], vehicle: Vehicle) -> dict[str, tuple[str, .
 def _forces(vehicle: Vehicle, channel: str) -> list[str]:
     if vehicle.thrusters:
         turning = [f"azimuth_{t.name}" for t in vehicle.thrusters if t.steering == "azimuth"]
+        turning += [f"rudder_{t.name}" for t in vehicle.thrusters if t.rudder is not None]
         return [f"demand_{t.name}" for t in vehicle.thrusters] + turning
     return [{"surge": "force_X", "sway": "force_Y", "yaw": "moment_N"}[channel]]
 
@@ -98,7 +100,7 @@ def _pose(missing: Iterable[str]) -> str:
 
 
 def _meaning(column: str) -> str:
-    for prefix, what in (("demand_", "demand"), ("azimuth_", "direction")):
+    for prefix, what in (("demand_", "demand"), ("azimuth_", "direction"), ("rudder_", "rudder angle")):
         if column.startswith(prefix):
             return f"the {what} of thruster {column.removeprefix(prefix)}, "
     return ""

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
+from ivsid.log.angles import unwrapped
 from ivsid.vehicle import Sensors
 
 POSE: Final = ("x", "y", "psi")
@@ -41,6 +42,8 @@ class _Pose:
     psi: IntervalArray
     turns: NDArray[np.bool_]
     moves: NDArray[np.bool_]
+    # Counts the places where the way round from one heading to the next is not certain: windows stay between them.
+    piece: NDArray[np.intp]
 
 
 def with_velocities(log: Log, sensors: Sensors) -> tuple[Log, dict[str, IntervalArray]]:
@@ -103,22 +106,26 @@ def _everything(n: int) -> IntervalArray:
 def _pose(log: Log, sensors: Sensors, *, moving: bool) -> _Pose:
     psi = log.columns["psi"]
     there = ~np.isnan(psi)
-    turned = np.zeros(psi.shape)
-    turned[there] = np.unwrap(psi[there])
-    # Whole turns are multiples of a rounded 2 pi.
-    lost = log.error("psi") + 4 * np.spacing(np.abs(turned) + 7.0)
     assert sensors.heading is not None
+    turned, lost, piece = np.zeros(psi.shape), log.error("psi"), np.zeros(psi.shape, dtype=np.intp)
+    turned[there], more = unwrapped(psi[there])
+    lost[there] += more
+    # A truth that turns by less than pi gives readings less than pi - 2 e apart only the right way round.
+    off = sensors.heading.accuracy + lost[there]
+    most = np.pi - off[1:] - off[:-1] - 1e-9
+    piece[np.flatnonzero(there)[1:]] = np.abs(np.diff(turned[there])) >= most
+    piece = np.cumsum(piece)
     heading = IntervalArray.around(turned, lost) + _reach(sensors.heading.accuracy)
     both = there & (~np.isnan(log.columns["x"]) & ~np.isnan(log.columns["y"]) if moving else True)
     clock = IntervalArray.around(log.t, log.time_error)
     if not moving or sensors.position is None:
-        return _Pose(clock, heading, heading, heading, there, both)
+        return _Pose(clock, heading, heading, heading, there, both, piece)
     x, y = (
         IntervalArray.around(np.where(both, log.columns[c], 0.0), np.where(both, log.error(c), 0.0))
         + _reach(sensors.position.accuracy)
         for c in ("x", "y")
     )
-    return _Pose(clock, x, y, heading, there, both)
+    return _Pose(clock, x, y, heading, there, both, piece)
 
 
 def _reach(accuracy: float) -> IntervalArray:
@@ -149,7 +156,7 @@ def _enclosed(pose: _Pose, half: int, sensors: Sensors, *, moving: bool) -> Mapp
     assert yaw is not None
     mean = (pose.psi[j] - pose.psi[i]) / span
     r = mean + _sided(weight * _point(yaw))
-    turns = pose.turns[i] & pose.turns[j]
+    turns = pose.turns[i] & pose.turns[j] & (pose.piece[i] == pose.piece[j])
     result = {"r": _spread(n, at, turns, r)}
     if not moving or sensors.limits.acceleration is None:
         return result

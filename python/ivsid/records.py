@@ -16,6 +16,7 @@ import numpy as np
 
 from ivsid.errors import IvsidError
 from ivsid.intervals import outward_decimal
+from ivsid.seal import KEY, seal_of
 
 
 class Lower(float):
@@ -57,6 +58,11 @@ def to_json(value: Any, indent: int = 0) -> str:
             return "[" + ", ".join(entries) + "]"
         return "[" + inner + f",{inner}".join(entries) + pad + "]"
     raise TypeError(f"a value of type {type(value).__name__} has no place in a result")
+
+
+def sealed(record: Mapping[str, Any]) -> dict[str, Any]:
+    """The record with the seal of its content, which ``ivsid verify`` asks for."""
+    return {**record, KEY: seal_of(to_json(record))}
 
 
 def write_whole(path: str | Path, data: str | bytes) -> None:

@@ -7,9 +7,9 @@ from dataclasses import asdict
 from typing import Any
 
 from ivsid.allan import AllanDeviation
+from ivsid.bollard import Bollard
 from ivsid.log import Quality
 from ivsid.records import envelope
-from ivsid.thrust import Bollard
 from ivsid.validation import Validation
 
 
@@ -53,6 +53,8 @@ def allan_record(curves: dict[str, AllanDeviation]) -> dict[str, Any]:
             "random_walk": a.random_walk,
             "bias_instability": a.bias_instability,
             "bias_time": a.bias_time,
+            "rate_random_walk": a.rate_random_walk,
+            "bands": {k: [low, high if high < float("inf") else None] for k, (low, high) in a.bands.items()},
             "bias_resolved": a.resolved,
             "flicker": a.floor,
             "floor_time": a.floor_time,
@@ -61,6 +63,7 @@ def allan_record(curves: dict[str, AllanDeviation]) -> dict[str, Any]:
             "mean": a.mean,
             "taus": a.taus,
             "deviation": a.deviation,
+            "deviation_band": a.band,
         }
         for name, a in curves.items()
     }

@@ -51,11 +51,12 @@ class Start(_Section):
 class Faults(_Section):
     """What else a sensor's column shows.
 
-    ``period`` [s] of a sensor slower than the log, whose value is held in between; the share of samples lost in ``drop_outs`` of
+    ``period`` [s] of a sensor slower than the log, whose value is held in between, or with ``hold = false`` missing; the share of samples lost in ``drop_outs`` of
     mean length ``drop_out_time`` [s]; the share of ``outliers``, of rms ``outlier_size`` in the channel's unit.
     """
 
     period: Positive | None = None
+    hold: bool = True
     drop_outs: Share = 0.0
     drop_out_time: Positive = 1.0
     outliers: Share = 0.0

@@ -11,13 +11,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import norm
 
+from ivsid.derivatives import with_accelerations
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
+from ivsid.log.angles import unwrapped
+from ivsid.origin import at_origin
 from ivsid.pose import with_velocities
+from ivsid.smoothing import splined
 from ivsid.vehicle import InertialSensor, Sensors, Vehicle, VelocitySensor
 
 DEFAULT_CONFIDENCE: Final = 0.999
+# What a velocity sensor with a scale factor error shows.
+VELOCITIES: Final = ("u", "v", "velocity_north", "velocity_east")
 # Relative slack that covers the float evaluation of half-widths and quantiles.
 ROUNDING: Final = 1e-9
 
@@ -66,6 +72,7 @@ class BoundedLog:
         present: where each channel has a sample.
         rule: how noise was turned into bounds.
         ambient: half-widths (force [N], moment [N m]) of the force that nobody models.
+        statistical: what is an estimate and no bound; nothing that rests on it is guaranteed.
     """
 
     log: Log
@@ -73,6 +80,7 @@ class BoundedLog:
     present: Mapping[str, NDArray[np.bool_]]
     rule: Rule
     ambient: tuple[float, float]
+    statistical: tuple[str, ...] = ()
 
 
 def sigma_published(n: float, b: float, dt: float, t: float) -> float:
@@ -142,20 +150,26 @@ def rule_for(sensors: Sensors, errors: int) -> Rule:
     return Rule(k * (1 + ROUNDING), confidence, errors)
 
 
-def bound_log(log: Log, vehicle: Vehicle) -> BoundedLog:
+def bound_log(log: Log, vehicle: Vehicle, windows: int = 1) -> BoundedLog:
     """Encloses every channel of the log that the vehicle file bounds.
+
+    Args:
+        log: the checked log.
+        vehicle: its sensors and ambient force.
+        windows: how many lengths of window rows will have: the mean of an ambient force over each is one more error a sample.
 
     Raises:
         IvsidError: a sensor section is missing for a logged channel, or samples are averaged.
     """
     sensors = vehicle.sensors
+    _certain_turns(log, sensors)
     channels = body_velocities(log, sensors) if log.derived else {}
-    log, enclosed = with_velocities(log, sensors)
+    log, enclosed, statistical = velocities_of(log, sensors)
     channels |= enclosed
     sections = _inertial(log, sensors)
     # A channel that came from a clock of its own may have more samples than the log has rows, and closer ones.
     most = max([log.t.size, *(c.samples for c in log.clocks.values())])
-    rule = rule_for(sensors, count_errors(most, sections.values(), vehicle))
+    rule = rule_for(sensors, count_errors(most, sections.values(), vehicle, windows))
     duration = float(log.t[-1] - log.t[0])
     interval = _sampling_interval(log)
     radii: dict[str, float | NDArray[np.float64]] = {
@@ -171,8 +185,10 @@ def bound_log(log: Log, vehicle: Vehicle) -> BoundedLog:
         if name in log.derived:
             continue
         there = ~np.isnan(values)
+        if name == "r" and sensors.yaw_rate is not None and sensors.yaw_rate.sampling == "averaged":
+            radii[name] = radii[name] + _since_average(log, sensors)
         filled = np.where(there, values, 0.0)
-        reading = IntervalArray.around(filled, log.error(name))
+        reading = IntervalArray.around(filled, _reading_error(log, name, sensors))
         if name in radii:
             # The decimals of a bound are rounded to a double, too: the next one up holds them.
             radius = np.nextafter(radii[name], np.inf)
@@ -183,24 +199,85 @@ def bound_log(log: Log, vehicle: Vehicle) -> BoundedLog:
             continue
         lower, upper = np.where(there, bounded.lower, -np.inf), np.where(there, bounded.upper, np.inf)
         channels[name], present[name] = IntervalArray(lower, upper), there
+    _set_averages_apart(channels, present, sensors)
+    if "psi" in log.columns and sensors.heading is not None:
+        channels["psi"], present["psi"] = _heading(log, sensors.heading.accuracy)
+    log, channels, present = at_origin(log, channels, present, sensors)
+    log, rates = with_accelerations(log, channels, sensors)
+    channels |= rates
+    present |= {name: np.isfinite(x.lower) for name, x in rates.items()}
     ambient = (0.0, 0.0)
     if vehicle.ambient is not None:
         k = rule.sigmas * (1 + ROUNDING)
         ambient = (k * vehicle.ambient.force, k * vehicle.ambient.moment)
-    return BoundedLog(log, channels, present, rule, ambient)
+    return BoundedLog(log, channels, present, rule, ambient, statistical)
 
 
-def count_errors(n: int, sensors: Iterable[tuple[InertialSensor, int]], vehicle: Vehicle) -> int:
+def _set_averages_apart(
+    channels: dict[str, IntervalArray], present: dict[str, NDArray[np.bool_]], sensors: Sensors
+) -> None:
+    """An averaging accelerometer reads no moment: under another name, so that only rows over whole steps use it."""
+    if sensors.acceleration is None or sensors.acceleration.sampling != "averaged":
+        return
+    if moments := [n for n in ("udot", "vdot") if n in channels]:
+        raise IvsidError(
+            f'sampling = "averaged" of [sensors.acceleration] is about ax and ay, and the log has {" and ".join(moments)}; give ax and ay, '
+            "or leave these columns out: their means are differences of the velocities"
+        )
+    for name in ("ax", "ay"):
+        if name in channels:
+            channels[f"mean_{name}"], present[f"mean_{name}"] = channels.pop(name), present.pop(name)
+
+
+def _heading(log: Log, accuracy: float) -> tuple[IntervalArray, NDArray[np.bool_]]:
+    """The heading [rad], without jumps of whole turns."""
+    psi = log.columns["psi"]
+    there = ~np.isnan(psi)
+    turned, lost = np.zeros(psi.shape), log.error("psi")
+    turned[there], more = unwrapped(psi[there])
+    lost[there] += more
+    reach = np.nextafter(accuracy, np.inf)
+    around = IntervalArray.around(turned, lost) + IntervalArray(-reach, reach)
+    return IntervalArray(np.where(there, around.lower, -np.inf), np.where(there, around.upper, np.inf)), there
+
+
+def velocities_of(log: Log, sensors: Sensors) -> tuple[Log, dict[str, IntervalArray], tuple[str, ...]]:
+    """The velocities that the log lacks, from its pose; and what about them is no bound."""
+    if sensors.from_pose == "spline":
+        return splined(log, sensors)
+    return (*with_velocities(log, sensors), ())
+
+
+def _since_average(log: Log, sensors: Sensors) -> NDArray[np.float64]:
+    """How far a yaw rate may have moved from its mean over the sample before, |rdot| h / 2 [rad/s]."""
+    limit = sensors.limits.yaw_acceleration
+    if limit is None:
+        raise IvsidError(
+            'sampling = "averaged" of [sensors.yaw_rate] needs [sensors.limits] yaw_acceleration: it bounds how far r moves from its '
+            "mean; state it, or log instantaneous samples"
+        )
+    if "r" in {*log.clocks, *log.by_rate}:
+        raise IvsidError(
+            f'{log.name}: r stands on another clock than the rows, where sampling = "averaged" of [sensors.yaw_rate] does not say what a '
+            "reading averages; make it the clock of the rows ([log] base), or log instantaneous samples"
+        )
+    steps = np.diff(log.t)
+    before = np.r_[steps.max(), steps] + 2 * log.time_error
+    moved: NDArray[np.float64] = np.nextafter(0.5 * limit * before * (1 + ROUNDING), np.inf)
+    return moved
+
+
+def count_errors(n: int, sensors: Iterable[tuple[InertialSensor, int]], vehicle: Vehicle, windows: int = 1) -> int:
     """Errors that the union bound covers in a log of n samples, for each inertial channel's sensor and axis.
 
     Each sample of white noise and of bias counts once; a rate random walk counts as four; ambient force counts at each sample
-    and once more for its mean over the window that starts there.
+    and once more for its mean over each window that starts there.
     """
     count = 0
     for sensor, axis in sensors:
         count += n * (_walk(sensor, axis) > 0) + n * (sensor.axis(axis)[0] > 0) + 4 * (sensor.rate_random_walk > 0)
     if vehicle.ambient is not None:
-        count += 2 * n * (2 * (vehicle.ambient.force > 0) + (vehicle.ambient.moment > 0))
+        count += (1 + windows) * n * (2 * (vehicle.ambient.force > 0) + (vehicle.ambient.moment > 0))
     return int(count)
 
 
@@ -212,12 +289,6 @@ def _inertial(log: Log, sensors: Sensors) -> dict[str, tuple[InertialSensor, int
             sections[name] = (sensors.acceleration, axis)
     if "r" in log.columns and "r" not in log.derived and sensors.yaw_rate is not None:
         sections["r"] = (sensors.yaw_rate, 0)
-    for name, (sensor, _) in sections.items():
-        if sensor.sampling == "averaged":
-            raise IvsidError(
-                f"sampling = 'averaged' of the sensor behind {name} is not supported yet; log instantaneous samples, or leave "
-                "the column out and let the rates be enclosed from velocities"
-            )
     return sections
 
 
@@ -235,7 +306,10 @@ def body_velocities(log: Log, sensors: Sensors) -> dict[str, IntervalArray]:
     parts = ("velocity_north", "velocity_east", "psi")
     there = np.all([np.isfinite(log.columns[c]) for c in parts], axis=0)
     north, east, psi = (
-        IntervalArray.around(np.where(there, log.columns[c], 0.0), np.where(there, log.error(c), 0.0)) for c in parts
+        IntervalArray.around(
+            np.where(there, log.columns[c], 0.0), np.where(there, _reading_error(log, c, sensors), 0.0)
+        )
+        for c in parts
     )
     accuracy = np.nextafter(sensors.heading.accuracy, np.inf)
     heading = psi + IntervalArray(-accuracy, accuracy)
@@ -246,6 +320,32 @@ def body_velocities(log: Log, sensors: Sensors) -> dict[str, IntervalArray]:
         name: IntervalArray(np.where(there, x.lower, -np.inf), np.where(there, x.upper, np.inf))
         for name, x in bodies.items()
     }
+
+
+def _certain_turns(log: Log, sensors: Sensors) -> None:
+    """Refuses a heading that was followed through whole turns with too large an error to be sure of the way round."""
+    most = log.certain.get("psi")
+    if most is not None and sensors.heading is not None and sensors.heading.accuracy >= most:
+        raise IvsidError(
+            f"{log.name}: with [sensors.heading] accuracy = {sensors.heading.accuracy:g} rad the way round from one sample of psi to the "
+            f"next is not certain (below {max(most, 0.0):.3g} rad it is); state a smaller [log] rates psi, or log psi more often"
+        )
+
+
+def _reading_error(log: Log, name: str, sensors: Sensors) -> NDArray[np.float64]:
+    """How far a reading may be from what the sensor would show.
+
+    Where a stated rate says how far the velocity itself can have moved, the sensor's scale factor makes that larger.
+    """
+    error = log.error(name)
+    if (
+        name not in log.by_rate
+        or name not in VELOCITIES
+        or sensors.velocity is None
+        or sensors.velocity.scale_factor_sign < 0
+    ):
+        return error
+    return error * (1 + sensors.velocity.scale_factor_error) * (1 + ROUNDING)
 
 
 def _own_interval(log: Log, name: str, rows: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""Demand to thrust: tables (monotone), polynomials, gains, each with a bound on its error (paper eq. 18-20, Table III)."""
+"""Demand to thrust: tables (monotone), polynomials, gains, each with a bound on its error (paper eq. 18-20)."""
 
 from __future__ import annotations
 
@@ -16,28 +16,6 @@ from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
 from ivsid.vehicle import Thruster, Vehicle
 
-# Table III of the paper: demand [%] and average thrust [N]; and the coefficients printed below eq. 18, highest first.
-TABLE_III: Final = (
-    (15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0, 85.0),
-    (
-        4.654,
-        6.297,
-        8.204,
-        10.407,
-        12.325,
-        14.463,
-        17.347,
-        19.526,
-        24.024,
-        33.221,
-        40.725,
-        54.319,
-        59.243,
-        72.768,
-        78.924,
-    ),
-)
-PUBLISHED_CUBIC: Final = (0.0003, -0.015, 0.6008, -1.0902)
 # Interpolation in floats is good to about 1e-14 of the table's largest thrust.
 ROUNDING: Final = 1e-12
 
@@ -139,15 +117,39 @@ class ThrustCurve:
         """
         d = np.asarray(demand, dtype=np.float64)
         low, high = self.range
-        outside = (d < low) | (d > high)
-        if outside.any() and self.thruster.outside != "hold":
-            what = "demand_range" if self.thruster.table is None else "table"
-            raise IvsidError(
-                f"demand {d[outside].flat[0]:g} of thruster {self.thruster.name} lies outside its {what} ({low:g} to {high:g}); "
-                f'extend the {what}, or set outside = "hold" to keep its end values'
-            )
+        self._refuse(d, (d < low) | (d > high))
         from_neutral = np.clip(d, low, high) - self.thruster.neutral
         return self._claimed(from_neutral, self._curve(from_neutral))
+
+    def _refuse(self, demand: NDArray[np.float64], outside: NDArray[np.bool_]) -> None:
+        if self.thruster.outside != "hold" and outside.any():
+            low, high = self.range
+            what = "demand_range" if self.thruster.table is None else "table"
+            raise IvsidError(
+                f"demand {demand[outside].flat[0]:g} of thruster {self.thruster.name} lies outside its {what} ({low:g} to {high:g}); "
+                f'extend the {what}, or set outside = "hold" to keep its end values'
+            )
+
+    def inside(
+        self, least: NDArray[np.float64], most: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Ranges of demands from ``least`` to ``most``, with what lies outside the curve held at its ends.
+
+        Raises:
+            IvsidError: a demand that may lie outside the curve by more than the rounding of decimals, unless ``outside = "hold"``.
+        """
+        low, high = self.range
+        if not np.isfinite(low) and not np.isfinite(high):
+            return least, most
+        # Both ends are sums of rounded decimals.
+        edge = ROUNDING * max(abs(low), abs(high))
+        self._refuse(least, least < low - edge)
+        self._refuse(most, most > high + edge)
+        below, above = np.nextafter((low, high), -np.inf), np.nextafter((low, high), np.inf)
+        return (
+            np.where(least < low, np.maximum(least, below[0]), np.where(least > high, below[1], least)),
+            np.where(most > high, np.minimum(most, above[1]), np.where(most < low, above[0], most)),
+        )
 
     def interval(self, demand: ArrayLike, to: ArrayLike | None = None, error: ArrayLike = 0.0) -> IntervalArray:
         """Thrust [N] +- (absolute + relative |T|) at each demand, or over all demands from it ``to`` another one.
@@ -162,10 +164,19 @@ class ThrustCurve:
         """
         d = np.asarray(demand, dtype=np.float64)
         other = d if to is None else np.asarray(to, dtype=np.float64)
-        for end in (d, other):
-            self.value(end)  # refuses what lies outside
         reach = np.asarray(error, dtype=np.float64)
-        least, most = np.minimum(d, other) - reach, np.maximum(d, other) + reach
+        least, most = self.inside(np.minimum(d, other) - reach, np.maximum(d, other) + reach)
+        if least.ndim == 1 and least.size > 1:
+            # Demands are held for many rows: each is worked out once, with the same bits.
+            new = np.r_[True, (least[1:] != least[:-1]) | (most[1:] != most[:-1])]
+            first = np.flatnonzero(new)
+            if 2 * first.size < least.size:
+                held = self._with_accuracy(least[first], most[first])
+                times = np.diff(np.r_[first, least.size])
+                return IntervalArray._raw((np.repeat(held.lower, times), np.repeat(held.upper, times)), least.shape)
+        return self._with_accuracy(least, most)
+
+    def _with_accuracy(self, least: NDArray[np.float64], most: NDArray[np.float64]) -> IntervalArray:
         thrust = self._claimed_over(least, most, self._over(least, most))
         accuracy = self.thruster.accuracy
         radius = (accuracy.absolute + accuracy.relative * thrust.magnitude) * (1 + ROUNDING)
@@ -281,100 +292,3 @@ def combine(vehicle: Vehicle, thrusts: Mapping[str, IntervalArray]) -> Generalis
         for k, share in enumerate(directions(thruster)):
             total[k] = total[k] + thrusts[thruster.name] * share
     return GeneralisedForce(*total)
-
-
-@dataclass(frozen=True)
-class Fit:
-    """One candidate for a bollard-pull table.
-
-    Attributes:
-        name: for tables and reports.
-        coefficients: of a polynomial, highest first; empty for the table and the quadratic.
-        predicted: thrust [N] at the table's demands.
-        residual: model minus table [N].
-        quadratic: k ahead and astern of T = k n|n|, for that candidate.
-        neutral: the demand that the curve counts from.
-    """
-
-    name: str
-    coefficients: tuple[float, ...]
-    predicted: NDArray[np.float64]
-    residual: NDArray[np.float64]
-    quadratic: tuple[float, float] | None = None
-    neutral: float = 0.0
-
-    @property
-    def band(self) -> float:
-        """The accuracy [N] that holds every point of the table, rounded up."""
-        return float(np.nextafter(self.largest * (1 + ROUNDING), np.inf)) if self.largest else 0.0
-
-    @property
-    def rms(self) -> float:
-        """Root of the mean squared residual [N]."""
-        return float(np.sqrt(np.mean(self.residual**2)))
-
-    @property
-    def largest(self) -> float:
-        """Largest absolute residual [N]."""
-        return float(np.abs(self.residual).max())
-
-
-@dataclass(frozen=True)
-class Bollard:
-    """A bollard-pull table with its candidate models."""
-
-    demand: NDArray[np.float64]
-    thrust: NDArray[np.float64]
-    fits: tuple[Fit, ...]
-    dead_band: tuple[float, float] | None
-    monotone: bool
-
-    @property
-    def recommended(self) -> Fit:
-        """The table itself; a polynomial only if it misses by less than 1 % of the largest thrust."""
-        limit = 0.01 * float(np.abs(self.thrust).max())
-        polynomials = sorted(
-            (f for f in self.fits if f.coefficients and "least" in f.name), key=lambda f: len(f.coefficients)
-        )
-        good = [f for f in polynomials if f.largest <= limit]
-        return good[0] if good else next(f for f in self.fits if not f.coefficients and f.quadratic is None)
-
-
-def _quadratic(demand: NDArray[np.float64], thrust: NDArray[np.float64]) -> Fit:
-    """Least squares of T = k n|n| with one k ahead and one astern, counted from the middle of the dead band (or from 0)."""
-    zero = demand[np.abs(thrust) <= 1e-9 * np.abs(thrust).max()]
-    neutral = 0.5 * float(zero[0] + zero[-1]) if zero.size > 1 and not zero[0] <= 0 <= zero[-1] else 0.0
-    n = demand - neutral
-    square = n * np.abs(n)
-    k = []
-    for side in (n > 0, n < 0):
-        energy = float(np.sum(square[side] ** 2))
-        k.append(max(float(np.sum(square[side] * thrust[side])) / energy, 0.0) if energy else 0.0)
-    predicted = np.where(n < 0, k[1], k[0]) * square
-    return Fit("quadratic n|n|, ahead and astern", (), predicted, predicted - thrust, (k[0], k[1]), neutral)
-
-
-def examine(
-    demand: NDArray[np.float64], thrust: NDArray[np.float64], published: tuple[float, ...] | None = None
-) -> Bollard:
-    """Fits the published cubic (if given), least-squares polynomials of degree 1 to 5, the quadratic n|n|, and the monotone table.
-
-    Residuals are model minus table: positive where the model promises too much.
-    """
-    if not np.abs(thrust).max() > 0:
-        raise IvsidError("the table has no thrust at all; look at its thrust column and unit")
-    fits = []
-    if published is not None:
-        predicted = np.asarray(np.polyval(published, demand), dtype=np.float64)
-        fits.append(Fit("published cubic", tuple(published), predicted, predicted - thrust))
-    for degree in range(1, min(6, len(demand))):
-        polynomial = np.polynomial.Polynomial.fit(demand, thrust, degree).convert()
-        predicted = np.asarray(polynomial(demand), dtype=np.float64)
-        name = f"least-squares polynomial of degree {degree}"
-        fits.append(Fit(name, tuple(float(c) for c in polynomial.coef[::-1]), predicted, predicted - thrust))
-    fits.append(_quadratic(demand, thrust))
-    predicted = table_curve(demand, thrust)(demand)
-    fits.append(Fit("monotone table (PCHIP)", (), predicted, predicted - thrust))
-    zero = np.flatnonzero(np.abs(thrust) <= 1e-9 * np.abs(thrust).max())
-    band = (float(demand[zero[0]]), float(demand[zero[-1]])) if zero.size > 1 else None
-    return Bollard(demand, thrust, tuple(fits), band, bool((np.diff(thrust) >= 0).all()))

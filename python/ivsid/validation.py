@@ -15,7 +15,7 @@ from ivsid.errors import IvsidError
 from ivsid.identification import Identification
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
-from ivsid.regression_rows import RegressionRows, build_rows
+from ivsid.rows import RegressionRows, build_rows
 from ivsid.sensors import bound_log
 
 VELOCITY_WINDOW: Final = 10.0

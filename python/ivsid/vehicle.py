@@ -15,6 +15,7 @@ from ivsid import units
 from ivsid.actuator import Quadratic, Rudder, expand_units
 from ivsid.errors import IvsidError
 from ivsid.log_map import LogMap
+from ivsid.mount import Mounted
 
 _T = TypeVar("_T", bound=BaseModel)
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -108,7 +109,7 @@ class Thruster(_Section):
         return self
 
 
-class VelocitySensor(_Section):
+class VelocitySensor(Mounted):
     """u, v: ``accuracy`` [m/s] is a bound, ``scale_factor_error`` bounds |s| of a reading (1 + s) times the truth."""
 
     accuracy: NonNegative
@@ -132,9 +133,13 @@ class InertialSensor(_Section):
         return (b[index] if isinstance(b, tuple) else b), (t[index] if isinstance(t, tuple) else t)
 
 
-class AccelerationSensor(InertialSensor):
-    """An accelerometer; ``random_walk`` may be two values [x, y]."""
+class AccelerationSensor(InertialSensor, Mounted):
+    """An accelerometer; ``random_walk`` may be two values [x, y].
 
+    With ``gravity`` the columns ax, ay still hold it: true, or its size [m/s^2]. It is taken away by the attitude.
+    """
+
+    gravity: bool | Positive = False
     random_walk: NonNegative | tuple[NonNegative, NonNegative] = 0.0  # type: ignore[assignment]
 
     def walk(self, index: int) -> float:
@@ -150,14 +155,23 @@ class AccuracySensor(_Section):
 
 
 class Limits(_Section):
-    """What the vessel cannot exceed: ``acceleration`` [m/s^2] and ``yaw_acceleration`` [rad/s^2]."""
+    """What the vessel cannot exceed: ``acceleration`` [m/s^2], ``yaw_acceleration`` [rad/s^2], and how fast both change.
+
+    ``jerk`` [m/s^3] bounds the rates of udot and vdot, ``yaw_jerk`` [rad/s^3] that of rdot: they have none where a thrust jumps.
+    """
 
     acceleration: Positive | None = None
     yaw_acceleration: Positive | None = None
+    jerk: Positive | None = None
+    yaw_jerk: Positive | None = None
 
 
 class Sensors(_Section):
-    """Sensor bounds and the rule that turns noise into bounds: ``confidence`` (default 0.999) or ``sigmas``."""
+    """Sensor bounds and the rule that turns noise into bounds: ``confidence`` (default 0.999) or ``sigmas``.
+
+    ``attitude`` bounds roll and pitch [rad]. ``from_pose`` says how velocities that are not measured come from the pose: enclosed
+    under the stated limits, or by a smoothing spline whose band is calibrated on its residuals and proves nothing.
+    """
 
     confidence: Probability | None = None
     sigmas: Positive | None = None
@@ -166,11 +180,13 @@ class Sensors(_Section):
     yaw_rate: InertialSensor | None = None
     yaw_acceleration: AccuracySensor | None = None
     heading: AccuracySensor | None = None
+    attitude: AccuracySensor | None = None
     position: AccuracySensor | None = None
     wind: AccuracySensor | None = None
     force: AccuracySensor | None = None
     moment: AccuracySensor | None = None
     limits: Limits = Limits()
+    from_pose: Literal["enclosed", "spline"] = "enclosed"
 
     @model_validator(mode="after")
     def _one_rule(self) -> Self:

@@ -8,6 +8,8 @@ import numpy as np
 import polars as pl
 from scipy.io import savemat
 
+from ivsid.log_map import LogMap
+
 N = 200
 T = np.arange(N) * 0.05
 U = 1.0 + 0.3 * np.sin(T)
@@ -139,3 +141,20 @@ FORMATS = {
     "dataflash": (lambda p: dataflash(p / "log.bin"), DATAFLASH_MAP),
     "folder": (lambda p: folder(p / "run"), {}),
 }
+
+
+def log_map(**more):
+    return LogMap.model_validate(more)
+
+
+def two_tables(path, **tables):
+    """A folder with a table of each name."""
+    path.mkdir()
+    for name, columns in tables.items():
+        pl.DataFrame(columns).write_csv(path / f"{name}.csv")
+    return path
+
+
+def rows_at(t):
+    """Rows whose readings do not matter."""
+    return {"t": t, "u": np.ones(t.size), "v": np.zeros(t.size), "r": 0.1 + 0.01 * (np.arange(t.size) % 9)}

@@ -9,12 +9,13 @@ from conftest import as_log, embedded
 from ivsid import IntervalArray, IvsidError, identify, validate
 from ivsid.actuation import nominal_force, pushed
 from ivsid.effects import terms_of
-from ivsid.foil import drag_coefficient, lift_coefficient, lift_slope, rudder_force
-from ivsid.log import Log
-from ivsid.regression_rows import build_rows
-from ivsid.scenario import Start, parse_scenario
+from ivsid.log import Log, Sweep
+from ivsid.rows import build_rows
+from ivsid.scenario import parse_scenario
 from ivsid.sensors import bound_log
 from ivsid.simulation import follow, simulate
+from ivsid.simulation.equations import Plant
+from ivsid.simulation.propulsion import Propulsion, TrueThrust
 from ivsid.thrust import ThrustCurve
 from ivsid.vehicle import Thruster, parse_vehicle
 from test_rows import violated
@@ -78,7 +79,6 @@ VALUES = {
     "drag.sway.quadratic": 150.0,
 }
 POD = '\n[[thrusters]]\nname = "pod"\nposition = [-0.5, 0.0]\ngain = 0.4\ndemand_range = [0, 80]\nsteering = "azimuth"\nsteering_rate = 0.6\n'
-RUDDER = '\n[[thrusters]]\nname = "screw"\nposition = [-0.5, 0.0]\ngain = 0.4\nrudder = { area = 0.02, aspect_ratio = 1.5, position = -0.55, propeller_diameter = 0.12, rate = 0.5 }\n'
 
 
 def vehicle_of(thrusters, sensors=SENSORS):
@@ -146,6 +146,95 @@ def test_a_lag_starts_again_after_a_gap_and_a_missing_demand():
     assert X[150].width < 0.1 * full.width[0] and not push.present[201]
 
 
+@pytest.mark.parametrize("lag", ["thrust", "demand"])
+@pytest.mark.parametrize(
+    ("demand", "curve"),
+    [
+        (50.0, {"gain": 1.0, "demand_range": (20, 100)}),
+        (50.0, {"table": {"demand": [20, 100], "thrust": [0.0, 80.0]}}),
+        (-50.0, {"table": {"demand": [-100, -20], "thrust": [-100.0, -20.0]}}),
+        (150.0, {"gain": 1.0, "demand_range": (20, 100), "outside": "hold"}),
+        (1650.0, {"gain": 0.1, "demand_range": (20, 400), "neutral": 1500.0}),
+    ],
+)
+def test_a_lagging_thruster_may_be_at_rest_before_the_log(lag, demand, curve):
+    thruster = Thruster.model_validate({"name": "a", "time_constant": 0.5, "lag": lag, **curve})
+    t = np.arange(0, 3, 0.1)
+    X = pushed(thruster, Log("x", "", t, {"demand_a": np.full(t.size, demand)}), held=True)
+    low, high = ThrustCurve(thruster).range
+    goal = min(max(demand, low), high)
+    if lag == "thrust":
+        truth = float(ThrustCurve(thruster).value(goal)) * (1 - np.exp(-t / 0.5))
+        known = np.ones(t.size, dtype=bool)
+    else:
+        shaft = thruster.neutral + (goal - thruster.neutral) * (1 - np.exp(-t / 0.5))
+        known = (shaft >= low) & (shaft <= high)
+        truth = np.where(known, ThrustCurve(thruster).value(np.clip(shaft, low, high)), 0.0)
+    assert X.at_rows[0].contains(truth).all() and known.any()
+    assert X.at_rows[0].width[-1] < 1 and any("before the log it was at rest" in a for a in X.assumes)
+
+
+def test_a_shaft_is_not_followed_to_a_demand_outside_its_curve():
+    thruster = Thruster(name="a", gain=1.0, demand_range=(-100, 100), time_constant=0.5, lag="demand")
+    log = Log("x", "", np.arange(0, 3, 0.1), {"demand_a": np.full(30, 150.0)})
+    with pytest.raises(IvsidError, match="demand 150 of thruster a lies outside its demand_range"):
+        pushed(thruster, log, held=True)
+
+
+def azimuth_log(t, angle, over=None, demand=10.0):
+    sweeps = {} if over is None else {"azimuth_a": Sweep(*over, "azimuth_a never changes faster than 0.5 a second")}
+    return Log("x", "", t, {"demand_a": np.full(t.size, demand), "azimuth_a": angle}, over=sweeps)
+
+
+def test_an_azimuth_pushes_wherever_it_points_between_the_rows():
+    """An angle that turns on: the exact mean of its force over each step, which no held angle gives."""
+    t, rate = np.arange(0, 5, 0.2), 0.5
+    thruster = Thruster(name="a", gain=1.0, steering="azimuth")
+    over = (rate * t[:-1], rate * t[1:])
+    X, Y, _ = pushed(thruster, azimuth_log(t, rate * t, over), held=True).over_steps
+    turned = rate * t
+    assert X.contains(10 * np.diff(np.sin(turned)) / (rate * 0.2)).all()
+    assert Y.contains(-10 * np.diff(np.cos(turned)) / (rate * 0.2)).all() and X.width.max() < 1.1
+    push = pushed(thruster, azimuth_log(t, rate * t, (np.r_[np.nan, over[0][1:]], over[1])), held=True)
+    assert push.whole is not None and not push.whole[0] and push.whole[1:].all() and push.present.all()
+    assert push.assumes == ("azimuth_a never changes faster than 0.5 a second",)
+    held = pushed(thruster, azimuth_log(t, rate * t), held=True)
+    assert held.assumes == ("azimuth_a holds from each row to the next",)
+
+
+def test_an_azimuth_turns_the_shorter_way_through_half_a_turn():
+    t = np.arange(0, 2, 0.5)
+    angle = 2.8 + 1.3664 * t
+    thruster = Thruster(name="a", gain=1.0, steering="azimuth")
+    wrapped = np.arctan2(np.sin(angle), np.cos(angle))
+    X, Y, _ = pushed(thruster, azimuth_log(t, wrapped), held=False).over_steps
+    for k in range(3):
+        fine = np.linspace(angle[k], angle[k + 1], 1001)
+        assert X[k].contains(10 * np.cos(fine).mean()) and Y[k].contains(10 * np.sin(fine).mean())
+    assert X.width.max() < 7
+    # Half a turn from row to row may go either way round.
+    X, Y, _ = pushed(thruster, azimuth_log(t, np.array([0.0, np.pi, 0.0, 0.1])), held=False).over_steps
+    assert (Y.lower[:2] <= -10).all() and (Y.upper[:2] >= 10).all() and Y[2].width < 1.1
+
+
+@pytest.mark.parametrize(
+    "claims", [{}, {"reverse_factor": 1.4}, {"reverse_factor": 0.7, "limit": 20.0, "dead_band": 10.0}]
+)
+def test_the_true_thrust_stays_inside_what_the_file_claims_of_its_error(claims):
+    text = {"name": "a", "gain": 0.5, "demand_range": (-100, 100), "accuracy": {"absolute": 2.0, "relative": 0.05}}
+    thruster = Thruster.model_validate({**text, **claims})
+    vehicle = parse_vehicle(HULL, "boat.toml").model_copy(update={"thrusters": (thruster,)})
+    demand = np.linspace(-100, 100, 101)
+    bounds = ThrustCurve(thruster).interval(demand)
+    most = 0.0
+    for seed in range(40):
+        moving = Propulsion(Plant(vehicle, (), {}, ()), [TrueThrust(thruster, np.random.default_rng(seed))])
+        thrust = np.array([moving._thrust(0, float(d), 0.0) for d in demand])
+        assert bounds.contains(thrust).all()
+        most = max(most, float(np.abs(thrust - ThrustCurve(thruster).value(demand)).max()))
+    assert most > 2.0
+
+
 def test_an_advance_loss_left_out_is_falsified_and_needs_its_limits():
     tight = PAIR.replace("0.2, relative = 0.02", "0.02, relative = 0.002")
     vehicle, without = vehicle_of(tight.format("advance_loss = 0.2")), vehicle_of(tight.format(""))
@@ -189,50 +278,6 @@ def test_an_azimuth_thruster_pushes_where_its_column_points(demand):
     del made.columns["azimuth_pod"]
     with pytest.raises(IvsidError, match="no column azimuth_pod.*direction of thruster pod"):
         identify(vehicle, as_log(made))
-
-
-def test_a_rudder_turns_the_vehicle_and_is_not_identified_in_silence():
-    vehicle = vehicle_of(RUDDER)
-    made = simulate(vehicle, scenario_of(), 3)
-    assert "rudder_screw" in made.columns and np.abs(made.columns["rudder_screw"]).max() == pytest.approx(0.3)
-    with pytest.raises(IvsidError, match="screw has a rudder.*not yet identified"):
-        identify(vehicle, as_log(made))
-    t = np.arange(200) * 0.05
-    angles = {"screw": np.full(200, 0.3)}
-    turning = follow(vehicle, VALUES, t, {"screw": np.full(200, 50.0)}, Start(u=0.8), angles)
-    assert turning["rdot"][0] > 0 > turning["vdot"][0], "trailing edge to starboard: bow to starboard, stern to port"
-
-
-def test_a_foil_lifts_stalls_and_drags():
-    slope = lift_slope(1.5)
-    assert lift_slope(1e6) == pytest.approx(2 * np.pi, rel=1e-5)
-    a = np.linspace(-np.pi, np.pi, 2001)
-    lift, drag = lift_coefficient(a, slope, 0.6), drag_coefficient(a, slope, 0.6, 0.02, 1.5)
-    assert np.abs(np.diff(lift)).max() < 0.02 and np.abs(np.diff(drag)).max() < 0.02, "no jump at the stall"
-    assert np.abs(a[np.argmax(lift[(a > 0) & (a < 1.5)]) + np.argmax(a > 0)]) == pytest.approx(0.6, abs=0.05)
-    assert lift_coefficient(np.pi / 2, slope, 0.6) == pytest.approx(0, abs=1e-12) and drag.min() == pytest.approx(0.02)
-    np.testing.assert_allclose(lift, -lift[::-1], atol=1e-12)
-    rudder = Thruster.model_validate(
-        {
-            "name": "r",
-            "gain": 1.0,
-            "rudder": {"area": 0.02, "aspect_ratio": 1.5, "position": -0.5, "propeller_diameter": 0.12},
-        }
-    ).rudder
-    # A blade amidships only brakes; in drift it steadies; the slipstream of the propeller adds 2 T / (rho A) to the square.
-    x, y, n = rudder_force(rudder, 0.0, 0.0, 1.0, 0.0, 0.0)
-    assert x < 0 and y == n == 0
-    _, y, n = rudder_force(rudder, 0.0, 0.0, 1.0, 0.2, 0.0)
-    assert y < 0 < n
-    disc = np.pi * 0.12**2 / 4
-    ahead = rudder_force(rudder, 0.2, 10.0, 0.0, 0.0, 0.0)[1]
-    assert ahead == pytest.approx(rudder_force(rudder, 0.2, 0.0, np.sqrt(20 / (1025 * disc)), 0.0, 0.0)[1])
-    assert rudder_force(rudder, 0.2, -10.0, 0.0, 0.0, 0.0)[1] == 0
-    # Energy: without thrust no angle and no motion lets the blade give energy to the hull.
-    rng = np.random.default_rng(0)
-    u, v, r, d = rng.uniform(-1, 1, (4, 1000))
-    x, y, n = rudder_force(rudder, d, np.zeros(1000), u, v, r)
-    assert (x * u + y * v + n * r <= 1e-12).all()
 
 
 def test_a_voith_schneider_unit_is_two_thrusters():
@@ -295,3 +340,21 @@ def test_shipped_vehicles_hold_their_own_truth(name):
     assert np.abs(made.exact["rdot"]).max() < limits.yaw_acceleration
     rows = build_rows(bound_log(as_log(made), vehicle), vehicle, terms_of(vehicle))
     assert set(rows.channel) == {0, 1, 2} and violated(rows, scenario.truth) == 0
+
+
+def test_a_lagging_thrust_that_turns_within_a_step_is_bounded_by_all_its_values():
+    """The mean of T cos a is not the mean of T times a cosine where T changes its sign on the way."""
+    unit = 'name = "p"\ngain = 1.0\ndemand_range = [-10, 10]\ntime_constant = 0.4\nsteering = "azimuth"\n'
+    vehicle = parse_vehicle(f'name = "a"\n[hull]\nmass = 3\n[[thrusters]]\n{unit}', "a.toml")
+    demand, t = np.array([10.0, -10.0, 10.0, -10.0, 10.0]), np.arange(5.0)
+    turning = Sweep(np.zeros(4), np.full(4, np.pi), "it turns")
+    columns = {"demand_p": demand, "azimuth_p": np.zeros(5)}
+    log = Log("a.csv", "", t, columns, over={"azimuth_p": turning})
+    found = pushed(vehicle.thrusters[0], log, held=True).over_steps[0]
+    s = (np.arange(20000) + 0.5) / 20000
+    thrust = 0.0
+    for k in range(4):
+        inside = demand[k] + (thrust - demand[k]) * np.exp(-s / 0.4)
+        mean = float(np.mean(inside * np.cos(np.pi * s)))
+        assert found.lower[k] <= mean <= found.upper[k]
+        thrust = demand[k] + (thrust - demand[k]) * np.exp(-1 / 0.4)

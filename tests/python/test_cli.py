@@ -187,23 +187,30 @@ def test_more_bad_input(folder):
     refused(run("thrust", folder / "dead.csv", "--out", out), out, "no thrust at all")
     scenario = embedded("swan_train.toml").replace('"mass.surge" = 60.45', '"mass.surge" = -5', 1)
     (folder / "negative.toml").write_text(scenario)
-    refused(run("simulate", swan, folder / "negative.toml", "--out", out), out, "grows without bound")
+    # The mass matrix says it before the motion does.
+    refused(run("simulate", swan, folder / "negative.toml", "--out", out), out, "not positive definite")
 
 
 def test_a_hidden_effect_is_named_in_the_truth_alone(folder):
-    drawn = set()
+    drawn, seeds = set(), set()
     for seed in range(6):
         out = folder / f"hidden{seed}"
         made = run("simulate", folder / "swan.toml", folder / "scenario.toml", "--hide", seed, "--out", out)
         assert made.returncode == 0, made.stderr
-        effects = json.loads((out / "truth.json").read_text())["effects"]
-        drawn |= set(effects) or {"none"}
-        for name in effects:
+        # The truth stands in a folder of its own, the seed of the noise in the truth alone.
+        told = json.loads((folder / f"hidden{seed}-truth" / "truth.json").read_text())
+        drawn |= set(told["effects"]) or {"none"}
+        assert not (out / "truth.json").exists() and json.loads((out / "result.json").read_text())["seed"] is None
+        for word in (*told["effects"], str(told["seed"])):
             for path in out.iterdir():
-                if path.name != "truth.json":
-                    assert name.encode() not in path.read_bytes(), path.name
-            assert name not in made.stdout
-    assert len(drawn) > 2
+                assert word.encode() not in path.read_bytes(), path.name
+            assert word not in made.stdout
+        seeds.add(told["seed"])
+    assert len(drawn) > 2 and len(seeds) == 6
+    place = folder / "elsewhere" / "known.json"
+    made = run("simulate", folder / "swan.toml", folder / "scenario.toml", "--truth", place, "--out", folder / "plain")
+    assert made.returncode == 0 and json.loads(place.read_text())["effects"] == {}
+    assert (folder / "plain" / "log.csv").exists() and not (folder / "plain" / "truth.json").exists()
     refused(
         run(
             "simulate",

@@ -18,6 +18,8 @@ def test_feasible_is_guaranteed_and_holds_the_truth(made):
     fits = {f["method"]: f for f in record["identifications"]}
     assert set(fits) == {
         "feasible",
+        "qr",
+        "augmented",
         "exact",
         "hansen-bliek-rohn",
         "krawczyk",
@@ -42,6 +44,8 @@ def test_what_the_published_inverse_is_worth(made):
     assert worth["published"]["enclosed_entries"] == worth["published-hull"]["enclosed_entries"] == 0
     widths = worth["width_over_feasible"]
     assert max(widths["published"].values()) > 10
+    # Least-squares sets: the augmented system of a trial is too large, the other is never narrower than the feasible set.
+    assert "augmented" not in widths and all(w >= 1 for w in widths.pop("qr", {}).values())
     # The surge block's A'A holds both signs off its diagonal: Kuttler's condition holds for the yaw block alone.
     assert set(widths.pop("kuttler")) == {"inertia.yaw"}
     assert all(max(w.values()) > 10 for w in widths.values())

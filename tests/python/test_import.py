@@ -84,6 +84,39 @@ def test_cse1_runs_identify_from_their_cameras(sets):
     assert plain.status == "empty" and plain.guaranteed and plain.inflation > 1
 
 
+@pytest.mark.slow
+def test_rows_from_the_pose_itself_say_more_of_cse1(sets):
+    """Damping in yaw within a factor of three, where velocities gave sixteen; the towing tank's drag is not contradicted."""
+    from ivsid import IntervalArray, identify, regression
+    from ivsid.effects import terms_of
+    from ivsid.rows import build_rows
+    from ivsid.sensors import bound_log
+
+    out, record = sets("cse1", "cse1")
+    vehicle = read_vehicle(out / "cse1.toml")
+    log = read_log(out / "random_run1.csv", vehicle.log)
+    yaw = vehicle.model_copy(
+        update={"model": vehicle.model.model_copy(update={"terms": ("inertia.yaw", "drag.yaw.linear")})}
+    )
+    fit = identify(yaw, log, rows="weak", window=3.0)
+    assert fit.status == "enclosed" and fit.guaranteed and fit.inflation < 1
+    p = fit.parameters["drag.yaw.linear"]
+    assert p.lower > 0 and p.upper < 3 * p.lower
+    terms = terms_of(vehicle)
+    rows = build_rows(bound_log(log, vehicle), vehicle, terms, kind="weak", window=6.0)
+    ids, surge = [t.id for t in terms], rows.channel == 0
+    tank = record["facts"]["towing"]
+    held = [ids.index("drag.surge.linear"), ids.index("drag.surge.quadratic")]
+    inflation = []
+    for factor in (0.0, 1.0, 4.0):
+        drag = IntervalArray(np.array([-tank["linear"], -tank["quadratic"]]) * factor)
+        right = rows.right[surge] - (rows.matrix[surge][:, held] * drag).sum(axis=1)
+        found = regression.feasible_set(rows.matrix[surge][:, [ids.index("mass.surge"), ids.index("mass.sway")]], right)
+        assert found.status != "empty"
+        inflation.append(found.inflation)
+    assert inflation[1] < 0.7 * min(inflation[0], inflation[2])
+
+
 def test_a_glimpse_of_something_else_is_found_by_the_limits(real):
     """In random_run1 the pose between two drop-outs at 264.75 s belongs to something else: no vessel within the limits moves so."""
     from scipy.io import loadmat

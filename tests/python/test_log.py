@@ -7,6 +7,7 @@ import polars as pl
 import pytest
 
 from ivsid import IvsidError, read_log
+from ivsid.log.quality import without_held
 from ivsid.vehicle import LogMap
 
 GOOD = "t,u,v,r,other\n0,1,0,0,x\n0.1,1.1,0,0.01,y\n0.2,1.2,nan,0.02,z\n0.3,1.3,,0.03,z\n"
@@ -136,3 +137,46 @@ def test_a_coarse_channel_that_is_alive_is_kept(tmp_path):
 def test_a_time_column_with_a_unit_belongs_under_time(tmp_path):
     with pytest.raises(IvsidError, match="write time ="):
         read_log(written(tmp_path, GOOD), LogMap.model_validate({"columns": {"t": {"from": "t", "unit": "ms"}}}))
+
+
+def slower(sensor_rate, log_rate=6.0, seconds=60.0):
+    """The moment of the last reading at each row."""
+    return np.floor(np.arange(0, seconds, 1 / log_rate) * sensor_rate + 1e-9) / sensor_rate
+
+
+@pytest.mark.parametrize("fault", ["rest", "lost", "none"])
+def test_a_slower_sensor_is_recognised_with_a_lost_reading_or_at_rest(fault):
+    moment = slower(5.0)
+    moment = np.where((moment > 20) & (moment < 20.7), 20.0, moment) if fault == "lost" else moment
+    u = 0.5 * np.sin(0.5 * moment)
+    u = np.where((moment > 20) & (moment < 22), 0.0, u) if fault == "rest" else u
+    kept, repeats, note = without_held("u", u)
+    assert repeats == (np.diff(u) == 0).sum() > 55 and np.isnan(kept).sum() == repeats and note
+
+
+@pytest.mark.parametrize("chance", [0.02, 0.1, 0.2, 0.3, 0.4])
+def test_a_live_channel_that_repeats_by_chance_keeps_its_values(chance):
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        u = np.cumsum(rng.uniform(size=600) > chance).astype(float)
+        if np.unique(np.diff(np.flatnonzero(np.r_[1.0, np.diff(u)]))).size > 2:
+            assert without_held("u", u)[1] == 0
+
+
+def test_what_held_values_rest_on_is_said(tmp_path):
+    moment = slower(2.0)
+    frame = pl.DataFrame({"t": np.arange(moment.size) / 6, "u": np.sin(moment), "v": np.cos(np.arange(moment.size))})
+    frame.write_csv(tmp_path / "log.csv")
+    assert read_log(tmp_path / "log.csv").assumes == ("the first of equal values of u is a measurement at its row",)
+
+
+def test_a_header_of_letters_without_names_is_text(tmp_path):
+    (tmp_path / "log.csv").write_text(
+        "t,u,\ud7fc\ud7fc\U00011daa\U0001342f\U00018cd6\n0,1,0\n1,2,0\n2,1,0\n", encoding="utf-8"
+    )
+    log = read_log(tmp_path / "log.csv")
+    assert log.ignored == ("\ud7fc\ud7fc\U00011daa\U0001342f\U00018cd6",) and log.columns["u"].tolist() == [
+        1.0,
+        2.0,
+        1.0,
+    ]

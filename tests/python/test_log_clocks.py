@@ -1,5 +1,8 @@
 """Several clocks and rates on one: what is interpolated holds the truth, and what has no stated bound stays missing."""
 
+import itertools
+from fractions import Fraction
+
 import numpy as np
 import polars as pl
 import pytest
@@ -9,7 +12,8 @@ from hypothesis import strategies as st
 from ivsid import IvsidError, identify, read_log
 from ivsid.log.clocks import between, held
 from ivsid.sensors import bound_log
-from ivsid.vehicle import LogMap, parse_vehicle
+from ivsid.vehicle import parse_vehicle
+from log_files import log_map, rows_at, two_tables
 
 RATE = 0.9
 
@@ -27,10 +31,6 @@ def folder(path, step=0.2, delay=0.013, seconds=20.0):
     pl.DataFrame({"t": slow, "u": truth_u(slow), "v": 0.1 * truth_u(slow)}).write_csv(path / "dvl.csv")
     pl.DataFrame({"t": when, "demand_port": [20.0, 40.0, 25.0, 60.0, 10.0]}).write_csv(path / "port.csv")
     return path
-
-
-def log_map(**more):
-    return LogMap.model_validate(more)
 
 
 def test_between_samples_the_truth_is_inside_and_the_bound_is_stated(tmp_path):
@@ -107,20 +107,26 @@ def test_held_and_between_hold_every_truth(data):
             assert np.isnan(middle[k])
             continue
         if np.isnan(middle[k]):
-            assert row > t[-1]
+            # A hole of more than 2.5 usual steps hides what was demanded in it: a row there is missing, which it was not before.
+            longest = 2.5 * np.median(np.diff(t))
+            holes = [(a + longest, b) for a, b in itertools.pairwise(t) if b - a > longest]
+            assert row > t[-1] or any(a < row < b or (row < b and a < end) for a, b in holes)
             continue
         for moment in (row, *[x for x in t if row < x < end]):
             now = values[np.searchsorted(t, moment, side="right") - 1]
             assert middle[k] - off[k] <= now <= middle[k] + off[k]
-    # The fastest way from sample to sample: as slow and as fast as the rate allows.
-    rate = 2.0
-    turns = np.array(data.draw(st.lists(st.sampled_from([-1.0, 1.0, 0.3]), min_size=60, max_size=60)))
-    fine = np.linspace(t[0], t[-1], 61)
-    curve = np.r_[0.0, np.cumsum(turns * rate * np.diff(fine))]
-    samples = np.interp(t, fine, curve)
+    # The fastest way from sample to sample: as slow and as fast as the rate allows, in multiples of a power of two.
+    t = np.cumsum(data.draw(st.lists(st.integers(1, 64), min_size=3, max_size=20))) / 64
+    rate, fine = 2.0, np.arange(0, 64 * t[-1] + 1) / 64
+    turns = data.draw(st.lists(st.sampled_from([-1.0, 1.0, 0.25]), min_size=fine.size - 1, max_size=fine.size - 1))
+    curve = np.r_[0.0, np.cumsum(np.array(turns) * rate / 64)]
+    samples = curve[np.searchsorted(fine, t)]
     line, reach = between(rows, t, samples, np.zeros(t.size), rate, 0.0)
-    there = np.isfinite(line)
-    assert (np.abs(line - np.interp(rows, fine, curve))[there] <= reach[there] + 1e-12).all()
+    for row, middle_, off_ in zip(rows, line, reach, strict=True):
+        if np.isfinite(middle_):
+            k = min(int(row * 64), fine.size - 2)
+            truth = Fraction(curve[k]) + Fraction(turns[k]) * 2 * (Fraction(row) - Fraction(fine[k]))
+            assert abs(Fraction(middle_) - truth) <= Fraction(off_)
     assert np.isnan(line[(rows < t[0]) | (rows > t[-1])]).all()
 
 
@@ -241,3 +247,26 @@ def test_two_clocks_identify_the_truth(tmp_path, swan):
         assert p.lower <= made.truth["parameters"][id_] <= p.upper
     assert any("never changes faster than 2.6" in a for a in fit.assumes)
     assert any("clocks dvl/t, imu/t agree exactly" in a for a in fit.assumes)
+
+
+def test_a_heading_whose_way_round_is_not_certain_is_refused(tmp_path):
+    """3 rad between samples and an error of 0.1 rad: 3.2 and -3.08 cannot be told apart."""
+    rate, slow, t = 3.0, np.arange(0, 10, 1.0), np.arange(0.5, 9, 1.0)
+    psi = rate * slow + 0.1 * np.where(np.arange(10) % 2, 1, -1)
+    heading = {"t": slow, "psi": np.arctan2(np.sin(psi), np.cos(psi))}
+    log = read_log(
+        two_tables(tmp_path / "run", rows=rows_at(t), compass=heading), log_map(base="rows", rates={"psi": rate})
+    )
+    text = 'name = "a"\n[hull]\nmass = 1\n[sensors.heading]\naccuracy = {}\n'
+    with pytest.raises(IvsidError, match="the way round from one sample of psi to the next is not certain"):
+        bound_log(log, parse_vehicle(text.format(0.1), "a.toml"))
+    bound_log(log, parse_vehicle(text.format(0.05), "a.toml"))
+
+
+def test_a_hole_in_a_table_of_demands_is_a_gap(tmp_path):
+    t, when = np.arange(0.05, 99, 0.1), np.r_[np.arange(0, 20, 0.1), np.arange(80, 100, 0.1)]
+    demands = {"t": when, "demand_a": 50 + 10 * np.sin(when)}
+    log = read_log(two_tables(tmp_path / "run", rows=rows_at(t), demands=demands), log_map(base="rows"))
+    demand, inside = log.columns["demand_a"], (t > 20.2) & (t < 79.9)
+    assert np.isnan(demand[inside]).all() and np.isfinite(demand[~inside]).mean() > 0.99
+    assert any("demand_a is missing in" in n and "reach into a hole of its samples" in n for n in log.notes)

@@ -140,7 +140,7 @@ def test_heading_from_attitude_against_scipy(tmp_path, frame):
     x, y, z, w = logged.as_quat().T
     log = read_log(written(tmp_path, qw=w, qx=x, qy=y, qz=z), LogMap.model_validate({"frame": frame}))
     off = np.angle(np.exp(1j * (log.columns["psi"] - yaw)))
-    assert (np.abs(off) <= log.error("psi") + 1e-14).all()
+    assert (np.abs(off) <= log.error("psi")).all()
     # The turned quaternion is that of the contract's frames, up to its sign.
     turned = np.c_[[log.columns[q] for q in ("qx", "qy", "qz", "qw")]].T
     assert np.allclose(np.abs(np.sum(turned * body_to_ned.as_quat(), axis=1)), 1.0, atol=1e-12)
@@ -230,3 +230,15 @@ def test_the_angle_of_a_thruster_comes_with_its_demand(tmp_path):
     assert set(log.columns) == {"demand_bow", "azimuth_bow"} and set(log.ignored) == {"rudder_mode", "azimuth_stern"}
     mapped = read_log(path, LogMap.model_validate({"columns": {"rudder_bow": {"from": "azimuth_bow", "unit": "deg"}}}))
     np.testing.assert_allclose(mapped.columns["rudder_bow"], np.radians(np.sin(T)))
+
+
+def test_a_fault_in_a_table_of_a_column_is_named_by_its_key():
+    text = 'name = "a"\n[hull]\nmass = 1\n[log]\ncolumns = {{ u = {} }}\n'
+    with pytest.raises(
+        IvsidError, match=r"log\.columns\.u\.scale = nan is not usable: input should be a finite number"
+    ):
+        parse_vehicle(text.format('{ from = "u", scale = nan }'), "v.toml")
+    with pytest.raises(IvsidError, match=r"log\.columns\.u = 3 is not usable"):
+        parse_vehicle(text.format("3"), "v.toml")
+    with pytest.raises(IvsidError, match="key log.columns.u.form is unknown; did you mean from"):
+        parse_vehicle(text.format('{ from = "u", form = "u" }'), "v.toml")

@@ -9,7 +9,8 @@ from ivsid.scenario import parse_scenario
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 from ivsid.workflow.common import csv as as_csv
-from test_actuators import HULL, PAIR, POD, RUDDER, SENSORS, TRUTH
+from test_actuators import HULL, PAIR, POD, SENSORS, TRUTH
+from test_rudders import RUDDER
 
 POSE = "[sensors.heading]\naccuracy = 0.0\n[sensors.position]\naccuracy = 0.0\n[sensors.yaw_acceleration]\naccuracy = 0.0\n"
 DAMPED = TRUTH + '"drag.yaw.linear" = 6.0\n"drag.sway.linear" = 20.0\n'

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ivsid import IvsidError, identify
-from ivsid.effects import CATALOGUE, CHANNELS, State
+from ivsid.effects import CATALOGUE, CHANNELS, State, on_hull, terms_of
 from ivsid.log import Log
 from ivsid.needs import needed_by
 from ivsid.vehicle import parse_vehicle
@@ -17,7 +17,8 @@ QUANTITIES = ("u", "v", "r", "udot", "vdot", "rdot")
 def test_what_a_term_needs_against_its_own_numbers(id_):
     """A quantity is needed where moving it moves a column; found here by numbers, in the package by names."""
     rng = np.random.default_rng(0)
-    term = CATALOGUE[id_]
+    vehicle = parse_vehicle(HEAD.replace("mass = 3", "mass = 3\nlength = 1.2"), "a.toml")
+    term = on_hull(CATALOGUE[id_], vehicle)
     moved = set()
     for _ in range(20):
         base = dict(zip(QUANTITIES, rng.uniform(-1, 1, 6), strict=True))
@@ -26,7 +27,6 @@ def test_what_a_term_needs_against_its_own_numbers(id_):
             before, after = term.columns(State(**base)), term.columns(State(**other))
             if any(before.get(c, 0.0) != after.get(c, 0.0) for c in CHANNELS):
                 moved.add(name.removesuffix("dot"))
-    vehicle = parse_vehicle(HEAD, "a.toml")
     wanted = {c for c in needed_by([term], vehicle) if c in ("u", "v", "r")}
     assert wanted == moved
 
@@ -48,3 +48,9 @@ def test_the_sentence_names_every_missing_column_with_its_parameters():
         in words
     )
     assert "it has u, v, demand_port: add what is missing" in words
+
+
+def test_a_term_that_turns_with_the_vehicle_needs_the_heading():
+    vehicle = parse_vehicle(HEAD + '[model]\nterms = ["mass.surge", "wind.steady"]\n', "a.toml")
+    wanted = needed_by(terms_of(vehicle), vehicle)
+    assert wanted["psi"] == ("wind.steady.north", "wind.steady.east") and "x" not in wanted

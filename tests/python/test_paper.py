@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ivsid import Interval, IntervalArray, linalg
+from ivsid.bollard import PUBLISHED_CUBIC, TABLE_III, examine
 from ivsid.sensors import doppler_drift, doppler_paper, sigma_published
-from ivsid.thrust import PUBLISHED_CUBIC, TABLE_III, examine
 from ivsid.units import random_walk_from_deg_per_sqrt_hour
 
 Q = IntervalArray([[2, -2], [-1.5, -2]], [[4, 2], [4.5, 3.5]])

@@ -155,3 +155,19 @@ def test_cse1_is_enclosed_from_its_cameras(real):
         both = bounded.present[name] & np.isfinite(raw)
         assert both.mean() > 0.97
         assert ((x.lower <= raw) & (raw <= x.upper))[both].mean() > 0.999
+
+
+def test_turns_that_the_error_of_the_heading_hides_are_not_followed():
+    """Nearly half a turn between samples: with an error of 0.1 rad the way round is not certain, and no window crosses it."""
+    t = np.arange(0, 40, 1.0)
+    vehicle = boat(heading=0.1, yaw=0.05)
+    for rate, certain in ((3.0, False), (1.5, True)):
+        psi = rate * t + 0.0999 * np.where(np.arange(t.size) % 2, 1, -1)
+        _, found = with_velocities(Log("a.csv", "", t, {"psi": np.angle(np.exp(1j * psi))}), vehicle.sensors)
+        if certain:
+            known = np.isfinite(found["r"].lower)
+            assert known.sum() > 30 and found["r"][known].contains(np.full(known.sum(), rate)).all()
+        else:
+            assert not found or all(
+                (~np.isfinite(x.lower) | x.contains(np.full(t.size, rate))).all() for x in found.values()
+            )

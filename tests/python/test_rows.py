@@ -1,14 +1,18 @@
 """Rows hold at the truth: the one property that everything after them rests on."""
 
+from dataclasses import replace
+
 import numpy as np
+import polars as pl
 import pytest
 
 from conftest import as_log
-from ivsid import IntervalArray, IvsidError
+from ivsid import IntervalArray, IvsidError, identify, read_log
 from ivsid.effects import CATALOGUE, terms_of
 from ivsid.log import Log
 from ivsid.motion import Motion
-from ivsid.regression_rows import build_rows
+from ivsid.rows import build_rows
+from ivsid.scenario import Start
 from ivsid.sensors import bound_log
 from ivsid.simulation import simulate
 from ivsid.thrust import ThrustCurve
@@ -202,3 +206,100 @@ def test_a_logged_force_may_move_between_its_rows():
     surge = rows.take(rows.channel == 0, [0])
     residual = surge.matrix @ IntervalArray(np.array([7.0])) - surge.right
     assert residual.contains(np.zeros(residual.shape)).all() and residual.size > 500
+
+
+HEADING = "\n[sensors.heading]\naccuracy = 0.004\n"
+
+
+@pytest.mark.parametrize("window", [0.05, 0.5, 2.0])
+def test_rows_hold_with_a_wind_that_keeps_its_direction(swan, programme, window):
+    """The heading turns the columns: pointwise and over windows, through the jump of the logged angle, with missing headings."""
+    text = swan.text.replace(
+        'terms = "paper"', 'terms = ["mass.surge", "inertia.yaw", "drag.surge.quadratic", "mass.sway", "wind.steady"]'
+    )
+    vehicle = parse_vehicle(text + HEADING, "wind.toml")
+    truth = {"mass.surge": 60.0, "mass.sway": 75.0, "inertia.yaw": 8.0, "drag.surge.quadratic": 250.0}
+    truth |= {"wind.steady.north": 3.0, "wind.steady.east": -2.0}
+    start = Start(psi=-2.5)
+    made = simulate(vehicle, programme.model_copy(update={"noise": "uniform", "truth": truth, "start": start}), 5)
+    assert np.abs(made.exact["udot"]).max() < 2.5 and np.abs(made.exact["rdot"]).max() < 1.5, "the stated limits hold"
+    psi = np.angle(np.exp(1j * made.columns["psi"]))
+    assert np.abs(np.diff(psi)).max() > 6
+    psi[700:720] = np.nan
+    log = Log("wind.csv", "0" * 64, made.t, {**made.columns, "psi": psi})
+    rows = build_rows(bound_log(log, vehicle), vehicle, terms_of(vehicle), kind="both", window=window)
+    assert violated(rows, truth) == 0
+    over = (rows.duration > 0) & (rows.channel < 2)
+    assert over.sum() > 2000
+    across = over & (rows.time <= made.t[719]) & (rows.time + rows.duration >= made.t[700])
+    assert not across.any()
+    calm = build_rows(bound_log(log, swan), swan, terms_of(swan), kind="both", window=window)
+    assert violated(calm, {**truth}) > 0
+
+
+def test_a_wind_is_identified_from_two_headings(swan, programme):
+    text = swan.text.replace(
+        'terms = "paper"',
+        'terms = ["mass.surge", "mass.sway", "inertia.yaw", "drag.surge.quadratic", "drag.sway.quadratic", "wind.steady"]',
+    )
+    vehicle = parse_vehicle(text + HEADING, "wind.toml")
+    truth = {"mass.surge": 60.0, "mass.sway": 75.0, "inertia.yaw": 8.0, "drag.surge.quadratic": 250.0}
+    truth |= {"drag.sway.quadratic": 300.0, "wind.steady.north": 3.0, "wind.steady.east": -2.0}
+    made = simulate(vehicle, programme.model_copy(update={"noise": "uniform", "truth": truth}), 5)
+    fit = identify(vehicle, as_log(made))
+    assert fit.status == "enclosed" and fit.guaranteed
+    for id_, value in truth.items():
+        assert fit.parameters[id_].lower <= value <= fit.parameters[id_].upper, id_
+    assert fit.parameters["wind.steady.north"].lower > 0 > fit.parameters["wind.steady.east"].upper
+    unbounded = parse_vehicle(text, "x.toml")
+    with pytest.raises(IvsidError, match=r"no \[sensors.heading\]; it is needed to bound column psi"):
+        identify(unbounded, Log("x.csv", "", made.t, {**made.columns, "psi": made.exact["psi"]}))
+    with pytest.raises(IvsidError, match="no column psi .needed for wind.steady.north, wind.steady.east"):
+        identify(vehicle, Log("x.csv", "", made.t, {k: v for k, v in made.columns.items() if k != "psi"}))
+
+
+def test_a_force_that_pulses_between_the_rows_does_not_prove_a_wrong_mass(tmp_path):
+    """The force stands at 100 Hz in the log, the rows at 10 Hz; motion in closed form, no noise."""
+    mass, drag, h, rng = 50.0, 20.0, 0.01, np.random.default_rng(0)
+    force = np.repeat(rng.uniform(-40, 40, 10), 400) * ((np.arange(4000) % 10 > 2) & (np.arange(4000) % 10 < 8))
+    u = [0.0]
+    for f in force:
+        u.append(f / drag + (u[-1] - f / drag) * np.exp(-drag * h / mass))
+    k = np.arange(4000)
+    run = tmp_path / "run"
+    run.mkdir()
+    fine = {"t": k * h, "force_X": force, "force_Y": 0.0 * k, "moment_N": 0.0 * k}
+    pl.DataFrame(fine).write_csv(run / "force.csv")
+    rows = {"t": k * h, "u": np.array(u)[:-1], "v": 0.0 * k, "r": 1e-9 * (k // 10 % 3)}
+    pl.DataFrame({n: x[::10] for n, x in rows.items()}).write_csv(run / "rows.csv")
+    vehicle = parse_vehicle(
+        'name = "a"\n[hull]\nmass = 50\n[sensors.velocity]\naccuracy = 1e-4\n[sensors.yaw_rate]\naccuracy = 1e-6\n[sensors.force]\n'
+        "accuracy = 0.01\n[sensors.moment]\naccuracy = 0.01\n[sensors.limits]\nacceleration = 1.0\nyaw_acceleration = 0.1\n[log]\n"
+        'base = "rows"\n[model]\nterms = ["mass.surge", "drag.surge.linear"]\n',
+        "a.toml",
+    )
+    fit = identify(vehicle, read_log(run, vehicle.log))
+    assert (
+        fit.status in ("enclosed", "unbounded")
+        and fit.parameters["mass.surge"].lower <= mass <= fit.parameters["mass.surge"].upper
+    )
+    assert fit.parameters["drag.surge.linear"].lower <= drag <= fit.parameters["drag.surge.linear"].upper
+    assert "force_X lies between the values of neighbouring samples" in fit.assumes
+
+
+def test_a_known_coupling_that_cancels_keeps_the_rounding_of_its_parts():
+    """In decimals m x_G r^2 = -m y_G rdot exactly; the doubles of both parts are not each other's negative."""
+    vehicle = parse_vehicle(
+        'name = "a"\n[hull]\nmass = 3.3\ncentre_of_gravity = [0.1, -0.3]\n[sensors.velocity]\naccuracy = 1\n[sensors.yaw_rate]\n'
+        "accuracy = 1\n[sensors.yaw_acceleration]\naccuracy = 1\n[sensors.acceleration]\naccuracy = 1\n[sensors.force]\naccuracy = 1\n"
+        '[sensors.moment]\naccuracy = 1\n[model]\nterms = ["mass.surge"]\n',
+        "a.toml",
+    )
+    names = ("u", "v", "r", "udot", "vdot", "rdot", "force_X", "force_Y", "moment_N")
+    values = dict.fromkeys(names, 0.0) | {"r": 3.0, "rdot": 3.0}
+    columns = {n: np.full(4, x) for n, x in values.items()}
+    bounded = bound_log(Log("a.csv", "", np.arange(4.0), columns), vehicle)
+    exact = {n: IntervalArray(np.full(4, x)) for n, x in values.items()}
+    rows = build_rows(replace(bounded, channels=exact), vehicle, terms_of(vehicle), kind="pointwise")
+    surge = rows.right[rows.channel == 0]
+    assert surge.contains(np.zeros(4)).all() and surge.width.max() < 1e-12

@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 from scipy.stats import norm
 
 from conftest import as_log
-from ivsid import IvsidError
+from ivsid.errors import IvsidError
+from ivsid.log import Log
+from ivsid.log.record import Clock
 from ivsid.sensors import bound_log, doppler, half_width, rule_for
 from ivsid.vehicle import InertialSensor, Sensors, VelocitySensor, parse_vehicle
 
@@ -89,7 +91,35 @@ def test_three_sigma_is_no_bound_for_a_log(swan, programme):
     assert outside > 0
 
 
-def test_averaged_sampling_is_refused_in_words(swan, twin):
-    text = swan.text.replace("bias_time = 270.0", 'bias_time = 270.0\nsampling = "averaged"')
-    with pytest.raises(IvsidError, match="averaged.*not supported"):
-        bound_log(as_log(twin), parse_vehicle(text, "x.toml"))
+@pytest.mark.parametrize(("sign", "error"), [(1, 0.004), (-1, 0.004), (0, 0.004)])
+def test_a_scale_of_known_sign_is_one_sided_and_half_as_wide(sign, error):
+    reading = np.array([2.0])
+    wide = doppler(reading, VelocitySensor(accuracy=0.0, scale_factor_error=error))
+    found = doppler(reading, VelocitySensor(accuracy=0.0, scale_factor_error=error, scale_factor_sign=sign))
+    assert found.subset(wide).all()
+    if sign > 0:
+        # It reads too much: the truth is 2 / (1 + s), 0 <= s <= e.
+        assert found.upper[0] >= 2.0 > found.upper[0] - 1e-12 and found.lower[0] == pytest.approx(2 / 1.004)
+    elif sign < 0:
+        assert found.lower[0] <= 2.0 < found.lower[0] + 1e-12 and found.upper[0] == pytest.approx(2 / 0.996)
+    if sign:
+        assert found.width[0] < 0.52 * wide.width[0]
+
+
+def test_what_averages_on_another_clock_is_refused_or_left_out(swan):
+    """A reading that averages the sensor's own step says nothing of the step between rows of another clock."""
+    t = np.arange(40.0)
+    still = {c: np.zeros(40) for c in ("u", "v", "r")}
+    gyro = parse_vehicle(swan.text.replace("[sensors.yaw_rate]", '[sensors.yaw_rate]\nsampling = "averaged"'), "g.toml")
+    with pytest.raises(IvsidError, match="r stands on another clock than the rows"):
+        bound_log(Log("a.csv", "", t, still, clocks={"r": Clock(8, 5.0)}), gyro)
+    text = swan.text.replace("[sensors.acceleration]", '[sensors.acceleration]\nsampling = "averaged"')
+    with pytest.raises(IvsidError, match="is about ax and ay, and the log has udot"):
+        bound_log(Log("a.csv", "", t, {**still, "udot": np.zeros(40)}), parse_vehicle(text, "a.toml"))
+
+
+def test_each_length_of_window_is_one_more_mean_of_the_ambient_force(swan):
+    vehicle = parse_vehicle(swan.text + "\n[ambient]\nforce = 0.1\nmoment = 0.1\ntime = 2.0\n", "w.toml")
+    log = Log("a.csv", "", np.arange(40.0), {c: np.zeros(40) for c in ("u", "v", "r")})
+    one, three = (bound_log(log, vehicle, windows).rule for windows in (1, 3))
+    assert three.errors - one.errors == 2 * 40 * 3 and three.sigmas > one.sigmas

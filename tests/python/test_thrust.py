@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from ivsid import IvsidError
-from ivsid.thrust import TABLE_III, ThrustCurve, combine, examine
-from ivsid.vehicle import Thruster, Vehicle
+from ivsid.bollard import TABLE_III, examine
+from ivsid.simulation.propulsion import scalar_curve
+from ivsid.thrust import ThrustCurve, combine
+from ivsid.vehicle import Thruster, Vehicle, parse_vehicle
 
 
 def thruster(**changes) -> Thruster:
@@ -29,6 +31,50 @@ def test_demands_outside_are_refused_or_held():
             ThrustCurve(thruster()).value([20.0, demand])
     held = ThrustCurve(thruster(outside="hold"))
     assert held.value([100.0, -5.0]) == pytest.approx([78.924, 0.0], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "curve",
+    [
+        {"gain": 0.5},
+        {"quadratic": {"forward": 0.01, "reverse": 0.004}},
+        {"polynomial": (0.001, 0.0, 0.5, 0.0)},
+        {"gain": 0.5, "dead_band": 120.0},
+        {"table": {"demand": [-100, 0, 100], "thrust": [-40, 0, 60]}},
+    ],
+)
+@pytest.mark.parametrize("neutral", [0.0, 30.3])
+def test_a_demand_outside_is_held_at_the_same_end_by_value_interval_and_simulator(curve, neutral):
+    ends = {} if "table" in curve else {"demand_range": (-100, 100)}
+    name = {"name": "a", "outside": "hold", "neutral": neutral, **ends}
+    held = ThrustCurve(Thruster.model_validate({**name, **curve}))
+    demand = np.array([150.0, -150.0, 100.0, -100.0]) + neutral
+    x, value = held.interval(demand), held.value(demand)
+    assert x.contains(value).all() and (x.width <= 1e-9).all()
+    assert value[0] == pytest.approx(value[2]) and value[1] == pytest.approx(value[3])
+    wide = held.interval(demand[:2], error=300.0)
+    assert (wide.lower <= value.min()).all() and (wide.upper >= value.max()).all()
+    one = scalar_curve(
+        ThrustCurve(Thruster.model_validate({**name, **{k: v for k, v in curve.items() if k != "dead_band"}}))
+    )
+    if "dead_band" not in curve:
+        assert [one(d) for d in demand] == pytest.approx(value.tolist())
+    # The end itself is a sum of rounded decimals; what is held there lies within it.
+    inside = held.interval(np.array([100.0 + neutral]))
+    assert x.lower[0] <= inside.upper[0] and inside.lower[0] <= x.upper[0]
+
+
+def test_an_interval_of_demands_that_reaches_outside_is_refused():
+    """60 and 140 within one row: their middle is inside the table."""
+    curve = ThrustCurve(
+        Thruster.model_validate({"name": "a", "table": {"demand": [-100, 0, 100], "thrust": [-40, 0, 60]}})
+    )
+    with pytest.raises(IvsidError, match=r"demand 140 of thruster a lies outside its table \(-100 to 100\)"):
+        curve.interval(np.array([100.0]), error=np.array([40.0]))
+    with pytest.raises(IvsidError, match="demand -110 of thruster a lies outside"):
+        curve.interval(np.array([50.0]), np.array([-70.0]), error=np.array([40.0]))
+    # The rounding of a demand's decimals is not outside.
+    assert curve.interval(np.array([100.0]), error=np.spacing(100.0)).upper[0] == pytest.approx(60)
 
 
 def test_the_interval_holds_every_error_inside_the_accuracy():
@@ -92,7 +138,7 @@ def held(text, demand, thrust):
 
 def test_every_candidate_with_its_band_holds_the_bollard_data():
     """Table III, a PWM table with a dead band, and a noisy one: each candidate's text encloses every point, and no half of it does."""
-    from ivsid.thrust import PUBLISHED_CUBIC
+    from ivsid.bollard import PUBLISHED_CUBIC
     from ivsid.workflow.thrust import candidate_toml
 
     rng = np.random.default_rng(1)
@@ -114,7 +160,7 @@ def test_every_candidate_with_its_band_holds_the_bollard_data():
 
 
 def test_the_published_cubic_misses_and_the_quadratic_finds_its_own():
-    from ivsid.thrust import PUBLISHED_CUBIC
+    from ivsid.bollard import PUBLISHED_CUBIC
 
     table = examine(np.array(TABLE_III[0]), np.array(TABLE_III[1]), PUBLISHED_CUBIC)
     cubic = table.fits[0]
@@ -124,3 +170,18 @@ def test_the_published_cubic_misses_and_the_quadratic_finds_its_own():
     exact = examine(n, np.where(n < 0, 0.3, 0.5) * n * abs(n))
     quadratic = next(f for f in exact.fits if f.quadratic)
     assert quadratic.quadratic == pytest.approx((0.5, 0.3)) and quadratic.largest < 1e-12
+
+
+def test_held_demands_give_the_bits_of_single_ones():
+    rng = np.random.default_rng(5)
+    text = "{ demand = [15, 20, 40, 85], thrust = [4.654, 6.297, 14.463, 78.924] }\naccuracy = { absolute = 0.5, relative = 0.03 }\ndead_band = 20.0"
+    unit = parse_vehicle(
+        f'name = "b"\n[hull]\nmass = 1\n[[thrusters]]\nname = "m"\ntable = {text}\n', "b.toml"
+    ).thrusters[0]
+    demand = np.repeat(rng.uniform(0, 85, 40), rng.integers(1, 12, 40))
+    held = ThrustCurve(unit).interval(demand, error=1e-9)
+    for k, d in enumerate(demand):
+        single = ThrustCurve(unit).interval(np.array([d]), error=1e-9)
+        assert (held.lower[k], held.upper[k]) == (single.lower[0], single.upper[0])
+    with pytest.raises(IvsidError, match="outside its table"):
+        ThrustCurve(unit).interval(np.array([20.0, 85.1, 85.1, 85.1, 85.1]))

@@ -8,7 +8,7 @@ from ivsid import IvsidError, identify, validate
 from ivsid.constriction import constrict
 from ivsid.dynamics import Dynamics
 from ivsid.effects import PAPER_TERMS, PLAIN_TERMS, terms_of
-from ivsid.regression_rows import build_rows
+from ivsid.rows import build_rows
 from ivsid.sensors import bound_log
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle

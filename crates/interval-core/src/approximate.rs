@@ -25,7 +25,7 @@ fn blocked_inverse(a: &[f64], n: usize) -> Option<Vec<f64>> {
     entries.iter().all(|x| x.is_finite()).then_some(entries)
 }
 
-/// A factorised basis matrix: solves with it and with its transpose.
+/// A factorised basis matrix.
 pub(crate) struct Basis {
     inverse: DMatrix<f64>,
 }
@@ -40,11 +40,6 @@ impl Basis {
     /// `B^-1 v`.
     pub(crate) fn solve(&self, v: &[f64]) -> Vec<f64> {
         (&self.inverse * DVector::from_column_slice(v)).as_slice().to_vec()
-    }
-
-    /// `B^-T v`.
-    pub(crate) fn solve_transposed(&self, v: &[f64]) -> Vec<f64> {
-        self.inverse.tr_mul(&DVector::from_column_slice(v)).as_slice().to_vec()
     }
 }
 

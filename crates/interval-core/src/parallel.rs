@@ -83,3 +83,15 @@ pub(crate) fn chunks<T: Send>(
     }
     a.chunks_mut(width).zip(b.chunks_mut(width)).enumerate().map(|(i, (a, b))| work(i, a, b)).collect()
 }
+
+/// `work` on every item, shared out where that is worth while; the items do not depend on each other.
+pub(crate) fn for_each<T: Send>(items: &mut [T], worthwhile: bool, work: impl Fn(&mut T) + Sync + Send) {
+    #[cfg(feature = "rayon")]
+    if worthwhile {
+        use rayon::prelude::*;
+        items.par_iter_mut().for_each(work);
+        return;
+    }
+    let _ = worthwhile;
+    items.iter_mut().for_each(work);
+}

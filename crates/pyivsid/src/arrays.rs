@@ -41,8 +41,12 @@ pub fn intervals(lo: &[f64], hi: &[f64]) -> Result<Vec<Interval>, Error> {
         .collect()
 }
 
-/// An interval matrix from two arrays of bounds. `as_slice` also accepts Fortran order, which would transpose silently.
-pub fn matrix(lo: &PyReadonlyArray2<'_, f64>, hi: &PyReadonlyArray2<'_, f64>) -> PyResult<IntervalMatrix> {
+/// Bounds of a matrix where they lie, and its number of columns. `as_slice` also accepts Fortran order, which would transpose
+/// silently.
+pub fn row_major<'a>(
+    lo: &'a PyReadonlyArray2<'_, f64>,
+    hi: &'a PyReadonlyArray2<'_, f64>,
+) -> PyResult<(&'a [f64], &'a [f64], usize)> {
     interval_core::rounding::check_environment().map_err(|e| refusal(&e))?;
     if !(lo.is_c_contiguous() && hi.is_c_contiguous()) {
         return Err(PyValueError::new_err("C-contiguous arrays are needed"));
@@ -50,10 +54,14 @@ pub fn matrix(lo: &PyReadonlyArray2<'_, f64>, hi: &PyReadonlyArray2<'_, f64>) ->
     if lo.shape() != hi.shape() {
         return Err(PyValueError::new_err("the lower and the upper bounds have different shapes"));
     }
-    let values = |a: &PyReadonlyArray2<'_, f64>| a.as_slice().map(<[f64]>::to_vec);
-    let (Ok(l), Ok(h)) = (values(lo), values(hi)) else {
+    let (Ok(l), Ok(h)) = (lo.as_slice(), hi.as_slice()) else {
         return Err(PyValueError::new_err("C-contiguous arrays are needed"));
     };
-    let shape = lo.shape();
-    IntervalMatrix::new(shape[0], shape[1], l, h).map_err(|e| refusal(&e))
+    Ok((l, h, lo.shape()[1]))
+}
+
+/// An interval matrix from two arrays of bounds.
+pub fn matrix(lo: &PyReadonlyArray2<'_, f64>, hi: &PyReadonlyArray2<'_, f64>) -> PyResult<IntervalMatrix> {
+    let (l, h, columns) = row_major(lo, hi)?;
+    IntervalMatrix::new(lo.shape()[0], columns, l.to_vec(), h.to_vec()).map_err(|e| refusal(&e))
 }

@@ -1,7 +1,7 @@
 //! Results of the core as plain Python objects.
 
 use interval_core::inverse::{Certificate, Outcome, Value};
-use interval_core::regression::{BoundCertificate, FeasibleSet, NormalEquations, OrthantOutcome};
+use interval_core::regression::{BoundCertificate, FeasibleSet, LeastSquares, NormalEquations, OrthantOutcome};
 use interval_core::regularity::{Cell, SingularMember, Witness};
 use interval_core::{Interval, IntervalMatrix, Status};
 use numpy::{PyArray1, PyArrayMethods};
@@ -160,6 +160,14 @@ pub fn normal_equations<'py>(py: Python<'py>, result: &NormalEquations) -> PyRes
     Ok(found)
 }
 
+pub fn least_squares<'py>(py: Python<'py>, fit: &LeastSquares) -> PyResult<Bound<'py, PyDict>> {
+    let found = PyDict::new(py);
+    found.set_item("status", fit.status.name())?;
+    found.set_item("parameters", fit.parameters.as_ref().map(|p| interval_vector(py, p)).transpose()?)?;
+    found.set_item("reason", &fit.reason)?;
+    Ok(found)
+}
+
 fn bound_certificate<'py>(py: Python<'py>, c: &BoundCertificate) -> PyResult<Bound<'py, PyDict>> {
     let found = PyDict::new(py);
     found.set_item("column", c.column)?;
@@ -175,6 +183,7 @@ pub fn feasible_set<'py>(py: Python<'py>, set: &FeasibleSet) -> PyResult<Bound<'
     for orthant in &set.orthants {
         let entry = PyDict::new(py);
         entry.set_item("signs", &orthant.signs)?;
+        entry.set_item("dropped", &orthant.dropped)?;
         match &orthant.outcome {
             OrthantOutcome::Empty { rows } => {
                 entry.set_item("empty", true)?;
@@ -188,8 +197,23 @@ pub fn feasible_set<'py>(py: Python<'py>, set: &FeasibleSet) -> PyResult<Bound<'
         }
         orthants.append(entry)?;
     }
+    let proofs = PyList::empty(py);
+    for proof in &set.sign_proofs {
+        let entry = PyDict::new(py);
+        entry.set_item("decided", &proof.decided)?;
+        entry.set_item("home", &proof.home)?;
+        let columns = proof.columns.iter().map(|c| (c.column, &c.rows, &c.signs)).collect::<Vec<_>>();
+        entry.set_item("columns", columns)?;
+        entry.set_item("vector", &proof.vector)?;
+        entry.set_item("reach", &proof.reach)?;
+        entry.set_item("branch", proof.branch)?;
+        proofs.append(entry)?;
+    }
     let found = PyDict::new(py);
     found.set_item("status", set.status.name())?;
+    found.set_item("sign_proofs", proofs)?;
+    found.set_item("fewest_outliers", set.outliers.as_ref().and_then(|o| o.fewest))?;
+    found.set_item("outliers", set.outliers.as_ref().map(|o| &o.sets))?;
     found.set_item("parameters", interval_vector(py, &set.parameters)?)?;
     found.set_item("inflation", set.inflation)?;
     found.set_item("centre", set.centre.as_ref().map(|c| PyArray1::from_slice(py, c)))?;

@@ -22,7 +22,7 @@ mod core_module {
     #[pymodule_export]
     use super::linalg::{gram, inverse, inverse_batch, matmul, norm, regularity, regularity_batch, solve, solve_batch};
     #[pymodule_export]
-    use super::regression::{feasible_set, normal_equations};
+    use super::regression::{feasible_set, least_squares, normal_equations};
     #[pymodule_export]
     use super::scalar::Interval;
 }

@@ -1,10 +1,11 @@
 //! Parameters of interval rows.
 
-use crate::arrays::{intervals, matrix, refusal, vector};
+use crate::arrays::{intervals, matrix, refusal, row_major, vector};
 use crate::convert;
 use crate::linalg::inverse_method;
-use interval_core::regression;
+use interval_core::regression::{self, FeasibleOptions, Rows, feasible_rows};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -24,15 +25,41 @@ pub fn normal_equations<'py>(
     convert::normal_equations(py, &result)
 }
 
-/// The proved hull of all parameters that are consistent with every row.
+/// An enclosure of all least-squares solutions: by `qr` or `augmented`. The arrays are used where they lie.
+#[pyfunction]
+pub fn least_squares<'py>(
+    py: Python<'py>,
+    rows: (PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>),
+    right: (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>),
+    method: &str,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (lower, upper, columns) = row_major(&rows.0, &rows.1)?;
+    let (low, high) = (vector(&right.0)?, vector(&right.1)?);
+    let solve = match method {
+        "qr" => regression::least_squares,
+        "augmented" => regression::augmented,
+        _ => return Err(PyValueError::new_err(format!("no method '{method}' of least squares"))),
+    };
+    let fit = py
+        .detach(|| Rows::new(columns, lower, upper, low, high).and_then(|rows| solve(&rows)))
+        .map_err(|e| refusal(&e))?;
+    convert::least_squares(py, &fit)
+}
+
+/// The proved hull of all parameters that are consistent with every row. The arrays are used where they lie.
 #[pyfunction]
 pub fn feasible_set<'py>(
     py: Python<'py>,
     rows: (PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>),
     right: (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>),
+    signs: Option<Vec<i8>>,
+    outliers: usize,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let a = matrix(&rows.0, &rows.1)?;
-    let y = intervals(vector(&right.0)?, vector(&right.1)?).map_err(|e| refusal(&e))?;
-    let set = py.detach(|| regression::feasible_set(&a, &y)).map_err(|e| refusal(&e))?;
+    let (lower, upper, columns) = row_major(&rows.0, &rows.1)?;
+    let (low, high) = (vector(&right.0)?, vector(&right.1)?);
+    let options = FeasibleOptions { signs, outliers, ..FeasibleOptions::default() };
+    let set = py
+        .detach(|| Rows::new(columns, lower, upper, low, high).and_then(|rows| feasible_rows(&rows, &options)))
+        .map_err(|e| refusal(&e))?;
     convert::feasible_set(py, &set)
 }

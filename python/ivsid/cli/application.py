@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
@@ -66,14 +67,31 @@ def simulate(
     hide: Annotated[
         int | None, typer.Option("--hide", min=0, help="Draw a hidden effect from this seed; only truth.json names it.")
     ] = None,
+    effects: Annotated[
+        int | None, typer.Option("--effects", min=1, max=5, help="Hide exactly so many effects at once, with --hide.")
+    ] = None,
+    table: Annotated[str, typer.Option("--format", help="Format of the log: csv or parquet.")] = "csv",
+    truth: Annotated[
+        Path | None,
+        typer.Option(
+            "--truth", help="Where the truth goes; with --hide OUT-truth/truth.json by default, else OUT/truth.json."
+        ),
+    ] = None,
 ) -> None:
     """A log with sensor noise from a known truth."""
-    effects = dict(_effect(e) for e in effect or [])
+    given = dict(_effect(e) for e in effect or [])
+    folder = out if out is not None else Path("ivsid-simulate")
+    if truth is None and hide is not None:
+        # Beside the log it would lie open before whoever is to find the effect.
+        truth = folder.with_name(f"{folder.name}-truth") / "truth.json"
     _run(
         "simulate",
-        out,
+        folder,
         json,
-        lambda w, p: w.simulate(vehicle, scenario, seed=seed, effects=effects, hide=hide, progress=p),
+        lambda w, p: w.simulate(
+            vehicle, scenario, seed=seed, effects=given, hide=hide, hidden=effects, table=table, progress=p
+        ),
+        {} if truth is None else {"truth.json": truth},
     )
 
 
@@ -120,7 +138,7 @@ def identify(
         str,
         typer.Option(
             "--method",
-            help="feasible, exact, hansen-bliek-rohn, krawczyk, cramer, kuttler, published or published-hull.",
+            help="feasible, qr, augmented, exact, partitioned, hansen-bliek-rohn, krawczyk, cramer, kuttler, published or published-hull.",
         ),
     ] = "feasible",
     partitions: Annotated[
@@ -129,20 +147,47 @@ def identify(
     form: Annotated[
         str, typer.Option("--form", help="total, or added: the rigid-body mass is known and left out.")
     ] = "total",
-    rows: Annotated[str, typer.Option("--rows", help="auto, pointwise, integral or both.")] = "auto",
-    window: Annotated[float, typer.Option("--window", help="Length of integral rows [s].")] = 1.0,
+    rows: Annotated[
+        str, typer.Option("--rows", help="auto, pointwise, integral, weak (from a pose) or both: every kind.")
+    ] = "auto",
+    window: Annotated[
+        str, typer.Option("--window", help="Length of integral rows [s], or several at once: 0.5,2,10.")
+    ] = "1.0",
+    outliers: Annotated[
+        int, typer.Option("--outliers", min=0, help="How many rows of each set of parameters may be wrong.")
+    ] = 0,
     out: Out = None,
     json: Json = False,
 ) -> None:
     """Parameter intervals."""
+    windows = _lengths(window)
     _run(
         "identify",
         out,
         json,
         lambda w, p: w.identify(
-            vehicle, log, method, partitions=partitions, form=form, rows=rows, window=window, progress=p
+            vehicle,
+            log,
+            method,
+            partitions=partitions,
+            form=form,
+            rows=rows,
+            window=windows,
+            outliers=outliers,
+            progress=p,
         ),
     )
+
+
+@app.command()
+def verify(
+    result: Annotated[Path, typer.Argument(help="Folder or result.json of ivsid identify.")],
+    log: Annotated[Path, typer.Argument(help="The log that was identified.")],
+    out: Out = None,
+    json: Json = False,
+) -> None:
+    """Check an identification's certificates in exact arithmetic, without the core."""
+    _run("verify", out, json, lambda w, p: w.verify(result, log, progress=p))
 
 
 @app.command()
@@ -194,6 +239,16 @@ def import_(
     _run("import", out, json, lambda w, p: w.import_set(name, folder, progress=p))
 
 
+def _lengths(text: str) -> float | list[float]:
+    try:
+        lengths = [float(part) for part in text.split(",")]
+    except ValueError:
+        raise IvsidError(
+            f"--window {text} is not understood; write a length in seconds, 1.0, or several, 0.5,2,10"
+        ) from None
+    return lengths[0] if len(lengths) == 1 else lengths
+
+
 def _effect(text: str) -> tuple[str, list[float]]:
     id_, _, values = text.partition("=")
     try:
@@ -208,21 +263,33 @@ def _effect(text: str) -> tuple[str, list[float]]:
     return id_.strip(), numbers
 
 
-def _run(command: str, out: Path | None, json: bool, work: Callable[[Any, Callable[[str], None]], Any]) -> None:
-    """Checks the folder, works, writes, prints."""
+def _run(
+    command: str,
+    out: Path | None,
+    json: bool,
+    work: Callable[[Any, Callable[[str], None]], Any],
+    apart: Mapping[str, Path] | None = None,
+) -> None:
+    """Checks the folder, works, writes, prints; files named in ``apart`` go to places of their own."""
+    apart = apart or {}
     folder = out if out is not None else Path(f"ivsid-{command}")
     from ivsid import records, report, workflow  # noqa: PLC0415 - the heavy imports wait until a command runs
 
-    records.check_writable(folder)
+    for place in (folder, *(p.parent for p in apart.values())):
+        records.check_writable(place)
     console = Console(stderr=True, quiet=json)
     with console.status(command) as status:
         made = work(workflow, lambda step: status.update(f"{command}: {step}"))
-        report.write(made, folder)
+        report.write(replace(made, files={n: c for n, c in made.files.items() if n not in apart}), folder)
+        for name, place in apart.items():
+            records.write_whole(place, made.files[name])
     if json:
         typer.echo(records.to_json(made.record))
         return
     for line in made.lines:
         typer.echo(line)
+    for name, place in apart.items():
+        typer.echo(f"  {name} stands apart: {place}")
     typer.echo(f"written to {folder}/ (report.html, result.json, {len(made.drawings)} figures)")
 
 

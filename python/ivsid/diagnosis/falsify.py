@@ -10,7 +10,7 @@ from ivsid.diagnosis.physics import Hypothesis
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
-from ivsid.regression_rows import build_rows
+from ivsid.rows import build_rows
 from ivsid.sensors import bound_log
 from ivsid.vehicle import Vehicle
 

@@ -17,6 +17,8 @@ EFFECTS: Final[dict[str, Effect]] = {
 }
 # Those that are linear in one parameter and need velocities and accelerations alone: the terms that a model may list.
 CATALOGUE: Final[dict[str, Term]] = {t.id: t for t in (*inertia.TERMS, *drag.TERMS)}
+# Linear in several parameters, with the heading: a model may list these by the effect's id and gets a term a parameter.
+WITH_HEADING: Final[dict[str, tuple[Term, ...]]] = {"wind.steady": environment.WIND_TERMS}
 
 PLAIN_TERMS: Final = (
     inertia.MASS_SURGE,
@@ -51,13 +53,18 @@ def terms_of(vehicle: Vehicle, form: str = "total") -> tuple[Term, ...]:
         terms = PLAIN_TERMS
     else:
         for id_ in wanted:
-            if id_ not in CATALOGUE:
+            if id_ not in CATALOGUE and id_ not in WITH_HEADING:
                 raise IvsidError(
-                    f"model term '{id_}' is unknown or not linear in its parameter; this version knows {', '.join(CATALOGUE)}"
+                    f"model term '{id_}' is unknown or not linear in its parameter; this version knows "
+                    f"{', '.join((*CATALOGUE, *WITH_HEADING))}"
                 )
         if len(set(wanted)) != len(wanted) or not wanted:
             raise IvsidError("model.terms is empty or repeats an id; list each once")
-        terms = tuple(on_hull(CATALOGUE[id_], vehicle) for id_ in wanted)
+        terms = tuple(
+            term
+            for id_ in wanted
+            for term in (WITH_HEADING[id_] if id_ in WITH_HEADING else (on_hull(CATALOGUE[id_], vehicle),))
+        )
     if form == "added":
         return tuple(ADDED_MASS_TERMS.get(t.id, t) for t in terms)
     return terms

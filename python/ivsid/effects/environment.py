@@ -93,6 +93,11 @@ def _fouling(plain: Mapping[str, Any], p: Numbers, t: Any) -> dict[str, Any]:
     return {id_: plain[id_] * (t * p[0] + 1.0)} if id_ in plain else {}
 
 
+WIND_TERMS: Final = (
+    Term("wind.steady.north", "", "N", _wind_column(1.0, 0.0)),
+    Term("wind.steady.east", "", "N", _wind_column(0.0, 1.0)),
+)
+
 _MEASURED_WIND: Final = Effect(
     "wind.steady",
     "wind on the hull above water, from the measured wind",
@@ -140,12 +145,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         "wind.steady",
         "wind pushes the hull with a force that keeps its direction over ground",
         (Parameter("north", "", "N", 1.0, draw="north"), Parameter("east", "", "N", 0.6, draw="east")),
-        Terms(
-            (
-                Term("wind.steady.north", "", "N", _wind_column(1.0, 0.0)),
-                Term("wind.steady.east", "", "N", _wind_column(0.0, 1.0)),
-            )
-        ),
+        Terms(WIND_TERMS),
         needs=("psi",),
         equivalents=("current.steady", "sensor.acceleration.bias"),
         confusable=("current.steady",),
@@ -176,7 +176,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
     ),
     Effect(
         "tether.tension",
-        "a tether pulls toward its anchor with a constant force",
+        "a tether pulls toward its anchor with a constant force, which fades within some 0.05 m of it",
         (
             Parameter("force", "", "N", 1.5),
             Parameter("anchor_north", "", "m", 10.0, draw="north"),

@@ -119,12 +119,15 @@ def cross_flow_array(v: Any, r: Any, half: float, power: int) -> Any:
 
 def _strips(v: Any, r: Any, half: float, power: int) -> Any:
     """An enclosure: each strip's length times the integrand over all of the strip."""
-    ends = np.linspace(-half, half, STRIPS + 1)
+    # The decimals of the length are rounded: the hull ends somewhere in a last strip, whose length may be nothing.
+    inner, outer = np.nextafter(half, 0.0), np.nextafter(half, np.inf)
+    rim = IntervalArray(0.0, outer - inner)
+    strips = [(low, high, None) for low, high in pairwise(np.linspace(-inner, inner, STRIPS + 1))]
     total: Any = 0.0
-    for low, high in pairwise(ends):
+    for low, high, length in (*strips, (-outer, -inner, rim), (inner, outer, rim)):
         # Ends are rounded; neighbouring strips share theirs, so nothing of the length is lost.
         x = IntervalArray(np.array(low), np.array(high))
-        width = IntervalArray(np.array(high)) - IntervalArray(np.array(low))
+        width = IntervalArray(np.array(high)) - IntervalArray(np.array(low)) if length is None else length
         strip = signed_square(r * x + v) * width
         total = strip * x + total if power else strip + total
     return total

@@ -11,7 +11,7 @@ import numpy as np
 
 from ivsid.effects import terms_of
 from ivsid.errors import IvsidError
-from ivsid.records import Lower, Upper, envelope, to_json, write_whole
+from ivsid.records import Lower, Upper, envelope, sealed, to_json, write_whole
 from ivsid.vehicle import Vehicle, parse_vehicle
 
 
@@ -67,6 +67,9 @@ class Identification:
         vehicle: the vehicle file.
         log_name: the log's file name.
         log_sha256: hash of the log.
+        determined: combinations of parameters, by id, that stay bounded where some directions are open (an estimate).
+        claims: what the vehicle file's ``model.values`` claims, and whether its interval contradicts it.
+        outliers: by block, with ``options.outliers``: the fewest rows that must be wrong, and every choice of so many.
     """
 
     method: str
@@ -88,6 +91,9 @@ class Identification:
     vehicle: Vehicle
     log_name: str
     log_sha256: str
+    determined: tuple[dict[str, float], ...] = ()
+    claims: tuple[dict[str, Any], ...] = ()
+    outliers: tuple[dict[str, Any], ...] = ()
 
     @property
     def falsifying(self) -> list[dict[str, Any]]:
@@ -112,6 +118,9 @@ class Identification:
             "improper": self.improper,
             "reason": self.reason,
             "directions": self.directions,
+            "determined": self.determined,
+            "claims": self.claims,
+            "outliers": self.outliers,
             "rows": self.rows,
             "notes": self.notes,
             "ignored": self.ignored,
@@ -126,7 +135,9 @@ class Identification:
     def save(self, path: str | Path) -> None:
         """Writes the result; a path without ``.json`` is a folder that gets a result.json."""
         target = Path(path)
-        write_whole(target if target.suffix == ".json" else target / "result.json", to_json(self.record()) + "\n")
+        write_whole(
+            target if target.suffix == ".json" else target / "result.json", to_json(sealed(self.record())) + "\n"
+        )
 
 
 def read_identification(path: str | Path) -> Identification:
@@ -172,6 +183,16 @@ def _identification(record: dict[str, Any]) -> Identification:
     ids = {t.id for t in terms_of(given["vehicle"], given["options"]["form"])}
     if given["status"] in ("enclosed", "unbounded") and set(parameters) != ids:
         raise KeyError("the parameters are those of the model")
-    for name in ("assumes", "directions", "certificates", "notes", "ignored", "contradictions"):
+    for name in (
+        "assumes",
+        "directions",
+        "determined",
+        "claims",
+        "outliers",
+        "certificates",
+        "notes",
+        "ignored",
+        "contradictions",
+    ):
         given[name] = tuple(given[name])
     return Identification(**given)

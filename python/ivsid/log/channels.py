@@ -17,13 +17,14 @@ COLUMNS: Final = (
     *("u", "v", "r", "udot", "vdot", "rdot", "ax", "ay", "psi", "x", "y"),
     *("force_X", "force_Y", "moment_N", "wind_speed", "wind_direction"),
     *("qw", "qx", "qy", "qz", "velocity_north", "velocity_east", "depth", "voltage"),
+    *("roll", "pitch"),
 )
 QUATERNION: Final = ("qw", "qx", "qy", "qz")
 # One column a thruster: its demand, and where it points.
 DEMAND: Final = "demand_"
 BY_THRUSTER: Final = (DEMAND, "azimuth_", "rudder_")
 # What a turn of the body axes from forward-left-up to forward-right-down does; earth axes are handled apart.
-_FLU_FLIPPED: Final = ("v", "r", "vdot", "rdot", "ay", "force_Y", "moment_N")
+_FLU_FLIPPED: Final = ("v", "r", "vdot", "rdot", "ay", "force_Y", "moment_N", "pitch")
 _FLU_ANGLES: Final = ("psi", "wind_direction")
 # Below this cosine of the pitch a heading means nothing.
 UPRIGHT: Final = 0.1
@@ -148,10 +149,13 @@ def converted(values: Array, column: Column, clock: Clocked) -> Channel:
         values = np.where(values == column.missing, np.nan, values)
     if column.factor == 1.0 and column.offset == 0.0:
         return Channel(values, clock)
-    scaled = values * column.factor
-    # Three roundings (factor, product, sum), each of half a unit of the larger operand.
-    lost = 4 * np.spacing(np.abs(np.nan_to_num(scaled)) + abs(column.offset))
-    return Channel(scaled + column.offset, clock, lost)
+    with np.errstate(over="ignore"):
+        # What overflows is refused with the column's name.
+        scaled = values * column.factor
+        made = scaled + column.offset
+        # Three roundings (factor, product, sum), each of half a unit of the larger operand.
+        lost = 4 * np.spacing(np.abs(np.nan_to_num(scaled)) + abs(column.offset))
+    return Channel(made, clock, lost)
 
 
 def turned(channels: Mapping[str, Channel]) -> dict[str, Channel]:

@@ -14,7 +14,7 @@ from typing import Any, Final
 import polars as pl
 
 from ivsid.errors import IvsidError
-from ivsid.log.source import Table
+from ivsid.log.source import Lossless, Table
 from ivsid.log_map import TimeColumn
 
 CLOCK: Final = "TimeUS"
@@ -24,7 +24,7 @@ DESCRIPTIVE: Final = ("FMT", "FMTU", "UNIT", "MULT", "PARM", "MSG", "FILE", "VER
 
 
 @dataclass(frozen=True)
-class Messages:
+class Messages(Lossless):
     """The messages of one type, of one instance where a vehicle has several of a kind (``IMU[1]``)."""
 
     reader: Any
@@ -46,10 +46,6 @@ class Messages:
 
         _each(self.reader, self.type, self.name, take)
         return {n: pl.Series(n, v, dtype=pl.UInt64 if n == CLOCK else pl.Float64) for n, v in found.items()}
-
-    def exact(self, name: str) -> pl.Series:
-        """One field; the clock as integers."""
-        return self.read([name])[name]
 
 
 def open_dataflash(path: Path, name: str, stack: ExitStack) -> Mapping[str, Table]:

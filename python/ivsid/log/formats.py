@@ -19,8 +19,9 @@ import polars as pl
 from ivsid.errors import IvsidError
 from ivsid.log.dataflash import open_dataflash
 from ivsid.log.matlab import open_matlab
+from ivsid.log.panics import panics_unprinted
 from ivsid.log.rosbag import open_bag
-from ivsid.log.source import Source, Table
+from ivsid.log.source import Lossless, Source, Table, head
 from ivsid.log.text import open_text
 from ivsid.log_map import TimeColumn
 
@@ -105,16 +106,16 @@ def _tables(path: Path, name: str, files: Sequence[Path], stack: ExitStack) -> M
                 raise IvsidError(f"folder {name} holds two tables named {stem}; rename one")
             tables[stem] = _table(each, str(each), stack)
         return tables
-    head, ending = _head(path), path.suffix.lower()
-    if head.startswith(MATLAB_73):
+    first, ending = head(path), path.suffix.lower()
+    if first.startswith(MATLAB_73):
         raise IvsidError(
             f"{name} is a MATLAB 7.3 file; save it with the option -v7, or export the log as CSV, and read that"
         )
-    if head.startswith(MATLAB_5) or ending == ".mat":
+    if first.startswith(MATLAB_5) or ending == ".mat":
         return open_matlab(path, name)
-    if head.startswith((MCAP, SQLITE, ROS_1)) or ending in (".mcap", ".db3", ".bag"):
+    if first.startswith((MCAP, SQLITE, ROS_1)) or ending in (".mcap", ".db3", ".bag"):
         return open_bag(path, name, stack)
-    if head.startswith(DATAFLASH) or ending == ".bin":
+    if first.startswith(DATAFLASH) or ending == ".bin":
         return open_dataflash(path, name, stack)
     return {"": _table(path, name, stack)}
 
@@ -127,14 +128,9 @@ def _is_table(path: Path) -> bool:
     return path.name.lower().endswith(TABLES)
 
 
-def _head(path: Path) -> bytes:
-    with path.open("rb") as file:
-        return file.read(64)
-
-
 def _table(path: Path, name: str, stack: ExitStack) -> Table:
     """CSV or Parquet, plain or gzip. What is packed is laid down once as a plain file: it need not fit in memory."""
-    if _head(path).startswith(GZIP):
+    if head(path).startswith(GZIP):
         plain = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="ivsid-"))) / "log"
         try:
             with gzip.open(path) as packed, plain.open("wb") as target:
@@ -146,13 +142,13 @@ def _table(path: Path, name: str, stack: ExitStack) -> Table:
                 f"{name} cannot be unpacked ({error.strerror}); make room, or unpack it yourself"
             ) from None
         path = plain
-    if _head(path).startswith(b"PAR1"):
+    if head(path).startswith(b"PAR1"):
         return _parquet(path, name)
     return open_text(path, name)
 
 
 @dataclass(frozen=True)
-class Parquet:
+class Parquet(Lossless):
     """A Parquet file."""
 
     path: Path
@@ -169,24 +165,23 @@ class Parquet:
     def read(self, names: Sequence[str]) -> dict[str, pl.Series]:
         """The columns as they are."""
         try:
-            frame = pl.read_parquet(self.path, columns=[self.names[n] for n in names], glob=False)
+            with panics_unprinted():
+                frame = pl.read_parquet(self.path, columns=[self.names[n] for n in names], glob=False)
         except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
             raise _unusable(self.name, error) from None
         return {n: frame[self.names[n]] for n in names}
 
-    def exact(self, name: str) -> pl.Series:
-        """The column as it is."""
-        return self.read([name])[name]
-
 
 def _unusable(name: str, error: BaseException) -> IvsidError:
-    first = (str(error).splitlines() or ["damaged"])[0]
+    words = "" if isinstance(error, pl.exceptions.PanicException) else str(error)
+    first = (words.splitlines() or ["damaged"])[0]
     return IvsidError(f"{name} is not a readable CSV or Parquet table ({first}); mend or export it again")
 
 
 def _parquet(path: Path, name: str) -> Parquet:
     try:
-        columns = list(pl.read_parquet_schema(path))
+        with panics_unprinted():
+            columns = list(pl.read_parquet_schema(path))
     except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
         raise _unusable(name, error) from None
     stripped = [c.strip() for c in columns]

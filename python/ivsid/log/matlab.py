@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
@@ -11,6 +12,7 @@ import polars as pl
 from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
+from ivsid.log.matlab_structure import check_structure
 from ivsid.log.source import Frame, Table
 
 # A matrix with at most this many rows (or columns) is a set of channels, not a picture.
@@ -28,6 +30,8 @@ def matlab_variables(path: Path, name: str) -> dict[str, Any]:
     from scipy.io import loadmat, matlab  # noqa: PLC0415
 
     try:
+        if matlab.matfile_version(path)[0] == 1:
+            check_structure(path)
         content = loadmat(path, simplify_cells=True)
     except NotImplementedError:
         raise IvsidError(
@@ -41,8 +45,10 @@ def matlab_variables(path: Path, name: str) -> dict[str, Any]:
         KeyError,
         EOFError,
         IndexError,
-        OverflowError,
+        ArithmeticError,
+        AttributeError,
         MemoryError,
+        zlib.error,
     ) as error:
         words = (str(error).splitlines() or ["damaged"])[0]
         raise IvsidError(f"{name} is not a readable MATLAB v4 or v5 file ({words}); save it again with -v7") from None
@@ -55,7 +61,7 @@ def open_matlab(path: Path, name: str) -> Mapping[str, Table]:
     Vectors at the top level are one table under their own names; a struct is a table of its fields; a matrix gives a
     column to each of its rows, or columns where it is taller than wide, counted from 1: ``data(1)``, ``data(2)``.
     """
-    vectors: dict[str, dict[str, NDArray[np.float64]]] = {}
+    vectors: dict[str, dict[str, NDArray[Any]]] = {}
     for variable, value in matlab_variables(path, name).items():
         if isinstance(value, dict):
             _fields(vectors.setdefault(variable, {}), "", value, DEPTH)
@@ -76,7 +82,7 @@ def open_matlab(path: Path, name: str) -> Mapping[str, Table]:
     return tables if len(tables) > 1 else {"": next(iter(tables.values()))}
 
 
-def _fields(into: dict[str, NDArray[np.float64]], prefix: str, value: Mapping[str, Any], depth: int) -> None:
+def _fields(into: dict[str, NDArray[Any]], prefix: str, value: Mapping[str, Any], depth: int) -> None:
     """Adds every numeric vector and matrix below a struct; scalars and words are no channels."""
     for key, inner in value.items():
         where = f"{prefix}.{key}" if prefix else key
@@ -86,8 +92,15 @@ def _fields(into: dict[str, NDArray[np.float64]], prefix: str, value: Mapping[st
         if not isinstance(inner, np.ndarray) or inner.dtype.kind not in "fiub":
             continue
         if inner.ndim == 1 and inner.size > 1:
-            into[where] = inner.astype(np.float64)
+            into[where] = _plain(inner)
         elif inner.ndim == 2 and min(inner.shape) <= CHANNELS:
             rows = inner if inner.shape[0] <= inner.shape[1] else inner.T
             for k, row in enumerate(rows, start=1):
-                into[f"{where}({k})"] = row.astype(np.float64)
+                into[f"{where}({k})"] = _plain(row)
+
+
+def _plain(values: NDArray[Any]) -> NDArray[Any]:
+    """In the machine's byte order; integers stay integers, for doubles are too short for stamps of nanoseconds."""
+    if values.dtype.kind in "iu":
+        return np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("="))
+    return values.astype(np.float64)

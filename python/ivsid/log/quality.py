@@ -20,6 +20,10 @@ HOLDABLE: Final = (
 # A spike is this many times the usual change from sample to sample away from both neighbours, on the same side.
 SPIKE: Final = 20.0
 SOME: Final = 100_000
+# Of a slower sensor this share of runs has two neighbouring lengths, and this share of repeats one of three neighbouring distances.
+# Chance repeats with the probability p give 1 - p^2 and at most 1 - (1 - p)^3: never both.
+ALIKE: Final = 0.85
+REGULAR: Final = 0.9
 
 
 def without_held(name: str, values: Array) -> tuple[Array, int, str | None]:
@@ -40,10 +44,10 @@ def without_held(name: str, values: Array) -> tuple[Array, int, str | None]:
     np.not_equal(present[1:], present[:-1], out=new[1:])
     if new.all():
         return values, 0, None
-    runs = np.diff(np.flatnonzero(new))
-    if not _held(runs):
+    if not _held(np.flatnonzero(new)):
         return values, 0, None
     repeats = np.flatnonzero(~new)
+    runs = np.diff(np.flatnonzero(new))
     kept = values.copy()
     kept[repeats if there is None else there[repeats]] = np.nan
     if np.median(runs) >= 2:
@@ -53,14 +57,29 @@ def without_held(name: str, values: Array) -> tuple[Array, int, str | None]:
     return kept, int(repeats.size), note
 
 
-def _held(runs: NDArray[np.int64]) -> bool:
-    """Whether runs of equal values are those of a slower sensor: long as a rule, or of two neighbouring lengths only.
+def _held(first: NDArray[np.intp]) -> bool:
+    """Whether runs of equal values, which begin at these samples, are those of a slower sensor.
 
-    A coarse but live channel repeats by chance, with runs of any length; one value for ever is a vehicle at rest.
+    They are long as a rule; or of two neighbouring lengths only; or they would be, but for some lost readings and a rest: then most runs
+    have two neighbouring lengths, and repeats come at regular distances. A coarse but live channel repeats by chance, with runs of any
+    length or at any distance; one value for ever is a vehicle at rest.
     """
+    runs = np.diff(first)
     if runs.size < 4 or runs.max() < 2:
         return False
-    return bool(np.median(runs) >= 2 or runs[1:].max() - runs[1:].min() <= 1)
+    if np.median(runs) >= 2 or runs[1:].max() - runs[1:].min() <= 1:
+        return True
+    distances = np.diff(first[:-1][runs > 1])
+    if distances.size < 8 or _share(runs, 2) < ALIKE:
+        return False
+    return _share(distances, 3) >= REGULAR
+
+
+def _share(lengths: NDArray[np.intp], neighbours: int) -> float:
+    """The share of lengths that fall into the best so many neighbouring values."""
+    count = np.bincount(lengths)
+    window = np.convolve(count, np.ones(neighbours, dtype=count.dtype))
+    return float(window.max() / lengths.size)
 
 
 @dataclass(frozen=True)

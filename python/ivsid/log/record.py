@@ -26,6 +26,21 @@ class Clock:
 
 
 @dataclass(frozen=True)
+class Sweep:
+    """Between which readings a channel stood over each step from a row to the next, whatever the log has between the two.
+
+    Attributes:
+        lower: shape (n - 1,), rounding and decimals included; NaN where it is not known.
+        upper: shape (n - 1,).
+        assumes: what that rests on.
+    """
+
+    lower: NDArray[np.float64]
+    upper: NDArray[np.float64]
+    assumes: str
+
+
+@dataclass(frozen=True)
 class Quality:
     """What is known of one channel; nothing here was changed in the data.
 
@@ -70,6 +85,9 @@ class Log:
         derived: channels that were computed, with those that they were computed from.
         clocks: of channels that came from another clock than the rows.
         quality: by channel, as the file has it.
+        over: forces and the angles of thrusters over the steps from row to row, where the log has more than the rows tell.
+        by_rate: channels whose ``rounding`` is what the quantity itself, not its reading, can have moved under a stated rate.
+        certain: of angles that were followed through whole turns, the error of a reading [rad] below which that is sure.
     """
 
     name: str
@@ -84,6 +102,9 @@ class Log:
     derived: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     clocks: Mapping[str, Clock] = field(default_factory=dict)
     quality: Mapping[str, Quality] = field(default_factory=dict)
+    over: Mapping[str, Sweep] = field(default_factory=dict)
+    by_rate: tuple[str, ...] = ()
+    certain: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def period(self) -> float:

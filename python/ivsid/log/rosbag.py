@@ -13,7 +13,7 @@ import numpy as np
 import polars as pl
 
 from ivsid.errors import IvsidError
-from ivsid.log.source import Table
+from ivsid.log.source import Lossless, Table
 from ivsid.log_map import TimeColumn
 
 # The two clocks of a message, in nanoseconds: when the sensor says that it measured, and when the recorder got it.
@@ -25,7 +25,7 @@ LONGEST: Final = 64
 
 
 @dataclass(frozen=True)
-class Topic:
+class Topic(Lossless):
     """The messages of one topic; ``stamp`` is the header's time, or the recorder's where there is no header."""
 
     reader: Any
@@ -43,10 +43,6 @@ class Topic:
                 values.append(fields.get(n))
         stamps = (STAMP, RECEIVED)
         return {n: pl.Series(n, v, dtype=pl.Int64 if n in stamps else pl.Float64) for n, v in found.items()}
-
-    def exact(self, name: str) -> pl.Series:
-        """One field; stamps as integers."""
-        return self.read([name])[name]
 
 
 def open_bag(path: Path, name: str, stack: ExitStack) -> Mapping[str, Table]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Final, Protocol
 
 import numpy as np
@@ -18,6 +19,12 @@ MISSING: Final = ("", "nan", "NaN", "NAN", "null")
 # Between a table and its column in the name of a foreign column, where a file holds several tables.
 SEPARATOR: Final = "/"
 _UNIT: Final = {"ns": "ns", "us": "us", "ms": "ms"}
+
+
+def head(path: Path) -> bytes:
+    """The first bytes of a file."""
+    with path.open("rb") as file:
+        return file.read(64)
 
 
 class Table(Protocol):
@@ -42,8 +49,16 @@ class Table(Protocol):
         """One column with every digit: text, integers or doubles."""
 
 
+class Lossless:
+    """A table that ``read`` gives with every digit."""
+
+    def exact(self: Table, name: str) -> pl.Series:
+        """One column with every digit."""
+        return self.read([name])[name]
+
+
 @dataclass(frozen=True)
-class Frame:
+class Frame(Lossless):
     """A table that is in memory."""
 
     frame: pl.DataFrame
@@ -58,10 +73,6 @@ class Frame:
     def read(self, names: Sequence[str]) -> dict[str, pl.Series]:
         """The columns as they are."""
         return {n: self.frame[n] for n in names}
-
-    def exact(self, name: str) -> pl.Series:
-        """The column as it is."""
-        return self.frame[name]
 
 
 @dataclass(frozen=True)
@@ -154,7 +165,9 @@ def numbers(series: pl.Series, name: str, source: str, first_row: int) -> NDArra
 
 
 def stamp_unit(series: pl.Series) -> str | None:
-    """The unit that a column of dates or durations has of itself."""
+    """The unit that a column of dates, times of day or durations has of itself."""
+    if series.dtype == pl.Time:
+        return "ns"
     if series.dtype in (pl.Datetime, pl.Duration):
         return _UNIT[str(series.dtype.time_unit)]  # type: ignore[attr-defined]
     return None

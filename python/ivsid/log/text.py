@@ -44,8 +44,16 @@ class Text:
         try:
             return self._typed(names, pl.String())
         except pl.exceptions.PolarsError as error:
-            first = str(error).splitlines()[0]
-            raise IvsidError(f"{self.name} is not a readable CSV table ({first}); mend or export it again") from None
+            raise IvsidError(
+                f"{self.name} is not a readable CSV table ({self._why(error)}); mend or export it again"
+            ) from None
+
+    def _why(self, error: BaseException) -> str:
+        """The fault in the words of a log: the reader speaks of the schema that it was given."""
+        first = (str(error).splitlines() or ["damaged"])[0]
+        return (
+            f"a row has more cells than the {len(self.columns)} of the header" if "schema" in first.lower() else first
+        )
 
     def _typed(self, names: Sequence[str], kind: pl.DataType) -> dict[str, pl.Series]:
         lazy = pl.scan_csv(
@@ -87,15 +95,36 @@ def open_text(path: Path, name: str) -> Text:
     except UnicodeDecodeError:
         raise _binary(name) from None
     shown = head[:4096].decode(encoding, "ignore")
-    if sum(c.isprintable() or c in "\r\n\t" for c in shown) < 0.98 * len(shown):
+    # Beyond Latin-1, characters that are valid UTF-8 are text, whether or not this Unicode has names for them.
+    if sum(c.isprintable() or c in "\r\n\t" or c > "\xff" for c in shown) < 0.98 * len(shown):
         raise _binary(name)
     if "," not in header and second and any(s in sample for s in SEPARATORS):
         raise IvsidError(f"{name} has no comma in its header; a log is comma-separated with a header row")
-    names = [c.strip() for c in next(csv.reader([header.rstrip("\r\n")]))]
+    if "\r" in header.rstrip("\r\n"):
+        raise IvsidError(f"{name} ends its lines with carriage returns alone; save it with line feeds")
+    try:
+        names = [c.strip() for c in next(csv.reader([header.rstrip("\r\n")], strict=True))]
+    except csv.Error as error:
+        raise IvsidError(f"{name} has a header that cannot be read ({error}); mend its quotation marks") from None
     twice = next((n for n in names if names.count(n) > 1), None)
     if twice is not None:
         raise IvsidError(f"{name} has the column {twice} more than once; each needs its own name")
+    _check_end(path, name, len(names))
     return Text(path, name, tuple(names))
+
+
+def _check_end(path: Path, name: str, columns: int) -> None:
+    """Refuses a last row that breaks off: its last cell may be the beginning of another number."""
+    with path.open("rb") as file:
+        size = file.seek(0, 2)
+        file.seek(max(0, size - HEAD))
+        lines = file.read().split(b"\n")
+    cells = lines[-1].count(b",") + 1
+    if lines[-1].strip() and len(lines) > 1 and cells < columns and b'"' not in lines[-1]:
+        raise IvsidError(
+            f"{name} breaks off in its last row, after {cells} of {columns} cells and without a line end; its last number may be cut: "
+            "remove that row, or copy the file again"
+        )
 
 
 def _binary(name: str) -> IvsidError:

@@ -42,6 +42,8 @@ from ivsid.vehicle import Vehicle
 
 # (t, u, v, r, psi, x, y, X, Y, N, wind north, wind east, thrusts, angles) -> rates of u, v, r, psi, x, y
 Rates: TypeAlias = Callable[..., tuple[Any, ...]]
+# Later than any change [s].
+AGE: Final = 1e300
 _STATE: Final = ("t", "u", "v", "r", "psi", "x", "y", "X", "Y", "N", "wind_north", "wind_east")
 
 
@@ -119,6 +121,22 @@ def equations(plant: Plant, *, arrays: bool = False) -> Rates:
     Raises:
         IvsidError: masses and inertia that do not make a regular mass matrix.
     """
+    tape, names, results = _written(plant)
+    return tape.function(names, results, arrays=arrays)
+
+
+def halves(plant: Plant) -> tuple[Callable[..., tuple[Any, ...]], Rates]:
+    """The same equations in two functions of floats.
+
+    The first takes what holds between samples (X, Y, N, wind, thrusts, angles) and gives what the second takes after time and state.
+    """
+    tape, names, results = _written(plant)
+    moving = _STATE.index("X")
+    return tape.halves(names[:moving], names[moving:], results)
+
+
+def _written(plant: Plant) -> tuple[Tape, list[str], tuple[Any, ...]]:
+    """The equations noted down, with the names of their arguments and results."""
     tape = Tape()
     t, u, v, r, psi, x, y, X, Y, N, wn, we = (tape.symbol(n) for n in _STATE)
     thrusts = [tape.symbol(f"T{k}") for k in range(len(plant.vehicle.thrusters))]
@@ -141,9 +159,17 @@ def equations(plant: Plant, *, arrays: bool = False) -> Rates:
         return [total.get(c, 0.0) for c in CHANNELS]
 
     at_rest = [State(0.0, 0.0, 0.0, *unit, place=place) for unit in ((0.0, 0.0, 0.0), *np.eye(3).tolist())]
-    base, *columns = (left(s) for s in at_rest)
-    matrix = [[columns[j][i] - base[i] for j in range(3)] for i in range(3)]
-    _regular(matrix)
+
+    def inertia() -> list[list[Any]]:
+        base, *columns = (left(s) for s in at_rest)
+        return [[columns[j][i] - base[i] for j in range(3)] for i in range(3)]
+
+    # What changes in time changes at once or one way: the start and the end of all time hold its extremes.
+    for moment in (0.0, AGE):
+        values = _changed(plant, moment)
+        _regular(inertia())
+    values = _changed(plant, t)
+    matrix = inertia()
     free = left(State(u_r, v_r, r, 0.0, 0.0, 0.0, place=place))
     force = _thrust(plant, thrusts, angles, (u_r, v_r, r))
     for g in plant.given:
@@ -162,7 +188,7 @@ def equations(plant: Plant, *, arrays: bool = False) -> Rates:
     c, s = cos(psi), sin(psi)
     results = (udot, vdot, rdot, r, u * c - v * s, u * s + v * c)
     names = [*_STATE, *(q.name for q in thrusts), *(q.name for q in angles)]
-    return tape.function(names, results, arrays=arrays)
+    return tape, names, results
 
 
 def _current(given: Sequence[Given], t: Symbol) -> list[Any]:
@@ -173,7 +199,7 @@ def _current(given: Sequence[Given], t: Symbol) -> list[Any]:
     return total
 
 
-def _changed(plant: Plant, t: Symbol) -> dict[str, Any]:
+def _changed(plant: Plant, t: Any) -> dict[str, Any]:
     values: dict[str, Any] = dict(plant.values)
     for g in plant.given:
         if isinstance(g.effect.acts, Change):
@@ -182,12 +208,19 @@ def _changed(plant: Plant, t: Symbol) -> dict[str, Any]:
 
 
 def _regular(matrix: list[list[Any]]) -> None:
-    # A mass that changes is checked as it is at the start: only what is a number counts.
+    # A term that turns with the heading leaves no number to check.
     if any(isinstance(q, Symbol) for row in matrix for q in row):
         return
     numbers = np.array(matrix, dtype=np.float64)
-    if not np.isfinite(numbers).all() or np.linalg.cond(numbers) > 1e12:
-        raise IvsidError("the mass matrix of the model is singular; masses and inertia must be positive")
+    if (
+        not np.isfinite(numbers).all()
+        or np.linalg.cond(numbers) > 1e12
+        or np.linalg.eigvalsh(numbers + numbers.T)[0] <= 0
+    ):
+        raise IvsidError(
+            "the mass matrix of the model is not positive definite; masses and inertia must be positive, payloads and the centre of "
+            "gravity's offset small beside them"
+        )
 
 
 def _thrust(

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ivsid.effects import EFFECTS, Effect, Reading, Terms, terms_of
+from ivsid.errors import IvsidError
 from ivsid.scenario import Scenario
 from ivsid.thrust import ThrustCurve
 from ivsid.vehicle import Vehicle
@@ -34,6 +35,28 @@ def hidden_effect(vehicle: Vehicle, scenario: Scenario, seed: int) -> dict[str, 
     return draw(effect, size, vehicle, scenario, rng)
 
 
+def hidden_effects(vehicle: Vehicle, scenario: Scenario, seed: int, count: int) -> dict[str, float]:
+    """Exactly this many different effects drawn from the seed, each as ``hidden_effect`` draws one.
+
+    Raises:
+        IvsidError: fewer effects can act on the vehicle.
+    """
+    rng = np.random.default_rng([seed, 0x1D, count])
+    possible = [e for e in EFFECTS.values() if can_hide(e, vehicle, scenario)]
+    if len(possible) < count:
+        raise IvsidError(
+            f"{count} effects are asked for and {len(possible)} can be hidden in {vehicle.name}; ask for fewer"
+        )
+    found: dict[str, float] = {}
+    for k in rng.choice(len(possible), count, replace=False):
+        effect = possible[int(k)]
+        if effect.measured is not None and _measured(effect, scenario):
+            effect = effect.measured
+        size = float(np.exp(rng.uniform(np.log(SIZES[0]), np.log(SIZES[1]))))
+        found |= draw(effect, size, vehicle, scenario, rng)
+    return found
+
+
 def can_hide(effect: Effect, vehicle: Vehicle, scenario: Scenario) -> bool:
     """Whether the effect can act on this vehicle without standing in its model or in the scenario's truth already."""
     if any(key == effect.id or key.startswith(f"{effect.id}.") for key in scenario.truth):
@@ -43,7 +66,7 @@ def can_hide(effect: Effect, vehicle: Vehicle, scenario: Scenario) -> bool:
     if effect.plain:
         # A term of the plain model is an effect only for the paper's model, which shares the surge column.
         return vehicle.model.terms == "paper" and effect.id in ("mass.sway", "drag.sway.quadratic")
-    if isinstance(effect.acts, Terms) and effect.id in {t.id for t in terms_of(vehicle)}:
+    if isinstance(effect.acts, Terms) and {t.id for t in terms_of(vehicle)} & {effect.id, *effect.parts}:
         return False
     if isinstance(effect.acts, Reading):
         return getattr(vehicle.sensors, effect.acts.sensor) is not None

@@ -63,6 +63,7 @@ def settle(
     times: Sequence[float],
     start: Pose,
     outside: NDArray[np.float64],
+    halves: tuple[Callable[..., tuple[float, ...]], Rates] | None = None,
 ) -> Path:
     """Integrates with one step a sample, then with twice as many, until halving the step changes nothing that matters.
 
@@ -72,14 +73,15 @@ def settle(
         times: of the samples [s], increasing.
         start: u, v, r, psi, x, y at the first.
         outside: X, Y, N and wind north, east, each held from its sample to the next, shape (n, 5).
+        halves: the equations in two, for thrusts that hold from sample to sample.
 
     Raises:
         IvsidError: the motion grows without bound, or does not settle.
     """
     steps = 1
-    coarse = run(rates, *make(), times, start, outside, steps)
+    coarse = run(rates, *make(), times, start, outside, steps, halves)
     while True:
-        fine = run(rates, *make(), times, start, outside, 2 * steps)
+        fine = run(rates, *make(), times, start, outside, 2 * steps, halves)
         moved = None
         if coarse is not None and fine is not None:
             # The method is of fourth order: the finer run is 15 times as close to the truth as the two are to each other.
@@ -110,6 +112,7 @@ def run(
     start: Pose,
     outside: NDArray[np.float64],
     steps: int,
+    halves: tuple[Callable[..., tuple[float, ...]], Rates] | None = None,
 ) -> Path | None:
     """One run with ``steps`` Runge-Kutta steps a sample; None where it grows without bound."""
     state = start
@@ -133,12 +136,27 @@ def run(
             if k == last:
                 break
             # No jump is stepped over: the sample's time is cut where a delayed demand or an event arrives.
+            if propulsion.steady:
+                # Nothing changes between the samples but the state: thrusts are looked up once.
+                tail = (*fixed, *thrust, *angle)
+                moving = rates
+                if halves is not None:
+                    tail, moving = halves[0](*tail), halves[1]
+                tails = tail, tail, tail
+                h = (end - time) / steps
+                for j in range(steps):
+                    state = _step(moving, state, time + j * h, h, tails)
+                if not -1e9 < state[0] + state[1] + state[2] < 1e9:
+                    raise OverflowError
+                continue
             cuts = [time, end] if propulsion.plain else [time, *propulsion.breaks(time, end), end]
             for low, high in pairwise(cuts):
                 h = (high - low) / steps
                 for j in range(steps):
                     at = low + j * h
-                    state = _step(rates, state, at, h, fixed, propulsion.over(at, h), angle)
+                    first, middle, final = propulsion.over(at, h)
+                    tails = (*fixed, *first, *angle), (*fixed, *middle, *angle), (*fixed, *final, *angle)
+                    state = _step(rates, state, at, h, tails)
             if not -1e9 < state[0] + state[1] + state[2] < 1e9:
                 raise OverflowError
     except (OverflowError, ValueError, ZeroDivisionError):
@@ -159,15 +177,16 @@ def _step(
     state: Pose,
     t: float,
     h: float,
-    fixed: Sequence[float],
-    thrusts: tuple[list[float], list[float], list[float]],
-    angle: Sequence[float],
+    tails: tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]],
 ) -> Pose:
-    """Written out for six numbers: a loop over them would take longer than the equations."""
-    first, middle, last = thrusts
+    """Written out for six numbers: a loop over them would take longer than the equations.
+
+    The tails are what follows the state in the arguments of the equations, at the start, the middle and the end of the step.
+    """
+    first, middle, last = tails
     half = 0.5 * h
     u, v, r, p, x, y = state
-    a1, b1, c1, d1, e1, f1 = rates(t + _INSIDE * h, u, v, r, p, x, y, *fixed, *first, *angle)
+    a1, b1, c1, d1, e1, f1 = rates(t + _INSIDE * h, u, v, r, p, x, y, *first)
     a2, b2, c2, d2, e2, f2 = rates(
         t + half,
         u + half * a1,
@@ -176,9 +195,7 @@ def _step(
         p + half * d1,
         x + half * e1,
         y + half * f1,
-        *fixed,
         *middle,
-        *angle,
     )
     a3, b3, c3, d3, e3, f3 = rates(
         t + half,
@@ -188,9 +205,7 @@ def _step(
         p + half * d2,
         x + half * e2,
         y + half * f2,
-        *fixed,
         *middle,
-        *angle,
     )
     a4, b4, c4, d4, e4, f4 = rates(
         t + h - _INSIDE * h,
@@ -200,9 +215,7 @@ def _step(
         p + h * d3,
         x + h * e3,
         y + h * f3,
-        *fixed,
         *last,
-        *angle,
     )
     s = h / 6.0
     return (

@@ -50,7 +50,9 @@ class TrueThrust:
         """Thrust [N] at a demand."""
         value = self._value(demand)
         accuracy = self.thruster.accuracy
-        bound = min(accuracy.absolute + accuracy.relative * abs(value), abs(value))
+        # A thrust astern that the file claims to be larger takes its error along: what is claimed of the error holds for the product.
+        larger = max(self.thruster.reverse_factor or 1.0, 1.0) if value < 0 else 1.0
+        bound = min(accuracy.absolute / larger + accuracy.relative * abs(value), abs(value))
         if not bound:
             return value
         return value + self.size * bound * math.sin(2 * math.pi * self.cycles * demand / self.span + self.phase)
@@ -71,7 +73,8 @@ def scalar_curve(curve: ThrustCurve) -> Callable[[float], float]:
     pieces = curve.pieces
     if pieces is None:
         whole = curve.formula
-        return lambda demand: whole(demand - neutral)
+        lowest, highest = curve.range
+        return lambda demand: whole(min(max(demand, lowest), highest) - neutral)
     knots, coefficients = pieces
     first, last = knots[0], knots[-1]
 
@@ -120,6 +123,8 @@ class Propulsion:
         self.shaft = [t.lag == "demand" for t in thrusters]
         self._lagging = any(self.lags)
         self.plain = not any(self.lags) and not any(self.delays) and not self.events
+        # Thrusts that hold from sample to sample: no lag, no delay, no clock.
+        self.steady = self.plain and not any(self._timed)
         self._times: list[float] = []
         self._demands: list[list[float]] = []
         neutral = [t.neutral for t in thrusters]

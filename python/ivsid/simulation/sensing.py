@@ -48,7 +48,24 @@ def sensed(
     for g in sorted(readings, key=lambda g: g.effect.acts.order if isinstance(g.effect.acts, Reading) else 0):
         if isinstance(g.effect.acts, Reading):
             channels.update(g.effect.acts.function(channels, g.values))
+    _mounted(vehicle, channels)
     return {name: channels[name] for name in exact}
+
+
+def _mounted(vehicle: Vehicle, channels: dict[str, Any]) -> None:
+    """Velocities and specific forces where the file says that their sensors stand, and in the sensors' axes."""
+    r, rdot = channels["r_true"], channels["rdot"]
+    for sensor, names in ((vehicle.sensors.velocity, ("u", "v")), (vehicle.sensors.acceleration, ("ax", "ay"))):
+        if sensor is None or not (sensor.off_origin or sensor.turned):
+            continue
+        x, y = sensor.position
+        first, second = (channels[n] for n in names)
+        if names[0] == "u":
+            first, second = first - y * r, second + x * r
+        else:
+            first, second = first - x * r * r - y * rdot, second + x * rdot - y * r * r
+        c, s = np.cos(sensor.rotation), np.sin(sensor.rotation)
+        channels[names[0]], channels[names[1]] = first * c + second * s, second * c - first * s
 
 
 def _earlier(
@@ -135,6 +152,10 @@ def noisy(
         ("y", sensors.position),
         ("rdot", sensors.yaw_acceleration),
     )
+    if sensors.acceleration is not None and sensors.acceleration.gravity and sensors.attitude is not None:
+        # The simulated vehicle stays level.
+        for name in ("roll", "pitch"):
+            columns[name] = bounded(sensors.attitude.accuracy, n, scenario.noise, rng)
     for name, section in plain:
         if section is not None:
             columns[name] = exact[name] + bounded(section.accuracy, n, scenario.noise, rng)
@@ -158,10 +179,12 @@ def faulty(columns: dict[str, NDArray[np.float64]], scenario: Scenario, rng: np.
         if faults is None or not here:
             continue
         n = columns[here[0]].size
-        every = 1 if faults.period is None else max(1, round(faults.period * scenario.rate))
+        every = 1 if faults.period is None else max(1, round(min(faults.period * scenario.rate, float(n))))
         fresh = np.arange(n) // every * every
         wild = rng.uniform(size=n) < faults.outliers
         lost = _lost(n, faults, scenario.rate, rng)
+        if not faults.hold:
+            lost = lost | (fresh != np.arange(n))
         for name in here:
             reading = columns[name] + np.where(wild, rng.standard_normal(n) * faults.outlier_size, 0.0)
             reading = reading[fresh]

@@ -13,7 +13,7 @@ from ivsid.effects import Given, Reading, Terms, sort_given, terms_of
 from ivsid.errors import IvsidError
 from ivsid.manoeuvres import Command, Programme
 from ivsid.scenario import Scenario, Start
-from ivsid.simulation.equations import Plant, axis, equations, plant
+from ivsid.simulation.equations import Plant, axis, equations, halves, plant
 from ivsid.simulation.integrate import Helm, Path, Pose, settle
 from ivsid.simulation.propulsion import Propulsion, TrueThrust
 from ivsid.simulation.sensing import bounded, faulty, gauss_markov, noisy, sensed
@@ -74,7 +74,8 @@ def simulate(
             propulsion.supply(lambda time: max(1.0 - fall * time / first, 0.0))
         return propulsion, Steersman(vehicle, curves, programme, h)
 
-    path = settle(equations(model), make, t.tolist(), _pose(scenario.start), np.hstack([ambient, wind]))
+    outside = np.hstack([ambient, wind])
+    path = settle(equations(model), make, t.tolist(), _pose(scenario.start), outside, halves(model))
     exact = channels(path)
     columns, sensor_truth = noisy(vehicle, scenario, t, sensed(vehicle, t, exact, given), rng)
     further = np.random.default_rng([number, 2])
@@ -132,6 +133,7 @@ def follow(
         since,
         _pose(start or Start()),
         np.hstack([np.zeros((t.size, 3)) if force is None else force, np.zeros((t.size, 2))]),
+        halves(model),
     )
     return channels(path)
 

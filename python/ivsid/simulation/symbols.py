@@ -64,13 +64,51 @@ class Tape:
 
     def function(self, arguments: Sequence[str], results: Sequence[Any], *, arrays: bool = False) -> Callable[..., Any]:
         """The function of the arguments that gives the results: of floats, or of NumPy arrays of one shape."""
+        return self._compiled(arguments, self._kept(results), [_text(r) for r in results], arrays=arrays)
+
+    def halves(
+        self, moving: Sequence[str], held: Sequence[str], results: Sequence[Any]
+    ) -> tuple[Callable[..., Any], Callable[..., Any]]:
+        """The same function of floats in two: what depends on held arguments alone, and the rest.
+
+        The first takes the held arguments and gives what the second takes after the moving ones; the operations are the same.
+        """
+        fixed, first, rest = set(held), [], []
+        for line in self._kept(results):
+            if set(line[2]) <= fixed:
+                fixed.add(line[0])
+                first.append(line)
+            else:
+                rest.append(line)
+        used = {q for line in rest for q in line[2]} | {r.name for r in results if isinstance(r, Symbol)}
+        passed = [q for q in (*held, *(line[0] for line in first)) if q in used]
+        return (
+            self._compiled(held, first, passed, arrays=False),
+            self._compiled([*moving, *passed], rest, [_text(r) for r in results], arrays=False),
+        )
+
+    def _kept(self, results: Sequence[Any]) -> list[tuple[str, str, Sequence[str]]]:
+        """The lines that the results need, in order."""
         wanted = {r.name for r in results if isinstance(r, Symbol)}
         kept = []
-        for name, expression, operands in reversed(self._lines):
-            if name in wanted:
-                wanted.update(operands)
-                kept.append(f"    {name} = {expression}")
-        body = [*reversed(kept), f"    return ({', '.join(_text(r) for r in results)},)"]
+        for line in reversed(self._lines):
+            if line[0] in wanted:
+                wanted.update(line[2])
+                kept.append(line)
+        return list(reversed(kept))
+
+    def _compiled(
+        self,
+        arguments: Sequence[str],
+        lines: Sequence[tuple[str, str, Sequence[str]]],
+        results: Sequence[str],
+        *,
+        arrays: bool,
+    ) -> Callable[..., Any]:
+        body = [
+            *(f"    {name} = {expression}" for name, expression, _ in lines),
+            f"    return ({', '.join([*results, ''])})",
+        ]
         source = "\n".join([f"def function({', '.join(arguments)}):", *body])
         space = {**(_ARRAY if arrays else _SCALAR), **self._provided}
         # Only names and numbers that this module made stand in the text: nothing of a user's file reaches it.

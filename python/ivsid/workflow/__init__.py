@@ -9,5 +9,17 @@ from ivsid.workflow.isolability import isolability
 from ivsid.workflow.simulate import simulate
 from ivsid.workflow.thrust import thrust
 from ivsid.workflow.validate import validate
+from ivsid.workflow.verify import verify
 
-__all__ = ["allan", "demo", "diagnose", "identify", "import_set", "isolability", "simulate", "thrust", "validate"]
+__all__ = [
+    "allan",
+    "demo",
+    "diagnose",
+    "identify",
+    "import_set",
+    "isolability",
+    "simulate",
+    "thrust",
+    "validate",
+    "verify",
+]

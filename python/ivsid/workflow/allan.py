@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ivsid import figures, report
 from ivsid.allan import AllanDeviation, allan_deviation
+from ivsid.allan_fit import NAMES
 from ivsid.errors import IvsidError
 from ivsid.log import open_source
 from ivsid.records import envelope
@@ -59,7 +60,8 @@ def allan(
         for (q, u), c in groups.items()
     )
     snippet = sensors_toml(curves)
-    rule = rule_for(Sensors(), 2 * samples * len(curves))
+    walks = sum(a.rate_random_walk > 0 for a in curves.values())
+    rule = rule_for(Sensors(), 2 * samples * len(curves) + 4 * walks)
     record = {
         **envelope("allan", {Path(log).name: recording.sha256}),
         "samples": samples,
@@ -68,14 +70,23 @@ def allan(
         "sigmas": rule.sigmas,
         "confidence": rule.confidence,
         "bounds": {
-            n: rule.sigmas * (a.random_walk / np.sqrt(recording.period) + a.bias_instability) for n, a in curves.items()
+            n: rule.sigmas
+            * (
+                a.random_walk / np.sqrt(recording.period)
+                + a.bias_instability
+                + a.rate_random_walk * np.sqrt(samples * recording.period)
+            )
+            for n, a in curves.items()
         },
         "toml": snippet,
         "notes": recording.notes,
     }
     rows = coefficient_rows(curves, record["bounds"])
     sections = (
-        Section("Coefficients", (coefficient_table(rows), report.bullets([*_reading(rule.sigmas), *recording.notes]))),
+        Section(
+            "Coefficients",
+            (coefficient_table(rows), band_table(curves), report.bullets([*_reading(rule.sigmas), *recording.notes])),
+        ),
         Section("Curves", tuple(report.drawing(d) for d in drawings)),
         Section("For the vehicle file", (report.code(snippet),)),
     )
@@ -83,7 +94,8 @@ def allan(
     lines = [
         summary,
         *(
-            f"  {r[0]:<10} N {r[2]:.4g}, B {r[3]:.4g} (T {r[4]:.4g} s{'' if r[5] else ', not resolved'}), sigma_c {r[7]:.4g}, half-width {r[9]:.4g} {r[1]}"
+            f"  {r[0]:<10} N {r[2]:.4g}, B {r[3]:.4g} (T {r[4]:.4g} s{'' if r[5] else ', not resolved'}), K {curves[r[0]].rate_random_walk:.4g}, "
+            f"sigma_c {r[7]:.4g}, half-width {r[9]:.4g} {r[1]}"
             for r in rows
         ),
     ]
@@ -104,7 +116,8 @@ def _reading(sigmas: float) -> list[str]:
         "N: random walk; B: standard deviation of a first-order Gauss-Markov bias of correlation time T, fitted to the curve",
         "a hump that is not resolved inside the record makes B what the fit tolerates, not a measurement: record for longer",
         "sigma_c: eq. 15 of the paper, its 3 sigma is no bound for a whole log",
-        f"half-width: {sigmas:.2f} (N/sqrt(dt) + B), which every sample of a log of this length keeps with probability 0.999",
+        "K: rate random walk, where the record shows one beside the bias; the 95 % bands hold each number with the others free",
+        f"half-width: {sigmas:.2f} (N/sqrt(dt) + B + K sqrt(duration)), which every sample of a log of this length keeps with probability 0.999",
     ]
 
 
@@ -144,6 +157,16 @@ def coefficient_table(rows: list[list[Any]]) -> dict[str, Any]:
     return report.table(header, rows)
 
 
+def band_table(curves: Mapping[str, AllanDeviation]) -> dict[str, Any]:
+    """The numbers that were read off with their 95 % bands."""
+    rows = [[channel, *(_banded(getattr(a, name), a.bands[name]) for name in NAMES)] for channel, a in curves.items()]
+    return report.table(["channel", "N", "B", "T [s]", "K [unit/s/√s]"], rows, "95 % bands")
+
+
+def _banded(value: float, band: tuple[float, float]) -> str:
+    return f"{value:.4g} [{band[0]:.4g}, {band[1]:.4g}]".replace("inf]", "∞)")
+
+
 def _quantity(name: str) -> tuple[str, str]:
     return next(((q, u) for q, u, pattern in QUANTITIES if pattern.match(name)), ("other", "unit of the column"))
 
@@ -172,8 +195,10 @@ def sensors_toml(curves: Mapping[str, AllanDeviation]) -> str:
                 f"random_walk = {pair([a.random_walk for a in found])}",
                 f"bias_instability = {pair([a.bias_instability for a in found])}",
                 f"bias_time = {pair([a.bias_time for a in found])}",
-                "",
             ]
+            walk = max(a.rate_random_walk for a in found)
+            lines += [f"rate_random_walk = {number(walk)}"] if walk else []
+            lines.append("")
     return "\n".join(lines)
 
 

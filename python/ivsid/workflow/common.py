@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
@@ -12,7 +13,7 @@ import polars as pl
 from numpy.typing import NDArray
 
 from ivsid import report
-from ivsid.identification import Identification
+from ivsid.identification import Identification, in_words
 from ivsid.intervals import outward_decimal
 from ivsid.log import Quality
 from ivsid.validation import Validation
@@ -91,7 +92,45 @@ def parameter_lines(fit: Identification) -> list[str]:
         lines.append("  left open along: " + " ".join(f"{v:+.3g} {k}" for k, v in direction.items()))
     if len(fit.directions) > MOST_DIRECTIONS:
         lines.append(f"  and along {len(fit.directions) - MOST_DIRECTIONS} more (result.json)")
+    lines += [f"  {line}" for line in (*freedom_lines(fit), *claim_lines(fit), *_culprits(fit))]
     return lines
+
+
+def freedom_lines(fit: Identification) -> list[str]:
+    """What the data do determine, where they leave something open."""
+    if fit.status != "unbounded" or not fit.directions:
+        return []
+    if not fit.determined:
+        return ["nothing is determined: every combination of the parameters that are left open is free"]
+    alone = [next(iter(c)) for c in fit.determined if len(c) == 1]
+    mixed = [in_words(c) for c in fit.determined if len(c) > 1]
+    words = (
+        [f"of what is left open, only {', '.join(mixed)} {'is' if len(mixed) == 1 else 'are'} determined"]
+        if mixed
+        else []
+    )
+    return words + ([f"determined by itself: {', '.join(alone)}"] if alone else [])
+
+
+def claim_lines(fit: Identification) -> list[str]:
+    """What the vehicle file claims of its parameters, against their intervals."""
+    lines = []
+    for claim in fit.claims:
+        p = fit.parameters[claim["parameter"]]
+        verdict = "is contradicted by" if claim["contradicted"] else "is consistent with"
+        word = " (proved)" if claim["contradicted"] and fit.guaranteed else ""
+        lines.append(f"the claimed {claim['parameter']} = {claim['value']!r} {verdict} {shown(p.lower, p.upper)}{word}")
+    return lines
+
+
+def _culprits(fit: Identification) -> list[str]:
+    """The samples that contradict each other."""
+    places = dict.fromkeys((r["channel"], r["time"], r["duration"]) for c in fit.falsifying for r in c["rows"])
+    if not places:
+        return []
+    names = [f"{c} at {t:.6g} s" + (f" over {d:.4g} s" if d else "") for c, t, d in list(places)[:MOST_DIRECTIONS]]
+    more = f" and {len(places) - MOST_DIRECTIONS} more (report.html)" if len(places) > MOST_DIRECTIONS else ""
+    return [f"rows that contradict each other: {', '.join(names)}{more}"]
 
 
 def validation_table(result: Validation) -> dict[str, Any]:
@@ -157,3 +196,10 @@ def quality_table(quality: Mapping[str, Quality]) -> dict[str, Any]:
 def csv(t: NDArray[np.float64], columns: dict[str, NDArray[np.float64]]) -> str:
     """A log as CSV text; the decimals read back as the same doubles."""
     return pl.DataFrame({"t": t, **columns}).write_csv()
+
+
+def parquet(t: NDArray[np.float64], columns: dict[str, NDArray[np.float64]]) -> bytes:
+    """A log as a Parquet file; missing samples are NaN."""
+    buffer = io.BytesIO()
+    pl.DataFrame({"t": t, **columns}).write_parquet(buffer)
+    return buffer.getvalue()

@@ -9,17 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from ivsid import identification, linalg, regression, simulation, thrust, validation
+from ivsid import bollard, identification, linalg, regression, simulation, validation
 from ivsid.allan import AllanDeviation, allan_deviation
 from ivsid.constriction import Constriction, constrict
 from ivsid.effects import terms_of
 from ivsid.identification import Identification, Parameter
 from ivsid.intervals import EndpointPair, IntervalArray
 from ivsid.log import Log
-from ivsid.records import envelope, to_json
-from ivsid.regression_rows import RegressionRows, build_rows
+from ivsid.records import envelope, sealed, to_json
 from ivsid.report import Report
 from ivsid.results import allan_record, bollard_record, validation_record
+from ivsid.rows import RegressionRows, build_rows
 from ivsid.scenario import parse_scenario
 from ivsid.sensors import BoundedLog, bound_log
 from ivsid.simulation import gauss_markov
@@ -45,7 +45,7 @@ def demo(*, seed: int | None = None, progress: Progress = silent) -> Report:
     progress(f"static recording of {STATIC_HOURS:g} h, Allan analysis")
     curves = _static(vehicle, 100 + shift)
     progress("thrust models of Table III")
-    table_iii = thrust.examine(np.array(thrust.TABLE_III[0]), np.array(thrust.TABLE_III[1]), thrust.PUBLISHED_CUBIC)
+    table_iii = bollard.examine(np.array(bollard.TABLE_III[0]), np.array(bollard.TABLE_III[1]), bollard.PUBLISHED_CUBIC)
     progress("identifying by every method")
     bounded = bound_log(train.log, vehicle)
     total = build_rows(bounded, vehicle, terms_of(vehicle))
@@ -76,7 +76,7 @@ def demo(*, seed: int | None = None, progress: Progress = silent) -> Report:
     sections = sections_of(vehicle, train, curves, table_iii, fits, worth, published_added, narrowed, checks, drawings)
     extra: dict[str, str | bytes] = {"swan.toml": vehicle.text, "train.csv": train.text, "test.csv": test.text}
     extra["truth.json"] = to_json({"train": train.made.truth, "test": test.made.truth}) + "\n"
-    extra["identify/result.json"] = to_json(feasible.record()) + "\n"
+    extra["identify/result.json"] = to_json(sealed(feasible.record())) + "\n"
     lines = lines_of(fits, worth, checks)
     return Report(
         "The paper, end to end: SWAN identified by interval analysis",
@@ -167,7 +167,7 @@ def _worth(rows: RegressionRows, fits: list[Identification]) -> dict[str, Any]:
     found["width_over_feasible"] = {
         f.method: {i: f.parameters[i].width / feasible[i].width for i in feasible if i in f.parameters}
         for f in fits[1:]
-        if feasible
+        if feasible and f.parameters
     }
     return found
 

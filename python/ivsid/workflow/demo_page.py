@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ivsid import figures, linalg, report, thrust
+from ivsid import bollard, figures, linalg, report
 from ivsid.allan import AllanDeviation
 from ivsid.constriction import Constriction
 from ivsid.figures import Drawing
@@ -76,7 +76,7 @@ def _pair(value: Any) -> list[float]:
 def drawings_of(
     log: Log,
     curves: dict[str, AllanDeviation],
-    table: thrust.Bollard,
+    table: bollard.Bollard,
     fits: list[Identification],
     checks: list[Validation],
 ) -> tuple[Drawing, ...]:
@@ -100,7 +100,7 @@ def sections_of(
     vehicle: Vehicle,
     train: Trial,
     curves: dict[str, AllanDeviation],
-    table: thrust.Bollard,
+    table: bollard.Bollard,
     fits: list[Identification],
     worth: dict[str, Any],
     published: Identification,
@@ -167,7 +167,7 @@ def _table_iv(vehicle: Vehicle) -> dict[str, Any]:
     return report.table(["Table IV", "paper", "twin"], rows)
 
 
-def _thrust_words(table: thrust.Bollard) -> str:
+def _thrust_words(table: bollard.Bollard) -> str:
     at = dict(zip(table.demand, table.fits[0].residual, strict=True))
     return (
         f"The printed coefficients of eq. 18 miss Table III by {at[15.0]:+.1f} N at 15 %, {at[50.0]:+.1f} N at 50 % and "

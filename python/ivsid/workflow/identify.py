@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from ivsid import figures, identification, report
 from ivsid.identification import Identification
 from ivsid.log import Log, read_log
-from ivsid.regression_rows import WINDOW
+from ivsid.records import sealed
 from ivsid.report import Report, Section
 from ivsid.results import quality_record
+from ivsid.rows import WINDOW
 from ivsid.vehicle import read_vehicle
-from ivsid.workflow.common import MEANING, Progress, method_table, parameter_lines, quality_table, silent
+from ivsid.workflow.common import (
+    MEANING,
+    Progress,
+    claim_lines,
+    freedom_lines,
+    method_table,
+    parameter_lines,
+    quality_table,
+    silent,
+)
 
 
 def identify(
@@ -22,7 +33,8 @@ def identify(
     partitions: int | None = None,
     form: str = "total",
     rows: str = "auto",
-    window: float = WINDOW,
+    window: float | Sequence[float] = WINDOW,
+    outliers: int = 0,
     progress: Progress = silent,
 ) -> Report:
     """Reads both files, identifies, reports."""
@@ -30,7 +42,9 @@ def identify(
     checked = read_vehicle(vehicle)
     data = read_log(log, checked.log)
     progress(f"identifying by {method} on {data.t.size} samples")
-    fit = identification.identify(checked, data, method, partitions=partitions, form=form, rows=rows, window=window)
+    fit = identification.identify(
+        checked, data, method, partitions=partitions, form=form, rows=rows, window=window, outliers=outliers
+    )
     progress("drawing")
     return identification_report(fit, data)
 
@@ -49,6 +63,8 @@ def identification_report(fit: Identification, log: Log) -> Report:
     if fit.reason:
         facts.append(fit.reason)
     facts += [f"the data leave open: {' '.join(f'{v:+.3g} {k}' for k, v in d.items())}" for d in fit.directions]
+    facts += freedom_lines(fit)
+    facts += claim_lines(fit)
     sections = [
         Section("Parameters", (method_table([fit]), report.drawing(drawings[0]), report.bullets(facts))),
         Section("What this rests on", (report.bullets(fit.assumes),)),
@@ -60,7 +76,7 @@ def identification_report(fit: Identification, log: Log) -> Report:
     return Report(
         f"Identification of {fit.vehicle.name}",
         summary,
-        {**fit.record(), "quality": quality_record(log.quality)},
+        sealed({**fit.record(), "quality": quality_record(log.quality)}),
         tuple(sections),
         drawings,
         {},

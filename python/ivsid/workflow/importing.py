@@ -10,6 +10,7 @@ import numpy as np
 
 from ivsid import figures, report
 from ivsid.adapters import ADAPTERS, Imported, Part
+from ivsid.bollard import examine as examine_thrust
 from ivsid.errors import IvsidError
 from ivsid.figures import Drawing
 from ivsid.log import Log, Quality
@@ -17,7 +18,6 @@ from ivsid.log.quality import examine, gaps, without_held
 from ivsid.records import envelope
 from ivsid.report import Report, Section
 from ivsid.results import quality_record
-from ivsid.thrust import examine as examine_thrust
 from ivsid.workflow.common import Progress, quality_table, silent
 
 

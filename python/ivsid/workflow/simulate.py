@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
+
+import numpy as np
 
 from ivsid import figures, report, simulation
 from ivsid.effects import spread
@@ -15,7 +17,9 @@ from ivsid.records import envelope, to_json
 from ivsid.report import Report, Section
 from ivsid.scenario import Scenario, read_scenario
 from ivsid.vehicle import read_vehicle
-from ivsid.workflow.common import Progress, csv, silent
+from ivsid.workflow.common import Progress, csv, parquet, silent
+
+TABLES: dict[str, Callable[..., str | bytes]] = {"csv": csv, "parquet": parquet}
 
 
 def simulate(
@@ -25,6 +29,8 @@ def simulate(
     seed: int | None = None,
     effects: Mapping[str, float | Sequence[float]] | None = None,
     hide: int | None = None,
+    hidden: int | None = None,
+    table: str = "csv",
     progress: Progress = silent,
 ) -> Report:
     """Reads both files, simulates, and leaves the log and, apart from it, the truth.
@@ -34,7 +40,10 @@ def simulate(
         scenario: path of a scenario file, or the name of the vehicle that a shipped one is for.
         seed: in place of the scenario's.
         effects: further numbers of the catalogue by id; several in EFFECTS.md's order, or one by id.part or id.NAME.
-        hide: draws the effect from this seed instead.
+        hide: draws the effect, and the noise where no seed is given, from this seed instead: none in one of three; neither seed
+            is in the result.
+        hidden: draws exactly so many with it.
+        table: the log's format, csv or parquet.
         progress: told of each step.
 
     Raises:
@@ -46,37 +55,52 @@ def simulate(
     for id_, values in (effects or {}).items():
         numbers = [values] if isinstance(values, (int, float)) else list(values)
         given |= spread(id_, numbers, measured=_measured(id_, programme))
+    if table not in TABLES:
+        raise IvsidError(f"a log is not written as '{table}'; use {' or '.join(TABLES)}")
     if hide is not None:
         if effects:
             raise IvsidError("--hide draws the effect itself; leave --effect out")
-        given = simulation.hidden_effect(checked, programme, hide)
+        if hidden is None:
+            given = simulation.hidden_effect(checked, programme, hide)
+        else:
+            given = simulation.hidden_effects(checked, programme, hide, hidden)
+        # Who knows the seed of the noise can take the noise away: it is drawn from the hidden seed, and not printed.
+        seed = _noise_seed(hide) if seed is None else seed
+    elif hidden is not None:
+        raise IvsidError("--effects says how many effects --hide draws; give --hide SEED with it")
     progress(f"simulating {programme.duration:g} s at {programme.rate:g} Hz")
     made = simulation.simulate(checked, programme, seed, given)
-    text = csv(made.t, made.columns)
-    digest = hashlib.sha256(text.encode()).hexdigest()
-    log = Log("log.csv", digest, made.t, made.columns)
-    used = made.truth["seed"]
+    name = f"log.{table}"
+    content = TABLES[table](made.t, made.columns)
+    digest = hashlib.sha256(content if isinstance(content, bytes) else content.encode()).hexdigest()
+    log = Log(name, digest, made.t, made.columns)
+    used = made.truth["seed"] if hide is None else None
     inputs = {
         Path(vehicle).name: checked.sha256,
         Path(scenario).name: hashlib.sha256(Path(scenario).read_bytes()).hexdigest(),
     }
     record = {
         **envelope("simulate", inputs, used),
-        "log": {"name": "log.csv", "sha256": digest, "samples": made.t.size, "columns": ["t", *made.columns]},
-        "truth": "truth.json",
+        "log": {"name": name, "sha256": digest, "samples": made.t.size, "columns": ["t", *made.columns]},
+        "truth": "truth.json" if hide is None else None,
     }
     drawing = figures.channels(log)
-    sections = (Section("The log", (report.drawing(drawing), report.text("The truth stands in truth.json."))),)
-    summary = f"{made.t.size} samples of {checked.name}, seed {used}."
+    where = "The truth stands in truth.json." if hide is None else "The truth stands apart from this folder."
+    sections = (Section("The log", (report.drawing(drawing), report.text(where))),)
+    summary = f"{made.t.size} samples of {checked.name}" + (f", seed {used}." if hide is None else ".")
     return Report(
         f"Simulation of {checked.name}",
         summary,
         record,
         sections,
         (drawing,),
-        {"log.csv": text, "truth.json": to_json(made.truth) + "\n"},
-        (summary, "  log.csv: the log; truth.json: what is true of it"),
+        {name: content, "truth.json": to_json(made.truth) + "\n"},
+        (summary, f"  {name}: the log; truth.json: what is true of it"),
     )
+
+
+def _noise_seed(hide: int) -> int:
+    return int(np.random.default_rng([hide, 0x5EED]).integers(2**53))
 
 
 def _measured(id_: str, scenario: Scenario) -> bool:

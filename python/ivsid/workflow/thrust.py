@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from ivsid import figures, report, units
+from ivsid.bollard import PUBLISHED_CUBIC, Bollard, Fit, examine
 from ivsid.errors import IvsidError
 from ivsid.log import open_source
 from ivsid.records import envelope
 from ivsid.report import Report, Section
 from ivsid.results import bollard_record
-from ivsid.thrust import PUBLISHED_CUBIC, Bollard, Fit, examine
 from ivsid.workflow.common import Progress, silent
 
 DEMANDS = ("demand", "pwm", "command", "throttle", "rpm")

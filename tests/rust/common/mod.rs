@@ -7,6 +7,7 @@
 )]
 
 pub mod matrices;
+pub mod rows;
 
 use num_bigint::BigInt;
 use num_rational::BigRational;

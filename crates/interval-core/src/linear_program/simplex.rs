@@ -1,221 +1,269 @@
-//! A dense dual simplex method for few unknowns and many half-spaces, in plain floats.
+//! A dual simplex method in plain floats on a working set.
 //!
-//! A basis is `n` half-spaces that are tight at a vertex. The start is a box at infinity: its bounds carry a symbolic large
-//! number `M`, so a vertex is `x0 + M x1` and "unbounded" is an exact statement about the basis, not a comparison with a big
-//! number. Each step takes in the most violated half-space (one scan over all of them: constraint generation with a working
-//! set of exactly `n`) and drops the one that the ratio test names. Nothing here is a proof: the multipliers it returns are
-//! only proposals to [`safe_bound`](super::safe_bound).
+//! Each step takes in the half-space that the vertex violates most and drops the row of the basis that the ratio test names. The
+//! inverse of the basis is updated by each exchange and made anew now and then, and always before an answer. A search keeps its
+//! basis: when the working set has grown it goes on from there. Nothing here is a proof.
 
-use super::HalfSpaces;
-use crate::approximate::Basis;
+use super::pricing::{VIOLATION, leaving, violation};
+use super::program::Program;
+use super::{Row, patience};
 
-/// A member of a basis.
+/// What a search found on the working set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Row {
-    /// Half-space of the problem.
-    Given(usize),
-    /// `x_j <= M` or, with `negative`, `-x_j <= M`.
-    AtInfinity { column: usize, negative: bool },
-}
-
-/// What the search found.
-#[derive(Debug, Clone)]
-pub(crate) enum Answer {
-    /// An optimal basis with its multipliers, or the last one before the limit of steps: proposals for a bound either way.
-    Basis { rows: Vec<(Row, f64)>, vertex: Vec<f64> },
-    /// The objective falls for ever along this ray.
-    Unbounded { ray: Vec<f64> },
-    /// These half-spaces contradict each other; the last one is violated wherever the others hold.
-    Infeasible { rows: Vec<Row> },
+pub(crate) enum Outcome {
+    /// An optimal vertex.
+    Vertex,
+    /// The objective falls for ever.
+    Unbounded,
+    /// The rows of the basis contradict this half-space of the working set.
+    Contradiction(usize),
     /// The search broke down numerically.
     Failed,
 }
 
-/// A problem with its columns scaled by powers of two to a largest coefficient near one.
-pub(crate) struct Simplex<'a, P: HalfSpaces> {
-    problem: &'a P,
-    scale: Vec<f64>,
-}
-
-/// Relative size below which a violation is rounding.
-const VIOLATION: f64 = 1e-12;
-/// Relative size below which a pivot is rounding.
-const PIVOT: f64 = 1e-11;
 /// Relative size below which a multiplier is zero.
 const MULTIPLIER: f64 = 1e-12;
+/// Half-spaces that are looked at before the whole working set is again.
+const CANDIDATES: usize = 24;
+/// Exchanges after which the inverse is made anew.
+const FRESH: usize = 20;
 
-impl<'a, P: HalfSpaces> Simplex<'a, P> {
-    pub(crate) fn new(problem: &'a P) -> Self {
-        let n = problem.dimension();
-        let mut largest = vec![0.0_f64; n];
-        let mut g = vec![0.0; n];
-        for index in 0..problem.count() {
-            if problem.half_space(index, &mut g) < f64::INFINITY {
-                largest.iter_mut().zip(&g).for_each(|(l, x)| *l = l.max(x.abs()));
-            }
-        }
-        let scale = largest.iter().map(|&l| if l > 0.0 { power_of_two_near(l).recip() } else { 1.0 }).collect();
-        Self { problem, scale }
-    }
-
-    /// Searches the minimum of `c x`.
-    pub(crate) fn minimise(&self, objective: &[f64]) -> Answer {
-        let n = self.problem.dimension();
-        let c: Vec<f64> = objective.iter().zip(&self.scale).map(|(c, s)| c * s).collect();
-        let mut rows: Vec<Row> = (0..n).map(|column| Row::AtInfinity { column, negative: c[column] > 0.0 }).collect();
-        let patience = 50 * n + 200;
-        for step in 0..20 * patience {
-            let Some(state) = self.factorise(&rows, &c) else { return Answer::Failed };
-            let careful = step > patience;
-            let Some(entering) = self.violated(&rows, &state, careful) else {
-                return self.finish(&rows, &state, &c);
-            };
-            let mut g = vec![0.0; n];
-            self.row(Row::Given(entering), &mut g);
-            let alpha = state.basis.solve_transposed(&g);
-            let Some(position) = leaving(&rows, &alpha, &state.multipliers, careful) else {
-                rows.push(Row::Given(entering));
-                return Answer::Infeasible { rows };
-            };
-            rows[position] = Row::Given(entering);
-        }
-        match self.factorise(&rows, &c) {
-            Some(state) => self.finish(&rows, &state, &c),
-            None => Answer::Failed,
-        }
-    }
-
-    fn finish(&self, rows: &[Row], state: &Vertex, c: &[f64]) -> Answer {
-        let size = c.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
-        let unbounded = rows
-            .iter()
-            .zip(&state.multipliers)
-            .any(|(row, &m)| matches!(row, Row::AtInfinity { .. }) && m > MULTIPLIER * size);
-        let unscaled = |x: &[f64]| x.iter().zip(&self.scale).map(|(x, s)| x * s).collect();
-        if unbounded {
-            return Answer::Unbounded { ray: unscaled(&state.direction) };
-        }
-        let rows = rows.iter().copied().zip(state.multipliers.iter().copied()).collect();
-        Answer::Basis { rows, vertex: unscaled(&state.point) }
-    }
-
-    /// Scaled coefficients of a row; returns the finite part of its right-hand side.
-    fn row(&self, row: Row, g: &mut [f64]) -> f64 {
-        match row {
-            Row::Given(index) => {
-                let h = self.problem.half_space(index, g);
-                g.iter_mut().zip(&self.scale).for_each(|(x, s)| *x *= s);
-                h
-            }
-            Row::AtInfinity { column, negative } => {
-                g.fill(0.0);
-                g[column] = if negative { -1.0 } else { 1.0 };
-                0.0
-            }
-        }
-    }
-
-    fn factorise(&self, rows: &[Row], c: &[f64]) -> Option<Vertex> {
-        let n = rows.len();
-        let mut matrix = vec![0.0; n * n];
-        let mut right = vec![0.0; n];
-        let mut at_infinity = vec![0.0; n];
-        for (i, &row) in rows.iter().enumerate() {
-            right[i] = self.row(row, &mut matrix[i * n..(i + 1) * n]);
-            at_infinity[i] = if matches!(row, Row::AtInfinity { .. }) { 1.0 } else { 0.0 };
-        }
-        let basis = Basis::new(&matrix, n)?;
-        let point = basis.solve(&right);
-        let direction = basis.solve(&at_infinity);
-        let multipliers = basis.solve_transposed(c).into_iter().map(|x| (-x).max(0.0)).collect();
-        let bounded = !at_infinity.contains(&1.0);
-        Some(Vertex { basis, point, direction, multipliers, bounded })
-    }
-
-    /// The half-space that the vertex violates most (in units of its normal), at order `M` before the finite order; with
-    /// `careful` the first one violated (Bland's rule, which cannot cycle).
-    fn violated(&self, rows: &[Row], vertex: &Vertex, careful: bool) -> Option<usize> {
-        let mut g = vec![0.0; rows.len()];
-        let mut worst: Option<(bool, f64, usize)> = None;
-        for index in 0..self.problem.count() {
-            let h = self.row(Row::Given(index), &mut g);
-            if h == f64::INFINITY {
-                continue;
-            }
-            let mut norm = 0.0;
-            let (mut finite, mut finite_size) = (-h, h.abs());
-            let (mut large, mut large_size) = (0.0, 0.0);
-            for (j, &x) in g.iter().enumerate() {
-                norm += x * x;
-                let term = x * vertex.point[j];
-                finite += term;
-                finite_size += term.abs();
-                if !vertex.bounded {
-                    let term = x * vertex.direction[j];
-                    large += term;
-                    large_size += term.abs();
-                }
-            }
-            let at_large = large > VIOLATION * large_size;
-            let at_finite = large.abs() <= VIOLATION * large_size && finite > VIOLATION * finite_size;
-            if !(at_large || at_finite) || rows.contains(&Row::Given(index)) {
-                continue;
-            }
-            if careful {
-                return Some(index);
-            }
-            let amount = if at_large { large } else { finite } / norm.sqrt().max(f64::MIN_POSITIVE);
-            if worst.is_none_or(|(order, most, _)| (at_large, amount) > (order, most)) {
-                worst = Some((at_large, amount, index));
-            }
-        }
-        worst.map(|(_, _, index)| index)
-    }
-}
-
-/// A basis with what follows from it, in scaled unknowns: the vertex is `point + M direction`.
-struct Vertex {
-    basis: Basis,
+/// The minimum of one objective, in scaled unknowns: the vertex is `point + M ray`.
+#[derive(Debug, Clone)]
+pub(crate) struct Search {
+    objective: Vec<f64>,
+    rows: Vec<Row>,
+    /// Row-major; column `i` belongs to `rows[i]`.
+    inverse: Vec<f64>,
     point: Vec<f64>,
-    direction: Vec<f64>,
+    ray: Vec<f64>,
     multipliers: Vec<f64>,
     bounded: bool,
+    exchanges: usize,
 }
 
-/// The position that keeps the multipliers non-negative (smallest ratio; ties: rows at infinity, then the largest pivot, or
-/// with `careful` the smallest index); `None` where no multiplier falls, which proves infeasibility up to rounding.
-fn leaving(rows: &[Row], alpha: &[f64], multipliers: &[f64], careful: bool) -> Option<usize> {
-    let size = alpha.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
-    let mut best: Option<(f64, usize)> = None;
-    for (i, (&a, &m)) in alpha.iter().zip(multipliers).enumerate() {
-        if a <= PIVOT * size {
-            continue;
-        }
-        let ratio = m / a;
-        let better = best.is_none_or(|(least, k)| {
-            ratio < least
-                || (ratio == least
-                    && if careful {
-                        order(rows[i]) < order(rows[k])
-                    } else {
-                        (order(rows[i]) == 0, a) > (order(rows[k]) == 0, alpha[k])
-                    })
-        });
-        if better {
-            best = Some((ratio, i));
+impl Search {
+    /// A search for the minimum of `objective`, given in the problem's own unknowns.
+    pub(crate) fn new(program: &Program, objective: &[f64]) -> Self {
+        let n = program.dimension();
+        let objective = program.scaled_objective(objective);
+        let rows = Row::corner(&objective);
+        Self {
+            objective,
+            rows,
+            inverse: vec![0.0; n * n],
+            point: vec![0.0; n],
+            ray: vec![0.0; n],
+            multipliers: vec![0.0; n],
+            bounded: false,
+            exchanges: 0,
         }
     }
-    best.map(|(_, i)| i)
-}
 
-fn order(row: Row) -> usize {
-    match row {
-        Row::AtInfinity { .. } => 0,
-        Row::Given(index) => index + 1,
+    /// Goes on until the working set is satisfied; where the basis has broken down, once more from the corner.
+    pub(crate) fn run(&mut self, program: &Program) -> Outcome {
+        match self.steps(program) {
+            Outcome::Failed => {
+                self.rows = Row::corner(&self.objective);
+                self.steps(program)
+            }
+            outcome => outcome,
+        }
+    }
+
+    fn steps(&mut self, program: &Program) -> Outcome {
+        let n = self.rows.len();
+        let mut alpha = vec![0.0; n];
+        if self.factorise(program).is_none() {
+            return Outcome::Failed;
+        }
+        let patience = patience(n);
+        let mut candidates = Vec::new();
+        for step in 0..20 * patience {
+            if self.exchanges >= FRESH && self.factorise(program).is_none() {
+                return Outcome::Failed;
+            }
+            let careful = step > patience;
+            let Some(entering) = self.violated(program, &mut candidates, careful) else {
+                if self.exchanges > 0 {
+                    if self.factorise(program).is_none() {
+                        return Outcome::Failed;
+                    }
+                    continue;
+                }
+                return self.settled();
+            };
+            let g = program.normal(entering);
+            alpha.fill(0.0);
+            for (row, &x) in self.inverse.chunks_exact(n).zip(g) {
+                for (a, r) in alpha.iter_mut().zip(row) {
+                    *a += r * x;
+                }
+            }
+            let Some(position) = leaving(&self.rows, &alpha, &self.multipliers, careful) else {
+                if self.exchanges > 0 {
+                    if self.factorise(program).is_none() {
+                        return Outcome::Failed;
+                    }
+                    continue;
+                }
+                return Outcome::Contradiction(entering);
+            };
+            self.exchange(program, position, entering, &alpha);
+        }
+        Outcome::Failed
+    }
+
+    fn settled(&self) -> Outcome {
+        let size = self.multipliers.iter().fold(0.0_f64, |a, &x| a.max(x));
+        let open = |(row, &m): (&Row, &f64)| row.is_at_infinity() && m > MULTIPLIER * size;
+        if self.rows.iter().zip(&self.multipliers).any(open) { Outcome::Unbounded } else { Outcome::Vertex }
+    }
+
+    /// The members of the basis by their names in the problem, with the multipliers of the problem's own half-spaces.
+    pub(crate) fn basis(&self, program: &Program) -> Vec<(Row, f64)> {
+        let named = |(&row, &m): (&Row, &f64)| match row {
+            Row::Given(index) => (Row::Given(program.names()[index]), program.unscaled_multiplier(index, m)),
+            infinite @ Row::AtInfinity { .. } => (infinite, m),
+        };
+        self.rows.iter().zip(&self.multipliers).map(named).collect()
+    }
+
+    /// The members of the basis by their places in the working set.
+    pub(crate) fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
+    /// The finite part of the vertex.
+    pub(crate) fn point(&self, program: &Program) -> Vec<f64> {
+        program.unscaled_point(&self.point)
+    }
+
+    /// The part of the vertex that is multiplied by `M`; zero where the vertex is finite.
+    pub(crate) fn ray(&self, program: &Program) -> Vec<f64> {
+        program.unscaled_point(&self.ray)
+    }
+
+    /// The inverse and everything that follows from it; `None` where the basis is singular or no longer dual feasible.
+    fn factorise(&mut self, program: &Program) -> Option<()> {
+        let n = self.rows.len();
+        let width = 2 * n;
+        let mut work = vec![0.0; n * width];
+        for (i, &row) in self.rows.iter().enumerate() {
+            let target = &mut work[i * width..i * width + n];
+            match row {
+                Row::Given(index) => target.copy_from_slice(program.normal(index)),
+                Row::AtInfinity { column, negative } => target[column] = if negative { -1.0 } else { 1.0 },
+            }
+            work[i * width + n + i] = 1.0;
+        }
+        invert(&mut work, n)?;
+        for (row, target) in work.chunks_exact(width).zip(self.inverse.chunks_exact_mut(n)) {
+            target.copy_from_slice(&row[n..]);
+        }
+        self.exchanges = 0;
+        self.multipliers.fill(0.0);
+        for (row, &c) in self.inverse.chunks_exact(n).zip(&self.objective) {
+            for (m, r) in self.multipliers.iter_mut().zip(row) {
+                *m -= r * c;
+            }
+        }
+        let size = self.multipliers.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+        if !size.is_finite() || self.multipliers.iter().any(|&m| m < -1e-7 * size) {
+            return None;
+        }
+        self.multipliers.iter_mut().for_each(|m| *m = m.max(0.0));
+        self.locate(program);
+        Some(())
+    }
+
+    fn locate(&mut self, program: &Program) {
+        let n = self.rows.len();
+        self.bounded = !self.rows.iter().any(|r| r.is_at_infinity());
+        for (row, (x, d)) in self.inverse.chunks_exact(n).zip(self.point.iter_mut().zip(&mut self.ray)) {
+            (*x, *d) = (0.0, 0.0);
+            for (r, member) in row.iter().zip(&self.rows) {
+                match *member {
+                    Row::Given(index) => *x += r * program.right(index),
+                    Row::AtInfinity { .. } => *d += r,
+                }
+            }
+        }
+    }
+
+    /// Puts a half-space in the place of a row: its normal is `sum alpha_i rows_i`, with `alpha[position] > 0`.
+    fn exchange(&mut self, program: &Program, position: usize, entering: usize, alpha: &[f64]) {
+        self.rows[position] = Row::Given(entering);
+        let n = alpha.len();
+        for row in self.inverse.chunks_exact_mut(n).chain([self.multipliers.as_mut_slice()]) {
+            let share = row[position] / alpha[position];
+            for (x, a) in row.iter_mut().zip(alpha) {
+                *x -= a * share;
+            }
+            row[position] = share;
+        }
+        self.multipliers.iter_mut().for_each(|m| *m = m.max(0.0));
+        self.exchanges += 1;
+        self.locate(program);
+    }
+
+    /// A half-space that the vertex violates, `None` where all hold: the most violated one (in units of its normal, at order `M`
+    /// before the finite order) of the candidates, which are chosen anew from the whole working set where none of them is
+    /// violated any more; with `careful` the first one (Bland's rule, which cannot cycle).
+    fn violated(&self, program: &Program, candidates: &mut Vec<usize>, careful: bool) -> Option<usize> {
+        if careful {
+            return (0..program.count()).find(|&index| self.amount(program, index).is_some());
+        }
+        let amount = |index: usize| self.amount(program, index).map(|(large, amount)| (large, amount, index));
+        let more = |a: &(bool, f64, usize), b: &(bool, f64, usize)| b.0.cmp(&a.0).then(b.1.total_cmp(&a.1));
+        if let Some(worst) = candidates.iter().copied().filter_map(amount).min_by(more) {
+            return Some(worst.2);
+        }
+        let mut found: Vec<(bool, f64, usize)> = (0..program.count()).filter_map(amount).collect();
+        if found.len() > CANDIDATES {
+            found.select_nth_unstable_by(CANDIDATES, more);
+            found.truncate(CANDIDATES);
+        }
+        candidates.clear();
+        candidates.extend(found.iter().map(|f| f.2));
+        found.into_iter().min_by(more).map(|worst| worst.2)
+    }
+
+    /// By how much a half-space that is not in the basis is violated, and whether at order `M`.
+    fn amount(&self, program: &Program, index: usize) -> Option<(bool, f64)> {
+        let ray = (!self.bounded).then_some(self.ray.as_slice());
+        let (large, by) = violation(program.normal(index), program.right(index), &self.point, ray, VIOLATION)?;
+        (!self.rows.contains(&Row::Given(index))).then_some((large, by * program.unit(index)))
     }
 }
 
-/// The power of two at or below a positive number, kept away from the ends of the range.
-fn power_of_two_near(x: f64) -> f64 {
-    f64::from_bits(x.clamp(1e-280, 1e280).to_bits() & 0x7ff0_0000_0000_0000)
+/// Gauss-Jordan elimination of `[B | I]` with partial pivoting, in place; `None` where a pivot vanishes.
+fn invert(work: &mut [f64], n: usize) -> Option<()> {
+    let width = 2 * n;
+    for p in 0..n {
+        let pivot_row = (p..n).max_by(|&i, &j| work[i * width + p].abs().total_cmp(&work[j * width + p].abs()))?;
+        let pivot = work[pivot_row * width + p];
+        if !(pivot.abs() > 1e-200 && pivot.is_finite()) {
+            return None;
+        }
+        if pivot_row != p {
+            for j in 0..width {
+                work.swap(p * width + j, pivot_row * width + j);
+            }
+        }
+        let (above, rest) = work.split_at_mut(p * width);
+        let (row, below) = rest.split_at_mut(width);
+        for x in row.iter_mut() {
+            *x /= pivot;
+        }
+        for target in above.chunks_exact_mut(width).chain(below.chunks_exact_mut(width)) {
+            let factor = target[p];
+            if factor != 0.0 {
+                for (t, r) in target.iter_mut().zip(&*row) {
+                    *t -= factor * r;
+                }
+            }
+        }
+    }
+    work.iter().all(|x| x.is_finite()).then_some(())
 }

@@ -5,17 +5,31 @@
 //! A column without radius needs no sign.
 
 use super::check_rows;
-use super::inflation::{Attained, Inflation};
-use super::orthant::Orthant;
+use super::directions::directions;
+use super::inflation;
+use super::orthant::{DataRow, Orthant};
+use super::outliers::{NODE_LIMIT, Outliers, trees};
+use super::prove::prove;
+use super::rows::Rows;
+use super::search::{Piece, Pool, solve};
+use super::signs::{ORTHANT_LIMIT, SignProof, cover, every};
 use crate::error::Error;
 use crate::interval::Interval;
-use crate::linear_program::{Answer, Bound, HalfSpaces, Row, Simplex, exact_bound, farkas, proved_box, safe_bound};
 use crate::matrix::IntervalMatrix;
+use crate::parallel;
+use crate::rounding::slices::Backend;
 use crate::status::Status;
-use num_traits::ToPrimitive;
 
-/// The largest number of columns with a radius: two to this power orthants are examined.
-pub const SIGN_LIMIT: usize = 12;
+/// What may be asked of [`feasible_rows`] beside the rows.
+#[derive(Debug, Clone, Default)]
+pub struct FeasibleOptions {
+    /// Signs of the parameters that are known beforehand: 1, -1, or 0 for none. The result holds under this assumption.
+    pub signs: Option<Vec<i8>>,
+    /// How many rows may be wrong: the result holds for every parameter that all but so many rows allow.
+    pub outliers: usize,
+    /// Where the scans run; the bits are the same everywhere.
+    pub backend: Option<Backend>,
+}
 
 /// One proved end of one parameter in one orthant.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +41,7 @@ pub struct BoundCertificate {
     /// The end; infinite where none was proved.
     pub bound: f64,
     /// Rows of the basis: row number, whether its lower right-hand side is meant, multiplier (an approximation).
-    pub rows: Vec<(usize, bool, f64)>,
+    pub rows: Vec<DataRow>,
     /// Unknowns whose sign constraint is in the basis, with the multiplier.
     pub signs: Vec<(usize, f64)>,
 }
@@ -38,7 +52,7 @@ pub enum OrthantOutcome {
     /// Proved to hold no consistent parameter, by these rows (as in [`BoundCertificate`]).
     Empty {
         /// Row number, whether its lower right-hand side is meant, multiplier.
-        rows: Vec<(usize, bool, f64)>,
+        rows: Vec<DataRow>,
     },
     /// Enclosed by these bounds, two for each parameter.
     Bounded(Vec<BoundCertificate>),
@@ -49,6 +63,8 @@ pub enum OrthantOutcome {
 pub struct OrthantResult {
     /// 1 or -1; 0 for an unknown that needs no sign.
     pub signs: Vec<i8>,
+    /// Rows that are taken to be wrong here; none unless outliers are allowed.
+    pub dropped: Vec<usize>,
     /// The outcome.
     pub outcome: OrthantOutcome,
 }
@@ -64,10 +80,15 @@ pub struct FeasibleSet {
     pub inflation: Option<f64>,
     /// Where that factor is attained.
     pub centre: Option<Vec<f64>>,
-    /// Directions in which the set goes on for ever, scaled to a largest entry of 1; approximations.
+    /// Directions in which the set goes on for ever, scaled to a largest entry of 1: a basis of the null space where the set holds
+    /// whole lines, else rays; approximations.
     pub directions: Vec<Vec<f64>>,
-    /// Every orthant with its proof.
+    /// Every orthant that the set may meet, with its proof.
     pub orthants: Vec<OrthantResult>,
+    /// Why the set meets no other orthant; empty where all of them are listed.
+    pub sign_proofs: Vec<SignProof>,
+    /// The rows that may be wrong; `None` unless outliers are allowed.
+    pub outliers: Option<Outliers>,
     /// Why the method does not apply.
     pub reason: Option<String>,
 }
@@ -88,54 +109,132 @@ pub struct FeasibleSet {
 /// # Ok::<(), interval_core::Error>(())
 /// ```
 pub fn feasible_set(a: &IntervalMatrix, y: &[Interval]) -> Result<FeasibleSet, Error> {
-    crate::rounding::check_environment()?;
     check_rows(a, y)?;
-    if let Some(index) = y.iter().position(|v| v.is_empty()) {
-        return Err(Error::NoFinitePoint { index });
+    let (low, high): (Vec<f64>, Vec<f64>) = y.iter().map(|v| (v.lo(), v.hi())).unzip();
+    feasible_rows(&Rows::new(a.columns(), a.lo(), a.hi(), &low, &high)?, &FeasibleOptions::default())
+}
+
+/// The same of rows where they lie.
+///
+/// # Errors
+/// Signs that do not fit the columns.
+///
+/// # Example
+/// ```
+/// use interval_core::{Status, regression::{FeasibleOptions, Rows, feasible_rows}};
+/// // |x| = 1, and x is known to be positive
+/// let rows = Rows::new(1, &[-1.0, 1.0], &[1.0, 1.0], &[1.0, -1.0], &[1.0, 1.0])?;
+/// let options = FeasibleOptions { signs: Some(vec![1]), ..FeasibleOptions::default() };
+/// assert_eq!(feasible_rows(&rows, &options)?.parameters[0].lo(), 1.0);
+/// # Ok::<(), interval_core::Error>(())
+/// ```
+pub fn feasible_rows(rows: &Rows<'_>, options: &FeasibleOptions) -> Result<FeasibleSet, Error> {
+    crate::rounding::check_environment()?;
+    let n = rows.columns();
+    let known = options.signs.clone().unwrap_or_else(|| vec![0; n]);
+    if known.len() != n {
+        return Err(Error::Shape { what: "the list of signs", given: known.len(), needed: n });
     }
-    let n = a.columns();
-    let signed: Vec<usize> = (0..n).filter(|&j| (0..a.rows()).any(|i| a.get(i, j).width() > 0.0)).collect();
-    if signed.len() > SIGN_LIMIT {
-        let reason =
-            format!("{} parameters have uncertain regressors; at most {SIGN_LIMIT} are possible", signed.len());
-        return Ok(FeasibleSet {
+    let mut pool = Pool::new(rows, options.backend.unwrap_or_else(Backend::chosen));
+    let known: Vec<i8> = known.into_iter().map(i8::signum).collect();
+    if options.outliers > 0 {
+        return Ok(with_outliers(rows, &mut pool, &known, options.outliers));
+    }
+    let Some((leaves, sign_proofs)) = cover(rows, &mut pool, &known) else {
+        return Ok(FeasibleSet::without_answer(n, too_many(rows, &known)));
+    };
+    let goals: Vec<(usize, f64)> = (0..n).flat_map(|j| [(j, 1.0), (j, -1.0)]).collect();
+    let mut pieces: Vec<Piece<'_>> =
+        leaves.iter().map(|signs| Piece::new(Orthant::new(rows, signs.clone()), &pool, &goals)).collect();
+    solve(rows, &mut pool, &mut pieces);
+    let proofs = parallel::map(pieces.len(), pieces.len() >= 16, |k| prove(rows, &pool, &pieces[k]));
+    let mut all_rays = Vec::new();
+    let mut orthants = Vec::with_capacity(leaves.len());
+    for (signs, (outcome, rays)) in leaves.into_iter().zip(proofs) {
+        all_rays.extend(rays);
+        orthants.push(OrthantResult { signs, dropped: Vec::new(), outcome });
+    }
+    let parameters = hull(&orthants, n);
+    let set = FeasibleSet { orthants, sign_proofs, ..FeasibleSet::new(rows, parameters, &all_rays) };
+    Ok(set.with_inflation(rows, &pool, &[]))
+}
+
+/// The hull where some rows may be wrong. Proofs of signs would use rows that may be among them, so every orthant is looked at.
+fn with_outliers(rows: &Rows<'_>, pool: &mut Pool, known: &[i8], allowed: usize) -> FeasibleSet {
+    let n = rows.columns();
+    let Some(leaves) = every(rows, known) else { return FeasibleSet::without_answer(n, too_many(rows, known)) };
+    let Some(found) = trees(rows, pool, &leaves, allowed) else {
+        let reason = format!("{allowed} wrong rows need more than {NODE_LIMIT} linear programs; allow fewer");
+        return FeasibleSet::without_answer(n, reason);
+    };
+    let parameters = match found.ends {
+        None => vec![Interval::EMPTY; n],
+        Some(ends) => ends.into_iter().map(|(least, most)| Interval::raw(least, most)).collect(),
+    };
+    let dropped = found.outliers.sets.first().cloned().unwrap_or_default();
+    let set = FeasibleSet {
+        orthants: found.nodes,
+        outliers: Some(found.outliers),
+        ..FeasibleSet::new(rows, parameters, &found.rays)
+    };
+    set.with_inflation(rows, pool, &dropped)
+}
+
+fn too_many(rows: &Rows<'_>, known: &[i8]) -> String {
+    let open = known.iter().zip(rows.uncertain()).filter(|(k, u)| **k == 0 && **u).count();
+    format!(
+        "the signs of {open} parameters with uncertain regressors leave more than {ORTHANT_LIMIT} orthants open; state the \
+         signs that are known"
+    )
+}
+
+impl FeasibleSet {
+    fn new(rows: &Rows<'_>, parameters: Vec<Interval>, rays: &[Vec<f64>]) -> Self {
+        let status = if parameters.iter().any(|x| x.is_empty()) {
+            Status::Empty
+        } else if parameters.iter().all(|x| x.is_bounded()) {
+            Status::Enclosed
+        } else {
+            Status::Unbounded
+        };
+        let directions = if status == Status::Unbounded { directions(rows, rays) } else { Vec::new() };
+        Self { status, parameters, directions, reason: None, ..Self::without_answer(0, String::new()) }
+    }
+
+    /// A factor of at most 1 is attained where the set is; only where it is nowhere do all orthants compete.
+    fn with_inflation(mut self, rows: &Rows<'_>, pool: &Pool, dropped: &[usize]) -> Self {
+        let empty = self.status == Status::Empty;
+        let mut met: Vec<&[i8]> = self
+            .orthants
+            .iter()
+            .filter(|o| empty || !matches!(o.outcome, OrthantOutcome::Empty { .. }))
+            .map(|o| o.signs.as_slice())
+            .collect();
+        met.sort_unstable();
+        met.dedup();
+        let m = rows.count();
+        let mut start: Vec<usize> = pool.members.iter().map(|&index| index % m).collect();
+        start.sort_unstable();
+        start.dedup();
+        if let Some(attained) = inflation::smallest(rows, &start, &met, dropped) {
+            (self.inflation, self.centre) = (Some(attained.factor), Some(attained.point));
+        }
+        self
+    }
+
+    fn without_answer(n: usize, reason: String) -> Self {
+        Self {
             status: Status::NotApplicable,
             parameters: vec![Interval::ENTIRE; n],
             inflation: None,
             centre: None,
             directions: Vec::new(),
             orthants: Vec::new(),
+            sign_proofs: Vec::new(),
+            outliers: None,
             reason: Some(reason),
-        });
-    }
-    let inflation = Inflation::new(a, y);
-    let mut orthants = Vec::with_capacity(1 << signed.len());
-    let mut directions: Vec<Vec<f64>> = Vec::new();
-    let mut least: Option<Attained> = None;
-    for bits in 0..1_usize << signed.len() {
-        let mut signs = vec![0_i8; n];
-        for (k, &j) in signed.iter().enumerate() {
-            signs[j] = if bits >> k & 1 == 0 { 1 } else { -1 };
         }
-        let outcome = examine(&Orthant::new(a, y, &signs), &mut directions);
-        if let Some(attained) = inflation.smallest(&signs)
-            && attained.factor.is_finite()
-            && least.as_ref().is_none_or(|l| attained.factor < l.factor)
-        {
-            least = Some(attained);
-        }
-        orthants.push(OrthantResult { signs, outcome });
     }
-    let parameters = hull(&orthants, n);
-    let status = if parameters.iter().any(|x| x.is_empty()) {
-        Status::Empty
-    } else if parameters.iter().all(|x| x.is_bounded()) {
-        Status::Enclosed
-    } else {
-        Status::Unbounded
-    };
-    let (inflation, centre) = least.map_or((None, None), |l| (Some(l.factor), Some(l.point)));
-    Ok(FeasibleSet { status, parameters, inflation, centre, directions, orthants, reason: None })
 }
 
 /// The union of the orthants' bounds; empty where every orthant is.
@@ -163,116 +262,5 @@ fn half_line(sign: i8) -> Interval {
         1 => Interval::raw(0.0, f64::INFINITY),
         -1 => Interval::raw(f64::NEG_INFINITY, 0.0),
         _ => Interval::ENTIRE,
-    }
-}
-
-/// Bounds every parameter in one orthant, or proves the orthant empty.
-fn examine(orthant: &Orthant<'_>, directions: &mut Vec<Vec<f64>>) -> OrthantOutcome {
-    let n = orthant.dimension();
-    let search = Simplex::new(orthant);
-    let mut proposals: Vec<Option<Bound>> = Vec::with_capacity(2 * n);
-    for column in 0..n {
-        for direction in [1.0, -1.0] {
-            let mut objective = vec![0.0; n];
-            objective[column] = direction;
-            proposals.push(match search.minimise(&objective) {
-                Answer::Basis { rows, .. } => Some(Bound { column, direction, rows }),
-                Answer::Unbounded { ray } => {
-                    note_direction(directions, &ray);
-                    None
-                }
-                Answer::Infeasible { rows } => match farkas(orthant, &rows) {
-                    Some(multipliers) => {
-                        let weights = multipliers.iter().map(|m| m.to_f64().unwrap_or(f64::NAN));
-                        let pairs: Vec<(Row, f64)> = rows.into_iter().zip(weights).collect();
-                        return OrthantOutcome::Empty { rows: split(orthant, &pairs).0 };
-                    }
-                    None => None,
-                },
-                Answer::Failed => None,
-            });
-        }
-    }
-    let every: Option<Vec<Bound>> = proposals.iter().cloned().collect();
-    let around = every.and_then(|bounds| proved_box(orthant, &bounds));
-    let certificates: Vec<BoundCertificate> = proposals
-        .into_iter()
-        .enumerate()
-        .map(|(k, proposal)| certify(orthant, k / 2, k % 2 == 1, proposal, around.as_deref()))
-        .collect();
-    match contradiction(&certificates, orthant.signs()) {
-        Some(rows) => OrthantOutcome::Empty { rows },
-        None => OrthantOutcome::Bounded(certificates),
-    }
-}
-
-/// The rows of two proved ends that cross, or of one end on the wrong side of zero: they prove the orthant empty as well.
-fn contradiction(certificates: &[BoundCertificate], signs: &[i8]) -> Option<Vec<(usize, bool, f64)>> {
-    certificates.chunks_exact(2).zip(signs).find_map(|(ends, &sign)| {
-        let (lower, upper) = (&ends[0], &ends[1]);
-        if lower.bound > upper.bound {
-            Some([lower.rows.clone(), upper.rows.clone()].concat())
-        } else if sign > 0 && upper.bound < 0.0 {
-            Some(upper.rows.clone())
-        } else if sign < 0 && lower.bound > 0.0 {
-            Some(lower.rows.clone())
-        } else {
-            None
-        }
-    })
-}
-
-/// One proved end, infinite where nothing is proved.
-fn certify(
-    orthant: &Orthant<'_>,
-    column: usize,
-    upper: bool,
-    proposal: Option<Bound>,
-    around: Option<&[Interval]>,
-) -> BoundCertificate {
-    let open = BoundCertificate {
-        column,
-        upper,
-        bound: if upper { f64::INFINITY } else { f64::NEG_INFINITY },
-        rows: Vec::new(),
-        signs: Vec::new(),
-    };
-    let Some(proposal) = proposal else { return open };
-    let proved = match around {
-        Some(around) => Some(safe_bound(orthant, &proposal, around)),
-        None => exact_bound(orthant, &proposal),
-    };
-    let Some(least) = proved.filter(|x| *x > f64::NEG_INFINITY) else { return open };
-    let (rows, signs) = split(orthant, &proposal.rows);
-    BoundCertificate { bound: if upper { -least } else { least }, rows, signs, ..open }
-}
-
-type Weighted = (Vec<(usize, bool, f64)>, Vec<(usize, f64)>);
-
-/// Separates data rows from sign constraints.
-fn split(orthant: &Orthant<'_>, rows: &[(Row, f64)]) -> Weighted {
-    let m = (orthant.count() - orthant.dimension()) / 2;
-    let (mut data, mut signs) = (Vec::new(), Vec::new());
-    for &(row, weight) in rows {
-        match row {
-            Row::Given(index) if index < m => data.push((index, false, weight)),
-            Row::Given(index) if index < 2 * m => data.push((index - m, true, weight)),
-            Row::Given(index) => signs.push((index - 2 * m, weight)),
-            Row::AtInfinity { .. } => {}
-        }
-    }
-    (data, signs)
-}
-
-/// Keeps a direction that differs from those known (up to sign and length).
-fn note_direction(directions: &mut Vec<Vec<f64>>, ray: &[f64]) {
-    let largest = ray.iter().fold(0.0_f64, |a, x| if x.abs() > a.abs() { *x } else { a });
-    if largest == 0.0 || !largest.is_finite() {
-        return;
-    }
-    let unit: Vec<f64> = ray.iter().map(|x| if (x / largest).abs() < 1e-9 { 0.0 } else { x / largest }).collect();
-    let known = |d: &Vec<f64>| d.iter().zip(&unit).all(|(a, b)| (a - b).abs() < 1e-6);
-    if !directions.iter().any(known) {
-        directions.push(unit);
     }
 }

@@ -2,23 +2,14 @@
 //!
 //! With midpoints `c` and radii `d` of rows and right-hand sides, the factor at `x` is `max_i |c_i x - y_i| / (D_i |x| + d_i)`;
 //! in one orthant it is quasi-convex. Dinkelbach's iteration: for the factor `k` at the present point minimise `t` over
-//! `|c_i x - y_i| - k (D_i |x| + d_i) <= t w_i`, `w_i` the present denominator; stop when `t` is no longer negative.
+//! `|c_i x - y_i| - k (D_i |x| + d_i) <= t w_i`, `w_i` the present denominator; stop when `t` is no longer negative. It runs on
+//! a working set, where its factor is too small; a pass over all rows names those that ask for a larger one. The orthant with the
+//! smallest factor so far is looked at first.
 
+use super::rows::Rows;
 use crate::approximate::least_squares;
-use crate::interval::Interval;
-use crate::linear_program::{Answer, HalfSpaces, Simplex};
-use crate::matrix::IntervalMatrix;
-
-/// Midpoints and radii of the rows.
-pub(crate) struct Inflation {
-    rows: usize,
-    columns: usize,
-    midpoint: Vec<f64>,
-    radius: Vec<f64>,
-    right: Vec<f64>,
-    right_radius: Vec<f64>,
-    start: Vec<f64>,
-}
+use crate::linear_program::{Outcome, Program, Search};
+use crate::parallel;
 
 /// A factor and where it is attained.
 #[derive(Debug, Clone)]
@@ -28,41 +19,137 @@ pub(crate) struct Attained {
 }
 
 const ITERATIONS: usize = 40;
+const ROUNDS: usize = 200;
 const PROGRESS: f64 = 1e-9;
+/// Rows of one piece of a pass.
+const PIECE: usize = 4096;
+/// Rows that one pass adds.
+const TAKEN: usize = 12;
 
-impl Inflation {
-    /// Unbounded rows say nothing about the factor and are left out.
-    pub(crate) fn new(a: &IntervalMatrix, y: &[Interval]) -> Self {
-        let n = a.columns();
+/// The smallest factor over these orthants, starting from these rows and without the `dropped` ones (in ascending order);
+/// `None` where no factor helps.
+pub(crate) fn smallest(rows: &Rows<'_>, start: &[usize], signs: &[&[i8]], dropped: &[usize]) -> Option<Attained> {
+    let start: Vec<usize> = start.iter().copied().filter(|i| dropped.binary_search(i).is_err()).collect();
+    let mut set = Working::new(rows, &start);
+    let mut found: Vec<Option<Attained>> =
+        parallel::map(signs.len(), signs.len() >= 8, |k| set.smallest(signs[k], None));
+    // How many rows of the working set each of them has seen.
+    let mut seen = vec![set.count(); signs.len()];
+    let key = |a: &Option<Attained>| a.as_ref().map_or(f64::INFINITY, |a| a.factor);
+    let mut best: Option<Attained> = None;
+    for _ in 0..ROUNDS {
+        let k = (0..signs.len()).min_by(|&a, &b| key(&found[a]).total_cmp(&key(&found[b])))?;
+        if seen[k] < set.count() {
+            let from = found[k].take();
+            found[k] = set.smallest(signs[k], from.as_ref());
+            seen[k] = set.count();
+            continue;
+        }
+        let least = found[k].as_ref().filter(|a| a.factor.is_finite())?;
+        let (factor, worst) = factor_of(rows, &least.point, dropped);
+        if best.as_ref().is_none_or(|b| factor < b.factor) {
+            best = Some(Attained { factor, point: least.point.clone() });
+        }
+        let reached = best.as_ref().is_some_and(|b| b.factor <= least.factor * (1.0 + PROGRESS));
+        if reached || !set.extend(rows, &worst) {
+            break;
+        }
+    }
+    best.filter(|b| b.factor.is_finite())
+}
+
+/// The factor at a point over all rows, and rows that ask for the largest ones, the largest first.
+fn factor_of(rows: &Rows<'_>, point: &[f64], dropped: &[usize]) -> (f64, Vec<usize>) {
+    let (m, n) = (rows.count(), rows.columns());
+    let pieces = m.div_ceil(PIECE);
+    let mut found: Vec<(f64, usize)> = parallel::map(pieces, pieces > 4, |piece| {
+        let (start, end) = (piece * PIECE, m.min((piece + 1) * PIECE));
+        let [lower, upper, low, high] = rows.slices(start, end);
+        let mut worst = (0.0, start);
+        for (i, (l, u)) in lower.chunks_exact(n).zip(upper.chunks_exact(n)).enumerate() {
+            let (yl, yu) = (0.5 * low[i], 0.5 * high[i]);
+            let (mut residual, mut radius) = (-(yl + yu), yu - yl);
+            let mut size = residual.abs();
+            for ((&l, &u), &x) in l.iter().zip(u).zip(point) {
+                let (l, u) = (0.5 * l, 0.5 * u);
+                let term = (l + u) * x;
+                residual += term;
+                size += term.abs();
+                radius += (u - l) * x.abs();
+            }
+            // A residual at the level of rounding is none; unbounded rows say nothing (their radius is infinite, or nothing).
+            let residual = residual.abs();
+            if residual > 4.0 * f64::EPSILON * size && residual < f64::INFINITY && residual > worst.0 * radius {
+                let factor = residual / radius;
+                if factor > worst.0 && dropped.binary_search(&(start + i)).is_err() {
+                    worst = (factor, start + i);
+                }
+            }
+        }
+        worst
+    });
+    found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let most = found.first().map_or(0.0, |f| f.0);
+    (most, found.into_iter().take(TAKEN).filter(|f| f.0 > 0.0).map(|f| f.1).collect())
+}
+
+/// Midpoints and radii of a few rows.
+struct Working {
+    columns: usize,
+    names: Vec<usize>,
+    midpoint: Vec<f64>,
+    radius: Vec<f64>,
+    right: Vec<f64>,
+    right_radius: Vec<f64>,
+    scale: Vec<f64>,
+    start: Vec<f64>,
+}
+
+impl Working {
+    fn new(rows: &Rows<'_>, start: &[usize]) -> Self {
         let mut new = Self {
-            rows: 0,
-            columns: n,
+            columns: rows.columns(),
+            names: Vec::new(),
             midpoint: Vec::new(),
             radius: Vec::new(),
             right: Vec::new(),
             right_radius: Vec::new(),
+            scale: super::scan::column_scale(rows),
             start: Vec::new(),
         };
-        for (i, value) in y.iter().enumerate() {
-            let row: Vec<Interval> = (0..n).map(|j| a.get(i, j)).collect();
-            if value.is_bounded() && row.iter().all(|x| x.is_bounded()) {
-                new.rows += 1;
-                new.midpoint.extend(row.iter().map(|x| x.midpoint()));
-                new.radius.extend(row.iter().map(|x| x.radius()));
-                new.right.push(value.midpoint());
-                new.right_radius.push(value.radius());
-            }
-        }
-        new.start = least_squares(&new.midpoint, &new.right, n);
+        new.extend(rows, start);
+        new.start = least_squares(&new.midpoint, &new.right, new.columns);
         new
     }
 
+    fn count(&self) -> usize {
+        self.names.len()
+    }
+
+    /// Takes in rows that are bounded and new; whether there was one.
+    fn extend(&mut self, rows: &Rows<'_>, indices: &[usize]) -> bool {
+        let before = self.names.len();
+        for &i in indices {
+            let ((lower, upper), (low, high)) = (rows.row(i), rows.right(i));
+            let bounded = lower.iter().chain(upper).chain([&low, &high]).all(|x| x.is_finite());
+            if !bounded || self.names.contains(&i) {
+                continue;
+            }
+            self.names.push(i);
+            self.midpoint.extend(lower.iter().zip(upper).map(|(l, u)| 0.5 * l + 0.5 * u));
+            self.radius.extend(lower.iter().zip(upper).map(|(l, u)| 0.5 * u - 0.5 * l));
+            self.right.push(0.5 * low + 0.5 * high);
+            self.right_radius.push(0.5 * high - 0.5 * low);
+        }
+        self.names.len() > before
+    }
+
     /// The smallest factor in one orthant; infinite where rows without radius contradict each other.
-    pub(crate) fn smallest(&self, signs: &[i8]) -> Option<Attained> {
+    fn smallest(&self, signs: &[i8], from: Option<&Attained>) -> Option<Attained> {
         let inside = |x: &[f64]| -> Vec<f64> {
             x.iter().zip(signs).map(|(&x, &s)| if x * f64::from(s) < 0.0 { 0.0 } else { x }).collect()
         };
-        let mut best = self.at(inside(&self.start));
+        let mut best = self.at(inside(from.map_or(&self.start, |a| &a.point)));
         if !best.factor.is_finite() {
             let weights = self.weights(&best.point);
             best = self.at(inside(&self.step(signs, 0.0, &weights)?));
@@ -86,7 +173,7 @@ impl Inflation {
     }
 
     fn weights(&self, x: &[f64]) -> Vec<f64> {
-        (0..self.rows).map(|i| self.denominator(i, x)).collect()
+        (0..self.count()).map(|i| self.denominator(i, x)).collect()
     }
 
     fn denominator(&self, i: usize, x: &[f64]) -> f64 {
@@ -95,7 +182,7 @@ impl Inflation {
     }
 
     fn at(&self, point: Vec<f64>) -> Attained {
-        let factor = (0..self.rows)
+        let factor = (0..self.count())
             .map(|i| {
                 let row = &self.midpoint[i * self.columns..(i + 1) * self.columns];
                 let residual = row.iter().zip(&point).fold(-self.right[i], |sum, (c, x)| sum + c * x).abs();
@@ -107,54 +194,39 @@ impl Inflation {
         Attained { factor, point }
     }
 
+    /// The linear program of one iteration, in `(x, t)`.
     fn step(&self, signs: &[i8], factor: f64, weights: &[f64]) -> Option<Vec<f64>> {
-        let problem = Step { data: self, signs, factor, weights };
-        let mut objective = vec![0.0; self.columns + 1];
-        objective[self.columns] = 1.0;
-        match Simplex::new(&problem).minimise(&objective) {
-            Answer::Basis { mut vertex, .. } => {
-                vertex.truncate(self.columns);
+        let n = self.columns;
+        let mut scale = self.scale.clone();
+        let largest = weights.iter().fold(0.0_f64, |a, &x| a.max(x));
+        scale.push(crate::linear_program::program::power_of_two_near(largest).recip());
+        let mut program = Program::new(scale);
+        let mut g = vec![0.0; n + 1];
+        for (j, &s) in signs.iter().enumerate().filter(|(_, s)| **s != 0) {
+            g.fill(0.0);
+            g[j] = -f64::from(s);
+            program.push(j, &g, 0.0);
+        }
+        for i in 0..self.count() {
+            for side in [1.0, -1.0] {
+                for j in 0..n {
+                    let at = i * n + j;
+                    g[j] = side * self.midpoint[at] - factor * self.radius[at] * f64::from(signs[j]);
+                }
+                g[n] = -weights[i];
+                program.push(n + i, &g, side * self.right[i] + factor * self.right_radius[i]);
+            }
+        }
+        g.fill(0.0);
+        g[n] = 1.0;
+        let mut search = Search::new(&program, &g);
+        match search.run(&program) {
+            Outcome::Vertex => {
+                let mut vertex = search.point(&program);
+                vertex.truncate(n);
                 vertex.iter().all(|x| x.is_finite()).then_some(vertex)
             }
             _ => None,
         }
-    }
-}
-
-/// The linear program of one iteration, in `(x, t)`.
-struct Step<'a> {
-    data: &'a Inflation,
-    signs: &'a [i8],
-    factor: f64,
-    weights: &'a [f64],
-}
-
-impl HalfSpaces for Step<'_> {
-    fn dimension(&self) -> usize {
-        self.data.columns + 1
-    }
-
-    fn count(&self) -> usize {
-        2 * self.data.rows + self.data.columns
-    }
-
-    fn half_space(&self, index: usize, g: &mut [f64]) -> f64 {
-        let (m, n) = (self.data.rows, self.data.columns);
-        if index >= 2 * m {
-            let j = index - 2 * m;
-            g.fill(0.0);
-            g[j] = -f64::from(self.signs[j]);
-            return if self.signs[j] == 0 { f64::INFINITY } else { 0.0 };
-        }
-        let below = index >= m;
-        let row = if below { index - m } else { index };
-        for j in 0..n {
-            let at = row * n + j;
-            let centre = if below { -self.data.midpoint[at] } else { self.data.midpoint[at] };
-            g[j] = centre - self.factor * self.data.radius[at] * f64::from(self.signs[j]);
-        }
-        g[n] = -self.weights[row];
-        let right = if below { -self.data.right[row] } else { self.data.right[row] };
-        right + self.factor * self.data.right_radius[row]
     }
 }

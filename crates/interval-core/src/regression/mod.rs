@@ -1,12 +1,29 @@
 //! Parameters of interval rows `A theta = y`.
 
+mod augmented;
+mod directions;
 mod feasible;
 mod inflation;
+mod least_squares;
 mod normal_equations;
 mod orthant;
+mod outliers;
+mod prove;
+mod rows;
+mod scan;
+mod search;
+mod signs;
 
-pub use feasible::{BoundCertificate, FeasibleSet, OrthantOutcome, OrthantResult, feasible_set};
+pub use augmented::{ORDER_LIMIT, augmented};
+pub use feasible::{
+    BoundCertificate, FeasibleOptions, FeasibleSet, OrthantOutcome, OrthantResult, feasible_rows, feasible_set,
+};
+pub use least_squares::{LeastSquares, least_squares};
 pub use normal_equations::{NormalEquations, normal_equations};
+pub use orthant::DataRow;
+pub use outliers::{NODE_LIMIT, Outliers};
+pub use rows::Rows;
+pub use signs::{ORTHANT_LIMIT, SignProof, SignRows};
 
 use crate::error::Error;
 use crate::interval::Interval;

@@ -1,0 +1,166 @@
+"""Rows over windows: the mean of the equations, by exact differences and a quadrature with its error."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.effects import Columns, Place, State
+from ivsid.errors import IvsidError
+from ivsid.intervals import FloatArray, IntervalArray
+from ivsid.motion import Motion
+from ivsid.rows.equations import SOMEWHERE, Equations, complete, unit
+from ivsid.rows.forces import above
+from ivsid.rows.record import RegressionRows
+
+# Stands for an acceleration [m/s^2] that nobody knows, where an infinity would spoil the sum over a window.
+MOST: Final = 1e6
+# A step that differs from the usual one by this share may be more than one sample.
+WHOLE_STEP: Final = 0.1
+
+
+def integral(equations: Equations, index: int, channel: str, count: int) -> RegressionRows:
+    """The mean of the channel's equation over sliding windows of ``count`` steps."""
+    steps = np.diff(equations.t)
+    names = ("u", "v", "r", "psi") if equations.turning else ("u", "v", "r")
+    there = equations.forces.present.copy()
+    for n in names:
+        there &= equations.bounded.present[n]
+    starts = complete(equations.whole_steps(there, float(np.median(steps)), heading=equations.turning), count)
+    spans = equations.clock[starts + count] - equations.clock[starts]
+    quadrature = Quadrature(equations, steps, starts, count, spans)
+    columns = [quadrature.mean(term.columns, channel) for term in equations.terms]
+    right = (
+        quadrature.window_mean(equations.forces.steps[index])
+        - equations.known_force(lambda columns: quadrature.mean(columns, channel))
+        + equations.ambient(channel)
+    )
+    matrix = IntervalArray.stack(columns, axis=1)
+    durations = equations.t[starts + count] - equations.t[starts]
+    return equations.rows("integral", index, matrix, right, equations.t[starts], durations, quadrature.assumes)
+
+
+def window_sum(x: IntervalArray, starts: NDArray[np.int64], count: int) -> IntervalArray:
+    """The sum of ``count`` neighbours from each start, by sums of 1, 2, 4 ... neighbours: few additions, and few roundings."""
+    total, done = None, 0
+    doubled, length = x, 1
+    while True:
+        if count & length:
+            part = doubled[starts + done]
+            total, done = part if total is None else total + part, done + length
+        if 2 * length > count:
+            return IntervalArray(np.zeros(starts.shape)) if total is None else total
+        doubled, length = doubled[:-length] + doubled[length:], 2 * length
+
+
+class Quadrature:
+    """Means over windows of ``count`` steps."""
+
+    def __init__(
+        self, equations: Equations, steps: FloatArray, starts: NDArray[np.int64], count: int, spans: IntervalArray
+    ) -> None:
+        self.equations, self.starts, self.count, self.spans = equations, starts, count, spans
+        self.steps = equations.clock[1:] - equations.clock[:-1]
+        self.assumes: list[str] = ["psi turns by less than half a turn from row to row"] if equations.turning else []
+
+    def window_mean(self, per_step: IntervalArray) -> IntervalArray:
+        """The mean over each window of a quantity given by its mean over each step."""
+        return window_sum(per_step * self.steps, self.starts, self.count) / self.spans
+
+    def mean(self, columns: Any, channel: str) -> IntervalArray:
+        """The mean of a column: exact differences for its accelerations, a bounded quadrature for the rest."""
+        total = IntervalArray(np.zeros(self.starts.shape))
+        for name, derivative in (("u", "udot"), ("v", "vdot"), ("r", "rdot")):
+            coefficient = columns(unit(derivative)).get(channel, 0.0) - columns(unit("")).get(channel, 0.0)
+            if coefficient:
+                x = self.equations.bounded.channels[name]
+                difference = self._narrowed(x[self.starts + self.count] - x[self.starts], name)
+                total = total + difference * coefficient / self.spans
+        if self.has_velocity_part(columns, channel):
+            total = total + self.window_mean(self._step_mean(columns, channel))
+        return total
+
+    def _narrowed(self, difference: IntervalArray, name: str) -> IntervalArray:
+        """A difference of u or v, by what an averaging accelerometer says of it, too: its mean, and that of v r or u r."""
+        own = {"u": "mean_ax", "v": "mean_ay"}.get(name)
+        channels = self.equations.bounded.channels
+        log = self.equations.bounded.log
+        if own is None or own not in channels or own.removeprefix("mean_") in {*log.clocks, *log.by_rate}:
+            # Of another clock than the rows, a reading averages something else than the step before its row.
+            return difference
+        self.assumes.append(f"each reading of {own.removeprefix('mean_')} is the mean since the row before it")
+
+        def turning(s: State) -> Columns:
+            return {"surge": s.v * s.r if name == "u" else -(s.u * s.r)}
+
+        reading = channels[own][1:]
+        # Where a row was lost the reading averages the last sample alone, not the step.
+        usual = np.abs(np.diff(self.equations.t) - log.period) <= WHOLE_STEP * log.period
+        there = np.isfinite(reading.lower) & usual
+        known = IntervalArray(np.where(there, reading.lower, -MOST), np.where(there, reading.upper, MOST))
+        other = self.window_mean(known + self._step_mean(turning, "surge")) * self.spans
+        lower, upper = np.maximum(difference.lower, other.lower), np.minimum(difference.upper, other.upper)
+        if (lower > upper).any():
+            k = int(self.starts[np.argmax(lower > upper)])
+            raise IvsidError(
+                f"{self.equations.bounded.log.name}: around t = {self.equations.t[k]:.6g} s {name} and its averaged acceleration contradict "
+                "each other within their bounds; look at the bounds, the axes and the sampling of [sensors.acceleration]"
+            )
+        return IntervalArray(lower, upper)
+
+    def has_velocity_part(self, columns: Any, channel: str) -> bool:
+        """Whether more than accelerations stands in a column."""
+        probes = [State(*nu, 0.0, 0.0, 0.0, place=SOMEWHERE) for nu in ((0.3, 0.7, 1.1), (-0.9, 0.4, -0.2))]
+        return any(columns(p).get(channel, 0.0) != 0.0 for p in probes)
+
+    def _step_mean(self, columns: Any, channel: str) -> IntervalArray:
+        return self.step_parts(columns, channel)[0]
+
+    def step_parts(self, columns: Any, channel: str) -> tuple[IntervalArray, IntervalArray]:
+        """A column's mean over each step, and all that it can be within.
+
+        Trapezoid with its error: a Lipschitz constant L over a step h leaves at most L h / 4 on the mean.
+        """
+        limits = self.equations.vehicle.sensors.limits
+        if limits.acceleration is None or limits.yaw_acceleration is None:
+            raise IvsidError(
+                f"the mean of the {channel} equation over a window needs [sensors.limits] acceleration and yaw_acceleration "
+                "in the vehicle file (they bound the quadrature); state them, or log accelerations"
+            )
+        self.assumes.append(
+            f"|udot| and |vdot| never exceed {limits.acceleration!r} m/s^2, |rdot| {limits.yaw_acceleration!r} rad/s^2"
+        )
+        acceleration, yaw_acceleration = above(limits.acceleration), above(limits.yaw_acceleration)
+        reach = {"u": acceleration, "v": acceleration, "r": yaw_acceleration}
+        nodes, ranges = {}, {}
+        for name, limit in reach.items():
+            x = self.equations.bounded.channels[name]
+            there = self.equations.bounded.present[name]
+            x = IntervalArray(np.where(there, x.lower, 0.0), np.where(there, x.upper, 0.0))
+            rate = IntervalArray(np.array(-limit), np.array(limit))
+            nodes[name] = Motion(x, rate)
+            ranges[name] = Motion(x[:-1].hull(x[1:]) + self.steps * 0.5 * rate, rate)
+        here, along = self._places(nodes["r"].value, ranges["r"].value)
+        at_nodes: Motion = columns(State(nodes["u"], nodes["v"], nodes["r"], 0.0, 0.0, 0.0, place=here))[channel]
+        over_steps: Motion = columns(State(ranges["u"], ranges["v"], ranges["r"], 0.0, 0.0, 0.0, place=along))[channel]
+        lipschitz = np.broadcast_to(over_steps.rate.magnitude, self.steps.shape)
+        error = IntervalArray(-lipschitz, lipschitz) * self.steps * 0.25
+        trapezoid: IntervalArray = (at_nodes.value[:-1] + at_nodes.value[1:]) * 0.5 + error
+        return trapezoid, over_steps.value
+
+    def _places(self, r: IntervalArray, swept: IntervalArray) -> tuple[Place | None, Place | None]:
+        """The heading at rows and over steps, with the yaw rate as its rate, where a term turns with it."""
+        if not self.equations.turning:
+            return None, None
+        psi, there = self.equations.bounded.channels["psi"], self.equations.bounded.present["psi"]
+        psi = IntervalArray(np.where(there, psi.lower, 0.0), np.where(there, psi.upper, 0.0))
+        # A turn in one direction alone moves the heading away from one row and towards the next.
+        turned = IntervalArray(np.zeros(self.steps.shape), self.steps.upper) * 0.5 * swept
+        over = (psi[:-1] + turned).hull(psi[1:] - turned)
+        nowhere = 0.0
+        return (
+            Place(Motion(psi, r), nowhere, nowhere, nowhere),
+            Place(Motion(over, swept), nowhere, nowhere, nowhere),
+        )

@@ -1,0 +1,58 @@
+"""What a file says, as exact numbers: the decimals of a vehicle file, and readings whose decimals became doubles."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from fractions import Fraction
+from typing import Any
+
+from ivsid.verification.rational import Range
+
+
+def nearby(x: float) -> Range:
+    """All decimals that may have been read as this double: and some more: one unit in its last place to either side."""
+    return Range.around(x, math.ulp(x))
+
+
+def decimal(text: str) -> Fraction:
+    """A decimal exactly; ValueError for one with a huge exponent, which would be a number of as many digits."""
+    mantissa, _, exponent = text.lower().replace("_", "").partition("e")
+    if len(mantissa) > 400 or abs(int(exponent or 0)) > 400:
+        raise ValueError(f"{text[:40]} has too many digits to be used")
+    return Fraction(text)
+
+
+def stated(text: str) -> dict[str, Any]:
+    """A vehicle file with its decimals as exact numbers."""
+    return tomllib.loads(text, parse_float=decimal)
+
+
+class Decimals:
+    """The numbers of a vehicle file's text, by the doubles that they were read as."""
+
+    def __init__(self, text: str) -> None:
+        self._known: dict[float, Range] = {}
+        self._collect(stated(text))
+
+    def _collect(self, value: Any) -> None:
+        if isinstance(value, dict):
+            for v in value.values():
+                self._collect(v)
+        elif isinstance(value, list):
+            for v in value:
+                self._collect(v)
+        elif isinstance(value, (Fraction, int)) and not isinstance(value, bool):
+            key, exact = float(value), Range(Fraction(value))
+            self._known[key] = self._known[key].hull(exact) if key in self._known else exact
+
+    def __call__(self, x: float) -> Range:
+        """The file's own decimal; for a default of the file its shortest decimal, for what was computed all that is near."""
+        if x in self._known:
+            return self._known[x]
+        shortest = Range(Fraction(repr(float(x))))
+        return shortest if len(repr(float(x))) < 8 else nearby(x)
+
+    def pair(self, xy: tuple[float, float]) -> tuple[Range, Range]:
+        """Two of them."""
+        return self(xy[0]), self(xy[1])

@@ -1,0 +1,302 @@
+"""Readings to ranges: the sensors' half-widths once more, in fractions (METHODS 5.1).
+
+With the accelerometer's bias taken apart, a reading is the truth plus one number for the log within this range: what the bias moves
+away from its value in the middle of the log has k B sqrt(2 (1 - exp(-|t - t_m| / T))) at each sample.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+
+from ivsid.log import Log
+from ivsid.mount import Mounted
+from ivsid.vehicle import InertialSensor, Vehicle
+from ivsid.verification.decimals import Decimals
+from ivsid.verification.errors import UnprovedError
+from ivsid.verification.mounted import arm_of, mounted, turned_back
+from ivsid.verification.pose import PoseVelocities
+from ivsid.verification.rates import Rates
+from ivsid.verification.rational import Range, cosine, exponential, normal_factor, pi, root, sided, sine
+
+DEFAULT_CONFIDENCE: Final = 0.999
+_ACCELERATIONS: Final = {"udot": 0, "vdot": 1, "ax": 0, "ay": 1}
+_PLAIN: Final = {"force_X": "force", "force_Y": "force", "moment_N": "moment", "rdot": "yaw_acceleration"}
+EARTH: Final = ("velocity_north", "velocity_east", "psi")
+# What a velocity sensor with a scale factor error shows.
+_VELOCITIES: Final = ("u", "v", "velocity_north", "velocity_east")
+AXES: Final = ("x", "y")
+
+
+class Readings:
+    """Every channel of a log as ranges that hold the truth under the vehicle file's assumptions."""
+
+    def __init__(self, log: Log, vehicle: Vehicle, *, apart: bool = False, windows: int = 1) -> None:
+        self.log, self.vehicle, self.exact, self.windows = log, vehicle, Decimals(vehicle.text), windows
+        self._certain_turns()
+        self.apart = self._one_bias() if apart else {}
+        self._made: dict[tuple[str, int], Range | None] = {}
+        self._times: dict[int, Range] = {}
+        self._pose = PoseVelocities.of(log, vehicle.sensors, self.exact, self.raw, self.time)
+        self._rates = Rates(log, vehicle.sensors.limits, self.exact, self)
+
+    def _certain_turns(self) -> None:
+        most, heading = self.log.certain.get("psi"), self.vehicle.sensors.heading
+        if most is not None and heading is not None and self.exact(heading.accuracy).upper >= Fraction(most):
+            raise UnprovedError("the way round from one sample of psi to the next is not certain")
+
+    def _one_bias(self) -> dict[str, str]:
+        """The channel of each axis of an accelerometer whose bias is one unknown of the log."""
+        sensor, sensors = self.vehicle.sensors.acceleration, self.vehicle.sensors
+        names = [n for n in _ACCELERATIONS if n in self.log.columns]
+        found = {AXES[_ACCELERATIONS[n]]: n for n in names}
+        if sensor is None or sensors.sigmas is not None or not names or len(found) < len(names):
+            raise UnprovedError("a bias can be taken apart under confidence only, from one acceleration an axis")
+        if sensor.sampling == "averaged" or sensor.off_origin or sensor.turned or sensor.gravity:
+            raise UnprovedError("the bias of a mounted or averaging accelerometer cannot be taken apart")
+        if {*found.values()} & {*self.log.clocks, *self.log.by_rate}:
+            raise UnprovedError("the bias of an accelerometer of another clock than the rows cannot be taken apart")
+        if sensors.limits.yaw_jerk is not None and "rdot" not in self.log.columns:
+            raise UnprovedError("a bias cannot be taken apart beside accelerations that follow from a jerk in yaw")
+        return found
+
+    def bias(self, axis: str) -> Range:
+        """All that an accelerometer's bias may be in the middle of the log [m/s^2]."""
+        sensor = self.vehicle.sensors.acceleration
+        assert sensor is not None
+        return sided(self.factor * self.exact(_axis(sensor.bias_instability, AXES.index(axis))))
+
+    def time(self, i: int) -> Range:
+        """A time [s]: its decimals, and what a conversion lost."""
+        if i not in self._times:
+            t = float(self.log.t[i])
+            self._times[i] = around(t, self.log.time_rounding)
+        return self._times[i]
+
+    def raw(self, name: str, i: int) -> Range | None:
+        """A reading without its sensor's error: its decimals, and what a conversion lost; None where it is missing."""
+        values = self.log.columns.get(name)
+        if values is None or math.isnan(values[i]):
+            return None
+        value, lost = float(values[i]), self.log.rounding.get(name)
+        off = 0.0 if lost is None or math.isnan(lost[i]) else float(lost[i])
+        made = around(value, off)
+        velocity = self.vehicle.sensors.velocity
+        if (
+            name in self.log.by_rate
+            and name in _VELOCITIES
+            and velocity is not None
+            and velocity.scale_factor_sign >= 0
+        ):
+            # What the velocity itself may have moved shows in a reading with the scale factor.
+            made = made + sided(self.exact(velocity.scale_factor_error).upper * Fraction(off))
+        return made
+
+    def heading(self, i: int) -> Range | None:
+        """The heading [rad] but for whole turns; None where it is missing or nothing bounds it."""
+        psi, heading = self.raw("psi", i), self.vehicle.sensors.heading
+        return None if psi is None or heading is None else psi + sided(self.exact(heading.accuracy))
+
+    def whole_turns(self, name: str, i: int) -> Range:
+        """The multiple of a turn to add to an angle at the next row: the shorter way from here."""
+        values = self.log.columns[name]
+        return pi() * (-2 * round(float(values[i + 1] - values[i]) / (2 * math.pi)))
+
+    def has(self, name: str) -> bool:
+        """Whether the channel is logged, or follows from the pose, and is bounded."""
+        return self.logged(name) or self._rates.made(name)
+
+    def logged(self, name: str) -> bool:
+        """The same but for accelerations that only follow from velocities."""
+        if self._pose is not None and name in self._pose.wanted:
+            return True
+        sensors = self.vehicle.sensors
+        if name not in self.log.columns:
+            return False
+        if name in self.log.derived:
+            return sensors.velocity is not None and sensors.heading is not None
+        if name in _ACCELERATIONS:
+            # The mean over a sample is no acceleration at a moment.
+            return sensors.acceleration is not None and not (
+                sensors.acceleration.sampling == "averaged" and name in ("ax", "ay")
+            )
+        if name in _PLAIN:
+            return getattr(sensors, _PLAIN[name]) is not None
+        return {"r": sensors.yaw_rate, "u": sensors.velocity, "v": sensors.velocity}.get(name) is not None
+
+    def channel(self, name: str, i: int) -> Range | None:
+        """The truth behind a reading; None where it is missing or nothing bounds it."""
+        key = (name, i)
+        if key not in self._made:
+            self._made[key] = self._bounded(name, i) if self.has(name) else None
+        return self._made[key]
+
+    def _bounded(self, name: str, i: int) -> Range | None:
+        sensors = self.vehicle.sensors
+        if self._pose is not None and name in self._pose.wanted:
+            return self._pose.velocity(name, i)
+        if not self.logged(name):
+            return self._rates.rate(name, i)
+        if name in self.log.derived:
+            earth = self._from_earth(name, i)
+            velocity = sensors.velocity
+            return self._moved_by(velocity, name, earth, i) if velocity is not None and earth is not None else earth
+        reading = self.raw(name, i)
+        if reading is None:
+            return None
+        if name in _PLAIN:
+            return reading + sided(self.exact(getattr(sensors, _PLAIN[name]).accuracy))
+        if name in ("ax", "ay") and sensors.acceleration is not None and mounted(sensors.acceleration):
+            return self._force_at_origin(sensors.acceleration, name, i)
+        if name in ("u", "v") and sensors.velocity is not None and mounted(sensors.velocity):
+            return self._velocity_at_origin(sensors.velocity, name, i)
+        return self._plain(name, i)
+
+    def _plain(self, name: str, i: int) -> Range | None:
+        """A reading with its sensor's own error, wherever that sensor stands."""
+        sensors, reading = self.vehicle.sensors, self.raw(name, i)
+        if reading is None:
+            return None
+        if name in _ACCELERATIONS and sensors.acceleration is not None:
+            return reading + sided(self._half_width(sensors.acceleration, _ACCELERATIONS[name], name, i))
+        if name == "r" and sensors.yaw_rate is not None:
+            return reading + sided(self._half_width(sensors.yaw_rate, 0, name, i) + self._since_average(i))
+        return self._doppler(reading)
+
+    def _velocity_at_origin(self, mount: Mounted, name: str, i: int) -> Range | None:
+        """Velocity of the body origin, u or v, from what a sensor that stands elsewhere, or is turned, reads."""
+        pair = [self._plain(n, i) for n in ("u", "v")]
+        return self._moved_by(mount, name, turned_back(self.exact, mount, pair[0], pair[1], first=name == "u"), i)
+
+    def _moved_by(self, mount: Mounted, name: str, speed: Range | None, i: int) -> Range | None:
+        if speed is None or not mount.off_origin:
+            return speed
+        r, (x, y) = self.channel("r", i), arm_of(self.exact, mount)
+        if r is None:
+            return None
+        return speed + y * r if name == "u" else speed - x * r
+
+    def _force_at_origin(self, mount: Mounted, name: str, i: int) -> Range | None:
+        """Specific force a_x or a_y of the body origin likewise."""
+        force = turned_back(self.exact, mount, self._plain("ax", i), self._plain("ay", i), first=name == "ax")
+        if force is None or not mount.off_origin:
+            return force
+        r, (x, y) = self.channel("r", i), arm_of(self.exact, mount)
+        rdot = self.channel("rdot", i) if self.logged("rdot") else self._rates.rate("rdot", i)
+        if r is None or rdot is None:
+            return None
+        return force + x * r.square() + y * rdot if name == "ax" else force - x * rdot + y * r.square()
+
+    def averages(self, name: str) -> bool:
+        """Whether a channel holds means of a specific force over the steps."""
+        sensor = self.vehicle.sensors.acceleration
+        return sensor is not None and sensor.sampling == "averaged" and name in self.log.columns
+
+    def average(self, name: str, i: int) -> Range | None:
+        """The mean of a_x or a_y over the step before a row; None where it is missing."""
+        return self._plain(name, i)
+
+    def _doppler(self, reading: Range) -> Range:
+        velocity = self.vehicle.sensors.velocity
+        assert velocity is not None
+        e = self.exact(velocity.scale_factor_error).upper
+        sign = velocity.scale_factor_sign
+        scale = Range(0 if sign > 0 else -e, 0 if sign < 0 else e) + 1
+        return (reading + sided(self.exact(velocity.accuracy))) / scale
+
+    def _from_earth(self, name: str, i: int) -> Range | None:
+        north, east, psi = (self.raw(c, i) for c in EARTH)
+        heading = self.vehicle.sensors.heading
+        if north is None or east is None or psi is None or heading is None:
+            return None
+        angle = psi + sided(self.exact(heading.accuracy))
+        c, s = cosine(angle), sine(angle)
+        north, east = self._doppler(north), self._doppler(east)
+        return north * c + east * s if name == "u" else east * c - north * s
+
+    @cached_property
+    def errors(self) -> int:
+        """Errors that the union bound covers."""
+        log, vehicle = self.log, self.vehicle
+        n = max([log.t.size, *(c.samples for c in log.clocks.values())])
+        count = 0
+        for name, axis in {**_ACCELERATIONS, "r": 0}.items():
+            sensor = vehicle.sensors.yaw_rate if name == "r" else vehicle.sensors.acceleration
+            if name not in log.columns or name in log.derived or sensor is None:
+                continue
+            walk, bias = _axis(sensor.random_walk, axis), _axis(sensor.bias_instability, axis)
+            count += n * ((walk > 0) + (bias > 0)) + 4 * (sensor.rate_random_walk > 0)
+        if vehicle.ambient is not None:
+            count += (1 + self.windows) * n * (2 * (vehicle.ambient.force > 0) + (vehicle.ambient.moment > 0))
+        # The bias in the middle is one more error an axis.
+        return int(count) + len(self.apart)
+
+    @cached_property
+    def factor(self) -> Range:
+        """The number of standard deviations: as stated, or proved large enough for the stated confidence."""
+        sensors = self.vehicle.sensors
+        if sensors.sigmas is not None:
+            return self.exact(sensors.sigmas)
+        confidence = self.exact(DEFAULT_CONFIDENCE if sensors.confidence is None else sensors.confidence)
+        return Range(normal_factor((1 - confidence.upper) / (2 * max(self.errors, 1))))
+
+    @cached_property
+    def ambient(self) -> tuple[Range, Range]:
+        """All that the force [N] and the moment [N m] that nobody models may be."""
+        ambient = self.vehicle.ambient
+        if ambient is None:
+            return Range(0), Range(0)
+        return sided(self.factor * self.exact(ambient.force)), sided(self.factor * self.exact(ambient.moment))
+
+    def _half_width(self, sensor: InertialSensor, axis: int, name: str, i: int) -> Range:
+        walk, bias = (self.exact(_axis(x, axis)) for x in (sensor.random_walk, sensor.bias_instability))
+        k, t = self.factor, self.log.t
+        drift = k * self.exact(sensor.rate_random_walk) * root(Range(Fraction(float(t[-1])) - Fraction(float(t[0]))))
+        if self.vehicle.sensors.sigmas is not None:
+            step = Range(max(self._interval(name, j) for j in (range(t.size) if len(set(np.diff(t))) > 1 else (0,))))
+            noise = walk / root(step) + root(step / self.exact(_axis(sensor.bias_time, axis))) * bias
+            return k * noise + drift + self.exact(sensor.accuracy)
+        if name in self.apart.values():
+            bias = bias * self._moved(self.exact(_axis(sensor.bias_time, axis)), i)
+        return k * walk / root(Range(self._interval(name, i))) + k * bias + drift + self.exact(sensor.accuracy)
+
+    def _moved(self, time: Range, i: int) -> Range:
+        """Of a Gauss-Markov bias: what it moves from the middle of the log to a sample, in its own standard deviations."""
+        away = abs(self.time(i) * 2 - self.time(0) - self.time(self.log.t.size - 1)) / 2
+        return root((1 - exponential(-(away / time))) * 2)
+
+    def _since_average(self, i: int) -> Range:
+        """How far the yaw rate may have moved from its mean over the step before."""
+        sensor, limit = self.vehicle.sensors.yaw_rate, self.vehicle.sensors.limits.yaw_acceleration
+        if sensor is None or sensor.sampling != "averaged":
+            return Range(0)
+        if limit is None:
+            raise UnprovedError("an averaging gyro needs [sensors.limits] yaw_acceleration")
+        k = i - 1 if i else int(np.argmax(np.diff(self.log.t)))
+        return self.exact(limit) * (self.time(k + 1) - self.time(k)) / 2
+
+    @cached_property
+    def _period(self) -> Fraction:
+        return Fraction(self.log.period)
+
+    def _interval(self, name: str, i: int) -> Fraction:
+        """The time over which a sample averages white noise: the period, or less where samples stand closer."""
+        t = self.log.t
+        steps = [Fraction(float(t[j + 1])) - Fraction(float(t[j])) for j in (i - 1, i) if 0 <= j < t.size - 1]
+        least = min([*steps, self._period])
+        clock = self.log.clocks.get(name)
+        return least if clock is None else min(least, Fraction(clock.interval))
+
+
+def around(value: float, off: float) -> Range:
+    """The decimals that were read as a double, half a unit in its last place to either side, and what was lost beside that."""
+    half = Range.around(0.0, math.ulp(value))
+    return Range.around(value, off) + Range.raw(half.low // 2, half.high // 2)
+
+
+def _axis(value: float | tuple[float, float], axis: int) -> float:
+    return value[axis] if isinstance(value, tuple) else value

@@ -1,0 +1,92 @@
+"""A result.json of ``ivsid identify`` with every number as it is written, checked for its shape."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ivsid.errors import IvsidError
+from ivsid.seal import KEY, seal_of
+from ivsid.vehicle import Vehicle, parse_vehicle
+from ivsid.verification.decimals import decimal
+
+
+class DamagedError(Exception):
+    """A result that is not as ``ivsid identify`` writes it."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a result claims.
+
+    Attributes:
+        record: the file, its decimals as fractions.
+        vehicle: from the text that it carries.
+        sealed: whether its seal is that of its content.
+    """
+
+    record: dict[str, Any]
+    vehicle: Vehicle
+    sealed: bool
+
+
+def read_result(path: str | Path) -> Result:
+    """Reads a result: its folder, or its result.json.
+
+    Raises:
+        IvsidError: the file is missing, is no JSON, or is the result of another command.
+        DamagedError: a part that every result of ``ivsid identify`` has is missing or of another kind.
+    """
+    path = Path(path)
+    file = path / "result.json" if path.is_dir() else path
+    try:
+        text = file.read_text()
+    except OSError as error:
+        raise IvsidError(
+            f"result {file} cannot be read ({error.strerror}); give the --out folder of ivsid identify"
+        ) from None
+    except UnicodeDecodeError:
+        raise IvsidError(f"result {file} is not a text; give the --out folder of ivsid identify") from None
+    return parse_result(text, str(file))
+
+
+def parse_result(text: str, source: str) -> Result:
+    """The same from the text of a result."""
+    try:
+        record = json.loads(text, parse_float=decimal, object_pairs_hook=_unique)
+        seal = seal_of(text)
+    except (ValueError, RecursionError):
+        raise IvsidError(f"result {source} is not JSON; give the --out folder of ivsid identify") from None
+    if not isinstance(record, dict) or record.get("command") != "identify":
+        raise IvsidError(f"{source} is not the result of ivsid identify; run that first and give its --out folder")
+    for key, kind in (
+        ("vehicle", str),
+        ("inputs", list),
+        ("method", str),
+        ("status", str),
+        ("guaranteed", bool),
+        ("parameters", dict),
+        ("options", dict),
+        ("certificates", list),
+        ("contradictions", list),
+        ("assumes", list),
+    ):
+        if not isinstance(record.get(key), kind):
+            raise DamagedError(f"'{key}' is missing or of another kind")
+    try:
+        vehicle = parse_vehicle(record["vehicle"], "the vehicle of the result")
+    except IvsidError as error:
+        raise DamagedError(str(error)) from None
+    return Result(record, vehicle, record.get(KEY) == seal)
+
+
+def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise ValueError("a key stands twice")
+    for text in (x for pair in pairs for x in pair if isinstance(x, str)):
+        # Halves of a character cannot be printed; the error is a ValueError.
+        text.encode()
+    return found

@@ -1,0 +1,108 @@
+"""``verify``: the verdict on a result, as a value."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from ivsid.log import Log, read_log
+from ivsid.verification.checker import Checker
+from ivsid.verification.result import DamagedError, read_result
+
+# What a result says beside its claims; the seal covers it, no proof does.
+NOT_PROVED: Final = (
+    "inflation",
+    "estimate",
+    "directions",
+    "determined",
+    "notes",
+    "quality",
+    "rows",
+    "reason",
+    "improper",
+    "options that no certificate rests on",
+    "that ends without a bound have none",
+    "what assumes says, and its wording",
+)
+
+
+@dataclass(frozen=True)
+class Verification:
+    """A verdict.
+
+    Attributes:
+        status: ``proved``, ``failed``, or ``not_checked`` where nothing failed and part of it cannot be recomputed.
+        failures: which certificate or claim failed, and why; empty where all is proved.
+        not_checked: what the checker does not know how to recompute.
+        claim: the status of the result that was checked, such as ``enclosed``.
+        certificates: how many hold.
+        rows: how many rows of the log they use.
+        result_name: of the file.
+        log_name: of the log.
+        inputs: name and SHA-256 of what was read.
+    """
+
+    status: str
+    failures: tuple[str, ...]
+    not_checked: tuple[str, ...]
+    claim: str
+    certificates: int
+    rows: int
+    result_name: str
+    log_name: str
+    inputs: tuple[tuple[str, str], ...]
+
+    @property
+    def proved(self) -> bool:
+        """Whether everything that the result claims was proved."""
+        return self.status == "proved"
+
+    def record(self) -> dict[str, Any]:
+        """As in result.json."""
+        return {
+            "status": self.status,
+            "claim": self.claim,
+            "failures": list(self.failures),
+            "not_checked": list(self.not_checked),
+            "certificates": self.certificates,
+            "rows": self.rows,
+            "not_proved": list(NOT_PROVED),
+        }
+
+
+def verify(result: str | Path, log: str | Path | Log) -> Verification:
+    """Checks the certificates of an identification in exact rational arithmetic, without the core.
+
+    Args:
+        result: the folder of ``ivsid identify`` or its result.json.
+        log: the log that was identified.
+
+    Returns:
+        A verdict; a failed proof is one, too.
+
+    Raises:
+        IvsidError: a file that cannot be read, or that is no result of ``ivsid identify``.
+    """
+    path = Path(result)
+    name = str(path)
+    try:
+        read = read_result(path)
+    except DamagedError as error:
+        shown = log.name if isinstance(log, Log) else Path(log).name
+        return Verification("failed", (f"the result is damaged: {error}",), (), "", 0, 0, name, shown, ())
+    data = log if isinstance(log, Log) else read_log(log, read.vehicle.log)
+    checker = Checker(read, data)
+    checker.run()
+    inputs = ((read.vehicle.source, read.vehicle.sha256), (data.name, data.sha256))
+    return Verification(
+        "failed" if checker.failures else "not_checked" if checker.unknown else "proved",
+        tuple(checker.failures),
+        tuple(checker.unknown),
+        read.record["status"],
+        checker.certificates,
+        len(checker.rows_used),
+        name,
+        data.name,
+        inputs,
+    )

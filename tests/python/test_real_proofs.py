@@ -1,0 +1,56 @@
+"""Every log of the shared data that has what a model needs: identified by default, and proved by the checker."""
+
+from importlib.resources import files
+from pathlib import Path
+
+import pytest
+
+from ivsid import identify, read_vehicle, verify
+from ivsid.adapters.cse1 import read_cse1
+from ivsid.adapters.rov30k import read_rov30k
+from ivsid.log import read_log
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+OTTER = "sim_truth_pvs/otter_{}.csv.gz"
+
+
+def proved(vehicle, path, tmp_path):
+    log = read_log(path, vehicle.log)
+    fit = identify(vehicle, log)
+    assert fit.method == "feasible" and fit.guaranteed
+    fit.save(tmp_path / "fit")
+    verdict = verify(tmp_path / "fit", path)
+    assert verdict.proved, verdict.failures[:3]
+    assert verdict.certificates and verdict.claim == fit.status
+    return fit
+
+
+@pytest.mark.parametrize(
+    ("model", "log", "status"),
+    [
+        ("otter", "calm", "empty"),
+        ("otter", "current_0p4_30deg", "empty"),
+        ("otter_extended", "calm", "enclosed"),
+        ("otter_extended", "current_0p4_30deg", "empty"),
+    ],
+)
+def test_otter(real, tmp_path, model, log, status):
+    assert proved(read_vehicle(EXAMPLES / f"{model}.toml"), real(OTTER.format(log)), tmp_path).status == status
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("run", ["random_run1", "random_run3"])
+def test_cybership(real, tmp_path, run):
+    """Velocities from camera poses, windows of a second, eight parameters: some 780 certificates."""
+    part = read_cse1(real("cse1")).logs[run]
+    (tmp_path / f"{run}.csv").write_text(part.text)
+    vehicle = read_vehicle(str(files("ivsid") / "data" / "cse1.toml"))
+    assert proved(vehicle, tmp_path / f"{run}.csv", tmp_path).status == "unbounded"
+
+
+@pytest.mark.parametrize("part", ["manual", "automatic"])
+def test_remotely_operated_vehicle(real, tmp_path, part):
+    log = read_rov30k(real("rov_30k")).logs[part]
+    (tmp_path / f"{part}.csv").write_text(log.text)
+    vehicle = read_vehicle(str(files("ivsid") / "data" / "rov30k.toml"))
+    assert proved(vehicle, tmp_path / f"{part}.csv", tmp_path).status == "unbounded"

@@ -132,17 +132,22 @@ def _joined(*parts: Columns) -> Columns:
 class Declared:
     """Whitened signatures of what the vehicle file declares; they hardly depend on the hypothesis, and are made once for many."""
 
-    names: tuple[str, ...]
-    white: Array
-    prior: Mapping[str, float]
+    gram: Gram
+
+    @property
+    def count(self) -> int:
+        """How many there are: they stand first among the columns of a fit."""
+        return len(self.gram.names)
 
 
-def declared_columns(bench: Bench, h: Hypothesis, anchor: Anchor, white: Whitening) -> Declared:
+def declared_columns(
+    bench: Bench, h: Hypothesis, anchor: Anchor, white: Whitening, good: NDArray[np.bool_]
+) -> Declared:
     """Those around a hypothesis."""
     c = Signatures(bench, h, anchor).nuisances()
-    return Declared(
-        tuple(c.names), white(c.stack()) if c.names else np.zeros((0, len(bench.labels), bench.log.n)), c.prior
-    )
+    none = np.zeros((len(bench.labels), bench.log.n))
+    columns = white(c.stack()) if c.names else none[None][:0]
+    return Declared(gram(c.names, columns, none, good, bench.log.h, c.prior, h.declared))
 
 
 def improve(
@@ -173,13 +178,13 @@ def improve(
         if by is None:
             by = _plain_scale(errors, good, bench)
         if known is None:
-            known = declared_columns(bench, h, anchor, by)
-        g, free = _small_gram(bench, h, anchor, by, good, held, known, errors)
+            known = declared_columns(bench, h, anchor, by, good)
+        g = _small_gram(bench, h, anchor, by, held, known, errors)
         p = Projection(g, range(len(g.names)))
         h = stepped(h, dict(zip(g.names, (p.coefficients / g.unit).tolist(), strict=True)), bench)
         anchor = bench.settle(h, anchor)
         sigma = np.sqrt(np.diag(np.linalg.inv(p.total + np.diag(g.prior + 1e-9))))
-        if (np.abs(p.coefficients[:free]) < 0.1 * sigma[:free]).all():
+        if (np.abs(p.coefficients) < 0.1 * sigma)[known.count :].all():
             break
     return h, anchor
 
@@ -189,28 +194,29 @@ def _small_gram(
     h: Hypothesis,
     anchor: Anchor,
     by: Whitening,
-    good: NDArray[np.bool_],
     held: Mapping[str, float],
     known: Declared,
     errors: Array,
-) -> tuple[Gram, int]:
+) -> Gram:
+    """What is declared first, then what is fitted."""
     fitted = Signatures(bench, h, anchor).fitted(held)
-    columns = np.concatenate([by(fitted.stack()), known.white]) if fitted.names else known.white
-    g = gram((*fitted.names, *known.names), columns, by(errors), good, bench.log.h, known.prior, h.declared)
-    return g, len(fitted.names)
+    g = known.gram
+    centre = np.array([h.declared.get(n, 0.0) for n in g.names]) * g.unit
+    g = replace(g.of(by(errors)), centre=centre)
+    return g.extended(fitted.names, by(fitted.stack()), sums=True) if fitted.names else g
 
 
 def fitted_gram(noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float]) -> Gram:
     """Cross-products of what is fitted and what is declared alone."""
-    known = declared_columns(noise.bench, h, anchor, noise.whitening)
+    known = declared_columns(noise.bench, h, anchor, noise.whitening, noise.good)
     errors = noise.bench.errors(h, anchor)
-    return _small_gram(noise.bench, h, anchor, noise.whitening, noise.good, held, known, errors)[0]
+    return _small_gram(noise.bench, h, anchor, noise.whitening, held, known, errors)
 
 
 def chi2_of(noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float], known: Declared) -> float:
     """Of the log under a hypothesis, what is declared fitted beside it."""
     errors = noise.bench.errors(h, anchor)
-    g, _ = _small_gram(noise.bench, h, anchor, noise.whitening, noise.good, held, known, errors)
+    g = _small_gram(noise.bench, h, anchor, noise.whitening, held, known, errors)
     return Projection(g, range(len(g.names))).chi2
 
 

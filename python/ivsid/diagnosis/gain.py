@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
 from ivsid.diagnosis.bench import Anchor, Bench
-from ivsid.diagnosis.physics import Hypothesis, Points, acceleration
+from ivsid.diagnosis.physics import Hypothesis, Mass, Points, acceleration
+from ivsid.effects import Change
 
 Array = NDArray[np.float64]
 VELOCITY_WINDOW: Final = 10.0
@@ -60,22 +61,25 @@ class Gain:
 
 def compare(bench: Bench, before: Hypothesis, after: Hypothesis, seed: int = 0) -> Gain:
     """Both hypotheses on the log of the bench, from its measured states, under its demands, on its own clock."""
-    anchors = [bench.settle(h, bench.start(h), 2) for h in (before, after)]
-    force = np.stack([_force(bench, h, a) for h, a in zip((before, after), anchors, strict=True)])
-    velocity = [_windows(bench, h, a, VELOCITY_WINDOW) for h, a in zip((before, after), anchors, strict=True)]
+    # What is adequate is simulated once.
+    both = (before,) if after is before else (before, after)
+    anchors = [bench.settle(h, bench.start(h), 2) for h in both]
+    force = np.stack([_force(bench, h, a) for h, a in zip(both, anchors, strict=True)])[[0, -1]]
+    velocity = [_windows(bench, h, a, VELOCITY_WINDOW) for h, a in zip(both, anchors, strict=True)]
+    velocity = [velocity[0], velocity[-1]]
     rms, interval = {}, {}
     rng = np.random.default_rng(seed)
     for k, name in enumerate(("u", "v", "r")):
-        b, a = velocity[0][1][:, k], velocity[1][1][:, k]
+        b, a = velocity[0][1][:, k], velocity[-1][1][:, k]
         rms[name] = (float(np.median(b)), float(np.median(a)))
         draws = rng.integers(0, max(b.size, 1), (DRAWS, max(b.size, 1)))
         ratios = np.median(b[draws], axis=1) / np.maximum(np.median(a[draws], axis=1), 1e-12)
         interval[name] = (float(np.quantile(ratios, 0.025)), float(np.quantile(ratios, 0.975)))
     position = None
     if bench.log.place is not None and bench.log.psi is not None:
-        errors = [_windows(bench, h, a, POSITION_WINDOW)[2] for h, a in zip((before, after), anchors, strict=True)]
+        errors = [_windows(bench, h, a, POSITION_WINDOW)[2] for h, a in zip(both, anchors, strict=True)]
         if errors[0].size:
-            position = (float(np.median(errors[0])), float(np.median(errors[1])))
+            position = (float(np.median(errors[0])), float(np.median(errors[-1])))
     size = np.sqrt(np.mean(force[:, :, bench.log.good] ** 2, axis=2))
     forces = {n: (float(size[0, k]), float(size[1, k])) for k, n in enumerate(("X", "Y", "N"))}
     motion = np.stack([v[0] for v in velocity])
@@ -123,6 +127,9 @@ def _windows(bench: Bench, h: Hypothesis, anchor: Anchor, length: float) -> tupl
     out = np.empty((count + 1, 6, starts.size))
     out[0] = state
     step = log.h
+    # Masses that change in time, as with a payload, are worked out anew at each step.
+    steady = not any(isinstance(g.effect.acts, Change) for g in h.given)
+    mass = Mass(bench.vehicle, h.terms, h.values) if steady else None
 
     def rates(x: Array, t: Array, at: NDArray[np.int64]) -> Array:
         p = Points(
@@ -135,7 +142,7 @@ def _windows(bench: Bench, h: Hypothesis, anchor: Anchor, length: float) -> tupl
             log.force[:, at],
             None if log.wind is None else log.wind[:, at],
         )
-        nudot = acceleration(bench.vehicle, h, p)
+        nudot = acceleration(bench.vehicle, h, p, mass)
         c, s = np.cos(x[3]), np.sin(x[3])
         return np.concatenate([nudot, x[2:3], (x[0] * c - x[1] * s)[None], (x[0] * s + x[1] * c)[None]])
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
@@ -16,6 +17,8 @@ Array = NDArray[np.float64]
 # Memory of the whitening [s] and most lags.
 MEMORY: Final = 0.6
 MOST_LAGS: Final = 12
+# Samples of a signature that one product whitens together.
+STRETCH: Final = 24
 # What the filter takes of the log's start, and of the time after a gap [s].
 SETTLING: Final = 4.0
 _TIMES: Final = (1.0, 5.0)
@@ -121,14 +124,38 @@ class Whitening:
 
     def __call__(self, x: Array) -> Array:
         """Whitens errors or signatures, shape (..., rows, n)."""
-        out = np.zeros_like(x)
+        out = np.empty_like(x)
         for rows, taps in zip(self.groups, self.taps, strict=True):
-            here = x[..., rows, :]
-            total = np.einsum("ij,...jn->...in", taps[0], here)
-            for lag in range(1, taps.shape[0]):
-                total[..., lag:] += np.einsum("ij,...jn->...in", taps[lag], here[..., :-lag])
-            out[..., rows, :] = total
+            out[..., rows, :] = _convolved(taps, x[..., rows, :])
         return out
+
+
+def _convolved(taps: Array, x: Array) -> Array:
+    """Each row's sum of all rows at the lags of the taps, what was before the first sample taken as nothing.
+
+    A stretch of the result is one matrix times the stretch before and under it, so that all stretches are one product.
+    """
+    lags, r = taps.shape[0] - 1, taps.shape[1]
+    n, leading = x.shape[-1], x.shape[:-2]
+    if not np.any(taps):
+        return np.zeros_like(x)
+    if not lags:
+        return np.asarray(np.matmul(taps[0], x))
+    count = -(-n // STRETCH)
+    band = np.zeros((r, lags + STRETCH, r, STRETCH))
+    for lag in range(lags + 1):
+        for k in range(STRETCH):
+            band[:, lags + k - lag, :, k] = taps[lag].T
+    band = band.reshape(r * (lags + STRETCH), r * STRETCH)
+    out = np.empty((int(np.prod(leading)), r, count * STRETCH))
+    padded = np.zeros((r, lags + count * STRETCH))
+    windows = sliding_window_view(padded, lags + STRETCH, axis=1)[:, ::STRETCH].transpose(1, 0, 2)
+    # One signature at a time stays in the cache.
+    for one, into in zip(x.reshape(-1, r, n), out, strict=True):
+        padded[:, lags : lags + n] = one
+        product = windows.reshape(count, -1) @ band
+        into.reshape(r, count, STRETCH)[:] = product.reshape(count, r, STRETCH).transpose(1, 0, 2)
+    return out[..., :n].reshape(x.shape)
 
 
 def still_axes(bench: Bench) -> frozenset[int]:

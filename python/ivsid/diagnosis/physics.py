@@ -155,8 +155,8 @@ def _inertial(term: Term, state: State) -> dict[str, Any]:
     return {k: c for k, c in columns.items() if isinstance(c, (int, float)) and c}
 
 
-def acceleration(vehicle: Vehicle, h: Hypothesis, p: Points) -> Array:
-    """udot, vdot [m/s^2], rdot [rad/s^2] over ground, shape (3, n)."""
+def acceleration(vehicle: Vehicle, h: Hypothesis, p: Points, mass: Mass | None = None) -> Array:
+    """udot, vdot [m/s^2], rdot [rad/s^2] over ground, shape (3, n); ``mass`` saves its inversion where it is known."""
     u_c, v_c, a_u, a_v = water(h, p)
     u, v, r = p.nu[0] - u_c, p.nu[1] - v_c, p.nu[2]
     values = changed(h, p.t)
@@ -178,7 +178,7 @@ def acceleration(vehicle: Vehicle, h: Hypothesis, p: Points) -> Array:
     right[0] -= a_u * m
     right[1] -= a_v * m
     right[2] -= a_v * (m * x_g) - a_u * (m * y_g)
-    nudot = Mass(vehicle, h.terms, values).solve(right)
+    nudot = (mass or Mass(vehicle, h.terms, values)).solve(right)
     nudot[0] += r * v_c + a_u
     nudot[1] += -r * u_c + a_v
     return nudot

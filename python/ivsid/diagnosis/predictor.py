@@ -43,6 +43,9 @@ class Axis:
         shape = next(iter(inputs.values())).shape
         out = np.zeros((*shape[:-1], len(self.outputs), shape[-1]))
         for name, x in inputs.items():
+            # Most causes leave some axes alone.
+            if not np.any(x):
+                continue
             for j, output in enumerate(self.outputs):
                 numerator = self.numerators[name, output]
                 if np.any(numerator):

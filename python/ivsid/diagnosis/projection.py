@@ -57,8 +57,14 @@ class Gram:
         index = self.index
         return [index[n] for n in names]
 
-    def extended(self, names: Sequence[str], columns: Array) -> Gram:
-        """With further whitened columns, shape (columns, rows, n)."""
+    def of(self, errors: Array) -> Gram:
+        """With other whitened errors, shape (rows, n)."""
+        y = _blocked(errors[None], self.good, self.length)[:, 0]
+        score = (self.x @ y[:, :, None])[:, :, 0]
+        return replace(self, y=y, score=score, energy=np.einsum("bi,bi->b", y, y))
+
+    def extended(self, names: Sequence[str], columns: Array, *, sums: bool = False) -> Gram:
+        """With further whitened columns, shape (columns, rows, n); with ``sums`` the columns themselves are not kept."""
         x = _blocked(columns, self.good, self.length)
         unit = np.sqrt(np.maximum(np.einsum("bci,bci->c", x, x), 1e-300))
         x /= unit[:, None]
@@ -67,7 +73,7 @@ class Gram:
         return replace(
             self,
             names=(*self.names, *names),
-            x=np.concatenate([self.x, x], axis=1),
+            x=self.x[:, :0] if sums else np.concatenate([self.x, x], axis=1),
             blocks=blocks,
             score=np.concatenate([self.score, np.einsum("bci,bi->bc", x, self.y)], axis=1),
             prior=np.r_[self.prior, np.zeros(len(names))],

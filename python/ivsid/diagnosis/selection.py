@@ -141,7 +141,7 @@ def _admit(
         {s.id: s for s in (*near, *passed) if s.physical and eligible(s)}.values(), key=lambda s: -s.merit
     )
     finalists = finalists[:FINALISTS]
-    known = declared_columns(fit.noise.bench, fit.h, fit.anchor, fit.noise.whitening)
+    known = declared_columns(fit.noise.bench, fit.h, fit.anchor, fit.noise.whitening, fit.noise.good)
     tried = [_fitted(fit, s, fit.noise, held, known) for s in finalists]
     rivals = [r for r in tried if r is not None and r.gain > 0]
     if not rivals:
@@ -149,7 +149,7 @@ def _admit(
     best = max(rivals, key=lambda r: r.merit)
     noise, _, _ = learn(fit.noise.bench, best.h, best.anchor, everything, held, rounds=1)
     # Under the better noise, once more: who is best, and who cannot be told from it.
-    known = declared_columns(noise.bench, best.h, best.anchor, noise.whitening)
+    known = declared_columns(noise.bench, best.h, best.anchor, noise.whitening, noise.good)
 
     def exact(h: Hypothesis, anchor: Anchor) -> tuple[Hypothesis, Anchor, float]:
         h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held, 6, known)

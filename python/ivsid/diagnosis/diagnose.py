@@ -16,9 +16,10 @@ from ivsid.diagnosis.change import Change, change
 from ivsid.diagnosis.channels import Channels, channels
 from ivsid.diagnosis.falsify import falsified
 from ivsid.diagnosis.families import everything, score
-from ivsid.diagnosis.fit import Fit, plain_fit
+from ivsid.diagnosis.fit import Fit, declared_columns, plain_fit
 from ivsid.diagnosis.gain import Gain, compare, missing_force
 from ivsid.diagnosis.hints import hints
+from ivsid.diagnosis.profile import bent, ends, first_step, profile
 from ivsid.diagnosis.projection import Projection
 from ivsid.diagnosis.selection import MARGIN, Found, Selection, select
 from ivsid.diagnosis.testing import VISIBLE, Threshold, Visibility, visibility
@@ -169,11 +170,11 @@ def diagnose(
     calibration = calibrate(fit, seen, LEVEL, seed)
     test_of = Threshold(calibration, seen, frozenset(i for i, v in visible.items() if v.blind))
     progress("looking for causes")
-    selection = select(fit, test_of, vehicle.model.values, progress)
+    selection = select(fit, test_of, fit.held, progress)
     before = adequacy(fit)
     after = adequacy(selection.last) if selection.found else before
     evidence = _before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
-    findings = tuple(_finding(f, selection.last, evidence) for f in selection.found)
+    findings = tuple(_finding(f, selection.last, fit.held, evidence) for f in selection.found)
     if not after.sufficient(before, len(findings)):
         findings = (*findings, _unknown(after))
     progress("fitting the other log")
@@ -265,7 +266,7 @@ def _before_and_after(vehicle: Vehicle, log: Log, plain: Fit, last: Fit) -> dict
     }
 
 
-def _finding(found: Found, last: Fit, evidence: Mapping[str, dict[str, Any]]) -> Finding:
+def _finding(found: Found, last: Fit, held: Mapping[str, float], evidence: Mapping[str, dict[str, Any]]) -> Finding:
     """A cause with its set, its intervals and what speaks for it."""
     channel = _channel(last, found.id)
     weights = np.array([np.exp(-0.5 * (found.rivals[0].merit - r.merit)) for r in found.rivals])
@@ -282,7 +283,7 @@ def _finding(found: Found, last: Fit, evidence: Mapping[str, dict[str, Any]]) ->
         confidence,
         alternatives,
         effect.separate if alternatives else "",
-        intervals(last, found.id),
+        intervals(last, found.id, held),
         {
             "channel": channel,
             **evidence.get(channel, {}),
@@ -335,12 +336,16 @@ def _channel(fit: Fit, id_: str) -> str:
     return fit.noise.bench.channels[int(np.argmax(energy))]
 
 
-def intervals(fit: Fit, id_: str) -> dict[str, Bound]:
-    """Intervals of an effect's numbers: the larger of the errors by the noise model and by the blocks' own scatter."""
+def intervals(fit: Fit, id_: str, held: Mapping[str, float]) -> dict[str, Bound]:
+    """Intervals of an effect's numbers: the larger of the errors by the noise model and by the blocks' own scatter.
+
+    Numbers in which the errors bend or jump are profiled.
+    """
     p, g = fit.projection, fit.gram
     covariance = np.linalg.inv(p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9))
     robust = _scatter(p, covariance)
     out: dict[str, Bound] = {}
+    worse = 1.0
     for i, k in enumerate(p.base):
         name = g.names[k]
         if name != id_ and not name.startswith(f"{id_}."):
@@ -350,11 +355,7 @@ def intervals(fit: Fit, id_: str) -> dict[str, Bound]:
         # The last step of the fit is not taken: it belongs into the interval.
         rest = abs(float(p.coefficients[i])) / float(g.unit[k])
         reach = SIGMAS * sigma + rest
-        if parameter.unit == "N" and id_ == "thruster.saturation":
-            # The limit is of the true thrust, which the curve gives within its accuracy alone.
-            reach += max(
-                t.accuracy.absolute + t.accuracy.relative * abs(value) for t in fit.noise.bench.vehicle.thrusters
-            )
+        worse = max(worse, robust[i] / covariance[i, i])
         out[name] = Bound(value - reach, value + reach, parameter.unit, parameter.symbol)
     _turned(out, id_)
     for given in fit.h.given:
@@ -363,18 +364,36 @@ def intervals(fit: Fit, id_: str) -> dict[str, Bound]:
         for name, parameter, value in zip(given.effect.parts, given.effect.parameters, given.values, strict=True):
             if parameter.draw == "thruster":
                 out[name] = Bound(value, value, parameter.unit, parameter.symbol)
-            elif parameter.draw == "time":
-                reach = g.length * fit.noise.bench.log.h
-                out[name] = Bound(value - reach, value + reach, parameter.unit, parameter.symbol)
+        for j in bent(given):
+            known = declared_columns(fit.noise.bench, fit.h, fit.anchor, fit.noise.whitening, fit.noise.good)
+            chi2 = profile(fit.noise, fit.h, fit.anchor, held, known, given, j)
+            lower, upper = ends(chi2, given.values[j], first_step(fit.noise, given, j), SIGMAS**2 * worse)
+            parameter = given.effect.parameters[j]
+            if parameter.unit == "N":
+                # The limit is of the true thrust, which the curve gives within its accuracy alone.
+                error = max(
+                    t.accuracy.absolute + t.accuracy.relative * upper for t in fit.noise.bench.vehicle.thrusters
+                )
+                lower, upper = max(lower - error, 0.0), upper + error
+            out[given.effect.parts[j]] = Bound(lower, upper, parameter.unit, parameter.symbol)
     return out
 
 
 def _turned(out: dict[str, Bound], id_: str) -> None:
-    """Angles of waves between 0 and a turn: a wave half a turn later in the opposite direction is the same."""
+    """One of the ways to say the same: a wave, or a tide, half a turn later in the opposite direction is the same."""
     phase, direction = out.get(f"{id_}.phase"), out.get(f"{id_}.direction")
     if phase is None:
         return
     shift = 0.0
+    parts = [out[f"{id_}.{q}"] for q in ("north", "east") if f"{id_}.{q}" in out]
+    if parts:
+        # The larger component is counted positive.
+        most = max(parts, key=lambda b: abs(b.lower + b.upper))
+        if most.lower + most.upper < 0:
+            shift = np.pi
+            for q in ("north", "east"):
+                b = out[f"{id_}.{q}"]
+                out[f"{id_}.{q}"] = replace(b, lower=-b.upper, upper=-b.lower)
     if direction is not None:
         middle = 0.5 * (direction.lower + direction.upper)
         half = np.floor(middle / np.pi) * np.pi

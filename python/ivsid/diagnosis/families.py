@@ -55,6 +55,18 @@ class Scored:
         """Of the effect."""
         return self.family.id
 
+    def share(self, mass: float) -> float:
+        """The largest of its numbers in units of what is usual for a vehicle of this mass [kg]; 1 for those that have no such size."""
+        effect = self.family.effect
+        if self.family.kind == "claim" or effect.id == "thruster.deadband":
+            return 1.0
+        sizes = [
+            abs(v - q.none) / abs(q.scaled(mass) - q.none)
+            for q, v in zip(effect.parameters, self.values, strict=True)
+            if q.draw in ("size", "north", "east") and not q.inverse and q.scaled(mass) != q.none
+        ]
+        return max(sizes, default=1.0)
+
     @property
     def merit(self) -> float:
         """The gain with a price for each number beyond the first."""

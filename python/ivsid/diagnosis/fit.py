@@ -21,15 +21,19 @@ from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 STEPS: Final = 3
+# Shares of a step that are tried, and the rise of chi^2 that is no worsening.
+SHORTER: Final = (1.0, 0.4, 0.1)
+WORSE: Final = 1.0
 
 
 @dataclass(frozen=True)
 class Noise:
-    """What was learnt of a log's noise: its filters, its whitening and the samples that count."""
+    """What was learnt of a log's noise: its filters, its whitening, the samples that count, and axes that are left out."""
 
     bench: Bench
     whitening: Whitening
     good: NDArray[np.bool_]
+    still: frozenset[int] = frozenset()
 
 
 Search: TypeAlias = "Callable[[Fit], Fit]"
@@ -49,6 +53,7 @@ class Fit:
         free: names of the free parameters.
         families: candidates.
         refused: ids that the log cannot show, and why.
+        held: parameters that are not fitted: claims, and what axes that are left out do not determine.
     """
 
     noise: Noise
@@ -60,6 +65,7 @@ class Fit:
     free: tuple[str, ...]
     families: tuple[Family, ...]
     refused: Mapping[str, str]
+    held: Mapping[str, float]
 
     @property
     def projection(self) -> Projection:
@@ -68,7 +74,13 @@ class Fit:
 
 
 def learn(
-    bench: Bench, h: Hypothesis, anchor: Anchor, search: Search, held: Mapping[str, float], rounds: int = 2
+    bench: Bench,
+    h: Hypothesis,
+    anchor: Anchor,
+    search: Search,
+    held: Mapping[str, float],
+    still: frozenset[int],
+    rounds: int = 2,
 ) -> tuple[Noise, Hypothesis, Anchor]:
     """The noise of a log from what the whole library leaves unexplained, and the hypothesis fitted on the way.
 
@@ -76,15 +88,14 @@ def learn(
     is there or not: the ``search`` adds the columns of waves, tethers and steps that explain most.
     """
     good = usable_rows(bench)
-    still = still_axes(bench)
-    white: Whitening | None = None
     for turn in range(rounds):
-        h, anchor = improve(bench, h, anchor, white, good, held)
         scale = _plain_scale(bench.errors(h, anchor), good, bench, still)
-        fit = search(survey(Noise(bench, scale, good), h, anchor, held))
+        h, anchor = improve(bench, h, anchor, scale, good, held)
+        scale = _plain_scale(bench.errors(h, anchor), good, bench, still)
+        fit = search(survey(Noise(bench, scale, good, still), h, anchor, held))
         left = _left(fit)
         if turn == rounds - 1:
-            return Noise(bench, whiten(bench, left, good, still), good), h, anchor
+            return Noise(bench, whiten(bench, left, good, still), good, still), h, anchor
         bench = bench.adopt(ambient_of(bench, left, good))
         bench = quick_enough(bench, bench.damping(h, anchor))
         anchor = bench.settle(h, anchor)
@@ -154,35 +165,45 @@ def improve(
     bench: Bench,
     h: Hypothesis,
     anchor: Anchor,
-    white: Whitening | None,
+    white: Whitening,
     good: NDArray[np.bool_],
     held: Mapping[str, float],
     steps: int = STEPS,
     known: Declared | None = None,
 ) -> tuple[Hypothesis, Anchor]:
-    """Gauss-Newton steps of all free parameters, with what is declared beside them.
+    """Gauss-Newton steps of all free parameters, with what is declared beside them; shorter ones where a step makes it worse.
 
     Args:
         bench: the log.
         h: where to start.
         anchor: its states.
-        white: the whitening; a plain scale of each row by default.
+        white: the whitening.
         good: samples that count.
         held: parameters that are not fitted.
         steps: at most.
         known: signatures of what is declared, for the same whitening.
     """
-    by = white
+    known = known or declared_columns(bench, h, anchor, white, good)
+
+    def cost(h: Hypothesis, errors: Array) -> float:
+        return Projection(_expected(known.gram.of(white(errors)), h), range(known.count)).chi2
+
+    errors = bench.errors(h, anchor)
+    here = cost(h, errors)
     for _ in range(steps):
-        errors = bench.errors(h, anchor)
-        if by is None:
-            by = _plain_scale(errors, good, bench)
-        if known is None:
-            known = declared_columns(bench, h, anchor, by, good)
-        g = _small_gram(bench, h, anchor, by, held, known, errors)
+        g = _small_gram(bench, h, anchor, white, held, known, errors)
         p = Projection(g, range(len(g.names)))
-        h = stepped(h, dict(zip(g.names, (p.coefficients / g.unit).tolist(), strict=True)), bench)
-        anchor = bench.settle(h, anchor)
+        moves = dict(zip(g.names, (p.coefficients / g.unit).tolist(), strict=True))
+        for share in SHORTER:
+            other = stepped(h, {k: share * m for k, m in moves.items()}, bench)
+            there = bench.settle(other, anchor)
+            errors = bench.errors(other, there)
+            now = cost(other, errors)
+            if now < here + WORSE:
+                break
+        else:
+            return h, anchor
+        h, anchor, here = other, there, now
         sigma = np.sqrt(np.diag(np.linalg.inv(p.total + np.diag(g.prior + 1e-9))))
         if (np.abs(p.coefficients) < 0.1 * sigma)[known.count :].all():
             break
@@ -197,13 +218,24 @@ def _small_gram(
     held: Mapping[str, float],
     known: Declared,
     errors: Array,
+    *,
+    sums: bool = True,
 ) -> Gram:
     """What is declared first, then what is fitted."""
     fitted = Signatures(bench, h, anchor).fitted(held)
-    g = known.gram
-    centre = np.array([h.declared.get(n, 0.0) for n in g.names]) * g.unit
-    g = replace(g.of(by(errors)), centre=centre)
-    return g.extended(fitted.names, by(fitted.stack()), sums=True) if fitted.names else g
+    g = _expected(known.gram.of(by(errors)), h)
+    return g.extended(fitted.names, by(fitted.stack()), sums=sums) if fitted.names else g
+
+
+def _expected(g: Gram, h: Hypothesis) -> Gram:
+    """With how much of each declared error the hypothesis holds."""
+    return replace(g, centre=np.array([h.declared.get(n, 0.0) for n in g.names]) * g.unit)
+
+
+def crossed(noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float], known: Declared) -> Gram:
+    """Cross-products of what is declared and what is fitted, with the columns themselves."""
+    errors = noise.bench.errors(h, anchor)
+    return _small_gram(noise.bench, h, anchor, noise.whitening, held, known, errors, sums=False)
 
 
 def fitted_gram(noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float]) -> Gram:
@@ -259,7 +291,16 @@ def survey(noise: Noise, h: Hypothesis, anchor: Anchor, claimed: Mapping[str, fl
     g = gram(every.names, noise.whitening(every.stack()), errors, noise.good, bench.log.h, every.prior, h.declared)
     count = len(fitted.names) + len(declared_ones.names)
     return Fit(
-        noise, h, anchor, signatures, g, tuple(range(count)), tuple(fitted.names), tuple(families), dict(refused)
+        noise,
+        h,
+        anchor,
+        signatures,
+        g,
+        tuple(range(count)),
+        tuple(fitted.names),
+        tuple(families),
+        dict(refused),
+        dict(claimed),
     )
 
 
@@ -268,6 +309,19 @@ def plain_fit(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
     claimed = dict(vehicle.model.values)
     h = first_values(vehicle, log, terms_of(vehicle), claimed)
     bench = Bench(vehicle, log, declared(vehicle))
-    noise, h, anchor = learn(bench, h, bench.settle(h, bench.start(h), 2), search, claimed)
-    h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, claimed)
-    return survey(noise, h, anchor, claimed)
+    still = still_axes(bench)
+    held = {**claimed, **_undetermined(h, vehicle, still)}
+    h = replaced(h, held)
+    noise, h, anchor = learn(bench, h, bench.settle(h, bench.start(h), 2), search, held, still)
+    h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held)
+    return survey(noise, h, anchor, held)
+
+
+def _undetermined(h: Hypothesis, vehicle: Vehicle, still: frozenset[int]) -> dict[str, float]:
+    """Parameters of the axes that are left out, at what a hull of this mass and length has: nothing in the log says more of them."""
+    if not still:
+        return {}
+    m = vehicle.hull.mass
+    length = vehicle.hull.length or (m / 60.0) ** (1 / 3)
+    usual = {"mass.sway": 1.4 * m, "inertia.yaw": 0.12 * m * length**2, "drag.sway.quadratic": 2.5 * m / length}
+    return {i: x for i, x in usual.items() if any(t.id == i for t in h.terms) and i not in vehicle.model.values}

@@ -13,6 +13,7 @@ from ivsid.diagnosis.bench import Anchor
 from ivsid.diagnosis.families import Scored, adopted, everything, score
 from ivsid.diagnosis.fit import Declared, Fit, Noise, chi2_of, declared_columns, improve, learn, survey
 from ivsid.diagnosis.physics import Hypothesis
+from ivsid.diagnosis.profile import bent, refined
 from ivsid.diagnosis.projection import Projection
 
 Array = NDArray[np.float64]
@@ -147,7 +148,7 @@ def _admit(
     if not rivals:
         return None
     best = max(rivals, key=lambda r: r.merit)
-    noise, _, _ = learn(fit.noise.bench, best.h, best.anchor, everything, held, rounds=1)
+    noise, _, _ = learn(fit.noise.bench, best.h, best.anchor, everything, held, fit.noise.still, rounds=1)
     # Under the better noise, once more: who is best, and who cannot be told from it.
     known = declared_columns(noise.bench, best.h, best.anchor, noise.whitening, noise.good)
 
@@ -178,6 +179,10 @@ def _fitted(fit: Fit, s: Scored, noise: Noise, held: Mapping[str, float], known:
     h = adopted(fit.h, s, fit)
     try:
         anchor = noise.bench.settle(h, fit.anchor)
+        for given in h.given:
+            if given.effect.id == s.id and bent(given):
+                h = refined(noise, h, anchor, held, known, given)
+                anchor = noise.bench.settle(h, anchor)
         h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held, 3, known)
         chi2 = chi2_of(noise, h, anchor, held, known)
     except (np.linalg.LinAlgError, ValueError, FloatingPointError):

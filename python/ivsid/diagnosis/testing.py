@@ -32,6 +32,8 @@ SECOND: Final = 5e-3
 BEYOND_DOUBT: Final = 60.0
 # An effect that would not show at its typical size needs this gain.
 STRONG: Final = 100.0
+# Below this share of its usual size a cause is nothing that the equations of a diagnosis are good for.
+NEGLIGIBLE: Final = 0.01
 
 
 @dataclass(frozen=True)
@@ -201,6 +203,8 @@ class Threshold:
             if s.id not in self.visible and s.family.kind not in ("wave", "tether") and not strong:
                 continue
             if not s.physical or self.chance(s) > self.calibration.chance:
+                continue
+            if s.gain < STRONG and s.share(fit.noise.bench.vehicle.hull.mass) < NEGLIGIBLE:
                 continue
             if s.gain < BEYOND_DOUBT and second_opinion(fit, s) > SECOND:
                 continue

@@ -14,6 +14,7 @@ from ivsid.diagnosis.bench import Bench
 from ivsid.diagnosis.channels import Channels
 from ivsid.diagnosis.fit import Fit, Noise, fitted_gram, improve, survey
 from ivsid.diagnosis.noise import usable_rows
+from ivsid.diagnosis.physics import Hypothesis
 from ivsid.diagnosis.projection import Gram, Projection
 from ivsid.vehicle import Vehicle
 
@@ -63,15 +64,25 @@ def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
     spread += _covariance(g, range(len(g.names)), wanted) / np.outer(after, after) + 1e-8 * np.eye(len(wanted))
     sigma = np.sqrt(np.diag(spread))
     ratio = {i: (float(b / a), float(s)) for i, a, b, s in zip(wanted, before, after, sigma, strict=True)}
-    factor = _common(np.log(after / before), spread)
+    factor = _common(np.log(after / before), spread, _declared(bench, h))
     if factor is not None and adequacy(survey(noise, h, anchor, held)).chance < LEVEL:
         # Something else is wrong in the other log, and may be what moves the parameters.
         factor = None
     return Change(ratio, factor)
 
 
-def _common(logs: Array, spread: Array) -> tuple[float, float] | None:
-    """The factor that all share, by generalised least squares."""
+def _declared(bench: Bench, h: Hypothesis) -> float:
+    """How far the accuracy of the thrusts alone may move masses and drags between two logs, which use other demands."""
+    found = 0.0
+    thrusts = bench.propulsion.thrusts(h.given).mean
+    for thruster, thrust in zip(bench.vehicle.thrusters, thrusts, strict=True):
+        usual = float(np.sqrt(np.mean(thrust**2)))
+        found = max(found, thruster.accuracy.relative + thruster.accuracy.absolute / max(usual, 1e-9))
+    return 2.0 * found
+
+
+def _common(logs: Array, spread: Array, declared: float) -> tuple[float, float] | None:
+    """The factor that all share, by generalised least squares; None where the declared accuracy explains it."""
     sigma = np.sqrt(np.diag(spread))
     weight = np.linalg.solve(spread, np.ones(len(logs)))
     mean = float(weight @ logs / weight.sum())
@@ -80,9 +91,9 @@ def _common(logs: Array, spread: Array) -> tuple[float, float] | None:
     agree = bool((np.abs(logs - mean) < 4 * sigma).all())
     # Each parameter has to have moved by itself, not only their mean.
     moved = bool((np.abs(logs) > 3 * sigma).sum() >= 3)
-    if abs(mean) < max(SIGMAS * error, LEAST) or not agree or not moved:
+    if abs(mean) < max(SIGMAS * error, LEAST) + declared or not agree or not moved:
         return None
-    return float(np.exp(mean)), float(np.exp(mean) * error)
+    return float(np.exp(mean)), float(np.exp(mean) * (error + declared / 3))
 
 
 def _covariance(g: Gram, base: Sequence[int], ids: Sequence[str]) -> Array:

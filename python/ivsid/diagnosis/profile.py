@@ -1,4 +1,4 @@
-"""Numbers in which the errors bend or jump: a limit, a dead band, the moment at which something starts. Chi^2 itself says how far they go.
+"""Numbers in which the errors bend or jump: a limit, a dead band, a delay, the start of something. Chi^2 itself says how far they go.
 
 A slope at the best value says little of them: between two demands that were sent a dead band may stand anywhere. So chi^2 is worked out
 at other values of the one number, everything else fitted beside it, and the interval ends where it has risen too far.
@@ -18,7 +18,9 @@ from ivsid.diagnosis.physics import Hypothesis
 from ivsid.diagnosis.projection import Projection
 from ivsid.effects import Given
 
-BENT: Final = ("thruster.deadband", "thruster.saturation")
+BENT: Final = ("thruster.deadband", "thruster.saturation", "thruster.lag", "thruster.delay", "sensor.velocity.delay")
+# Shares of the first value that are tried before it is refined: its score came from a column of another value.
+SHARES: Final = tuple(np.geomspace(0.2, 2.5, 16).tolist())
 # Bisections of an end, and doublings of the first step until chi^2 has risen.
 HALVINGS: Final = 7
 DOUBLINGS: Final = 12
@@ -77,7 +79,10 @@ def refined(
         chi2 = profile(noise, h, anchor, held, known, given, j)
         step, best = first_step(noise, given, j), given.values[j]
         tried = {best: chi2(best)}
-        while step > 0.2 * first_step(noise, given, j):
+        if given.effect.id in BENT:
+            tried |= {best * share: chi2(best * share) for share in SHARES}
+            best = min(tried, key=lambda q: tried[q])
+        for _ in range(2):
             for k in range(-AROUND, AROUND + 1):
                 value = best + k * step
                 if value > 0 and value not in tried:

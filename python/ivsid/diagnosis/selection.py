@@ -14,7 +14,6 @@ from ivsid.diagnosis.families import Scored, adopted, everything, score
 from ivsid.diagnosis.fit import Declared, Fit, Noise, chi2_of, declared_columns, improve, learn, survey
 from ivsid.diagnosis.physics import Hypothesis
 from ivsid.diagnosis.profile import bent, refined
-from ivsid.diagnosis.projection import Projection
 
 Array = NDArray[np.float64]
 MOST: Final = 4
@@ -23,8 +22,8 @@ FINALISTS: Final = 6
 MARGIN: Final = 9.0
 # A candidate this far behind under the first noise is not fitted again.
 FAR: Final = 60.0
-# Below this size an effect of its typical strength would not show in the log.
-VISIBLE: Final = 8.0
+# How often the causes are looked at again after each that is added.
+REVIEWS: Final = 3
 Progress = Callable[[str], None]
 
 
@@ -104,12 +103,17 @@ class Test(Protocol):
     def eligible(self, s: Scored) -> bool:
         """Whether the log can say anything of a family."""
 
+    def stands(self, s: Scored, gain: float) -> bool:
+        """Whether a gain in a full fit is more than chance for the family."""
+
 
 def select(plain: Fit, passes: Test, held: Mapping[str, float], progress: Progress = lambda _: None) -> Selection:
     """Adds causes while one passes the test; after each, looks whether another would do in place of one that is there."""
     fit, scored = score(plain)
     screened = tuple(scored)
     found: list[Found] = []
+    before: set[frozenset[str]] = set()
+    tops: set[frozenset[str]] = set()
     while len(found) < MOST:
         passed = passes(fit, scored)
         if not passed:
@@ -121,15 +125,70 @@ def select(plain: Fit, passes: Test, held: Mapping[str, float], progress: Progre
         one, best, noise = made
         found.append(one)
         h, anchor = improve(noise.bench, best.h, best.anchor, noise.whitening, noise.good, held)
+        # What was found before more was known is looked at again, until nothing changes or what was there comes back.
+        for again in range(REVIEWS if len(found) > 1 else 0):
+            asked = len(found) if again else len(found) - 1
+            changed, found, h, anchor = _reviewed(noise, h, anchor, found, asked, passes, plain.h, held)
+            ids = frozenset(f.id for f in found)
+            if not changed or ids in before:
+                break
+            before.add(ids)
         fit, scored = score(survey(noise, h, anchor, held))
-        dropped = _unneeded(fit, found)
-        if dropped is not None:
-            found.remove(dropped)
-            h = _without(fit.h, dropped.id, plain.h)
-            h, anchor = improve(noise.bench, h, fit.anchor, noise.whitening, noise.good, held)
-            fit, scored = score(survey(noise, h, anchor, held))
+        ids = frozenset(f.id for f in found)
+        if ids in tops:
             break
+        tops.add(ids)
     return Selection(plain, fit, tuple(found), screened, {}, tuple(scored))
+
+
+def _reviewed(
+    noise: Noise,
+    h: Hypothesis,
+    anchor: Anchor,
+    found: list[Found],
+    asked: int,
+    passes: Test,
+    plain: Hypothesis,
+    held: Mapping[str, float],
+) -> tuple[bool, list[Found], Hypothesis, Anchor]:
+    """Each of the first ``asked`` causes taken out again: is it still needed beside the others, and would another do better in its place?
+
+    Returns whether a cause was dropped or swapped, the causes with their sets as they are beside the others, and the hypothesis.
+    """
+    known = declared_columns(noise.bench, h, anchor, noise.whitening, noise.good)
+    now = chi2_of(noise, h, anchor, held, known)
+    found = list(found)
+    for i, one in enumerate(found[:asked]):
+        try:
+            bare_h = _without(h, one.id, plain)
+            there = noise.bench.settle(bare_h, anchor, 2)
+            bare_h, bare_anchor = improve(noise.bench, bare_h, there, noise.whitening, noise.good, held, 3, known)
+            bare, scored = score(survey(noise, bare_h, bare_anchor, held))
+            base = chi2_of(noise, bare_h, bare_anchor, held, known)
+        except np.linalg.LinAlgError:
+            continue
+        mine = Rival(one.id, h, anchor, now, one.first.count, base - now)
+        if not passes.stands(one.first, mine.gain):
+            return True, [f for f in found if f is not one], bare_h, bare_anchor
+        taken = {f.id for f in found}
+        near = [s for s in scored if mine.merit - s.merit <= max(FAR, 0.5 * mine.merit) and s.gain > 4.0]
+        near = [s for s in near if s.id not in taken and s.physical and passes.eligible(s)][: FINALISTS - 1]
+        tried = [_fitted(bare, s, noise, held, known) for s in near]
+        rivals = sorted(
+            [mine, *(replace(r, gain=base - r.chi2) for r in tried if r is not None)], key=lambda r: -r.merit
+        )
+        best = rivals[0]
+        close = tuple(r for r in rivals if best.merit - r.merit <= MARGIN)
+        rejected = tuple((r.id, r.gain) for r in rivals if r not in close)
+        if best is mine or best.merit < mine.merit + 1.0:
+            found[i] = replace(
+                one, rivals=(mine, *(r for r in close if r is not mine)), rejected=rejected, gain=mine.gain
+            )
+            continue
+        first = next(s for s in near if s.id == best.id)
+        found[i] = Found(best.id, close, rejected, best.gain, first.chance, first)
+        return True, found, best.h, best.anchor
+    return False, found, h, anchor
 
 
 def _admit(
@@ -200,31 +259,3 @@ def _without(h: Hypothesis, id_: str, plain: Hypothesis) -> Hypothesis:
     terms = tuple(t for t in h.terms if t.id in ids or (t.id != id_ and not t.id.startswith(f"{id_}.")))
     given = tuple(g for g in h.given if g.effect.id != id_)
     return replace(h, terms=terms, given=given)
-
-
-def _unneeded(fit: Fit, found: list[Found]) -> Found | None:
-    """A cause that the others now explain: what its parameters gain beside them is no longer much."""
-    if len(found) < 2:
-        return None
-    g = fit.gram
-    for one in found[:-1]:
-        own = [k for k in fit.base if g.names[k] == one.id or g.names[k].startswith(f"{one.id}.")]
-        if not own:
-            continue
-        # The information of its parameters beside everything else, at their values.
-        rest = Projection(g, [k for k in fit.base if k not in own])
-        H = rest.information(own)
-        values = np.array([_value(fit.h, g.names[k]) * g.unit[k] for k in own])
-        if float(values @ H @ values) < 20.0:
-            return one
-    return None
-
-
-def _value(h: Hypothesis, name: str) -> float:
-    if name in h.values:
-        return float(h.values[name])
-    for given in h.given:
-        if name in given.named:
-            parameter = given.effect.parameters[list(given.named).index(name)]
-            return float(given.named[name] - parameter.none)
-    return 0.0

@@ -215,6 +215,10 @@ class Threshold:
         """Whether a family may stand in a set: all but those that the log is blind to."""
         return s.id not in self.blind
 
+    def stands(self, s: Scored, gain: float) -> bool:
+        """Whether a gain in a full fit is more than chance for the family."""
+        return self.chance(replace(s, gain=gain)) <= self.calibration.chance
+
     def chance(self, s: Scored) -> float:
         """Of one family's gain."""
         return replace(s, gain=s.gain / HIGH_SIDE).chance

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import sys
 import time
@@ -38,14 +39,13 @@ def one(job):
     z = {i: v.z for i, v in d.visible.items()}
     sizes = dict(c.stratum["sizes"])
     held = {}
-    every = {k: b for f in d.findings for k, b in f.parameters.items()}
-    for name, value in c.truth.items():
-        if name in every:
-            b = every[name]
-            # Half a turn of phase with the opposite direction, or the opposite current, is the same wave.
-            turns = (-2, -1, 0, 1, 2) if b.unit == "rad" and "wave" in name + "oscillating" else (0,)
-            inside = any(b.lower <= value + k * 3.141592653589793 <= b.upper for k in turns)
-            held[name] = [bool(inside), value, b.lower, b.upper]
+    for f in d.findings:
+        ways = [w for w in same(c.truth) if set(f.parameters) & set(w)]
+        scored = [
+            {k: [bool(b.lower <= w[k] <= b.upper), w[k], b.lower, b.upper] for k, b in f.parameters.items() if k in w}
+            for w in ways
+        ]
+        held |= max(scored, key=lambda s: sum(h[0] for h in s.values()), default={})
     return {
         "seed": seed,
         "stratum": c.stratum,
@@ -62,6 +62,26 @@ def one(job):
         "adequacy": [(a.gain, a.freedom, a.chance, a.chance_of_one, a.strongest[:2]) for a in d.adequacy],
         "gain": d.gain.simulation_rms,
     }
+
+
+def same(truth):
+    """All ways to say the truth: a wave half a turn later in the opposite direction, or of the opposite current, is the same."""
+    ways = []
+    for half in range(-2, 5):
+        for other in range(-2, 3) if "wave.force.direction" in truth else (half,):
+            way = dict(truth)
+            for id_ in ("wave.force", "current.oscillating"):
+                if f"{id_}.phase" in way:
+                    way[f"{id_}.phase"] += half * math.pi
+            if "wave.force.direction" in way:
+                way["wave.force.direction"] += other * math.pi
+                if (half + other) % 2:
+                    way["wave.force.amplitude"] *= -1
+            if half % 2 and "current.oscillating.phase" in way:
+                way["current.oscillating.north"] *= -1
+                way["current.oscillating.east"] *= -1
+            ways.append(way)
+    return ways
 
 
 def score(rows):

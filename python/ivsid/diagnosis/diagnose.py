@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
@@ -15,11 +15,11 @@ from ivsid.diagnosis.calibration import calibrate
 from ivsid.diagnosis.change import Change, change
 from ivsid.diagnosis.channels import Channels, channels
 from ivsid.diagnosis.falsify import falsified
-from ivsid.diagnosis.families import everything, score
+from ivsid.diagnosis.families import Scored, everything, score
 from ivsid.diagnosis.fit import Fit, declared_columns, plain_fit
 from ivsid.diagnosis.gain import Gain, compare, missing_force
 from ivsid.diagnosis.hints import hints
-from ivsid.diagnosis.profile import bent, ends, first_step, profile
+from ivsid.diagnosis.profile import bent, ends, first_step, profile, rise, slack
 from ivsid.diagnosis.projection import Projection
 from ivsid.diagnosis.selection import MARGIN, Found, Selection, select
 from ivsid.diagnosis.testing import VISIBLE, Threshold, Visibility, visibility
@@ -32,6 +32,10 @@ Array = NDArray[np.float64]
 LEVEL: Final = 0.005
 # Half-widths of the intervals in standard deviations.
 SIGMAS: Final = 3.3
+# What a cause has to explain, times what is left unexplained beside it, to keep its name.
+DOMINANT: Final = 9.0
+# From this fall of chi^2 on a cause that is not found may still be there.
+DOUBTFUL: Final = 6.0
 # No log shows these by itself.
 _TWINS: Final = {
     "added_mass.munk": ("drag.lift.yaw",),
@@ -174,9 +178,14 @@ def diagnose(
     before = adequacy(fit)
     after = adequacy(selection.last) if selection.found else before
     evidence = _before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
-    findings = tuple(_finding(f, selection.last, fit.held, evidence) for f in selection.found)
-    if not after.sufficient(before, len(findings)):
-        findings = (*findings, _unknown(after))
+    named = selection.found
+    complete = after.sufficient(before, len(named))
+    if not complete:
+        # Where much is left that nobody explains, only a cause that explains far more than that keeps its name.
+        named = tuple(f for f in named if f.gain >= DOMINANT * max(after.gain - after.freedom, 0.0))
+    findings = tuple(_finding(f, selection.last, selection.leftover, evidence) for f in named)
+    if not complete:
+        findings = (*findings, _unknown(after, [f.id for f in selection.found if f not in named]))
     progress("fitting the other log")
     moved = change(vehicle, selection.last, other)
     if moved is not None and moved.factor is not None:
@@ -266,7 +275,7 @@ def _before_and_after(vehicle: Vehicle, log: Log, plain: Fit, last: Fit) -> dict
     }
 
 
-def _finding(found: Found, last: Fit, held: Mapping[str, float], evidence: Mapping[str, dict[str, Any]]) -> Finding:
+def _finding(found: Found, last: Fit, left: Sequence[Scored], evidence: Mapping[str, dict[str, Any]]) -> Finding:
     """A cause with its set, its intervals and what speaks for it."""
     channel = _channel(last, found.id)
     weights = np.array([np.exp(-0.5 * (found.rivals[0].merit - r.merit)) for r in found.rivals])
@@ -283,7 +292,7 @@ def _finding(found: Found, last: Fit, held: Mapping[str, float], evidence: Mappi
         confidence,
         alternatives,
         effect.separate if alternatives else "",
-        intervals(last, found.id, held),
+        intervals(last, found.id, last.held, left),
         {
             "channel": channel,
             **evidence.get(channel, {}),
@@ -308,7 +317,7 @@ def _shallow(moved: Change) -> Finding:
     return Finding(id_, 1.0, (), "", {id_: bound}, evidence)
 
 
-def _unknown(left: Adequacy) -> Finding:
+def _unknown(left: Adequacy, near: Sequence[str]) -> Finding:
     """A finding without a name: what the residual looks like."""
     likely = ", ".join(f"{name} in {channel} ({np.sqrt(gain):.0f} sigma)" for name, channel, gain in left.strongest)
     channel = left.strongest[0][1]
@@ -316,6 +325,8 @@ def _unknown(left: Adequacy) -> Finding:
         f"the errors that the model leaves still follow the motion (dictionary statistic {left.statistic:.2f}, about 1 where nothing is "
         f"left), strongest with {likely}; no cause of the catalogue explains it"
     )
+    if near:
+        text += f"; the nearest are {' and '.join(near)}, which the extended model holds and nothing proves"
     evidence = {
         "channel": channel,
         "z": float(np.sqrt(left.strongest[0][2])),
@@ -336,16 +347,18 @@ def _channel(fit: Fit, id_: str) -> str:
     return fit.noise.bench.channels[int(np.argmax(energy))]
 
 
-def intervals(fit: Fit, id_: str, held: Mapping[str, float]) -> dict[str, Bound]:
+def intervals(fit: Fit, id_: str, held: Mapping[str, float], left: Sequence[Scored] = ()) -> dict[str, Bound]:
     """Intervals of an effect's numbers: the larger of the errors by the noise model and by the blocks' own scatter.
 
-    Numbers in which the errors bend or jump are profiled.
+    Each interval holds the number also where one of the causes that are ``left`` is there, too small to be found: how far it would move
+    the number is added. Numbers in which the errors bend or jump are profiled.
     """
     p, g = fit.projection, fit.gram
     covariance = np.linalg.inv(p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9))
     robust = _scatter(p, covariance)
     out: dict[str, Bound] = {}
     worse = 1.0
+    moved = _moved(fit, left)
     for i, k in enumerate(p.base):
         name = g.names[k]
         if name != id_ and not name.startswith(f"{id_}."):
@@ -356,7 +369,8 @@ def intervals(fit: Fit, id_: str, held: Mapping[str, float]) -> dict[str, Bound]
         rest = abs(float(p.coefficients[i])) / float(g.unit[k])
         reach = SIGMAS * sigma + rest
         worse = max(worse, robust[i] / covariance[i, i])
-        out[name] = Bound(value - reach, value + reach, parameter.unit, parameter.symbol)
+        low, high = moved[0, i] / float(g.unit[k]), moved[1, i] / float(g.unit[k])
+        out[name] = Bound(value - reach + low, value + reach + high, parameter.unit, parameter.symbol)
     _turned(out, id_)
     for given in fit.h.given:
         if given.effect.id != id_:
@@ -367,7 +381,9 @@ def intervals(fit: Fit, id_: str, held: Mapping[str, float]) -> dict[str, Bound]
         for j in bent(given):
             known = declared_columns(fit.noise.bench, fit.h, fit.anchor, fit.noise.whitening, fit.noise.good)
             chi2 = profile(fit.noise, fit.h, fit.anchor, held, known, given, j)
-            lower, upper = ends(chi2, given.values[j], first_step(fit.noise, given, j), SIGMAS**2 * worse)
+            lower, upper = ends(chi2, given.values[j], first_step(fit.noise, given, j), rise(given, j, SIGMAS, worse))
+            around = slack(fit.noise, given, j)
+            lower, upper = max(lower - around, 0.0), upper + around
             parameter = given.effect.parameters[j]
             if parameter.unit == "N":
                 # The limit is of the true thrust, which the curve gives within its accuracy alone.
@@ -402,6 +418,20 @@ def _turned(out: dict[str, Bound], id_: str) -> None:
     middle = 0.5 * (phase.lower + phase.upper) + shift
     shift -= np.floor(middle / (2 * np.pi)) * 2 * np.pi
     out[f"{id_}.phase"] = replace(phase, lower=phase.lower + shift, upper=phase.upper + shift)
+
+
+def _moved(fit: Fit, left: Sequence[Scored]) -> Array:
+    """How far down and up each fitted coefficient goes when one of the causes that are left is fitted beside it, shape (2, base)."""
+    p = fit.projection
+    span = np.zeros((2, len(p.base)))
+    for s in left:
+        # A step in time has its column from its start on alone, which stands in no Gram.
+        if s.gain < DOUBTFUL or not s.physical or not s.columns or s.family.kind == "step":
+            continue
+        wide = Projection(fit.gram, [*p.base, *s.columns])
+        shift = wide.coefficients[: len(p.base)] - p.coefficients
+        span[0], span[1] = np.minimum(span[0], shift), np.maximum(span[1], shift)
+    return span
 
 
 def _scatter(p: Projection, covariance: Array) -> Array:

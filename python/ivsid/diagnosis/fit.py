@@ -188,6 +188,8 @@ def improve(
     def cost(h: Hypothesis, errors: Array) -> float:
         return Projection(_expected(known.gram.of(white(errors)), h), range(known.count)).chi2
 
+    # States that are not those of the hypothesis would make it look better or worse than it is.
+    anchor = bench.settle(h, anchor, 2)
     errors = bench.errors(h, anchor)
     here = cost(h, errors)
     for _ in range(steps):
@@ -196,7 +198,7 @@ def improve(
         moves = dict(zip(g.names, (p.coefficients / g.unit).tolist(), strict=True))
         for share in SHORTER:
             other = stepped(h, {k: share * m for k, m in moves.items()}, bench)
-            there = bench.settle(other, anchor)
+            there = bench.settle(other, anchor, 2)
             errors = bench.errors(other, there)
             now = cost(other, errors)
             if now < here + WORSE:
@@ -310,14 +312,16 @@ def plain_fit(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
     h = first_values(vehicle, log, terms_of(vehicle), claimed)
     bench = Bench(vehicle, log, declared(vehicle))
     still = still_axes(bench)
-    held = {**claimed, **_undetermined(h, vehicle, still)}
-    h = replaced(h, held)
+    usual = _usual(h, vehicle, still)
+    h = replaced(h, usual)
+    # The sway mass still acts in surge, through turning.
+    held = {**claimed, **{i: x for i, x in usual.items() if i != "mass.sway"}}
     noise, h, anchor = learn(bench, h, bench.settle(h, bench.start(h), 2), search, held, still)
     h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held)
     return survey(noise, h, anchor, held)
 
 
-def _undetermined(h: Hypothesis, vehicle: Vehicle, still: frozenset[int]) -> dict[str, float]:
+def _usual(h: Hypothesis, vehicle: Vehicle, still: frozenset[int]) -> dict[str, float]:
     """Parameters of the axes that are left out, at what a hull of this mass and length has: nothing in the log says more of them."""
     if not still:
         return {}

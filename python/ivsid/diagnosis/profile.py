@@ -72,14 +72,21 @@ def profile(
 
 
 def refined(
-    noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float], known: Declared, given: Given
+    noise: Noise,
+    h: Hypothesis,
+    anchor: Anchor,
+    held: Mapping[str, float],
+    known: Declared,
+    given: Given,
+    *,
+    wide: bool,
 ) -> Hypothesis:
-    """The hypothesis with the numbers of an effect that are to be profiled where chi^2 is least nearby."""
+    """The hypothesis with the numbers of an effect that are to be profiled where chi^2 is least nearby, or with ``wide`` anywhere."""
     for j in bent(given):
         chi2 = profile(noise, h, anchor, held, known, given, j)
         step, best = first_step(noise, given, j), given.values[j]
         tried = {best: chi2(best)}
-        if given.effect.id in BENT:
+        if wide and given.effect.id in BENT:
             tried |= {best * share: chi2(best * share) for share in SHARES}
             best = min(tried, key=lambda q: tried[q])
         for _ in range(2):
@@ -96,15 +103,25 @@ def refined(
     return h
 
 
-def ends(chi2: Callable[[float], float], best: float, step: float, rise: float) -> tuple[float, float]:
-    """The interval around the best value outside of which chi^2 has risen by more than ``rise``."""
+def rise(given: Given, j: int, sigmas: float, worse: float) -> float:
+    """How far chi^2 may rise inside the interval: a start carries along what the size of its effect is off."""
+    return sigmas**2 * worse * (2.0 if given.effect.parameters[j].draw == "time" else 1.0)
+
+
+def slack(noise: Noise, given: Given, j: int) -> float:
+    """What a number is off beside its errors: a start cannot be told within a few samples, nor within the memory of the filters."""
+    return max(1.0, 3 * noise.bench.log.h) if given.effect.parameters[j].draw == "time" else 0.0
+
+
+def ends(chi2: Callable[[float], float], best: float, step: float, most: float) -> tuple[float, float]:
+    """The interval around the best value outside of which chi^2 has risen by more than ``most``."""
     least = chi2(best)
     found = []
     for sign in (-1.0, 1.0):
         inside, reach = 0.0, step
         for _ in range(DOUBLINGS):
             here = chi2(best + sign * reach) if best + sign * reach > 0 else np.inf
-            if here - least > rise:
+            if here - least > most:
                 break
             least = min(least, here)
             inside, reach = reach, 2 * reach
@@ -112,7 +129,7 @@ def ends(chi2: Callable[[float], float], best: float, step: float, rise: float) 
         for _ in range(HALVINGS):
             middle = 0.5 * (inside + outside)
             here = chi2(best + sign * middle) if best + sign * middle > 0 else np.inf
-            if here - least > rise:
+            if here - least > most:
                 outside = middle
             else:
                 inside = middle

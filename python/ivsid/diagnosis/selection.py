@@ -161,8 +161,7 @@ def _reviewed(
     for i, one in enumerate(found[:asked]):
         try:
             bare_h = _without(h, one.id, plain)
-            there = noise.bench.settle(bare_h, anchor, 2)
-            bare_h, bare_anchor = improve(noise.bench, bare_h, there, noise.whitening, noise.good, held, 3, known)
+            bare_h, bare_anchor = improve(noise.bench, bare_h, anchor, noise.whitening, noise.good, held, 3, known)
             bare, scored = score(survey(noise, bare_h, bare_anchor, held))
             base = chi2_of(noise, bare_h, bare_anchor, held, known)
         except np.linalg.LinAlgError:
@@ -238,11 +237,14 @@ def _fitted(fit: Fit, s: Scored, noise: Noise, held: Mapping[str, float], known:
     h = adopted(fit.h, s, fit)
     try:
         anchor = noise.bench.settle(h, fit.anchor)
-        for given in h.given:
-            if given.effect.id == s.id and bent(given):
-                h = refined(noise, h, anchor, held, known, given)
-                anchor = noise.bench.settle(h, anchor)
-        h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held, 3, known)
+        for turn in range(2):
+            own = [g for g in h.given if g.effect.id == s.id and bent(g)]
+            for given in own:
+                h = refined(noise, h, anchor, held, known, given, wide=not turn)
+                anchor = noise.bench.settle(h, anchor, 2)
+            if turn and not own:
+                break
+            h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held, 3, known)
         chi2 = chi2_of(noise, h, anchor, held, known)
     except (np.linalg.LinAlgError, ValueError, FloatingPointError):
         return None

@@ -125,7 +125,7 @@ class Signatures:
                     out.add(f"~bias.r.{j}", bench.misread(self.h, self.anchor, reading) / 1e-3, size)
         if sensors.velocity is not None and sensors.velocity.scale_factor_error:
             out.add(
-                "~scale.velocity", self._reading("sensor.velocity.scale")[0], 0.7 * sensors.velocity.scale_factor_error
+                "~scale.velocity", self.reading("sensor.velocity.scale")[0], 0.7 * sensors.velocity.scale_factor_error
             )
         for k, thruster in enumerate(bench.vehicle.thrusters):
             angle, (x, y) = bench.log.angles[k], thruster.position
@@ -140,7 +140,7 @@ class Signatures:
     def _still(self) -> Array:
         return np.zeros_like(self.anchor.nudot)
 
-    def _reading(self, id_: str) -> list[Array]:
+    def reading(self, id_: str) -> list[Array]:
         """Slopes of the errors with the parameters of a sensor effect at none."""
         effect = EFFECTS[id_]
         found = []

@@ -18,12 +18,27 @@ from ivsid.diagnosis.fit import Fit
 from ivsid.diagnosis.physics import acceleration
 from ivsid.diagnosis.projection import Projection
 from ivsid.diagnosis.signatures import Family, Signatures
-from ivsid.effects import Terms
+from ivsid.effects import Reading, Terms
 
 Array = NDArray[np.float64]
 VISIBLE: Final = 8.0
 # A signature is used where it is so many times the part that the states' errors make of it.
 EXCITED: Final = 4.0
+# Causes that nothing shows where the vehicle does not turn.
+TURNING: Final = (
+    "drag.sway",
+    "drag.yaw",
+    "drag.cross_flow",
+    "drag.lift",
+    "drag.surge.sideslip",
+    "coupling",
+    "added_mass",
+    "thruster.asymmetry",
+    "sensor.yaw_rate",
+    "sensor.velocity.misalignment",
+    "sensor.velocity.lever_arm",
+    "sensor.acceleration.lever_arm",
+)
 # Blocks of the bootstrap: as many blocks of the Gram side by side as make half a minute.
 SIDE: Final = 3
 # The second opinion has few blocks: it is asked for less.
@@ -31,9 +46,11 @@ SECOND: Final = 5e-3
 # A gain like this is none of the noise model's; its blocks may disagree only because the fit is not finished.
 BEYOND_DOUBT: Final = 60.0
 # An effect that would not show at its typical size needs this gain.
-STRONG: Final = 100.0
+STRONG: Final = 40.0
 # Below this share of its usual size a cause is nothing that the equations of a diagnosis are good for.
 NEGLIGIBLE: Final = 0.01
+# No cause is so many times its usual size.
+IMPOSSIBLE: Final = 50.0
 
 
 @dataclass(frozen=True)
@@ -73,16 +90,21 @@ def excitation(fit: Fit, seed: int = 0) -> dict[str, float]:
     points = fit.anchor.points.moved(np.concatenate([shift, shift], axis=1))
     other = Anchor(points, acceleration(bench.vehicle, fit.h, points))
     signatures = Signatures(bench, fit.h, other)
-    names, arrays = [], []
+    names: list[str] = []
+    arrays: list[Array] = []
     index = fit.gram.index
     for family in fit.families:
         acts = family.effect.acts
-        if family.kind != "linear" or not isinstance(acts, Terms) or family.id == "wind.steady":
+        if family.kind != "linear" or family.id == "wind.steady":
             continue
-        for term in acts.terms:
-            if term.id in index:
-                names.append(term.id)
-                arrays.append(bench.term(fit.h, other, signatures.mass, signatures.fitting(term)))
+        if isinstance(acts, Reading):
+            names += family.variants[0]
+            arrays += signatures.reading(family.id)
+        elif isinstance(acts, Terms):
+            for term in acts.terms:
+                if term.id in index:
+                    names.append(term.id)
+                    arrays.append(bench.term(fit.h, other, signatures.mass, signatures.fitting(term)))
     if not names:
         return {}
     white = fit.noise.whitening(np.stack(arrays))
@@ -94,7 +116,9 @@ def excitation(fit: Fit, seed: int = 0) -> dict[str, float]:
     x = x.reshape(len(names), rows, count, g.length).transpose(2, 0, 1, 3).reshape(count, len(names), -1)
     difference = np.einsum("bci,bci->c", d := x - g.x[:, at, :] * g.unit[at][:, None], d)
     signal = np.diag(fit.projection.information(at)) * g.unit[at] ** 2
-    return dict(zip(names, np.sqrt(signal / np.maximum(difference, 1e-300)).tolist(), strict=True))
+    ratio = np.sqrt(signal / np.maximum(difference, 1e-300))
+    # What acts on an axis that is left out has neither.
+    return {n: float(q) for n, q, s in zip(names, ratio, signal, strict=True) if s > 1e-12}
 
 
 def visibility(fit: Fit) -> dict[str, Visibility]:
@@ -108,6 +132,8 @@ def visibility(fit: Fit) -> dict[str, Visibility]:
             continue
         z, sizes = _size(fit, p, family, mass)
         blind = min((excited[n] for n in family.variants[0] if n in excited), default=np.inf) < EXCITED
+        # Without turning, what is known of sway and yaw is the noise of their sensors.
+        blind = blind or (bool(fit.noise.still) and family.id.startswith(TURNING))
         if family.id in found and found[family.id].z >= z:
             continue
         # Without any signature there is no size that would show.
@@ -204,7 +230,8 @@ class Threshold:
                 continue
             if not s.physical or self.chance(s) > self.calibration.chance:
                 continue
-            if s.gain < STRONG and s.share(fit.noise.bench.vehicle.hull.mass) < NEGLIGIBLE:
+            share = s.share(fit.noise.bench.vehicle.hull.mass)
+            if (s.gain < STRONG and share < NEGLIGIBLE) or share > IMPOSSIBLE:
                 continue
             if s.gain < BEYOND_DOUBT and second_opinion(fit, s) > SECOND:
                 continue

@@ -320,12 +320,15 @@ class Bench:
 
 
 def _earlier(nu: Array, rate: Array, delay: float, h: float) -> tuple[Array, ...]:
-    """Velocities at earlier moments: within the step that ends at the sample, back along the model's own acceleration."""
+    """Velocities at earlier moments: within the step that ends at the sample, back along the model's own acceleration, between two samples."""
     whole = int(np.floor(delay / h + 1e-9))
     back = delay - whole * h
     # The state at the end of a step is predicted from its start.
     step = np.concatenate([np.zeros((3, 1)), rate[:, :-1]], axis=1)
-    then = nu - back * step
+    # From the sample after and from the one before, each the more the closer it is: a delay may grow past a whole sample without a jump.
+    before = np.concatenate([nu[:, :1], nu[:, :-1]], axis=1)
+    share = back / h
+    then = (1 - share) * (nu - back * step) + share * (before + (h - back) * step)
     if whole:
         then = np.concatenate([np.repeat(then[:, :1], whole, axis=1), then[:, :-whole]], axis=1)
     return then[0], then[1], then[2]

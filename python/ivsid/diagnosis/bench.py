@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.channels import Channels
 from ivsid.diagnosis.physics import Hypothesis, Mass, Points, acceleration, changed, term_column
 from ivsid.diagnosis.predictor import Axis, axis
-from ivsid.diagnosis.propulsion import Propulsion, error_shapes
+from ivsid.diagnosis.propulsion import Propulsion
 from ivsid.effects import Given, Reading, Response, Term, Thrust
 from ivsid.vehicle import Vehicle
 
@@ -21,6 +21,8 @@ AXES: Final = ("surge", "sway", "yaw", "north", "east")
 # Where nothing better is known, the velocity over ground that a heading and a Doppler log give is off by this much [m/s].
 TRACK: Final = 2e-3
 TRACK_TIME: Final = 20.0
+# A step of a declared error, in units of its bound.
+SMALL: Final = 1e-3
 
 
 @dataclass(frozen=True)
@@ -48,10 +50,7 @@ class Bench:
     def __init__(self, vehicle: Vehicle, log: Channels, ambient: Ambient) -> None:
         self.vehicle, self.log, self.ambient = vehicle, log, ambient
         self.propulsion = Propulsion(vehicle, log)
-        # Smooth thrust errors that the declared accuracy allows, by thruster: at samples, then over steps.
-        self.shapes = [
-            [np.r_[now, mean] for now, mean in error_shapes(self.propulsion, k)] for k in range(len(vehicle.thrusters))
-        ]
+        self.turned, self.steered, self.sent = (_over(x, held=log.held) for x in (log.angles, log.rudders, log.force))
         t = (np.arange(log.n) + 0.5) / log.n
         self.slow = [np.cos(np.pi * j * t) for j in range(3)]
         noise = log.noise
@@ -78,13 +77,23 @@ class Bench:
 
     def thrusts(self, h: Hypothesis) -> Array:
         """Thrusts of a hypothesis at samples and over steps, shape (thrusters, 2 n)."""
-        found = self.propulsion.thrusts(h.given)
-        both = np.concatenate([found.now, found.mean], axis=1)
-        for k, thruster in enumerate(self.vehicle.thrusters):
-            for j, shape in enumerate(self.shapes[k]):
-                if size := h.declared.get(f"~thrust.{thruster.name}.{j}", 0.0):
-                    both[k] += size * shape
-        return both
+        found = self.propulsion.thrusts(h.given, [self._sizes(h, k) for k in range(len(self.vehicle.thrusters))])
+        return np.concatenate([found.now, found.mean], axis=1)
+
+    def _sizes(self, h: Hypothesis, k: int) -> list[float]:
+        name = self.vehicle.thrusters[k].name
+        return [h.declared.get(f"~thrust.{name}.{j}", 0.0) for j in range(len(self.propulsion.errors[k]))]
+
+    def shapes(self, h: Hypothesis, k: int) -> list[Array]:
+        """How a thruster's thrust changes with the size of each declared error: at samples, then over steps."""
+        sizes = self._sizes(h, k)
+        base = self.propulsion.one(k, h.given, sizes)
+        found = []
+        for j in range(len(sizes)):
+            more = [s + (SMALL if i == j else 0.0) for i, s in enumerate(sizes)]
+            moved = self.propulsion.one(k, h.given, more)
+            found.append(np.concatenate([b - a for a, b in zip(base, moved, strict=True)]) / SMALL)
+        return found
 
     def start(self, h: Hypothesis) -> Anchor:
         """States from the readings themselves."""
@@ -125,9 +134,10 @@ class Bench:
             _twice(place),
             np.r_[log.t, log.t + half],
             self.thrusts(h),
-            _twice(log.angles),
-            _twice(log.force),
+            self.turned,
+            self.sent,
             None if log.wind is None else _twice(log.wind),
+            self.steered,
         )
         return Anchor(points, acceleration(self.vehicle, h, points))
 
@@ -337,6 +347,11 @@ def _earlier(nu: Array, rate: Array, delay: float, h: float) -> tuple[Array, ...
 def _twice(x: Array) -> Array:
     """The same at samples and over steps."""
     return np.concatenate([x, x], axis=-1)
+
+
+def _over(x: Array, *, held: bool) -> Array:
+    """What is sent, at samples and in the middle of steps."""
+    return _twice(x) if held else np.concatenate([x, 0.5 * (x + np.c_[x[..., 1:], x[..., -1:]])], axis=-1)
 
 
 def replaced(h: Hypothesis, values: Mapping[str, float]) -> Hypothesis:

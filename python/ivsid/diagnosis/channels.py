@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from ivsid.diagnosis.mounted import at_origin
 from ivsid.errors import IvsidError
 from ivsid.log import Log
 from ivsid.pose import with_velocities
@@ -17,8 +19,13 @@ Array = NDArray[np.float64]
 
 # Above this rate [Hz] a log is thinned: nothing of a hull's motion is quicker.
 FASTEST: Final = 25.0
-# A sample further than this from its place on the clock, in steps, is missing.
-OFF_CLOCK: Final = 0.75
+# Where no sample is closer than this, in steps, one is missing; a single one that was lost is filled in from its neighbours.
+OFF_CLOCK: Final = 1.05
+# A channel whose samples are this much rarer than the rows sets the clock, or is left out where the motion does not need it.
+RARER: Final = 1.5
+SLOWEST: Final = 1.01
+# How many times the distance that one sample in twenty has from its neighbours' median an outlier stands away.
+FAR_OUT: Final = 6.0
 SHORTEST: Final = 60.0
 
 
@@ -37,6 +44,9 @@ class Channels:
         place: north and east [m], shape (2, n), or None.
         demands: shape (thrusters, n).
         angles: of azimuth thrusters [rad], shape (thrusters, n).
+        rudders: angles of the rudders behind thrusters [rad], shape (thrusters, n).
+        held: demands, angles and forces hold from a sample to the next; else they change on straight lines.
+        over: means of held demands over the steps, where the clock is slower than the log, or None.
         force: known X, Y [N], N [N m] beside the thrusters, shape (3, n).
         wind: the air's velocity north and east [m/s], shape (2, n), or None.
         voltage: as a share of its first value, or None.
@@ -56,6 +66,9 @@ class Channels:
     place: Array | None
     demands: Array
     angles: Array
+    rudders: Array
+    held: bool
+    over: Array | None
     force: Array
     wind: Array | None
     voltage: Array | None
@@ -100,13 +113,9 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
         IvsidError: the log lacks velocities or demands, or is shorter than a minute.
     """
     log, _ = with_velocities(log, vehicle.sensors)
-    _usable(log, vehicle)
-    h = log.period
-    notes = []
-    if 1 / h > FASTEST * 1.01:
-        thin = int(np.ceil(1 / h / FASTEST))
-        h *= thin
-        notes.append(f"every {thin}th sample is used: {1 / h:.3g} a second are enough for the motion of a hull")
+    _usable(log)
+    log = at_origin(log, vehicle.sensors)
+    log, h, notes = _paced(log)
     clock = np.arange(int(np.floor((log.t[-1] - log.t[0]) / h + 1e-6)) + 1) * h + log.t[0]
     resample = _Resampler(log, clock, h)
     nu = np.stack([resample(n) for n in ("u", "v", "r")])
@@ -119,20 +128,16 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     if "psi" in log.columns and "r" not in log.derived:
         psi = resample("psi", unwrap=True)
     place = np.stack([resample("x"), resample("y")]) if {"x", "y"} <= set(log.columns) else None
-    demands = np.zeros((len(vehicle.thrusters), clock.size))
-    angles = np.zeros_like(demands)
-    for k, thruster in enumerate(vehicle.thrusters):
-        log.column(f"demand_{thruster.name}", f"for thruster {thruster.name}")
-        demands[k] = resample(f"demand_{thruster.name}", held=True)
-        angles[k] = thruster.azimuth
-        if thruster.steering == "azimuth":
-            log.column(f"azimuth_{thruster.name}", f"for the direction of thruster {thruster.name}")
-            angles[k] = resample(f"azimuth_{thruster.name}", held=True)
+    held = vehicle.log.demand == "hold"
+    demands, angles, rudders = _sent(vehicle, resample, held=held)
+    over = None
+    if held and h > 1.01 * log.period and vehicle.thrusters:
+        over = np.stack([resample.mean(f"demand_{t.name}") for t in vehicle.thrusters])
     force = np.zeros((3, clock.size))
     if not vehicle.thrusters:
         for k, name in enumerate(("force_X", "force_Y", "moment_N")):
             log.column(name, "where the vehicle file has no thrusters")
-            force[k] = resample(name, held=True)
+            force[k] = resample(name, sent=True, held=held)
     wind = None
     if {"wind_speed", "wind_direction"} <= set(log.columns):
         speed, direction = resample("wind_speed"), resample("wind_direction", unwrap=True)
@@ -150,6 +155,9 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
         place,
         demands,
         angles,
+        rudders,
+        held,
+        over,
         force,
         wind,
         None if voltage is None else voltage / voltage[0],
@@ -162,20 +170,80 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     return made
 
 
-def _usable(log: Log, vehicle: Vehicle) -> None:
-    """Refuses what a diagnosis cannot follow."""
-    for thruster in vehicle.thrusters:
-        if thruster.rudder is not None:
+def _paced(log: Log) -> tuple[Log, float, list[str]]:
+    """The log without channels that come too rarely, the step of its clock [s], and what was done."""
+    h = log.period
+    notes = []
+    slowest = max(_interval(log, name) for name in ("u", "v", "r"))
+    if slowest > RARER * h:
+        if slowest > SLOWEST:
             raise IvsidError(
-                f"thruster {thruster.name} has a rudder, whose force a diagnosis does not follow yet; log force_X, force_Y, moment_N "
-                "in place of the thrusters, or leave the rudder out where it stays amidships"
+                f"{log.name} has a velocity every {slowest:.3g} s; a diagnosis needs one a second at least, so log u, v and r faster"
             )
+        h = slowest
+        notes.append(f"the clock is that of the slowest velocity: {1 / h:.3g} samples a second")
+    if 1 / h > FASTEST * 1.01:
+        thin = int(np.ceil(1 / h / FASTEST))
+        h *= thin
+        notes.append(f"every {thin}th sample is used: {1 / h:.3g} a second are enough for the motion of a hull")
+    rare = [n for n in ("ax", "ay", "udot", "vdot", "rdot", "psi", "x", "y") if _interval(log, n) > RARER * h]
+    if rare:
+        notes.append(f"{', '.join(rare)} come too rarely to be used")
+    columns = {k: x for k, x in log.columns.items() if k not in rare}
+    for name in ("u", "v", "r", "ax", "ay", "udot", "vdot", "rdot", "x", "y"):
+        if name in columns and (wild := _wild(columns[name])).any():
+            columns[name] = np.where(wild, np.nan, columns[name])
+            notes.append(f"{int(wild.sum())} samples of {name} stand far out from both neighbours and are left out")
+    return replace(log, columns=columns), h, notes
+
+
+def _wild(x: Array) -> NDArray[np.bool_]:
+    """Samples that no motion explains: far from the middle of the five around them, which a step or a turn is not."""
+    there = np.flatnonzero(np.isfinite(x))
+    found = np.zeros(x.size, dtype=bool)
+    if there.size < 50:
+        return found
+    values = x[there]
+    off = np.abs(values - np.median(sliding_window_view(np.pad(values, 2, mode="edge"), 5), axis=1))
+    usual = float(np.median(off))
+    # Most samples of a quiet channel are their own median: then nothing is usual.
+    if usual > 0:
+        found[there] = off > FAR_OUT * max(usual, float(np.quantile(off, 0.95)))
+    return found
+
+
+def _sent(vehicle: Vehicle, resample: _Resampler, *, held: bool) -> tuple[Array, Array, Array]:
+    """Demands, angles of thrusters and of rudders, shape (thrusters, n)."""
+    log = resample.log
+    demands = np.zeros((len(vehicle.thrusters), resample.clock.size))
+    angles, rudders = np.zeros_like(demands), np.zeros_like(demands)
+    for k, thruster in enumerate(vehicle.thrusters):
+        log.column(f"demand_{thruster.name}", f"for thruster {thruster.name}")
+        demands[k] = resample(f"demand_{thruster.name}", sent=True, held=held)
+        angles[k] = thruster.azimuth
+        if thruster.steering == "azimuth":
+            log.column(f"azimuth_{thruster.name}", f"for the direction of thruster {thruster.name}")
+            angles[k] = resample(f"azimuth_{thruster.name}", sent=True, held=held, unwrap=not held)
+        if thruster.rudder is not None:
+            log.column(f"rudder_{thruster.name}", f"for the rudder of thruster {thruster.name}")
+            rudders[k] = resample(f"rudder_{thruster.name}", sent=True, held=held)
+    return demands, angles, rudders
+
+
+def _usable(log: Log) -> None:
+    """Refuses what a diagnosis cannot follow."""
     for name in ("u", "v", "r"):
         log.column(name, "by every equation of motion")
     if log.t[-1] - log.t[0] < SHORTEST:
         raise IvsidError(
             f"{log.name} lasts {log.t[-1] - log.t[0]:.3g} s; a diagnosis needs at least {SHORTEST:.0f} s, so give a longer log"
         )
+
+
+def _interval(log: Log, name: str) -> float:
+    """The usual time between two samples of a channel [s]; 0 where there is none."""
+    there = np.isfinite(log.columns[name]) if name in log.columns else np.zeros(0, dtype=bool)
+    return float(np.median(np.diff(log.t[there]))) if there.sum() > 2 else 0.0
 
 
 class _Resampler:
@@ -185,19 +253,31 @@ class _Resampler:
         self.log, self.clock, self.h = log, clock, h
         self.good = np.ones(clock.size, dtype=bool)
 
-    def __call__(self, name: str, *, held: bool = False, unwrap: bool = False) -> Array:
+    def __call__(self, name: str, *, sent: bool = False, held: bool = False, unwrap: bool = False) -> Array:
+        """A column on the clock: what is ``sent`` goes on where it is missing, what is measured is not good there."""
         values = self.log.columns[name]
         there = np.isfinite(values)
         t, x = self.log.t[there], values[there]
         if unwrap:
             x = np.unwrap(x)
-        at = np.clip(np.searchsorted(t, self.clock + 1e-6 * self.h, side="right") - 1, 0, t.size - 1)
+        at = np.clip(np.searchsorted(t, self.clock + 1e-3 * self.h, side="right") - 1, 0, t.size - 1)
         if held:
             found: Array = x[at]
             return found
+        if sent:
+            return np.interp(self.clock, t, x)
         nearest = np.minimum(np.abs(self.clock - t[at]), np.abs(t[np.minimum(at + 1, t.size - 1)] - self.clock))
         self.good &= nearest <= OFF_CLOCK * self.h
         return np.interp(self.clock, t, x)
+
+    def mean(self, name: str) -> Array:
+        """Means of what is held over the steps of a clock that is slower than the log."""
+        there = np.isfinite(self.log.columns[name])
+        t, x = self.log.t[there], self.log.columns[name][there]
+        total = np.r_[0.0, np.cumsum(x[:-1] * np.diff(t))]
+        end = t[-1] + self.h
+        edges = np.r_[self.clock, self.clock[-1] + self.h]
+        return np.diff(np.interp(edges, np.r_[t, end], np.r_[total, total[-1] + x[-1] * self.h])) / self.h
 
     def optional(self, name: str) -> Array | None:
         if name not in self.log.columns or not np.isfinite(self.log.columns[name]).any():

@@ -17,10 +17,13 @@ from ivsid.diagnosis.projection import Gram, Projection, gram
 from ivsid.diagnosis.signatures import Columns, Family, Signatures, free_parameters
 from ivsid.diagnosis.start import first_values
 from ivsid.effects import terms_of
+from ivsid.errors import IvsidError
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 STEPS: Final = 3
+# Seconds that count, at least.
+LEAST: Final = 40.0
 # Shares of a step that are tried, and the rise of chi^2 that is no worsening.
 SHORTER: Final = (1.0, 0.4, 0.1)
 WORSE: Final = 1.0
@@ -88,6 +91,11 @@ def learn(
     is there or not: the ``search`` adds the columns of waves, tethers and steps that explain most.
     """
     good = usable_rows(bench)
+    if good.sum() * bench.log.h < LEAST:
+        raise IvsidError(
+            f"{bench.log.name}: between its gaps {good.sum() * bench.log.h:.0f} s can be used, and a diagnosis needs {LEAST:.0f} s; give a "
+            "log with fewer missing samples"
+        )
     for turn in range(rounds):
         scale = _plain_scale(bench.errors(h, anchor), good, bench, still)
         h, anchor = improve(bench, h, anchor, scale, good, held)
@@ -307,7 +315,24 @@ def survey(noise: Noise, h: Hypothesis, anchor: Anchor, claimed: Mapping[str, fl
 
 
 def plain_fit(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
-    """The vehicle file's model on a log."""
+    """The vehicle file's model on a log.
+
+    Raises:
+        IvsidError: the log has too little between its gaps, or no numbers of the model follow it at all.
+    """
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            return _plain(vehicle, log, search)
+    except (np.linalg.LinAlgError, ValueError, FloatingPointError) as error:
+        if isinstance(error, IvsidError):
+            raise
+        raise IvsidError(
+            f"{log.name}: no numbers of the model follow this log; check the units, signs and clock of its columns, and whether its "
+            "velocities are good enough to show the motion"
+        ) from None
+
+
+def _plain(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
     claimed = dict(vehicle.model.values)
     h = first_values(vehicle, log, terms_of(vehicle), claimed)
     bench = Bench(vehicle, log, declared(vehicle))

@@ -138,9 +138,10 @@ def _windows(bench: Bench, h: Hypothesis, anchor: Anchor, length: float) -> tupl
             x[4:],
             t,
             thrusts[:, at],
-            log.angles[:, at],
-            log.force[:, at],
+            bench.turned[:, n + at],
+            bench.sent[:, n + at],
             None if log.wind is None else log.wind[:, at],
+            bench.steered[:, n + at],
         )
         nudot = acceleration(bench.vehicle, h, p, mass)
         c, s = np.cos(x[3]), np.sin(x[3])

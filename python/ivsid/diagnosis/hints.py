@@ -24,7 +24,7 @@ def hints(fit: Fit) -> tuple[str, ...]:
     out: list[str] = []
     for i, k in enumerate(p.base):
         name = g.names[k]
-        if not name.startswith("~") or name.startswith("~thrust"):
+        if not name.startswith("~") or name.startswith(("~thrust", "~rudder")):
             continue
         size = fit.h.declared.get(name, 0.0)
         sigma = float(np.sqrt(bare[i, i])) / float(g.unit[k])

@@ -26,6 +26,8 @@ _TIMES: Final = (1.0, 5.0)
 QUICKER: Final = 2.0
 # An axis moves where its velocity is so many times the error of its filter.
 MOVING: Final = 20.0
+# A hull of 1 m turns where its yaw rate is more than this [rad/s]; longer ones more slowly, after Froude.
+TURNING: Final = 0.015
 
 
 def declared(vehicle: Vehicle) -> Ambient:
@@ -164,10 +166,12 @@ def still_axes(bench: Bench) -> frozenset[int]:
     An autopilot that holds a heading answers to the motion itself; where little else moves the vehicle, demands and errors are of one
     piece, and inertia and damping come out wrong. Such an axis is left out, and its causes are not tested.
     """
-    smooth = uniform_filter1d(bench.log.nu[2], max(2, round(0.5 / bench.log.h)))
-    turning = float(np.sqrt(np.mean(smooth**2)))
+    # A steady turn, as under a gyro's bias, tells no more of inertia and damping than none.
+    turning = float(uniform_filter1d(bench.log.nu[2], max(2, round(0.5 / bench.log.h))).std())
     # Sway turns with u r: without the yaw rate it is not known either.
-    return frozenset() if turning >= MOVING * bench.axes[2].spread else frozenset({1, 2})
+    hull = bench.vehicle.hull
+    least = TURNING / np.sqrt(hull.length or (hull.mass / 60.0) ** (1 / 3))
+    return frozenset() if turning >= max(MOVING * bench.axes[2].spread, least) else frozenset({1, 2})
 
 
 def whiten(bench: Bench, residual: Array, good: NDArray[np.bool_], still: frozenset[int] = frozenset()) -> Whitening:

@@ -24,6 +24,7 @@ from ivsid.effects import (
     rigid_body,
 )
 from ivsid.effects.environment import earth_to_body
+from ivsid.foil import rudder_force
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -60,6 +61,7 @@ class Points:
     angles: Array
     force: Array
     wind: Array | None = None
+    rudders: Array | None = None
 
     def moved(self, shift: Array) -> Points:
         """At other velocities."""
@@ -77,8 +79,18 @@ def _place(p: Points) -> Place:
     return Place(p.psi, p.place[0], p.place[1], p.t, blows[0] - p.nu[0], blows[1] - p.nu[1])
 
 
-def thruster_force(vehicle: Vehicle, given: Sequence[Given], p: Points, relative: Any) -> Array:
-    """X, Y [N], N [N m] of all thrusters, shape (3, n)."""
+def blade_force(vehicle: Vehicle, k: int, p: Points, push: Any, relative: Any) -> Array:
+    """X, Y [N], N [N m] of the rudder behind a thruster, shape (3, n); nothing where there is none."""
+    rudder = vehicle.thrusters[k].rudder
+    if rudder is None or p.rudders is None:
+        return np.zeros_like(p.nu)
+    return np.stack(rudder_force(rudder, p.rudders[k], push, *relative))
+
+
+def thruster_force(
+    vehicle: Vehicle, given: Sequence[Given], p: Points, relative: Any, declared: Mapping[str, float] | None = None
+) -> Array:
+    """X, Y [N], N [N m] of all thrusters and rudders, shape (3, n)."""
     u, v, r = relative
     total = p.force.copy()
     for k, thruster in enumerate(vehicle.thrusters):
@@ -92,6 +104,9 @@ def thruster_force(vehicle: Vehicle, given: Sequence[Given], p: Points, relative
             if isinstance(g.effect.acts, Inflow):
                 push = g.effect.acts.function(push, (u - r * y) * c + (v + r * x) * s, g.values)
         total += np.stack([push * c, push * s, push * (s * x - c * y)])
+        if thruster.rudder is not None:
+            off = (declared or {}).get(f"~rudder.{thruster.name}", 0.0)
+            total += (1.0 + off) * blade_force(vehicle, k, p, push, relative)
     return total
 
 
@@ -164,7 +179,7 @@ def acceleration(vehicle: Vehicle, h: Hypothesis, p: Points, mass: Mass | None =
     x_g, y_g = vehicle.hull.centre_of_gravity
     zero = np.zeros_like(r)
     state = State(u, v, r, zero, zero, zero, place=_place(p))
-    right = thruster_force(vehicle, h.given, p, (u, v, r))
+    right = thruster_force(vehicle, h.given, p, (u, v, r), h.declared)
     for term in h.terms:
         for channel, column in term.columns(state).items():
             right[CHANNELS.index(channel)] -= column * values[term.id]

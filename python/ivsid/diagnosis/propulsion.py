@@ -5,9 +5,9 @@ Written for whole arrays: it shares the catalogue's formulas with the simulator,
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,17 +39,23 @@ class Propulsion:
         self.curves = [ThrustCurve(t.model_copy(update={**bare, "outside": "hold"})) for t in vehicle.thrusters]
         self.demands = [log.demands[k] - t.neutral for k, t in enumerate(vehicle.thrusters)]
         self._static = [np.asarray(c.value(log.demands[k]), dtype=np.float64) for k, c in enumerate(self.curves)]
+        self.errors = [
+            error_functions(t, c, d) for t, c, d in zip(vehicle.thrusters, self.curves, self.demands, strict=True)
+        ]
+        self._static_errors = [[e(d) for e in es] for es, d in zip(self.errors, self.demands, strict=True)]
 
-    def thrusts(self, given: Sequence[Given] = ()) -> Thrusts:
-        """The thrusts under a hypothesis's effects, before the loss by inflow."""
-        pairs = [self._one(k, t, given) for k, t in enumerate(self.vehicle.thrusters)]
+    def thrusts(self, given: Sequence[Given] = (), sizes: Sequence[Sequence[float]] | None = None) -> Thrusts:
+        """The thrusts under a hypothesis's effects and the sizes of declared errors, before the loss by inflow."""
+        pairs = [self.one(k, given, () if sizes is None else sizes[k]) for k in range(len(self.vehicle.thrusters))]
         if not pairs:
             empty = np.zeros((0, self.log.n))
             return Thrusts(empty, empty)
         return Thrusts(np.stack([p[0] for p in pairs]), np.stack([p[1] for p in pairs]))
 
-    def _one(self, k: int, thruster: Thruster, given: Sequence[Given]) -> tuple[Array, Array]:
+    def one(self, k: int, given: Sequence[Given], sizes: Sequence[float] = ()) -> tuple[Array, Array]:
+        """Of one thruster: at samples, and means over the steps after them."""
         h, n = self.log.h, self.log.n
+        thruster = self.vehicle.thrusters[k]
         changes = _changes(thruster, given)
         late = {
             g.effect.acts.kind: g.values[0]
@@ -62,17 +68,29 @@ class Propulsion:
         def static(demand: Array | None) -> Array:
             thrust: Any = self._static[k] if demand is None else self.curves[k].value(demand + thruster.neutral)
             d = self.demands[k] if demand is None else demand
+            # What the curve is off comes before any limit or dead band.
+            for j, size in enumerate(sizes):
+                if size:
+                    thrust = thrust + size * (self._static_errors[k][j] if demand is None else self.errors[k][j](d))
             drive = Drive(d, self.log.t, k, thruster.position[1], self.curves[k].largest, self.log.voltage)
             for g in changes:
                 if isinstance(g.effect.acts, Thrust):
                     thrust = g.effect.acts.function(thrust, drive, g.values)
             return np.asarray(thrust, dtype=np.float64) * np.ones(n)
 
+        d = self.demands[k]
         if lag > 1e-6 and thruster.lag == "demand":
-            now, mean, end = _behind(*_late(self.demands[k], delay, h), lag, h)
+            now, mean, end = _behind(*_late(d, _midway(d, held=self.log.held), delay, h), lag, h)
             first, middle, last = static(now), static(mean), static(end)
             return first, (first + 4 * middle + last) / 6
-        now, mean = _late(static(None), delay, h)
+        now = static(None)
+        mean = now
+        if self.log.over is not None:
+            mean = static(self.log.over[k] - thruster.neutral)
+        elif not self.log.held:
+            # Simpson's rule over a demand that runs straight to the next.
+            mean = (now + 4 * static(_midway(d, held=False)) + np.r_[now[1:], now[-1:]]) / 6
+        now, mean = _late(now, mean, delay, h)
         if lag <= 1e-6:
             return now, mean
         now, mean, _ = _behind(now, mean, lag, h)
@@ -91,15 +109,25 @@ def _changes(thruster: Thruster, given: Sequence[Given]) -> list[Given]:
     return sorted(found, key=lambda g: order.index(g.effect.id))
 
 
-def _late(x: Array, delay: float, h: float) -> tuple[Array, Array]:
-    """A held quantity that arrives later: at samples, and its mean over the steps after them."""
+def _midway(x: Array, *, held: bool) -> Array:
+    """What is sent in the middle of each step."""
+    return x if held else 0.5 * (x + np.r_[x[1:], x[-1:]])
+
+
+def _late(now: Array, mean: Array, delay: float, h: float) -> tuple[Array, Array]:
+    """A quantity at samples and its means over the steps after them, when it arrives later."""
     if delay <= 0:
-        return x, x
+        return now, mean
     whole = int(np.floor(delay / h + 1e-9))
     part = delay / h - whole
-    newer = np.r_[np.full(whole, x[0]), x][: x.size]
+    newer = np.r_[np.full(whole, mean[0]), mean][: mean.size]
     older = np.r_[newer[0], newer[:-1]]
-    return (newer if part < 1e-9 else older), part * older + (1 - part) * newer
+    over = part * older + (1 - part) * newer
+    if mean is not now:
+        # On straight lines it stands between two samples.
+        late = np.r_[np.full(whole, now[0]), now][: now.size]
+        return (1 - part) * late + part * np.r_[late[0], late[:-1]], over
+    return (newer if part < 1e-9 else older), over
 
 
 def _behind(now: Array, held: Array, lag: float, h: float) -> tuple[Array, Array, Array]:
@@ -112,37 +140,28 @@ def _behind(now: Array, held: Array, lag: float, h: float) -> tuple[Array, Array
     return start, held + (start - held) * share, np.asarray(end, dtype=np.float64)
 
 
-def error_shapes(propulsion: Propulsion, k: int) -> list[tuple[Array, Array]]:
-    """Smooth functions of a thruster's demand that its declared accuracy allows, in units of the bound: at samples, over steps.
+WAVES: Final = ((0, False), (1, False), (1, True), (2, False), (2, True), (3, False), (3, True))
 
-    Waves over the range of demands, up to one and a half of them, times the bound on the thrust error.
+
+def error_functions(thruster: Thruster, curve: ThrustCurve, demand: Array) -> list[Callable[[Array], Array]]:
+    """Smooth functions of a thruster's demand that its declared accuracy allows, in units of the bound.
+
+    Waves over the range of demands, up to one and a half of them, times the bound on the thrust error. None where nothing is declared.
     """
-    thruster = propulsion.vehicle.thrusters[k]
     accuracy = thruster.accuracy
     if not accuracy.absolute and not accuracy.relative:
         return []
-    log = propulsion.log
-    demand = propulsion.demands[k]
-    low, high = propulsion.curves[k].range
+    low, high = (end - thruster.neutral for end in curve.range)
     if not np.isfinite(high - low):
         low, high = float(demand.min()), float(demand.max()) + 1e-9
-    else:
-        low, high = low - thruster.neutral, high - thruster.neutral
-    shaft = bool(thruster.time_constant) and thruster.lag == "demand"
 
-    def shape(d: Array, wave: float, sine: bool) -> Array:
-        thrust = np.abs(np.asarray(propulsion.curves[k].value(d + thruster.neutral), dtype=np.float64))
-        bound = np.minimum(accuracy.absolute + accuracy.relative * thrust, thrust)
-        x = np.pi * wave * (d - low) / (high - low)
-        return np.asarray(bound * (np.sin(x) if sine else np.cos(x)), dtype=np.float64)
+    def shape(wave: int, sine: bool) -> Callable[[Array], Array]:
+        def error(d: Array) -> Array:
+            thrust = np.abs(np.asarray(curve.value(d + thruster.neutral), dtype=np.float64))
+            bound = np.minimum(accuracy.absolute + accuracy.relative * thrust, thrust)
+            x = np.pi * wave * (d - low) / (high - low)
+            return np.asarray(bound * (np.sin(x) if sine else np.cos(x)), dtype=np.float64)
 
-    found = []
-    for wave, sine in ((0, False), (1, False), (1, True), (2, False), (2, True), (3, False), (3, True)):
-        if shaft:
-            now, mean, _ = _behind(demand, demand, thruster.time_constant or 0.0, log.h)
-            found.append((shape(now, wave, sine), shape(mean, wave, sine)))
-        else:
-            held = shape(demand, wave, sine)
-            lag = thruster.time_constant or 0.0
-            found.append(_behind(held, held, lag, log.h)[:2] if lag else (held, held))
-    return found
+        return error
+
+    return [shape(*w) for w in WAVES]

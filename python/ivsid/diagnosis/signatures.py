@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.bench import Anchor, Bench
-from ivsid.diagnosis.physics import Hypothesis, Mass, acceleration
+from ivsid.diagnosis.physics import Hypothesis, Mass, acceleration, blade_force, water
 from ivsid.effects import (
     CATALOGUE,
     EFFECTS,
@@ -127,15 +127,27 @@ class Signatures:
             out.add(
                 "~scale.velocity", self.reading("sensor.velocity.scale")[0], 0.7 * sensors.velocity.scale_factor_error
             )
+        self._blades(out)
         for k, thruster in enumerate(bench.vehicle.thrusters):
-            angle, (x, y) = bench.log.angles[k], thruster.position
+            angle, (x, y) = bench.turned[k], thruster.position
             c, s = np.cos(angle), np.sin(angle)
             # A loss by inflow takes the same share of the error as of the thrust, which is small.
             shares = np.stack([c, s, x * s - y * c])
-            for j, shape in enumerate(bench.shapes[k]):
-                force = np.concatenate([shares, shares], axis=1) * shape
+            for j, shape in enumerate(bench.shapes(self.h, k)):
+                force = shares * shape
                 out.add(f"~thrust.{thruster.name}.{j}", bench.answer(self.mass.solve(force)), SHARE)
         return out
+
+    def _blades(self, out: Columns) -> None:
+        """What the rudders' declared accuracy allows: the same share of all of a blade's force."""
+        bench, p = self.bench, self.anchor.points
+        u_c, v_c, _, _ = water(self.h, p)
+        relative = (p.nu[0] - u_c, p.nu[1] - v_c, p.nu[2])
+        for k, thruster in enumerate(bench.vehicle.thrusters):
+            if thruster.rudder is not None and thruster.rudder.accuracy:
+                force = blade_force(bench.vehicle, k, p, p.thrusts[k], relative)
+                column = bench.answer(self.mass.solve(force))
+                out.add(f"~rudder.{thruster.name}", column, SHARE * thruster.rudder.accuracy)
 
     def _still(self) -> Array:
         return np.zeros_like(self.anchor.nudot)

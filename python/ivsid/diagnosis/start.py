@@ -34,7 +34,7 @@ def first_values(vehicle: Vehicle, log: Channels, terms: Sequence[Term], claimed
     rate = np.gradient(smooth, log.h, axis=1)
     thrusts = Propulsion(vehicle, log).thrusts()
     zero = np.zeros(log.n)
-    points = Points(smooth, zero, np.zeros((2, log.n)), log.t, thrusts.mean, log.angles, log.force)
+    points = Points(smooth, zero, np.zeros((2, log.n)), log.t, thrusts.mean, log.angles, log.force, rudders=log.rudders)
     force = thruster_force(vehicle, (), points, smooth)
     state = State(*smooth, *rate)
     m = vehicle.hull.mass

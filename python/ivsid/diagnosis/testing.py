@@ -30,7 +30,6 @@ TURNING: Final = (
     "drag.yaw",
     "drag.cross_flow",
     "drag.lift",
-    "drag.surge.sideslip",
     "coupling",
     "added_mass",
     "thruster.asymmetry",

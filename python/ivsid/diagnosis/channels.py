@@ -25,7 +25,9 @@ OFF_CLOCK: Final = 1.05
 RARER: Final = 1.5
 SLOWEST: Final = 1.01
 # How many times the distance that one sample in twenty has from its neighbours' median an outlier stands away.
-FAR_OUT: Final = 6.0
+FAR_OUT: Final = 10.0
+# Times closer than this, in steps, are the same.
+SAME: Final = 0.02
 SHORTEST: Final = 60.0
 
 
@@ -131,7 +133,7 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     held = vehicle.log.demand == "hold"
     demands, angles, rudders = _sent(vehicle, resample, held=held)
     over = None
-    if held and h > 1.01 * log.period and vehicle.thrusters:
+    if held and h > RARER * log.period and vehicle.thrusters:
         over = np.stack([resample.mean(f"demand_{t.name}") for t in vehicle.thrusters])
     force = np.zeros((3, clock.size))
     if not vehicle.thrusters:
@@ -172,7 +174,10 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
 
 def _paced(log: Log) -> tuple[Log, float, list[str]]:
     """The log without channels that come too rarely, the step of its clock [s], and what was done."""
+    # The usual step is rounded as the times are; the whole log knows it better.
     h = log.period
+    whole = (log.t[-1] - log.t[0]) / max(round((log.t[-1] - log.t[0]) / h), 1)
+    h = float(whole) if abs(whole / h - 1) < 1e-3 else h
     notes = []
     slowest = max(_interval(log, name) for name in ("u", "v", "r"))
     if slowest > RARER * h:
@@ -190,7 +195,7 @@ def _paced(log: Log) -> tuple[Log, float, list[str]]:
     if rare:
         notes.append(f"{', '.join(rare)} come too rarely to be used")
     columns = {k: x for k, x in log.columns.items() if k not in rare}
-    for name in ("u", "v", "r", "ax", "ay", "udot", "vdot", "rdot", "x", "y"):
+    for name in ("u", "v", "r", "x", "y"):
         if name in columns and (wild := _wild(columns[name])).any():
             columns[name] = np.where(wild, np.nan, columns[name])
             notes.append(f"{int(wild.sum())} samples of {name} stand far out from both neighbours and are left out")
@@ -198,7 +203,7 @@ def _paced(log: Log) -> tuple[Log, float, list[str]]:
 
 
 def _wild(x: Array) -> NDArray[np.bool_]:
-    """Samples that no motion explains: far from the middle of the five around them, which a step or a turn is not."""
+    """Velocities and places that no motion explains (an acceleration may jump and come back): far from the middle of the five around them, which a step or a turn is not."""
     there = np.flatnonzero(np.isfinite(x))
     found = np.zeros(x.size, dtype=bool)
     if there.size < 50:
@@ -260,7 +265,7 @@ class _Resampler:
         t, x = self.log.t[there], values[there]
         if unwrap:
             x = np.unwrap(x)
-        at = np.clip(np.searchsorted(t, self.clock + 1e-3 * self.h, side="right") - 1, 0, t.size - 1)
+        at = np.clip(np.searchsorted(t, self.clock + SAME * self.h, side="right") - 1, 0, t.size - 1)
         if held:
             found: Array = x[at]
             return found

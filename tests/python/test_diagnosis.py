@@ -250,7 +250,7 @@ def test_isolability_orders_what_the_theory_orders():
             assert abs(least) * v.z == pytest.approx(8.0 * abs(v.typical[part]), rel=1e-9), id_
 
 
-def test_short_logs_and_rudders_are_refused_in_a_sentence():
+def test_short_logs_are_refused_in_a_sentence():
     vehicle, train, _ = logs(duration=60.0)
     keep = train.t < 20
     short = Log("short.csv", train.sha256, train.t[keep], {k: x[keep] for k, x in train.columns.items()})

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.mounted import at_origin
@@ -24,7 +23,7 @@ OFF_CLOCK: Final = 1.05
 # A channel whose samples are this much rarer than the rows sets the clock, or is left out where the motion does not need it.
 RARER: Final = 1.5
 SLOWEST: Final = 1.01
-# How many times the distance that one sample in twenty has from its neighbours' median an outlier stands away.
+# How many times the distance that one sample in twenty has from the middle of its neighbours an outlier stands away.
 FAR_OUT: Final = 10.0
 # Times closer than this, in steps, are the same.
 SAME: Final = 0.02
@@ -203,17 +202,19 @@ def _paced(log: Log) -> tuple[Log, float, list[str]]:
 
 
 def _wild(x: Array) -> NDArray[np.bool_]:
-    """Velocities and places that no motion explains (an acceleration may jump and come back): far from the middle of the five around them, which a step or a turn is not."""
+    """Velocities and places that no motion explains, far from the middle of their neighbours; an acceleration may jump and come back."""
     there = np.flatnonzero(np.isfinite(x))
     found = np.zeros(x.size, dtype=bool)
     if there.size < 50:
         return found
     values = x[there]
-    off = np.abs(values - np.median(sliding_window_view(np.pad(values, 2, mode="edge"), 5), axis=1))
-    usual = float(np.median(off))
-    # Most samples of a quiet channel are their own median: then nothing is usual.
+    off = np.zeros(there.size)
+    off[1:-1] = np.abs(values[1:-1] - 0.5 * (values[:-2] + values[2:]))
+    usual = float(np.quantile(off, 0.95))
+    # Its neighbours stand out half as far, since it is their neighbour.
+    highest = off > 1.5 * np.maximum(np.r_[0.0, off[:-1]], np.r_[off[1:], 0.0])
     if usual > 0:
-        found[there] = off > FAR_OUT * max(usual, float(np.quantile(off, 0.95)))
+        found[there] = (off > max(FAR_OUT * usual, 0.3 * float(values.std()))) & highest
     return found
 
 

@@ -385,7 +385,9 @@ class Signatures:
 
 
 def free_parameters(g: Given) -> list[tuple[str, Parameter, int]]:
-    """The parameters of an effect that a fit moves: not the index of a thruster, nor a time at which something starts."""
+    """The parameters of an effect that a fit moves: not the index of a thruster, nor a start, nor a dead band, which have no slope."""
+    if g.effect.id == "thruster.deadband":
+        return []
     names = g.named if g.thruster is not None else None
     parts = list(names) if names is not None else list(g.effect.parts)
     return [

@@ -46,6 +46,8 @@ SECOND: Final = 5e-3
 BEYOND_DOUBT: Final = 60.0
 # An effect that would not show at its typical size needs this gain.
 STRONG: Final = 40.0
+# A smaller fall of chi^2 is no finding, whatever its chance: below five standard deviations the model of the noise is not to be trusted.
+FAINT: Final = 25.0
 # Below this share of its usual size a cause is nothing that the equations of a diagnosis are good for.
 NEGLIGIBLE: Final = 0.01
 # No cause is so many times its usual size.
@@ -227,7 +229,7 @@ class Threshold:
             strong = s.id not in self.blind and s.gain >= STRONG
             if s.id not in self.visible and s.family.kind not in ("wave", "tether") and not strong:
                 continue
-            if not s.physical or self.chance(s) > self.calibration.chance:
+            if not s.physical or s.gain < FAINT or self.chance(s) > self.calibration.chance:
                 continue
             share = s.share(fit.noise.bench.vehicle.hull.mass)
             if (s.gain < STRONG and share < NEGLIGIBLE) or share > IMPOSSIBLE:

@@ -82,7 +82,7 @@ def test_a_rudder_is_followed_and_a_hidden_effect_behind_it_is_named():
     assert result.selection.last.h.values["inertia.yaw"] == pytest.approx(TRUTH["inertia.yaw"], rel=0.1)
     train, test = logs_of(vehicle, {"drag.surge.linear": 6.0}, segments=STEERED)
     result = diagnose(vehicle, train, test)
-    assert ["drag.surge.linear" in s for s in names(result)] == [True]
+    assert "drag.surge.linear" in names(result)[0]
     # Without its rudder the model is wrong, and nothing in the catalogue is a rudder.
     without = vehicle.model_copy(
         update={"thrusters": tuple(t.model_copy(update={"rudder": None}) for t in vehicle.thrusters)}

@@ -3,12 +3,27 @@
 import numpy as np
 import pytest
 
-from diagnosis_logs import RUDDER, STEERED, TRUTH, TWIN, epochs, gaps, logs_of, losses, names, rows, vehicle_of, wild
+from diagnosis_logs import (
+    RUDDER,
+    STEERED,
+    TABLE,
+    TRUTH,
+    TWIN,
+    epochs,
+    gaps,
+    logs_of,
+    losses,
+    names,
+    rows,
+    vehicle_of,
+    wild,
+)
 from ivsid import IvsidError, diagnose
 from ivsid.diagnosis.channels import channels
 from ivsid.diagnosis.mounted import at_origin
 from ivsid.diagnosis.propulsion import Propulsion
 from ivsid.log import Log
+from ivsid.vehicle import parse_vehicle
 
 
 @pytest.mark.parametrize("change", [gaps, losses, wild, epochs])
@@ -93,11 +108,12 @@ def test_a_rudder_is_followed_and_a_hidden_effect_behind_it_is_named():
 
 def test_mounted_sensors_come_back_to_the_origin():
     """The simulator moves the readings away by its own formulas; noise and the derivative of the yaw rate are all that differs."""
-    where = TWIN, "", "position = [0.4, -0.2]\nrotation = 0.3\n"
-    bare = vehicle_of(where[0])
-    text = bare.text.replace("[sensors.velocity]\n", "[sensors.velocity]\n" + where[2])
-    text = text.replace("[sensors.acceleration]\n", "[sensors.acceleration]\n" + where[2])
-    mounted = bare.__class__.model_validate(__import__("tomllib").loads(text))
+    where = "position = [0.4, -0.2]\nrotation = 0.3\n"
+    bare = vehicle_of()
+    text = bare.text
+    for section in ("[sensors.velocity]\n", "[sensors.acceleration]\n"):
+        text = text.replace(section, section + where)
+    mounted = parse_vehicle(text, "mounted.toml")
     train, _ = logs_of(bare)
     moved, _ = logs_of(mounted)
     back = at_origin(moved, mounted.sensors)
@@ -108,9 +124,7 @@ def test_mounted_sensors_come_back_to_the_origin():
 
 def test_a_linear_demand_gives_the_mean_of_the_curve_between_two_samples():
     """For a cubic curve Simpson's rule is exact: the mean of T over a demand that runs straight is an integral of a polynomial."""
-    text = TWIN.replace(TABLE := TWIN.split("table")[1].split("\n")[0], "")
-    assert TABLE
-    text = text.replace("\ntable\n", "\npolynomial = [2e-5, 1e-3, 0.1, 0.0]\n")
+    text = TWIN.replace(TABLE, "polynomial = [2e-5, 1e-3, 0.1, 0.0]")
     held, linear = vehicle_of(text), vehicle_of(text, extra='[log]\ndemand = "linear"\n')
     train, _ = logs_of(held, duration=80.0)
     sent = train.columns["demand_port"]

@@ -7,6 +7,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from ivsid.cross_flow import cross_flow_over, steepest_over
 from ivsid.intervals import IntervalArray
 
 # NumPy's types know no intervals, its functions do.
@@ -80,3 +81,9 @@ class Motion:
     def sin(self) -> Motion:
         """Sine of an angle [rad]."""
         return Motion(_sin(self.value), _cos(self.value) * self.rate)
+
+    def cross_flow(self, r: Motion, half: float, power: int) -> Motion:
+        """The integral of ``x^power w |w|``, w = self + x r, over x from -half to half, with its rate (``cross_flow``)."""
+        plain, first, second = steepest_over(self.value, r.value, half)
+        by_v, by_r = (plain, first) if power == 0 else (first, second)
+        return Motion(cross_flow_over(self.value, r.value, half, power), (by_v * self.rate + by_r * r.rate) * 2.0)

@@ -47,6 +47,11 @@ def at_origin(
                 f"{log.name} logs udot, vdot, which are of the origin, and [sensors.acceleration] has a mounting or gravity, which "
                 "belong to ax, ay; name the columns ax, ay, or leave the keys out"
             )
+        if len({"ax", "ay"} & set(channels)) == 1:
+            raise IvsidError(
+                f"{log.name} logs one of ax and ay, and [sensors.acceleration] has a mounting or gravity, which needs both; log both, or "
+                "leave the column out"
+            )
         if {"ax", "ay"} <= set(channels):
             moved |= _forces_at_origin(log, channels, sensors, acceleration)
     if not moved:

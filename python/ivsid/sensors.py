@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -17,6 +18,7 @@ from ivsid.intervals import IntervalArray
 from ivsid.log import Log
 from ivsid.log.angles import unwrapped
 from ivsid.origin import at_origin
+from ivsid.pieces import interval_pieces
 from ivsid.pose import with_velocities
 from ivsid.smoothing import splined
 from ivsid.vehicle import InertialSensor, Sensors, Vehicle, VelocitySensor
@@ -187,18 +189,12 @@ def bound_log(log: Log, vehicle: Vehicle, windows: int = 1) -> BoundedLog:
         there = ~np.isnan(values)
         if name == "r" and sensors.yaw_rate is not None and sensors.yaw_rate.sampling == "averaged":
             radii[name] = radii[name] + _since_average(log, sensors)
-        filled = np.where(there, values, 0.0)
-        reading = IntervalArray.around(filled, _reading_error(log, name, sensors))
-        if name in radii:
-            # The decimals of a bound are rounded to a double, too: the next one up holds them.
-            radius = np.nextafter(radii[name], np.inf)
-            bounded = reading + IntervalArray(-radius, radius)
-        elif name in ("u", "v") and sensors.velocity is not None:
-            bounded = doppler(reading, sensors.velocity)
-        else:
+        if name not in radii and (name not in ("u", "v") or sensors.velocity is None):
             continue
-        lower, upper = np.where(there, bounded.lower, -np.inf), np.where(there, bounded.upper, np.inf)
-        channels[name], present[name] = IntervalArray(lower, upper), there
+        # The decimals of a bound are rounded to a double, too: the next one up holds them.
+        radius = np.nextafter(radii[name], np.inf) if name in radii else None
+        channels[name] = interval_pieces(values.size, partial(_bounded, log, sensors, name, radius))
+        present[name] = there
     _set_averages_apart(channels, present, sensors)
     if "psi" in log.columns and sensors.heading is not None:
         channels["psi"], present["psi"] = _heading(log, sensors.heading.accuracy)
@@ -211,6 +207,22 @@ def bound_log(log: Log, vehicle: Vehicle, windows: int = 1) -> BoundedLog:
         k = rule.sigmas * (1 + ROUNDING)
         ambient = (k * vehicle.ambient.force, k * vehicle.ambient.moment)
     return BoundedLog(log, channels, present, rule, ambient, statistical)
+
+
+def _bounded(log: Log, sensors: Sensors, name: str, radius: NDArray[np.float64] | None, rows: slice) -> IntervalArray:
+    """Some samples of a channel within a radius, or as a velocity sensor's; every number where one is missing."""
+    values = log.columns[name][rows]
+    there = ~np.isnan(values)
+    reading = IntervalArray.around(np.where(there, values, 0.0), _reading_error(log, name, sensors, rows))
+    if radius is None and sensors.velocity is not None:
+        found = doppler(reading, sensors.velocity)
+    else:
+        reach = np.asarray(0.0 if radius is None else radius)
+        reach = reach[rows] if reach.ndim else reach
+        found = reading + IntervalArray(-reach, reach)
+    if there.all():
+        return found
+    return IntervalArray(np.where(there, found.lower, -np.inf), np.where(there, found.upper, np.inf))
 
 
 def _set_averages_apart(
@@ -332,12 +344,12 @@ def _certain_turns(log: Log, sensors: Sensors) -> None:
         )
 
 
-def _reading_error(log: Log, name: str, sensors: Sensors) -> NDArray[np.float64]:
+def _reading_error(log: Log, name: str, sensors: Sensors, rows: slice = slice(None)) -> NDArray[np.float64]:
     """How far a reading may be from what the sensor would show.
 
     Where a stated rate says how far the velocity itself can have moved, the sensor's scale factor makes that larger.
     """
-    error = log.error(name)
+    error = log.error(name, rows)
     if (
         name not in log.by_rate
         or name not in VELOCITIES

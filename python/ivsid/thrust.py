@@ -224,11 +224,18 @@ class ThrustCurve:
         # Between its knots the curve is monotone: its extremes stand at the ends of the range and at the knots inside.
         first, last = self.range
         ends = [self._curve(np.clip(e, first, last) - t.neutral) for e in (low, high)]
-        least, most = np.minimum(*ends), np.maximum(*ends)
-        for knot, thrust in zip(*self._table, strict=True):
-            inside = (low <= knot + t.neutral) & (knot + t.neutral <= high)
-            least = np.where(inside, np.minimum(least, thrust), least)
-            most = np.where(inside, np.maximum(most, thrust), most)
+        least, most = np.asarray(np.minimum(*ends)), np.asarray(np.maximum(*ends))
+        # Ranges are mostly far narrower than the table's steps: only those that hold a knot are looked at again.
+        knots, thrusts = self._table[0] + t.neutral, self._table[1]
+        first_knot = np.asarray(np.searchsorted(knots, low, "left"))
+        past = np.asarray(np.searchsorted(knots, high, "right"))
+        holding = np.flatnonzero(first_knot < past)
+        while holding.size:
+            thrust = thrusts[first_knot.flat[holding]]
+            least.flat[holding] = np.minimum(least.flat[holding], thrust)
+            most.flat[holding] = np.maximum(most.flat[holding], thrust)
+            first_knot.flat[holding] += 1
+            holding = holding[first_knot.flat[holding] < past.flat[holding]]
         # The table's decimals and the interpolation are rounded.
         slack = ROUNDING * self.largest
         return IntervalArray(least, most) + IntervalArray(-slack, slack)

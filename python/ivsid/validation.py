@@ -8,12 +8,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.actuation import GAP, nominal_force
+from ivsid.actuation import nominal_force
 from ivsid.dynamics import Dynamics
 from ivsid.effects import CHANNELS, terms_of
 from ivsid.errors import IvsidError
 from ivsid.identification import Identification
 from ivsid.intervals import IntervalArray
+from ivsid.lag import GAP
 from ivsid.log import Log
 from ivsid.rows import RegressionRows, build_rows
 from ivsid.sensors import bound_log

@@ -268,3 +268,20 @@ def test_a_shipped_vehicle_by_its_name(tmp_path):
         tmp_path / "no",
         "vehicle file canoe cannot be read",
     )
+
+
+def test_the_bias_of_the_accelerometer_can_be_chosen(folder):
+    records = {}
+    for choice in ("sample", "log"):
+        out = folder / f"bias-{choice}"
+        made = run("identify", folder / "swan.toml", folder / "log.csv", "--bias", choice, "--out", out)
+        assert made.returncode == 0, made.stderr
+        records[choice] = json.loads((out / "result.json").read_text())
+        assert records[choice]["options"]["bias"] == choice
+    unknown = {c: any("one unknown for the log" in a for a in r["assumes"]) for c, r in records.items()}
+    assert unknown == {"sample": False, "log": True}
+    assert records["sample"]["parameters"] != records["log"]["parameters"]
+    assert run("verify", folder / "bias-log", folder / "log.csv", "--out", folder / "proved").returncode == 0
+    refused = run("identify", folder / "swan.toml", folder / "log.csv", "--bias", "never", "--out", folder / "no-bias")
+    assert refused.returncode == 2 and "bias 'never' is unknown; use auto, sample, log" in refused.stderr
+    assert "Traceback" not in refused.stderr and not (folder / "no-bias").exists()

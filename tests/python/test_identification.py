@@ -233,6 +233,6 @@ def test_a_few_bad_samples_are_named_and_left_out(swan, programme, tmp_path):
     assert all(b["fewest"] == 0 and not b["sets"] for b in wider.outliers)
     fit.save(tmp_path)
     assert read_identification(tmp_path).outliers == fit.outliers
-    assert verify(tmp_path, log).status == "not_checked"
+    assert verify(tmp_path, log).proved
     with pytest.raises(IvsidError, match="outliers = 1 with method exact is not possible"):
         identify(swan, log, "exact", outliers=1)

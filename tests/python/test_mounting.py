@@ -149,6 +149,7 @@ def test_gravity_is_taken_away_by_the_attitude(swan, twin, attitude, gravity):
             {},
             "no attitude; give columns qw",
         ),
+        (MOUNTS, ["ay"], {}, "logs one of ax and ay.*needs both"),
         ((MOUNTS[1], ("yaw_acceleration = 1.5\n", "")), [], {}, "needs the column rdot"),
         (
             (("[sensors.acceleration]\n", '[sensors.acceleration]\nsampling = "averaged"\nposition = [1, 0]\n'),),

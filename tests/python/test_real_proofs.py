@@ -14,9 +14,9 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 OTTER = "sim_truth_pvs/otter_{}.csv.gz"
 
 
-def proved(vehicle, path, tmp_path):
+def proved(vehicle, path, tmp_path, **how):
     log = read_log(path, vehicle.log)
-    fit = identify(vehicle, log)
+    fit = identify(vehicle, log, **how)
     assert fit.method == "feasible" and fit.guaranteed
     fit.save(tmp_path / "fit")
     verdict = verify(tmp_path / "fit", path)
@@ -38,6 +38,21 @@ def test_otter(real, tmp_path, model, log, status):
     assert proved(read_vehicle(EXAMPLES / f"{model}.toml"), real(OTTER.format(log)), tmp_path).status == status
 
 
+@pytest.mark.parametrize(("model", "status"), [("otter", "empty"), ("otter_extended", "enclosed")])
+def test_otter_with_rows_that_may_be_wrong(real, tmp_path, model, status):
+    fit = proved(read_vehicle(EXAMPLES / f"{model}.toml"), real(OTTER.format("calm")), tmp_path, outliers=1)
+    assert fit.status == status and any(c.get("dropped") for c in fit.certificates)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rows", ["weak", "both"])
+def test_cybership_straight_from_the_pose(real, tmp_path, rows):
+    (tmp_path / "run.csv").write_text(read_cse1(real("cse1")).logs["random_run3"].text)
+    vehicle = read_vehicle(str(files("ivsid") / "data" / "cse1.toml"))
+    fit = proved(vehicle, tmp_path / "run.csv", tmp_path, rows=rows)
+    assert "weak" in {r["kind"] for c in fit.certificates for r in c.get("rows", ())}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("run", ["random_run1", "random_run3"])
 def test_cybership(real, tmp_path, run):
@@ -46,6 +61,13 @@ def test_cybership(real, tmp_path, run):
     (tmp_path / f"{run}.csv").write_text(part.text)
     vehicle = read_vehicle(str(files("ivsid") / "data" / "cse1.toml"))
     assert proved(vehicle, tmp_path / f"{run}.csv", tmp_path).status == "unbounded"
+
+
+@pytest.mark.slow
+def test_remotely_operated_vehicle_with_a_row_that_may_be_wrong(real, tmp_path):
+    (tmp_path / "manual.csv").write_text(read_rov30k(real("rov_30k")).logs["manual"].text)
+    vehicle = read_vehicle(str(files("ivsid") / "data" / "rov30k.toml"))
+    assert proved(vehicle, tmp_path / "manual.csv", tmp_path, outliers=1, rows="both").outliers
 
 
 @pytest.mark.parametrize("part", ["manual", "automatic"])

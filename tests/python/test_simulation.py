@@ -187,19 +187,79 @@ def test_ten_minutes_at_20_hz_take_about_a_second(swan, programme):
     assert time.process_time() - start < 3.0
 
 
-def test_equations_in_two_halves_are_the_same_to_the_bit(swan, programme):
-    from ivsid.simulation.equations import equations, halves, plant
+def runge_kutta(rates, t, h, state, tails, inside):
+    """The classical method by hand, with what follows the state at the start, the middle and the end of the step."""
+    first, middle, last = tails
 
-    given = sort_given(
-        {**programme.truth, "wave.force.amplitude": 2.0, "wave.force.period": 4.0}
-        | {f"wave.force.{p}": 0.3 for p in ("phase", "direction")}
-    )
-    model = plant(swan, terms_of(swan), given)
-    whole, (first, second) = equations(model), halves(model)
+    def moved(share, k):
+        return [q + share * r for q, r in zip(state, k, strict=True)]
+
+    a = rates(t + inside * h, *state, *first)
+    b = rates(t + 0.5 * h, *moved(0.5 * h, a), *middle)
+    c = rates(t + 0.5 * h, *moved(0.5 * h, b), *middle)
+    d = rates(t + h - inside * h, *moved(h, c), *last)
+    return tuple(q + h / 6.0 * (w + 2.0 * (x + y) + z) for q, w, x, y, z in zip(state, a, b, c, d, strict=True))
+
+
+@pytest.mark.parametrize("turning", [False, True])
+def test_a_step_that_is_written_out_is_the_method_to_the_bit(swan, programme, turning):
+    """Steady and varied steps; operations whose operands did not change within the step are not done again."""
+    from ivsid.simulation.equations import equations, plant, steps
+    from ivsid.simulation.integrate import INSIDE
+
+    effects = {
+        "drag.cross_flow": 20.0,
+        "current.steady.north": 0.1,
+        "current.steady.east": 0.2,
+        "thruster.advance_loss": 0.05,
+    }
+    if turning:
+        effects |= {
+            "wave.force.amplitude": 2.0,
+            "wave.force.period": 4.0,
+            "payload.step.mass": 3.0,
+            "payload.step.time": 5.0,
+        }
+        effects |= {f"wave.force.{p}": 0.3 for p in ("phase", "direction")}
+    model = plant(swan, terms_of(swan), sort_given({**programme.truth, **effects}))
+    rates, made = equations(model), steps(model, INSIDE)
     rng = np.random.default_rng(0)
     for _ in range(50):
-        moving, held = rng.uniform(-2, 2, 7).tolist(), rng.uniform(-5, 5, 9).tolist()
-        assert second(*moving, *first(*held)) == whole(*moving, *held)
+        t, h, state = rng.uniform(0, 10), rng.uniform(0.001, 0.1), rng.uniform(-2, 2, 6).tolist()
+        fixed, angles = rng.uniform(-5, 5, 5).tolist(), rng.uniform(-1, 1, 2).tolist()
+        thrusts = rng.uniform(-20, 20, (3, 2)).tolist()
+        held = (*fixed, *thrusts[0], *angles)
+        assert made.steady(t, h, *state, *made.held(*held)) == runge_kutta(rates, t, h, state, (held,) * 3, INSIDE)
+        tails = [(*fixed, *q, *angles) for q in thrusts]
+        varied = made.varied(t, h, *state, *fixed, *angles, *thrusts[0], *thrusts[1], *thrusts[2])
+        assert varied == runge_kutta(rates, t, h, state, tails, INSIDE)
+
+
+def test_a_coarse_run_that_ends_early_changes_nothing(swan, programme):
+    """The first run is only looked at until it is too far off; what is accepted, and its error, are those of whole runs."""
+    from ivsid.simulation.equations import equations, plant, steps
+    from ivsid.simulation.integrate import INSIDE, TOLERANCE, run, settle
+    from ivsid.simulation.propulsion import Propulsion, TrueThrust
+
+    # A quick heave of the moment: one step a sample is too coarse.
+    model = plant(swan, terms_of(swan), sort_given({**programme.truth, "drag.yaw.linear": 150.0}))
+    times, outside = (np.arange(200) / 20).tolist(), np.zeros((200, 5))
+    outside[:, 2] = 30 * np.sign(np.sin(np.arange(200)))
+    parts = equations(model), steps(model, INSIDE)
+
+    def make():
+        curves = [TrueThrust(t, np.random.default_rng(0)) for t in swan.thrusters]
+        return Propulsion(model, curves), lambda _k, _state: ([30.0, 40.0], [0.0, 0.0])
+
+    start = (0.0,) * 6
+    path = settle(*parts, make, times, start, outside)
+    whole = {n: run(*parts, *make(), times, start, outside, n) for n in (path.steps // 2, path.steps)}
+    assert path.steps > 2 and path.states.tobytes() == whole[path.steps].states.tobytes()
+    moved = np.abs(whole[path.steps].states[:, :3] - whole[path.steps // 2].states[:, :3]).max(axis=0) / 15
+    assert path.error == tuple(moved.tolist())
+    assert (moved <= np.maximum(TOLERANCE * np.abs(path.states[:, :3]).max(axis=0), 1e-9)).all()
+    near = run(*parts, *make(), times, start, outside, 1, (path.states, np.full(3, 1e-7)))
+    assert 0 < len(near.states) < 200
 
 
 def test_floats_and_arrays_compile_to_the_same_motion(swan):

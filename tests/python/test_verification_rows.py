@@ -17,12 +17,10 @@ from ivsid.sensors import bound_log
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 from ivsid.verification.rows import Rows
-from ivsid.workflow.verify import verdict_lines
 from test_actuators import POD, scenario_of, vehicle_of
 from test_bias import VALUES, biased
 from test_derivatives import towed as smooth_motion
-from test_mounting import MOUNTS, changed, tilted
-from test_rudders import RUDDER
+from test_mounting import MOUNTS, changed
 from test_verification import written
 from test_weak_form import towed as from_pose
 
@@ -174,25 +172,6 @@ def test_between_rows_the_heading_of_a_steady_turn_is_enclosed():
         assert outside(vehicle, log, kind="integral", window=1.0) == []
 
 
-@pytest.mark.slow
-def test_rows_straight_from_the_pose_are_not_checked_and_never_proved(tmp_path):
-    log, vehicle = from_pose(1, length=60.0)
-    fit = identify(vehicle, log, rows="both", window=2.0)
-    assert fit.status == "enclosed"
-    fit.save(tmp_path / "fit.json")
-    verdict = verify(tmp_path / "fit.json", log)
-    assert verdict.status == "not_checked" and not verdict.proved and not verdict.failures
-    assert verdict.not_checked == ("rows straight from the pose are not recomputed by the checker",)
-    assert verdict_lines(verdict)[0].startswith("NOT CHECKED") and verdict.record()["status"] == "not_checked"
-    record = json.loads((tmp_path / "fit.json").read_text())
-    assert not ends(record, log, tmp_path)
-    # Called a row over a window, it is recomputed, and does not follow.
-    for certificate in record["certificates"]:
-        for row in certificate.get("rows", ()):
-            row["kind"] = "integral" if row["kind"] == "weak" else row["kind"]
-    assert verify(written(tmp_path / "r.json", record), log).status == "failed"
-
-
 def checked(vehicle, log, tmp_path, **how):
     identify(vehicle, log, **how).save(tmp_path / "fit.json")
     verdict = verify(tmp_path / "fit.json", log)
@@ -230,23 +209,6 @@ def test_averaged_accelerations_are_recomputed(swan, programme, tmp_path):
     noisy = parse_vehicle(averaged.text.replace("[0.0002, 0.0002]", "[0.002, 0.002]"), "n.toml")
     record["vehicle"], record["inputs"][0]["sha256"] = noisy.text, noisy.sha256
     assert verify(written(tmp_path / "r.json", record), log).status == "failed"
-
-
-def test_what_is_not_recomputed_is_said(swan, twin, tmp_path):
-    leaning = changed(
-        swan,
-        ("[sensors.acceleration]\n", "[sensors.acceleration]\ngravity = true\n"),
-        ("[sensors.velocity]\n", "[sensors.attitude]\naccuracy = 0.002\n\n[sensors.velocity]\n"),
-    )
-    columns, roll, pitch = tilted(twin)
-    imu = Log("imu.csv", "0" * 64, twin.t, {**columns, "roll": roll, "pitch": pitch})
-    status, words = checked(leaning, imu, tmp_path)
-    assert status == "not_checked" and "gravity" in words
-    # Rows over windows do not use the accelerometer: what it holds is of no concern to them.
-    assert checked(leaning, imu, tmp_path, rows="integral") == ("proved", "")
-    steered = vehicle_of(RUDDER)
-    status, words = checked(steered, as_log(simulate(steered, scenario_of(), 3)), tmp_path)
-    assert status == "not_checked" and "rudder behind thruster screw" in words
 
 
 def test_velocities_by_splines_are_neither_guaranteed_nor_checked(tmp_path):
@@ -315,7 +277,7 @@ def test_a_heading_that_may_have_turned_either_way_gives_no_window():
     psi = log.columns["psi"].copy()
     psi[400:] += 3.14 - (psi[400] - psi[399])
     turned = replace(log, columns={**log.columns, "psi": np.angle(np.exp(1j * psi))})
-    own = Rows(turned, vehicle, "total").readings._pose
+    own = Rows(turned, vehicle, "total").readings.pose
     assert own.piece[0] != own.piece[-1]
     assert outside(vehicle, log, kind="integral", window=1.0, picked=12) == []
     uncertain = replace(log, certain={"psi": 1e-4})

@@ -244,6 +244,49 @@ fn hugely_different_scales() {
     }
 }
 
+/// Nine unknowns in three groups of rows as surge, sway and yaw have them; the last two groups cannot tell theirs apart, so the set
+/// goes on for ever in many orthants, while the first group's unknowns are enclosed.
+#[test]
+fn a_set_that_is_open_in_many_orthants() {
+    const GROUPS: [&[usize]; 3] = [&[0, 1, 3], &[0, 1, 4, 5], &[2, 5, 6, 7, 8]];
+    const TRUTH: [f64; 9] = [80.0, 150.0, 45.0, 77.0, 160.0, 40.0, 43.0, 60.0, 12.0];
+    let mut random = Random(9);
+    let (m, n) = (1500, 9);
+    let (mut lo, mut hi, mut y) = (vec![0.0; m * n], vec![0.0; m * n], Vec::new());
+    for i in 0..m {
+        let group = GROUPS[i % 3];
+        let common = random.unit();
+        let mut sum = 0.0;
+        for &j in group {
+            let own = if i % 3 > 0 { 0.05 } else { 1.0 };
+            let x = common + own * random.unit();
+            let radius = if i % 3 > 0 { 0.1 } else { 0.01 };
+            (lo[i * n + j], hi[i * n + j]) = (x - radius, x + radius);
+            sum += x * TRUTH[j];
+        }
+        y.push(at(sum - 2.0, sum + 2.0));
+    }
+    let found = feasible_set(&rows(m, n, &lo, &hi), &y).unwrap();
+    assert_eq!(found.status, Status::Unbounded);
+    assert!(found.orthants.len() > 64, "{}", found.orthants.len());
+    for (j, (x, truth)) in found.parameters.iter().zip(TRUTH).enumerate() {
+        assert!(x.contains(truth), "{j}: {x}");
+        assert_eq!(x.is_bounded(), [0, 1, 3].contains(&j), "{j}: {x}");
+    }
+    // One ray for each open end is enough.
+    assert!(!found.directions.is_empty() && found.directions.len() <= 2 * n, "{}", found.directions.len());
+}
+
+#[test]
+fn inflation_of_an_open_set_is_looked_for_far_out() {
+    // |x - 10| <= k (2 |x| + 1) and |x + 10| <= k (2 |x| + 1): the factor falls towards 1/2 for ever.
+    let a = rows(2, 1, &[-1.0, -1.0], &[3.0, 3.0]);
+    let found = feasible_set(&a, &[at(9.0, 11.0), at(-11.0, -9.0)]).unwrap();
+    let factor = found.inflation.unwrap();
+    assert_eq!(found.status, Status::Unbounded);
+    assert!((0.5..0.5 + 1e-5).contains(&factor), "{factor}");
+}
+
 #[test]
 fn inflation_is_the_least_factor() {
     // |x - 0| <= 1 k and |x - 4| <= 1 k: k = 2 at x = 2.

@@ -28,6 +28,7 @@ pub mod matrix;
 pub mod reductions;
 pub mod regression;
 pub mod regularity;
+pub mod relaxation;
 pub mod rounding;
 mod scaling;
 pub mod status;

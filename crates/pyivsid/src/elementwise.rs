@@ -3,7 +3,7 @@
 use crate::arrays::{intervals, refusal, results, vector};
 use crate::convert::interval_vector;
 use interval_core::rounding::slices::{self, Binary, Bounds, BoundsMut, Unary};
-use interval_core::{Error, Interval, reductions, rounding};
+use interval_core::{Error, Interval, reductions, relaxation, rounding};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -91,6 +91,32 @@ pub fn exact_sum(py: Python<'_>, lo: PyReadonlyArray1<'_, f64>, hi: PyReadonlyAr
     let (lo, hi) = (vector(&lo)?, vector(&hi)?);
     let sum = py.detach(|| intervals(lo, hi).map(|x| reductions::sum_intervals(&x))).map_err(|e| refusal(&e))?;
     Ok((sum.lo(), sum.hi()))
+}
+
+/// Bounds of a quantity that follows held goals behind a first-order lag; see `interval_core::relaxation`.
+#[pyfunction]
+pub fn follow<'py>(
+    py: Python<'py>,
+    start: (f64, f64),
+    goal: (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>),
+    decay: PyReadonlyArray1<'py, f64>,
+    slack: PyReadonlyArray1<'py, f64>,
+    whole: PyReadonlyArray1<'py, bool>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let (low, high, decay, slack) = (vector(&goal.0)?, vector(&goal.1)?, vector(&decay)?, vector(&slack)?);
+    let whole = whole.as_slice()?;
+    let found = results(py, low.len());
+    {
+        let mut both = found.readwrite();
+        let (lo, hi) = both.as_slice_mut()?.split_at_mut(low.len());
+        lo.copy_from_slice(low);
+        if high.len() != low.len() {
+            return Err(refusal(&Error::Shape { what: "the upper bound", given: high.len(), needed: low.len() }));
+        }
+        hi.copy_from_slice(high);
+        py.detach(|| relaxation::follow(start, decay, slack, whole, lo, hi)).map_err(|e| refusal(&e))?;
+    }
+    Ok(found)
 }
 
 /// The back end in use: portable, avx2 or avx512.

@@ -16,8 +16,8 @@ use pyo3::prelude::*;
 mod core_module {
     #[pymodule_export]
     use super::elementwise::{
-        backend, binary, check_bounds, environment_is_default, exact_sum, format_interval, measure, outward_decimal,
-        power, unary,
+        backend, binary, check_bounds, environment_is_default, exact_sum, follow, format_interval, measure,
+        outward_decimal, power, unary,
     };
     #[pymodule_export]
     use super::linalg::{gram, inverse, inverse_batch, matmul, norm, regularity, regularity_batch, solve, solve_batch};

@@ -153,6 +153,13 @@ def identify(
     window: Annotated[
         str, typer.Option("--window", help="Length of integral rows [s], or several at once: 0.5,2,10.")
     ] = "1.0",
+    bias: Annotated[
+        str,
+        typer.Option(
+            "--bias",
+            help="The accelerometer's bias: sample (a bound at every sample), log (one unknown a log) or auto (log where clearly tighter).",
+        ),
+    ] = "auto",
     outliers: Annotated[
         int, typer.Option("--outliers", min=0, help="How many rows of each set of parameters may be wrong.")
     ] = 0,
@@ -173,6 +180,7 @@ def identify(
             form=form,
             rows=rows,
             window=windows,
+            bias=bias,
             outliers=outliers,
             progress=p,
         ),

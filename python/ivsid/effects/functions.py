@@ -6,15 +6,11 @@ What is no float or array brings its own method of the same name, or NumPy's fun
 from __future__ import annotations
 
 import math
-from itertools import pairwise
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
-from ivsid.intervals import IntervalArray
-
-# Strips of the hull that enclose an integral over its length where the velocities are intervals.
-STRIPS: Final = 40
+from ivsid.cross_flow import cross_flow_over
 
 
 def _apply(name: str, x: Any, scalar: Any) -> Any:
@@ -87,21 +83,24 @@ def _cross_flow(v: Any, r: Any, half: float, power: int) -> Any:
         return cross_flow_value(v, r, half, power)
     if isinstance(v, np.ndarray):
         return cross_flow_array(v, r, half, power)
-    return _strips(v, r, half, power)
+    return cross_flow_over(v, r, half, power)
 
 
 def cross_flow_value(v: float, r: float, half: float, power: int) -> float:
     """The integral in closed form: a polynomial where the flow has one sign along the hull, else split at its zero."""
+    return cross_flow_both(v, r, half)[power]
+
+
+def cross_flow_both(v: float, r: float, half: float) -> tuple[float, float]:
+    """Force and moment at once."""
     if abs(v) >= abs(r) * half:
         sign = math.copysign(1.0, v)
-        return sign * (2 * half * v * v + 2 * half**3 * r * r / 3 if power == 0 else 4 * v * r * half**3 / 3)
+        return sign * (2 * half * v * v + 2 * half**3 * r * r / 3), sign * (4 * v * r * half**3 / 3)
     # With w = v + x r and dx = dw / r: w|w| integrates to w^2|w| / 3, w^2|w| to w^3|w| / 4. The ends have different signs.
     low, high = v - r * half, v + r * half
     first = (high * high * abs(high) - low * low * abs(low)) / (3 * r)
-    if power == 0:
-        return first
     second = (high**3 * abs(high) - low**3 * abs(low)) / (4 * r * r)
-    return second - v * first / r
+    return first, second - v * first / r
 
 
 def cross_flow_array(v: Any, r: Any, half: float, power: int) -> Any:
@@ -115,19 +114,3 @@ def cross_flow_array(v: Any, r: Any, half: float, power: int) -> Any:
         return np.where(one_sign, smooth, first)
     second = (high**3 * np.abs(high) - low**3 * np.abs(low)) / (4 * rate * rate)
     return np.where(one_sign, np.sign(v) * 4 * v * r * half**3 / 3, second - v * first / rate)
-
-
-def _strips(v: Any, r: Any, half: float, power: int) -> Any:
-    """An enclosure: each strip's length times the integrand over all of the strip."""
-    # The decimals of the length are rounded: the hull ends somewhere in a last strip, whose length may be nothing.
-    inner, outer = np.nextafter(half, 0.0), np.nextafter(half, np.inf)
-    rim = IntervalArray(0.0, outer - inner)
-    strips = [(low, high, None) for low, high in pairwise(np.linspace(-inner, inner, STRIPS + 1))]
-    total: Any = 0.0
-    for low, high, length in (*strips, (-outer, -inner, rim), (inner, outer, rim)):
-        # Ends are rounded; neighbouring strips share theirs, so nothing of the length is lost.
-        x = IntervalArray(np.array(low), np.array(high))
-        width = IntervalArray(np.array(high)) - IntervalArray(np.array(low)) if length is None else length
-        strip = signed_square(r * x + v) * width
-        total = strip * x + total if power else strip + total
-    return total

@@ -24,6 +24,7 @@ from ivsid.effects import CHANNELS, State, Term, rigid_body
 from ivsid.identification.fit import Identification
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
+from ivsid.pieces import interval_pieces
 from ivsid.rows import ROW_KINDS, RegressionRows
 from ivsid.sensors import BoundedLog, rule_for
 from ivsid.vehicle import AccelerationSensor, Vehicle
@@ -93,17 +94,23 @@ def _narrowed(bounded: BoundedLog, name: str, sensor: AccelerationSensor, axis: 
     """The reading with what is left around its own bias: never wider than the box grown to the new rule."""
     deviation, time = sensor.axis(axis)
     t = bounded.log.t
-    away = np.abs(t - 0.5 * (t[0] + t[-1])) + 2 * bounded.log.time_error
-    moved = sigmas * deviation * np.sqrt(-2 * np.expm1(-away / time))
-    box = _grown(bounded.channels[name], sigmas / bounded.rule.sigmas)
-    # The box holds k B of bias on either side; in its place comes what the bias moves.
-    change = moved * (1 + 1e-9) - sigmas * deviation * (1 - 1e-9)
-    there = bounded.present[name]
-    middle = np.where(there, bounded.channels[name].midpoint, 0.0)
-    radius = np.where(there, 0.5 * box.width + change, 0.0)
-    radius = np.nextafter(np.maximum(radius, 0.0) * (1 + 1e-9), np.inf)
-    around = IntervalArray.around(middle, radius + 4 * np.spacing(np.abs(middle)))
-    return IntervalArray(np.where(there, around.lower, -np.inf), np.where(there, around.upper, np.inf))
+    middle_of_log, lost = 0.5 * (t[0] + t[-1]), 2 * bounded.log.time_error
+    growth = sigmas / bounded.rule.sigmas
+
+    def narrowed(rows: slice) -> IntervalArray:
+        away = np.abs(t[rows] - middle_of_log) + lost
+        moved = sigmas * deviation * np.sqrt(-2 * np.expm1(-away / time))
+        own = bounded.channels[name][rows]
+        # The box holds k B of bias on either side; in its place comes what the bias moves.
+        change = moved * (1 + 1e-9) - sigmas * deviation * (1 - 1e-9)
+        there = bounded.present[name][rows]
+        middle = np.where(there, own.midpoint, 0.0)
+        radius = np.where(there, 0.5 * _grown(own, growth).width + change, 0.0)
+        radius = np.nextafter(np.maximum(radius, 0.0) * (1 + 1e-9), np.inf)
+        around = IntervalArray.around(middle, radius + 4 * np.spacing(np.abs(middle)))
+        return IntervalArray(np.where(there, around.lower, -np.inf), np.where(there, around.upper, np.inf))
+
+    return interval_pieces(t.size, narrowed)
 
 
 def with_unknowns(

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ivsid import regression
 from ivsid.effects import CHANNELS, Term, terms_of
@@ -17,6 +18,7 @@ from ivsid.identification.freedom import determined
 from ivsid.intervals import FloatArray
 from ivsid.linalg import INVERSE_METHODS, partition_count
 from ivsid.log import Log
+from ivsid.pieces import over_pieces, pieces
 from ivsid.rows import ROW_KINDS, WINDOW, RegressionRows, build_rows
 from ivsid.sensors import BoundedLog, bound_log
 from ivsid.vehicle import Vehicle
@@ -110,7 +112,8 @@ def identify_rows(
     if method not in METHODS:
         raise IvsidError(f"method '{method}' is not available; choose one of {', '.join(METHODS)}")
     allowed = options.get("outliers", 0)
-    blocks = [_solve(rows, columns, method, options["partitions"], allowed) for columns in _blocks(rows)]
+    used = _used(rows)
+    blocks = [_solve(rows, used, columns, method, options["partitions"], allowed) for columns in _blocks(used)]
     parameters, estimate = _gather(rows.terms, blocks)
     status = _overall([b.status for b in blocks])
     proved = status in ("enclosed", "empty", "unbounded")
@@ -215,15 +218,33 @@ def _overall(statuses: Sequence[str]) -> str:
     return "enclosed"
 
 
-def _blocks(rows: RegressionRows) -> list[tuple[int, ...]]:
+def _used(rows: RegressionRows) -> list[NDArray[np.bool_]]:
+    """Where each column is more than zero."""
+
+    def used(columns: slice) -> NDArray[np.bool_]:
+        j = columns.start
+        return np.asarray((rows.matrix.lower[:, j] != 0) | (rows.matrix.upper[:, j] != 0))
+
+    return over_pieces(pieces(rows.matrix.shape[1], 1), used)
+
+
+def _any(used: Sequence[NDArray[np.bool_]], columns: Iterable[int]) -> NDArray[np.bool_]:
+    """Rows in which one of some columns is more than zero."""
+    first, *others = columns
+    found = used[first].copy()
+    for j in others:
+        found |= used[j]
+    return found
+
+
+def _blocks(used: Sequence[NDArray[np.bool_]]) -> list[tuple[int, ...]]:
     """Columns that are linked by a common row: each set can be solved on its own."""
-    used = (rows.matrix.lower != 0) | (rows.matrix.upper != 0)
-    remaining, blocks = set(range(used.shape[1])), []
+    remaining, blocks = set(range(len(used))), []
     while remaining:
         group = {min(remaining)}
         while True:
-            touched = used[:, sorted(group)].any(axis=1)
-            grown = group | {j for j in remaining if used[touched, j].any()}
+            touched = _any(used, group)
+            grown = group | {j for j in remaining - group if (used[j] & touched).any()}
             if grown == group:
                 break
             group = grown
@@ -232,13 +253,18 @@ def _blocks(rows: RegressionRows) -> list[tuple[int, ...]]:
     return blocks
 
 
-def _solve(rows: RegressionRows, columns: tuple[int, ...], method: str, partitions: int, allowed: int = 0) -> _Block:
-    used = (rows.matrix.lower != 0) | (rows.matrix.upper != 0)
+def _solve(
+    rows: RegressionRows,
+    used: Sequence[NDArray[np.bool_]],
+    columns: tuple[int, ...],
+    method: str,
+    partitions: int,
+    allowed: int = 0,
+) -> _Block:
     # Rows without any parameter say nothing of this block; where the model has one block they falsify it, so they stay.
-    mine = used[:, list(columns)].any(axis=1)
-    idle = ~used.any(axis=1)
+    mine = _any(used, columns)
     if columns[0] == 0:
-        mine = mine | idle
+        mine |= ~_any(used, range(len(used)))
     part = rows.take(mine, columns)
     ids = [t.id for t in part.terms]
     if not part.time.size:

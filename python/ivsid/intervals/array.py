@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any, Self, TypeAlias, cast
 
@@ -72,8 +73,13 @@ class IntervalArray:
 
     @classmethod
     def _raw(cls, bounds: tuple[FloatArray, FloatArray] | FloatArray, shape: tuple[int, ...]) -> Self:
+        # What comes here was made for this array, or is read-only already.
         new = cls.__new__(cls)
-        new._set(bounds[0].reshape(shape), bounds[1].reshape(shape))
+        lower, upper = bounds[0], bounds[1]
+        if lower.shape != shape:
+            lower, upper = lower.reshape(shape), upper.reshape(shape)
+        new._lower, new._upper = lower, upper
+        lower.flags.writeable = upper.flags.writeable = False
         return new
 
     @classmethod
@@ -146,7 +152,8 @@ class IntervalArray:
     @property
     def magnitude(self) -> FloatArray:
         """The largest absolute value."""
-        return self._measure("magnitude")
+        found: FloatArray = np.maximum(np.abs(self._lower), np.abs(self._upper))
+        return self._measure("magnitude") if self.empty.any() else found
 
     @property
     def mignitude(self) -> FloatArray:
@@ -178,7 +185,9 @@ class IntervalArray:
 
     def signed_square(self) -> IntervalArray:
         """``x |x|``, the quadratic drag law."""
-        return self._unary("signed_square")
+        # The square of the part above zero less that of the part below: vectorised, and each end rounded once as in one operation.
+        above, below = binary("max", self, 0.0), binary("min", self, 0.0)
+        return above.square() - below.square()
 
     def square(self) -> IntervalArray:
         """``x^2``."""
@@ -332,8 +341,12 @@ def interval_array(value: Operand) -> IntervalArray:
 
 
 def _contiguous(bounds: FloatArray, shape: tuple[int, ...]) -> FloatArray:
-    spread = bounds if bounds.shape == shape else np.broadcast_to(bounds, shape)
-    return np.ascontiguousarray(spread).reshape(-1)
+    if bounds.shape != shape:
+        if not bounds.ndim:
+            return np.full(math.prod(shape), bounds)
+        bounds = np.broadcast_to(bounds, shape)
+    flat = np.ascontiguousarray(bounds)
+    return flat if flat.ndim == 1 else flat.reshape(-1)
 
 
 def binary(op: str, a: Operand, b: Operand) -> IntervalArray:
@@ -380,6 +393,22 @@ def matmul(a: Operand, b: Operand) -> IntervalArray:
     shape = (*x.shape[:-1], *(y.shape[1:] if y.ndim == 2 else ()))
     result = IntervalArray._raw(product, shape)
     return result if shape else cast(IntervalArray, scalar(result))
+
+
+def follow(
+    start: tuple[float, float], goal: IntervalArray, decay: FloatArray, slack: FloatArray, whole: NDArray[np.bool_]
+) -> IntervalArray:
+    """What follows held goals behind a first-order lag, x' = e x + (1 - e) g for a share e that is within ``slack`` of ``decay``.
+
+    Args:
+        start: bounds at the first row, and again after a step that is not whole.
+        goal: of each row, shape (n,).
+        decay: shape (n - 1,).
+        slack: shape (n - 1,).
+        whole: shape (n - 1,).
+    """
+    found = _core.follow(start, goal._flat(), _contiguous(decay, decay.shape), _contiguous(slack, slack.shape), whole)
+    return IntervalArray._raw(found, goal.shape)
 
 
 def outward_decimal(x: float, *, up: bool) -> str:

@@ -116,10 +116,12 @@ class Log:
         """How far a time may be from what its decimals say [s]."""
         return float(np.spacing(np.abs(self.t).max())) + self.time_rounding
 
-    def error(self, name: str) -> NDArray[np.float64]:
-        """How far each value of a column may be from what its decimals say; 0 where it is missing."""
-        values = np.nan_to_num(self.columns[name])
-        lost: NDArray[np.float64] = np.spacing(np.abs(values)) + np.nan_to_num(self.rounding.get(name, 0.0))
+    def error(self, name: str, rows: slice = slice(None)) -> NDArray[np.float64]:
+        """How far each value of a column may be from what its decimals say; 0 where it is missing. Of some rows, or of all."""
+        values = self.columns[name][rows]
+        lost: NDArray[np.float64] = np.spacing(np.abs(np.where(np.isnan(values), 0.0, values)))
+        if name in self.rounding:
+            lost = lost + np.nan_to_num(self.rounding[name][rows])
         return lost
 
     def column(self, name: str, why: str) -> NDArray[np.float64]:

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from functools import partial
+from typing import Any, Final
 
 import numpy as np
 
 from ivsid.effects import CHANNELS, Term
 from ivsid.errors import IvsidError
-from ivsid.intervals import IntervalArray
 from ivsid.log import Log
+from ivsid.pieces import PIECE, over_pieces, pieces
 from ivsid.rows.equations import Equations
 from ivsid.rows.integral import integral
-from ivsid.rows.pointwise import pointwise
-from ivsid.rows.record import RegressionRows
+from ivsid.rows.pointwise import explain, pointwise
+from ivsid.rows.record import RegressionRows, Space, joined
 from ivsid.rows.weak import weak
 from ivsid.sensors import BoundedLog
 from ivsid.vehicle import Vehicle
@@ -31,6 +32,7 @@ def build_rows(
     added_mass: bool = False,
     kind: str = "auto",
     window: float | Sequence[float] = WINDOW,
+    piece: int = PIECE,
 ) -> RegressionRows:
     """All rows that the log supports.
 
@@ -42,6 +44,7 @@ def build_rows(
         kind: ``pointwise``, ``integral``, ``weak`` (hat-weighted over two windows, for velocities that come from a pose), ``both``
             (every kind that there is), or ``auto`` (pointwise where accelerations are measured, else integral).
         window: length of integral rows [s], or several: each row holds by itself, so what is consistent with all is an intersection.
+        piece: samples that are worked on at once; rows do not depend on it.
 
     Raises:
         IvsidError: naming the channel, sensor section or limit that is missing.
@@ -50,18 +53,28 @@ def build_rows(
         raise IvsidError(f"rows '{kind}' are unknown; use {', '.join(KINDS)}")
     counts = _counts(bounded.log, (window,) if isinstance(window, float | int) else tuple(window), kind)
     equations = Equations(bounded, vehicle, tuple(terms), vehicle.hull.mass if added_mass else 0.0)
-    parts = []
-    for index, channel in enumerate(CHANNELS):
-        if not equations.acts(channel):
-            continue
-        measured = equations.measured(channel)
-        # An acceleration that only follows from velocities adds its rows to those over windows.
-        if kind not in ("integral", "weak") and equations.known(channel):
-            parts.append(pointwise(equations, index, channel))
-        if kind in ("integral", "both") or (kind == "auto" and not measured):
-            parts += [integral(equations, index, channel, count) for count in counts]
-        if kind in ("weak", "both"):
-            parts += [w for count in counts if (w := weak(equations, index, channel, count)) is not None]
+    plan = _plan(equations, counts, kind)
+    further = 0 if kind in ("pointwise", "weak") else max(counts)
+    # Rows from the pose look at the whole log at once, the others at pieces of it.
+    own = [entry for entry in plan if entry[1] != "weak"]
+    space = Space(tuple(terms), len(own), equations.t.size)
+
+    def work(rows: slice) -> None:
+        part = equations.part(rows.start, rows.stop, further)
+        for k, (_, _, make) in enumerate(own):
+            space.put(k, rows.start, make(part))
+
+    if own:
+        over_pieces(pieces(equations.t.size, max(piece, 4 * further)), work)
+    for k, (channel, how, _) in enumerate(own):
+        if how == "pointwise" and not space.rows(k):
+            explain(equations, channel)
+    if len(own) == len(plan):
+        parts = [space.done()]
+    else:
+        made = iter(range(len(own)))
+        parts = [make(equations) if how == "weak" else space.done(next(made)) for _, how, make in plan]
+        parts = [p for p in parts if p is not None]
     if kind == "weak" and not parts:
         raise IvsidError(
             f"rows 'weak' need velocities that are enclosed from the pose, and {bounded.log.name} measures them or its vehicle file has "
@@ -72,16 +85,24 @@ def build_rows(
         raise IvsidError(
             f"{bounded.log.name} has no row with every channel that the model needs; look at the missing samples and the gaps"
         )
-    return RegressionRows(
-        tuple(terms),
-        IntervalArray.concatenate([p.matrix for p in parts]),
-        IntervalArray.concatenate([p.right for p in parts]),
-        np.concatenate([p.channel for p in parts]),
-        np.concatenate([p.time for p in parts]),
-        np.concatenate([p.duration for p in parts]),
-        np.concatenate([p.kind for p in parts]),
-        tuple(dict.fromkeys((*equations.forces.assumes, *(s for p in parts for s in p.assumes)))),
-    )
+    return joined(parts, equations.assumes)
+
+
+def _plan(equations: Equations, counts: Sequence[int], kind: str) -> list[tuple[str, str, Any]]:
+    """Channel, kind and maker of rows, in the order in which they stand."""
+    plan: list[tuple[str, str, Any]] = []
+    for index, channel in enumerate(CHANNELS):
+        if not equations.acts(channel):
+            continue
+        of: dict[str, Any] = {"index": index, "channel": channel}
+        # An acceleration that only follows from velocities adds its rows to those over windows.
+        if kind not in ("integral", "weak") and equations.known(channel):
+            plan.append((channel, "pointwise", partial(pointwise, **of)))
+        if kind in ("integral", "both") or (kind == "auto" and not equations.measured(channel)):
+            plan += [(channel, "integral", partial(integral, **of, count=count)) for count in counts]
+        if kind in ("weak", "both"):
+            plan += [(channel, "weak", partial(weak, **of, half=count)) for count in counts]
+    return plan
 
 
 def _counts(log: Log, windows: Sequence[float], kind: str) -> list[int]:

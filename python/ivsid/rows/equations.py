@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import partial
-from typing import Final
+from collections.abc import Callable, Hashable, Sequence
+from copy import copy
+from functools import cached_property, partial
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.actuation import GAP
 from ivsid.effects import Columns, Place, State, Term, rigid_body
 from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray, Interval, IntervalArray
+from ivsid.lag import GAP
 from ivsid.needs import lacking, needed_by
-from ivsid.rows.forces import known_forces
+from ivsid.rows.forces import Forces, KnownForces
 from ivsid.rows.record import ROW_KINDS, RegressionRows
 from ivsid.sensors import BoundedLog
 from ivsid.vehicle import Vehicle
@@ -28,24 +29,76 @@ SOMEWHERE: Final = Place(0.3, 0.0, 0.0, 0.0)
 
 
 class Equations:
-    """The log, the model and the forces, while rows are made of them."""
+    """The log, the model and the forces, while rows are made of them; the whole log, or a part of it.
+
+    Attributes:
+        t: times [s], shape (n,).
+        clock: the same enclosed.
+        channels: intervals of each channel, shape (n,).
+        present: where each has a sample.
+        period: the usual step of the whole log [s].
+        owned: rows that a part makes rows of the regression for; those after them complete its windows.
+    """
 
     def __init__(self, bounded: BoundedLog, vehicle: Vehicle, terms: tuple[Term, ...], known_mass: float) -> None:
         self.bounded, self.vehicle, self.terms = bounded, vehicle, terms
         x_g, y_g = vehicle.hull.centre_of_gravity
         self.mx, self.my, self.mass = vehicle.hull.mass * x_g, vehicle.hull.mass * y_g, known_mass
+        numbers = ((self.mx, 0.0, 0.0), (0.0, self.my, 0.0), (0.0, 0.0, self.mass))
+        self._known = [partial(rigid_body, mx=a, my=b, mass=c) for a, b, c in numbers if a or b or c]
         self.t = bounded.log.t
+        self.period = bounded.log.period
         if (words := lacking(bounded.log, terms, vehicle)) is not None:
             raise IvsidError(words)
         # The decimals of a time may round, and a difference of doubles too: steps are enclosed like everything else.
         self.clock = IntervalArray.around(self.t, bounded.log.time_error)
-        self.forces = known_forces(bounded, vehicle)
+        self.channels, self.present = bounded.channels, bounded.present
+        self._first, self.owned = 0, self.t.size
+        self._sources = KnownForces(bounded, vehicle)
+        self._asked: dict[Hashable, Any] = {}
+        self._made: dict[Hashable, Any] = {}
         for name in ("u", "v", "r"):
             self.channel(name)
         # Some terms turn with the vehicle; the heading is one more quantity that moves.
         self.turning = "psi" in needed_by(terms, vehicle)
         if self.turning:
             self.channel("psi")
+
+    @cached_property
+    def forces(self) -> Forces:
+        """Known forces at the rows and over the steps between them."""
+        return self._sources.part(self._first, self._first + self.t.size)
+
+    def part(self, first: int, last: int, further: int) -> Equations:
+        """Of rows from ``first`` up to ``last``, and of ``further`` rows after them that complete their windows."""
+        end = min(last + further, self.t.size)
+        if first == 0 and end == self.t.size and last == end:
+            return self
+        rows = slice(first, end)
+        made = copy(self)
+        made.__dict__.pop("forces", None)
+        made.t, made.clock = self.t[rows], self.clock[rows]
+        made.channels = {name: x[rows] for name, x in self.channels.items()}
+        made.present = {name: there[rows] for name, there in self.present.items()}
+        made._first, made.owned, made._made = self._first + first, last - first, {}
+        return made
+
+    @property
+    def assumes(self) -> tuple[str, ...]:
+        """What the known forces rest on."""
+        return self._sources.assumes
+
+    def ask(self, question: Hashable, answer: Callable[[], Any]) -> Any:
+        """The answer to a question about the model alone, which is the same for all parts of a log."""
+        if question not in self._asked:
+            self._asked[question] = answer()
+        return self._asked[question]
+
+    def once(self, what: Hashable, make: Callable[[], Any]) -> Any:
+        """What several channels and kinds of rows need of the same rows, made once."""
+        if what not in self._made:
+            self._made[what] = make()
+        return self._made[what]
 
     def acts(self, channel: str) -> bool:
         """Whether a parameter stands in the channel's equation."""
@@ -79,16 +132,20 @@ class Equations:
 
     def known_force(self, mean: Callable[[Callable[[State], Columns]], IntervalArray]) -> IntervalArray:
         """The same in intervals, from what ``mean`` makes of columns: number by number, since rounded ones may cancel in a sum."""
-        numbers = ((self.mx, 0.0, 0.0), (0.0, self.my, 0.0), (0.0, 0.0, self.mass))
-        parts = [mean(partial(rigid_body, mx=a, my=b, mass=c)) * PRODUCT for a, b, c in numbers if a or b or c]
+        parts = [mean(columns) * PRODUCT for columns in self._known]
         return sum(parts[1:], parts[0]) if parts else IntervalArray(np.array(0.0))
 
     def needs_rdot(self, channel: str) -> bool:
         """Whether the derivative of the yaw rate stands in the channel's equation."""
         still, probe = (State(0.0, 0.0, 0.0, 0.0, 0.0, rdot, place=SOMEWHERE) for rdot in (0.0, 1.0))
-        return any(
-            f(probe).get(channel, 0.0) != f(still).get(channel, 0.0)
-            for f in (*(t.columns for t in self.terms), self.known_part)
+        return bool(
+            self.ask(
+                ("rdot", channel),
+                lambda: any(
+                    f(probe).get(channel, 0.0) != f(still).get(channel, 0.0)
+                    for f in (*(t.columns for t in self.terms), self.known_part)
+                ),
+            )
         )
 
     def ambient(self, channel: str) -> IntervalArray:
@@ -107,7 +164,7 @@ class Equations:
         """
         whole: NDArray[np.bool_] = there[1:] & there[:-1] & (np.diff(self.t) <= GAP * usual)
         if heading:
-            psi = self.bounded.channels["psi"]
+            psi = self.channels["psi"]
             whole &= np.maximum(psi.upper[1:] - psi.lower[:-1], psi.upper[:-1] - psi.lower[1:]) < HALF_TURN
         return whole if self.forces.whole is None else whole & self.forces.whole
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.actuation import Flow, pushed
+from ivsid.actuation import Flow, Push
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
 from ivsid.sensors import BoundedLog
@@ -30,28 +31,57 @@ class Forces:
     whole: NDArray[np.bool_] | None = None
 
 
-def known_forces(bounded: BoundedLog, vehicle: Vehicle) -> Forces:
-    """The forces of all thrusters, or the logged ones where the vehicle file has none."""
-    log, held = bounded.log, vehicle.log.demand == "hold"
-    present = np.ones(log.t.shape, dtype=bool)
-    whole = np.ones(log.t.size - 1, dtype=bool)
-    if vehicle.thrusters:
-        zero = IntervalArray(np.zeros(log.t.shape))
-        totals, ramps = [zero] * 3, [zero[1:]] * 3
-        assumes: tuple[str, ...] = (
+class KnownForces:
+    """The forces of all thrusters, or the logged ones where the vehicle file has none; worked out for the rows that are asked for."""
+
+    def __init__(self, bounded: BoundedLog, vehicle: Vehicle) -> None:
+        log, held = bounded.log, vehicle.log.demand == "hold"
+        self._pushes: list[Push] = []
+        self._logged: Forces | None = None
+        if not vehicle.thrusters:
+            self._logged = _logged(bounded, vehicle)
+            self.assumes = self._logged.assumes
+            return
+        moved = any(t.advance_loss or t.rudder is not None for t in vehicle.thrusters)
+        flow = _flow(bounded, vehicle) if moved else None
+        self._pushes = [Push(thruster, log, held=held, flow=flow) for thruster in vehicle.thrusters]
+        self.assumes = (
             "demands hold from each row to the next" if held else "demands change on straight lines from row to row",
+            *(s for push in self._pushes for s in push.assumes),
         )
-        flow = (
-            _flow(bounded, vehicle) if any(t.advance_loss or t.rudder is not None for t in vehicle.thrusters) else None
-        )
-        for thruster in vehicle.thrusters:
-            push = pushed(thruster, log, held=held, flow=flow)
+
+    def part(self, first: int, last: int) -> Forces:
+        """At rows from ``first`` up to ``last``, and over the steps between them."""
+        here, between = slice(first, last), slice(first, last - 1)
+        if self._logged is not None:
+            known = self._logged
+            (X, Y, N), (dX, dY, dN) = known.values, known.steps
+            whole = None if known.whole is None else known.whole[between]
+            values, steps = (X[here], Y[here], N[here]), (dX[between], dY[between], dN[between])
+            return Forces(values, steps, known.present[here], self.assumes, whole)
+        pushes = [made.forces(first, last) for made in self._pushes]
+        present, whole = np.ones(last - first, dtype=bool), np.ones(last - first - 1, dtype=bool)
+        totals, ramps = pushes[0].at_rows, pushes[0].over_steps
+        for push in pushes:
             present &= push.present
             whole &= True if push.whole is None else push.whole
-            assumes += push.assumes
-            totals = [a + b for a, b in zip(totals, push.at_rows, strict=True)]
-            ramps = [a + b for a, b in zip(ramps, push.over_steps, strict=True)]
-        return Forces((totals[0], totals[1], totals[2]), (ramps[0], ramps[1], ramps[2]), present, assumes, whole)
+        for push in pushes[1:]:
+            totals = _sum(totals, push.at_rows)
+            ramps = _sum(ramps, push.over_steps)
+        return Forces(totals, ramps, present, self.assumes, whole)
+
+
+_Three: TypeAlias = tuple[IntervalArray, IntervalArray, IntervalArray]
+
+
+def _sum(a: _Three, b: _Three) -> _Three:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def _logged(bounded: BoundedLog, vehicle: Vehicle) -> Forces:
+    log = bounded.log
+    present = np.ones(log.t.shape, dtype=bool)
+    whole = np.ones(log.t.size - 1, dtype=bool)
     values, between, sentences = [], [], []
     for name, section in (("force_X", "force"), ("force_Y", "force"), ("moment_N", "moment")):
         log.column(name, "because the vehicle file has no thrusters")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from functools import partial
+from typing import Any, Final, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,15 +23,9 @@ WHOLE_STEP: Final = 0.1
 
 
 def integral(equations: Equations, index: int, channel: str, count: int) -> RegressionRows:
-    """The mean of the channel's equation over sliding windows of ``count`` steps."""
-    steps = np.diff(equations.t)
-    names = ("u", "v", "r", "psi") if equations.turning else ("u", "v", "r")
-    there = equations.forces.present.copy()
-    for n in names:
-        there &= equations.bounded.present[n]
-    starts = complete(equations.whole_steps(there, float(np.median(steps)), heading=equations.turning), count)
-    spans = equations.clock[starts + count] - equations.clock[starts]
-    quadrature = Quadrature(equations, steps, starts, count, spans)
+    """The mean of the channel's equation over sliding windows of ``count`` steps that begin at rows that the part owns."""
+    starts, spans = equations.once(("windows", count), lambda: _windows(equations, count))
+    quadrature = Quadrature(equations, np.diff(equations.t), starts, count, spans)
     columns = [quadrature.mean(term.columns, channel) for term in equations.terms]
     right = (
         quadrature.window_mean(equations.forces.steps[index])
@@ -42,13 +37,30 @@ def integral(equations: Equations, index: int, channel: str, count: int) -> Regr
     return equations.rows("integral", index, matrix, right, equations.t[starts], durations, quadrature.assumes)
 
 
+def _windows(equations: Equations, count: int) -> tuple[NDArray[np.int64], IntervalArray]:
+    """Where whole windows begin, and their lengths [s]."""
+    there = equations.forces.present.copy()
+    for n in ("u", "v", "r", "psi") if equations.turning else ("u", "v", "r"):
+        there &= equations.present[n]
+    starts = complete(equations.whole_steps(there, equations.period, heading=equations.turning), count)
+    starts = starts[starts < equations.owned]
+    return starts, _taken(equations.clock, starts, count) - _taken(equations.clock, starts, 0)
+
+
+def _taken(x: Any, starts: NDArray[np.int64], offset: int) -> Any:
+    """Entries ``starts + offset``: a view where they follow each other, as they do in a log without gaps."""
+    if starts.size and starts[-1] - starts[0] + 1 == starts.size:
+        return x[starts[0] + offset : starts[-1] + offset + 1]
+    return x[starts + offset]
+
+
 def window_sum(x: IntervalArray, starts: NDArray[np.int64], count: int) -> IntervalArray:
     """The sum of ``count`` neighbours from each start, by sums of 1, 2, 4 ... neighbours: few additions, and few roundings."""
     total, done = None, 0
     doubled, length = x, 1
     while True:
         if count & length:
-            part = doubled[starts + done]
+            part = _taken(doubled, starts, done)
             total, done = part if total is None else total + part, done + length
         if 2 * length > count:
             return IntervalArray(np.zeros(starts.shape)) if total is None else total
@@ -62,7 +74,7 @@ class Quadrature:
         self, equations: Equations, steps: FloatArray, starts: NDArray[np.int64], count: int, spans: IntervalArray
     ) -> None:
         self.equations, self.starts, self.count, self.spans = equations, starts, count, spans
-        self.steps = equations.clock[1:] - equations.clock[:-1]
+        self.steps: IntervalArray = equations.once("steps", lambda: equations.clock[1:] - equations.clock[:-1])
         self.assumes: list[str] = ["psi turns by less than half a turn from row to row"] if equations.turning else []
 
     def window_mean(self, per_step: IntervalArray) -> IntervalArray:
@@ -71,21 +83,35 @@ class Quadrature:
 
     def mean(self, columns: Any, channel: str) -> IntervalArray:
         """The mean of a column: exact differences for its accelerations, a bounded quadrature for the rest."""
-        total = IntervalArray(np.zeros(self.starts.shape))
-        for name, derivative in (("u", "udot"), ("v", "vdot"), ("r", "rdot")):
-            coefficient = columns(unit(derivative)).get(channel, 0.0) - columns(unit("")).get(channel, 0.0)
-            if coefficient:
-                x = self.equations.bounded.channels[name]
-                difference = self._narrowed(x[self.starts + self.count] - x[self.starts], name)
-                total = total + difference * coefficient / self.spans
+        total: Any = IntervalArray(np.zeros(self.starts.shape))
+        for name, coefficient in self._accelerations(columns, channel):
+            difference = self.equations.once(("difference", name, self.count), partial(self._difference, name))
+            total = total + self._narrowed(difference, name) * coefficient / self.spans
         if self.has_velocity_part(columns, channel):
             total = total + self.window_mean(self._step_mean(columns, channel))
-        return total
+        return cast(IntervalArray, total)
+
+    def _accelerations(self, columns: Any, channel: str) -> list[tuple[str, float]]:
+        """The velocities whose rates of change stand in a column, each with its coefficient."""
+
+        def found() -> list[tuple[str, float]]:
+            still = columns(unit("")).get(channel, 0.0)
+            pairs = (
+                (name, columns(unit(rate)).get(channel, 0.0) - still)
+                for name, rate in (("u", "udot"), ("v", "vdot"), ("r", "rdot"))
+            )
+            return [(name, coefficient) for name, coefficient in pairs if coefficient]
+
+        return cast(list[tuple[str, float]], self.equations.ask(("accelerations", columns, channel), found))
+
+    def _difference(self, name: str) -> IntervalArray:
+        x = self.equations.channels[name]
+        return cast(IntervalArray, _taken(x, self.starts, self.count) - _taken(x, self.starts, 0))
 
     def _narrowed(self, difference: IntervalArray, name: str) -> IntervalArray:
         """A difference of u or v, by what an averaging accelerometer says of it, too: its mean, and that of v r or u r."""
         own = {"u": "mean_ax", "v": "mean_ay"}.get(name)
-        channels = self.equations.bounded.channels
+        channels = self.equations.channels
         log = self.equations.bounded.log
         if own is None or own not in channels or own.removeprefix("mean_") in {*log.clocks, *log.by_rate}:
             # Of another clock than the rows, a reading averages something else than the step before its row.
@@ -113,7 +139,11 @@ class Quadrature:
     def has_velocity_part(self, columns: Any, channel: str) -> bool:
         """Whether more than accelerations stands in a column."""
         probes = [State(*nu, 0.0, 0.0, 0.0, place=SOMEWHERE) for nu in ((0.3, 0.7, 1.1), (-0.9, 0.4, -0.2))]
-        return any(columns(p).get(channel, 0.0) != 0.0 for p in probes)
+        return bool(
+            self.equations.ask(
+                ("velocity", columns, channel), lambda: any(columns(p).get(channel, 0.0) != 0.0 for p in probes)
+            )
+        )
 
     def _step_mean(self, columns: Any, channel: str) -> IntervalArray:
         return self.step_parts(columns, channel)[0]
@@ -132,35 +162,45 @@ class Quadrature:
         self.assumes.append(
             f"|udot| and |vdot| never exceed {limits.acceleration!r} m/s^2, |rdot| {limits.yaw_acceleration!r} rad/s^2"
         )
-        acceleration, yaw_acceleration = above(limits.acceleration), above(limits.yaw_acceleration)
-        reach = {"u": acceleration, "v": acceleration, "r": yaw_acceleration}
-        nodes, ranges = {}, {}
-        for name, limit in reach.items():
-            x = self.equations.bounded.channels[name]
-            there = self.equations.bounded.present[name]
-            x = IntervalArray(np.where(there, x.lower, 0.0), np.where(there, x.upper, 0.0))
-            rate = IntervalArray(np.array(-limit), np.array(limit))
-            nodes[name] = Motion(x, rate)
-            ranges[name] = Motion(x[:-1].hull(x[1:]) + self.steps * 0.5 * rate, rate)
-        here, along = self._places(nodes["r"].value, ranges["r"].value)
-        at_nodes: Motion = columns(State(nodes["u"], nodes["v"], nodes["r"], 0.0, 0.0, 0.0, place=here))[channel]
-        over_steps: Motion = columns(State(ranges["u"], ranges["v"], ranges["r"], 0.0, 0.0, 0.0, place=along))[channel]
+        at_nodes = self.equations.once(("nodes", columns), lambda: columns(self._states()[0]))[channel]
+        over_steps: Motion = self.equations.once(("ranges", columns), lambda: columns(self._states()[1]))[channel]
         lipschitz = np.broadcast_to(over_steps.rate.magnitude, self.steps.shape)
         error = IntervalArray(-lipschitz, lipschitz) * self.steps * 0.25
-        trapezoid: IntervalArray = (at_nodes.value[:-1] + at_nodes.value[1:]) * 0.5 + error
+        trapezoid: IntervalArray = (at_nodes[:-1] + at_nodes[1:]) * 0.5 + error
         return trapezoid, over_steps.value
+
+    def _states(self) -> tuple[State, State]:
+        """Velocities at the rows, and over each step with their rates of change."""
+        return cast(tuple[State, State], self.equations.once("states", self._made_states))
+
+    def _made_states(self) -> tuple[State, State]:
+        limits = self.equations.vehicle.sensors.limits
+        acceleration, yaw_acceleration = above(limits.acceleration or 0.0), above(limits.yaw_acceleration or 0.0)
+        nodes, ranges = {}, {}
+        for name, limit in (("u", acceleration), ("v", acceleration), ("r", yaw_acceleration)):
+            x = self.equations.channels[name]
+            there = self.equations.present[name]
+            x = IntervalArray(np.where(there, x.lower, 0.0), np.where(there, x.upper, 0.0))
+            rate = IntervalArray(np.array(-limit), np.array(limit))
+            nodes[name] = x
+            ranges[name] = Motion(x[:-1].hull(x[1:]) + self.steps * 0.5 * rate, rate)
+        here, along = self._places(nodes["r"], ranges["r"].value)
+        return (
+            State(nodes["u"], nodes["v"], nodes["r"], 0.0, 0.0, 0.0, place=here),
+            State(ranges["u"], ranges["v"], ranges["r"], 0.0, 0.0, 0.0, place=along),
+        )
 
     def _places(self, r: IntervalArray, swept: IntervalArray) -> tuple[Place | None, Place | None]:
         """The heading at rows and over steps, with the yaw rate as its rate, where a term turns with it."""
         if not self.equations.turning:
             return None, None
-        psi, there = self.equations.bounded.channels["psi"], self.equations.bounded.present["psi"]
+        psi, there = self.equations.channels["psi"], self.equations.present["psi"]
         psi = IntervalArray(np.where(there, psi.lower, 0.0), np.where(there, psi.upper, 0.0))
         # A turn in one direction alone moves the heading away from one row and towards the next.
         turned = IntervalArray(np.zeros(self.steps.shape), self.steps.upper) * 0.5 * swept
         over = (psi[:-1] + turned).hull(psi[1:] - turned)
         nowhere = 0.0
         return (
-            Place(Motion(psi, r), nowhere, nowhere, nowhere),
+            Place(psi, nowhere, nowhere, nowhere),
             Place(Motion(over, swept), nowhere, nowhere, nowhere),
         )

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.effects import Place, State
+from ivsid.effects import Columns, Place, State
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
 from ivsid.rows.equations import Equations
@@ -16,48 +17,72 @@ from ivsid.rows.record import RegressionRows
 
 
 def pointwise(equations: Equations, index: int, channel: str) -> RegressionRows:
-    """The channel's equation at every complete sample."""
-    channels = equations.bounded.channels
-    u, v, r = (equations.channel(n) for n in ("u", "v", "r"))
-    assumes: list[str] = []
-    entire = IntervalArray(np.full(equations.t.shape, -np.inf), np.full(equations.t.shape, np.inf))
+    """The channel's equation at every complete sample that the part owns."""
+    limits = equations.vehicle.sensors.limits
+    # A yaw acceleration that is not measured is bounded by its limit, where the channel has it.
+    limited = "rdot" not in equations.channels and limits.yaw_acceleration is not None and equations.needs_rdot(channel)
+    assumes = [f"|rdot| never exceeds {limits.yaw_acceleration!r} rad/s^2"] if limited else []
+    shape = equations.t.shape
+
+    def column(columns: Callable[[State], Columns]) -> IntervalArray:
+        state = equations.once(("state", limited), lambda: _state(equations, limited=limited))
+        made: Columns = equations.once((columns, limited), lambda: columns(state))
+        return _array(made.get(channel), shape)
+
+    columns = [column(term.columns) for term in equations.terms]
+    right = equations.forces.values[index] - equations.known_force(column)
+    right = right + equations.ambient(channel)
+    matrix = IntervalArray.stack(columns, axis=1)
+    usable = equations.forces.present & _finite(columns) & _finite([right])
+    usable[equations.owned :] = False
+    time = equations.t
+    if not usable.all():
+        rows: Any = slice(equations.owned) if usable[: equations.owned].all() else usable
+        matrix, right, time = matrix[rows], right[rows], time[rows]
+    return equations.rows("pointwise", index, matrix, right, time, np.zeros(time.shape), assumes)
+
+
+def _state(equations: Equations, *, limited: bool) -> State:
+    """Velocities and accelerations at the samples; every number where an acceleration is not known."""
+    channels = equations.channels
+    u, v, r = (channels[n] for n in ("u", "v", "r"))
+    shape = equations.t.shape
+    entire = IntervalArray(np.full(shape, -np.inf), np.full(shape, np.inf))
     ax, ay = channels.get("ax"), channels.get("ay")
     udot = channels["udot"] if "udot" in channels else ax + v * r if ax is not None else entire
     vdot = channels["vdot"] if "vdot" in channels else ay - u * r if ay is not None else entire
     rdot = channels.get("rdot", entire)
-    limits = equations.vehicle.sensors.limits
-    if "rdot" not in channels and limits.yaw_acceleration is not None and equations.needs_rdot(channel):
-        most = above(limits.yaw_acceleration)
-        rdot = IntervalArray(np.full(equations.t.shape, -most), np.full(equations.t.shape, most))
-        assumes.append(f"|rdot| never exceeds {limits.yaw_acceleration!r} rad/s^2")
-    place = Place(equations.channel("psi"), entire, entire, equations.clock) if equations.turning else None
-    state = State(u, v, r, udot, vdot, rdot, ax, ay, place=place)
-    zero = IntervalArray(np.zeros(equations.t.shape))
-    columns = [_array(term.columns(state).get(channel), zero) for term in equations.terms]
-    right = equations.forces.values[index] - equations.known_force(lambda f: _array(f(state).get(channel), zero))
-    right = right + equations.ambient(channel)
-    matrix = IntervalArray.stack(columns, axis=1)
-    usable = equations.forces.present & _finite(matrix) & _finite(right.reshape(-1, 1))
-    if not usable.any():
-        _explain(equations, channel)
-    time = equations.t
-    if not usable.all():
-        matrix, right, time = matrix[usable], right[usable], time[usable]
-    return equations.rows("pointwise", index, matrix, right, time, np.zeros(time.shape), assumes)
+    if limited:
+        most = above(equations.vehicle.sensors.limits.yaw_acceleration or 0.0)
+        rdot = IntervalArray(np.full(shape, -most), np.full(shape, most))
+    place = Place(channels["psi"], entire, entire, equations.clock) if equations.turning else None
+    return State(u, v, r, udot, vdot, rdot, ax, ay, place=place)
 
 
-def _explain(equations: Equations, channel: str) -> None:
-    if equations.needs_rdot(channel) and "rdot" not in equations.bounded.channels:
+def explain(equations: Equations, channel: str) -> None:
+    """Says why a channel has no row at all, where the log or the vehicle file could be completed.
+
+    Raises:
+        IvsidError: the yaw acceleration is missing.
+    """
+    if equations.needs_rdot(channel) and "rdot" not in equations.channels:
         raise IvsidError(
             f"the {channel} equation needs the yaw acceleration (the centre of gravity is off the origin, or a term has it): "
             "log rdot with [sensors.yaw_acceleration], or state [sensors.limits] yaw_acceleration"
         )
 
 
-def _array(column: Any, zero: IntervalArray) -> IntervalArray:
+def _array(column: Any, shape: tuple[int, ...]) -> IntervalArray:
+    """A column of one entry a row."""
+    if isinstance(column, IntervalArray) and column.shape == shape:
+        return column
+    zero = IntervalArray(np.zeros(shape))
     result: IntervalArray = zero if column is None else column + zero
     return result
 
 
-def _finite(a: IntervalArray) -> NDArray[np.bool_]:
-    return np.asarray(np.isfinite(a.lower).all(axis=1) & np.isfinite(a.upper).all(axis=1))
+def _finite(columns: Sequence[IntervalArray]) -> NDArray[np.bool_]:
+    there = np.ones(columns[0].shape, dtype=bool)
+    for column in columns:
+        there &= np.isfinite(column.lower) & np.isfinite(column.upper)
+    return there

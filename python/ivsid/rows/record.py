@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -14,6 +14,7 @@ from ivsid.intervals import FloatArray, IntervalArray
 
 # At a sample, over a window, over two windows weighted by a hat; and what bounds the bias of an accelerometer's axis.
 ROW_KINDS: Final = ("pointwise", "integral", "weak", "bias.x", "bias.y")
+_NAMED: Final = {"channel": np.int64, "time": np.float64, "duration": np.float64, "kind": np.int64}
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,14 @@ class RegressionRows:
     def take(self, rows: NDArray[Any], columns: Sequence[int]) -> RegressionRows:
         """Some of the rows, with some of the columns."""
         terms = tuple(self.terms[j] for j in columns)
-        matrix = self.matrix[rows][:, list(columns)]
+        if rows.dtype == bool:
+            where = np.flatnonzero(rows)
+            together = where.size and where[-1] - where[0] + 1 == where.size
+            # Rows that follow each other are a view; of scattered ones whole rows are copied, which is quicker than entries.
+            rows = slice(where[0], where[-1] + 1) if together else where  # type: ignore[assignment]
+        matrix = self.matrix[rows]
+        if list(columns) != list(range(self.matrix.shape[1])):
+            matrix = matrix[:, list(columns)]
         return RegressionRows(
             terms,
             matrix,
@@ -54,3 +62,64 @@ class RegressionRows:
             self.kind[rows],
             self.assumes,
         )
+
+
+class Space:
+    """Room for the rows of several makers, written where they will stand: memory is touched once.
+
+    Args:
+        terms: one for each column.
+        makers: how many there are, each with at most ``most`` rows.
+    """
+
+    def __init__(self, terms: tuple[Term, ...], makers: int, most: int) -> None:
+        self.terms, self.makers, self.most = terms, makers, most
+        m, n = makers * most, len(terms)
+        self._matrix, self._right = np.empty((2, m, n)), np.empty((2, m))
+        self._named = {k: np.empty(m, dtype=d) for k, d in _NAMED.items()}
+        self._filled: dict[tuple[int, int], int] = {}
+        self._assumes: dict[tuple[int, int], tuple[str, ...]] = {}
+
+    def put(self, maker: int, first: int, part: RegressionRows) -> None:
+        """The rows that a maker made of the samples from ``first`` on: at most one each."""
+        low = maker * self.most + first
+        high = low + part.time.size
+        self._matrix[0, low:high], self._matrix[1, low:high] = part.matrix.lower, part.matrix.upper
+        self._right[0, low:high], self._right[1, low:high] = part.right.lower, part.right.upper
+        for name, column in self._named.items():
+            column[low:high] = getattr(part, name)
+        self._filled[maker, first] = part.time.size
+        self._assumes[maker, first] = part.assumes
+
+    def rows(self, maker: int) -> int:
+        """How many rows a maker made."""
+        return sum(n for (k, _), n in self._filled.items() if k == maker)
+
+    def done(self, maker: int | None = None) -> RegressionRows:
+        """All rows, maker by maker, or those of one maker; the rows are moved together, so each is asked for once and in order."""
+        wanted = sorted(key for key in self._filled if maker in (None, key[0]))
+        begin = m = 0 if maker is None else maker * self.most
+        arrays = [*self._matrix, *self._right, *self._named.values()]
+        for key in wanted:
+            low, count = key[0] * self.most + key[1], self._filled[key]
+            if low != m:
+                for a in arrays:
+                    a[m : m + count] = a[low : low + count]
+            m += count
+        size = m - begin
+        matrix = IntervalArray._raw(self._matrix[:, begin:m], (size, len(self.terms)))
+        right = IntervalArray._raw(self._right[:, begin:m], (size,))
+        named = {name: column[begin:m] for name, column in self._named.items()}
+        sentences = tuple(s for key in wanted if self._filled[key] for s in self._assumes[key])
+        return RegressionRows(self.terms, matrix, right, **named, assumes=sentences)
+
+
+def joined(parts: Sequence[RegressionRows], assumes: Sequence[str]) -> RegressionRows:
+    """The rows of all parts, in their order, which rest on ``assumes`` and on what each part does."""
+    sentences = tuple(dict.fromkeys((*assumes, *(s for p in parts for s in p.assumes))))
+    if len(parts) == 1:
+        return replace(parts[0], assumes=sentences)
+    named = {name: np.concatenate([getattr(p, name) for p in parts]) for name in _NAMED}
+    matrix = IntervalArray.concatenate([p.matrix for p in parts])
+    right = IntervalArray.concatenate([p.right for p in parts])
+    return RegressionRows(parts[0].terms, matrix, right, **named, assumes=sentences)

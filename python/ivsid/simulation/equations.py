@@ -36,7 +36,7 @@ from ivsid.effects.functions import cos, sin
 from ivsid.effects.inertia import SHARED_MUNK
 from ivsid.errors import IvsidError
 from ivsid.foil import rudder_force
-from ivsid.simulation.symbols import Symbol, Tape, solve
+from ivsid.simulation.symbols import Steps, Symbol, Tape, solve
 from ivsid.thrust import ThrustCurve
 from ivsid.vehicle import Vehicle
 
@@ -125,14 +125,17 @@ def equations(plant: Plant, *, arrays: bool = False) -> Rates:
     return tape.function(names, results, arrays=arrays)
 
 
-def halves(plant: Plant) -> tuple[Callable[..., tuple[Any, ...]], Rates]:
-    """The same equations in two functions of floats.
+def steps(plant: Plant, inside: float) -> Steps:
+    """A Runge-Kutta step of the same equations, for floats; held are X, Y, N, wind, thrusts and angles.
 
-    The first takes what holds between samples (X, Y, N, wind, thrusts, angles) and gives what the second takes after time and state.
+    Args:
+        plant: what moves.
+        inside: share of a step by which its ends are looked at from inside.
     """
     tape, names, results = _written(plant)
     moving = _STATE.index("X")
-    return tape.halves(names[:moving], names[moving:], results)
+    thrusts = [f"T{k}" for k in range(len(plant.vehicle.thrusters))]
+    return tape.steps(names[1:moving], names[moving:], thrusts, results, inside)
 
 
 def _written(plant: Plant) -> tuple[Tape, list[str], tuple[Any, ...]]:

@@ -13,16 +13,19 @@ from numpy.typing import NDArray
 from ivsid.errors import IvsidError
 from ivsid.simulation.equations import Rates
 from ivsid.simulation.propulsion import Propulsion
+from ivsid.simulation.symbols import Steps
 
 # The motion is taken as settled where halving the step moves no velocity by more than this share of its largest value.
 TOLERANCE: Final = 1e-5
 # ... or by less than this [m/s, rad/s]: far below any sensor.
 FLOOR: Final = 1e-9
 MOST_STEPS: Final = 64
+# A run is ended early only where it is further off than what is allowed by more than rounding.
+CERTAIN: Final = 1 + 1e-9
 # At the most steps, so many times the tolerance is enough.
 KINKED: Final = 10.0
 # Times at which a jump may stand are looked at from inside the step.
-_INSIDE: Final = 1e-9
+INSIDE: Final = 1e-9
 
 Pose = tuple[float, float, float, float, float, float]
 
@@ -59,35 +62,42 @@ class Path:
 
 def settle(
     rates: Rates,
+    steps_of: Steps,
     make: Callable[[], tuple[Propulsion, Helm]],
     times: Sequence[float],
     start: Pose,
     outside: NDArray[np.float64],
-    halves: tuple[Callable[..., tuple[float, ...]], Rates] | None = None,
 ) -> Path:
     """Integrates with one step a sample, then with twice as many, until halving the step changes nothing that matters.
 
     Args:
         rates: the compiled equations.
+        steps_of: the same as Runge-Kutta steps.
         make: thrusters and helm in their state before the log, anew for each run.
         times: of the samples [s], increasing.
         start: u, v, r, psi, x, y at the first.
         outside: X, Y, N and wind north, east, each held from its sample to the next, shape (n, 5).
-        halves: the equations in two, for thrusts that hold from sample to sample.
 
     Raises:
         IvsidError: the motion grows without bound, or does not settle.
     """
     steps = 1
-    coarse = run(rates, *make(), times, start, outside, steps, halves)
+    coarse: Path | None = None
     while True:
-        fine = run(rates, *make(), times, start, outside, 2 * steps, halves)
+        fine = run(rates, steps_of, *make(), times, start, outside, 2 * steps)
         moved = None
+        last = 4 * steps > MOST_STEPS
+        allowed = np.zeros(3)
+        if fine is not None:
+            allowed = np.maximum(TOLERANCE * np.abs(fine.states[:, :3]).max(axis=0), FLOOR)
+            if steps == 1:
+                # Of the first run only the states are looked at, and only until it is too far off.
+                coarse = run(rates, steps_of, *make(), times, start, outside, 1, (fine.states, 15 * allowed * CERTAIN))
         if coarse is not None and fine is not None:
             # The method is of fourth order: the finer run is 15 times as close to the truth as the two are to each other.
-            moved = np.abs(fine.states[:, :3] - coarse.states[:, :3]).max(axis=0) / 15
-            allowed = np.maximum(TOLERANCE * np.abs(fine.states[:, :3]).max(axis=0), FLOOR)
-            if 4 * steps > MOST_STEPS and (moved > allowed).any():
+            size = len(coarse.states)
+            moved = np.abs(fine.states[:size, :3] - coarse.states[:, :3]).max(axis=0) / 15
+            if last and (moved > allowed).any():
                 # Where a thrust has kinks of its own the order is lost: the difference itself estimates what is left, and less is asked.
                 moved, allowed = 15 * moved, KINKED * allowed
             if (moved <= allowed).all():
@@ -104,125 +114,77 @@ def settle(
         coarse = fine
 
 
-def run(
+def run(  # noqa: PLR0912 - one loop over the samples; its parts would pass a dozen numbers to each other
     rates: Rates,
+    steps_of: Steps,
     propulsion: Propulsion,
     helm: Helm,
     times: Sequence[float],
     start: Pose,
     outside: NDArray[np.float64],
     steps: int,
-    halves: tuple[Callable[..., tuple[float, ...]], Rates] | None = None,
+    near: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
 ) -> Path | None:
-    """One run with ``steps`` Runge-Kutta steps a sample; None where it grows without bound."""
+    """One run with ``steps`` Runge-Kutta steps a sample; None where it grows without bound.
+
+    With ``near``, states and how far u, v and r may be from them, the path is of states alone, up to the first that is further.
+    """
     state = start
     states, accelerations, demands, angles, totals = [], [], [], [], []
     held = outside.tolist()
     last = len(times) - 1
+    others = [] if near is None else near[0][:, :3].tolist()
+    most_u, most_v, most_r = (np.inf,) * 3 if near is None else near[1].tolist()
+    steady, varied = steps_of.steady, steps_of.varied
     try:
         for k, time in enumerate(times):
             demand, angle = helm(k, state)
             propulsion.demand(time, demand)
             end = times[k + 1] if k < last else time
-            inside = _INSIDE * (end - time)
-            thrust = propulsion.now(time + inside)
             fixed = held[k]
-            rate = rates(time + inside, *state, *fixed, *thrust, *angle)
             states.append(state)
-            accelerations.append(rate[:3])
-            demands.append(demand)
-            angles.append(angle)
-            totals.append(sum(thrust))
+            if near is None:
+                inside = INSIDE * (end - time)
+                thrust = propulsion.now(time + inside)
+                rate = rates(time + inside, *state, *fixed, *thrust, *angle)
+                accelerations.append(rate[:3])
+                demands.append(demand)
+                angles.append(angle)
+                totals.append(sum(thrust))
+            else:
+                u, v, r = others[k]
+                if abs(state[0] - u) > most_u or abs(state[1] - v) > most_v or abs(state[2] - r) > most_r:
+                    break
             if k == last:
                 break
             # No jump is stepped over: the sample's time is cut where a delayed demand or an event arrives.
             if propulsion.steady:
                 # Nothing changes between the samples but the state: thrusts are looked up once.
-                tail = (*fixed, *thrust, *angle)
-                moving = rates
-                if halves is not None:
-                    tail, moving = halves[0](*tail), halves[1]
-                tails = tail, tail, tail
+                if near is not None:
+                    thrust = propulsion.now(time)
+                tail = steps_of.held(*fixed, *thrust, *angle)
                 h = (end - time) / steps
                 for j in range(steps):
-                    state = _step(moving, state, time + j * h, h, tails)
-                if not -1e9 < state[0] + state[1] + state[2] < 1e9:
-                    raise OverflowError
-                continue
-            cuts = [time, end] if propulsion.plain else [time, *propulsion.breaks(time, end), end]
-            for low, high in pairwise(cuts):
-                h = (high - low) / steps
-                for j in range(steps):
-                    at = low + j * h
-                    first, middle, final = propulsion.over(at, h)
-                    tails = (*fixed, *first, *angle), (*fixed, *middle, *angle), (*fixed, *final, *angle)
-                    state = _step(rates, state, at, h, tails)
+                    state = steady(time + j * h, h, *state, *tail)
+            else:
+                cuts = [time, end] if propulsion.plain else [time, *propulsion.breaks(time, end), end]
+                for low, high in pairwise(cuts):
+                    h = (high - low) / steps
+                    for j in range(steps):
+                        at = low + j * h
+                        first, middle, final = propulsion.over(at, h)
+                        state = varied(at, h, *state, *fixed, *angle, *first, *middle, *final)
             if not -1e9 < state[0] + state[1] + state[2] < 1e9:
                 raise OverflowError
     except (OverflowError, ValueError, ZeroDivisionError):
         return None
+    count = len(times)
     return Path(
         np.array(states),
         np.array(accelerations),
-        np.array(demands).reshape(len(times), -1),
-        np.array(angles).reshape(len(times), -1),
+        np.array(demands).reshape(count, -1),
+        np.array(angles).reshape(count, -1),
         np.array(totals, dtype=np.float64),
         steps,
         (np.nan, np.nan, np.nan),
-    )
-
-
-def _step(
-    rates: Rates,
-    state: Pose,
-    t: float,
-    h: float,
-    tails: tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]],
-) -> Pose:
-    """Written out for six numbers: a loop over them would take longer than the equations.
-
-    The tails are what follows the state in the arguments of the equations, at the start, the middle and the end of the step.
-    """
-    first, middle, last = tails
-    half = 0.5 * h
-    u, v, r, p, x, y = state
-    a1, b1, c1, d1, e1, f1 = rates(t + _INSIDE * h, u, v, r, p, x, y, *first)
-    a2, b2, c2, d2, e2, f2 = rates(
-        t + half,
-        u + half * a1,
-        v + half * b1,
-        r + half * c1,
-        p + half * d1,
-        x + half * e1,
-        y + half * f1,
-        *middle,
-    )
-    a3, b3, c3, d3, e3, f3 = rates(
-        t + half,
-        u + half * a2,
-        v + half * b2,
-        r + half * c2,
-        p + half * d2,
-        x + half * e2,
-        y + half * f2,
-        *middle,
-    )
-    a4, b4, c4, d4, e4, f4 = rates(
-        t + h - _INSIDE * h,
-        u + h * a3,
-        v + h * b3,
-        r + h * c3,
-        p + h * d3,
-        x + h * e3,
-        y + h * f3,
-        *last,
-    )
-    s = h / 6.0
-    return (
-        u + s * (a1 + 2.0 * (a2 + a3) + a4),
-        v + s * (b1 + 2.0 * (b2 + b3) + b4),
-        r + s * (c1 + 2.0 * (c2 + c3) + c4),
-        p + s * (d1 + 2.0 * (d2 + d3) + d4),
-        x + s * (e1 + 2.0 * (e2 + e3) + e4),
-        y + s * (f1 + 2.0 * (f2 + f3) + f4),
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -38,7 +39,6 @@ class TrueThrust:
         self.phase, self.cycles, self.size = rng.uniform(0, 2 * np.pi), rng.uniform(0.3, 1.5), rng.uniform(0.2, 1.0)
         low, high = self._bare.range
         self.span = high - low if np.isfinite(high - low) else 1.0
-        self._value = scalar_curve(self._bare)
         self._low, self._high = low, high
 
     @property
@@ -48,14 +48,29 @@ class TrueThrust:
 
     def __call__(self, demand: float) -> float:
         """Thrust [N] at a demand."""
-        value = self._value(demand)
+        return self.value(demand)
+
+    @cached_property
+    def value(self) -> Callable[[float], float]:
+        """The same as a plain function, for the many calls of a simulation."""
+        curve = scalar_curve(self._bare)
         accuracy = self.thruster.accuracy
+        absolute, relative, size = accuracy.absolute, accuracy.relative, self.size
+        cycles, span, phase = 2 * math.pi * self.cycles, self.span, self.phase
         # A thrust astern that the file claims to be larger takes its error along: what is claimed of the error holds for the product.
-        larger = max(self.thruster.reverse_factor or 1.0, 1.0) if value < 0 else 1.0
-        bound = min(accuracy.absolute / larger + accuracy.relative * abs(value), abs(value))
-        if not bound:
-            return value
-        return value + self.size * bound * math.sin(2 * math.pi * self.cycles * demand / self.span + self.phase)
+        astern = absolute / max(self.thruster.reverse_factor or 1.0, 1.0)
+        sin = math.sin
+
+        def value(demand: float) -> float:
+            thrust = curve(demand)
+            amount = abs(thrust)
+            bound = (astern if thrust < 0 else absolute) + relative * amount
+            bound = min(bound, amount)
+            if not bound:
+                return thrust
+            return thrust + size * bound * sin(cycles * demand / span + phase)
+
+        return value
 
     def clip(self, demand: float) -> float:
         """The demand inside the range of the curve, about its neutral."""
@@ -74,7 +89,11 @@ def scalar_curve(curve: ThrustCurve) -> Callable[[float], float]:
     if pieces is None:
         whole = curve.formula
         lowest, highest = curve.range
-        return lambda demand: whole(min(max(demand, lowest), highest) - neutral)
+
+        def clipped(demand: float) -> float:
+            return whole((lowest if demand < lowest else highest if demand > highest else demand) - neutral)
+
+        return clipped
     knots, coefficients = pieces
     first, last = knots[0], knots[-1]
 
@@ -125,6 +144,12 @@ class Propulsion:
         self.plain = not any(self.lags) and not any(self.delays) and not self.events
         # Thrusts that hold from sample to sample: no lag, no delay, no clock.
         self.steady = self.plain and not any(self._timed)
+        # What can break a step: a clock, a delay, a shaft in its dead band, or a lag shorter than the step.
+        banded = any(b and s for b, s in zip(self._bands, self.shaft, strict=True))
+        self._jumps = bool(self.events) or any(self.delays) or banded
+        self._quickest = min((q for q in self.lags if q > 0), default=math.inf)
+        # Thrusters whose thrust is their curve's alone.
+        self._plainly = [None if changes else c.value for changes, c in zip(self._changes, curves, strict=True)]
         self._times: list[float] = []
         self._demands: list[list[float]] = []
         neutral = [t.neutral for t in thrusters]
@@ -146,6 +171,8 @@ class Propulsion:
 
     def breaks(self, start: float, end: float) -> list[float]:
         """Moments strictly between two times at which a thrust or a mass jumps, and those that resolve a lag shorter than that."""
+        if not self._jumps and end - start <= self._quickest:
+            return []
         found = {e for e in self.events if start < e < end}
         for delay in set(self.delays):
             if delay:
@@ -188,7 +215,7 @@ class Propulsion:
 
     def _thrust(self, k: int, demand: float, time: float) -> float:
         curve = self.curves[k]
-        thrust: Any = curve(demand)
+        thrust: Any = curve.value(demand)
         changes = self._changes[k]
         if not changes:
             return float(thrust)
@@ -224,9 +251,15 @@ class Propulsion:
                 inner = _INSIDE * (then - now) if self._bands[k] else 0.0
                 known = self._at_speed[k]
                 again = known is not None and known[0] == now + inner and not self._timed[k]
-                first.append(known[1] if again and known is not None else self._thrust(k, now + inner, middle))
-                half.append(self._thrust(k, then, middle))
-                last.append(self._thrust(k, end - inner, middle))
+                plainly = self._plainly[k]
+                if plainly is not None:
+                    first.append(known[1] if again and known is not None else plainly(now))
+                    half.append(plainly(then))
+                    last.append(plainly(end))
+                else:
+                    first.append(known[1] if again and known is not None else self._thrust(k, now + inner, middle))
+                    half.append(self._thrust(k, then, middle))
+                    last.append(self._thrust(k, end - inner, middle))
                 self._at_speed[k] = (end - inner, last[-1])
             else:
                 first.append(now)

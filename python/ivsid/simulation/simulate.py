@@ -13,8 +13,8 @@ from ivsid.effects import Given, Reading, Terms, sort_given, terms_of
 from ivsid.errors import IvsidError
 from ivsid.manoeuvres import Command, Programme
 from ivsid.scenario import Scenario, Start
-from ivsid.simulation.equations import Plant, axis, equations, halves, plant
-from ivsid.simulation.integrate import Helm, Path, Pose, settle
+from ivsid.simulation.equations import Plant, axis, equations, plant, steps
+from ivsid.simulation.integrate import INSIDE, Helm, Path, Pose, settle
 from ivsid.simulation.propulsion import Propulsion, TrueThrust
 from ivsid.simulation.sensing import bounded, faulty, gauss_markov, noisy, sensed
 from ivsid.vehicle import Thruster, Vehicle
@@ -75,7 +75,7 @@ def simulate(
         return propulsion, Steersman(vehicle, curves, programme, h)
 
     outside = np.hstack([ambient, wind])
-    path = settle(equations(model), make, t.tolist(), _pose(scenario.start), outside, halves(model))
+    path = settle(equations(model), steps(model, INSIDE), make, t.tolist(), _pose(scenario.start), outside)
     exact = channels(path)
     columns, sensor_truth = noisy(vehicle, scenario, t, sensed(vehicle, t, exact, given), rng)
     further = np.random.default_rng([number, 2])
@@ -129,11 +129,11 @@ def follow(
     since = (t - t[0]).tolist()
     path = settle(
         equations(model),
+        steps(model, INSIDE),
         lambda: (Propulsion(model, quiet), lambda k, _state: (table[k], angle[k])),
         since,
         _pose(start or Start()),
         np.hstack([np.zeros((t.size, 3)) if force is None else force, np.zeros((t.size, 2))]),
-        halves(model),
     )
     return channels(path)
 

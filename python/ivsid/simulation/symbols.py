@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.effects.functions import after, astern_square, cross_flow_array, cross_flow_value
+from ivsid.effects.functions import after, astern_square, cross_flow_array, cross_flow_both
 
 _SCALAR: Final[dict[str, Any]] = {
     "cos": math.cos,
@@ -24,7 +24,7 @@ _SCALAR: Final[dict[str, Any]] = {
     "arctan2": math.atan2,
     "after": after,
     "astern_square": astern_square,
-    "cross_flow": cross_flow_value,
+    "cross_flow": cross_flow_both,
 }
 _ARRAY: Final[dict[str, Any]] = {
     "cos": np.cos,
@@ -34,8 +34,27 @@ _ARRAY: Final[dict[str, Any]] = {
     "arctan2": np.arctan2,
     "after": after,
     "astern_square": astern_square,
-    "cross_flow": cross_flow_array,
+    "cross_flow": lambda v, r, half: (cross_flow_array(v, r, half, 0), cross_flow_array(v, r, half, 1)),
 }
+
+
+# Where in a step its thrusts may differ.
+_MOMENTS: Final = ("first", "middle", "last")
+
+
+class Steps(NamedTuple):
+    """Steps of a motion, compiled.
+
+    Attributes:
+        held: from what holds between samples to what ``steady`` takes after time, length and state.
+        steady: a step of thrusts that hold; gives the new state.
+        varied: a step whose thrusts differ at its start, middle and end: after time, length and state come the other held numbers, then
+            the thrusts of each moment.
+    """
+
+    held: Callable[..., tuple[float, ...]]
+    steady: Callable[..., Any]
+    varied: Callable[..., Any]
 
 
 class Tape:
@@ -66,15 +85,21 @@ class Tape:
         """The function of the arguments that gives the results: of floats, or of NumPy arrays of one shape."""
         return self._compiled(arguments, self._kept(results), [_text(r) for r in results], arrays=arrays)
 
-    def halves(
-        self, moving: Sequence[str], held: Sequence[str], results: Sequence[Any]
-    ) -> tuple[Callable[..., Any], Callable[..., Any]]:
-        """The same function of floats in two: what depends on held arguments alone, and the rest.
+    def steps(
+        self, state: Sequence[str], held: Sequence[str], varying: Sequence[str], results: Sequence[Any], inside: float
+    ) -> Steps:
+        """One step of the classical Runge-Kutta method, written out, where the results are the rates of the state.
 
-        The first takes the held arguments and gives what the second takes after the moving ones; the operations are the same.
+        Args:
+            state: names of what moves; the time t is one more argument.
+            held: what holds over a step.
+            varying: those of them that may differ at its start, its middle and its end.
+            results: rates of the state, in its order.
+            inside: share of the step by which its ends are looked at from inside.
         """
+        kept = self._kept(results)
         fixed, first, rest = set(held), [], []
-        for line in self._kept(results):
+        for line in kept:
             if set(line[2]) <= fixed:
                 fixed.add(line[0])
                 first.append(line)
@@ -82,9 +107,18 @@ class Tape:
                 rest.append(line)
         used = {q for line in rest for q in line[2]} | {r.name for r in results if isinstance(r, Symbol)}
         passed = [q for q in (*held, *(line[0] for line in first)) if q in used]
-        return (
+        texts = [_text(r) for r in results]
+        return Steps(
             self._compiled(held, first, passed, arrays=False),
-            self._compiled([*moving, *passed], rest, [_text(r) for r in results], arrays=False),
+            self._made(["at", "h", *state, *passed], _runge_kutta(state, (), rest, texts, inside), arrays=False),
+            self._made(
+                [
+                    *("at", "h", *state, *(q for q in held if q not in varying)),
+                    *(f"{q}_{moment}" for moment in _MOMENTS for q in varying),
+                ],
+                _runge_kutta(state, varying, kept, texts, inside),
+                arrays=False,
+            ),
         )
 
     def _kept(self, results: Sequence[Any]) -> list[tuple[str, str, Sequence[str]]]:
@@ -105,16 +139,49 @@ class Tape:
         *,
         arrays: bool,
     ) -> Callable[..., Any]:
-        body = [
-            *(f"    {name} = {expression}" for name, expression, _ in lines),
-            f"    return ({', '.join([*results, ''])})",
-        ]
-        source = "\n".join([f"def function({', '.join(arguments)}):", *body])
+        body = [*(f"{name} = {expression}" for name, expression, _ in lines), f"return ({', '.join([*results, ''])})"]
+        return self._made(arguments, body, arrays=arrays)
+
+    def _made(self, arguments: Sequence[str], body: Sequence[str], *, arrays: bool) -> Callable[..., Any]:
+        source = "\n    ".join([f"def function({', '.join(arguments)}):", *body])
         space = {**(_ARRAY if arrays else _SCALAR), **self._provided}
         # Only names and numbers that this module made stand in the text: nothing of a user's file reaches it.
         exec(compile(source, "<equations of motion>", "exec"), space)
         made: Callable[..., Any] = space["function"]
         return made
+
+
+def _runge_kutta(
+    state: Sequence[str],
+    varying: Sequence[str],
+    lines: Sequence[tuple[str, str, Sequence[str]]],
+    rates: Sequence[str],
+    inside: float,
+) -> list[str]:
+    """The body of a step: the lines four times, each time those alone whose operands have changed."""
+    used = {q for line in lines for q in line[2]} | set(rates)
+    body = ["half = 0.5 * h", *(f"from_{q} = {q}" for q in state)]
+    times = (f"at + {inside!r} * h", "at + half", None, f"at + h - {inside!r} * h")
+    for stage, (time, moment) in enumerate(zip(times, (*_MOMENTS[:2], None, _MOMENTS[2]), strict=True)):
+        changed: set[str] = set()
+        if time is not None:
+            body.append(f"t = {time}")
+            changed.add("t")
+        if stage:
+            far = "h" if stage == 3 else "half"
+            moved = [(k, q) for k, q in enumerate(state) if q in used]
+            body += [f"{q} = from_{q} + {far} * k{stage - 1}_{k}" for k, q in moved]
+            changed.update(q for _, q in moved)
+        if moment is not None:
+            body += [f"{q} = {q}_{moment}" for q in varying]
+            changed.update(varying)
+        for name, expression, operands in lines:
+            if not stage or changed & set(operands):
+                body.append(f"{name} = {expression}")
+                changed.add(name)
+        body += [f"k{stage}_{k} = {rate}" for k, rate in enumerate(rates)]
+    sums = (f"from_{q} + sixth * (k0_{k} + 2.0 * (k1_{k} + k2_{k}) + k3_{k})" for k, q in enumerate(state))
+    return [*body, "sixth = h / 6.0", f"return ({', '.join([*sums, ''])})"]
 
 
 def _text(x: Any) -> str:
@@ -209,7 +276,8 @@ class Symbol:
 
     def cross_flow(self, r: Any, half: float, power: int) -> Symbol:
         """The integrals of ``functions.cross_flow_force`` and ``cross_flow_moment``."""
-        return self.tape.note(f"cross_flow({self.name}, {_text(r)}, {half!r}, {power})", self, r)
+        both = self.tape.note(f"cross_flow({self.name}, {_text(r)}, {half!r})", self, r)
+        return self.tape.note(f"{both.name}[{power}]", both)
 
 
 def _is(x: Any, value: float) -> bool:

@@ -13,6 +13,7 @@ from ivsid.vehicle import Thruster
 from ivsid.verification.errors import UnprovedError
 from ivsid.verification.rational import Range, cosine, sided, sine
 from ivsid.verification.readings import Readings
+from ivsid.verification.rudders import Blade
 
 # Decimals of a demand and of the curve's end may round apart by this share of them.
 EDGE: Final = Fraction(2, 10**12)
@@ -26,6 +27,7 @@ class Curve:
     def __init__(self, thruster: Thruster, readings: Readings) -> None:
         self.thruster, self.exact = thruster, readings.exact
         self.neutral = self.exact(thruster.neutral)
+        self.blade = None if thruster.rudder is None else Blade(thruster.rudder, self.exact)
         self._known: dict[tuple[int, int], Range] = {}
 
     @cached_property

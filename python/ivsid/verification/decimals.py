@@ -15,6 +15,12 @@ def nearby(x: float) -> Range:
     return Range.around(x, math.ulp(x))
 
 
+def around(value: float, off: float) -> Range:
+    """The decimals that were read as a double, half a unit in its last place to either side, and what was lost beside that."""
+    half = Range.around(0.0, math.ulp(value))
+    return Range.around(value, off) + Range.raw(half.low // 2, half.high // 2)
+
+
 def decimal(text: str) -> Fraction:
     """A decimal exactly; ValueError for one with a huge exponent, which would be a number of as many digits."""
     mantissa, _, exponent = text.lower().replace("_", "").partition("e")

@@ -10,9 +10,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from math import isfinite
 from typing import Final, TypeAlias
 
 ZERO: Final = Fraction(0)
+# A sum of products that is this much smaller than the largest of them may be 0 with exact multipliers.
+NEARLY: Final = 1e-9
 Vector: TypeAlias = list[Fraction]
 
 
@@ -32,8 +35,10 @@ def half_space(lower: Vector, upper: Vector, right: tuple[Fraction, Fraction], *
     return HalfSpace(list(lower), list(upper), right[1])
 
 
-def least(objective: Vector, rows: Sequence[HalfSpace], signs: Sequence[int], slack: set[int]) -> Fraction | None:
-    """The largest lower bound of ``objective x`` that these rows prove in the cell; None where they prove none.
+def least(
+    objective: Vector, rows: Sequence[HalfSpace], signs: Sequence[int], slack: set[int]
+) -> tuple[Fraction, set[int]] | None:
+    """The largest lower bound of ``objective x`` that these rows prove in the cell, and which of them it takes; None where they prove none.
 
     Args:
         objective: e, shape (n,).
@@ -47,7 +52,7 @@ def least(objective: Vector, rows: Sequence[HalfSpace], signs: Sequence[int], sl
     matrix = [[_coefficient(row, j, signs[j] or 1) for row in rows] for j in tight]
     found = solve(matrix, [-objective[j] for j in tight])
     if found is not None and len(found) == len(rows) and _holds(objective, rows, conditions, found):
-        return -sum((m * row.height for m, row in zip(found, rows, strict=True)), ZERO)
+        return -_height(rows, found), _used(found)
     return _best(objective, rows, conditions)
 
 
@@ -74,14 +79,54 @@ def multipliers_of(
     return found
 
 
-def contradict(rows: Sequence[HalfSpace], signs: Sequence[int]) -> bool:
-    """Whether multipliers exist that make the rows say 0 <= something negative in the cell."""
+def contradict(rows: Sequence[HalfSpace], signs: Sequence[int], near: Sequence[float] = ()) -> set[int] | None:
+    """The rows that multipliers take to make them say 0 <= something negative in the cell; None where there are no such multipliers.
+
+    Args:
+        rows: half-spaces.
+        signs: of the cell, 1 or -1, 0 for both.
+        near: a proposal of the multipliers, rounded; whatever it is, those that are found are checked.
+    """
     n = len(signs)
     conditions = [(j, s) for j, sign in enumerate(signs) for s in (1, -1) if sign in (0, s)]
+    exact = _from_near(rows, signs, near)
+    if exact is not None and _holds([ZERO] * n, rows, conditions, exact) and _height(rows, exact) < 0:
+        return _used(exact)
     equations = _equations([ZERO] * n, rows, conditions)
     heights = [row.height for row in rows]
     equations.append(([*heights, *([ZERO] * len(conditions))], Fraction(-1)))
-    return _simplex(equations, [ZERO] * (len(rows) + len(conditions))) is not None
+    found = _simplex(equations, [ZERO] * (len(rows) + len(conditions)))
+    return None if found is None else _used(found[1][: len(rows)])
+
+
+def _from_near(rows: Sequence[HalfSpace], signs: Sequence[int], near: Sequence[float]) -> Vector | None:
+    """The exact multipliers that make those columns 0 which rounded ones nearly do, the largest of them being 1."""
+    if len(near) != len(rows) or not all(isfinite(m) and m >= 0 for m in near) or not any(near):
+        return None
+    first = max(range(len(rows)), key=lambda i: near[i])
+    others = [i for i, m in enumerate(near) if m and i != first]
+    tight = []
+    for j, sign in enumerate(signs):
+        parts = [m * float(_coefficient(row, j, sign or 1)) for m, row in zip(near, rows, strict=True)]
+        if abs(sum(parts)) <= NEARLY * max(abs(p) for p in parts):
+            tight.append(j)
+    matrix = [[_coefficient(rows[i], j, signs[j] or 1) for i in others] for j in tight]
+    found = solve(matrix, [-_coefficient(rows[first], j, signs[j] or 1) for j in tight]) if others else []
+    if found is None or len(found) != len(others):
+        return None
+    whole = [ZERO] * len(rows)
+    whole[first] = Fraction(1)
+    for i, m in zip(others, found, strict=True):
+        whole[i] = m
+    return whole
+
+
+def _height(rows: Sequence[HalfSpace], multipliers: Vector) -> Fraction:
+    return sum((m * row.height for m, row in zip(multipliers, rows, strict=True)), ZERO)
+
+
+def _used(multipliers: Vector) -> set[int]:
+    return {i for i, m in enumerate(multipliers) if m}
 
 
 def _coefficient(row: HalfSpace, j: int, sign: int) -> Fraction:
@@ -108,10 +153,10 @@ def _equations(
     return made
 
 
-def _best(e: Vector, rows: Sequence[HalfSpace], conditions: list[tuple[int, int]]) -> Fraction | None:
+def _best(e: Vector, rows: Sequence[HalfSpace], conditions: list[tuple[int, int]]) -> tuple[Fraction, set[int]] | None:
     cost = [*(row.height for row in rows), *([ZERO] * len(conditions))]
     smallest = _simplex(_equations(e, rows, conditions), cost)
-    return None if smallest is None else -smallest
+    return None if smallest is None else (-smallest[0], _used(smallest[1][: len(rows)]))
 
 
 def solve(matrix: list[Vector], right: Vector) -> Vector | None:
@@ -131,8 +176,8 @@ def solve(matrix: list[Vector], right: Vector) -> Vector | None:
     return None if any(row[n] for row in table[n:]) else [table[k][n] for k in range(n)]
 
 
-def _simplex(equations: list[tuple[Vector, Fraction]], cost: Vector) -> Fraction | None:
-    """The least cost of x >= 0 under equations, or None where there is no such x or no least cost (Bland's rule, two phases)."""
+def _simplex(equations: list[tuple[Vector, Fraction]], cost: Vector) -> tuple[Fraction, Vector] | None:
+    """The least cost of x >= 0 under equations, with such an x, or None where there is no x or no least cost (Bland's rule, two phases)."""
     n, m = len(cost), len(equations)
     table: list[Vector] = []
     for k, (row, b) in enumerate(equations):
@@ -153,7 +198,12 @@ def _simplex(equations: list[tuple[Vector, Fraction]], cost: Vector) -> Fraction
     for i, j in enumerate(basis):
         factor = second[j]
         second = [a - factor * x for a, x in zip(second, table[i], strict=True)]
-    return -second[-1] if _descend(table, basis, second, n) else None
+    if not _descend(table, basis, second, n):
+        return None
+    x = [ZERO] * n
+    for row, j in zip(table, basis, strict=True):
+        x[j] = row[-1]
+    return -second[-1], x
 
 
 def _descend(table: list[Vector], basis: list[int], cost: Vector, n: int) -> bool:

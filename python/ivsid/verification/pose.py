@@ -58,10 +58,9 @@ class PoseVelocities:
         turned[there] = np.unwrap(psi[there])
         self.turns = np.where(there, np.round((turned - psi) / (2 * np.pi)), 0.0).astype(np.int64)
         # A truth that turns by less than pi gives readings less than pi - 2 e apart only the right way round.
+        off = np.broadcast_to(sensors.heading.accuracy + log.rounding.get("psi", np.zeros(1)), psi.shape)[there]
         uncertain = np.zeros(psi.shape, dtype=np.int64)
-        uncertain[np.flatnonzero(there)[1:]] = (
-            np.abs(np.diff(turned[there])) >= np.pi - 2 * sensors.heading.accuracy - 1e-10
-        )
+        uncertain[np.flatnonzero(there)[1:]] = np.abs(np.diff(turned[there])) >= np.pi - off[1:] - off[:-1] - 1e-9
         self.piece = np.cumsum(uncertain)
         self.halves = self._windows(sensors)
         self._exact: dict[tuple[int, int], dict[str, Range]] = {}
@@ -111,7 +110,8 @@ class PoseVelocities:
         halves = {max(1, round(0.5 * s * b / self.log.period)) for b in best for s in SHARES}
         return sorted(h for h in halves if 2 * h < self.log.t.size)
 
-    def _turned(self, i: int) -> Range:
+    def turned(self, i: int) -> Range:
+        """The heading of a row, counted on over whole turns [rad]."""
         psi: Range = self.raw("psi", i) + pi() * (2 * int(self.turns[i])) + sided(self.heading)
         return psi
 
@@ -123,7 +123,7 @@ class PoseVelocities:
         return known[name]
 
     def _window(self, at: int, half: int, *, moving: bool) -> dict[str, Range]:
-        psi0, psi1 = self._turned(at - half), self._turned(at + half)
+        psi0, psi1 = self.turned(at - half), self.turned(at + half)
         before = self.time(at) - self.time(at - half)
         after, span = self.time(at + half) - self.time(at), self.time(at + half) - self.time(at - half)
         weight = (before.square() + after.square()) / (span * 2)
@@ -139,7 +139,7 @@ class PoseVelocities:
         speed = root(north.square() + east.square())
         fastest = (speed + own * span / 2) / Range(room.lower)
         off = sided((own + rate * fastest) * weight)
-        heading = self._turned(at)
+        heading = self.turned(at)
         c, s = cosine(heading), sine(heading)
         return {**found, "u": north * c + east * s + off, "v": east * c - north * s + off}
 

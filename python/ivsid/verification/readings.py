@@ -15,13 +15,15 @@ import numpy as np
 
 from ivsid.log import Log
 from ivsid.mount import Mounted
-from ivsid.vehicle import InertialSensor, Vehicle
-from ivsid.verification.decimals import Decimals
+from ivsid.vehicle import AccelerationSensor, InertialSensor, Vehicle
+from ivsid.verification.decimals import Decimals, around
 from ivsid.verification.errors import UnprovedError
+from ivsid.verification.gravity import along_and_across, size
 from ivsid.verification.mounted import arm_of, mounted, turned_back
 from ivsid.verification.pose import PoseVelocities
 from ivsid.verification.rates import Rates
 from ivsid.verification.rational import Range, cosine, exponential, normal_factor, pi, root, sided, sine
+from ivsid.verification.refused import refuse
 
 DEFAULT_CONFIDENCE: Final = 0.999
 _ACCELERATIONS: Final = {"udot": 0, "vdot": 1, "ax": 0, "ay": 1}
@@ -37,17 +39,12 @@ class Readings:
 
     def __init__(self, log: Log, vehicle: Vehicle, *, apart: bool = False, windows: int = 1) -> None:
         self.log, self.vehicle, self.exact, self.windows = log, vehicle, Decimals(vehicle.text), windows
-        self._certain_turns()
+        refuse(log, vehicle, self.exact)
         self.apart = self._one_bias() if apart else {}
         self._made: dict[tuple[str, int], Range | None] = {}
         self._times: dict[int, Range] = {}
-        self._pose = PoseVelocities.of(log, vehicle.sensors, self.exact, self.raw, self.time)
+        self.pose = PoseVelocities.of(log, vehicle.sensors, self.exact, self.raw, self.time)
         self._rates = Rates(log, vehicle.sensors.limits, self.exact, self)
-
-    def _certain_turns(self) -> None:
-        most, heading = self.log.certain.get("psi"), self.vehicle.sensors.heading
-        if most is not None and heading is not None and self.exact(heading.accuracy).upper >= Fraction(most):
-            raise UnprovedError("the way round from one sample of psi to the next is not certain")
 
     def _one_bias(self) -> dict[str, str]:
         """The channel of each axis of an accelerometer whose bias is one unknown of the log."""
@@ -112,7 +109,7 @@ class Readings:
 
     def logged(self, name: str) -> bool:
         """The same but for accelerations that only follow from velocities."""
-        if self._pose is not None and name in self._pose.wanted:
+        if self.pose is not None and name in self.pose.wanted:
             return True
         sensors = self.vehicle.sensors
         if name not in self.log.columns:
@@ -137,8 +134,8 @@ class Readings:
 
     def _bounded(self, name: str, i: int) -> Range | None:
         sensors = self.vehicle.sensors
-        if self._pose is not None and name in self._pose.wanted:
-            return self._pose.velocity(name, i)
+        if self.pose is not None and name in self.pose.wanted:
+            return self.pose.velocity(name, i)
         if not self.logged(name):
             return self._rates.rate(name, i)
         if name in self.log.derived:
@@ -150,8 +147,9 @@ class Readings:
             return None
         if name in _PLAIN:
             return reading + sided(self.exact(getattr(sensors, _PLAIN[name]).accuracy))
-        if name in ("ax", "ay") and sensors.acceleration is not None and mounted(sensors.acceleration):
-            return self._force_at_origin(sensors.acceleration, name, i)
+        feels = sensors.acceleration
+        if name in ("ax", "ay") and feels is not None and (mounted(feels) or feels.gravity):
+            return self._force_at_origin(feels, name, i)
         if name in ("u", "v") and sensors.velocity is not None and mounted(sensors.velocity):
             return self._velocity_at_origin(sensors.velocity, name, i)
         return self._plain(name, i)
@@ -181,8 +179,10 @@ class Readings:
         return speed + y * r if name == "u" else speed - x * r
 
     def _force_at_origin(self, mount: Mounted, name: str, i: int) -> Range | None:
-        """Specific force a_x or a_y of the body origin likewise."""
+        """Specific force a_x or a_y of the body origin likewise, without what it holds of gravity."""
         force = turned_back(self.exact, mount, self._plain("ax", i), self._plain("ay", i), first=name == "ax")
+        if force is not None and isinstance(mount, AccelerationSensor) and mount.gravity:
+            force = force - self._gravity(mount.gravity, i)[name == "ay"]
         if force is None or not mount.off_origin:
             return force
         r, (x, y) = self.channel("r", i), arm_of(self.exact, mount)
@@ -190,6 +190,12 @@ class Readings:
         if r is None or rdot is None:
             return None
         return force + x * r.square() + y * rdot if name == "ax" else force - x * rdot + y * r.square()
+
+    def _gravity(self, stated: bool | float, i: int) -> tuple[Range, Range]:
+        attitude = self.vehicle.sensors.attitude
+        if attitude is None:
+            raise UnprovedError("accelerations that hold gravity need [sensors.attitude]")
+        return along_and_across(self.raw, i, self.exact(attitude.accuracy), size(self.exact, stated))
 
     def averages(self, name: str) -> bool:
         """Whether a channel holds means of a specific force over the steps."""
@@ -290,12 +296,6 @@ class Readings:
         least = min([*steps, self._period])
         clock = self.log.clocks.get(name)
         return least if clock is None else min(least, Fraction(clock.interval))
-
-
-def around(value: float, off: float) -> Range:
-    """The decimals that were read as a double, half a unit in its last place to either side, and what was lost beside that."""
-    half = Range.around(0.0, math.ulp(value))
-    return Range.around(value, off) + Range.raw(half.low // 2, half.high // 2)
 
 
 def _axis(value: float | tuple[float, float], axis: int) -> float:

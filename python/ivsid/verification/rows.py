@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from typing import Any, Final
@@ -12,27 +11,22 @@ import numpy as np
 
 from ivsid.log import Log
 from ivsid.vehicle import Vehicle
+from ivsid.verification.columns import Row, Unknown, in_motion, moves, share, summed, value
 from ivsid.verification.errors import UncheckedError, UnprovedError
-from ivsid.verification.physics import CHANNELS, Column, Columns, Meaning, Motion, State, model, moving, rigid_body
-from ivsid.verification.rational import Range, sided
+from ivsid.verification.physics import CHANNELS, Column, Meaning, Motion, State, model, moving, rigid_body
+from ivsid.verification.rational import Range, pi, sided
 from ivsid.verification.readings import AXES, Readings
 from ivsid.verification.thrusters import Thrusters
 from ivsid.verification.unchecked import not_recomputed
+from ivsid.verification.weak import Weak
 
 HALF: Final = Range(Fraction(1, 2))
 QUARTER: Final = Range(Fraction(1, 4))
 # A step this much longer than the usual one is more than one sample.
 WHOLE_STEP: Final = 0.1
 _STILL: Final = moving(0)
+ACCELERATION: Final = {"x": "udot", "y": "vdot"}
 KINDS: Final = ("pointwise", "integral", "weak", *(f"bias.{axis}" for axis in AXES))
-
-
-@dataclass(frozen=True)
-class Row:
-    """The left-hand side by parameter and the right-hand side [N or N m], as ranges that hold the truth."""
-
-    matrix: dict[str, Range]
-    right: Range
 
 
 class Rows:
@@ -52,7 +46,8 @@ class Rows:
         self.turning = any(id_.startswith("wind.") for id_ in self.terms)
         self.unknowns = {f"bias.{a}.{c}": (a, c) for a in self.readings.apart for c in CHANNELS if self._has_bias(a, c)}
         self.beyond = not_recomputed(log, vehicle)
-        self._made: dict[tuple[str, int, int], Row] = {}
+        self.weak = Weak(self)
+        self._made: dict[tuple[str, str, int, int], Row] = {}
         self._node: dict[int, State] = {}
         self._step: dict[tuple[str, int], dict[str, Range]] = {}
         self._length: dict[int, Range] = {}
@@ -68,14 +63,20 @@ class Rows:
             raise UnprovedError(f"there is no equation '{channel}'")
         if kind not in KINDS:
             raise UnprovedError(f"there is no row of the kind '{kind}'")
-        if kind == "weak":
-            raise UncheckedError("rows straight from the pose are not recomputed by the checker")
-        if kind in self.beyond or "" in self.beyond:
-            raise UncheckedError(self.beyond.get("", self.beyond.get(kind, "")))
+        if self.beyond is not None:
+            raise UncheckedError(self.beyond)
         if kind.startswith("bias."):
             return self._bias(kind.removeprefix("bias."), channel)
-        if (duration > 0) != (kind == "integral"):
+        if (duration > 0) != (kind in ("integral", "weak")):
             raise UnprovedError(f"a row of {duration!r} s is not of the kind '{kind}'")
+        first, last = self.span(time, duration)
+        key = (kind, channel, first, last)
+        if key not in self._made:
+            self._made[key] = self._row(*key)
+        return self._made[key]
+
+    def span(self, time: float, duration: float) -> tuple[int, int]:
+        """The first and the last row of the log that a row stands on."""
         t = self.log.t
         first = int(np.searchsorted(t, time))
         if first >= t.size or t[first] != time:
@@ -87,23 +88,22 @@ class Rows:
             if not ends:
                 raise UnprovedError(f"the log has no window of {duration!r} s from t = {time!r} s")
             last = ends[0]
-        if duration:
-            self._counts.add(last - first)
-            if len(self._counts) > self.windows:
-                raise UnprovedError(f"its rows are of more than the {self.windows} lengths of window that were bounded")
-        key = (channel, first, last)
-        if key not in self._made:
-            self._made[key] = self._integral(*key) if duration else self._pointwise(channel, first)
-        return self._made[key]
+        return first, last
 
-    def _share(self, columns: Column, axis: str, channel: str) -> Range:
-        """What one unit of acceleration adds to a column."""
-        return _value(columns, _at_rest("udot" if axis == "x" else "vdot"), channel)
+    def _row(self, kind: str, channel: str, first: int, last: int) -> Row:
+        if kind == "pointwise":
+            return self._pointwise(channel, first)
+        if kind == "weak":
+            return self.weak.row(channel, first, last)
+        self._counts.add(last - first)
+        if len(self._counts) > self.windows:
+            raise UnprovedError(f"its rows are of more than the {self.windows} lengths of window that were bounded")
+        return self._integral(channel, first, last)
 
     def _has_bias(self, axis: str, channel: str) -> bool:
         """Whether an accelerometer's bias adds to a channel's equation."""
         columns = [self.known, *(m.columns for m in self.terms.values())]
-        return any(self._share(c, axis, channel).magnitude for c in columns)
+        return any(share(c, ACCELERATION[axis], channel).magnitude for c in columns)
 
     def _bias(self, axis: str, channel: str) -> Row:
         """With C the sum of what multiplies the acceleration: the unknown is the bias times C, and the bias has a bound."""
@@ -111,8 +111,8 @@ class Rows:
         if id_ not in self.unknowns:
             raise UnprovedError(f"no {id_} was taken apart")
         reach = self.readings.bias(axis)
-        matrix = {k: reach * self._share(m.columns, axis, channel) for k, m in self.terms.items()}
-        return Row({**matrix, id_: Range(1)}, reach * self._share(self.known, axis, channel))
+        matrix = {k: reach * share(m.columns, ACCELERATION[axis], channel) for k, m in self.terms.items()}
+        return Row({**matrix, id_: Range(1)}, reach * share(self.known, ACCELERATION[axis], channel))
 
     def _velocity(self, name: str, i: int) -> Range:
         x = self.readings.channel(name, i)
@@ -136,14 +136,14 @@ class Rows:
         psi = self._heading(i) if self.turning else None
         state = State(u, v, r, udot, vdot, self._derivative("rdot", i, bound), ax, ay, psi)
         force = self.thrusters.at_row(i, lambda: (u, v, r))[CHANNELS.index(channel)]
-        matrix = {k: _value(m.columns, state, channel) for k, m in self.terms.items()}
+        matrix = {k: value(m.columns, state, channel) for k, m in self.terms.items()}
         matrix |= {id_: Range(-1) for id_, (_, c) in self.unknowns.items() if c == channel}
-        return Row(matrix, force - _value(self.known, state, channel) + self._ambient(channel))
+        return Row(matrix, force - value(self.known, state, channel) + self._ambient(channel))
 
     def _derivative(self, name: str, i: int, otherwise: Range | None) -> Any:
         """A measured acceleration, or what follows from others; what is not known must not be used."""
         x = self.readings.channel(name, i) if self.readings.has(name) else otherwise
-        return _Unknown(name) if x is None else x
+        return Unknown(name) if x is None else x
 
     def _heading(self, i: int) -> Range:
         psi = self.readings.heading(i)
@@ -160,15 +160,16 @@ class Rows:
             if not self.thrusters.present(i):
                 raise UnprovedError(f"a demand or force is missing at t = {self.log.t[i]!r} s")
         span = self.readings.time(last) - self.readings.time(first)
-        lengths = [self._step_length(k) for k in range(first, last)]
+        lengths = [self.step_length(k) for k in range(first, last)]
         index = CHANNELS.index(channel)
-        forces = [self.thrusters.over_step(k, self._swept(k))[index] for k in range(first, last)]
+        forces = [self.thrusters.over_step(k, self.swept(k))[index] for k in range(first, last)]
         known = self._mean("", self.known, channel, first, last, lengths, span)
-        right = _total(forces, lengths) / span - known + self._ambient(channel)
+        right = summed(forces, lengths) / span - known + self._ambient(channel)
         matrix = {k: self._mean(k, m.columns, channel, first, last, lengths, span) for k, m in self.terms.items()}
         return Row(matrix, right)
 
-    def _step_length(self, k: int) -> Range:
+    def step_length(self, k: int) -> Range:
+        """Time from a row to the next one [s]."""
         if k not in self._length:
             self._length[k] = self.readings.time(k + 1) - self.readings.time(k)
         return self._length[k]
@@ -178,12 +179,12 @@ class Rows:
     ) -> Range:
         total = Range(0)
         for name, unit in (("u", "udot"), ("v", "vdot"), ("r", "rdot")):
-            factor = _value(columns, _at_rest(unit), channel)
+            factor = share(columns, unit, channel)
             if factor.magnitude:
                 total = total + self._difference(name, first, last, lengths) * factor / span
-        if self._moves(columns, channel):
-            means = [self._step_mean(id_, columns, channel, k) for k in range(first, last)]
-            total = total + _total(means, lengths) / span
+        if moves(columns, channel):
+            means = [self.step_mean(id_, columns, channel, k) for k in range(first, last)]
+            total = total + summed(means, lengths) / span
         return total
 
     def _difference(self, name: str, first: int, last: int, lengths: list[Range]) -> Range:
@@ -199,21 +200,11 @@ class Rows:
             if mean is None or abs(t[k + 1] - t[k] - self.log.period) > WHOLE_STEP * self.log.period:
                 return difference
             turning: Column = (lambda s: {own: s.v * s.r}) if name == "u" else (lambda s: {own: -(s.u * s.r)})
-            total = total + (mean + self._step_mean("turning", turning, own, k)) * length
+            total = total + (mean + self.step_mean("turning", turning, own, k)) * length
         low, high = max(difference.low, total.low), min(difference.high, total.high)
         if low > high:
             raise UnprovedError(f"{name} and its averaged acceleration contradict each other")
         return Range.raw(low, high)
-
-    @staticmethod
-    def _moves(columns: Column, channel: str) -> bool:
-        """Whether velocities stand in a column, asked at two states."""
-        still, here = Range(0), Range(Fraction(3, 10))
-        states = [
-            State(u, v, r, still, still, still, psi=here)
-            for u, v, r in (tuple(Range(Fraction(x, 10)) for x in nu) for nu in ((3, 7, 11), (-9, 4, -2)))
-        ]
-        return any(_value(columns, s, channel).magnitude for s in states)
 
     @cached_property
     def _limits(self) -> dict[str, Range]:
@@ -223,17 +214,25 @@ class Rows:
         a, y = self.readings.exact(limits.acceleration), self.readings.exact(limits.yaw_acceleration)
         return {"u": a, "v": a, "r": y}
 
-    def _step_mean(self, id_: str, columns: Column, channel: str, k: int) -> Range:
+    def step_mean(self, id_: str, columns: Column, channel: str, k: int) -> Range:
         """Trapezoid +- L h / 4, L bounding the rate of change over the step."""
         key = (id_, k)
         if key not in self._step:
             self._step[key] = {}
         done = self._step[key]
         if channel not in done:
-            ends = [_moving(columns, self._node_state(i), channel).value for i in (k, k + 1)]
-            rate = _moving(columns, self._step_state(k), channel).rate.largest()
-            done[channel] = (ends[0] + ends[1]) * HALF + sided(rate) * self._step_length(k) * QUARTER
+            ends = [in_motion(columns, self._node_state(i), channel).value for i in (k, k + 1)]
+            rate = in_motion(columns, self._step_state(k), channel).rate.largest()
+            done[channel] = (ends[0] + ends[1]) * HALF + sided(rate) * self.step_length(k) * QUARTER
         return done[channel]
+
+    def step_range(self, columns: Column, channel: str, k: int) -> Range:
+        """All that a column can be over a step."""
+        return in_motion(columns, self._step_state(k), channel).value
+
+    def motion(self, i: int) -> Callable[[], tuple[Range, Range, Range]]:
+        """u, v, r at a row."""
+        return lambda: (self._velocity("u", i), self._velocity("v", i), self._velocity("r", i))
 
     def _node_state(self, i: int) -> State:
         if i not in self._node:
@@ -243,60 +242,26 @@ class Rows:
         return self._node[i]
 
     def _step_state(self, k: int) -> State:
-        u, v, r = (Motion(x, sided(self._limits[n])) for n, x in zip(("u", "v", "r"), self._swept(k)(), strict=True))
+        u, v, r = (Motion(x, sided(self._limits[n])) for n, x in zip(("u", "v", "r"), self.swept(k)(), strict=True))
         if not self.turning:
             return State(u, v, r, _STILL, _STILL, _STILL)
         # Away from one row, and towards the next.
-        turned = Range(0).hull(self._step_length(k)) * HALF * r.value
+        turned = Range(0).hull(self.step_length(k)) * HALF * r.value
         end = self._heading(k + 1) + self.readings.whole_turns("psi", k)
+        if (end - self._heading(k)).largest().high >= pi().low:
+            raise UnprovedError(f"the way round after t = {self.log.t[k]!r} s is not certain")
         psi = Motion((self._heading(k) + turned).hull(end - turned), r.value)
         return State(u, v, r, _STILL, _STILL, _STILL, psi=psi)
 
-    def _swept(self, k: int) -> Callable[[], tuple[Range, Range, Range]]:
+    def swept(self, k: int) -> Callable[[], tuple[Range, Range, Range]]:
         """All that u, v, r can be over a step."""
 
         def ranges() -> tuple[Range, Range, Range]:
             made = [
                 self._velocity(n, k).hull(self._velocity(n, k + 1))
-                + self._step_length(k) * HALF * sided(self._limits[n])
+                + self.step_length(k) * HALF * sided(self._limits[n])
                 for n in ("u", "v", "r")
             ]
             return made[0], made[1], made[2]
 
         return ranges
-
-
-class _Unknown:
-    """An acceleration that nothing bounds: it may stand in a column that is not used, and in no other."""
-
-    def __init__(self, name: str) -> None:
-        self.name = name
-
-    def _used(self, *_: Any) -> _Unknown:
-        return self
-
-    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __neg__ = _used
-
-
-def _value(columns: Column, state: State, channel: str) -> Range:
-    column = columns(state).get(channel)
-    if isinstance(column, _Unknown):
-        raise UnprovedError(f"{column.name} is neither measured nor bounded")
-    return Range(0) if column is None else column
-
-
-def _moving(columns: Callable[[State], Columns], state: State, channel: str) -> Motion:
-    return moving(columns(state)[channel])
-
-
-def _at_rest(derivative: str) -> State:
-    """With one unit acceleration."""
-    rates = [Range(int(derivative == name)) for name in ("udot", "vdot", "rdot")]
-    return State(Range(0), Range(0), Range(0), *rates)
-
-
-def _total(per_step: list[Range], lengths: list[Range]) -> Range:
-    total = Range(0)
-    for mean, length in zip(per_step, lengths, strict=True):
-        total = total + mean * length
-    return total

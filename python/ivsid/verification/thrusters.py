@@ -9,7 +9,7 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from ivsid.verification.curves import Curve, Forces
-from ivsid.verification.errors import UncheckedError, UnprovedError
+from ivsid.verification.errors import UnprovedError
 from ivsid.verification.rational import ONE, Range, cosine, exponential, pi, sided, sine, weighted
 from ivsid.verification.readings import Readings
 
@@ -38,6 +38,7 @@ class Thrusters:
             return all(self.readings.channel(n, i) is not None for n in ("force_X", "force_Y", "moment_N"))
         names = [f"demand_{t.name}" for t in self.vehicle.thrusters]
         names += [f"azimuth_{t.name}" for t in self.vehicle.thrusters if t.steering == "azimuth"]
+        names += [f"rudder_{t.name}" for t in self.vehicle.thrusters if t.rudder is not None]
         return all(self.readings.raw(n, i) is not None for n in names)
 
     def at_row(self, i: int, motion: Callable[[], Motion]) -> Forces:
@@ -93,8 +94,6 @@ class Thrusters:
 
     def _pushed(self, curve: Curve, i: int, motion: Callable[[], Motion], *, over: bool) -> Forces:
         t, name = curve.thruster, f"demand_{curve.thruster.name}"
-        if t.rudder is not None:
-            raise UncheckedError(f"the force of the rudder behind thruster {t.name} is not recomputed by the checker")
         shares = self._shares(curve, i, over=over)
         if t.time_constant:
             at, mean = self._lagged(curve, i)
@@ -111,8 +110,13 @@ class Thrusters:
             x, y = curve.exact.pair(t.position)
             u, v, r = motion()
             inflow = (u - r * y) * shares[0] + (v + r * x) * shares[1]
-            thrust = thrust - abs(swept) * inflow * curve.exact(t.advance_loss)
-        return thrust * shares[0], thrust * shares[1], thrust * shares[2]
+            lost = abs(swept) * inflow * curve.exact(t.advance_loss)
+            thrust, swept = thrust - lost, swept - lost
+        forces = thrust * shares[0], thrust * shares[1], thrust * shares[2]
+        if curve.blade is None:
+            return forces
+        blade = curve.blade.force(self._angle(f"rudder_{t.name}", i, over=over), swept, motion())
+        return forces[0] + blade[0], forces[1] + blade[1], forces[2] + blade[2]
 
     def _shares(self, curve: Curve, i: int, *, over: bool) -> Forces:
         t = curve.thruster

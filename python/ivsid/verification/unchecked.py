@@ -14,15 +14,8 @@ def estimated(log: Log, vehicle: Vehicle) -> bool:
     return vehicle.sensors.from_pose == "spline" and lacks
 
 
-def not_recomputed(log: Log, vehicle: Vehicle) -> dict[str, str]:
-    """By kind of row, or "" for all: why the checker cannot make it."""
-    sensors, found = vehicle.sensors, {}
-    acceleration = sensors.acceleration
-    rudders = [t.name for t in vehicle.thrusters if t.rudder is not None]
-    if rudders:
-        found[""] = f"the force of the rudder behind thruster {rudders[0]} is not recomputed by the checker"
-    if acceleration is not None and acceleration.gravity and {"ax", "ay"} & set(log.columns):
-        found["pointwise"] = "accelerations that hold gravity are not recomputed by the checker"
+def not_recomputed(log: Log, vehicle: Vehicle) -> str | None:
+    """Why the checker cannot make the rows of a log; None where it can."""
     if estimated(log, vehicle):
-        found[""] = "velocities by splines are an estimate, which the checker cannot prove"
-    return found
+        return "velocities by splines are an estimate, which the checker cannot prove"
+    return None

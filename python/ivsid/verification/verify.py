@@ -23,6 +23,7 @@ NOT_PROVED: Final = (
     "improper",
     "options that no certificate rests on",
     "that ends without a bound have none",
+    "that no contradiction is left without the rows that outliers names",
     "what assumes says, and its wording",
 )
 
@@ -38,6 +39,7 @@ class Verification:
         claim: the status of the result that was checked, such as ``enclosed``.
         certificates: how many hold.
         rows: how many rows of the log they use.
+        wrong: how many rows of each set of parameters that share equations may be wrong: the claim holds if no more are.
         result_name: of the file.
         log_name: of the log.
         inputs: name and SHA-256 of what was read.
@@ -52,6 +54,7 @@ class Verification:
     result_name: str
     log_name: str
     inputs: tuple[tuple[str, str], ...]
+    wrong: int = 0
 
     @property
     def proved(self) -> bool:
@@ -67,6 +70,7 @@ class Verification:
             "not_checked": list(self.not_checked),
             "certificates": self.certificates,
             "rows": self.rows,
+            "outliers": self.wrong,
             "not_proved": list(NOT_PROVED),
         }
 
@@ -105,4 +109,5 @@ def verify(result: str | Path, log: str | Path | Log) -> Verification:
         name,
         data.name,
         inputs,
+        checker.wrong,
     )

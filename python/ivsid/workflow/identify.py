@@ -34,6 +34,7 @@ def identify(
     form: str = "total",
     rows: str = "auto",
     window: float | Sequence[float] = WINDOW,
+    bias: str = "auto",
     outliers: int = 0,
     progress: Progress = silent,
 ) -> Report:
@@ -43,7 +44,15 @@ def identify(
     data = read_log(log, checked.log)
     progress(f"identifying by {method} on {data.t.size} samples")
     fit = identification.identify(
-        checked, data, method, partitions=partitions, form=form, rows=rows, window=window, outliers=outliers
+        checked,
+        data,
+        method,
+        partitions=partitions,
+        form=form,
+        rows=rows,
+        window=window,
+        bias=bias,
+        outliers=outliers,
     )
     progress("drawing")
     return identification_report(fit, data)

@@ -51,8 +51,14 @@ def verify(result: str | Path, log: str | Path, *, progress: Progress = silent) 
 def verdict_lines(verdict: Verification) -> list[str]:
     """What the terminal shows."""
     if verdict.proved:
+        rows = f"{verdict.wrong} row{'s' * (verdict.wrong > 1)}"
+        claim = (
+            f"{verdict.claim}, if at most {rows} of each set of parameters that share rows are wrong"
+            if verdict.wrong
+            else verdict.claim
+        )
         return [
-            f"PROVED: {verdict.result_name} ({verdict.claim}) follows from {verdict.log_name}: {verdict.certificates} certificates "
+            f"PROVED: {verdict.result_name} ({claim}) follows from {verdict.log_name}: {verdict.certificates} certificates "
             f"over {verdict.rows} rows hold in exact arithmetic"
         ]
     if verdict.status == "not_checked":

@@ -23,6 +23,8 @@ pub(crate) enum Outcome {
 
 /// Relative size below which a multiplier is zero.
 const MULTIPLIER: f64 = 1e-12;
+/// Size of a ray's component, relative to its largest, below which it is none.
+const NOTHING: f64 = 1e-12;
 /// Half-spaces that are looked at before the whole working set is again.
 const CANDIDATES: usize = 24;
 /// Exchanges after which the inverse is made anew.
@@ -139,6 +141,11 @@ impl Search {
         program.unscaled_point(&self.point)
     }
 
+    /// Whether the vertex is finite; an objective may be, at a vertex that is not.
+    pub(crate) fn is_bounded(&self) -> bool {
+        self.bounded
+    }
+
     /// The part of the vertex that is multiplied by `M`; zero where the vertex is finite.
     pub(crate) fn ray(&self, program: &Program) -> Vec<f64> {
         program.unscaled_point(&self.ray)
@@ -189,6 +196,9 @@ impl Search {
                 }
             }
         }
+        // What an elimination leaves of zero would be a direction at order M.
+        let least = NOTHING * self.ray.iter().fold(0.0_f64, |a, d| a.max(d.abs()));
+        self.ray.iter_mut().filter(|d| d.abs() <= least).for_each(|d| *d = 0.0);
     }
 
     /// Puts a half-space in the place of a row: its normal is `sum alpha_i rows_i`, with `alpha[position] > 0`.

@@ -9,9 +9,9 @@ use super::directions::directions;
 use super::inflation;
 use super::orthant::{DataRow, Orthant};
 use super::outliers::{NODE_LIMIT, Outliers, trees};
-use super::prove::prove;
+use super::prove::{Proof, prove};
 use super::rows::Rows;
-use super::search::{Piece, Pool, solve};
+use super::search::{Asked, Piece, Pool, solve};
 use super::signs::{ORTHANT_LIMIT, SignProof, cover, every};
 use crate::error::Error;
 use crate::interval::Interval;
@@ -143,11 +143,9 @@ pub fn feasible_rows(rows: &Rows<'_>, options: &FeasibleOptions) -> Result<Feasi
     let Some((leaves, sign_proofs)) = cover(rows, &mut pool, &known) else {
         return Ok(FeasibleSet::without_answer(n, too_many(rows, &known)));
     };
-    let goals: Vec<(usize, f64)> = (0..n).flat_map(|j| [(j, 1.0), (j, -1.0)]).collect();
-    let mut pieces: Vec<Piece<'_>> =
-        leaves.iter().map(|signs| Piece::new(Orthant::new(rows, signs.clone()), &pool, &goals)).collect();
-    solve(rows, &mut pool, &mut pieces);
-    let proofs = parallel::map(pieces.len(), pieces.len() >= 16, |k| prove(rows, &pool, &pieces[k]));
+    let proofs = union(rows, &mut pool, &leaves, Asked::Union)
+        .or_else(|| union(rows, &mut pool, &leaves, Asked::Each))
+        .unwrap_or_default();
     let mut all_rays = Vec::new();
     let mut orthants = Vec::with_capacity(leaves.len());
     for (signs, (outcome, rays)) in leaves.into_iter().zip(proofs) {
@@ -157,6 +155,22 @@ pub fn feasible_rows(rows: &Rows<'_>, options: &FeasibleOptions) -> Result<Feasi
     let parameters = hull(&orthants, n);
     let set = FeasibleSet { orthants, sign_proofs, ..FeasibleSet::new(rows, parameters, &all_rays) };
     Ok(set.with_inflation(rows, &pool, &[]))
+}
+
+/// What is proved of each orthant; `None` where an end was left out for a piece that the proof then finds empty or closed.
+fn union(rows: &Rows<'_>, pool: &mut Pool, leaves: &[Vec<i8>], asked: Asked) -> Option<Vec<Proof>> {
+    let goals: Vec<(usize, f64)> = (0..rows.columns()).flat_map(|j| [(j, 1.0), (j, -1.0)]).collect();
+    let mut pieces: Vec<Piece<'_>> =
+        leaves.iter().map(|signs| Piece::new(Orthant::new(rows, signs.clone()), pool, &goals)).collect();
+    solve(rows, pool, &mut pieces, asked);
+    let proofs = parallel::map(pieces.len(), pieces.len() >= 16, |k| prove(rows, pool, &pieces[k]));
+    let open = |k: usize, (piece, (outcome, _)): (&Piece<'_>, &Proof)| match outcome {
+        OrthantOutcome::Bounded(ends) => !piece.goals[k].retired && ends[k].bound.is_infinite(),
+        OrthantOutcome::Empty { .. } => false,
+    };
+    let witnessed = (0..goals.len())
+        .all(|k| pieces.iter().all(|p| !p.goals[k].retired) || pieces.iter().zip(&proofs).any(|pair| open(k, pair)));
+    witnessed.then_some(proofs)
 }
 
 /// The hull where some rows may be wrong. Proofs of signs would use rows that may be among them, so every orthant is looked at.

@@ -23,6 +23,8 @@ const ROUNDS: usize = 200;
 const PROGRESS: f64 = 1e-9;
 /// Rows of one piece of a pass.
 const PIECE: usize = 4096;
+/// How far from the middle of things, in their own size, a direction without end is followed.
+const FAR: f64 = 1024.0 * 1024.0;
 /// Rows that one pass adds.
 const TAKEN: usize = 12;
 
@@ -172,6 +174,12 @@ impl Working {
         Some(best)
     }
 
+    /// Magnitudes that no unknown of these rows has reason to reach.
+    fn far(&self) -> Vec<f64> {
+        let most = self.right.iter().fold(0.0_f64, |a, y| a.max(y.abs()));
+        self.scale.iter().zip(&self.start).map(|(s, x)| FAR * (most * s).max(x.abs()).max(f64::MIN_POSITIVE)).collect()
+    }
+
     fn weights(&self, x: &[f64]) -> Vec<f64> {
         (0..self.count()).map(|i| self.denominator(i, x)).collect()
     }
@@ -220,13 +228,20 @@ impl Working {
         g.fill(0.0);
         g[n] = 1.0;
         let mut search = Search::new(&program, &g);
-        match search.run(&program) {
-            Outcome::Vertex => {
-                let mut vertex = search.point(&program);
-                vertex.truncate(n);
-                vertex.iter().all(|x| x.is_finite()).then_some(vertex)
+        let mut outcome = search.run(&program);
+        if outcome == Outcome::Unbounded {
+            // The factor falls along a ray: far out it is as good as at infinity.
+            for (j, &far) in self.far().iter().enumerate() {
+                for side in [1.0, -1.0] {
+                    g.fill(0.0);
+                    g[j] = side;
+                    program.push(n + self.count() + j, &g, far);
+                }
             }
-            _ => None,
+            outcome = search.run(&program);
         }
+        let mut vertex = search.point(&program);
+        vertex.truncate(n);
+        (outcome == Outcome::Vertex && vertex.iter().all(|x| x.is_finite())).then_some(vertex)
     }
 }

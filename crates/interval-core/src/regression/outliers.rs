@@ -9,7 +9,7 @@ use super::feasible::{BoundCertificate, OrthantOutcome, OrthantResult};
 use super::orthant::Orthant;
 use super::prove::prove;
 use super::rows::Rows;
-use super::search::{Piece, Pool, solve};
+use super::search::{Asked, Piece, Pool, solve};
 use crate::parallel;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -63,7 +63,7 @@ pub(crate) fn trees(rows: &Rows<'_>, pool: &mut Pool, leaves: &[Vec<i8>], allowe
                 Piece::new(orthant, pool, &goals)
             })
             .collect();
-        solve(rows, pool, &mut pieces);
+        solve(rows, pool, &mut pieces, Asked::Each);
         let proofs = parallel::map(pieces.len(), pieces.len() >= 16, |k| prove(rows, pool, &pieces[k]));
         let mut next = Level::new();
         for (((z, dropped), goals), (outcome, rays)) in level.into_iter().zip(proofs) {

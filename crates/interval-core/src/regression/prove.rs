@@ -45,6 +45,7 @@ pub(crate) fn prove(rows: &Rows<'_>, pool: &Pool, piece: &Piece<'_>) -> Proof {
     let mut directions = Vec::new();
     for goal in &piece.goals {
         ends.push(match goal.outcome {
+            _ if goal.retired => end(orthant, goal, None, &[]),
             Outcome::Vertex => proved_end(piece, goal),
             Outcome::Unbounded => {
                 directions.push(goal.search.ray(&piece.program));
@@ -73,7 +74,8 @@ pub(crate) fn prove(rows: &Rows<'_>, pool: &Pool, piece: &Piece<'_>) -> Proof {
 }
 
 fn is_thin(lower: f64, upper: f64) -> bool {
-    upper - lower <= THIN * lower.abs().max(upper.abs())
+    let width = upper - lower;
+    width.is_finite() && width <= THIN * lower.abs().max(upper.abs())
 }
 
 fn approximate(weights: &[(usize, BigRational)]) -> Vec<(usize, f64)> {
@@ -143,6 +145,9 @@ fn exactly(rows: &Rows<'_>, pool: &Pool, piece: &Piece<'_>) -> Proof {
         let problem = Subset { problem: orthant, indices: &names };
         let found = parallel::map(piece.goals.len(), rows.columns() > 4, |k| {
             let goal = &piece.goals[k];
+            if goal.retired {
+                return None;
+            }
             minimum(&problem, goal.column, goal.direction, Some(starts[k].clone()))
         });
         let mut points: Vec<Vec<BigRational>> = Vec::new();

@@ -9,10 +9,12 @@ use super::scan::{Pass, Vertex, column_scale, scan};
 use crate::linear_program::{HalfSpaces, Outcome, Program, Search};
 use crate::parallel;
 use crate::rounding::slices::Backend;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// Rounds of one search, more than any has needed.
 const ROUNDS: usize = 400;
+/// Open vertices of one kind that are tried at once where one decides for all.
+const OPEN: usize = 2;
 
 /// The rows that any working set holds, as half-spaces of an orthant.
 #[derive(Debug, Clone)]
@@ -63,6 +65,8 @@ pub(crate) struct Goal {
     pub(crate) search: Search,
     pub(crate) outcome: Outcome,
     settled: bool,
+    /// No longer asked for: the objective falls for ever in another piece of the same union.
+    pub(crate) retired: bool,
 }
 
 impl Goal {
@@ -72,7 +76,7 @@ impl Goal {
 
     /// Goes on after the working set has grown, or from where it stood.
     fn advance(&mut self, program: &Program, grown: bool) {
-        if (!grown && self.settled) || self.is_contradicted() {
+        if (!grown && self.settled) || self.retired || self.is_contradicted() {
             return;
         }
         let (before, was) = (self.search.point(program), self.outcome);
@@ -113,7 +117,7 @@ impl<'a> Piece<'a> {
                 let mut objective = vec![0.0; n];
                 objective[column] = direction;
                 let search = Search::new(&program, &objective);
-                Goal { column, direction, search, outcome: Outcome::Failed, settled: false }
+                Goal { column, direction, search, outcome: Outcome::Failed, settled: false, retired: false }
             })
             .collect();
         Self { orthant, program, goals, contradiction: None, persistent: false, taken: 0 }
@@ -131,7 +135,7 @@ impl<'a> Piece<'a> {
         // An empty orthant shows at its first goal, so the others wait for it.
         let program = &self.program;
         let persistent = self.persistent;
-        let one = self.goals.len().min(1);
+        let one = self.goals.iter().position(|g| !g.retired).map_or(self.goals.len(), |k| k + 1);
         let (first, others) = self.goals.split_at_mut(one);
         for goal in first.iter_mut() {
             goal.advance(program, grown);
@@ -148,14 +152,23 @@ impl<'a> Piece<'a> {
     }
 
     fn vertex(&self, goal: &Goal) -> Vertex<Orthant<'a>> {
-        let ray = (goal.outcome == Outcome::Unbounded).then(|| goal.search.ray(&self.program));
+        let ray = (!goal.search.is_bounded()).then(|| goal.search.ray(&self.program));
         let point = goal.search.point(&self.program);
         Vertex { polyhedron: self.orthant.clone(), signs: self.orthant.signs.clone(), point, ray }
     }
 }
 
-/// Solves every goal of every piece over all rows; pieces that meet a contradiction stop there.
-pub(crate) fn solve(rows: &Rows<'_>, pool: &mut Pool, pieces: &mut [Piece<'_>]) {
+/// Which goals are asked of which piece.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Asked {
+    /// Every goal of every piece.
+    Each,
+    /// The union of the pieces, which all have the same goals: one that falls for ever somewhere is looked for nowhere else.
+    Union,
+}
+
+/// Solves the goals of the pieces over all rows; pieces that meet a contradiction stop there.
+pub(crate) fn solve(rows: &Rows<'_>, pool: &mut Pool, pieces: &mut [Piece<'_>], asked: Asked) {
     let count = Pass::pieces(rows.count());
     let strides: &[usize] = if count >= 64 { &[64, 8, 1] } else { &[1] };
     for &stride in strides {
@@ -166,30 +179,45 @@ pub(crate) fn solve(rows: &Rows<'_>, pool: &mut Pool, pieces: &mut [Piece<'_>]) 
                     piece.advance(pool);
                 }
             });
-            let mut vertices = Vec::new();
-            let mut places = Vec::new();
-            for (p, piece) in pieces.iter().enumerate().filter(|(_, p)| p.contradiction.is_none()) {
-                for (k, goal) in piece.goals.iter().enumerate() {
-                    if !goal.settled && matches!(goal.outcome, Outcome::Vertex | Outcome::Unbounded) {
-                        vertices.push(piece.vertex(goal));
-                        places.push((p, k));
-                    }
-                }
-            }
-            if vertices.is_empty() {
+            let places = pending(pieces, asked);
+            if places.is_empty() {
                 break;
             }
+            let vertices: Vec<_> = places.iter().map(|&(p, k)| pieces[p].vertex(&pieces[p].goals[k])).collect();
             let found = scan(rows, &pool.scale, &vertices, &pool.known, Pass::new(rows.count(), stride), pool.backend);
-            let mut grown = false;
             for ((p, k), indices) in places.into_iter().zip(found) {
-                pieces[p].goals[k].settled = indices.is_empty();
+                let goal = &mut pieces[p].goals[k];
+                goal.settled = indices.is_empty();
+                let everywhere = goal.settled && goal.outcome == Outcome::Unbounded && !goal.retired;
                 for index in indices {
-                    grown |= pool.insert(index);
+                    pool.insert(index);
                 }
-            }
-            if !grown {
-                break;
+                if everywhere && asked == Asked::Union && stride == 1 {
+                    pieces.iter_mut().enumerate().filter(|(q, _)| *q != p).for_each(|(_, q)| q.goals[k].retired = true);
+                }
             }
         }
     }
+}
+
+/// The goals whose vertices have to be tried on the rows: all that are finite, and a few open ones of each kind where one will do.
+fn pending(pieces: &[Piece<'_>], asked: Asked) -> Vec<(usize, usize)> {
+    let mut open: HashMap<usize, usize> = HashMap::new();
+    let mut places = Vec::new();
+    for (p, piece) in pieces.iter().enumerate().filter(|(_, p)| p.contradiction.is_none()) {
+        for (k, goal) in piece.goals.iter().enumerate().filter(|(_, g)| !g.settled && !g.retired) {
+            match goal.outcome {
+                Outcome::Unbounded if asked == Asked::Union => {
+                    let count = open.entry(k).or_insert(0);
+                    *count += 1;
+                    if *count <= OPEN {
+                        places.push((p, k));
+                    }
+                }
+                Outcome::Vertex | Outcome::Unbounded => places.push((p, k)),
+                _ => {}
+            }
+        }
+    }
+    places
 }

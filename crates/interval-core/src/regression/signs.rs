@@ -13,7 +13,7 @@
 
 use super::orthant::{DataRow, Orthant};
 use super::rows::Rows;
-use super::search::{Piece, Pool, solve};
+use super::search::{Asked, Piece, Pool, solve};
 use crate::approximate::least_squares;
 use crate::exact::{ratio_down, ratio_up, rational};
 use crate::linear_program::{Outcome, Row, basis_multipliers, enclosed_bound, enclosed_multipliers, exact_bound};
@@ -69,7 +69,7 @@ pub(crate) fn cover(rows: &Rows<'_>, pool: &mut Pool, known: &[i8]) -> Option<(V
             regions.into_iter().partition(|decided| open(rows, decided).len() <= FEW.min(rows.columns()));
         leaves.extend(few.iter().flat_map(|decided| all(rows, decided)));
         let mut pieces: Vec<Piece<'_>> = many.iter().map(|decided| loose(rows, pool, decided, &home)).collect();
-        solve(rows, pool, &mut pieces);
+        solve(rows, pool, &mut pieces, Asked::Each);
         regions = Vec::new();
         for (decided, piece) in many.into_iter().zip(&pieces) {
             let proof = prove_signs(&decided, piece);

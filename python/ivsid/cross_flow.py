@@ -1,0 +1,108 @@
+"""Cross-flow integrals over the length of a hull, enclosed by their extremes in closed form.
+
+With w = v + x r and x from -h to h the force is the integral of w |w|, the moment that of x w |w|. Where w has one sign along the hull,
+|v| >= |r| h, both are polynomials; else they are split at the zero of w (s = v / r):
+
+    force   sgn(v) (2 h v^2 + 2 h^3 r^2 / 3)      or  sgn(v) 2 |v| (h^2 |r| + v^2 / (3 |r|))
+    moment  sgn(r) 4 h^3 |v| |r| / 3              or  sgn(r) (h^4 r^2 / 2 + v^2 (h^2 - s^2 / 6))
+
+The derivative of the force is 2 times the integral of |w| by v and of x |w| by r; that of the moment 2 times the integral of x |w| by v
+and of x^2 |w| by r. The integrals of |w| and of x^2 |w| are not negative, that of x |w| has the sign of v r. So the force grows with v, and
+with |r| where v > 0; the moment grows with r, and with |v| where r > 0: their extremes over a box stand at corners and at zeros of it.
+All three derivatives grow in size with |v| and with |r|.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from ivsid.intervals import FloatArray, Interval, IntervalArray
+
+# Sizes |v|, |r| as points, half the length with its decimals' rounding, and |v / r|: what a formula is made of.
+Formula: TypeAlias = Callable[[IntervalArray, IntervalArray, Interval], IntervalArray]
+
+
+def cross_flow_over(v: IntervalArray, r: IntervalArray, half: float, power: int) -> IntervalArray:
+    """The force (``power`` 0, m^3/s^2) or the moment (1, m^4/s^2) over boxes of v [m/s] and r [rad/s]; every number where one is unbounded.
+
+    Args:
+        v: sideways velocity.
+        r: yaw rate, of the same shape.
+        half: half the length of the hull [m], a decimal that was rounded.
+        power: of x.
+    """
+    (v_low, v_high, r_low, r_high), known = _finite(v, r)
+    least = [
+        np.where((a > 0) | (b < 0), np.minimum(abs(a), abs(b)), 0.0) for a, b in ((v_low, v_high), (r_low, r_high))
+    ]
+    most = [np.maximum(abs(a), abs(b)) for a, b in ((v_low, v_high), (r_low, r_high))]
+    own, other = (0, 1) if power == 0 else (1, 0)
+    low, high = ((v_low, v_high), (r_low, r_high))[own]
+    ends = []
+    for end, outer in ((low, low < 0), (high, high > 0)):
+        # Away from zero the other velocity adds to the size, at the inner end it is as small as it can be.
+        pair = [abs(end), np.where(outer, most[other], least[other])]
+        ends.append(_size(pair[own], pair[other], half, _FORCE if power == 0 else _MOMENT))
+    below = np.where(low < 0, -ends[0].upper, ends[0].lower)
+    above = np.where(high > 0, ends[1].upper, -ends[1].lower)
+    return IntervalArray(np.where(known, below, -np.inf), np.where(known, above, np.inf))
+
+
+def steepest_over(
+    v: IntervalArray, r: IntervalArray, half: float
+) -> tuple[IntervalArray, IntervalArray, IntervalArray]:
+    """Intervals around zero that hold the integrals of |w|, x |w| and x^2 |w| over boxes: half the derivatives."""
+    (v_low, v_high, r_low, r_high), known = _finite(v, r)
+    speed, turn = np.maximum(abs(v_low), abs(v_high)), np.maximum(abs(r_low), abs(r_high))
+    found = []
+    for formulas in (_PLAIN, _FIRST, _SECOND):
+        reach = np.where(known, _size(speed, turn, half, formulas).upper, np.inf)
+        found.append(IntervalArray(-reach, reach))
+    return found[0], found[1], found[2]
+
+
+def _finite(v: IntervalArray, r: IntervalArray) -> tuple[list[FloatArray], Any]:
+    bounds = [v.lower, v.upper, r.lower, r.upper]
+    known = np.isfinite(bounds).all(axis=0)
+    return [np.where(known, b, 0.0) for b in bounds], known
+
+
+def _size(v: FloatArray, r: FloatArray, half: float, formulas: tuple[Formula, Formula]) -> IntervalArray:
+    """A formula at |v| and |r|: that of one sign, that of two, or both where the length's rounding leaves it open."""
+    h = Interval(float(np.nextafter(half, 0.0)), float(np.nextafter(half, np.inf)))
+    speed, turn = IntervalArray(v), IntervalArray(r)
+    reach = turn * h
+    one, two = v >= reach.lower, v < reach.upper
+    simple = formulas[0](speed, turn, h)
+    if not two.any():
+        return simple
+    # Where the flow cannot have two signs there may be no rate to divide by.
+    split = formulas[1](IntervalArray(np.where(two, v, 0.0)), IntervalArray(np.where(two, r, 1.0)), h)
+    lower = np.where(two, np.where(one, np.minimum(simple.lower, split.lower), split.lower), simple.lower)
+    upper = np.where(two, np.where(one, np.maximum(simple.upper, split.upper), split.upper), simple.upper)
+    return IntervalArray(lower, upper)
+
+
+_FORCE: tuple[Formula, Formula] = (
+    lambda v, r, h: v.square() * (2.0 * h) + r.square() * (h**3 * 2.0 / 3.0),
+    lambda v, r, h: (r * h**2 + v.square() / (r * 3.0)) * v * 2.0,
+)
+_MOMENT: tuple[Formula, Formula] = (
+    lambda v, r, h: v * r * (h**3 * 4.0 / 3.0),
+    lambda v, r, h: r.square() * (h**4 * 0.5) + v.square() * (h**2 - (v / r).square() / 6.0),
+)
+_PLAIN: tuple[Formula, Formula] = (
+    lambda v, _r, h: v * (2.0 * h),
+    lambda v, r, h: r * h**2 + v.square() / r,
+)
+_FIRST: tuple[Formula, Formula] = (
+    lambda _v, r, h: r * (h**3 * 2.0 / 3.0),
+    lambda v, r, h: v * (h**2 - (v / r).square() / 3.0),
+)
+_SECOND: tuple[Formula, Formula] = (
+    lambda v, _r, h: v * (h**3 * 2.0 / 3.0),
+    lambda v, r, h: r * (h**4 * 0.5) + v * (v / r) * (v / r).square() / 6.0,
+)

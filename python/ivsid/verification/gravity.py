@@ -1,0 +1,52 @@
+"""What an accelerometer feels of gravity, by the logged attitude, in fractions.
+
+With roll a and pitch b the reading holds g sin b along the vehicle and -g cos b sin a across it. Roll and pitch are logged, or follow
+from the vertical that a quaternion turns to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Final, TypeAlias
+
+from ivsid.verification.angles import direction
+from ivsid.verification.decimals import Decimals
+from ivsid.verification.rational import Range, cosine, pi, root, sided, sine
+
+Raw: TypeAlias = Callable[[str, int], Range | None]
+
+ANYWHERE: Final = Range(Fraction(976, 100), Fraction(984, 100))
+STATED: Final = Fraction(1, 10**6)
+QUATERNION: Final = ("qw", "qx", "qy", "qz")
+# A quaternion whose norm is off by more than this is no attitude.
+MOST_OFF_UNIT: Final = Fraction(2, 100)
+
+
+def size(exact: Decimals, stated: bool | float) -> Range:
+    """Gravity [m/s^2]: anywhere at sea level and about it, or as stated."""
+    return ANYWHERE if stated is True else exact(stated) + sided(STATED)
+
+
+def along_and_across(raw: Raw, i: int, accuracy: Range, g: Range) -> tuple[Range, Range]:
+    """What gravity adds to the readings ahead and to starboard at a row [m/s^2]."""
+    tilt = _tilt(raw, i)
+    # Without an attitude gravity may stand anywhere in the reading.
+    roll, pitch = (Range(-1, 1) * pi() if t is None else t + sided(accuracy) for t in tilt)
+    return g * sine(pitch), -(g * (cosine(pitch) * sine(roll)))
+
+
+def _tilt(raw: Raw, i: int) -> tuple[Range | None, Range | None]:
+    """Roll and pitch [rad] of a row; None where they are missing."""
+    roll, pitch = raw("roll", i), raw("pitch", i)
+    if roll is not None and pitch is not None:
+        return roll, pitch
+    w, x, y, z = (raw(q, i) for q in QUATERNION)
+    if w is None or x is None or y is None or z is None:
+        return None, None
+    norm = w.square() + x.square() + y.square() + z.square()
+    if (norm - 1).magnitude > MOST_OFF_UNIT:
+        return None, None
+    down, side, up = (w * y - x * z) * 2, (w * x + y * z) * 2, w.square() - x.square() - y.square() + z.square()
+    level = root(norm.square() - down.square())
+    return direction(side, up), direction(down, level)

@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 OUT ?= out/demo
 RUST_SOURCES := $(shell find crates -name '*.rs' -o -name 'Cargo.toml') Cargo.toml Cargo.lock
 
-.PHONY: demo test check bench vessels peers inverse-peers throughput exhaustive twins itf1788 differential fuzz docs build format clean
+.PHONY: demo test check bench vessels peers inverse-peers throughput exhaustive twins itf1788 differential fuzz exam docs build format clean
 
 demo: build
 	$(BIN)/ivsid demo --out $(OUT)
@@ -94,3 +94,9 @@ $(VENV)/.built: $(VENV)/.ready $(RUST_SOURCES) pyproject.toml
 
 clean:
 	rm -rf $(VENV) target out docs/_build python/ivsid/*.so
+
+# Drawn cases of the diagnosis, and their score; some hours for 1000 on two cores.
+SEED ?= $(shell date +%s)
+EXAM ?= 1000
+exam: build
+	$(BIN)/python -m tests.exam.run $(SEED) $(EXAM) out=out/exam.json

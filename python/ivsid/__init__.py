@@ -7,6 +7,7 @@ sensors and thrust. See the README for the commands, and ``docs/`` for the user'
 from importlib.metadata import version
 
 from ivsid import linalg, regression
+from ivsid.diagnosis import Diagnosis, diagnose
 from ivsid.errors import IvsidError
 from ivsid.identification import Identification, Parameter, identify
 from ivsid.intervals import EndpointPair, Interval, IntervalArray
@@ -18,6 +19,7 @@ from ivsid.verification import Verification, verify
 __version__ = version("ivsid")
 
 __all__ = [
+    "Diagnosis",
     "EndpointPair",
     "Identification",
     "Interval",
@@ -29,6 +31,7 @@ __all__ = [
     "Vehicle",
     "Verification",
     "__version__",
+    "diagnose",
     "identify",
     "linalg",
     "read_log",

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ivsid.allan import AllanDeviation
 from ivsid.bollard import Bollard
+from ivsid.diagnosis.gain import Gain
 from ivsid.identification import Identification
 from ivsid.log import Log
 from ivsid.thrust import table_curve
@@ -249,3 +250,45 @@ def channels(log: Log, name: str = "log") -> Drawing:
         axes.grid(True, alpha=0.3)
     panels[-1].set_xlabel("time [s]")
     return _finish(name, f"The log {log.name}", f"{log.t.size} samples, median step {log.period:.4g} s.", figure)
+
+
+def force_residual(gain: Gain, name: str = "force_residual") -> Drawing:
+    """What is missing in the force on the other log, before and after, low-passed."""
+    figure = Figure(figsize=(8.5, 5.4), layout="constrained")
+    n = gain.residual.shape[2]
+    s = _thin(n)
+    for k, (label, axes) in enumerate(
+        zip(("X [N]", "Y [N]", "N [N m]"), figure.subplots(3, 1, sharex=True), strict=True)
+    ):
+        for j, (word, colour) in enumerate((("before", COLOURS[3]), ("after", COLOURS[0]))):
+            axes.plot(gain.time[s], gain.residual[j, k, s], lw=0.7, color=colour, label=word)
+        axes.set_ylabel(f"missing {label}")
+        axes.grid(True, alpha=0.3)
+    axes.set_xlabel("time [s]")
+    figure.axes[0].legend(fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
+    text = "; ".join(f"{q} {b:.3g} before, {a:.3g} after" for q, (b, a) in gain.force_rms.items())
+    return _finish(
+        name, f"Force residuals on {gain.log}", f"Low-passed at 0.35 Hz without a shift in time. Rms: {text}.", figure
+    )
+
+
+def gain(gain: Gain, name: str = "gain") -> Drawing:
+    """Simulated velocities on the other log, before and after, against the measured ones."""
+    figure = Figure(figsize=(8.5, 5.4), layout="constrained")
+    s = _thin(gain.residual.shape[2])
+    labels = ("u [m/s]", "v [m/s]", "r [rad/s]")
+    for k, (label, axes) in enumerate(zip(labels, figure.subplots(3, 1, sharex=True), strict=True)):
+        axes.plot(gain.time[s], gain.measured[k, s], lw=0.8, color=COLOURS[5], label="measured")
+        for j, (word, colour) in enumerate((("before", COLOURS[3]), ("after", COLOURS[0]))):
+            axes.plot(gain.time[s], gain.motion[j, k, s], ".", ms=1.2, color=colour, label=word)
+        axes.set_ylabel(label)
+        axes.grid(True, alpha=0.3)
+    axes.set_xlabel("time [s]")
+    figure.axes[0].legend(fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, frameon=False)
+    text = "; ".join(f"{q} {b:.3g} before, {a:.3g} after" for q, (b, a) in gain.simulation_rms.items())
+    return _finish(
+        name,
+        f"Simulated motion on {gain.log}",
+        f"Restarted from the measured state every 10 s. Medians of the rms: {text}.",
+        figure,
+    )

@@ -209,6 +209,33 @@ def validate(
     _run("validate", out, json, lambda w, p: w.validate(fit, log, progress=p))
 
 
+@app.command()
+def diagnose(
+    vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML) with the simulation's [model].")],
+    train: Annotated[Path, typer.Argument(help="Log in which causes are looked for.")],
+    test: Annotated[Path, typer.Argument(help="Another log, on which the better model is tried.")],
+    out: Out = None,
+    json: Json = False,
+    seed: Seed = None,
+) -> None:
+    """What the simulation gets wrong, why, the extended model, and what it gains on the other log."""
+    _run("diagnose", out, json, lambda w, p: w.diagnose(vehicle, train, test, seed=seed, progress=p))
+
+
+@app.command()
+def isolability(
+    vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML).")],
+    log: Annotated[
+        Path, typer.Argument(metavar="LOG_OR_SCENARIO", help="A log, or a scenario (TOML) that is simulated.")
+    ],
+    out: Out = None,
+    json: Json = False,
+    seed: Seed = None,
+) -> None:
+    """What a programme can detect and tell apart, and the manoeuvre that would help."""
+    _run("isolability", out, json, lambda w, p: w.isolability(vehicle, log, seed=seed, progress=p))
+
+
 @app.command("import")
 def import_(
     name: Annotated[str, typer.Argument(metavar="SET", help="cse1, rov30k or t200.")],

@@ -1,0 +1,19 @@
+"""What a simulation gets wrong, and why: one stage a file, each a function with a frozen result (EFFECTS.md 4)."""
+
+from ivsid.diagnosis.diagnose import Diagnosis, Finding, diagnose
+from ivsid.diagnosis.explain import explain, why_rejected
+from ivsid.diagnosis.extended import extended_vehicle
+from ivsid.diagnosis.intervals import Bound
+from ivsid.diagnosis.isolability import Isolability, isolability
+
+__all__ = [
+    "Bound",
+    "Diagnosis",
+    "Finding",
+    "Isolability",
+    "diagnose",
+    "explain",
+    "extended_vehicle",
+    "isolability",
+    "why_rejected",
+]

@@ -1,0 +1,324 @@
+"""The stages in turn: a log, its model, what is wrong with it, and what the better model is worth on another log."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.adequacy import Adequacy, adequacy
+from ivsid.diagnosis.bench import Bench
+from ivsid.diagnosis.calibration import calibrate
+from ivsid.diagnosis.change import Change, change
+from ivsid.diagnosis.channels import Channels, channels
+from ivsid.diagnosis.falsify import falsified
+from ivsid.diagnosis.families import Scored, everything, score
+from ivsid.diagnosis.fit import Fit, plain_fit
+from ivsid.diagnosis.gain import Gain, compare, missing_force
+from ivsid.diagnosis.hints import hints
+from ivsid.diagnosis.intervals import Bound, intervals
+from ivsid.diagnosis.selection import MARGIN, Found, Selection, select
+from ivsid.diagnosis.testing import VISIBLE, Threshold, Visibility, visibility
+from ivsid.effects import EFFECTS
+from ivsid.log import Log
+from ivsid.records import envelope
+from ivsid.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+LEVEL: Final = 0.005
+# What a cause has to explain, times what is left unexplained beside it, to keep its name.
+DOMINANT: Final = 9.0
+# No log shows these by itself.
+_TWINS: Final = {
+    "added_mass.munk": ("drag.lift.yaw",),
+    "drag.lift.yaw": ("added_mass.munk",),
+    "thruster.asymmetry": ("thruster.failure",),
+}
+EPOCH: Final = 1e8
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A cause, with those that could be taken for it."""
+
+    effect: str
+    confidence: float
+    alternatives: tuple[str, ...]
+    separate_by: str
+    parameters: dict[str, Bound]
+    evidence: dict[str, Any]
+    description: str = ""
+
+    def record(self) -> dict[str, Any]:
+        """As in result.json."""
+        out: dict[str, Any] = {
+            "effect": self.effect,
+            "confidence": self.confidence,
+            "alternatives": list(self.alternatives),
+            "separate_by": self.separate_by,
+            "parameters": {k: b.record() for k, b in self.parameters.items()},
+            "evidence": self.evidence,
+        }
+        if self.description:
+            out["description"] = self.description
+        return out
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What the simulation gets wrong.
+
+    Attributes:
+        verdict: adequate, wrong or unknown.
+        findings: the causes, strongest first.
+        hints: structure that declared errors can explain, in sentences.
+        not_tested: ids that this log cannot show, with the reason and what it would need.
+        visible: how far each effect of typical size would have stood out.
+        calibration: how the thresholds were made.
+        unexplained: share of the residual's energy above the noise, by channel.
+        gain: on TEST.
+        adequacy: what a generic dictionary sees, of the model as it was and with the findings.
+        selection: the steps behind it.
+        vehicle: of the file.
+        inputs: names and hashes.
+        seed: of every random draw.
+    """
+
+    verdict: str
+    findings: tuple[Finding, ...]
+    hints: tuple[str, ...]
+    not_tested: tuple[dict[str, str], ...]
+    visible: Mapping[str, Visibility]
+    calibration: dict[str, Any]
+    unexplained: dict[str, float]
+    gain: Gain
+    adequacy: tuple[Adequacy, Adequacy]
+    selection: Selection
+    vehicle: Vehicle
+    inputs: tuple[tuple[str, str], ...]
+    seed: int
+    notes: tuple[str, ...] = field(default=())
+
+    def record(self) -> dict[str, Any]:
+        """As in result.json."""
+        return {
+            **envelope("diagnose", self.inputs, self.seed),
+            "verdict": self.verdict,
+            "findings": [f.record() for f in self.findings],
+            "hints": list(self.hints),
+            "not_tested": list(self.not_tested),
+            "detectable": _detectable(self.visible),
+            "calibration": self.calibration,
+            "unexplained": self.unexplained,
+            "gain": self.gain.record(),
+            "parameters": {k: float(v) for k, v in self.selection.last.h.values.items()},
+            "notes": list(self.notes),
+        }
+
+
+def diagnose(
+    vehicle: Vehicle,
+    train: Log,
+    test: Log,
+    *,
+    seed: int = 1,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Diagnosis:
+    """Compares the vehicle file's simulation with a log, and what it finds with another.
+
+    Args:
+        vehicle: whose ``[model]`` is examined; the plain model by default.
+        train: the log in which causes are looked for.
+        test: another log, on which the better model is tried.
+        seed: of the random draws.
+        progress: told of each step.
+
+    Raises:
+        IvsidError: a log that the model cannot be held against, in one sentence.
+    """
+    origin = float(train.t[0]) if max(train.t[0], test.t[0]) > EPOCH else None
+    log, other = channels(train, vehicle, origin), channels(test, vehicle, origin)
+    progress("fitting the model")
+    fit = plain_fit(vehicle, log, everything)
+    visible = visibility(fit)
+    seen = frozenset(i for i, v in visible.items() if v.tested)
+    calibration = calibrate(fit, seen, LEVEL, seed)
+    test_of = Threshold(calibration, seen, frozenset(i for i, v in visible.items() if v.blind))
+    progress("looking for causes")
+    selection = select(fit, test_of, fit.held, progress)
+    before = adequacy(fit)
+    after = adequacy(selection.last) if selection.found else before
+    evidence = _before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
+    named = selection.found
+    complete = after.sufficient(before, len(named))
+    if not complete:
+        # Where much is left that nobody explains, only a cause that explains far more than that keeps its name.
+        named = tuple(f for f in named if f.gain >= DOMINANT * max(after.gain - after.freedom, 0.0))
+    findings = tuple(_finding(f, selection.last, selection.leftover, evidence) for f in named)
+    if not complete:
+        findings = (*findings, _unknown(after, [f.id for f in selection.found if f not in named]))
+    progress("fitting the other log")
+    moved = change(vehicle, selection.last, other)
+    if moved is not None and moved.factor is not None:
+        findings = (*findings, _shallow(moved))
+    progress("trying both models on the other log")
+    bench = Bench(vehicle, other, selection.last.noise.bench.ambient)
+    gain = compare(bench, fit.h, selection.last.h, seed)
+    verdict = "adequate" if not findings else ("wrong" if any(f.effect != "unknown" for f in findings) else "unknown")
+    return Diagnosis(
+        verdict,
+        findings,
+        hints(selection.last),
+        _not_tested(fit, visible),
+        visible,
+        calibration.record(),
+        _unexplained(selection.last),
+        gain,
+        (before, after),
+        selection,
+        vehicle,
+        (
+            (vehicle.source.rsplit("/", 1)[-1] or vehicle.name, vehicle.sha256),
+            (train.name, train.sha256),
+            (test.name, test.sha256),
+        ),
+        seed,
+        (*log.notes, *train.notes),
+    )
+
+
+def _not_tested(fit: Fit, visible: Mapping[str, Visibility]) -> tuple[dict[str, str], ...]:
+    out = [{"effect": id_, "reason": why, "needs": ", ".join(EFFECTS[id_].needs)} for id_, why in fit.refused.items()]
+    for id_, v in visible.items():
+        if v.blind and v.z >= VISIBLE:
+            reason = "in this log its signature is mostly made of the sensors' own errors"
+            out.append({"effect": id_, "reason": reason, "needs": EFFECTS[id_].separate})
+        elif v.z < VISIBLE:
+            reason = f"an effect of typical size would stand out by {v.z:.1f} standard deviations, and 8 are needed"
+            out.append({"effect": id_, "reason": reason, "needs": EFFECTS[id_].separate})
+    return tuple(out)
+
+
+def _detectable(visible: Mapping[str, Visibility]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for id_, v in visible.items():
+        if not v.tested:
+            continue
+        units = {n: p.unit for e in _forms(id_) for n, p in zip(e.parts, e.parameters, strict=True)}
+        for name, value in v.detectable.items():
+            found[name] = {"value": abs(value), "unit": units.get(name, "")}
+    return found
+
+
+def _forms(id_: str) -> list[Any]:
+    effect = EFFECTS[id_]
+    return [effect] if effect.measured is None else [effect, effect.measured]
+
+
+def _unexplained(fit: Fit) -> dict[str, float]:
+    """The share of each channel's squared errors above what its noise gives."""
+    p = fit.projection
+    g = fit.gram
+    left = g.y - np.einsum("i,bij->bj", p.coefficients, g.x[:, p.base, :])
+    rows = len(fit.noise.bench.labels)
+    energy = (left.reshape(-1, rows, g.length) ** 2).sum(axis=(0, 2))
+    count = g.rows.sum() / rows
+    out: dict[str, float] = {}
+    for channel in ("surge", "sway", "yaw"):
+        at = [i for i, c in enumerate(fit.noise.bench.channels) if c == channel]
+        total = float(energy[at].sum())
+        out[channel] = max(0.0, 1.0 - count * len(at) / total) if total > 0 else 0.0
+    return out
+
+
+def _before_and_after(vehicle: Vehicle, log: Log, plain: Fit, last: Fit) -> dict[str, dict[str, Any]]:
+    """Force residuals and contradicted rows of both models on TRAIN, by channel."""
+    rms = [missing_force(f.noise.bench, f.h, f.anchor) for f in (plain, last)]
+    rows = [falsified(vehicle, log, f.h) for f in (plain, last)]
+    return {
+        c: {
+            "residual_rms_before": rms[0][c],
+            "residual_rms_after": rms[1][c],
+            "falsified_samples_before": None if rows[0] is None else rows[0][c],
+            "falsified_samples_after": None if rows[1] is None else rows[1][c],
+        }
+        for c in ("surge", "sway", "yaw")
+    }
+
+
+def _finding(found: Found, last: Fit, left: Sequence[Scored], evidence: Mapping[str, dict[str, Any]]) -> Finding:
+    """A cause with its set, its intervals and what speaks for it."""
+    channel = _channel(last, found.id)
+    weights = np.array([np.exp(-0.5 * (found.rivals[0].merit - r.merit)) for r in found.rivals])
+    names = [r.id for r in found.rivals]
+    for twin in _TWINS.get(found.id, ()):
+        if twin not in names:
+            names.append(twin)
+            weights = np.r_[weights, 1.0 if twin in ("added_mass.munk", "drag.lift.yaw") else 0.3]
+    confidence = float(weights[0] / weights.sum())
+    alternatives = tuple(n for n in names if n != found.id)[:4]
+    effect = EFFECTS[found.id]
+    return Finding(
+        found.id,
+        confidence,
+        alternatives,
+        effect.separate if alternatives else "",
+        intervals(last, found.id, last.held, left),
+        {
+            "channel": channel,
+            **evidence.get(channel, {}),
+            "z": float(np.sqrt(max(found.gain, 0.0))),
+            "chance": found.chance,
+        },
+    )
+
+
+def _shallow(moved: Change) -> Finding:
+    """Masses and drags scale alike from one log to the other."""
+    assert moved.factor is not None
+    factor, sigma = moved.factor
+    p = EFFECTS["environment.shallow_water"].parameters[0]
+    bound = Bound(factor - 4 * sigma, factor + 4 * sigma, p.unit, p.symbol)
+    evidence = {
+        "channel": "surge",
+        "z": abs(np.log(factor)) * factor / sigma,
+        "ratio": {k: r for k, (r, _) in moved.ratio.items()},
+    }
+    id_ = "environment.shallow_water"
+    return Finding(id_, 1.0, (), "", {id_: bound}, evidence)
+
+
+def _unknown(left: Adequacy, near: Sequence[str]) -> Finding:
+    """A finding without a name: what the residual looks like."""
+    likely = ", ".join(f"{name} in {channel} ({np.sqrt(gain):.0f} sigma)" for name, channel, gain in left.strongest)
+    channel = left.strongest[0][1]
+    text = (
+        f"the errors that the model leaves still follow the motion (dictionary statistic {left.statistic:.2f}, about 1 where nothing is "
+        f"left), strongest with {likely}; no cause of the catalogue explains it"
+    )
+    if near:
+        text += f"; the nearest are {' and '.join(near)}, which the extended model holds and nothing proves"
+    evidence = {
+        "channel": channel,
+        "z": float(np.sqrt(left.strongest[0][2])),
+        "statistic": left.statistic,
+        "chance": left.chance,
+    }
+    return Finding("unknown", 1.0, (), "", {}, evidence, text)
+
+
+def _channel(fit: Fit, id_: str) -> str:
+    """Where an effect shows most."""
+    g = fit.gram
+    own = [k for k in fit.base if g.names[k] == id_ or g.names[k].startswith(f"{id_}.")]
+    if not own:
+        return ""
+    rows = len(fit.noise.bench.labels)
+    energy = (g.x[:, own, :].reshape(-1, rows, g.length) ** 2).sum(axis=(0, 2))
+    return fit.noise.bench.channels[int(np.argmax(energy))]
+
+
+__all__ = ["MARGIN", "Channels", "Diagnosis", "Finding", "diagnose", "score"]

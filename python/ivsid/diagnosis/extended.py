@@ -1,0 +1,59 @@
+"""Stage 10: the extended model as a vehicle file."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from ivsid.diagnosis.diagnose import Diagnosis
+from ivsid.effects import CATALOGUE, PAPER_TERMS
+from ivsid.vehicle import parse_vehicle
+
+# Effects that a vehicle file can state of its thrusters.
+_CLAIMS: Final = {
+    "thruster.lag": "time_constant",
+    "thruster.deadband": "dead_band",
+    "thruster.saturation": "limit",
+    "thruster.advance_loss": "advance_loss",
+    "thruster.reverse_loss": "reverse_factor",
+}
+
+
+def extended_vehicle(result: Diagnosis) -> str:
+    """The text of the vehicle file with the findings in its model; what a file cannot state stands in comments."""
+    h = result.selection.last.h
+    lines: list[str] = []
+    given = {g.effect.id: g for g in h.given}
+    claims = {_CLAIMS[i]: g.values[0] for i, g in given.items() if i in _CLAIMS and g.thruster is None}
+    if "reverse_factor" in claims:
+        claims["reverse_factor"] = 1.0 - claims["reverse_factor"]
+    inside = ""
+    for line in result.vehicle.text.splitlines():
+        head = line.strip()
+        if head.startswith("["):
+            inside = head.split("#")[0].strip()
+        if inside == "[model]":
+            continue
+        if inside == "[[thrusters]]" and any(head.startswith(k) and "=" in head for k in claims):
+            continue
+        lines.append(line)
+        if head.split("#")[0].strip() == "[[thrusters]]":
+            lines += [f"{k} = {v!r}" for k, v in claims.items()]
+    ids = [t.id for t in h.terms if t.id in CATALOGUE]
+    shared = any(t in PAPER_TERMS[:2] for t in h.terms)
+    lines.append("")
+    lines.append("[model]  # as the diagnosis extended it")
+    if shared and set(ids) <= {t.id for t in PAPER_TERMS}:
+        lines.append('terms = "paper"')
+    else:
+        lines.append("terms = [" + ", ".join(f'"{i}"' for i in dict.fromkeys(ids)) + "]")
+    if result.vehicle.model.values:
+        pairs = ", ".join(f'"{k}" = {v!r}' for k, v in result.vehicle.model.values.items())
+        lines.append(f"values = {{ {pairs} }}")
+    lines += [f"# fitted: {t.id} = {float(h.values[t.id]):.6g} {t.unit}" for t in h.terms]
+    others = [g for i, g in given.items() if i not in _CLAIMS]
+    if others:
+        lines.append("# found, and not part of a vehicle file:")
+        lines += [f"#   {name} = {value:.6g}" for g in others for name, value in g.named.items()]
+    text = "\n".join(lines) + "\n"
+    parse_vehicle(text, "model.toml")
+    return text

@@ -1,0 +1,178 @@
+"""Stage 11: what a hypothesis is worth on another log: force residuals, and simulated motion against measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import butter, sosfiltfilt
+
+from ivsid.diagnosis.bench import Anchor, Bench
+from ivsid.diagnosis.physics import Hypothesis, Mass, Points, acceleration
+from ivsid.effects import Change
+
+Array = NDArray[np.float64]
+VELOCITY_WINDOW: Final = 10.0
+POSITION_WINDOW: Final = 30.0
+BAND: Final = 0.35
+DRAWS: Final = 400
+
+
+@dataclass(frozen=True)
+class Gain:
+    """Before and after, on one log.
+
+    Attributes:
+        force_rms: by X, Y, N: [before, after] [N, N m].
+        simulation_rms: by u, v, r: medians over windows [m/s, rad/s].
+        position_rms: [m], or None without a place.
+        interval: before/after of u, v, r: 95 % of a bootstrap over windows.
+        residual: low-passed force residuals before and after, shape (2, 3, n), for figures.
+        motion: simulated velocities before and after, shape (2, 3, n), NaN outside windows.
+        measured: velocities, shape (3, n).
+        time: [s], shape (n,).
+        log: name of the log.
+    """
+
+    force_rms: dict[str, tuple[float, float]]
+    simulation_rms: dict[str, tuple[float, float]]
+    position_rms: tuple[float, float] | None
+    interval: dict[str, tuple[float, float]]
+    residual: Array
+    motion: Array
+    measured: Array
+    time: Array
+    log: str
+
+    def record(self) -> dict[str, Any]:
+        """As in result.json."""
+        return {
+            "force_rms": {k: list(v) for k, v in self.force_rms.items()},
+            "simulation_rms": {k: list(v) for k, v in self.simulation_rms.items()},
+            "position_rms": None if self.position_rms is None else list(self.position_rms),
+            "windows": {"velocity": VELOCITY_WINDOW, "position": POSITION_WINDOW},
+            "interval": {k: list(v) for k, v in self.interval.items()},
+            "log": self.log,
+        }
+
+
+def compare(bench: Bench, before: Hypothesis, after: Hypothesis, seed: int = 0) -> Gain:
+    """Both hypotheses on the log of the bench, from its measured states, under its demands, on its own clock."""
+    # What is adequate is simulated once.
+    both = (before,) if after is before else (before, after)
+    anchors = [bench.settle(h, bench.start(h), 2) for h in both]
+    force = np.stack([_force(bench, h, a) for h, a in zip(both, anchors, strict=True)])[[0, -1]]
+    velocity = [_windows(bench, h, a, VELOCITY_WINDOW) for h, a in zip(both, anchors, strict=True)]
+    velocity = [velocity[0], velocity[-1]]
+    rms, interval = {}, {}
+    rng = np.random.default_rng(seed)
+    for k, name in enumerate(("u", "v", "r")):
+        b, a = velocity[0][1][:, k], velocity[-1][1][:, k]
+        rms[name] = (float(np.median(b)), float(np.median(a)))
+        draws = rng.integers(0, max(b.size, 1), (DRAWS, max(b.size, 1)))
+        ratios = np.median(b[draws], axis=1) / np.maximum(np.median(a[draws], axis=1), 1e-12)
+        interval[name] = (float(np.quantile(ratios, 0.025)), float(np.quantile(ratios, 0.975)))
+    position = None
+    if bench.log.place is not None and bench.log.psi is not None:
+        errors = [_windows(bench, h, a, POSITION_WINDOW)[2] for h, a in zip(both, anchors, strict=True)]
+        if errors[0].size:
+            position = (float(np.median(errors[0])), float(np.median(errors[-1])))
+    size = np.sqrt(np.mean(force[:, :, bench.log.good] ** 2, axis=2))
+    forces = {n: (float(size[0, k]), float(size[1, k])) for k, n in enumerate(("X", "Y", "N"))}
+    motion = np.stack([v[0] for v in velocity])
+    return Gain(forces, rms, position, interval, force, motion, bench.log.nu, bench.log.t, bench.log.name)
+
+
+def missing_force(bench: Bench, h: Hypothesis, anchor: Anchor) -> dict[str, float]:
+    """Rms of the low-passed force that a hypothesis lacks, by channel [N, N m]."""
+    force = _force(bench, h, anchor)[:, bench.log.good]
+    return dict(zip(("surge", "sway", "yaw"), np.sqrt(np.mean(force**2, axis=1)).tolist(), strict=True))
+
+
+def _force(bench: Bench, h: Hypothesis, anchor: Anchor) -> Array:
+    """The missing force [N, N m], low-passed without a shift in time, shape (3, n)."""
+    n, log = bench.log.n, bench.log
+    readings = bench.readings(h, anchor)
+    measured = np.stack([np.gradient(readings[k]["velocity"], log.h) for k in range(3)])
+    left = measured - 0.5 * (
+        anchor.nudot[:, n:] + np.concatenate([anchor.nudot[:, n : n + 1], anchor.nudot[:, n:-1]], 1)
+    )
+    mass = np.linalg.inv(bench.mass(h, anchor).inverse)
+    # A step of mass is small beside what it multiplies here: its mean serves.
+    force = mass.mean(axis=0) @ left
+    sos = butter(4, BAND, fs=1 / log.h, output="sos")
+    return np.asarray(sosfiltfilt(sos, force, axis=1))
+
+
+def _windows(bench: Bench, h: Hypothesis, anchor: Anchor, length: float) -> tuple[Array, Array, Array]:
+    """Simulated u, v, r (NaN outside windows), their rms by window, and the rms distance of each window."""
+    log, n = bench.log, bench.log.n
+    count = round(length / log.h)
+    starts = np.arange(0, n - count, count)
+    starts = starts[[bool(log.good[s : s + count + 1].all()) for s in starts]]
+    thrusts = bench.thrusts(h)[:, n:]
+    points = anchor.points
+    readings = bench.readings(h, anchor)
+    real = np.stack([readings[k]["velocity"] for k in range(3)])
+    state = np.concatenate(
+        [
+            points.nu[:, starts],
+            points.psi[None, starts],
+            np.zeros((2, starts.size)) if log.place is None else log.place[:, starts],
+        ]
+    )
+    out = np.empty((count + 1, 6, starts.size))
+    out[0] = state
+    step = log.h
+    # Masses that change in time, as with a payload, are worked out anew at each step.
+    steady = not any(isinstance(g.effect.acts, Change) for g in h.given)
+    mass = Mass(bench.vehicle, h.terms, h.values) if steady else None
+
+    def rates(x: Array, t: Array, at: NDArray[np.int64]) -> Array:
+        p = Points(
+            x[:3],
+            x[3],
+            x[4:],
+            t,
+            thrusts[:, at],
+            bench.turned[:, n + at],
+            bench.sent[:, n + at],
+            None if log.wind is None else log.wind[:, at],
+            bench.steered[:, n + at],
+        )
+        nudot = acceleration(bench.vehicle, h, p, mass)
+        c, s = np.cos(x[3]), np.sin(x[3])
+        return np.concatenate([nudot, x[2:3], (x[0] * c - x[1] * s)[None], (x[0] * s + x[1] * c)[None]])
+
+    with np.errstate(over="ignore", invalid="ignore"):
+        for i in range(count):
+            at = starts + i
+            t = log.t[at]
+            k1 = rates(state, t, at)
+            k2 = rates(state + 0.5 * step * k1, t + 0.5 * step, at)
+            k3 = rates(state + 0.5 * step * k2, t + 0.5 * step, at)
+            k4 = rates(state + step * k3, t + step, at)
+            state = state + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+            out[i + 1] = state
+    where = starts[None, :] + np.arange(count + 1)[:, None]
+    error = np.nan_to_num(out[:, :3] - real[:, where].transpose(1, 0, 2), nan=1e3, posinf=1e3, neginf=-1e3)
+    each = np.sqrt(np.mean(np.clip(error, -1e3, 1e3) ** 2, axis=0)).T
+    shown = np.full((3, n), np.nan)
+    shown[:, where.ravel()] = out[:, :3].transpose(1, 0, 2).reshape(3, -1)
+    far = np.zeros(0)
+    if log.place is not None:
+        off = np.nan_to_num(out[:, 4:] - log.place[:, where].transpose(1, 0, 2), nan=1e3, posinf=1e3, neginf=-1e3)
+        off = off - off[:1]
+        far = np.sqrt(np.mean(np.clip(off, -1e3, 1e3) ** 2, axis=0).sum(axis=0))
+    return shown, each, far
+
+
+def shares(before: Gain) -> Mapping[str, float]:
+    """Force residuals of the first hypothesis, by channel."""
+    return {k: v[0] for k, v in before.force_rms.items()}
+
+
+__all__ = ["Gain", "compare", "replace", "shares"]

@@ -1,0 +1,92 @@
+"""One-step prediction errors: a steady Kalman filter an axis, which is linear and so serves data and signatures alike.
+
+Its states are a position (heading), a velocity, and the ambient acceleration, a Gauss-Markov process. The model's acceleration drives it. What
+is predicted depends on the past alone: under a true model no signature made of the past can correlate with the errors, with or
+without feedback.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_discrete_are
+from scipy.signal import lfilter, ss2tf
+
+Array = NDArray[np.float64]
+KINDS: Final = ("position", "velocity", "acceleration")
+
+
+@dataclass(frozen=True)
+class Axis:
+    """The filter of one axis.
+
+    Attributes:
+        outputs: which of position, velocity and acceleration are measured.
+        gain: Kalman gain of the states on the errors, shape (3, outputs).
+        spread: standard deviation of the filtered velocity's error, as the filter believes.
+        numerators: by input (an output's name, or "process") and output.
+        denominator: common to all.
+    """
+
+    outputs: tuple[str, ...]
+    gain: Array
+    spread: float
+    numerators: Mapping[tuple[str, str], Array]
+    denominator: Array
+
+    def errors(self, inputs: Mapping[str, Array]) -> Array:
+        """Prediction errors of what is put in, shape (..., outputs, n) for inputs of shape (..., n)."""
+        shape = next(iter(inputs.values())).shape
+        out = np.zeros((*shape[:-1], len(self.outputs), shape[-1]))
+        for name, x in inputs.items():
+            # Most causes leave some axes alone.
+            if not np.any(x):
+                continue
+            for j, output in enumerate(self.outputs):
+                numerator = self.numerators[name, output]
+                if np.any(numerator):
+                    out[..., j, :] += lfilter(numerator, self.denominator, x, axis=-1)
+        return out
+
+
+def axis(h: float, noise: Mapping[str, float], ambient: float, time: float) -> Axis:
+    """The filter.
+
+    Args:
+        h: step [s].
+        noise: standard deviation of each measured output.
+        ambient: standard deviation of the ambient acceleration.
+        time: its correlation time [s].
+    """
+    outputs = tuple(k for k in KINDS if k in noise)
+    decay = float(np.exp(-h / time))
+    A = np.array([[1.0, h, 0.5 * h * h], [0.0, 1.0, h], [0.0, 0.0, decay]])
+    B = np.array([0.5 * h * h, h, 0.0])
+    C = np.array([[float(KINDS.index(o) == j) for j in range(3)] for o in outputs])
+    if "position" not in noise:
+        # Nothing sees the position: it is left out of the filter.
+        A, B, C = A[1:, 1:], B[1:], C[:, 1:]
+    scale = np.zeros(len(B))
+    scale[-1] = ambient**2 * (1 - decay**2)
+    # A trace of noise on the velocity keeps the equation solvable where the ambient force is almost none.
+    scale[-2] = (1e-3 * ambient * h) ** 2
+    R = np.diag([noise[o] ** 2 for o in outputs])
+    X = solve_discrete_are(A.T, C.T, np.diag(scale), R)
+    S = C @ X @ C.T + R
+    K = X @ C.T @ np.linalg.inv(S)
+    closed = A @ (np.eye(len(B)) - K @ C)
+    inputs = np.column_stack([A @ K, B])
+    D = np.column_stack([np.eye(len(outputs)), np.zeros(len(outputs))])
+    numerators = {}
+    denominator = np.ones(1)
+    for i, name in enumerate((*outputs, "process")):
+        top, denominator = ss2tf(closed, inputs, -C, D, input=i)
+        for j, output in enumerate(outputs):
+            numerators[name, output] = top[j]
+    gain = K if "position" in noise else np.vstack([np.zeros(len(outputs)), K])
+    spread = float(np.sqrt(((np.eye(len(B)) - K @ C) @ X)[-2, -2]))
+    return Axis(outputs, gain, spread, numerators, denominator)

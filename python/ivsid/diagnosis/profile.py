@@ -1,0 +1,137 @@
+"""Numbers in which the errors bend or jump: a limit, a dead band, a delay, the start of something. Chi^2 itself says how far they go.
+
+A slope at the best value says little of them: between two demands that were sent a dead band may stand anywhere. So chi^2 is worked out
+at other values of the one number, everything else fitted beside it, and the interval ends where it has risen too far.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from ivsid.diagnosis.bench import Anchor
+from ivsid.diagnosis.fit import Declared, Noise, crossed
+from ivsid.diagnosis.physics import Hypothesis
+from ivsid.diagnosis.projection import Projection
+from ivsid.effects import Given
+
+BENT: Final = ("thruster.deadband", "thruster.saturation", "thruster.lag", "thruster.delay", "sensor.velocity.delay")
+# Shares of the first value that are tried before it is refined: its score came from a column of another value.
+SHARES: Final = tuple(np.geomspace(0.2, 2.5, 16).tolist())
+# Bisections of an end, and doublings of the first step until chi^2 has risen.
+HALVINGS: Final = 7
+DOUBLINGS: Final = 12
+# A start is looked for within this many first steps.
+AROUND: Final = 6
+
+
+def bent(given: Given) -> list[int]:
+    """The places of an effect's numbers that are to be profiled."""
+    if given.effect.id in BENT:
+        return [0]
+    return [j for j, p in enumerate(given.effect.parameters) if p.draw == "time"]
+
+
+def first_step(noise: Noise, given: Given, j: int) -> float:
+    """A small change of the number: two seconds, or a fiftieth."""
+    if given.effect.parameters[j].draw == "time":
+        return max(2.0, 4 * noise.bench.log.h)
+    return 0.02 * max(abs(given.values[j]), 1e-9)
+
+
+def profile(
+    noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float], known: Declared, given: Given, j: int
+) -> Callable[[float], float]:
+    """Chi^2 as a function of one number of an effect that the hypothesis has.
+
+    Args:
+        noise: filters and whitening.
+        h: the hypothesis.
+        anchor: its states.
+        held: parameters that are not fitted.
+        known: signatures of what is declared.
+        given: the effect as it stands in the hypothesis.
+        j: the number's place.
+    """
+    g = crossed(noise, h, anchor, held, known)
+    own = given.effect.parts[j] if given.thruster is None else next(iter(given.named))
+    base = [k for k, name in enumerate(g.names) if name != own]
+    errors = noise.bench.errors(h, anchor)
+
+    def chi2(value: float) -> float:
+        values = list(given.values)
+        values[j] = value
+        other = h.with_effect(replace(given, values=tuple(values)))
+        gone = noise.bench.difference(h, anchor, other)
+        return Projection(g.of(noise.whitening(errors - gone)), base).chi2
+
+    return chi2
+
+
+def refined(
+    noise: Noise,
+    h: Hypothesis,
+    anchor: Anchor,
+    held: Mapping[str, float],
+    known: Declared,
+    given: Given,
+    *,
+    wide: bool,
+) -> Hypothesis:
+    """The hypothesis with the numbers of an effect that are to be profiled where chi^2 is least nearby, or with ``wide`` anywhere."""
+    for j in bent(given):
+        chi2 = profile(noise, h, anchor, held, known, given, j)
+        step, best = first_step(noise, given, j), given.values[j]
+        tried = {best: chi2(best)}
+        if wide and given.effect.id in BENT:
+            tried |= {best * share: chi2(best * share) for share in SHARES}
+            best = min(tried, key=lambda q: tried[q])
+        for _ in range(2):
+            for k in range(-AROUND, AROUND + 1):
+                value = best + k * step
+                if value > 0 and value not in tried:
+                    tried[value] = chi2(value)
+            best = min(tried, key=lambda q: tried[q])
+            step /= AROUND
+        values = list(given.values)
+        values[j] = best
+        given = replace(given, values=tuple(values))
+        h = h.with_effect(given)
+    return h
+
+
+def rise(given: Given, j: int, sigmas: float, worse: float) -> float:
+    """How far chi^2 may rise inside the interval: a start carries along what the size of its effect is off."""
+    return sigmas**2 * worse * (2.0 if given.effect.parameters[j].draw == "time" else 1.0)
+
+
+def slack(noise: Noise, given: Given, j: int) -> float:
+    """What a number is off beside its errors: a start cannot be told within a few samples, nor within the memory of the filters."""
+    return max(1.0, 3 * noise.bench.log.h) if given.effect.parameters[j].draw == "time" else 0.0
+
+
+def ends(chi2: Callable[[float], float], best: float, step: float, most: float) -> tuple[float, float]:
+    """The interval around the best value outside of which chi^2 has risen by more than ``most``."""
+    least = chi2(best)
+    found = []
+    for sign in (-1.0, 1.0):
+        inside, reach = 0.0, step
+        for _ in range(DOUBLINGS):
+            here = chi2(best + sign * reach) if best + sign * reach > 0 else np.inf
+            if here - least > most:
+                break
+            least = min(least, here)
+            inside, reach = reach, 2 * reach
+        outside = reach
+        for _ in range(HALVINGS):
+            middle = 0.5 * (inside + outside)
+            here = chi2(best + sign * middle) if best + sign * middle > 0 else np.inf
+            if here - least > most:
+                outside = middle
+            else:
+                inside = middle
+        found.append(best + sign * outside)
+    return max(found[0], 0.0), found[1]

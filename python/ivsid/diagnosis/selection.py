@@ -1,0 +1,263 @@
+"""Stages 5 to 8: which causes are there, one after the other, with those that could be taken for them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.bench import Anchor
+from ivsid.diagnosis.families import Scored, adopted, everything, score
+from ivsid.diagnosis.fit import Declared, Fit, Noise, chi2_of, declared_columns, improve, learn, survey
+from ivsid.diagnosis.physics import Hypothesis
+from ivsid.diagnosis.profile import bent, refined
+
+Array = NDArray[np.float64]
+MOST: Final = 4
+# Candidates that are fitted in full, and chi^2 within which two cannot be told apart.
+FINALISTS: Final = 6
+MARGIN: Final = 9.0
+# A candidate this far behind under the first noise is not fitted again.
+FAR: Final = 60.0
+# How often the causes are looked at again after each that is added.
+REVIEWS: Final = 3
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A cause in place of another, fitted in full.
+
+    Attributes:
+        id: of the effect.
+        h: the hypothesis with it.
+        chi2: of the log under it, priors included.
+        count: its numbers.
+        gain: fall of chi^2 against the hypothesis without either.
+    """
+
+    id: str
+    h: Hypothesis
+    anchor: Anchor
+    chi2: float
+    count: int
+    gain: float
+
+    @property
+    def merit(self) -> float:
+        """With a price for each number beyond the first."""
+        return self.gain - 3.0 * (self.count - 1)
+
+
+@dataclass(frozen=True)
+class Found:
+    """A cause that was found.
+
+    Attributes:
+        id: of the effect.
+        rivals: every cause that does as well within the margin, the best first.
+        rejected: the others that were fitted in full, or scored, with their gains.
+        gain: fall of chi^2 against the model without it.
+        chance: of such a gain without it, over the whole library.
+        first: the score that it was found by.
+    """
+
+    id: str
+    rivals: tuple[Rival, ...]
+    rejected: tuple[tuple[str, float], ...]
+    gain: float
+    chance: float
+    first: Scored
+
+
+@dataclass(frozen=True)
+class Selection:
+    """The outcome.
+
+    Attributes:
+        plain: the model as it was, under the last noise.
+        last: the model with every cause that was found.
+        found: the causes.
+        screened: the scores of the first round.
+        untested: ids that this log could not show, with z at their typical size.
+        leftover: the scores that remain beside the causes.
+    """
+
+    plain: Fit
+    last: Fit
+    found: tuple[Found, ...]
+    screened: tuple[Scored, ...]
+    untested: Mapping[str, float]
+    leftover: tuple[Scored, ...] = field(default=())
+
+
+class Test(Protocol):
+    """Which families pass, and which may be named at all."""
+
+    def __call__(self, fit: Fit, scored: list[Scored]) -> list[Scored]:
+        """Those that pass, best first."""
+
+    def eligible(self, s: Scored) -> bool:
+        """Whether the log can say anything of a family."""
+
+    def stands(self, s: Scored, gain: float) -> bool:
+        """Whether a gain in a full fit is more than chance for the family."""
+
+
+def select(plain: Fit, passes: Test, held: Mapping[str, float], progress: Progress = lambda _: None) -> Selection:
+    """Adds causes while one passes the test; after each, looks whether another would do in place of one that is there."""
+    fit, scored = score(plain)
+    screened = tuple(scored)
+    found: list[Found] = []
+    before: set[frozenset[str]] = set()
+    tops: set[frozenset[str]] = set()
+    while len(found) < MOST:
+        passed = passes(fit, scored)
+        if not passed:
+            break
+        progress(f"{passed[0].id}?")
+        made = _admit(fit, passed, scored, held, passes.eligible)
+        if made is None:
+            break
+        one, best, noise = made
+        found.append(one)
+        h, anchor = improve(noise.bench, best.h, best.anchor, noise.whitening, noise.good, held)
+        # What was found before more was known is looked at again, until nothing changes or what was there comes back.
+        for again in range(REVIEWS if len(found) > 1 else 0):
+            asked = len(found) if again else len(found) - 1
+            changed, found, h, anchor = _reviewed(noise, h, anchor, found, asked, passes, plain.h, held)
+            ids = frozenset(f.id for f in found)
+            if not changed or ids in before:
+                break
+            before.add(ids)
+        fit, scored = score(survey(noise, h, anchor, held))
+        ids = frozenset(f.id for f in found)
+        if ids in tops:
+            break
+        tops.add(ids)
+    return Selection(plain, fit, tuple(found), screened, {}, tuple(scored))
+
+
+def _reviewed(
+    noise: Noise,
+    h: Hypothesis,
+    anchor: Anchor,
+    found: list[Found],
+    asked: int,
+    passes: Test,
+    plain: Hypothesis,
+    held: Mapping[str, float],
+) -> tuple[bool, list[Found], Hypothesis, Anchor]:
+    """Each of the first ``asked`` causes taken out again: is it still needed beside the others, and would another do better in its place?
+
+    Returns whether a cause was dropped or swapped, the causes with their sets as they are beside the others, and the hypothesis.
+    """
+    known = declared_columns(noise.bench, h, anchor, noise.whitening, noise.good)
+    now = chi2_of(noise, h, anchor, held, known)
+    found = list(found)
+    for i, one in enumerate(found[:asked]):
+        try:
+            bare_h = _without(h, one.id, plain)
+            bare_h, bare_anchor = improve(noise.bench, bare_h, anchor, noise.whitening, noise.good, held, 3, known)
+            bare, scored = score(survey(noise, bare_h, bare_anchor, held))
+            base = chi2_of(noise, bare_h, bare_anchor, held, known)
+        except np.linalg.LinAlgError:
+            continue
+        mine = Rival(one.id, h, anchor, now, one.first.count, base - now)
+        if not passes.stands(one.first, mine.gain):
+            return True, [f for f in found if f is not one], bare_h, bare_anchor
+        taken = {f.id for f in found}
+        near = [s for s in scored if mine.merit - s.merit <= max(FAR, 0.5 * mine.merit) and s.gain > 4.0]
+        near = [s for s in near if s.id not in taken and s.physical and passes.eligible(s)][: FINALISTS - 1]
+        tried = [_fitted(bare, s, noise, held, known) for s in near]
+        rivals = sorted(
+            [mine, *(replace(r, gain=base - r.chi2) for r in tried if r is not None)], key=lambda r: -r.merit
+        )
+        best = rivals[0]
+        close = tuple(r for r in rivals if best.merit - r.merit <= MARGIN)
+        rejected = tuple((r.id, r.gain) for r in rivals if r not in close)
+        if best is mine or best.merit < mine.merit + 1.0:
+            found[i] = replace(
+                one, rivals=(mine, *(r for r in close if r is not mine)), rejected=rejected, gain=mine.gain
+            )
+            continue
+        first = next(s for s in near if s.id == best.id)
+        found[i] = Found(best.id, close, rejected, best.gain, first.chance, first)
+        return True, found, best.h, best.anchor
+    return False, found, h, anchor
+
+
+def _admit(
+    fit: Fit, passed: list[Scored], scored: list[Scored], held: Mapping[str, float], eligible: Callable[[Scored], bool]
+) -> tuple[Found, Rival, Noise] | None:
+    """The best of the causes that pass, fitted in full under a noise that no longer holds it, and its rivals."""
+    # What does not pass by itself may still do as well in full as what does.
+    near = [s for s in scored if passed[0].merit - s.merit <= max(FAR, 0.5 * passed[0].merit) and s.gain > 4.0]
+    finalists = sorted(
+        {s.id: s for s in (*near, *passed) if s.physical and eligible(s)}.values(), key=lambda s: -s.merit
+    )
+    finalists = finalists[:FINALISTS]
+    known = declared_columns(fit.noise.bench, fit.h, fit.anchor, fit.noise.whitening, fit.noise.good)
+    tried = [_fitted(fit, s, fit.noise, held, known) for s in finalists]
+    rivals = [r for r in tried if r is not None and r.gain > 0]
+    if not rivals:
+        return None
+    best = max(rivals, key=lambda r: r.merit)
+    noise, _, _ = learn(fit.noise.bench, best.h, best.anchor, everything, held, fit.noise.still, rounds=1)
+    # Under the better noise, once more: who is best, and who cannot be told from it.
+    known = declared_columns(noise.bench, best.h, best.anchor, noise.whitening, noise.good)
+
+    def exact(h: Hypothesis, anchor: Anchor) -> tuple[Hypothesis, Anchor, float]:
+        h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held, 6, known)
+        return h, anchor, chi2_of(noise, h, anchor, held, known)
+
+    base = exact(fit.h, fit.anchor)[2]
+    again = []
+    for r in sorted(rivals, key=lambda r: -r.merit):
+        if best.merit - r.merit > max(FAR, 0.5 * best.merit):
+            continue
+        h, anchor, chi2 = exact(r.h, r.anchor)
+        again.append(replace(r, h=h, anchor=anchor, chi2=chi2, gain=base - chi2))
+    again.sort(key=lambda r: -r.merit)
+    best = again[0]
+    close = tuple(r for r in again if best.merit - r.merit <= MARGIN)
+    first = next(s for s in scored if s.id == best.id)
+    others = {s.id: s.gain for s in scored if s.id not in {r.id for r in close}}
+    others |= {r.id: r.gain for r in again if r not in close}
+    rejected = tuple(sorted(others.items(), key=lambda q: -q[1])[:8])
+    return Found(best.id, close, rejected, best.gain, first.chance, first), best, noise
+
+
+def _fitted(fit: Fit, s: Scored, noise: Noise, held: Mapping[str, float], known: Declared) -> Rival | None:
+    """A family's effect in the hypothesis, by Gauss-Newton from the values of its score."""
+    base = fit.projection.chi2
+    h = adopted(fit.h, s, fit)
+    try:
+        anchor = noise.bench.settle(h, fit.anchor)
+        for turn in range(2):
+            own = [g for g in h.given if g.effect.id == s.id and bent(g)]
+            for given in own:
+                h = refined(noise, h, anchor, held, known, given, wide=not turn)
+                anchor = noise.bench.settle(h, anchor, 2)
+            if turn and not own:
+                break
+            h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held, 3, known)
+        chi2 = chi2_of(noise, h, anchor, held, known)
+    except (np.linalg.LinAlgError, ValueError, FloatingPointError):
+        return None
+    if not np.isfinite(chi2):
+        return None
+    return Rival(s.id, h, anchor, chi2, s.count, base - chi2)
+
+
+def _without(h: Hypothesis, id_: str, plain: Hypothesis) -> Hypothesis:
+    """The hypothesis without a cause."""
+    if id_ in h.freed:
+        return replace(h, values={**h.values, id_: plain.values[id_]}, freed=h.freed - {id_})
+    ids = {t.id for t in plain.terms}
+    terms = tuple(t for t in h.terms if t.id in ids or (t.id != id_ and not t.id.startswith(f"{id_}.")))
+    given = tuple(g for g in h.given if g.effect.id != id_)
+    return replace(h, terms=terms, given=given)

@@ -1,0 +1,120 @@
+"""``ivsid diagnose`` and ``ivsid isolability``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ivsid import diagnosis, figures, report
+from ivsid.diagnosis import Diagnosis
+from ivsid.figures import Drawing
+from ivsid.log import read_log
+from ivsid.report import Report, Section
+from ivsid.vehicle import read_vehicle
+from ivsid.workflow.common import Progress, shown, silent
+
+VERDICTS = {
+    "adequate": "Nothing beyond the declared errors: the simulation is adequate for what this log could show.",
+    "wrong": "The simulation is wrong; the findings name the causes, strongest first.",
+    "unknown": "Something is wrong that no known cause explains.",
+}
+
+
+def diagnose(
+    vehicle: str | Path, train: str | Path, test: str | Path, *, seed: int | None = None, progress: Progress = silent
+) -> Report:
+    """Reads the files, diagnoses, reports."""
+    progress("reading")
+    checked = read_vehicle(vehicle)
+    logs = [read_log(p, checked.log) for p in (train, test)]
+    result = diagnosis.diagnose(checked, *logs, seed=1 if seed is None else seed, progress=progress)
+    progress("drawing")
+    return diagnosis_report(result)
+
+
+def diagnosis_report(result: Diagnosis) -> Report:
+    """The report of a diagnosis."""
+    drawings = _drawings(result)
+    sections = [
+        Section("Findings", (_findings(result), *(report.text(p) for p in diagnosis.explain(result)))),
+        Section("What the better model is worth", (_gain(result), *map(report.drawing, drawings[:1]))),
+        Section("Before and after", tuple(map(report.drawing, drawings[1:]))),
+        Section("Candidates", (_candidates(result),)),
+        Section("What this log could not show", (_untested(result),)),
+        Section("What this rests on", (report.bullets(_assumptions(result)),)),
+    ]
+    if result.hints:
+        sections.insert(1, Section("Hints: inside the declared errors", (report.bullets(result.hints),)))
+    summary = f"{result.vehicle.name}: {result.verdict}. {VERDICTS[result.verdict]}"
+    return Report(
+        f"Diagnosis of {result.vehicle.name}",
+        summary,
+        result.record(),
+        tuple(s for s in sections if s.parts),
+        drawings,
+        {"model.toml": diagnosis.extended_vehicle(result)},
+        tuple(_lines(result)),
+    )
+
+
+def _findings(result: Diagnosis) -> dict[str, Any]:
+    rows = []
+    for f in result.findings:
+        bounds = "; ".join(f"{k} {shown(b.lower, b.upper)} {b.unit}" for k, b in f.parameters.items())
+        rows.append([f.effect, f.confidence, bounds or "–", ", ".join(f.alternatives) or "–", f.separate_by or "–"])
+    header = ["cause", "confidence in its set", "parameters", "could also be", "what would separate them"]
+    return report.table(header, rows, "No finding." if not rows else "Intervals are statistical unless marked.")
+
+
+def _gain(result: Diagnosis) -> dict[str, Any]:
+    g = result.gain
+    rows: list[list[Any]] = [[f"force residual {k}", *v, "", ""] for k, v in g.force_rms.items()]
+    rows += [[f"simulated {k} over 10 s", *v, *g.interval[k]] for k, v in g.simulation_rms.items()]
+    if g.position_rms is not None:
+        rows.append(["simulated position over 30 s", *g.position_rms, "", ""])
+    return report.table(["on the other log", "before", "after", "before/after from", "to"], rows)
+
+
+def _candidates(result: Diagnosis) -> dict[str, Any]:
+    found = {f.effect for f in result.findings}
+    rows = [
+        [s.id, s.gain, s.count, s.chance, "found" if s.id in found else diagnosis.why_rejected(result, s)]
+        for s in result.selection.screened[:20]
+    ]
+    return report.table(["cause", "fall of chi^2", "numbers", "chance without it", "what became of it"], rows)
+
+
+def _untested(result: Diagnosis) -> dict[str, Any]:
+    return report.table(
+        ["effect", "why not", "needs"], [[q["effect"], q["reason"], q["needs"]] for q in result.not_tested]
+    )
+
+
+def _assumptions(result: Diagnosis) -> list[str]:
+    c = result.calibration
+    words = [
+        f"probability of any false finding: {c['family_wise']} ({c['method']})",
+        "declared errors inside their bounds are no findings: sensor biases and scale, smooth thrust errors, ambient force",
+    ]
+    return [*words, *result.notes]
+
+
+def _drawings(result: Diagnosis) -> tuple[Drawing, ...]:
+    return (figures.gain(result.gain), figures.force_residual(result.gain))
+
+
+def _lines(result: Diagnosis) -> list[str]:
+    lines = [f"verdict: {result.verdict}. {VERDICTS[result.verdict]}"]
+    for f in result.findings:
+        also = f"; could also be {', '.join(f.alternatives)}" if f.alternatives else ""
+        lines.append(f"  {f.effect} (confidence {f.confidence:.2f}{also})")
+        lines += [f"    {k:<32} {shown(b.lower, b.upper):>32} {b.unit}" for k, b in f.parameters.items()]
+        if f.separate_by:
+            lines.append(f"    to separate them: {f.separate_by}")
+    for name, (before, after) in result.gain.simulation_rms.items():
+        lines.append(f"  simulated {name} over 10 s on {result.gain.log}: {before:.4g} before, {after:.4g} after")
+    lines.append(
+        f"  {len(result.visible) - sum(v.z < 8 for v in result.visible.values())} effects tested, "
+        f"{len(result.not_tested)} not (result.json says why)"
+    )
+    return lines

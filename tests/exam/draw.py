@@ -1,0 +1,237 @@
+"""Cases of the examination: everything about a case follows from its seed, and its truth is not given to what is examined."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ivsid.effects import EFFECTS, Effect, Parameter
+from ivsid.effects.effect import Force
+from ivsid.scenario import parse_scenario
+from ivsid.simulation import simulate
+from ivsid.simulation.hidden import can_hide, draw
+from ivsid.vehicle import Vehicle, parse_vehicle
+
+SENSORS = """
+[sensors]
+confidence = 0.999
+[sensors.velocity]
+accuracy = 0.006
+scale_factor_error = 0.004
+[sensors.acceleration]
+random_walk = 0.002
+bias_instability = 3.0e-4
+[sensors.yaw_rate]
+random_walk = 1.745e-3
+bias_instability = 2.0e-4
+[sensors.heading]
+accuracy = 0.015
+[sensors.position]
+accuracy = 0.5
+[sensors.limits]
+acceleration = 2.5
+yaw_acceleration = 3.0
+"""
+KINDS = ("twin", "catamaran", "vectored", "tug")
+
+
+def vehicle_of(kind: str, rng: np.random.Generator) -> tuple[str, dict[str, float], float]:
+    """Text of a vehicle file without its ambient force, its true numbers, and its scale of length."""
+    spread = lambda: float(np.exp(rng.uniform(-0.4, 0.4)))  # noqa: E731
+    arms = rng.uniform(0.2, 0.4)
+    if kind == "twin":
+        length, mass = 1.2, 50.0
+    elif kind == "catamaran":
+        length, mass = 2.0, 120.0
+    elif kind == "vectored":
+        length, mass = 0.8, 30.0
+    else:
+        length, mass = 3.0, 900.0
+    scale = (mass / 50.0) ** (1 / 3)
+    force = scale**3
+    truth = {
+        "mass.surge": mass * 1.16 * spread() ** 0.3,
+        "mass.sway": mass * 1.5 * spread() ** 0.5,
+        "inertia.yaw": 9.0 * scale**5 * spread() ** 0.7,
+        "drag.surge.quadratic": 28.0 * scale**2 * spread(),
+        "drag.sway.quadratic": 150.0 * scale**2 * spread(),
+    }
+    arm = arms * scale
+    thrusters = []
+    top, back = 40.0 * force, 30.0 * force
+    accuracy = f"accuracy = {{ absolute = {0.1 * force:.4g}, relative = 0.02 }}"
+    table = (
+        f"table = {{ demand = [-100, -60, -30, 0, 30, 60, 100], "
+        f"thrust = [{-back:.5g}, {-back * 0.47:.5g}, {-back * 0.17:.5g}, 0.0, {top * 0.15:.5g}, {top * 0.45:.5g}, {top:.5g}] }}"
+    )
+    if kind == "vectored":
+        for name, x, y, a in (
+            ("a", 0.25, -0.2, 0.6),
+            ("b", 0.25, 0.2, -0.6),
+            ("c", -0.25, -0.2, -0.6),
+            ("d", -0.25, 0.2, 0.6),
+        ):
+            thrusters.append((name, x * scale, y * scale, a))
+    elif kind == "tug":
+        thrusters = [("port", -1.0, -arm, 0.0), ("starboard", -1.0, arm, 0.0), ("bow", 1.0, 0.0, 1.5707963267948966)]
+    else:
+        thrusters = [("port", -0.3 * scale, -arm, 0.0), ("starboard", -0.3 * scale, arm, 0.0)]
+    text = f'name = "v"\n[hull]\nmass = {mass}\nlength = {length}\n'
+    if rng.uniform() < 0.3:
+        text += f"centre_of_gravity = [{rng.uniform(-0.05, 0.05) * length:.4f}, 0.0]\n"
+    for name, x, y, a in thrusters:
+        text += f'[[thrusters]]\nname = "{name}"\nposition = [{x:.4f}, {y:.4f}]\nazimuth = {a}\n{table}\n{accuracy}\n'
+    return text + SENSORS, truth, scale
+
+
+def programme(rng: np.random.Generator, duration: float, kind: str, scale: float, style: str) -> str:
+    """Segments of a log, in TOML."""
+    kinds = {
+        "rich": ("steps", "zigzag", "circle", "prbs", "coast", "spiral", "chirp", "back"),
+        "line": ("line",),
+        "zigzag": ("zigzag",),
+        "circle": ("circle",),
+    }[style]
+    time, rate = scale**0.5, scale**-0.5
+    out, total = "", 0.0
+    gain = float(25.0 / rate)
+    while total < duration:
+        k = str(rng.choice(kinds))
+        d, c = float(rng.uniform(20, 40)) * time, float(rng.uniform(25, 70))
+        s: dict[str, object] = {}
+        if k in ("steps", "line"):
+            s = {"manoeuvre": "steps", "demand": rng.uniform(0 if k == "steps" else 20, 80, 4).round(1).tolist()}
+            s |= {"period": float(rng.uniform(5, 10)) * time, "yaw_gain": gain}
+        elif k == "zigzag":
+            s = {"manoeuvre": "zigzag", "demand": c, "yaw_rate": float(rng.uniform(0.2, 0.6)) * rate, "yaw_gain": gain}
+            s |= {"period": float(rng.uniform(4, 8)) * time, "differential_limit": 25.0}
+        elif k == "circle":
+            s = {"manoeuvre": "circle", "demand": c, "yaw_gain": gain, "differential_limit": 25.0}
+            s |= {"yaw_rate": float(rng.choice([-1, 1]) * rng.uniform(0.15, 0.6)) * rate}
+        elif k == "prbs":
+            s = {"manoeuvre": "prbs", "demand": c, "amplitude": 15.0, "differential": 5.0, "yaw_gain": gain}
+            s |= {"period": float(rng.uniform(1, 3)) * time, "differential_limit": 20.0}
+        elif k == "coast":
+            s, d = {"manoeuvre": "coast"}, 20.0 * time
+        elif k == "spiral":
+            s = {"manoeuvre": "spiral", "demand": c, "differential": [8.0, 4.0, 0.0, -4.0, -8.0], "yaw_gain": gain}
+            s |= {"period": 6.0 * time}
+        elif k == "back":
+            s, d = {"manoeuvre": "steps", "demand": [-30.0, -50.0], "period": 6.0 * time, "yaw_gain": gain}, 12.0 * time
+        else:
+            s = {"manoeuvre": "chirp", "demand": c, "amplitude": 10.0, "period": 8.0 * time}
+            s |= {"period_end": 1.5 * time, "yaw_gain": gain}
+        if kind in ("vectored", "tug"):
+            s["sway"] = float(rng.choice([0.0, 0.0, 30.0, -30.0]))
+        s["duration"] = d
+        total += d
+        rows = "\n".join(f"{a} = {b!r}" if not isinstance(b, str) else f'{a} = "{b}"' for a, b in s.items())
+        out += f"[[segments]]\n{rows}\n"
+    return out
+
+
+def _outside() -> dict[str, Effect]:
+    """Causes that the catalogue lacks."""
+
+    def cubic(s, p):
+        return {"surge": -p[0] * s.u * s.u * s.u, "sway": 0.0 * s.u}
+
+    def shear(s, p):
+        return {"surge": p[0] * (s.place.y * 0.02) * s.u, "yaw": 0.0 * s.u}
+
+    def pulse(s, p):
+        return {"yaw": p[0] * (s.u * s.u * s.u)}
+
+    def mixed(s, p):
+        return {"sway": p[0] * s.u * s.u, "yaw": 0.0 * s.u}
+
+    one = (Parameter("", "", "1", 1.0, signed=True),)
+    return {
+        "x.cubic": Effect("x.cubic", "cubic drag", one, Force(cubic)),
+        "x.shear": Effect("x.shear", "drag that depends on the place", one, Force(shear)),
+        "x.torque": Effect("x.torque", "a moment with the cube of speed", one, Force(pulse)),
+        "x.side": Effect("x.side", "a side force with the square of speed", one, Force(mixed)),
+    }
+
+
+OUTSIDE = _outside()
+OUTSIDE_SIZE = {"x.cubic": 12.0, "x.shear": 8.0, "x.torque": 0.8, "x.side": 4.0}
+
+
+@dataclass
+class Case:
+    """A drawn case."""
+
+    seed: int
+    vehicle: Vehicle
+    train: object
+    test: object
+    truth: dict[str, float]
+    stratum: dict[str, object]
+    exact: dict[str, float]
+
+
+def case(
+    seed: int,
+    what: str | None = None,
+    effect: str | None = None,
+    size: float | None = None,
+    style: str | None = None,
+    kind: str | None = None,
+    ambient: float | None = None,
+    duration: float | None = None,
+) -> Case:
+    """The case of a seed; what is given is not drawn."""
+    rng = np.random.default_rng([seed, 77])
+    k = str(rng.choice(KINDS))
+    k = kind or k
+    text, exact, scale = vehicle_of(k, rng)
+    a = float(rng.choice([0.3, 1.0, 1.0, 3.0])) if ambient is None else ambient
+    force = scale**3
+    text += f"[ambient]\nforce = {0.15 * force * a:.5g}\nmoment = {0.03 * force * scale * a:.5g}\ntime = {2.0 * scale**0.5:.4g}\n"
+    st = str(rng.choice(["rich", "rich", "rich", "zigzag", "circle", "line"]))
+    st = style or st
+    d = float(rng.choice([300.0, 600.0])) if duration is None else duration
+    rate = float(rng.choice([10.0, 20.0]))
+    vehicle = parse_vehicle(text, "v.toml")
+    w = what or str(rng.choice(["none", "one", "one", "two", "outside"], p=[0.34, 0.2, 0.26, 0.1, 0.1]))
+    truth: dict[str, float] = {}
+    head = f"duration = {d}\nrate = {rate}\nseed = {seed}\n[truth]\n"
+    head += "\n".join(f'"{n}" = {v}' for n, v in exact.items()) + "\n"
+    scenario = parse_scenario(head + programme(rng, d, k, scale, st), "s.toml")
+    other = parse_scenario(head + programme(rng, d, k, scale, "rich"), "s.toml")
+    sizes = []
+    if w in ("one", "two"):
+        possible = [
+            e
+            for e in EFFECTS.values()
+            if can_hide(e, vehicle, scenario) and e.id not in ("thruster.gain", "environment.shallow_water")
+        ]
+        for _ in range(1 if w == "one" else 2):
+            e = EFFECTS[effect] if effect else possible[int(rng.integers(len(possible)))]
+            s = size if size is not None else float(np.exp(rng.uniform(np.log(0.1), np.log(3.0))))
+            truth |= draw(e, s, vehicle, scenario, rng)
+            sizes.append((e.id, s))
+    if w == "outside":
+        id_ = effect or str(rng.choice(list(OUTSIDE)))
+        s = size if size is not None else 1.0
+        value = OUTSIDE_SIZE[id_] * force * s
+        truth[id_] = value * (scale if id_ == "x.torque" else 1.0)
+        sizes.append((id_, s))
+        EFFECTS[id_] = OUTSIDE[id_]
+    try:
+        train = simulate(vehicle, scenario, seed, truth)
+        test = simulate(vehicle, other, seed + 1_000_000, truth)
+    finally:
+        for id_ in OUTSIDE:
+            EFFECTS.pop(id_, None)
+    return Case(
+        seed,
+        vehicle,
+        train,
+        test,
+        truth,
+        {"what": w, "kind": k, "style": st, "ambient": a, "duration": d, "rate": rate, "sizes": sizes},
+        exact,
+    )

@@ -1,0 +1,168 @@
+"""A vehicle, its simulated logs and what can happen to a log, for the tests of the diagnosis."""
+
+import numpy as np
+
+from ivsid.log import Log
+from ivsid.scenario import parse_scenario
+from ivsid.simulation import simulate
+from ivsid.vehicle import parse_vehicle
+
+TABLE = "table = { demand = [-100, -60, -30, 0, 30, 60, 100], thrust = [-30.0, -14.0, -5.0, 0.0, 6.0, 18.0, 40.0] }"
+SENSORS = """
+[sensors]
+confidence = 0.999
+[sensors.velocity]
+accuracy = 0.006
+scale_factor_error = 0.004
+[sensors.acceleration]
+random_walk = 0.002
+bias_instability = 3.0e-4
+[sensors.yaw_rate]
+random_walk = 1.745e-3
+bias_instability = 2.0e-4
+[sensors.heading]
+accuracy = 0.015
+[sensors.position]
+accuracy = 0.5
+[ambient]
+force = 0.15
+moment = 0.03
+time = 2.0
+"""
+HULL = 'name = "boat"\n[hull]\nmass = 50\nlength = 1.2\n'
+TWIN = HULL + "".join(
+    f'[[thrusters]]\nname = "{name}"\nposition = [-0.35, {y}]\n{TABLE}\naccuracy = {{ absolute = 0.1, relative = 0.02 }}\n'
+    for name, y in (("port", -0.28), ("starboard", 0.28))
+)
+RUDDER = (
+    HULL
+    + f'[[thrusters]]\nname = "screw"\nposition = [-0.5, 0.0]\n{TABLE}\naccuracy = {{ absolute = 0.1, relative = 0.02 }}\n'
+    "rudder = { area = 0.02, aspect_ratio = 1.5, position = -0.55, propeller_diameter = 0.12 }\n"
+)
+TRUTH = {
+    "mass.surge": 58.0,
+    "mass.sway": 75.0,
+    "inertia.yaw": 9.0,
+    "drag.surge.quadratic": 28.0,
+    "drag.sway.quadratic": 150.0,
+}
+ZIGZAGS = """
+[[segments]]
+manoeuvre = "steps"
+demand = [60.0, 30.0, 75.0, 15.0]
+period = 7.0
+yaw_gain = 20.0
+duration = 28.0
+[[segments]]
+manoeuvre = "zigzag"
+demand = 45.0
+yaw_rate = 0.4
+yaw_gain = 25.0
+period = 6.0
+differential_limit = 25.0
+duration = 36.0
+[[segments]]
+manoeuvre = "coast"
+duration = 20.0
+[[segments]]
+manoeuvre = "circle"
+demand = 55.0
+yaw_rate = -0.5
+yaw_gain = 25.0
+differential_limit = 25.0
+duration = 30.0
+[[segments]]
+manoeuvre = "prbs"
+demand = 45.0
+amplitude = 20.0
+differential = 6.0
+period = 2.0
+yaw_gain = 20.0
+duration = 40.0
+"""
+STEERED = """
+[[segments]]
+manoeuvre = "prbs"
+demand = 50.0
+amplitude = 20.0
+rudder = 0.3
+period = 4.0
+duration = 40.0
+[[segments]]
+manoeuvre = "spiral"
+demand = 70.0
+rudder = [0.3, 0.15, 0.0, -0.15, -0.3]
+period = 8.0
+duration = 40.0
+[[segments]]
+manoeuvre = "prbs"
+demand = 70.0
+amplitude = 10.0
+rudder = 0.2
+period = 7.0
+duration = 40.0
+"""
+
+
+def vehicle_of(text=TWIN, extra=""):
+    return parse_vehicle(text + SENSORS + extra, "boat.toml")
+
+
+def logs_of(vehicle, effects=None, *, segments=ZIGZAGS, duration=240.0, rate=10.0, seed=21):
+    """TRAIN and TEST."""
+    made = []
+    for name, number in (("train", seed), ("test", seed + 1)):
+        head = f"duration = {duration}\nrate = {rate}\nseed = {number}\n[truth]\n"
+        head += "".join(f'"{k}" = {v}\n' for k, v in TRUTH.items())
+        done = simulate(vehicle, parse_scenario(head + segments, "s.toml"), number, effects or {})
+        made.append(Log(f"{name}.csv", "0" * 64, done.t, done.columns))
+    return made
+
+
+def with_columns(log, change):
+    """The log with its columns changed by a function of name and values."""
+    return Log(log.name, log.sha256, log.t, {k: change(k, x) for k, x in log.columns.items()})
+
+
+def rows(log, keep):
+    """The log with some of its rows."""
+    return Log(log.name, log.sha256, log.t[keep], {k: x[keep] for k, x in log.columns.items()})
+
+
+def names(result):
+    """The causes that are named, alternatives included."""
+    return [{f.effect, *f.alternatives} for f in result.findings]
+
+
+def gaps(log, rng):
+    """Four stretches of some seconds without any row."""
+    keep = np.ones(log.t.size, dtype=bool)
+    for start in rng.integers(0, log.t.size - 100, 4):
+        keep[start : start + rng.integers(5, 90)] = False
+    return rows(log, keep)
+
+
+def losses(log, rng):
+    """Each measured sample is lost with a probability of 3 %."""
+    return with_columns(
+        log, lambda k, x: x if k.startswith("demand") else np.where(rng.uniform(size=x.size) < 0.03, np.nan, x)
+    )
+
+
+def wild(log, rng):
+    """Six readings of each velocity are off by 1."""
+
+    def hit(k, x):
+        if k not in ("u", "v", "r"):
+            return x
+        out = x.copy()
+        out[rng.integers(5, x.size - 5, 6)] += rng.choice([-1.0, 1.0], 6)
+        return out
+
+    return with_columns(log, hit)
+
+
+def epochs(log, rng):
+    """Times since 1970."""
+    del rng
+    return Log(log.name, log.sha256, log.t + 1.7e9, log.columns)

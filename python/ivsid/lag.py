@@ -16,8 +16,8 @@ from ivsid.thrust import ThrustCurve
 STEP_ROUNDING: Final = 1e-15
 # exp and the quotient before it are good to a few units in the last place.
 DECAY_ROUNDING: Final = 1e-14
-# A step this much longer than the usual one is a gap: demands in it are unknown.
-GAP: Final = 2.5
+# A step this much longer than the usual one has lost a row, and the row may have carried a new demand: demands in it are unknown.
+GAP: Final = 1.5
 
 
 def lagged(

@@ -16,7 +16,7 @@ from ivsid.verification.errors import UncheckedError, UnprovedError
 from ivsid.verification.physics import CHANNELS, Column, Meaning, Motion, State, model, moving, rigid_body
 from ivsid.verification.rational import Range, pi, sided
 from ivsid.verification.readings import AXES, Readings
-from ivsid.verification.thrusters import Thrusters
+from ivsid.verification.thrusters import GAP, Thrusters
 from ivsid.verification.unchecked import not_recomputed
 from ivsid.verification.weak import Weak
 
@@ -154,7 +154,7 @@ class Rows:
     def _integral(self, channel: str, first: int, last: int) -> Row:
         """The mean of the equation over a window: exact differences, and a quadrature with its error."""
         steps = np.diff(self.log.t[first : last + 1])
-        if not (steps <= 2.5 * np.median(np.diff(self.log.t))).all():
+        if not (steps <= GAP * np.median(np.diff(self.log.t))).all():
             raise UnprovedError(f"the window from t = {self.log.t[first]!r} s has a gap")
         for i in range(first, last + 1):
             if not self.thrusters.present(i):

@@ -13,7 +13,8 @@ from ivsid.verification.errors import UnprovedError
 from ivsid.verification.rational import ONE, Range, cosine, exponential, pi, sided, sine, weighted
 from ivsid.verification.readings import Readings
 
-GAP: Final = 2.5
+# A longer step has lost a row, and maybe a demand with it.
+GAP: Final = 1.5
 # What is left of a thrust after so many steps of a lag is far below a double's last place.
 FORGOTTEN: Final = ONE >> 130
 

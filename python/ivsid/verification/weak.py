@@ -24,11 +24,11 @@ from ivsid.verification.columns import Row, moves, share
 from ivsid.verification.errors import UnprovedError
 from ivsid.verification.physics import CHANNELS, Column
 from ivsid.verification.rational import Range, cosine, pi, root, sided, sine
+from ivsid.verification.thrusters import GAP
 
 if TYPE_CHECKING:
     from ivsid.verification.rows import Rows
 
-GAP: Final = 2.5
 POSE: Final = ("x", "y", "psi")
 
 

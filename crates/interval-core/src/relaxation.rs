@@ -1,6 +1,6 @@
 //! A quantity that follows held goals behind a first-order lag: `x' = e x + (1 - e) g` in bounds.
 //!
-//! One step in plain floats is rounded four times, each time by at most 2^-53 of `|x| + |g|`; [`STEP_ROUNDING`] of that is added on
+//! One step in plain floats is rounded four times, each time by at most 2^-53 of `|x| + |g|`; `STEP_ROUNDING` of that is added on
 //! either side, which holds all four and its own rounding.
 
 use crate::Error;

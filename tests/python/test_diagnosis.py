@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS
 from ivsid import IvsidError, diagnose
 from ivsid.diagnosis import extended_vehicle, isolability
 from ivsid.diagnosis.bench import Bench
@@ -20,82 +21,10 @@ from ivsid.scenario import parse_scenario
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 
-TABLE = "table = { demand = [-100, -60, -30, 0, 30, 60, 100], thrust = [-30.0, -14.0, -5.0, 0.0, 6.0, 18.0, 40.0] }"
-VEHICLE = f"""
-name = "twin"
-[hull]
-mass = 50
-length = 1.2
-[[thrusters]]
-name = "port"
-position = [-0.35, -0.28]
-{TABLE}
-accuracy = {{ absolute = 0.1, relative = 0.02 }}
-[[thrusters]]
-name = "starboard"
-position = [-0.35, 0.28]
-{TABLE}
-accuracy = {{ absolute = 0.1, relative = 0.02 }}
-[sensors]
-confidence = 0.999
-[sensors.velocity]
-accuracy = 0.006
-scale_factor_error = 0.004
-[sensors.acceleration]
-random_walk = 0.002
-bias_instability = 3.0e-4
-[sensors.yaw_rate]
-random_walk = 1.745e-3
-bias_instability = 2.0e-4
-[sensors.heading]
-accuracy = 0.015
-[sensors.position]
-accuracy = 0.5
-[ambient]
-force = 0.15
-moment = 0.03
-time = 2.0
-"""
-TRUTH = {
-    "mass.surge": 58.0,
-    "mass.sway": 75.0,
-    "inertia.yaw": 9.0,
-    "drag.surge.quadratic": 28.0,
-    "drag.sway.quadratic": 150.0,
-}
-SEGMENTS = """
-[[segments]]
-manoeuvre = "steps"
-demand = [60.0, 30.0, 75.0, 15.0]
-period = 7.0
-yaw_gain = 20.0
-duration = 28.0
-[[segments]]
-manoeuvre = "zigzag"
-demand = 45.0
-yaw_rate = 0.4
-yaw_gain = 25.0
-period = 6.0
-differential_limit = 25.0
-duration = 36.0
-[[segments]]
-manoeuvre = "coast"
-duration = 20.0
-[[segments]]
-manoeuvre = "circle"
-demand = 55.0
-yaw_rate = -0.5
-yaw_gain = 25.0
-differential_limit = 25.0
-duration = 30.0
-[[segments]]
-manoeuvre = "prbs"
-demand = 45.0
-amplitude = 20.0
-differential = 6.0
-period = 2.0
-yaw_gain = 20.0
-duration = 40.0
+VEHICLE = TWIN + SENSORS
+SEGMENTS = (
+    ZIGZAGS
+    + """\
 [[segments]]
 manoeuvre = "zigzag"
 demand = 30.0
@@ -105,6 +34,7 @@ period = 5.0
 differential_limit = 25.0
 duration = 30.0
 """
+)
 # The seed of these draws is fixed; `tests/exam` draws fresh ones.
 SEEDS = {"train": 11, "test": 12}
 

@@ -104,7 +104,7 @@ def learn(
         left = _left(fit)
         if turn == rounds - 1:
             return Noise(bench, whiten(bench, left, good, still), good, still), h, anchor
-        bench = bench.adopt(ambient_of(bench, left, good))
+        bench = bench.adopt(ambient_of(bench, left, good, still))
         bench = quick_enough(bench, bench.damping(h, anchor))
         anchor = bench.settle(h, anchor)
     raise AssertionError("rounds must be positive")

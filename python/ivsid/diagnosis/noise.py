@@ -26,6 +26,8 @@ _TIMES: Final = (1.0, 5.0)
 QUICKER: Final = 2.0
 # An axis moves where its velocity is so many times the error of its filter.
 MOVING: Final = 20.0
+# A still axis's filter believes its model so many times less.
+LOOSE: Final = 100.0
 # A hull of 1 m turns where its yaw rate is more than this [rad/s]; longer ones more slowly, after Froude.
 TURNING: Final = 0.015
 
@@ -44,7 +46,9 @@ def declared(vehicle: Vehicle) -> Ambient:
     return Ambient((0.2 * force / m, 0.2 * force / m, 0.2 * force * arm / inertia), (2.0, 2.0, 2.0))
 
 
-def ambient_of(bench: Bench, residual: Array, rows: NDArray[np.bool_]) -> Ambient:
+def ambient_of(
+    bench: Bench, residual: Array, rows: NDArray[np.bool_], still: frozenset[int] = frozenset()
+) -> Ambient:
     """The ambient acceleration behind prediction errors that no effect explains.
 
     The errors are put through the filter's inverse, which gives the velocity that they stand for. Its mean slopes over a second,
@@ -77,6 +81,8 @@ def ambient_of(bench: Bench, residual: Array, rows: NDArray[np.bool_]) -> Ambien
     # What is declared is no discovery, and slow noise that is taken for less than it is makes every slow signature look certain.
     low, high = (1.0, 30.0) if given else (0.05, 1e3)
     d = [float(np.clip(a, low * b, high * b)) for a, b in zip(deviations, said.deviation, strict=True)]
+    # Nobody asks what moves a still axis, but other axes need its velocity: it is the sensor's, whatever steady moment the model lacks.
+    d = [x * (LOOSE if k in still else 1.0) for k, x in enumerate(d)]
     if given:
         times = list(said.time)
     return Ambient((d[0], d[1], d[2]), (times[0], times[1], times[2]))

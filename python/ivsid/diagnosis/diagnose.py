@@ -119,6 +119,8 @@ class Diagnosis:
         }
 
 
+# A candidate that runs away is tried, found useless and left: its overflows are no news.
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def diagnose(
     vehicle: Vehicle,
     train: Log,

@@ -29,6 +29,8 @@ from ivsid.effects.inertia import SHARED_MUNK
 Array = NDArray[np.float64]
 # Thrust errors are one wave or a sum of a few: the standard deviation of each, in units of the bound.
 SHARE: Final = 0.6
+# A step of a thrust error, in units of its bound.
+SLIGHT: Final = 0.05
 # Lags and delays that are tried [samples] and [s]; from a tenth of a sample on.
 DELAYS: Final = (0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0)
 LEVELS: Final = 9
@@ -127,22 +129,28 @@ class Signatures:
             out.add(
                 "~scale.velocity", self.reading("sensor.velocity.scale")[0], 0.7 * sensors.velocity.scale_factor_error
             )
-        self._blades(out)
+        p = self.anchor.points
+        u_c, v_c, _, _ = water(self.h, p)
+        relative = (p.nu[0] - u_c, p.nu[1] - v_c, p.nu[2])
+        self._blades(out, relative)
         for k, thruster in enumerate(bench.vehicle.thrusters):
             angle, (x, y) = bench.turned[k], thruster.position
             c, s = np.cos(angle), np.sin(angle)
             # A loss by inflow takes the same share of the error as of the thrust, which is small.
             shares = np.stack([c, s, x * s - y * c])
+            blade = blade_force(bench.vehicle, k, p, p.thrusts[k], relative)
             for j, shape in enumerate(bench.shapes(self.h, k)):
                 force = shares * shape
+                if thruster.rudder is not None:
+                    # The stream on the blade has the error, too.
+                    pushed = p.thrusts[k] + SLIGHT * shape
+                    force = force + (blade_force(bench.vehicle, k, p, pushed, relative) - blade) / SLIGHT
                 out.add(f"~thrust.{thruster.name}.{j}", bench.answer(self.mass.solve(force)), SHARE)
         return out
 
-    def _blades(self, out: Columns) -> None:
+    def _blades(self, out: Columns, relative: tuple[Array, Array, Array]) -> None:
         """What the rudders' declared accuracy allows: the same share of all of a blade's force."""
         bench, p = self.bench, self.anchor.points
-        u_c, v_c, _, _ = water(self.h, p)
-        relative = (p.nu[0] - u_c, p.nu[1] - v_c, p.nu[2])
         for k, thruster in enumerate(bench.vehicle.thrusters):
             if thruster.rudder is not None and thruster.rudder.accuracy:
                 force = blade_force(bench.vehicle, k, p, p.thrusts[k], relative)

@@ -94,6 +94,10 @@ def vehicle_of(kind: str, rng: np.random.Generator) -> tuple[str, dict[str, floa
     for name, x, y, a in thrusters:
         text += f'[[thrusters]]\nname = "{name}"\nposition = [{x:.4f}, {y:.4f}]\nazimuth = {a}\n{table}\n{accuracy}\n'
         text += more.get(kind, "")
+    if kind == "azimuth":
+        # Without damping, a thruster that is held aside spins the hull without end.
+        truth |= {"drag.yaw.linear": 3.0 * scale**4.5 * spread(), "drag.yaw.quadratic": 4.0 * scale**5 * spread()}
+        text += f"[model]\nterms = [{', '.join(repr(i) for i in truth)}]\n"
     return text + SENSORS, truth, scale
 
 

@@ -16,7 +16,7 @@ from ivsid.diagnosis.bench import Bench
 from ivsid.diagnosis.channels import channels
 from ivsid.diagnosis.noise import declared
 from ivsid.diagnosis.start import first_values
-from ivsid.effects import EFFECTS, PLAIN_TERMS, Reading, Terms
+from ivsid.effects import EFFECTS, Reading, Terms, terms_of
 from ivsid.effects.given import Given
 from ivsid.log import Log
 
@@ -64,19 +64,19 @@ def regression(case) -> Regression:
     """Of a case's TRAIN."""
     vehicle = case.vehicle
     log = channels(Log("1.csv", "0" * 64, case.train.t, case.train.columns), vehicle, None)
-    h = first_values(vehicle, log, PLAIN_TERMS, {})
+    terms = terms_of(vehicle)
+    h = first_values(vehicle, log, terms, {})
     bench = Bench(vehicle, log, declared(vehicle))
     n = log.n
     # Over the steps between samples: the same time as the differences of the velocities.
     here = bench.start(h).nudot[:, n:]
     moved = lambda other: bench.start(other).nudot[:, n:] - here  # noqa: E731
     plain = [
-        moved(type(h)(h.terms, {**h.values, t.id: h.values[t.id] * 1.01})) / (0.01 * h.values[t.id])
-        for t in PLAIN_TERMS
+        moved(type(h)(h.terms, {**h.values, t.id: h.values[t.id] * 1.01})) / (0.01 * h.values[t.id]) for t in terms
     ]
     columns, owner = [], []
     for effect in EFFECTS.values():
-        if effect.plain or effect.id in (*SEARCHED, *UNKNOWN_SIZE) or isinstance(effect.acts, Reading):
+        if effect.id in (*case.exact, *SEARCHED, *UNKNOWN_SIZE) or isinstance(effect.acts, Reading):
             continue
         for j, p in enumerate(effect.parameters):
             size = p.scaled(vehicle.hull.mass)

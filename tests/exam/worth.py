@@ -8,7 +8,7 @@ from ivsid.diagnosis.bench import Bench
 from ivsid.diagnosis.channels import channels
 from ivsid.diagnosis.gain import compare
 from ivsid.diagnosis.physics import Hypothesis
-from ivsid.effects import PLAIN_TERMS, Terms
+from ivsid.effects import Terms, terms_of
 from ivsid.effects.given import Given, sort_given
 from ivsid.log import Log
 
@@ -16,7 +16,7 @@ from ivsid.log import Log
 def true_model(case, like: Hypothesis) -> Hypothesis:
     """The hypothesis that was simulated, under the same declared errors."""
     names = [t.name for t in case.vehicle.thrusters]
-    terms, values, given = list(PLAIN_TERMS), dict(case.exact), []
+    terms, values, given = list(terms_of(case.vehicle)), dict(case.exact), []
     length = case.vehicle.hull.length
     for g in sort_given(case.truth, names):
         if isinstance(g.effect.acts, Terms):

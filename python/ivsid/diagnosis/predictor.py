@@ -28,6 +28,7 @@ class Axis:
         outputs: which of position, velocity and acceleration are measured.
         gain: Kalman gain of the states on the errors, shape (3, outputs).
         spread: standard deviation of the filtered velocity's error, as the filter believes.
+        memory: what is left of an error of the velocity after a step. A heading's error lasts longer, and is no matter here.
         numerators: by input (an output's name, or "process") and output.
         denominator: common to all.
     """
@@ -35,6 +36,7 @@ class Axis:
     outputs: tuple[str, ...]
     gain: Array
     spread: float
+    memory: float
     numerators: Mapping[tuple[str, str], Array]
     denominator: Array
 
@@ -89,4 +91,7 @@ def axis(h: float, noise: Mapping[str, float], ambient: float, time: float) -> A
             numerators[name, output] = top[j]
     gain = K if "position" in noise else np.vstack([np.zeros(len(outputs)), K])
     spread = float(np.sqrt(((np.eye(len(B)) - K @ C) @ X)[-2, -2]))
-    return Axis(outputs, gain, spread, numerators, denominator)
+    # Where only the position is measured, the velocity's error is one with the position's.
+    moving = closed[-2:, -2:] if "velocity" in noise else closed
+    memory = float(np.abs(np.linalg.eigvals(moving)).max())
+    return Axis(outputs, gain, spread, memory, numerators, denominator)

@@ -49,7 +49,8 @@ class Rival:
     @property
     def merit(self) -> float:
         """With a price for each number beyond the first."""
-        return self.gain - 3.0 * (self.count - 1)
+        # A gain of all thrusts fits exactly as a single wrong claim does, by moving everything else: the claim says it more simply.
+        return self.gain - 3.0 * (self.count - 1) - (1.0 if self.id == "thruster.gain" else 0.0)
 
 
 @dataclass(frozen=True)

@@ -108,7 +108,8 @@ def test_headings_separate_current_from_wind_and_straight_runs_do_not():
     assert one.d < APART and one.best.d >= APART
     headings = d["speed changes on four headings"]
     assert headings >= APART
-    assert headings > max(d["acceleration straights"], d["speed steps"], d["coast to rest"])
+    # A coast turns away as it comes to rest; these two do not.
+    assert headings > 2 * max(d["acceleration straights"], d["speed steps"])
 
 
 def test_algebra_is_broken_by_no_manoeuvre():

@@ -36,6 +36,15 @@ def envelope(
     return {"ivsid": version("ivsid"), "command": command, "inputs": listed, "seed": seed}
 
 
+def with_own_effects(record: dict[str, Any], files: Sequence[tuple[str, str]]) -> dict[str, Any]:
+    """The record with the files of its user's own effects, names and SHA-256; what was sealed is sealed again."""
+    if not files:
+        return record
+    made = {k: v for k, v in record.items() if k != KEY}
+    made["own_effects"] = [{"name": name, "sha256": digest} for name, digest in files]
+    return sealed(made) if KEY in record else made
+
+
 def to_json(value: Any, indent: int = 0) -> str:
     """JSON text. Infinite and missing numbers become null: an unbounded end is never a large number."""
     pad, inner = "\n" + " " * indent, "\n" + " " * (indent + 1)

@@ -43,8 +43,21 @@ def _root(
     _version_wanted: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
+    own: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--own-effects",
+            metavar="FILE",
+            help="Python file with effects of your own, for every command; it is run. Stands before the command; may repeat.",
+        ),
+    ] = None,
 ) -> None:
     """Options of every command."""
+    if own:
+        from ivsid.effects import read_effects  # noqa: PLC0415 - as the commands' own imports
+
+        for path in own:
+            read_effects(path)
 
 
 @app.command()
@@ -281,13 +294,14 @@ def _run(
     """Checks the folder, works, writes, prints; files named in ``apart`` go to places of their own."""
     apart = apart or {}
     folder = out if out is not None else Path(f"ivsid-{command}")
-    from ivsid import records, report, workflow  # noqa: PLC0415 - the heavy imports wait until a command runs
+    from ivsid import effects, records, report, workflow  # noqa: PLC0415 - the heavy imports wait until a command runs
 
     for place in (folder, *(p.parent for p in apart.values())):
         records.check_writable(place)
     console = Console(stderr=True, quiet=json)
     with console.status(command) as status:
         made = work(workflow, lambda step: status.update(f"{command}: {step}"))
+        made = replace(made, record=records.with_own_effects(made.record, effects.own_files()))
         report.write(replace(made, files={n: c for n, c in made.files.items() if n not in apart}), folder)
         for name, place in apart.items():
             records.write_whole(place, made.files[name])

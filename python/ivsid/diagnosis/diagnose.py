@@ -20,6 +20,7 @@ from ivsid.diagnosis.fit import Fit, plain_fit
 from ivsid.diagnosis.gain import Gain, compare, missing_force
 from ivsid.diagnosis.hints import hints
 from ivsid.diagnosis.intervals import Bound, intervals
+from ivsid.diagnosis.rejected import Rejected, rejected
 from ivsid.diagnosis.selection import MARGIN, Found, Selection, select
 from ivsid.diagnosis.testing import VISIBLE, Threshold, Visibility, visibility
 from ivsid.effects import EFFECTS
@@ -102,12 +103,18 @@ class Diagnosis:
     seed: int
     notes: tuple[str, ...] = field(default=())
 
+    @property
+    def rejected(self) -> tuple[Rejected, ...]:
+        """The candidates that are no findings, the best first, and why each is none."""
+        return rejected(self.findings, self.selection, self.visible, float(self.calibration["threshold"]))
+
     def record(self) -> dict[str, Any]:
         """As in result.json."""
         return {
             **envelope("diagnose", self.inputs, self.seed),
             "verdict": self.verdict,
             "findings": [f.record() for f in self.findings],
+            "rejected": [r.record() for r in self.rejected],
             "hints": list(self.hints),
             "not_tested": list(self.not_tested),
             "detectable": _detectable(self.visible),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from ivsid.diagnosis.diagnose import Diagnosis
-from ivsid.effects import CATALOGUE, PAPER_TERMS
+from ivsid.effects import CATALOGUE, PAPER_TERMS, own_ids
 from ivsid.vehicle import parse_vehicle
 
 # Effects that a vehicle file can state of its thrusters.
@@ -49,6 +49,8 @@ def extended_vehicle(result: Diagnosis) -> str:
     if result.vehicle.model.values:
         pairs = ", ".join(f'"{k}" = {v!r}' for k, v in result.vehicle.model.values.items())
         lines.append(f"values = {{ {pairs} }}")
+    for id_ in (i for i in ids if i in own_ids()):
+        lines.append(f"# {id_} is an effect of your own: read this file with ivsid --own-effects FILE")
     lines += [f"# fitted: {t.id} = {float(h.values[t.id]):.6g} {t.unit}" for t in h.terms]
     others = [g for i, g in given.items() if i not in _CLAIMS]
     if others:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -29,12 +29,13 @@ class Gain:
         force_rms: by X, Y, N: [before, after] [N, N m].
         simulation_rms: by u, v, r: medians over windows [m/s, rad/s].
         position_rms: [m], or None without a place.
-        interval: before/after of u, v, r: 95 % of a bootstrap over windows.
+        interval: before/after of u, v, r, position, X, Y, N: 95 % of a bootstrap over windows (of 10 s for forces).
         residual: low-passed force residuals before and after, shape (2, 3, n), for figures.
         motion: simulated velocities before and after, shape (2, 3, n), NaN outside windows.
         measured: velocities, shape (3, n).
         time: [s], shape (n,).
         log: name of the log.
+        net: low-passed mass times acceleration, measured, of the model before and of that after, shape (3, 3, n) [N, N m].
     """
 
     force_rms: dict[str, tuple[float, float]]
@@ -46,6 +47,7 @@ class Gain:
     measured: Array
     time: Array
     log: str
+    net: Array
 
     def record(self) -> dict[str, Any]:
         """As in result.json."""
@@ -64,7 +66,7 @@ def compare(bench: Bench, before: Hypothesis, after: Hypothesis, seed: int = 0) 
     # What is adequate is simulated once.
     both = (before,) if after is before else (before, after)
     anchors = [bench.settle(h, bench.start(h), 2) for h in both]
-    force = np.stack([_force(bench, h, a) for h, a in zip(both, anchors, strict=True)])[[0, -1]]
+    force = np.stack([missing(bench, h, a) for h, a in zip(both, anchors, strict=True)])[[0, -1]]
     velocity = [_windows(bench, h, a, VELOCITY_WINDOW) for h, a in zip(both, anchors, strict=True)]
     velocity = [velocity[0], velocity[-1]]
     rms, interval = {}, {}
@@ -73,38 +75,85 @@ def compare(bench: Bench, before: Hypothesis, after: Hypothesis, seed: int = 0) 
         b, a = velocity[0][1][:, k], velocity[-1][1][:, k]
         rms[name] = (float(np.median(b)), float(np.median(a)))
         draws = rng.integers(0, max(b.size, 1), (DRAWS, max(b.size, 1)))
-        ratios = np.median(b[draws], axis=1) / np.maximum(np.median(a[draws], axis=1), 1e-12)
-        interval[name] = (float(np.quantile(ratios, 0.025)), float(np.quantile(ratios, 0.975)))
+        interval[name] = _middle(np.median(b[draws], axis=1), np.median(a[draws], axis=1))
     position = None
     if bench.log.place is not None and bench.log.psi is not None:
         errors = [_windows(bench, h, a, POSITION_WINDOW)[2] for h, a in zip(both, anchors, strict=True)]
         if errors[0].size:
             position = (float(np.median(errors[0])), float(np.median(errors[-1])))
+            draws = rng.integers(0, errors[0].size, (DRAWS, errors[0].size))
+            interval["position"] = _middle(np.median(errors[0][draws], axis=1), np.median(errors[-1][draws], axis=1))
+    interval |= _force_interval(force, bench, rng)
     size = np.sqrt(np.mean(force[:, :, bench.log.good] ** 2, axis=2))
     forces = {n: (float(size[0, k]), float(size[1, k])) for k, n in enumerate(("X", "Y", "N"))}
     motion = np.stack([v[0] for v in velocity])
-    return Gain(forces, rms, position, interval, force, motion, bench.log.nu, bench.log.t, bench.log.name)
+    return Gain(
+        forces,
+        rms,
+        position,
+        interval,
+        force,
+        motion,
+        bench.log.nu,
+        bench.log.t,
+        bench.log.name,
+        _net(bench, both, anchors),
+    )
+
+
+def _middle(before: Array, after: Array) -> tuple[float, float]:
+    """Between which before/after lies in 95 % of the draws."""
+    ratios = before / np.maximum(after, 1e-12)
+    return float(np.quantile(ratios, 0.025)), float(np.quantile(ratios, 0.975))
+
+
+def _force_interval(force: Array, bench: Bench, rng: np.random.Generator) -> dict[str, tuple[float, float]]:
+    """Of before/after in the rms of the missing forces, whole windows drawn anew."""
+    count = round(VELOCITY_WINDOW / bench.log.h)
+    blocks = bench.log.n // count
+    if blocks < 2:
+        return {}
+    kept = np.where(bench.log.good, force, 0.0)[:, :, : blocks * count]
+    energy = (kept**2).reshape(2, 3, blocks, count).sum(axis=3)
+    drawn = energy[:, :, rng.integers(0, blocks, (DRAWS, blocks))].sum(axis=3)
+    return {n: _middle(*np.sqrt(drawn[:, k])) for k, n in enumerate(("X", "Y", "N"))}
+
+
+def _net(bench: Bench, both: Sequence[Hypothesis], anchors: Sequence[Anchor]) -> Array:
+    """Mass times acceleration, low-passed: measured, of the first hypothesis and of the last, by the last's masses."""
+    mass = np.linalg.inv(bench.mass(both[-1], anchors[-1]).inverse).mean(axis=0)
+    found = [_accelerations(bench, h, a) for h, a in zip(both, anchors, strict=True)]
+    measured = found[-1][0]
+    rows = [measured, found[0][0] - found[0][1], measured - found[-1][1]]
+    return np.stack([_low(bench, mass @ x) for x in rows])
+
+
+def _low(bench: Bench, x: Array) -> Array:
+    """Low-passed without a shift in time."""
+    sos = butter(4, BAND, fs=1 / bench.log.h, output="sos")
+    return np.asarray(sosfiltfilt(sos, x, axis=1))
 
 
 def missing_force(bench: Bench, h: Hypothesis, anchor: Anchor) -> dict[str, float]:
     """Rms of the low-passed force that a hypothesis lacks, by channel [N, N m]."""
-    force = _force(bench, h, anchor)[:, bench.log.good]
+    force = missing(bench, h, anchor)[:, bench.log.good]
     return dict(zip(("surge", "sway", "yaw"), np.sqrt(np.mean(force**2, axis=1)).tolist(), strict=True))
 
 
-def _force(bench: Bench, h: Hypothesis, anchor: Anchor) -> Array:
-    """The missing force [N, N m], low-passed without a shift in time, shape (3, n)."""
+def missing(bench: Bench, h: Hypothesis, anchor: Anchor) -> Array:
+    """The force that a hypothesis lacks [N, N m], low-passed without a shift in time, shape (3, n)."""
+    mass = np.linalg.inv(bench.mass(h, anchor).inverse)
+    # A step of mass is small beside what it multiplies here: its mean serves.
+    return _low(bench, mass.mean(axis=0) @ _accelerations(bench, h, anchor)[1])
+
+
+def _accelerations(bench: Bench, h: Hypothesis, anchor: Anchor) -> tuple[Array, Array]:
+    """Measured accelerations as the hypothesis reads its sensors, and what of them it does not explain, shape (3, n)."""
     n, log = bench.log.n, bench.log
     readings = bench.readings(h, anchor)
     measured = np.stack([np.gradient(readings[k]["velocity"], log.h) for k in range(3)])
-    left = measured - 0.5 * (
-        anchor.nudot[:, n:] + np.concatenate([anchor.nudot[:, n : n + 1], anchor.nudot[:, n:-1]], 1)
-    )
-    mass = np.linalg.inv(bench.mass(h, anchor).inverse)
-    # A step of mass is small beside what it multiplies here: its mean serves.
-    force = mass.mean(axis=0) @ left
-    sos = butter(4, BAND, fs=1 / log.h, output="sos")
-    return np.asarray(sosfiltfilt(sos, force, axis=1))
+    mean = 0.5 * (anchor.nudot[:, n:] + np.concatenate([anchor.nudot[:, n : n + 1], anchor.nudot[:, n:-1]], 1))
+    return measured, measured - mean
 
 
 def _windows(bench: Bench, h: Hypothesis, anchor: Anchor, length: float) -> tuple[Array, Array, Array]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
@@ -22,6 +22,58 @@ from ivsid.vehicle import Vehicle
 Array = NDArray[np.float64]
 # Below this distance two causes of typical size are not told apart.
 APART: Final = 5.0
+# Distances below this are none: algebra, which no manoeuvre breaks.
+NONE: Final = 0.5
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What one manoeuvre would do for one set of causes.
+
+    Attributes:
+        trial: its name.
+        d: the smallest distance of any two of the set, with the log and the manoeuvre together.
+        groups: the sets that are still together then.
+    """
+
+    trial: str
+    d: float
+    groups: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True)
+class Advice:
+    """For a set of causes, the manoeuvres of the library, the best first.
+
+    Attributes:
+        ids: the set.
+        d: its smallest distance in the log alone.
+        choices: one a manoeuvre.
+    """
+
+    ids: tuple[str, ...]
+    d: float
+    choices: tuple[Choice, ...]
+
+    @property
+    def best(self) -> Choice | None:
+        """The manoeuvre that does most; None where none does anything."""
+        if not self.choices:
+            return None
+        first = self.choices[0]
+        return first if len(first.groups) > 1 or first.d >= max(1.05 * self.d, NONE) else None
+
+    def record(self) -> dict[str, Any]:
+        """As in result.json."""
+        best = self.best
+        return {
+            "effects": list(self.ids),
+            "d": self.d,
+            "best": None
+            if best is None
+            else {"manoeuvre": best.trial, "d": best.d, "left_together": [list(g) for g in best.groups if len(g) > 1]},
+            "manoeuvres": {c.trial: c.d for c in self.choices},
+        }
 
 
 @dataclass(frozen=True)
@@ -36,6 +88,8 @@ class Isolability:
         classes: causes of typical size that the log does not tell apart, with the manoeuvre that would.
         refused: ids that cannot be tested at all, and why.
         inputs: names and hashes.
+        advice: for each class, and for pairs that are barely told apart, what a manoeuvre more would do.
+        shown: for causes that are not tested, the manoeuvre that would show them best, with z.
     """
 
     visible: Mapping[str, Visibility]
@@ -45,6 +99,8 @@ class Isolability:
     classes: tuple[tuple[tuple[str, ...], str], ...]
     refused: Mapping[str, str]
     inputs: tuple[tuple[str, str], ...]
+    advice: tuple[Advice, ...] = ()
+    shown: Mapping[str, tuple[str, float]] = field(default_factory=dict)
 
     def record(self) -> dict[str, Any]:
         """As in result.json."""
@@ -61,6 +117,8 @@ class Isolability:
             "detectable": {k: dict(v.detectable) for k, v in self.visible.items() if v.tested},
             "nearest": nearest,
             "classes": [{"effects": list(ids), "separate_by": words} for ids, words in self.classes],
+            "advice": [a.record() for a in self.advice],
+            "shown_by": {k: {"manoeuvre": name, "z": z} for k, (name, z) in self.shown.items()},
             "not_tested": [{"effect": k, "reason": why} for k, why in self.refused.items()]
             + [
                 {
@@ -88,12 +146,20 @@ def isolability(vehicle: Vehicle, log: Log, *, progress: Callable[[str], None] =
     return separability(fit, inputs)
 
 
-def separability(fit: Fit, inputs: tuple[tuple[str, str], ...] = ()) -> Isolability:
-    """The same from a fit."""
-    visible = visibility(fit)
+def separability(
+    fit: Fit,
+    inputs: tuple[tuple[str, str], ...] = (),
+    visible: Mapping[str, Visibility] | None = None,
+    wanted: Collection[str] | None = None,
+) -> Isolability:
+    """The same from a fit; of the ``wanted`` causes alone, tested or not, where they are given."""
+    if visible is None:
+        visible = visibility(fit)
     chosen: dict[str, tuple[Family, tuple[str, ...], float]] = {}
     for family in fit.families:
-        if not family.variants or not visible[family.id].tested or family.id in chosen:
+        if not family.variants or family.id in chosen:
+            continue
+        if not visible[family.id].tested if wanted is None else family.id not in wanted:
             continue
         chosen[family.id] = (family, family.variants[len(family.variants) // 2], visible[family.id].z)
     ids = tuple(chosen)
@@ -110,7 +176,7 @@ def separability(fit: Fit, inputs: tuple[tuple[str, str], ...] = ()) -> Isolabil
         for j in range(i + 1, k):
             (a, x), (b, y) = bases[i], bases[j]
             cross = x.T @ p.left(a, b) @ y
-            rho[i, j] = rho[j, i] = min(float(np.linalg.svd(cross, compute_uv=False).max()), 1.0)
+            rho[i, j] = rho[j, i] = min(float(np.linalg.svd(cross, compute_uv=False).max(initial=0.0)), 1.0)
     z = np.array([chosen[i][2] for i in ids])
     distance = z[:, None] * np.sqrt(np.maximum(1 - rho**2, 0.0))
     classes = tuple((members, EFFECTS[members[0]].separate) for members in _classes(ids, distance) if len(members) > 1)

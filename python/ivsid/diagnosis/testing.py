@@ -124,9 +124,10 @@ def excitation(fit: Fit, seed: int = 0) -> dict[str, float]:
     return {n: float(q) for n, q, s in zip(names, ratio, signal, strict=True) if s > 1e-12}
 
 
-def visibility(fit: Fit) -> dict[str, Visibility]:
-    """For every family with columns of its own, by id."""
-    excited = excitation(fit)
+def visibility(fit: Fit, excited: Mapping[str, float] | None = None) -> dict[str, Visibility]:
+    """For every family with columns of its own, by id; ``excited`` is the excitation where it is known already."""
+    if excited is None:
+        excited = excitation(fit)
     p = fit.projection
     mass = fit.noise.bench.vehicle.hull.mass
     found: dict[str, Visibility] = {}

@@ -17,7 +17,6 @@ from ivsid.effects.catalogue import (
     PAPER_TERMS,
     PLAIN_TERMS,
     on_hull,
-    register,
     terms_of,
 )
 from ivsid.effects.effect import (
@@ -34,6 +33,7 @@ from ivsid.effects.effect import (
     Thrust,
 )
 from ivsid.effects.given import Given, for_thruster, of_kind, sort_given, spread
+from ivsid.effects.own import own_files, own_ids, read_effects, register, unregister
 from ivsid.effects.rigid_body import rigid_body
 from ivsid.effects.terms import CHANNELS, Columns, Place, State, Term
 
@@ -64,9 +64,13 @@ __all__ = [
     "for_thruster",
     "of_kind",
     "on_hull",
+    "own_files",
+    "own_ids",
+    "read_effects",
     "register",
     "rigid_body",
     "sort_given",
     "spread",
     "terms_of",
+    "unregister",
 ]

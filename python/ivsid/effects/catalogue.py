@@ -11,7 +11,7 @@ from ivsid.errors import IvsidError
 from ivsid.vehicle import Vehicle
 
 # Every cause that can be simulated, identified or named: the 5 terms of the plain model and the 42 effects of EFFECTS.md, family
-# by family. Users add their own with ``register``.
+# by family. Users add their own with ``own.register``.
 EFFECTS: Final[dict[str, Effect]] = {
     e.id: e for e in (*inertia.FAMILY, *drag.FAMILY, *environment.FAMILY, *thrusters.FAMILY, *sensing.FAMILY)
 }
@@ -56,7 +56,7 @@ def terms_of(vehicle: Vehicle, form: str = "total") -> tuple[Term, ...]:
             if id_ not in CATALOGUE and id_ not in WITH_HEADING:
                 raise IvsidError(
                     f"model term '{id_}' is unknown or not linear in its parameter; this version knows "
-                    f"{', '.join((*CATALOGUE, *WITH_HEADING))}"
+                    f"{', '.join((*CATALOGUE, *WITH_HEADING))}; one of your own comes with ivsid --own-effects FILE"
                 )
         if len(set(wanted)) != len(wanted) or not wanted:
             raise IvsidError("model.terms is empty or repeats an id; list each once")
@@ -81,14 +81,3 @@ def on_hull(term: Term, vehicle: Vehicle) -> Term:
     if vehicle.hull.length is None:
         raise IvsidError(f"{term.id} acts along the hull; give the vehicle file hull.length [m]")
     return Term(term.id, term.symbol, term.unit, term.of_hull(vehicle.hull.length))
-
-
-def register(effect: Effect) -> None:
-    """Adds an effect of one's own to the catalogue, for this process.
-
-    Raises:
-        IvsidError: its id is taken.
-    """
-    if effect.id in EFFECTS:
-        raise IvsidError(f"effect {effect.id} is in the catalogue already; give another id")
-    EFFECTS[effect.id] = effect

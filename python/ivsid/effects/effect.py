@@ -6,34 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final, Literal, TypeAlias
 
+from ivsid.effects.scaling import froude_power
 from ivsid.effects.terms import Columns, State, Term
 
 Numbers: TypeAlias = tuple[Any, ...]
-# Powers of length, after Froude, of the units that parameters have: masses and forces as L^3, times and speeds as L^0.5.
-_FROUDE: Final = {
-    "kg": 3.0,
-    "kg m": 4.0,
-    "kg m^2": 5.0,
-    "kg/m": 2.0,
-    "kg/m^2": 1.0,
-    "kg/s": 2.5,
-    "kg m/s": 3.5,
-    "N": 3.0,
-    "N m s": 4.5,
-    "N m s^2": 5.0,
-    "N/(m/s)^2": 2.0,
-    "m": 1.0,
-    "s": 0.5,
-    "1/s": -0.5,
-    "m/s": 0.5,
-    "s/m": -0.5,
-    "rad/s": -0.5,
-    "m/s^2": 0.0,
-    "m/s^2 per N": -3.0,
-    "rad": 0.0,
-    "1": 0.0,
-    "demand": 0.0,
-}
 # The mass of the vehicle that typical sizes belong to [kg].
 REFERENCE_MASS: Final = 58.0
 
@@ -71,7 +47,7 @@ class Parameter:
 
     def scaled(self, mass: float) -> float:
         """The typical size for a vehicle of another mass [kg], after Froude."""
-        return float(self.typical * (mass / REFERENCE_MASS) ** (_FROUDE[self.unit] / 3.0))
+        return float(self.typical * (mass / REFERENCE_MASS) ** (froude_power(self.unit) / 3.0))
 
     def fault(self, value: float) -> str | None:
         """Why a value cannot be, or None."""

@@ -71,7 +71,7 @@ class Checker:
             self.rows = Rows(
                 self.log, self.result.vehicle, options["form"], apart=options["bias"] == "log", windows=windows
             )
-        if self.failures:
+        if self.failures or self.unknown:
             return
         blocks: dict[int, Block] = {}
         for number, certificate in enumerate(self.record["certificates"]):
@@ -92,6 +92,8 @@ class Checker:
             yield
         except UnprovedError as error:
             self.failures.append(f"{what}: {error}")
+        except UncheckedError as error:
+            self.unknown.append(str(error))
         except READING_ERRORS as error:
             self.failures.append(f"{what}: cannot be read or recomputed ({type(error).__name__}: {error})")
 

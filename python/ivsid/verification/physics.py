@@ -12,6 +12,7 @@ from typing import Any, Final
 
 from ivsid.vehicle import Vehicle
 from ivsid.verification.decimals import stated
+from ivsid.verification.errors import UncheckedError
 from ivsid.verification.rational import Range, cosine, sided, sine, tanh, to_range
 
 CHANNELS: Final = ("surge", "sway", "yaw")
@@ -171,7 +172,7 @@ class Meaning:
 
 
 def model(vehicle: Vehicle, form: str) -> dict[str, Meaning]:
-    """The parameters of the vehicle file's model by id; KeyError for an id without a meaning here."""
+    """The parameters of the vehicle file's model by id; UncheckedError for an id without a meaning here."""
     terms = vehicle.model.terms
     if terms == "paper":
         id_, symbol = ("mass.surge", "m - X_udot") if form == "total" else _ADDED["mass.surge"]
@@ -185,6 +186,10 @@ def model(vehicle: Vehicle, form: str) -> dict[str, Meaning]:
         if id_ == "wind.steady":
             made |= {part: Meaning(*meant) for part, meant in _WIND.items()}
             continue
+        if id_ != "drag.cross_flow" and id_ not in _TERMS:
+            raise UncheckedError(
+                f"the model holds {id_}, an effect of one's own whose physics the checker does not have"
+            )
         meaning = _cross_flow(vehicle) if id_ == "drag.cross_flow" else Meaning(*_TERMS[id_])
         if form == "added" and id_ in _ADDED:
             name, symbol = _ADDED[id_]

@@ -1,4 +1,4 @@
-"""``ivsid diagnose`` and ``ivsid isolability``."""
+"""``ivsid diagnose``."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from typing import Any
 
 from ivsid import diagnosis, figures, report
 from ivsid.diagnosis import Diagnosis
-from ivsid.figures import Drawing
 from ivsid.log import read_log
 from ivsid.report import Report, Section
 from ivsid.vehicle import read_vehicle
@@ -34,12 +33,18 @@ def diagnose(
 
 def diagnosis_report(result: Diagnosis) -> Report:
     """The report of a diagnosis."""
-    drawings = _drawings(result)
+    seen = diagnosis.evidence(result)
+    signatures = {e.effect: figures.signature(e, f"signature_{k}") for k, e in enumerate(seen, start=1)}
+    others = (figures.net_force(result.gain), figures.gain(result.gain), figures.force_residual(result.gain))
+    told: list[dict[str, Any]] = []
+    for f, paragraphs in zip(result.findings, diagnosis.explain(result, seen), strict=True):
+        told += map(report.text, paragraphs)
+        if f.effect in signatures:
+            told.append(report.drawing(signatures[f.effect]))
     sections = [
-        Section("Findings", (_findings(result), *(report.text(p) for p in diagnosis.explain(result)))),
-        Section("What the better model is worth", (_gain(result), *map(report.drawing, drawings[:1]))),
-        Section("Before and after", tuple(map(report.drawing, drawings[1:]))),
-        Section("Candidates", (_candidates(result),)),
+        Section("Findings", (_findings(result), *told)),
+        Section("What the better model is worth", (_gain(result), *map(report.drawing, others))),
+        Section("Candidates that are no findings", (_candidates(result),)),
         Section("What this log could not show", (_untested(result),)),
         Section("What this rests on", (report.bullets(_assumptions(result)),)),
     ]
@@ -51,7 +56,7 @@ def diagnosis_report(result: Diagnosis) -> Report:
         summary,
         result.record(),
         tuple(s for s in sections if s.parts),
-        drawings,
+        (*signatures.values(), *others),
         {"model.toml": diagnosis.extended_vehicle(result)},
         tuple(_lines(result)),
     )
@@ -67,21 +72,38 @@ def _findings(result: Diagnosis) -> dict[str, Any]:
 
 
 def _gain(result: Diagnosis) -> dict[str, Any]:
-    g = result.gain
-    rows: list[list[Any]] = [[f"force residual {k}", *v, "", ""] for k, v in g.force_rms.items()]
-    rows += [[f"simulated {k} over 10 s", *v, *g.interval[k]] for k, v in g.simulation_rms.items()]
-    if g.position_rms is not None:
-        rows.append(["simulated position over 30 s", *g.position_rms, "", ""])
-    return report.table(["on the other log", "before", "after", "before/after from", "to"], rows)
+    rows = [
+        [f"{what} [{unit}]", before, after, *(interval or (None, None)), said]
+        for what, unit, before, after, interval, said in diagnosis.worth(result.gain)
+    ]
+    header = ["on the other log", "before", "after", "before/after from", "to", "so it is"]
+    caption = "Medians over windows, rms for forces; 95 % intervals of before/after by drawing windows anew. A loss is a loss."
+    return report.table(header, rows, caption)
 
 
 def _candidates(result: Diagnosis) -> dict[str, Any]:
-    found = {f.effect for f in result.findings}
     rows = [
-        [s.id, s.gain, s.count, s.chance, "found" if s.id in found else diagnosis.why_rejected(result, s)]
-        for s in result.selection.screened[:20]
+        [
+            r.effect,
+            r.gain,
+            r.numbers,
+            r.chance,
+            None if r.full is None else f"{r.full[0]:.0f} of {r.full[1]:.0f}",
+            r.beside,
+            r.reason,
+        ]
+        for r in result.rejected[:20]
     ]
-    return report.table(["cause", "fall of chi^2", "numbers", "chance without it", "what became of it"], rows)
+    header = [
+        "cause",
+        "fall of chi² alone",
+        "numbers",
+        "chance without it",
+        "in a finding's place",
+        "left beside the findings",
+        "why it is none",
+    ]
+    return report.table(header, rows, "The twenty that came nearest; result.json has them all.")
 
 
 def _untested(result: Diagnosis) -> dict[str, Any]:
@@ -99,10 +121,6 @@ def _assumptions(result: Diagnosis) -> list[str]:
     return [*words, *result.notes]
 
 
-def _drawings(result: Diagnosis) -> tuple[Drawing, ...]:
-    return (figures.gain(result.gain), figures.force_residual(result.gain))
-
-
 def _lines(result: Diagnosis) -> list[str]:
     lines = [f"verdict: {result.verdict}. {VERDICTS[result.verdict]}"]
     for f in result.findings:
@@ -111,8 +129,9 @@ def _lines(result: Diagnosis) -> list[str]:
         lines += [f"    {k:<32} {shown(b.lower, b.upper):>32} {b.unit}" for k, b in f.parameters.items()]
         if f.separate_by:
             lines.append(f"    to separate them: {f.separate_by}")
-    for name, (before, after) in result.gain.simulation_rms.items():
-        lines.append(f"  simulated {name} over 10 s on {result.gain.log}: {before:.4g} before, {after:.4g} after")
+    if result.findings:
+        for what, unit, before, after, _, said in diagnosis.worth(result.gain)[:4]:
+            lines.append(f"  {what} on {result.gain.log}: {before:.4g} {unit} before, {after:.4g} after: {said}")
     lines.append(
         f"  {len(result.visible) - sum(v.z < 8 for v in result.visible.values())} effects tested, "
         f"{len(result.not_tested)} not (result.json says why)"

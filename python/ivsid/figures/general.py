@@ -1,57 +1,21 @@
-"""Figures: the only place that draws. Each function returns one figure with its caption."""
+"""What every command but the diagnosis draws."""
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ivsid.allan import AllanDeviation
 from ivsid.bollard import Bollard
-from ivsid.diagnosis.gain import Gain
+from ivsid.figures.canvas import COLOURS, FORCE_LABEL, Drawing, finish, thin
 from ivsid.identification import Identification
 from ivsid.log import Log
 from ivsid.thrust import table_curve
 from ivsid.validation import ForceCheck, MotionCheck
-
-# Blue, orange, green, vermilion, purple, black of Okabe and Ito: told apart by colour-blind readers.
-COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#000000")
-FORCE_LABEL = {"surge": "force X [N]", "sway": "force Y [N]", "yaw": "moment N [N m]"}
-
-
-@dataclass(frozen=True)
-class Drawing:
-    """A finished figure: file name without ending, title, caption, and its two files."""
-
-    name: str
-    title: str
-    caption: str
-    png: bytes
-    svg: bytes
-
-
-def _finish(name: str, title: str, caption: str, figure: Figure) -> Drawing:
-    FigureCanvasAgg(figure)
-    files = []
-    # No date and a fixed salt: the same input gives the same bytes.
-    with mpl.rc_context({"svg.hashsalt": "ivsid", "path.simplify_threshold": 0.5}):
-        for kind in ("png", "svg"):
-            buffer = io.BytesIO()
-            metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {"Software": None}
-            figure.savefig(buffer, format=kind, dpi=110, metadata=metadata)
-            files.append(buffer.getvalue())
-    return Drawing(name, title, caption, files[0], files[1])
-
-
-def _thin(n: int, most: int = 3000) -> slice:
-    return slice(None, None, max(1, n // most))
 
 
 def allan_curves(curves: Mapping[str, AllanDeviation], name: str, title: str, unit: str) -> Drawing:
@@ -78,7 +42,7 @@ def allan_curves(curves: Mapping[str, AllanDeviation], name: str, title: str, un
         "Points: overlapping Allan deviation with its 95 % band. Full lines: random walk N (dotted), Gauss-Markov bias B, T and rate "
         "random walk K (both dashed) fitted together; what was read off stands in the legend."
     )
-    return _finish(name, title, caption, figure)
+    return finish(name, title, caption, figure)
 
 
 def _read_off(a: AllanDeviation) -> str:
@@ -107,7 +71,7 @@ def thrust_curve(
         axes.set_xlabel(f"demand [{demand_unit}]")
         axes.grid(True, alpha=0.3)
         axes.legend(fontsize=7)
-    return _finish(
+    return finish(
         name, title, "Left: the bollard-pull table and the candidate models. Right: what each model misses.", figure
     )
 
@@ -127,7 +91,7 @@ def drag_curve(
     axes.set_ylabel("force on the hull [N]")
     axes.grid(True, alpha=0.3)
     axes.legend(fontsize=8)
-    return _finish(name, "Force of the water on the hull", "Least squares, for comparison: not a bound.", figure)
+    return finish(name, "Force of the water on the hull", "Least squares, for comparison: not a bound.", figure)
 
 
 def intervals(fits: Sequence[Identification], name: str = "parameters") -> Drawing:
@@ -160,7 +124,7 @@ def intervals(fits: Sequence[Identification], name: str = "parameters") -> Drawi
         axes.set_ylim(len(fits) - 0.4, -0.6)
         axes.tick_params(axis="x", labelsize=7)
         axes.grid(True, axis="x", alpha=0.3)
-    return _finish(
+    return finish(
         name,
         "Parameter intervals by method",
         "Green: guaranteed under the stated assumptions. Red: not guaranteed.",
@@ -172,7 +136,7 @@ def force_mid(check: ForceCheck, name: str, title: str) -> Drawing:
     """Mid-values of the predicted force against the measured one (paper Figs 4-5)."""
     figure = Figure(figsize=(8.5, 4.2), layout="constrained")
     axes = figure.add_subplot()
-    s = _thin(check.time.size)
+    s = thin(check.time.size)
     axes.plot(check.time[s], check.measured.midpoint[s], color=COLOURS[5], lw=1, label="measured")
     axes.plot(check.time[s], check.predicted_mid[s], color=COLOURS[0], lw=0.6, alpha=0.8, label="predicted, mid-value")
     _time_axes(axes, check)
@@ -180,14 +144,14 @@ def force_mid(check: ForceCheck, name: str, title: str) -> Drawing:
     caption = (
         f"Error: mean {check.mean:.3g} {unit}, standard deviation {check.sigma:.3g} {unit} over {check.time.size} rows."
     )
-    return _finish(name, title, caption, figure)
+    return finish(name, title, caption, figure)
 
 
 def force_bounds(check: ForceCheck, name: str, title: str, *, guaranteed: bool) -> Drawing:
     """Bounds of the predicted force against the measured one (paper Figs 6-7)."""
     figure = Figure(figsize=(8.5, 4.2), layout="constrained")
     axes = figure.add_subplot()
-    s = _thin(check.time.size)
+    s = thin(check.time.size)
     bounds = (check.predicted.lower[s], check.predicted.upper[s])
     if np.isfinite(bounds).all():
         axes.fill_between(check.time[s], *bounds, color=COLOURS[0], alpha=0.35, lw=0, label="predicted bounds")
@@ -195,7 +159,7 @@ def force_bounds(check: ForceCheck, name: str, title: str, *, guaranteed: bool) 
     _time_axes(axes, check)
     word = "guaranteed under the stated assumptions" if guaranteed else "not guaranteed"
     caption = f"{100 * check.coverage:.1f} % of the measured values lie inside; {check.falsified} rows contradict the parameters. Bounds {word}."
-    return _finish(name, title, caption, figure)
+    return finish(name, title, caption, figure)
 
 
 def _time_axes(axes: Any, check: ForceCheck) -> None:
@@ -211,7 +175,7 @@ def motion(check: MotionCheck, name: str = "motion") -> Drawing:
     for k, (label, axes) in enumerate(
         zip(("u [m/s]", "v [m/s]", "r [rad/s]"), figure.subplots(3, 1, sharex=True), strict=True)
     ):
-        s = _thin(check.time.size)
+        s = thin(check.time.size)
         axes.plot(check.time[s], check.measured[s, k], color=COLOURS[5], lw=0.8, label="measured")
         axes.plot(check.time[s], check.simulated[s, k], ".", ms=1.2, color=COLOURS[1], label="simulated")
         axes.set_ylabel(label)
@@ -220,7 +184,7 @@ def motion(check: MotionCheck, name: str = "motion") -> Drawing:
     figure.axes[0].legend(fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
     window = check.window.get("velocity", 0.0)
     text = ", ".join(f"{k} {v:.3g}" for k, v in check.rms.items())
-    return _finish(
+    return finish(
         name,
         "Simulated against measured motion",
         f"Restarted from the measured state every {window:g} s. Rms: {text}.",
@@ -240,7 +204,7 @@ def channels(log: Log, name: str = "log") -> Drawing:
     groups = [g for g in groups if g[1]] or [("channels", list(log.columns)[: len(COLOURS)])]
     figure = Figure(figsize=(8.5, 1.6 * len(groups) + 0.8), layout="constrained")
     panels = np.atleast_1d(figure.subplots(len(groups), 1, sharex=True))
-    s = _thin(log.t.size)
+    s = thin(log.t.size)
     for axes, (label, names) in zip(panels, groups, strict=True):
         for k, column in enumerate(names):
             values: NDArray[np.float64] = log.columns[column]
@@ -249,46 +213,4 @@ def channels(log: Log, name: str = "log") -> Drawing:
         axes.legend(fontsize=7, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, frameon=False)
         axes.grid(True, alpha=0.3)
     panels[-1].set_xlabel("time [s]")
-    return _finish(name, f"The log {log.name}", f"{log.t.size} samples, median step {log.period:.4g} s.", figure)
-
-
-def force_residual(gain: Gain, name: str = "force_residual") -> Drawing:
-    """What is missing in the force on the other log, before and after, low-passed."""
-    figure = Figure(figsize=(8.5, 5.4), layout="constrained")
-    n = gain.residual.shape[2]
-    s = _thin(n)
-    for k, (label, axes) in enumerate(
-        zip(("X [N]", "Y [N]", "N [N m]"), figure.subplots(3, 1, sharex=True), strict=True)
-    ):
-        for j, (word, colour) in enumerate((("before", COLOURS[3]), ("after", COLOURS[0]))):
-            axes.plot(gain.time[s], gain.residual[j, k, s], lw=0.7, color=colour, label=word)
-        axes.set_ylabel(f"missing {label}")
-        axes.grid(True, alpha=0.3)
-    axes.set_xlabel("time [s]")
-    figure.axes[0].legend(fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
-    text = "; ".join(f"{q} {b:.3g} before, {a:.3g} after" for q, (b, a) in gain.force_rms.items())
-    return _finish(
-        name, f"Force residuals on {gain.log}", f"Low-passed at 0.35 Hz without a shift in time. Rms: {text}.", figure
-    )
-
-
-def gain(gain: Gain, name: str = "gain") -> Drawing:
-    """Simulated velocities on the other log, before and after, against the measured ones."""
-    figure = Figure(figsize=(8.5, 5.4), layout="constrained")
-    s = _thin(gain.residual.shape[2])
-    labels = ("u [m/s]", "v [m/s]", "r [rad/s]")
-    for k, (label, axes) in enumerate(zip(labels, figure.subplots(3, 1, sharex=True), strict=True)):
-        axes.plot(gain.time[s], gain.measured[k, s], lw=0.8, color=COLOURS[5], label="measured")
-        for j, (word, colour) in enumerate((("before", COLOURS[3]), ("after", COLOURS[0]))):
-            axes.plot(gain.time[s], gain.motion[j, k, s], ".", ms=1.2, color=colour, label=word)
-        axes.set_ylabel(label)
-        axes.grid(True, alpha=0.3)
-    axes.set_xlabel("time [s]")
-    figure.axes[0].legend(fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, frameon=False)
-    text = "; ".join(f"{q} {b:.3g} before, {a:.3g} after" for q, (b, a) in gain.simulation_rms.items())
-    return _finish(
-        name,
-        f"Simulated motion on {gain.log}",
-        f"Restarted from the measured state every 10 s. Medians of the rms: {text}.",
-        figure,
-    )
+    return finish(name, f"The log {log.name}", f"{log.t.size} samples, median step {log.period:.4g} s.", figure)

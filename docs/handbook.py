@@ -1,0 +1,422 @@
+"""Writes docs/effects_handbook.md and a figure of each effect's signature: python docs/handbook.py [FOLDER].
+
+Each figure is made by the simulator: the standard boat sails a standard programme with the effect at its typical size and without any noise, and the
+plain model is fitted to what its sensors read. Nothing of the diagnosis stands in it but how a force is ordered along a quantity.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import sys
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from scipy.signal import butter, sosfiltfilt
+
+from ivsid.diagnosis.shape import binned, ordered_by
+from ivsid.effects import (
+    CHANNELS,
+    EFFECTS,
+    PLAIN_TERMS,
+    Change,
+    Current,
+    Drive,
+    Effect,
+    Force,
+    Place,
+    Reading,
+    Response,
+    State,
+    Terms,
+    Thrust,
+)
+from ivsid.scenario import parse_scenario
+from ivsid.simulation import Simulated, simulate
+from ivsid.thrust import ThrustCurve
+from ivsid.vehicle import parse_vehicle
+
+Array = NDArray[np.float64]
+HERE = Path(__file__).parent
+FAMILIES = {
+    "Masses and coupling": ("mass", "inertia", "coupling", "added_mass", "payload"),
+    "Drag, lift, friction": ("drag", "friction"),
+    "Environment": ("current", "wind", "wave", "environment", "tether", "fouling"),
+    "Thrusters": ("thruster",),
+    "Sensors": ("sensor",),
+}
+BOAT = """
+name = "standard boat"
+[hull]
+mass = 50
+length = 1.2
+[[thrusters]]
+name = "port"
+position = [-0.35, -0.28]
+table = { demand = [-100, -60, -30, 0, 30, 60, 100], thrust = [-30.0, -14.0, -5.0, 0.0, 6.0, 18.0, 40.0] }
+[[thrusters]]
+name = "starboard"
+position = [-0.35, 0.28]
+table = { demand = [-100, -60, -30, 0, 30, 60, 100], thrust = [-30.0, -14.0, -5.0, 0.0, 6.0, 18.0, 40.0] }
+[sensors]
+[sensors.velocity]
+accuracy = 0.002
+[sensors.acceleration]
+random_walk = 0.002
+[sensors.yaw_rate]
+random_walk = 0.001
+[sensors.heading]
+accuracy = 0.005
+[sensors.position]
+accuracy = 0.5
+"""
+TRUTH = {
+    "mass.surge": 58.0,
+    "mass.sway": 75.0,
+    "inertia.yaw": 9.0,
+    "drag.surge.quadratic": 28.0,
+    "drag.sway.quadratic": 150.0,
+}
+HELM = "yaw_gain = 30.0\ndifferential_limit = 40.0\n"
+# Steps, a coast, astern, zigzags, circles both ways at two speeds, a turn on the spot: nearly all that excites anything.
+PROGRAMME = "".join(
+    f'[[segments]]\nmanoeuvre = "{kind}"\nduration = {seconds}\n{numbers}'
+    for kind, seconds, numbers in (
+        ("steps", 32, f"demand = [90.0, 30.0, 60.0, 8.0]\nperiod = 8.0\n{HELM}"),
+        ("zigzag", 24, f"demand = 60.0\nyaw_rate = 0.45\nperiod = 4.0\n{HELM}"),
+        ("coast", 14, ""),
+        ("steady", 10, f"demand = -60.0\n{HELM}"),
+        ("circle", 18, f"demand = 70.0\nyaw_rate = -0.5\n{HELM}"),
+        ("circle", 18, f"demand = 35.0\nyaw_rate = 0.35\n{HELM}"),
+        ("circle", 16, f"demand = 0.0\nyaw_rate = 0.7\n{HELM}"),
+        ("prbs", 20, f"demand = 45.0\namplitude = 35.0\ndifferential = 8.0\nperiod = 2.5\n{HELM}"),
+    )
+)
+SECONDS, RATE = 152.0, 10.0
+SCALE = np.array([0.15, 0.15, 0.03])
+BAND = 0.35
+# A claim that is wrong by this share, for the terms of the plain model.
+CLAIM = 0.1
+POINTS = 120
+BLUE, GREY, RED = "#0072B2", "#9a9a9a", "#D55E00"
+
+
+@dataclass(frozen=True)
+class Signature:
+    """What an effect leaves.
+
+    Attributes:
+        channel: of the figure.
+        unit: of the residual.
+        time: [s].
+        whole: with the plain model's parameters at their true values.
+        left: after they are fitted anew.
+        quantity: that orders it best, with its values.
+        share: of the energy that the fit leaves; None for a kinematic residual, which no fit touches.
+    """
+
+    channel: str
+    unit: str
+    time: Array
+    whole: Array
+    left: Array
+    quantity: str
+    values: Array
+    share: float | None
+
+
+def main(folder: Path = HERE) -> None:
+    """Writes the page and the figures."""
+    (folder / "effects").mkdir(parents=True, exist_ok=True)
+    shares = {}
+    for effect in EFFECTS.values():
+        made = signature(effect)
+        shares[effect.id] = made
+        (folder / "effects" / f"{effect.id}.svg").write_text(drawn(made), encoding="utf-8")
+    (folder / "effects_handbook.md").write_text(page(shares), encoding="utf-8")
+
+
+def values_of(effect: Effect) -> dict[str, float]:
+    """Typical numbers, with what happens at a time in the middle of the programme."""
+    return {
+        name: 0.5 * SECONDS if p.draw == "time" else (0.6 if p.draw == "angle" else p.typical)
+        for name, p in zip(effect.parts, effect.parameters, strict=True)
+    }
+
+
+def sailed(effect: Effect | None) -> Simulated:
+    """The programme, with an effect or without."""
+    vehicle = parse_vehicle(BOAT, "boat.toml")
+    head = f'duration = {SECONDS}\nrate = {RATE}\nnoise = "none"\n[truth]\n'
+    text = head + "".join(f'"{k}" = {v}\n' for k, v in TRUTH.items()) + PROGRAMME
+    numbers = {} if effect is None or effect.plain else values_of(effect)
+    return simulate(vehicle, parse_scenario(text, "programme.toml"), 1, numbers)
+
+
+def signature(effect: Effect) -> Signature:
+    """What the effect leaves in the standard programme."""
+    made = sailed(effect)
+    c, t = made.columns, made.t
+    gradient = {n: np.gradient(c[n], t) for n in ("u", "v", "r", "psi")}
+    state = State(
+        c["u"],
+        c["v"],
+        c["r"],
+        c["ax"] + c["v"] * c["r"],
+        c["ay"] - c["u"] * c["r"],
+        made.exact["rdot"],
+        ax=c["ax"],
+        ay=c["ay"],
+    )
+    thrust = thrusts(c)
+    quantities = {
+        "u": c["u"],
+        "v": c["v"],
+        "r": c["r"],
+        "heading": np.mod(c["psi"], 2 * np.pi),
+        "thrust ahead": thrust[0],
+        "turning moment": thrust[2],
+        "udot": state.udot,
+        "vdot": state.vdot,
+        "rdot": state.rdot,
+        "u v": c["u"] * c["v"],
+        "u r": c["u"] * c["r"],
+        "time": t,
+    }
+    quantities = {k: low(x) if k not in ("heading", "time") else x for k, x in quantities.items()}
+    if isinstance(effect.acts, Reading):
+        rows = np.stack(
+            [
+                c["ax"] - gradient["u"] + c["v"] * c["r"],
+                c["ay"] - gradient["v"] - c["u"] * c["r"],
+                c["r"] - gradient["psi"],
+            ]
+        )
+        rows = low(rows)
+        k = int(np.argmax(rows.std(axis=1) + np.abs(rows.mean(axis=1))))
+        return finished(f"K{k + 1}", ("m/s²", "m/s²", "rad/s")[k], t, rows[k], rows[k], quantities, None)
+    columns = np.stack(
+        [np.stack([term.columns(state).get(ch, 0.0) * np.ones(t.size) for ch in CHANNELS]) for term in PLAIN_TERMS]
+    )
+    theta = np.array([TRUTH[term.id] for term in PLAIN_TERMS])
+    if effect.plain:
+        # The claim is short of the truth, and is not fitted.
+        theta = theta * np.array([1 - CLAIM if term.id == effect.id else 1.0 for term in PLAIN_TERMS])
+    free = [k for k, term in enumerate(PLAIN_TERMS) if term.id != effect.id]
+    columns, force = low(columns), low(thrust)
+    whole = np.einsum("k,kcn->cn", theta, columns) - force
+    A = (columns[free] / SCALE[:, None]).reshape(len(free), -1).T
+    moved = np.linalg.lstsq(A, (whole / SCALE[:, None]).ravel(), rcond=1e-9)[0]
+    left = whole - np.einsum("k,kcn->cn", moved, columns[free])
+    energy = ((whole / SCALE[:, None]) ** 2).sum(axis=1)
+    rest = ((left / SCALE[:, None]) ** 2).sum(axis=1)
+    # The channel in which most is left; where nothing is, that in which most was.
+    k = int(np.argmax(rest if rest.sum() > 1e-3 * energy.sum() else energy))
+    share = float(rest.sum() / energy.sum())
+    return finished(("X", "Y", "N")[k], "N m" if k == 2 else "N", t, whole[k], left[k], quantities, share)
+
+
+def finished(
+    channel: str, unit: str, t: Array, whole: Array, left: Array, quantities: dict[str, Array], share: float | None
+) -> Signature:
+    """With the quantity that orders best what is left."""
+    size = float(np.abs(whole).max())
+    shown = left if float(np.abs(left).max()) > 0.02 * size else whole
+    if share is None and float(np.ptp(whole)) < 0.05 * size:
+        name = "time"
+    else:
+        # What is rounded does not depend on the last digit of a machine's sine.
+        name = ordered_by(np.round(shown / size, 5), {k: np.round(x, 6) for k, x in quantities.items()})
+    return Signature(channel, unit, t, whole, left, name, quantities[name], share)
+
+
+def thrusts(columns: dict[str, Array]) -> Array:
+    """What the demands ought to give: X, Y, N, shape (3, n)."""
+    total = np.zeros((3, columns["u"].size))
+    for t in parse_vehicle(BOAT, "boat.toml").thrusters:
+        push = ThrustCurve(t).value(columns[f"demand_{t.name}"])
+        x, y = t.position
+        c, s = np.cos(t.azimuth), np.sin(t.azimuth)
+        total += np.stack([push * c, push * s, push * (x * s - y * c)])
+    return total
+
+
+def low(x: Array) -> Array:
+    """Low-passed without a shift in time."""
+    return np.asarray(sosfiltfilt(butter(4, BAND, fs=RATE, output="sos"), x, axis=-1))
+
+
+def drawn(s: Signature) -> str:
+    """The figure as SVG with text as text, one digit behind the point."""
+    with mpl.rc_context(
+        {
+            "svg.hashsalt": "ivsid",
+            "svg.fonttype": "none",
+            "font.size": 8,
+            "font.sans-serif": ["DejaVu Sans"],
+            "axes.linewidth": 0.6,
+        }
+    ):
+        figure = Figure(figsize=(7.0, 2.1), layout="constrained")
+        left, right = figure.subplots(1, 2, width_ratios=(2, 1))
+        thin = slice(None, None, max(1, s.time.size // POINTS))
+        size = max(float(np.abs(s.whole).max()), 1e-12)
+        digits = 3 - int(np.floor(np.log10(size)))
+        if s.share is not None:
+            left.plot(s.time[thin], np.round(s.whole, digits)[thin], color=GREY, lw=1.0)
+        left.plot(s.time[thin], np.round(s.left, digits)[thin], color=BLUE, lw=1.2)
+        m = binned(np.round(s.left, digits), np.round(s.values, 6), 1 / RATE)
+        right.plot(np.round(m.centre, 4), np.round(m.mean, digits), "o-", ms=2.5, lw=0.8, color=BLUE)
+        for axes in (left, right):
+            axes.axhline(0.0, color="0.8", lw=0.6, zorder=0)
+            axes.margins(x=0.02)
+        # Nothing is left: the scale stays that of the whole.
+        right.set_ylim(
+            *(1.05 * size * np.array([-1, 1]) if float(np.abs(m.mean).max()) < 0.02 * size else right.get_ylim())
+        )
+        left.set_xlabel("time [s]")
+        left.set_ylabel(f"{s.channel} [{s.unit}]")
+        right.set_xlabel(s.quantity)
+        buffer = io.StringIO()
+        FigureCanvasSVG(figure)
+        figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+    text = re.sub(r"-?\d+\.\d{2,}", lambda q: f"{float(q[0]):.1f}".rstrip("0").rstrip("."), buffer.getvalue())
+    text = re.sub(r"\s*<metadata>.*?</metadata>|\s*<!DOCTYPE.*?>", "", text, flags=re.DOTALL)
+    return re.sub(r"\n\s*", "\n", text)
+
+
+def traits(effect: Effect) -> list[str]:
+    """What the physics depends on, asked of the code: the sign of the motion, heading, place, clock, memory."""
+    acts, said = effect.acts, []
+    numbers = tuple(p.typical or 1.0 for p in effect.parameters)
+
+    def force(sign: float = 1.0, **place: float) -> tuple[float, ...]:
+        where = Place(**{"psi": 0.3, "x": 1.0, "y": -2.0, "t": 7.0, **place})
+        state = State(*(sign * q for q in (0.7, -0.2, 0.3)), 0.0, 0.0, 0.0, place=where)
+        if isinstance(acts, Force):
+            made: Any = acts.function(state, numbers)
+        elif isinstance(acts, Terms):
+            made = {}
+            for term in acts.terms:
+                columns = (term.of_hull(1.2) if term.of_hull else term.columns)(state)
+                made |= {c: x + made.get(c, 0.0) for c, x in columns.items()}
+        else:
+            return ()
+        return tuple(round(float(made.get(c, 0.0)), 12) for c in CHANNELS)
+
+    if isinstance(acts, (Terms, Force)):
+        said += forced(force)
+    if isinstance(acts, Current):
+        said += ["depends on the heading"] + ["depends on the clock"] * (
+            acts.function(numbers, 3.0) != acts.function(numbers, 8.0)
+        )
+    if isinstance(acts, Change):
+        early, late = (acts.function(TRUTH, values_tuple(effect), t) for t in (3.0, 140.0))
+        said += ["changes parameters"] + ["depends on the clock"] * (early != late)
+    if isinstance(acts, Thrust):
+        at = [acts.function(10.0, Drive(50.0, t, 0, -0.28, 40.0), values_tuple(effect)) for t in (3.0, 140.0)]
+        said += ["follows the thrust"] + ["depends on the clock"] * bool(at[0] != at[1])
+    if isinstance(acts, Response) or effect.id == "sensor.velocity.delay":
+        said.append("has memory")
+    if isinstance(acts, Reading):
+        said.append(f"in the readings of {acts.sensor.replace('_', ' ')}")
+    return said or ["follows the thrust and the speed of the water"]
+
+
+def forced(force: Callable[..., tuple[float, ...]]) -> list[str]:
+    """Of a force: what it does when the motion is reversed, and what else it depends on."""
+    ahead, back = force(), force(-1.0)
+    if not any(ahead) and not any(back):
+        said = ["nothing without acceleration"]
+    elif force(psi=1.3) != ahead:
+        said = ["depends on the heading"]
+    elif all(abs(a + b) < 1e-9 for a, b in zip(ahead, back, strict=True)):
+        said = ["odd: reversed with the motion"]
+    elif all(abs(a - b) < 1e-9 for a, b in zip(ahead, back, strict=True)):
+        said = ["even: the same when the motion is reversed"]
+    else:
+        said = ["of one direction only"]
+    said += ["depends on the place"] * (force(x=3.0, y=4.0) != ahead)
+    return said + ["depends on the clock"] * (force(t=8.1) != ahead)
+
+
+def values_tuple(effect: Effect) -> tuple[float, ...]:
+    """Typical numbers in order."""
+    return tuple(values_of(effect).values())
+
+
+def page(made: dict[str, Signature]) -> str:
+    """The handbook."""
+    words = tomllib.loads((HERE / "handbook_words.toml").read_text(encoding="utf-8"))
+    out = [
+        "# Handbook of effects",
+        "",
+        "Made by `make handbook` from the catalogue, `docs/handbook_words.toml` and the simulator; edit those, not this page.",
+        "",
+        "Each figure: a boat of 50 kg with two thrusters sails one programme (speed steps, zigzag, coast, astern, two circles, a turn on the spot, PRBS) with the effect at its "
+        "typical size and no noise. Left, in time and below 0.35 Hz: in grey the force that the true plain model lacks, in blue what is left of it after the model's own five "
+        "parameters are fitted anew, which is all that a diagnosis can see. Right: the blue one along the quantity that orders it best. Terms of the plain model are shown as a claim "
+        f"that is {100 * CLAIM:.0f} % short. For sensors the kinematic residual is shown: K1 = ax - udot + v r, K2 = ay - vdot - u r, K3 = r - psidot, which no force can touch.",
+        "",
+        "*Odd* and *even* say what the force does when all velocities change their sign.",
+        "",
+    ]
+    for family, heads in FAMILIES.items():
+        out += [f"## {family}", ""]
+        for effect in EFFECTS.values():
+            if effect.id.split(".")[0] in heads:
+                out += entry(effect, words[effect.id], made[effect.id])
+    return "\n".join(out).rstrip() + "\n"
+
+
+def entry(effect: Effect, words: dict[str, str], made: Signature) -> list[str]:
+    """One effect."""
+    forms = [effect] + ([effect.measured] if effect.measured is not None else [])
+    numbers = "; ".join(
+        ", ".join(
+            f"`{name}`" + (f" ({p.symbol})" if p.symbol else "") + f" [{p.unit}] {p.typical:g}"
+            for name, p in zip(form.parts, form.parameters, strict=True)
+        )
+        for form in forms
+    )
+    alike = list(dict.fromkeys((*effect.equivalents, *effect.confusable)))
+    never = f" (the same thing in most logs: {', '.join(effect.equivalents)})" if effect.equivalents else ""
+    rows = [
+        ("Equation", f"`{words['equation']}`"),
+        ("Numbers, typical", numbers + ("; also for one thruster, as `id.NAME`" if effect.per_thruster else "")),
+        ("Symmetry", ", ".join(traits(effect))),
+        ("Shows", words["shows"]),
+        ("Left by the fit", left_by(made)),
+        ("Excited by", words["excite"]),
+        ("Needs", ", ".join(n.replace("|", " or ") for n in effect.needs) or "velocities and demands"),
+        ("Confused with", (", ".join(alike) or "nothing in particular") + never),
+        ("Separated by", effect.separate or "–"),
+    ]
+    cause = effect.cause[0].upper() + effect.cause[1:]
+    cells = [f"| {k} | {v.replace('|', chr(92) + '|')} |" for k, v in rows]
+    figure = f"![Signature of {effect.id}](effects/{effect.id}.svg)"
+    return [f"### {effect.id}", "", f"{cause}.", "", "| | |", "|---|---|", *cells, "", figure, ""]
+
+
+def left_by(made: Signature) -> str:
+    """How much of it the plain model's own parameters take."""
+    if made.share is None:
+        return "all: no parameter of the model stands in a kinematic residual"
+    share = 100 * made.share
+    return (
+        "nothing: the fit takes it all"
+        if share < 0.1
+        else f"{share:.{0 if share >= 10 else 1}f} % of its energy, most in {made.channel}"
+    )
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else HERE)

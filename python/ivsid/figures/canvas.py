@@ -1,0 +1,45 @@
+"""What all figures share: colours, sizes, and how a figure becomes files."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+# Blue, orange, green, vermilion, purple, black of Okabe and Ito: told apart by colour-blind readers.
+COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#000000")
+FORCE_LABEL = {"surge": "force X [N]", "sway": "force Y [N]", "yaw": "moment N [N m]"}
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A finished figure: file name without ending, title, caption, and its two files."""
+
+    name: str
+    title: str
+    caption: str
+    png: bytes
+    svg: bytes
+
+
+def finish(name: str, title: str, caption: str, figure: Figure) -> Drawing:
+    """The drawing with its two files."""
+    FigureCanvasAgg(figure)
+    files = []
+    # No date and a fixed salt: the same input gives the same bytes.
+    with mpl.rc_context({"svg.hashsalt": "ivsid", "path.simplify_threshold": 0.5}):
+        for kind in ("png", "svg"):
+            buffer = io.BytesIO()
+            metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {"Software": None}
+            figure.savefig(buffer, format=kind, dpi=110, metadata=metadata)
+            files.append(buffer.getvalue())
+    return Drawing(name, title, caption, files[0], files[1])
+
+
+def thin(n: int, most: int = 3000) -> slice:
+    """Every so many samples, so that a figure holds no more than ``most``."""
+    return slice(None, None, max(1, n // most))

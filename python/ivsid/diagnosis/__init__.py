@@ -1,16 +1,20 @@
 """What a simulation gets wrong, and why: one stage a file, each a function with a frozen result (EFFECTS.md 4)."""
 
+from ivsid.diagnosis.confirmation import NULL_LOGS
 from ivsid.diagnosis.diagnose import Diagnosis, Finding, diagnose
 from ivsid.diagnosis.explain import explain, why_rejected
 from ivsid.diagnosis.extended import extended_vehicle
 from ivsid.diagnosis.intervals import Bound
 from ivsid.diagnosis.isolability import Isolability, isolability
+from ivsid.diagnosis.null_cache import cache_folder
 
 __all__ = [
+    "NULL_LOGS",
     "Bound",
     "Diagnosis",
     "Finding",
     "Isolability",
+    "cache_folder",
     "diagnose",
     "explain",
     "extended_vehicle",

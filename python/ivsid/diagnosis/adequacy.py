@@ -52,10 +52,11 @@ class Adequacy:
 def adequacy(fit: Fit) -> Adequacy:
     """The errors of a fit against powers and products of the states, thrusts and their changes, heading and time, in every channel."""
     names, arrays = _dictionary(fit)
-    g = fit.gram
+    # Nothing but the model's own columns stands beside the dictionary.
+    g = fit.gram.only(fit.base)
     first = len(g.names)
     wide = g.extended(names, fit.noise.whitening(np.stack([fit.noise.bench.answer(a) for a in arrays])))
-    p = Projection(wide, fit.base)
+    p = Projection(wide, range(first))
     columns = list(range(first, len(wide.names)))
     H = p.information(columns)
     d = np.sqrt(np.maximum(np.diag(H), 1e-300))

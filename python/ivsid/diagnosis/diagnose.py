@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -14,6 +15,7 @@ from ivsid.diagnosis.bench import Bench
 from ivsid.diagnosis.calibration import calibrate
 from ivsid.diagnosis.change import Change, change
 from ivsid.diagnosis.channels import Channels, channels
+from ivsid.diagnosis.confirmation import NULL_LOGS, confirmed
 from ivsid.diagnosis.falsify import falsified
 from ivsid.diagnosis.families import Scored, everything, score
 from ivsid.diagnosis.fit import Fit, plain_fit
@@ -135,6 +137,8 @@ def diagnose(
     *,
     seed: int = 1,
     progress: Callable[[str], None] = lambda _: None,
+    null_logs: int = NULL_LOGS,
+    cache: Path | None = None,
 ) -> Diagnosis:
     """Compares the vehicle file's simulation with a log, and what it finds with another.
 
@@ -144,6 +148,8 @@ def diagnose(
         test: another log, on which the better model is tried.
         seed: of the random draws.
         progress: told of each step.
+        null_logs: that a finding close to its threshold has to pass, at most; 0 leaves it to the Gaussian draws.
+        cache: folder where their scores are kept, or None.
 
     Raises:
         IvsidError: a log that the model cannot be held against, in one sentence.
@@ -158,6 +164,10 @@ def diagnose(
     test_of = Threshold(calibration, seen, frozenset(i for i, v in visible.items() if v.blind))
     progress("looking for causes")
     selection = select(fit, test_of, fit.held, progress)
+    confirmation = confirmed(fit, test_of, selection.found, seed, null_logs, cache, progress)
+    if confirmation.stricter and not all(confirmation.test.stands(f.first, f.gain) for f in selection.found):
+        progress("looking again, at the threshold of the null logs")
+        selection = select(fit, confirmation.test, fit.held, progress)
     before = adequacy(fit)
     after = adequacy(selection.last) if selection.found else before
     evidence = _before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
@@ -183,7 +193,7 @@ def diagnose(
         hints(selection.last),
         _not_tested(fit, visible),
         visible,
-        calibration.record(),
+        confirmation.record(),
         _unexplained(selection.last),
         gain,
         (before, after),
@@ -195,7 +205,7 @@ def diagnose(
             (test.name, test.sha256),
         ),
         seed,
-        (*log.notes, *train.notes),
+        (*log.notes, *train.notes, *([confirmation.note] if confirmation.note else [])),
     )
 
 

@@ -132,38 +132,44 @@ class Whitening:
 
     def __call__(self, x: Array) -> Array:
         """Whitens errors or signatures, shape (..., rows, n)."""
-        out = np.empty_like(x)
+        flat = x.reshape(-1, *x.shape[-2:])
+        out = np.empty_like(flat)
         for rows, taps in zip(self.groups, self.taps, strict=True):
-            out[..., rows, :] = _convolved(taps, x[..., rows, :])
-        return out
+            # The rows of an axis stand together.
+            here = slice(rows[0], rows[-1] + 1)
+            _convolve(taps, flat[:, here], out[:, here])
+        return out.reshape(x.shape)
 
 
-def _convolved(taps: Array, x: Array) -> Array:
-    """Each row's sum of all rows at the lags of the taps, what was before the first sample taken as nothing.
+def _convolve(taps: Array, x: Array, out: Array) -> None:
+    """Each row's sum of all rows at the lags of the taps, what was before the first sample taken as nothing, shape (any, rows, n).
 
     A stretch of the result is one matrix times the stretch before and under it, so that all stretches are one product.
     """
     lags, r = taps.shape[0] - 1, taps.shape[1]
-    n, leading = x.shape[-1], x.shape[:-2]
+    n = x.shape[-1]
     if not np.any(taps):
-        return np.zeros_like(x)
+        out[...] = 0.0
+        return
     if not lags:
-        return np.asarray(np.matmul(taps[0], x))
+        np.matmul(taps[0], x, out=out)
+        return
     count = -(-n // STRETCH)
     band = np.zeros((r, lags + STRETCH, r, STRETCH))
     for lag in range(lags + 1):
         for k in range(STRETCH):
             band[:, lags + k - lag, :, k] = taps[lag].T
     band = band.reshape(r * (lags + STRETCH), r * STRETCH)
-    out = np.empty((int(np.prod(leading)), r, count * STRETCH))
     padded = np.zeros((r, lags + count * STRETCH))
     windows = sliding_window_view(padded, lags + STRETCH, axis=1)[:, ::STRETCH].transpose(1, 0, 2)
-    # One signature at a time stays in the cache.
-    for one, into in zip(x.reshape(-1, r, n), out, strict=True):
+    # One signature at a time stays in the cache; most leave some axes alone.
+    for one, into in zip(x, out, strict=True):
+        if not one.any():
+            into[...] = 0.0
+            continue
         padded[:, lags : lags + n] = one
         product = windows.reshape(count, -1) @ band
-        into.reshape(r, count, STRETCH)[:] = product.reshape(count, r, STRETCH).transpose(1, 0, 2)
-    return out[..., :n].reshape(x.shape)
+        into[...] = product.reshape(count, r, STRETCH).transpose(1, 0, 2).reshape(r, -1)[:, :n]
 
 
 def still_axes(bench: Bench) -> frozenset[int]:

@@ -96,6 +96,19 @@ class Propulsion:
         now, mean, _ = _behind(now, mean, lag, h)
         return now, mean
 
+    def static(self, k: int, demand: Array, sizes: Sequence[float] = ()) -> Array:
+        """Thrusts of one thruster at demands as they are logged, without lag, delay or effects, at the first row's voltage."""
+        thruster = self.vehicle.thrusters[k]
+        d = demand - thruster.neutral
+        thrust: Any = self.curves[k].value(demand)
+        for error, size in zip(self.errors[k], sizes, strict=False):
+            thrust = thrust + size * error(d)
+        drive = Drive(d, 0.0, k, thruster.position[1], self.curves[k].largest, None)
+        for g in _changes(thruster, ()):
+            if isinstance(g.effect.acts, Thrust):
+                thrust = g.effect.acts.function(thrust, drive, g.values)
+        return np.asarray(thrust, dtype=np.float64)
+
 
 def _changes(thruster: Thruster, given: Sequence[Given]) -> list[Given]:
     """What the file claims beyond the curve unless an effect replaces it, and the effects, in the catalogue's order."""

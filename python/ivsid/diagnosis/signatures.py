@@ -174,8 +174,8 @@ class Signatures:
         """The errors that an effect leaves, whole."""
         return self.bench.difference(self.h, self.anchor, self.h.with_effect(given))
 
-    def candidates(self) -> tuple[Columns, list[Family], dict[str, str]]:
-        """Signatures of every effect that the log can show, their families, and why the others are left out."""
+    def candidates(self, only: frozenset[str] | None = None) -> tuple[Columns, list[Family], dict[str, str]]:
+        """Signatures of every effect, or of ``only`` some, that the log can show, their families, and why the others are left out."""
         out = Columns()
         families: list[Family] = []
         refused: dict[str, str] = {}
@@ -185,6 +185,8 @@ class Signatures:
                 out.add(term.id, self.bench.term(self.h, self.anchor, self.mass, term))
                 families.append(Family(EFFECTS[term.id], ((term.id,),), kind="claim"))
         for effect in EFFECTS.values():
+            if only is not None and effect.id not in only:
+                continue
             if effect.id in present and not (effect.plain and self._shared(effect)):
                 continue
             form = effect

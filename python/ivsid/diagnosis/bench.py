@@ -247,11 +247,12 @@ class Bench:
     def damping(self, h: Hypothesis, anchor: Anchor) -> tuple[float, float, float]:
         """How fast each axis alone comes to rest, on average over the log [1/s]."""
         found = []
+        here = acceleration(self.vehicle, h, anchor.points)
         for k in range(3):
             size = 1e-3 * max(float(np.std(anchor.points.nu[k])), 1e-6)
             shift = np.zeros((3, 1))
             shift[k] = size
-            rate = acceleration(self.vehicle, h, anchor.points.moved(shift)) - anchor.nudot
+            rate = acceleration(self.vehicle, h, anchor.points.moved(shift)) - here
             found.append(max(float(-np.mean(rate[k]) / size), 0.0))
         return found[0], found[1], found[2]
 

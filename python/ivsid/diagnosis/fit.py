@@ -194,6 +194,9 @@ def improve(
     known = known or declared_columns(bench, h, anchor, white, good)
 
     def cost(h: Hypothesis, errors: Array) -> float:
+        # A step that goes far too far leaves states that run away.
+        if not np.isfinite(errors).all():
+            return float(np.inf)
         return Projection(_expected(known.gram.of(white(errors)), h), range(known.count)).chi2
 
     # States that are not those of the hypothesis would make it look better or worse than it is.

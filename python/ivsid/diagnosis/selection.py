@@ -18,7 +18,7 @@ from ivsid.diagnosis.profile import bent, refined
 from ivsid.effects import EFFECTS
 
 Array = NDArray[np.float64]
-MOST: Final = 4
+MOST: Final = 6
 # Candidates that are fitted in full, and chi^2 within which two cannot be told apart.
 FINALISTS: Final = 6
 MARGIN: Final = 9.0

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.diagnosis.from_pose import differenced
 from ivsid.diagnosis.mounted import at_origin
 from ivsid.errors import IvsidError
 from ivsid.log import Log
@@ -115,7 +116,7 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     Raises:
         IvsidError: the log lacks velocities or demands, or is shorter than a minute.
     """
-    log, _ = with_velocities(log, vehicle.sensors)
+    log, _ = with_velocities(differenced(log), vehicle.sensors)
     _usable(log)
     log = at_origin(log, vehicle.sensors)
     log, h, notes = _paced(log)

@@ -342,6 +342,7 @@ def _plain(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
     still = still_axes(bench)
     usual = _usual(h, vehicle, still)
     h = replaced(h, usual)
+    bench = quick_enough(bench, bench.damping(h, bench.start(h)))
     # The sway mass still acts in surge, through turning.
     held = {**claimed, **{i: x for i, x in usual.items() if i != "mass.sway"}}
     noise, h, anchor = learn(bench, h, bench.settle(h, bench.start(h), 2), search, held, still)

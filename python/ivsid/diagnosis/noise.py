@@ -48,9 +48,7 @@ def declared(vehicle: Vehicle) -> Ambient:
     return Ambient((0.2 * force / m, 0.2 * force / m, 0.2 * force * arm / inertia), (2.0, 2.0, 2.0))
 
 
-def ambient_of(
-    bench: Bench, residual: Array, rows: NDArray[np.bool_], still: frozenset[int] = frozenset()
-) -> Ambient:
+def ambient_of(bench: Bench, residual: Array, rows: NDArray[np.bool_], still: frozenset[int] = frozenset()) -> Ambient:
     """The ambient acceleration behind prediction errors that no effect explains.
 
     The errors are put through the filter's inverse, which gives the velocity that they stand for. Its mean slopes over a second,

@@ -174,8 +174,8 @@ def diagnose(
     named = selection.found
     complete = after.sufficient(before, len(named))
     if not complete:
-        # Where much is left that nobody explains, only a cause that explains far more than that keeps its name.
-        named = tuple(f for f in named if f.gain >= DOMINANT * max(after.gain - after.freedom, 0.0))
+        # Where much is left that nobody explains, only a cause that explains far more than that, where it acts, keeps its name.
+        named = tuple(f for f in named if f.gain >= DOMINANT * _left_beside(after, selection.last, f.id))
     findings = tuple(_finding(f, selection.last, selection.leftover, evidence) for f in named)
     if not complete:
         findings = (*findings, _unknown(after, [f.id for f in selection.found if f not in named]))
@@ -331,13 +331,28 @@ def _unknown(left: Adequacy, near: Sequence[str]) -> Finding:
 
 def _channel(fit: Fit, id_: str) -> str:
     """Where an effect shows most."""
+    energy = _energy(fit, id_)
+    return "" if energy is None else fit.noise.bench.channels[int(np.argmax(energy))]
+
+
+def _energy(fit: Fit, id_: str) -> Array | None:
+    """Of an effect's signature, by row of the errors; None where it has no column."""
     g = fit.gram
     own = [k for k in fit.base if g.names[k] == id_ or g.names[k].startswith(f"{id_}.")]
     if not own:
-        return ""
+        return None
     rows = len(fit.noise.bench.labels)
-    energy = (g.x[:, own, :].reshape(-1, rows, g.length) ** 2).sum(axis=(0, 2))
-    return fit.noise.bench.channels[int(np.argmax(energy))]
+    return np.asarray((g.x[:, own, :].reshape(-1, rows, g.length) ** 2).sum(axis=(0, 2)))
+
+
+def _left_beside(left: Adequacy, fit: Fit, id_: str) -> float:
+    """What is left unexplained in the channels where an effect acts, by the share of its signature in each."""
+    energy = _energy(fit, id_)
+    whole = max(left.gain - left.freedom, 0.0)
+    if energy is None or not energy.sum() > 0:
+        return whole
+    by_row = [left.excess.get(c, whole) for c in fit.noise.bench.channels]
+    return float(energy @ np.array(by_row) / energy.sum())
 
 
 __all__ = ["MARGIN", "Channels", "Diagnosis", "Finding", "diagnose", "score"]

@@ -192,6 +192,9 @@ def improve(
     known = known or declared_columns(bench, h, anchor, white, good)
 
     def cost(h: Hypothesis, errors: Array) -> float:
+        # A step that goes far too far leaves states that run away.
+        if not np.isfinite(errors).all():
+            return float(np.inf)
         return Projection(_expected(known.gram.of(white(errors)), h), range(known.count)).chi2
 
     # States that are not those of the hypothesis would make it look better or worse than it is.
@@ -339,6 +342,7 @@ def _plain(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
     still = still_axes(bench)
     usual = _usual(h, vehicle, still)
     h = replaced(h, usual)
+    bench = quick_enough(bench, bench.damping(h, bench.start(h)))
     # The sway mass still acts in surge, through turning.
     held = {**claimed, **{i: x for i, x in usual.items() if i != "mass.sway"}}
     noise, h, anchor = learn(bench, h, bench.settle(h, bench.start(h), 2), search, held, still)

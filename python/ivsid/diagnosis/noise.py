@@ -26,6 +26,8 @@ SETTLING: Final = 4.0
 _TIMES: Final = (1.0, 5.0)
 # A filter forgets so many times faster than the vehicle.
 QUICKER: Final = 2.0
+# And never more slowly than this [1/s].
+SLOWEST: Final = 0.3
 # An axis moves where its velocity is so many times the error of its filter.
 MOVING: Final = 20.0
 # A still axis's filter believes its model so many times less.
@@ -276,7 +278,7 @@ def quick_enough(bench: Bench, damping: tuple[float, float, float]) -> Bench:
     """
     deviation = list(bench.ambient.deviation)
     for _ in range(8):
-        slow = [k for k in range(3) if bench.axes[k].memory > np.exp(-bench.log.h * max(QUICKER * damping[k], 0.3))]
+        slow = [k for k in range(3) if bench.axes[k].memory * max(QUICKER * damping[k], SLOWEST) > 1]
         if not slow:
             return bench
         for k in slow:

@@ -88,7 +88,7 @@ def thinned(log: Channels) -> tuple[Channels, int]:
         demands=sent(log.demands),
         angles=sent(log.angles),
         rudders=sent(log.rudders),
-        over=None,
+        between=None,
         force=sent(log.force),
         wind=firsts(log.wind),
         voltage=firsts(log.voltage),
@@ -125,7 +125,7 @@ def null_logs(programme: Programme, seed: int, numbers: Sequence[int]) -> list[t
             demands=parts[:thrusters],
             rudders=parts[thrusters : 2 * thrusters],
             angles=parts[2 * thrusters :],
-            over=None if log.over is None else log.over + parts[:thrusters] - log.demands,
+            between=None if log.between is None else log.between + (parts[:thrusters] - log.demands)[:, :, None],
         )
         made.append((read, replace(programme.h, declared=_at(drawn, j))))
     return made

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -18,6 +19,8 @@ from scipy.signal import lfilter, ss2tf
 
 Array = NDArray[np.float64]
 KINDS: Final = ("position", "velocity", "acceleration")
+# Samples of an impulse's answer.
+LONGEST: Final = 2000
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,6 @@ class Axis:
         outputs: which of position, velocity and acceleration are measured.
         gain: Kalman gain of the states on the errors, shape (3, outputs).
         spread: standard deviation of the filtered velocity's error, as the filter believes.
-        memory: what is left of an error of the velocity after a step. A heading's error lasts longer, and is no matter here.
         numerators: by input (an output's name, or "process") and output.
         denominator: common to all.
     """
@@ -36,7 +38,6 @@ class Axis:
     outputs: tuple[str, ...]
     gain: Array
     spread: float
-    memory: float
     numerators: Mapping[tuple[str, str], Array]
     denominator: Array
 
@@ -53,6 +54,14 @@ class Axis:
                 if np.any(numerator):
                     out[..., j, :] += lfilter(numerator, self.denominator, x, axis=-1)
         return out
+
+    @cached_property
+    def memory(self) -> float:
+        """How long an acceleration is remembered: the most by which one that is bounded by 1 moves the filtered velocity [s]."""
+        impulse = np.zeros(LONGEST)
+        impulse[0] = 1.0
+        errors = self.errors({"process": impulse})
+        return float(np.abs(self.gain[1] @ errors - errors[self.outputs.index("velocity")]).sum())
 
 
 def axis(h: float, noise: Mapping[str, float], ambient: float, time: float) -> Axis:
@@ -91,7 +100,4 @@ def axis(h: float, noise: Mapping[str, float], ambient: float, time: float) -> A
             numerators[name, output] = top[j]
     gain = K if "position" in noise else np.vstack([np.zeros(len(outputs)), K])
     spread = float(np.sqrt(((np.eye(len(B)) - K @ C) @ X)[-2, -2]))
-    # Where only the position is measured, the velocity's error is one with the position's.
-    moving = closed[-2:, -2:] if "velocity" in noise else closed
-    memory = float(np.abs(np.linalg.eigvals(moving)).max())
-    return Axis(outputs, gain, spread, memory, numerators, denominator)
+    return Axis(outputs, gain, spread, numerators, denominator)

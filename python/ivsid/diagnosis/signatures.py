@@ -34,6 +34,8 @@ SLIGHT: Final = 0.05
 # Lags and delays that are tried [samples] and [s]; from a tenth of a sample on.
 DELAYS: Final = (0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0)
 LEVELS: Final = 9
+# Terms of the plain model that another model may lack.
+LACKED: Final = ("mass.sway", "drag.surge.quadratic", "drag.sway.quadratic")
 
 
 @dataclass
@@ -210,7 +212,7 @@ class Signatures:
     def _impossible(self, effect: Effect) -> str | None:
         vehicle = self.bench.vehicle
         id_ = effect.id
-        if effect.plain and id_ not in ("mass.sway", "drag.sway.quadratic"):
+        if effect.plain and (id_ not in LACKED or not self._shared(effect)):
             return "a term of every model"
         if id_ == "environment.shallow_water":
             return "one log at one depth does not tell it from other masses and drags"

@@ -88,7 +88,7 @@ def excitation(fit: Fit, seed: int = 0) -> dict[str, float]:
     rng = np.random.default_rng(seed)
     shift = np.empty((3, n))
     for k, here in enumerate(bench.axes[:3]):
-        pole = min(here.memory, 0.999)
+        pole = float(np.exp(-bench.log.h / here.memory))
         shift[k] = lfilter([np.sqrt(1 - pole**2)], [1, -pole], rng.standard_normal(n)) * here.spread
     points = fit.anchor.points.moved(np.concatenate([shift, shift], axis=1))
     other = Anchor(points, acceleration(bench.vehicle, fit.h, points))

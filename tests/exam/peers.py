@@ -19,6 +19,7 @@ from ivsid.diagnosis.start import first_values
 from ivsid.effects import EFFECTS, Reading, Terms, terms_of
 from ivsid.effects.given import Given
 from ivsid.log import Log
+from ivsid.vehicle import Vehicle
 
 WINDOW = 1.0
 # Sparse regression keeps what explains a tenth of the derivative's spread (columns and target scaled to one), the usual 0.1.
@@ -60,10 +61,9 @@ class Regression:
     block: np.ndarray
 
 
-def regression(case) -> Regression:
-    """Of a case's TRAIN."""
-    vehicle = case.vehicle
-    log = channels(Log("1.csv", "0" * 64, case.train.t, case.train.columns), vehicle, None)
+def regression(vehicle: Vehicle, train: Log) -> Regression:
+    """Of TRAIN."""
+    log = channels(train, vehicle, None)
     terms = terms_of(vehicle)
     h = first_values(vehicle, log, terms, {})
     bench = Bench(vehicle, log, declared(vehicle))
@@ -76,7 +76,7 @@ def regression(case) -> Regression:
     ]
     columns, owner = [], []
     for effect in EFFECTS.values():
-        if effect.id in (*case.exact, *SEARCHED, *UNKNOWN_SIZE) or isinstance(effect.acts, Reading):
+        if effect.id in (*h.values, *SEARCHED, *UNKNOWN_SIZE) or isinstance(effect.acts, Reading):
             continue
         for j, p in enumerate(effect.parameters):
             size = p.scaled(vehicle.hull.mass)

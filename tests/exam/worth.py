@@ -3,40 +3,41 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 from ivsid.diagnosis.bench import Bench
 from ivsid.diagnosis.channels import channels
 from ivsid.diagnosis.gain import compare
+from ivsid.diagnosis.noise import declared
 from ivsid.diagnosis.physics import Hypothesis
 from ivsid.effects import Terms, terms_of
-from ivsid.effects.given import Given, sort_given
-from ivsid.log import Log
+from ivsid.effects.given import sort_given
+from ivsid.log import read_log
+from ivsid.vehicle import Vehicle, read_vehicle
 
 
-def true_model(case, like: Hypothesis) -> Hypothesis:
-    """The hypothesis that was simulated, under the same declared errors."""
-    names = [t.name for t in case.vehicle.thrusters]
-    terms, values, given = list(terms_of(case.vehicle)), dict(case.exact), []
-    length = case.vehicle.hull.length
-    for g in sort_given(case.truth, names):
-        if isinstance(g.effect.acts, Terms):
-            for term, value in zip(g.effect.acts.terms, g.values, strict=True):
-                fitting = replace(term, columns=term.of_hull(length)) if term.of_hull else term
-                if term.id not in {t.id for t in terms}:
-                    terms.append(fitting)
-                values[term.id] = value
-        else:
-            given.append(Given(g.effect, g.values, g.thruster))
-    return Hypothesis(tuple(terms), values, tuple(given), like.declared)
+def true_model(vehicle: Vehicle, exact: dict[str, float], effects: dict[str, float]) -> Hypothesis:
+    """The hypothesis that was simulated, without the errors that were declared: nobody can know those of another log."""
+    terms, values, given = list(terms_of(vehicle)), dict(exact), []
+    length = vehicle.hull.length
+    for g in sort_given(effects, [t.name for t in vehicle.thrusters]):
+        if not isinstance(g.effect.acts, Terms):
+            given.append(g)
+            continue
+        for term, value in zip(g.effect.acts.terms, g.values, strict=True):
+            if term.id not in {t.id for t in terms}:
+                terms.append(replace(term, columns=term.of_hull(length)) if term.of_hull else term)
+            values[term.id] = value
+    return Hypothesis(tuple(terms), values, tuple(given))
 
 
-def worth(case, diagnosis) -> dict[str, float]:
+def worth(folder: Path, gain: dict, truth: dict) -> dict[str, float]:
     """By u, v, r and position: how much of the true model's gain is reached; 1 is all of it."""
-    last = diagnosis.selection.last
-    log = channels(Log("2.csv", "0" * 64, case.test.t, case.test.columns), case.vehicle, None)
-    bench = Bench(case.vehicle, log, last.noise.bench.ambient)
-    both = compare(bench, true_model(case, last.h), last.h)
-    out = {k: t / f for k, (t, f) in both.simulation_rms.items()}
-    if both.position_rms is not None:
-        out["position"] = both.position_rms[0] / both.position_rms[1]
+    vehicle = read_vehicle(folder / "vehicle.toml")
+    log = channels(read_log(folder / "2.csv", vehicle.log), vehicle, None)
+    h = true_model(vehicle, truth["exact"], truth["truth"])
+    best = compare(Bench(vehicle, log, declared(vehicle)), h, h)
+    out = {k: best.simulation_rms[k][1] / after for k, (_, after) in gain["simulation_rms"].items()}
+    if best.position_rms is not None and gain["position_rms"] is not None:
+        out["position"] = best.position_rms[1] / gain["position_rms"][1]
     return out

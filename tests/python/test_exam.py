@@ -9,7 +9,7 @@ import pytest
 from scipy.stats import binom
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
-from tests.exam.run import one
+from tests.exam.run import examination
 
 FRESH = int(time.time()) % 10_000_000
 # Null logs with a verdict other than adequate, and single names that are wrong.
@@ -25,7 +25,7 @@ def most(n):
 @pytest.mark.parametrize("first", [FRESH, 1000], ids=["fresh", "fixed"])
 def test_a_draw_has_no_crash_and_no_more_false_findings_than_allowed(first):
     count = int(os.environ.get("IVSID_EXAM", "6"))
-    rows = [one((first + k, {"duration": 300.0})) for k in range(count)]
+    rows = list(examination(range(first, first + count), {"duration": 300.0}))
     print(f"seeds {first} to {first + count - 1}")  # noqa: T201 - to repeat a draw that failed
     assert not [r["crash"] for r in rows if "crash" in r]
     done = [r for r in rows if "verdict" in r]

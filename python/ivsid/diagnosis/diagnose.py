@@ -205,8 +205,19 @@ def diagnose(
             (test.name, test.sha256),
         ),
         seed,
-        (*log.notes, *train.notes, *([confirmation.note] if confirmation.note else [])),
+        (*log.notes, *train.notes, *_left_out(fit), *([confirmation.note] if confirmation.note else [])),
     )
+
+
+def _left_out(fit: Fit) -> list[str]:
+    """What is said where axes were left out."""
+    if not fit.noise.still:
+        return []
+    usual = [t.id for t in fit.h.terms if t.id in fit.held and t.id not in fit.noise.bench.vehicle.model.values]
+    return [
+        "the vehicle hardly turns: sway and yaw are left out, and "
+        f"{', '.join(usual) or 'their parameters'} of the models are those of a usual hull of this mass and length, not of this log"
+    ]
 
 
 def _not_tested(fit: Fit, visible: Mapping[str, Visibility]) -> tuple[dict[str, str], ...]:

@@ -17,8 +17,8 @@ test: build
 check: build
 	cargo fmt --all --check
 	cargo clippy --locked --workspace --all-targets -- -D warnings
-	$(BIN)/ruff format --check python tests examples benches docs
-	$(BIN)/ruff check python tests examples benches docs
+	$(BIN)/ruff format --check python tests examples benches docs/*.py
+	$(BIN)/ruff check python tests examples benches docs/*.py
 	$(BIN)/mypy
 	$(BIN)/stubtest ivsid._core --mypy-config-file pyproject.toml
 	$(BIN)/lint-imports
@@ -83,8 +83,8 @@ build: $(VENV)/.built
 
 format: build
 	cargo fmt --all
-	$(BIN)/ruff format python tests examples benches docs
-	$(BIN)/ruff check --fix python tests examples benches docs
+	$(BIN)/ruff format python tests examples benches docs/*.py
+	$(BIN)/ruff check --fix python tests examples benches docs/*.py
 
 $(VENV)/.ready: requirements/lock.txt
 	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "Python 3.11 or later is needed; set PYTHON=/path/to/it")'

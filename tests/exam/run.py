@@ -18,8 +18,11 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 def one(job):
     seed, options = job
     from tests.exam.draw import case
+    from tests.exam.peers import PEERS, regression
+    from tests.exam.worth import worth
 
     from ivsid.diagnosis.diagnose import diagnose
+    from ivsid.effects import EFFECTS
     from ivsid.log import Log
 
     try:
@@ -34,6 +37,8 @@ def one(job):
     except Exception:
         return {"seed": seed, "crash": traceback.format_exc(), "stratum": c.stratum, "truth": c.truth}
     spent = time.process_time() - start
+    others = regression(c)
+    known = all(i in EFFECTS for i, _ in c.stratum["sizes"])
     found = [f.effect for f in d.findings]
     sets = [[f.effect, *f.alternatives] for f in d.findings]
     z = {i: v.z for i, v in d.visible.items()}
@@ -61,6 +66,8 @@ def one(job):
         "left": [(s.id, round(s.gain, 1)) for s in d.selection.leftover[:4]],
         "adequacy": [(a.gain, a.freedom, a.chance, a.chance_of_one, a.strongest[:2]) for a in d.adequacy],
         "gain": d.gain.simulation_rms,
+        "worth": worth(c, d) if known else {},
+        "peers": {name: peer(others) for name, peer in PEERS.items()},
     }
 
 
@@ -130,6 +137,22 @@ def score(rows):
     out.append(
         f"outside {len(outside)}: unknown or adequate {len(ok)} {[(r['truth'], r['found']) for r in outside if r not in ok]}"
     )
+    worths = sorted(min(r["worth"].values()) for r in (*visible, *(q for q in two if min(q["z"].values()) >= 8)))
+    every = sorted(x for r in (*visible, *(q for q in two if min(q["z"].values()) >= 8)) for x in r["worth"].values())
+    if every:
+        out.append(
+            f"gain over the true model's, z >= 8: median {every[len(every) // 2]:.3f}, tenth {every[len(every) // 10]:.3f} of {len(every)} channels; "
+            f"worst channel: median {worths[len(worths) // 2]:.3f}, tenth {worths[len(worths) // 10]:.3f} of {len(worths)} cases"
+        )
+    for name in rows[0]["peers"] if rows else ():
+        alarms = sum(bool(r["peers"][name]) for r in none)
+        first = sum(r["peers"][name][:1] == list(r["z"]) for r in visible)
+        among = sum(set(r["z"]) <= set(r["peers"][name]) for r in visible)
+        more = sum(len(set(r["peers"][name]) - set(r["z"])) for r in visible)
+        out.append(
+            f"{name}: alarms {alarms} of {len(none)} nulls; truth first {first}, among its names {among} of {len(visible)}, other names {more}; "
+            f"outside: no name {sum(not r['peers'][name] for r in outside)} of {len(outside)}"
+        )
     for r in crashes[:3]:
         out.append(f"CRASH {r['seed']} {r['stratum']} {r['truth']}\n{r['crash'][-900:]}")
     return "\n".join(out)

@@ -230,9 +230,23 @@ def diagnose(
     out: Out = None,
     json: Json = False,
     seed: Seed = None,
+    null_logs: Annotated[
+        int,
+        typer.Option(
+            "--null-logs",
+            min=0,
+            help="Simulated null logs that a finding close to its threshold has to pass, at most; 0: the Gaussian draws alone.",
+        ),
+    ] = 400,
+    no_cache: Annotated[bool, typer.Option("--no-cache", help="Neither read nor keep what null logs gave.")] = False,
 ) -> None:
     """What the simulation gets wrong, why, the extended model, and what it gains on the other log."""
-    _run("diagnose", out, json, lambda w, p: w.diagnose(vehicle, train, test, seed=seed, progress=p))
+    _run(
+        "diagnose",
+        out,
+        json,
+        lambda w, p: w.diagnose(vehicle, train, test, seed=seed, null_logs=null_logs, cache=not no_cache, progress=p),
+    )
 
 
 @app.command()

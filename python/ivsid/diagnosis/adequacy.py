@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -29,6 +30,7 @@ class Adequacy:
         chance: of such a gain without anything left.
         strongest: single regressors with their channel and gain, the best first.
         chance_of_one: of the best single gain, over the whole dictionary.
+        excess: what each channel's part of the dictionary gains beyond chance.
     """
 
     gain: float
@@ -36,6 +38,7 @@ class Adequacy:
     chance: float
     strongest: tuple[tuple[str, str, float], ...]
     chance_of_one: float
+    excess: Mapping[str, float]
 
     @property
     def statistic(self) -> float:
@@ -52,23 +55,33 @@ class Adequacy:
 def adequacy(fit: Fit) -> Adequacy:
     """The errors of a fit against powers and products of the states, thrusts and their changes, heading and time, in every channel."""
     names, arrays = _dictionary(fit)
-    g = fit.gram
+    # Nothing but the model's own columns stands beside the dictionary.
+    g = fit.gram.only(fit.base)
     first = len(g.names)
     wide = g.extended(names, fit.noise.whitening(np.stack([fit.noise.bench.answer(a) for a in arrays])))
-    p = Projection(wide, fit.base)
+    p = Projection(wide, range(first))
     columns = list(range(first, len(wide.names)))
     H = p.information(columns)
     d = np.sqrt(np.maximum(np.diag(H), 1e-300))
     real = np.diag(H) > 1e-6
     single = np.where(real, p.left_score[columns] ** 2 / np.maximum(np.diag(H), 1e-300), 0.0)
-    values, vectors = np.linalg.eigh(H[np.ix_(real, real)] / np.outer(d[real], d[real]))
-    keep = values > 1e-4
-    s = vectors[:, keep].T @ (p.left_score[np.array(columns)[real]] / d[real])
-    gain, freedom = float(np.sum(s**2 / values[keep])), int(keep.sum())
+    scores = p.left_score[columns] / d
+
+    def gained(which: NDArray[np.bool_]) -> tuple[float, int]:
+        values, vectors = np.linalg.eigh(H[np.ix_(which, which)] / np.outer(d[which], d[which]))
+        keep = values > 1e-4
+        s = vectors[:, keep].T @ scores[which]
+        return float(np.sum(s**2 / values[keep])), int(keep.sum())
+
+    gain, freedom = gained(real)
+    excess = {}
+    for axis in AXES:
+        own, directions = gained(real & np.array([n.startswith(axis) for n in names]))
+        excess[axis] = max(own - directions, 0.0)
     order = np.argsort(-single)[:3]
     strongest = tuple((names[k].split("|")[1], names[k].split("|")[0], float(single[k])) for k in order)
     one = float(min(1.0, chi2.sf(float(single.max()), 1) * len(names)))
-    return Adequacy(gain, freedom, float(chi2.sf(gain, freedom)), strongest, one)
+    return Adequacy(gain, freedom, float(chi2.sf(gain, freedom)), strongest, one, excess)
 
 
 def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:

@@ -21,6 +21,8 @@ AXES: Final = ("surge", "sway", "yaw", "north", "east")
 # Where nothing better is known, the velocity over ground that a heading and a Doppler log give is off by this much [m/s].
 TRACK: Final = 2e-3
 TRACK_TIME: Final = 20.0
+# How far beyond the readings states may go, in ranges of the readings.
+FAR: Final = 1.0
 # A step of a declared error, in units of its bound.
 SMALL: Final = 1e-3
 
@@ -53,6 +55,9 @@ class Bench:
         self.turned, self.steered, self.sent = (_over(x, held=log.held) for x in (log.angles, log.rudders, log.force))
         t = (np.arange(log.n) + 0.5) / log.n
         self.slow = [np.cos(np.pi * j * t) for j in range(3)]
+        low, high = log.nu.min(axis=1), log.nu.max(axis=1)
+        margin = FAR * (high - low)
+        self.reach = ((low - margin)[:, None], (high + margin)[:, None])
         noise = log.noise
         measured: list[dict[str, str]] = [
             {"velocity": "u", "acceleration": "ax"},
@@ -127,9 +132,12 @@ class Bench:
         log, n = self.log, self.log.n
         half = 0.5 * log.h
         rate = np.zeros((3, n)) if nudot is None else nudot[:, n:]
+        # No hypothesis is tried at states that are far from anything that was measured: there its states would only run away.
+        nu = np.clip(nu, *self.reach)
+        before = None if before is None else np.clip(before, *self.reach)
         place = np.zeros((2, n)) if log.place is None else log.place
         points = Points(
-            np.concatenate([nu if before is None else before, nu + half * rate], axis=1),
+            np.concatenate([nu if before is None else before, np.clip(nu + half * rate, *self.reach)], axis=1),
             np.r_[psi, psi + half * nu[2]],
             _twice(place),
             np.r_[log.t, log.t + half],
@@ -247,11 +255,12 @@ class Bench:
     def damping(self, h: Hypothesis, anchor: Anchor) -> tuple[float, float, float]:
         """How fast each axis alone comes to rest, on average over the log [1/s]."""
         found = []
+        here = acceleration(self.vehicle, h, anchor.points)
         for k in range(3):
             size = 1e-3 * max(float(np.std(anchor.points.nu[k])), 1e-6)
             shift = np.zeros((3, 1))
             shift[k] = size
-            rate = acceleration(self.vehicle, h, anchor.points.moved(shift)) - anchor.nudot
+            rate = acceleration(self.vehicle, h, anchor.points.moved(shift)) - here
             found.append(max(float(-np.mean(rate[k]) / size), 0.0))
         return found[0], found[1], found[2]
 

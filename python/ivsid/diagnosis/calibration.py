@@ -50,6 +50,8 @@ class Calibration:
             "logs": self.draws,
             "seed": self.seed,
             "threshold": self.chance,
+            "achieved": float(np.mean(self.smallest <= self.chance)) if self.draws else None,
+            "simulated": None,
         }
 
 

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.diagnosis.from_pose import differenced
 from ivsid.diagnosis.mounted import at_origin
 from ivsid.errors import IvsidError
 from ivsid.log import Log
@@ -28,6 +29,8 @@ FAR_OUT: Final = 10.0
 # Times closer than this, in steps, are the same.
 SAME: Final = 0.02
 SHORTEST: Final = 60.0
+# Equal parts of a step in which demands are looked up, at most.
+PARTS: Final = 50
 
 
 @dataclass(frozen=True)
@@ -47,7 +50,7 @@ class Channels:
         angles: of azimuth thrusters [rad], shape (thrusters, n).
         rudders: angles of the rudders behind thrusters [rad], shape (thrusters, n).
         held: demands, angles and forces hold from a sample to the next; else they change on straight lines.
-        over: means of held demands over the steps, where the clock is slower than the log, or None.
+        between: held demands at equal parts of each step, where the clock is slower than the log, shape (thrusters, n, parts), or None.
         force: known X, Y [N], N [N m] beside the thrusters, shape (3, n).
         wind: the air's velocity north and east [m/s], shape (2, n), or None.
         voltage: as a share of its first value, or None.
@@ -69,7 +72,7 @@ class Channels:
     angles: Array
     rudders: Array
     held: bool
-    over: Array | None
+    between: Array | None
     force: Array
     wind: Array | None
     voltage: Array | None
@@ -113,7 +116,7 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     Raises:
         IvsidError: the log lacks velocities or demands, or is shorter than a minute.
     """
-    log, _ = with_velocities(log, vehicle.sensors)
+    log, _ = with_velocities(differenced(log), vehicle.sensors)
     _usable(log)
     log = at_origin(log, vehicle.sensors)
     log, h, notes = _paced(log)
@@ -131,9 +134,10 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     place = np.stack([resample("x"), resample("y")]) if {"x", "y"} <= set(log.columns) else None
     held = vehicle.log.demand == "hold"
     demands, angles, rudders = _sent(vehicle, resample, held=held)
-    over = None
+    between = None
     if held and h > RARER * log.period and vehicle.thrusters:
-        over = np.stack([resample.mean(f"demand_{t.name}") for t in vehicle.thrusters])
+        parts = min(int(np.ceil(h / log.period - 1e-6)), PARTS)
+        between = np.stack([resample.between(f"demand_{t.name}", parts) for t in vehicle.thrusters])
     force = np.zeros((3, clock.size))
     if not vehicle.thrusters:
         for k, name in enumerate(("force_X", "force_Y", "moment_N")):
@@ -158,7 +162,7 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
         angles,
         rudders,
         held,
-        over,
+        between,
         force,
         wind,
         None if voltage is None else voltage / voltage[0],
@@ -276,14 +280,13 @@ class _Resampler:
         self.good &= nearest <= OFF_CLOCK * self.h
         return np.interp(self.clock, t, x)
 
-    def mean(self, name: str) -> Array:
-        """Means of what is held over the steps of a clock that is slower than the log."""
+    def between(self, name: str, parts: int) -> Array:
+        """What is held at equal parts of the steps of a clock that is slower than the log, shape (n, parts)."""
         there = np.isfinite(self.log.columns[name])
         t, x = self.log.t[there], self.log.columns[name][there]
-        total = np.r_[0.0, np.cumsum(x[:-1] * np.diff(t))]
-        end = t[-1] + self.h
-        edges = np.r_[self.clock, self.clock[-1] + self.h]
-        return np.diff(np.interp(edges, np.r_[t, end], np.r_[total, total[-1] + x[-1] * self.h])) / self.h
+        clock = self.clock[:, None] + np.arange(parts) * (self.h / parts)
+        at = np.searchsorted(t, clock + SAME * self.h / parts, side="right") - 1
+        return np.asarray(x[np.clip(at, 0, t.size - 1)])
 
     def optional(self, name: str) -> Array | None:
         if name not in self.log.columns or not np.isfinite(self.log.columns[name]).any():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -14,6 +15,7 @@ from ivsid.diagnosis.bench import Bench
 from ivsid.diagnosis.calibration import calibrate
 from ivsid.diagnosis.change import Change, change
 from ivsid.diagnosis.channels import Channels, channels
+from ivsid.diagnosis.confirmation import NULL_LOGS, confirmed
 from ivsid.diagnosis.falsify import falsified
 from ivsid.diagnosis.families import Scored, everything, score
 from ivsid.diagnosis.fit import Fit, plain_fit
@@ -126,6 +128,8 @@ class Diagnosis:
         }
 
 
+# A candidate that runs away is tried, found useless and left: its overflows are no news.
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def diagnose(
     vehicle: Vehicle,
     train: Log,
@@ -133,6 +137,8 @@ def diagnose(
     *,
     seed: int = 1,
     progress: Callable[[str], None] = lambda _: None,
+    null_logs: int = NULL_LOGS,
+    cache: Path | None = None,
 ) -> Diagnosis:
     """Compares the vehicle file's simulation with a log, and what it finds with another.
 
@@ -142,6 +148,8 @@ def diagnose(
         test: another log, on which the better model is tried.
         seed: of the random draws.
         progress: told of each step.
+        null_logs: that a finding close to its threshold has to pass, at most; 0 leaves it to the Gaussian draws.
+        cache: folder where their scores are kept, or None.
 
     Raises:
         IvsidError: a log that the model cannot be held against, in one sentence.
@@ -156,14 +164,18 @@ def diagnose(
     test_of = Threshold(calibration, seen, frozenset(i for i, v in visible.items() if v.blind))
     progress("looking for causes")
     selection = select(fit, test_of, fit.held, progress)
+    confirmation = confirmed(fit, test_of, selection.found, seed, null_logs, cache, progress)
+    if confirmation.stricter and not all(confirmation.test.stands(f.first, f.gain) for f in selection.found):
+        progress("looking again, at the threshold of the null logs")
+        selection = select(fit, confirmation.test, fit.held, progress)
     before = adequacy(fit)
     after = adequacy(selection.last) if selection.found else before
     evidence = _before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
     named = selection.found
     complete = after.sufficient(before, len(named))
     if not complete:
-        # Where much is left that nobody explains, only a cause that explains far more than that keeps its name.
-        named = tuple(f for f in named if f.gain >= DOMINANT * max(after.gain - after.freedom, 0.0))
+        # Where much is left that nobody explains, only a cause that explains far more than that, where it acts, keeps its name.
+        named = tuple(f for f in named if f.gain >= DOMINANT * _left_beside(after, selection.last, f.id))
     findings = tuple(_finding(f, selection.last, selection.leftover, evidence) for f in named)
     if not complete:
         findings = (*findings, _unknown(after, [f.id for f in selection.found if f not in named]))
@@ -181,7 +193,7 @@ def diagnose(
         hints(selection.last),
         _not_tested(fit, visible),
         visible,
-        calibration.record(),
+        confirmation.record(),
         _unexplained(selection.last),
         gain,
         (before, after),
@@ -193,7 +205,7 @@ def diagnose(
             (test.name, test.sha256),
         ),
         seed,
-        (*log.notes, *train.notes),
+        (*log.notes, *train.notes, *([confirmation.note] if confirmation.note else [])),
     )
 
 
@@ -319,13 +331,28 @@ def _unknown(left: Adequacy, near: Sequence[str]) -> Finding:
 
 def _channel(fit: Fit, id_: str) -> str:
     """Where an effect shows most."""
+    energy = _energy(fit, id_)
+    return "" if energy is None else fit.noise.bench.channels[int(np.argmax(energy))]
+
+
+def _energy(fit: Fit, id_: str) -> Array | None:
+    """Of an effect's signature, by row of the errors; None where it has no column."""
     g = fit.gram
     own = [k for k in fit.base if g.names[k] == id_ or g.names[k].startswith(f"{id_}.")]
     if not own:
-        return ""
+        return None
     rows = len(fit.noise.bench.labels)
-    energy = (g.x[:, own, :].reshape(-1, rows, g.length) ** 2).sum(axis=(0, 2))
-    return fit.noise.bench.channels[int(np.argmax(energy))]
+    return np.asarray((g.x[:, own, :].reshape(-1, rows, g.length) ** 2).sum(axis=(0, 2)))
+
+
+def _left_beside(left: Adequacy, fit: Fit, id_: str) -> float:
+    """What is left unexplained in the channels where an effect acts, by the share of its signature in each."""
+    energy = _energy(fit, id_)
+    whole = max(left.gain - left.freedom, 0.0)
+    if energy is None or not energy.sum() > 0:
+        return whole
+    by_row = [left.excess.get(c, whole) for c in fit.noise.bench.channels]
+    return float(energy @ np.array(by_row) / energy.sum())
 
 
 __all__ = ["MARGIN", "Channels", "Diagnosis", "Finding", "diagnose", "score"]

@@ -97,20 +97,20 @@ def learn(
             "log with fewer missing samples"
         )
     for turn in range(rounds):
-        scale = _plain_scale(bench.errors(h, anchor), good, bench, still)
+        scale = plain_scale(bench.errors(h, anchor), good, bench, still)
         h, anchor = improve(bench, h, anchor, scale, good, held)
-        scale = _plain_scale(bench.errors(h, anchor), good, bench, still)
+        scale = plain_scale(bench.errors(h, anchor), good, bench, still)
         fit = search(survey(Noise(bench, scale, good, still), h, anchor, held))
-        left = _left(fit)
+        left = remaining(fit)
         if turn == rounds - 1:
             return Noise(bench, whiten(bench, left, good, still), good, still), h, anchor
-        bench = bench.adopt(ambient_of(bench, left, good))
+        bench = bench.adopt(ambient_of(bench, left, good, still))
         bench = quick_enough(bench, bench.damping(h, anchor))
         anchor = bench.settle(h, anchor)
     raise AssertionError("rounds must be positive")
 
 
-def _left(fit: Fit) -> Array:
+def remaining(fit: Fit) -> Array:
     """The errors, in their own units, without all that any column explains; shape (rows, n)."""
     g = fit.gram
     theta, _ = Projection(g, []).solve(range(len(g.names)))
@@ -125,9 +125,7 @@ def _left(fit: Fit) -> Array:
     return out
 
 
-def _plain_scale(
-    errors: Array, good: NDArray[np.bool_], bench: Bench, still: frozenset[int] = frozenset()
-) -> Whitening:
+def plain_scale(errors: Array, good: NDArray[np.bool_], bench: Bench, still: frozenset[int] = frozenset()) -> Whitening:
     """Each row divided by its usual size: a start. Still axes are left out."""
     size = np.maximum(np.median(np.abs(errors[:, good]), axis=1) / 0.6745, 1e-12)
     groups: dict[int, list[int]] = {}
@@ -194,6 +192,9 @@ def improve(
     known = known or declared_columns(bench, h, anchor, white, good)
 
     def cost(h: Hypothesis, errors: Array) -> float:
+        # A step that goes far too far leaves states that run away.
+        if not np.isfinite(errors).all():
+            return float(np.inf)
         return Projection(_expected(known.gram.of(white(errors)), h), range(known.count)).chi2
 
     # States that are not those of the hypothesis would make it look better or worse than it is.
@@ -289,12 +290,14 @@ def stepped(h: Hypothesis, moves: Mapping[str, float], bench: Bench) -> Hypothes
     return h
 
 
-def survey(noise: Noise, h: Hypothesis, anchor: Anchor, claimed: Mapping[str, float]) -> Fit:
-    """All signatures at a fitted hypothesis, whitened and crossed."""
+def survey(
+    noise: Noise, h: Hypothesis, anchor: Anchor, claimed: Mapping[str, float], only: frozenset[str] | None = None
+) -> Fit:
+    """All signatures at a fitted hypothesis, or those of ``only`` some effects, whitened and crossed."""
     bench = noise.bench
     signatures = Signatures(bench, h, anchor)
     fitted, declared_ones = signatures.fitted(claimed), signatures.nuisances()
-    extra, families, refused = signatures.candidates()
+    extra, families, refused = signatures.candidates(only)
     every = _joined(fitted, declared_ones, extra)
     # The same name twice would be a parameter of the model beside its claim.
     errors = noise.whitening(bench.errors(h, anchor))
@@ -339,6 +342,7 @@ def _plain(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
     still = still_axes(bench)
     usual = _usual(h, vehicle, still)
     h = replaced(h, usual)
+    bench = quick_enough(bench, bench.damping(h, bench.start(h)))
     # The sway mass still acts in surge, through turning.
     held = {**claimed, **{i: x for i, x in usual.items() if i != "mass.sway"}}
     noise, h, anchor = learn(bench, h, bench.settle(h, bench.start(h), 2), search, held, still)

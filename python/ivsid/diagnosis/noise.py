@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 # Memory of the whitening [s] and most lags.
 MEMORY: Final = 0.6
 MOST_LAGS: Final = 12
+# Axes are whitened together where their pasts say more of each other than chance, by so many standard deviations of chi^2.
+COUPLED: Final = 6.0
 # Samples of a signature that one product whitens together.
 STRETCH: Final = 24
 # What the filter takes of the log's start, and of the time after a gap [s].
@@ -24,8 +26,12 @@ SETTLING: Final = 4.0
 _TIMES: Final = (1.0, 5.0)
 # A filter forgets so many times faster than the vehicle.
 QUICKER: Final = 2.0
+# And never more slowly than this [1/s].
+SLOWEST: Final = 0.3
 # An axis moves where its velocity is so many times the error of its filter.
 MOVING: Final = 20.0
+# A still axis's filter believes its model so many times less.
+LOOSE: Final = 100.0
 # A hull of 1 m turns where its yaw rate is more than this [rad/s]; longer ones more slowly, after Froude.
 TURNING: Final = 0.015
 
@@ -44,7 +50,7 @@ def declared(vehicle: Vehicle) -> Ambient:
     return Ambient((0.2 * force / m, 0.2 * force / m, 0.2 * force * arm / inertia), (2.0, 2.0, 2.0))
 
 
-def ambient_of(bench: Bench, residual: Array, rows: NDArray[np.bool_]) -> Ambient:
+def ambient_of(bench: Bench, residual: Array, rows: NDArray[np.bool_], still: frozenset[int] = frozenset()) -> Ambient:
     """The ambient acceleration behind prediction errors that no effect explains.
 
     The errors are put through the filter's inverse, which gives the velocity that they stand for. Its mean slopes over a second,
@@ -77,6 +83,8 @@ def ambient_of(bench: Bench, residual: Array, rows: NDArray[np.bool_]) -> Ambien
     # What is declared is no discovery, and slow noise that is taken for less than it is makes every slow signature look certain.
     low, high = (1.0, 30.0) if given else (0.05, 1e3)
     d = [float(np.clip(a, low * b, high * b)) for a, b in zip(deviations, said.deviation, strict=True)]
+    # Nobody asks what moves a still axis, but other axes need its velocity: it is the sensor's, whatever steady moment the model lacks.
+    d = [x * (LOOSE if k in still else 1.0) for k, x in enumerate(d)]
     if given:
         times = list(said.time)
     return Ambient((d[0], d[1], d[2]), (times[0], times[1], times[2]))
@@ -117,8 +125,8 @@ class Whitening:
     """A causal filter of each axis's prediction errors, to unit and uncorrelated variance.
 
     Attributes:
-        groups: rows of each axis.
-        taps: by axis, shape (lags + 1, rows, rows).
+        groups: rows of each axis, or of axes that are coupled.
+        taps: by group, shape (lags + 1, rows, rows).
     """
 
     groups: tuple[tuple[int, ...], ...]
@@ -126,38 +134,44 @@ class Whitening:
 
     def __call__(self, x: Array) -> Array:
         """Whitens errors or signatures, shape (..., rows, n)."""
-        out = np.empty_like(x)
+        flat = x.reshape(-1, *x.shape[-2:])
+        out = np.empty_like(flat)
         for rows, taps in zip(self.groups, self.taps, strict=True):
-            out[..., rows, :] = _convolved(taps, x[..., rows, :])
-        return out
+            # The rows of an axis stand together.
+            here = slice(rows[0], rows[-1] + 1)
+            _convolve(taps, flat[:, here], out[:, here])
+        return out.reshape(x.shape)
 
 
-def _convolved(taps: Array, x: Array) -> Array:
-    """Each row's sum of all rows at the lags of the taps, what was before the first sample taken as nothing.
+def _convolve(taps: Array, x: Array, out: Array) -> None:
+    """Each row's sum of all rows at the lags of the taps, what was before the first sample taken as nothing, shape (any, rows, n).
 
     A stretch of the result is one matrix times the stretch before and under it, so that all stretches are one product.
     """
     lags, r = taps.shape[0] - 1, taps.shape[1]
-    n, leading = x.shape[-1], x.shape[:-2]
+    n = x.shape[-1]
     if not np.any(taps):
-        return np.zeros_like(x)
+        out[...] = 0.0
+        return
     if not lags:
-        return np.asarray(np.matmul(taps[0], x))
+        np.matmul(taps[0], x, out=out)
+        return
     count = -(-n // STRETCH)
     band = np.zeros((r, lags + STRETCH, r, STRETCH))
     for lag in range(lags + 1):
         for k in range(STRETCH):
             band[:, lags + k - lag, :, k] = taps[lag].T
     band = band.reshape(r * (lags + STRETCH), r * STRETCH)
-    out = np.empty((int(np.prod(leading)), r, count * STRETCH))
     padded = np.zeros((r, lags + count * STRETCH))
     windows = sliding_window_view(padded, lags + STRETCH, axis=1)[:, ::STRETCH].transpose(1, 0, 2)
-    # One signature at a time stays in the cache.
-    for one, into in zip(x.reshape(-1, r, n), out, strict=True):
+    # One signature at a time stays in the cache; most leave some axes alone.
+    for one, into in zip(x, out, strict=True):
+        if not one.any():
+            into[...] = 0.0
+            continue
         padded[:, lags : lags + n] = one
         product = windows.reshape(count, -1) @ band
-        into.reshape(r, count, STRETCH)[:] = product.reshape(count, r, STRETCH).transpose(1, 0, 2)
-    return out[..., :n].reshape(x.shape)
+        into[...] = product.reshape(count, r, STRETCH).transpose(1, 0, 2).reshape(r, -1)[:, :n]
 
 
 def still_axes(bench: Bench) -> frozenset[int]:
@@ -175,31 +189,74 @@ def still_axes(bench: Bench) -> frozenset[int]:
 
 
 def whiten(bench: Bench, residual: Array, good: NDArray[np.bool_], still: frozenset[int] = frozenset()) -> Whitening:
-    """An autoregression of the errors that no effect explains, axis by axis, by least squares; nothing is left of still axes."""
-    groups: dict[int, list[int]] = {}
+    """An autoregression of the errors that no effect explains, by least squares; nothing is left of still axes.
+
+    Each axis by itself, unless another's past foretells it: where a rudder or a fast turn couples them, the error of one axis's state
+    pushes the other, and a signature at that state would not be new to it.
+    """
+    rows_of: dict[int, list[int]] = {}
     for i, (k, _) in enumerate(bench.labels):
-        groups.setdefault(k, []).append(i)
+        rows_of.setdefault(k, []).append(i)
     lags = int(np.clip(round(MEMORY / bench.log.h), 3, MOST_LAGS))
+    usable = good.copy()
+    for lag in range(1, lags + 1):
+        usable[lag:] &= good[:-lag]
+    usable[:lags] = False
+    at = np.flatnonzero(usable)
+    groups = [[k] for k in rows_of]
+    for first, second in _coupled(residual, rows_of, [k for k in rows_of if k not in still], at, lags):
+        one, other = (next(g for g in groups if k in g) for k in (first, second))
+        if one is not other:
+            one += other
+            groups.remove(other)
     taps = []
-    for axis_index, rows in groups.items():
-        if axis_index in still:
+    found = []
+    for axes in groups:
+        rows = [i for k in sorted(axes) for i in rows_of[k]]
+        found.append(tuple(rows))
+        if axes[0] in still:
             taps.append(np.zeros((1, len(rows), len(rows))))
             continue
-        x = residual[rows]
-        usable = good.copy()
-        for lag in range(1, lags + 1):
-            usable[lag:] &= good[:-lag]
-        usable[:lags] = False
-        at = np.flatnonzero(usable)
-        past = np.concatenate([x[:, at - lag] for lag in range(1, lags + 1)])
-        now = x[:, at]
+        past = np.concatenate([residual[rows][:, at - lag] for lag in range(1, lags + 1)])
+        now = residual[rows][:, at]
         scale = np.maximum(np.abs(past).max(axis=1), 1e-300)
         A = np.linalg.lstsq((past / scale[:, None]).T, now.T, rcond=1e-10)[0].T / scale
         left = now - A @ past
         root = np.linalg.inv(np.linalg.cholesky(left @ left.T / at.size + 1e-24 * np.eye(len(rows))))
         each = [root] + [-root @ A[:, lag * len(rows) : (lag + 1) * len(rows)] for lag in range(lags)]
         taps.append(np.stack(each))
-    return Whitening(tuple(tuple(r) for r in groups.values()), tuple(taps))
+    return Whitening(tuple(found), tuple(taps))
+
+
+def _coupled(
+    x: Array, rows_of: dict[int, list[int]], moving: list[int], at: NDArray[np.int64], lags: int
+) -> list[tuple[int, int]]:
+    """Pairs of axes of which either one's past says more of the other than chance would, by the fall of log determinants."""
+    own = {k: rows_of[k] for k in moving if k <= 2}
+    rows = [i for k in own for i in own[k]]
+    place = {i: j for j, i in enumerate(rows)}
+    past = np.concatenate([x[rows][:, at - lag] for lag in range(1, lags + 1)])
+    size = np.maximum(np.sqrt(np.mean(past**2, axis=1)), 1e-300)
+    past /= size[:, None]
+    now = x[rows][:, at]
+    inner, cross, total = past @ past.T, past @ now.T, now @ now.T
+
+    def left(of: list[int], by: list[int]) -> float:
+        p = [place[i] for i in of]
+        q = [lag * len(rows) + place[i] for lag in range(lags) for i in by]
+        c = cross[np.ix_(q, p)]
+        trace = 1e-12 * at.size * np.eye(len(q))
+        return float(np.linalg.slogdet(total[np.ix_(p, p)] - c.T @ np.linalg.solve(inner[np.ix_(q, q)] + trace, c))[1])
+
+    found = []
+    for j, first in enumerate(own):
+        for second in list(own)[j + 1 :]:
+            both = [*own[first], *own[second]]
+            more = len(own[first]) * len(own[second]) * lags
+            least = more + COUPLED * np.sqrt(2 * more)
+            if any(at.size * (left(own[k], own[k]) - left(own[k], both)) > least for k in (first, second)):
+                found.append((first, second))
+    return found
 
 
 def usable_rows(bench: Bench) -> NDArray[np.bool_]:
@@ -221,11 +278,7 @@ def quick_enough(bench: Bench, damping: tuple[float, float, float]) -> Bench:
     """
     deviation = list(bench.ambient.deviation)
     for _ in range(8):
-        slow = [
-            k
-            for k in range(3)
-            if np.abs(np.roots(bench.axes[k].denominator)).max() > np.exp(-bench.log.h * max(QUICKER * damping[k], 0.3))
-        ]
+        slow = [k for k in range(3) if bench.axes[k].memory * max(QUICKER * damping[k], SLOWEST) > 1]
         if not slow:
             return bench
         for k in slow:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -18,6 +19,8 @@ from scipy.signal import lfilter, ss2tf
 
 Array = NDArray[np.float64]
 KINDS: Final = ("position", "velocity", "acceleration")
+# Samples of an impulse's answer.
+LONGEST: Final = 2000
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,14 @@ class Axis:
                 if np.any(numerator):
                     out[..., j, :] += lfilter(numerator, self.denominator, x, axis=-1)
         return out
+
+    @cached_property
+    def memory(self) -> float:
+        """How long an acceleration is remembered: the most by which one that is bounded by 1 moves the filtered velocity [s]."""
+        impulse = np.zeros(LONGEST)
+        impulse[0] = 1.0
+        errors = self.errors({"process": impulse})
+        return float(np.abs(self.gain[1] @ errors - errors[self.outputs.index("velocity")]).sum())
 
 
 def axis(h: float, noise: Mapping[str, float], ambient: float, time: float) -> Axis:

@@ -63,13 +63,32 @@ class Gram:
         score = (self.x @ y[:, :, None])[:, :, 0]
         return replace(self, y=y, score=score, energy=np.einsum("bi,bi->b", y, y))
 
+    def only(self, columns: Sequence[int]) -> Gram:
+        """With some of the columns alone."""
+        at = list(columns)
+        return replace(
+            self,
+            names=tuple(self.names[k] for k in at),
+            x=self.x[:, at],
+            blocks=self.blocks[:, at][:, :, at],
+            score=self.score[:, at],
+            prior=self.prior[at],
+            centre=self.centre[at],
+            unit=self.unit[at],
+        )
+
     def extended(self, names: Sequence[str], columns: Array, *, sums: bool = False) -> Gram:
         """With further whitened columns, shape (columns, rows, n); with ``sums`` the columns themselves are not kept."""
         x = _blocked(columns, self.good, self.length)
         unit = np.sqrt(np.maximum(np.einsum("bci,bci->c", x, x), 1e-300))
         x /= unit[:, None]
         cross = self.x @ x.transpose(0, 2, 1)
-        blocks = np.block([[self.blocks, cross], [cross.transpose(0, 2, 1), x @ x.transpose(0, 2, 1)]])
+        old, new = len(self.names), len(names)
+        blocks = np.empty((len(x), old + new, old + new))
+        blocks[:, :old, :old] = self.blocks
+        blocks[:, :old, old:] = cross
+        blocks[:, old:, :old] = cross.transpose(0, 2, 1)
+        blocks[:, old:, old:] = _squares(x)
         return replace(
             self,
             names=(*self.names, *names),
@@ -80,6 +99,14 @@ class Gram:
             centre=np.r_[self.centre, np.zeros(len(names))],
             unit=np.r_[self.unit, unit],
         )
+
+
+def _squares(x: Array) -> Array:
+    """Cross-products of all columns within each block; a matrix times its own transpose is half the work."""
+    out = np.empty((x.shape[0], x.shape[1], x.shape[1]))
+    for one, into in zip(x, out, strict=True):
+        np.matmul(one, one.T, out=into)
+    return out
 
 
 def _blocked(x: Array, good: NDArray[np.bool_], length: int) -> Array:
@@ -127,7 +154,7 @@ def gram(
         tuple(names),
         x,
         y,
-        x @ x.transpose(0, 2, 1),
+        _squares(x),
         (x @ y[:, :, None])[:, :, 0],
         np.einsum("bi,bi->b", y, y),
         rows.astype(float),

@@ -72,22 +72,25 @@ class Propulsion:
             for j, size in enumerate(sizes):
                 if size:
                     thrust = thrust + size * (self._static_errors[k][j] if demand is None else self.errors[k][j](d))
-            drive = Drive(d, self.log.t, k, thruster.position[1], self.curves[k].largest, self.log.voltage)
+            parts = d.size // n
+            time = self.log.t if parts == 1 else (self.log.t[:, None] + np.arange(parts) * (h / parts)).ravel()
+            voltage = self.log.voltage if parts == 1 or self.log.voltage is None else np.repeat(self.log.voltage, parts)
+            drive = Drive(d, time, k, thruster.position[1], self.curves[k].largest, voltage)
             for g in changes:
                 if isinstance(g.effect.acts, Thrust):
                     thrust = g.effect.acts.function(thrust, drive, g.values)
-            return np.asarray(thrust, dtype=np.float64) * np.ones(n)
+            return np.asarray(thrust, dtype=np.float64) * np.ones(d.size)
 
         d = self.demands[k]
+        if self.log.between is not None:
+            return self._finely(k, static, lag, delay)
         if lag > 1e-6 and thruster.lag == "demand":
             now, mean, end = _behind(*_late(d, _midway(d, held=self.log.held), delay, h), lag, h)
             first, middle, last = static(now), static(mean), static(end)
             return first, (first + 4 * middle + last) / 6
         now = static(None)
         mean = now
-        if self.log.over is not None:
-            mean = static(self.log.over[k] - thruster.neutral)
-        elif not self.log.held:
+        if not self.log.held:
             # Simpson's rule over a demand that runs straight to the next.
             mean = (now + 4 * static(_midway(d, held=False)) + np.r_[now[1:], now[-1:]]) / 6
         now, mean = _late(now, mean, delay, h)
@@ -95,6 +98,36 @@ class Propulsion:
             return now, mean
         now, mean, _ = _behind(now, mean, lag, h)
         return now, mean
+
+    def static(self, k: int, demand: Array, sizes: Sequence[float] = ()) -> Array:
+        """Thrusts of one thruster at demands as they are logged, without lag, delay or effects, at the first row's voltage."""
+        thruster = self.vehicle.thrusters[k]
+        d = demand - thruster.neutral
+        thrust: Any = self.curves[k].value(demand)
+        for error, size in zip(self.errors[k], sizes, strict=False):
+            thrust = thrust + size * error(d)
+        drive = Drive(d, 0.0, k, thruster.position[1], self.curves[k].largest, None)
+        for g in _changes(thruster, ()):
+            if isinstance(g.effect.acts, Thrust):
+                thrust = g.effect.acts.function(thrust, drive, g.values)
+        return np.asarray(thrust, dtype=np.float64)
+
+    def _finely(self, k: int, static: Callable[[Array], Array], lag: float, delay: float) -> tuple[Array, Array]:
+        """The same where demands come faster than the clock: worked out at equal parts of the steps."""
+        assert self.log.between is not None
+        thruster, parts = self.vehicle.thrusters[k], self.log.between.shape[2]
+        d = self.log.between[k].ravel() - thruster.neutral
+        h = self.log.h / parts
+        if lag > 1e-6 and thruster.lag == "demand":
+            start, middle, end = _behind(*_late(d, d, delay, h), lag, h)
+            now = static(start)
+            mean = (now + 4 * static(middle) + static(end)) / 6
+        else:
+            now = static(d)
+            now, mean = _late(now, now, delay, h)
+            if lag > 1e-6:
+                now, mean, _ = _behind(now, mean, lag, h)
+        return now[::parts], mean.reshape(-1, parts).mean(axis=1)
 
 
 def _changes(thruster: Thruster, given: Sequence[Given]) -> list[Given]:

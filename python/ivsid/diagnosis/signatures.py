@@ -29,9 +29,13 @@ from ivsid.effects.inertia import SHARED_MUNK
 Array = NDArray[np.float64]
 # Thrust errors are one wave or a sum of a few: the standard deviation of each, in units of the bound.
 SHARE: Final = 0.6
+# A step of a thrust error, in units of its bound.
+SLIGHT: Final = 0.05
 # Lags and delays that are tried [samples] and [s]; from a tenth of a sample on.
 DELAYS: Final = (0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0)
 LEVELS: Final = 9
+# Terms of the plain model that another model may lack.
+LACKED: Final = ("mass.sway", "drag.surge.quadratic", "drag.sway.quadratic")
 
 
 @dataclass
@@ -127,22 +131,28 @@ class Signatures:
             out.add(
                 "~scale.velocity", self.reading("sensor.velocity.scale")[0], 0.7 * sensors.velocity.scale_factor_error
             )
-        self._blades(out)
+        p = self.anchor.points
+        u_c, v_c, _, _ = water(self.h, p)
+        relative = (p.nu[0] - u_c, p.nu[1] - v_c, p.nu[2])
+        self._blades(out, relative)
         for k, thruster in enumerate(bench.vehicle.thrusters):
             angle, (x, y) = bench.turned[k], thruster.position
             c, s = np.cos(angle), np.sin(angle)
             # A loss by inflow takes the same share of the error as of the thrust, which is small.
             shares = np.stack([c, s, x * s - y * c])
+            blade = blade_force(bench.vehicle, k, p, p.thrusts[k], relative)
             for j, shape in enumerate(bench.shapes(self.h, k)):
                 force = shares * shape
+                if thruster.rudder is not None:
+                    # The stream on the blade has the error, too.
+                    pushed = p.thrusts[k] + SLIGHT * shape
+                    force = force + (blade_force(bench.vehicle, k, p, pushed, relative) - blade) / SLIGHT
                 out.add(f"~thrust.{thruster.name}.{j}", bench.answer(self.mass.solve(force)), SHARE)
         return out
 
-    def _blades(self, out: Columns) -> None:
+    def _blades(self, out: Columns, relative: tuple[Array, Array, Array]) -> None:
         """What the rudders' declared accuracy allows: the same share of all of a blade's force."""
         bench, p = self.bench, self.anchor.points
-        u_c, v_c, _, _ = water(self.h, p)
-        relative = (p.nu[0] - u_c, p.nu[1] - v_c, p.nu[2])
         for k, thruster in enumerate(bench.vehicle.thrusters):
             if thruster.rudder is not None and thruster.rudder.accuracy:
                 force = blade_force(bench.vehicle, k, p, p.thrusts[k], relative)
@@ -166,8 +176,8 @@ class Signatures:
         """The errors that an effect leaves, whole."""
         return self.bench.difference(self.h, self.anchor, self.h.with_effect(given))
 
-    def candidates(self) -> tuple[Columns, list[Family], dict[str, str]]:
-        """Signatures of every effect that the log can show, their families, and why the others are left out."""
+    def candidates(self, only: frozenset[str] | None = None) -> tuple[Columns, list[Family], dict[str, str]]:
+        """Signatures of every effect, or of ``only`` some, that the log can show, their families, and why the others are left out."""
         out = Columns()
         families: list[Family] = []
         refused: dict[str, str] = {}
@@ -177,6 +187,8 @@ class Signatures:
                 out.add(term.id, self.bench.term(self.h, self.anchor, self.mass, term))
                 families.append(Family(EFFECTS[term.id], ((term.id,),), kind="claim"))
         for effect in EFFECTS.values():
+            if only is not None and effect.id not in only:
+                continue
             if effect.id in present and not (effect.plain and self._shared(effect)):
                 continue
             form = effect
@@ -200,7 +212,7 @@ class Signatures:
     def _impossible(self, effect: Effect) -> str | None:
         vehicle = self.bench.vehicle
         id_ = effect.id
-        if effect.plain and id_ not in ("mass.sway", "drag.sway.quadratic"):
+        if effect.plain and (id_ not in LACKED or not self._shared(effect)):
             return "a term of every model"
         if id_ == "environment.shallow_water":
             return "one log at one depth does not tell it from other masses and drags"

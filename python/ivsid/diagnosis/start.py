@@ -7,11 +7,12 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
 
 from ivsid.diagnosis.channels import Channels
 from ivsid.diagnosis.physics import Hypothesis, Points, thruster_force
 from ivsid.diagnosis.propulsion import Propulsion
-from ivsid.effects import CHANNELS, State, Term, rigid_body
+from ivsid.effects import CHANNELS, EFFECTS, State, Term, rigid_body
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -56,7 +57,12 @@ def first_values(vehicle: Vehicle, log: Channels, terms: Sequence[Term], claimed
     for _ in range(3):
         rows = (A * weights[:, None]).reshape(len(free), -1).T
         scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-30)
-        found = np.linalg.lstsq(rows / scale, (y * weights[:, None]).ravel(), rcond=1e-8)[0] / scale
+        right = (y * weights[:, None]).ravel()
+        found = np.linalg.lstsq(rows / scale, right, rcond=1e-8)[0] / scale
+        if any(_drives(term, value) for term, value in zip(free, found, strict=True)):
+            # A drag that drives lets the states run away before anything is improved.
+            least = np.array([-np.inf if _signed(term) else 0.0 for term in free])
+            found = lsq_linear(rows / scale, right, (least, np.inf)).x / scale
         weights = _weights(y - np.einsum("j,jcn->cn", found, A))
     values = dict(claimed)
     for term, value in zip(free, found, strict=True):
@@ -67,6 +73,15 @@ def first_values(vehicle: Vehicle, log: Channels, terms: Sequence[Term], claimed
         if id_ in values and id_ not in claimed:
             values[id_] = max(values[id_], floor)
     return Hypothesis(tuple(terms), values)
+
+
+def _signed(term: Term) -> bool:
+    """Whether a term's parameter may have either sign."""
+    return term.id not in EFFECTS or EFFECTS[term.id].parameters[0].signed
+
+
+def _drives(term: Term, value: float) -> bool:
+    return not _signed(term) and value < 0
 
 
 def _weights(x: Array) -> Array:

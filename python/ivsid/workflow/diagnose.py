@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ivsid import diagnosis, figures, report
-from ivsid.diagnosis import Diagnosis
+from ivsid.diagnosis import NULL_LOGS, Diagnosis, cache_folder
 from ivsid.log import read_log
 from ivsid.report import Report, Section
 from ivsid.vehicle import read_vehicle
@@ -20,13 +20,27 @@ VERDICTS = {
 
 
 def diagnose(
-    vehicle: str | Path, train: str | Path, test: str | Path, *, seed: int | None = None, progress: Progress = silent
+    vehicle: str | Path,
+    train: str | Path,
+    test: str | Path,
+    *,
+    seed: int | None = None,
+    null_logs: int = NULL_LOGS,
+    cache: bool = True,
+    progress: Progress = silent,
 ) -> Report:
     """Reads the files, diagnoses, reports."""
     progress("reading")
     checked = read_vehicle(vehicle)
     logs = [read_log(p, checked.log) for p in (train, test)]
-    result = diagnosis.diagnose(checked, *logs, seed=1 if seed is None else seed, progress=progress)
+    result = diagnosis.diagnose(
+        checked,
+        *logs,
+        seed=1 if seed is None else seed,
+        progress=progress,
+        null_logs=null_logs,
+        cache=cache_folder() if cache else None,
+    )
     progress("drawing")
     return diagnosis_report(result)
 
@@ -116,9 +130,19 @@ def _assumptions(result: Diagnosis) -> list[str]:
     c = result.calibration
     words = [
         f"probability of any false finding: {c['family_wise']} ({c['method']})",
+        *_null_logs(c["simulated"]),
         "declared errors inside their bounds are no findings: sensor biases and scale, smooth thrust errors, ambient force",
     ]
     return [*words, *result.notes]
+
+
+def _null_logs(said: dict[str, Any] | None) -> list[str]:
+    if said is None:
+        return []
+    return [
+        f"{said['logs']} null logs were simulated for a finding close to its threshold ({said['cached']} of them earlier): "
+        f"a share of {said['achieved']:.3g} of them would have made a finding"
+    ]
 
 
 def _lines(result: Diagnosis) -> list[str]:

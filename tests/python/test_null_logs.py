@@ -1,0 +1,228 @@
+"""Null logs: that they are the log's own programme without an effect, that their scores are those that the Gaussian draws promise, and their cache."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS
+from ivsid.diagnosis import cache_folder
+from ivsid.diagnosis.calibration import calibrate
+from ivsid.diagnosis.channels import channels
+from ivsid.diagnosis.confirmation import CLOSE, confirmed, strength
+from ivsid.diagnosis.families import everything, score
+from ivsid.diagnosis.fit import plain_fit
+from ivsid.diagnosis.null_cache import keep, kept, key_of
+from ivsid.diagnosis.null_logs import FASTEST, null_logs, thinned
+from ivsid.diagnosis.null_test import NullTest, examined, trial_of
+from ivsid.diagnosis.selection import Found
+from ivsid.diagnosis.testing import Threshold, visibility
+from ivsid.effects import sort_given
+from ivsid.log import Log
+from ivsid.scenario import parse_scenario
+from ivsid.simulation import simulate
+from ivsid.simulation.equations import equations, plant
+from ivsid.thrust import ThrustCurve
+from ivsid.vehicle import parse_vehicle
+
+STRAIGHT = """
+[[segments]]
+manoeuvre = "steps"
+demand = [40.0, 60.0, 25.0, 70.0]
+period = 6.0
+yaw_gain = 25.0
+duration = 60.0
+"""
+OPEN = """
+[[segments]]
+manoeuvre = "prbs"
+demand = 40.0
+amplitude = 20.0
+differential = 6.0
+period = 3.0
+duration = 60.0
+"""
+
+
+def drawn(segments=ZIGZAGS, rate=10.0, duration=240.0, seed=5):
+    vehicle = parse_vehicle(TWIN + SENSORS, "twin.toml")
+    head = f"duration = {duration}\nrate = {rate}\nseed = {seed}\n[truth]\n"
+    head += "".join(f'"{k}" = {v}\n' for k, v in TRUTH.items())
+    done = simulate(vehicle, parse_scenario(head + segments, "s.toml"), seed)
+    return vehicle, Log("a.csv", "0" * 64, done.t, done.columns)
+
+
+def trial(segments=ZIGZAGS, **kwargs):
+    vehicle, log = drawn(segments, **kwargs)
+    fit = plain_fit(vehicle, channels(log, vehicle), everything)
+    visible = visibility(fit)
+    seen = frozenset(i for i, v in visible.items() if v.tested)
+    test = Threshold(calibrate(fit, seen, 0.005, 1), seen, frozenset(i for i, v in visible.items() if v.blind))
+    return fit, test, trial_of(fit, test, 1)
+
+
+@pytest.fixture(scope="module")
+def zigzags():
+    return trial()
+
+
+def test_the_feedback_of_a_log_is_found_with_its_gain(zigzags):
+    back = zigzags[2].programme.feedback
+    # Port first: it is given less when the yaw rate is asked for more; the segments have gains of 20 and 25.
+    assert back.gains[0, 2] == pytest.approx(-24, abs=2) and back.gains[1, 2] == pytest.approx(24, abs=2)
+    assert not back.gains[:, [0, 1, 3]].any() and not back.gains[2:].any()
+    assert 0.5 < back.at[0].mean() < 1.0 and not back.reads
+
+
+def test_a_straight_course_shows_its_feedback_through_the_noise_and_an_open_loop_has_none():
+    straight = trial(STRAIGHT)[2].programme.feedback
+    assert straight.gains[1, 2] == pytest.approx(25, rel=0.2) and straight.at[1].mean() > 0.8
+    assert not trial(OPEN)[2].programme.feedback.closed
+
+
+def test_without_noise_a_null_log_moves_as_the_equations_say(zigzags):
+    """The rates at each sample are those of the simulator's own equations, and the next state is their integral."""
+    programme = zigzags[2].programme
+    quiet = replace(
+        programme,
+        ambient=replace(programme.ambient, deviation=(0.0, 0.0, 0.0)),
+        declared={},
+        log=replace(programme.log, noise=dict.fromkeys(programme.log.noise, 0.0)),
+    )
+    log, h = null_logs(quiet, 1, [0])[0]
+    vehicle = programme.vehicle
+    numbers = {k: float(v) for k, v in h.values.items()}
+    model = plant(vehicle, h.terms, sort_given(numbers, [t.name for t in vehicle.thrusters]))
+    rates = equations(model)
+    curves = [ThrustCurve(t.model_copy(update={"outside": "hold"})) for t in vehicle.thrusters]
+    for i in range(0, log.n, 37):
+        push = [float(c.value(log.demands[k, i])) for k, c in enumerate(curves)]
+        state = (*log.nu[:, i], log.psi[i], *log.place[:, i])
+        found = rates(log.t[i], *state, 0.0, 0.0, 0.0, 0.0, 0.0, *push, 0.0, 0.0)
+        u, v, r = log.nu[:, i]
+        assert log.acceleration[0][i] == pytest.approx(found[0] - v * r, abs=2e-5)
+        assert log.acceleration[1][i] == pytest.approx(found[1] + u * r, abs=2e-5)
+
+
+def test_a_null_log_is_the_same_alone_and_in_company(zigzags):
+    programme = zigzags[2].programme
+    alone, together = null_logs(programme, 3, [4])[0][0], null_logs(programme, 3, [2, 4])[1][0]
+    for name in ("nu", "psi", "place", "demands"):
+        np.testing.assert_array_equal(getattr(alone, name), getattr(together, name))
+    other = null_logs(programme, 4, [4])[0][0]
+    assert not np.array_equal(alone.nu, other.nu)
+
+
+def test_null_logs_have_the_noise_of_the_log_and_its_demands_where_no_feedback_acts(zigzags):
+    fit, _, made = zigzags
+    log, _ = null_logs(made.programme, 1, [0])[0]
+    real = fit.noise.bench.log
+    for k in range(3):
+        rough = [float(np.std(np.diff(x.nu[k], 3))) for x in (real, log)]
+        assert rough[1] == pytest.approx(rough[0], rel=0.15)
+    rest = ~made.programme.feedback.at[0]
+    np.testing.assert_array_equal(log.demands[0, rest], real.demands[0, rest])
+
+
+def test_a_faster_log_is_thinned_and_its_noise_with_it():
+    vehicle, log = drawn(rate=20.0, duration=120.0)
+    data = channels(log, vehicle)
+    thin, q = thinned(data)
+    assert q == 2 and 1 / thin.h == pytest.approx(FASTEST) and thin.n == data.n // 2
+    assert thin.noise["u"] == pytest.approx(data.noise["u"] / np.sqrt(2))
+    np.testing.assert_allclose(thin.demands, 0.5 * (data.demands[:, ::2] + data.demands[:, 1::2])[:, : thin.n])
+    assert thinned(thin) == (thin, 1)
+
+
+def test_simulated_and_gaussian_strengths_agree(zigzags):
+    """Medians and upper quarters of the largest strength, within what forty logs can say."""
+    _, test, made = zigzags
+    found = examined(made, 1, range(40))
+    assert found.usable and found.kept.size == 40
+    drawn_ones = -np.log(np.maximum(test.calibration.smallest, 1e-300))
+    for share, most in ((0.5, 1.0), (0.75, 1.5)):
+        assert abs(np.quantile(found.kept, share) - np.quantile(drawn_ones, share)) < most
+    assert found.passed.sum() <= 2
+    record = found.record()
+    assert record["logs"] == 40 and record["achieved"] == found.passed.mean()
+
+
+def close(fit, test, times):
+    """A finding of so many times the strength that the threshold asks for."""
+    best = next(s for s in score(fit)[1] if s.count == 1 and s.id in test.visible and s.family.kind == "linear")
+    gain = next(
+        g
+        for g in np.arange(1.0, 500.0, 0.25)
+        if strength(test, Found(best.id, (), (), g, 1.0, best)) >= times * asked(test)
+    )
+    return Found(best.id, (), (), float(gain), 1.0, best)
+
+
+def asked(test):
+    return -float(np.log(test.calibration.chance))
+
+
+def test_only_a_finding_close_to_its_threshold_asks_for_null_logs(zigzags, tmp_path):
+    fit, test, _ = zigzags
+    assert confirmed(fit, test, [], 1, 400, None).nulls is None
+    assert confirmed(fit, test, [close(fit, test, CLOSE * 1.01)], 1, 400, None).nulls is None
+    assert confirmed(fit, test, [close(fit, test, 1.2)], 1, 0, None).nulls is None
+    near = confirmed(fit, test, [close(fit, test, 2.6)], 1, 20, tmp_path)
+    assert near.nulls is not None and near.nulls.kept.size == 20 and near.nulls.cached == 0
+    said = near.record()
+    assert said["simulated"]["logs"] == 20 and 0 <= said["achieved"] <= 1 and said["family_wise"] == 0.005
+    # The second time nothing is simulated.
+    told = []
+    again = confirmed(fit, test, [close(fit, test, 2.6)], 1, 20, tmp_path, told.append)
+    assert again.nulls.cached == 20 and not told
+    np.testing.assert_array_equal(again.nulls.strengths, near.nulls.strengths)
+
+
+def test_null_logs_that_score_higher_make_the_test_stricter():
+    strong = NullTest(np.linspace(5.0, 15.0, 400), np.zeros(400, dtype=bool), 0.005)
+    weak = NullTest(np.linspace(1.0, 4.0, 400), np.zeros(400, dtype=bool), 0.005)
+    assert strong.threshold() > 14 > weak.threshold()
+    assert strong.threshold(2.0) > strong.threshold()
+    # An exponential tail: its quantile is known.
+    tail = NullTest(np.random.default_rng(1).exponential(1.3, 4000), np.zeros(4000, dtype=bool), 0.005)
+    assert tail.threshold() == pytest.approx(-1.3 * np.log(0.005), rel=0.1)
+    assert not NullTest(np.full(20, np.nan), np.zeros(20, dtype=bool), 0.005).usable
+
+
+def test_the_cache_is_whole_or_nothing_and_follows_its_key(tmp_path, monkeypatch):
+    test = NullTest(np.array([1.5, np.nan, 3.25]), np.array([True, False, False]), 0.005)
+    keep(tmp_path, "a" * 64, test)
+    back = kept(tmp_path, "a" * 64, 0.005)
+    np.testing.assert_array_equal(back.strengths, test.strengths)
+    np.testing.assert_array_equal(back.passed, test.passed)
+    file = tmp_path / f"{'a' * 64}.json"
+    text = file.read_text()
+    for damaged in (text[:-20], text.replace("true", "false"), "[]", "", json.dumps({"key": "a"})):
+        file.write_text(damaged)
+        assert kept(tmp_path, "a" * 64, 0.005) is None
+    file.write_text(text)
+    file.rename(tmp_path / f"{'b' * 64}.json")
+    assert kept(tmp_path, "b" * 64, 0.005) is None and kept(tmp_path, "c" * 64, 0.005) is None
+    # A folder that cannot be made is no cache, and no error.
+    keep(file.parent / f"{'b' * 64}.json" / "under", "d" * 64, test)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert cache_folder() == tmp_path / "ivsid" / "null_logs"
+
+
+def test_the_key_follows_content_and_not_names(zigzags):
+    fit = zigzags[0]
+    vehicle, log = fit.noise.bench.vehicle, fit.noise.bench.log
+    ids = frozenset({"drag.surge.linear"})
+    key = key_of(vehicle, log, 1, 0.005, ids, 1e-4)
+    assert key == key_of(vehicle, replace(log, name="b.csv"), 1, 0.005, ids, 1e-4)
+    nu = log.nu.copy()
+    nu[0, 7] = np.nextafter(nu[0, 7], np.inf)
+    others = {
+        key_of(vehicle, replace(log, nu=nu), 1, 0.005, ids, 1e-4),
+        key_of(vehicle, log, 2, 0.005, ids, 1e-4),
+        key_of(vehicle, log, 1, 0.005, ids | {"wind.steady"}, 1e-4),
+        key_of(vehicle, log, 1, 0.005, ids, 2e-4),
+        key_of(parse_vehicle(vehicle.text + "\n", "twin.toml"), log, 1, 0.005, ids, 1e-4),
+    }
+    assert len(others) == 5 and key not in others

@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 OUT ?= out/demo
 RUST_SOURCES := $(shell find crates -name '*.rs' -o -name 'Cargo.toml') Cargo.toml Cargo.lock
 
-.PHONY: demo test check bench vessels peers inverse-peers throughput exhaustive twins itf1788 differential fuzz exam docs build format clean
+.PHONY: demo test check bench vessels peers inverse-peers throughput exhaustive twins itf1788 differential fuzz exam handbook docs build format clean
 
 demo: build
 	$(BIN)/ivsid demo --out $(OUT)
@@ -17,12 +17,16 @@ test: build
 check: build
 	cargo fmt --all --check
 	cargo clippy --locked --workspace --all-targets -- -D warnings
-	$(BIN)/ruff format --check python tests examples benches
-	$(BIN)/ruff check python tests examples benches
+	$(BIN)/ruff format --check python tests examples benches docs/*.py
+	$(BIN)/ruff check python tests examples benches docs/*.py
 	$(BIN)/mypy
 	$(BIN)/stubtest ivsid._core --mypy-config-file pyproject.toml
 	$(BIN)/lint-imports
 	$(MAKE) docs
+
+# An entry and a figure for every effect, from the catalogue, docs/handbook_words.toml and the simulator.
+handbook: build
+	$(BIN)/python docs/handbook.py
 
 docs: build
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps
@@ -79,8 +83,8 @@ build: $(VENV)/.built
 
 format: build
 	cargo fmt --all
-	$(BIN)/ruff format python tests examples benches
-	$(BIN)/ruff check --fix python tests examples benches
+	$(BIN)/ruff format python tests examples benches docs/*.py
+	$(BIN)/ruff check --fix python tests examples benches docs/*.py
 
 $(VENV)/.ready: requirements/lock.txt
 	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "Python 3.11 or later is needed; set PYTHON=/path/to/it")'

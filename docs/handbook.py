@@ -10,7 +10,7 @@ import io
 import re
 import sys
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -165,7 +165,6 @@ def signature(effect: Effect) -> Signature:
     """What the effect leaves in the standard programme."""
     made = sailed(effect)
     c, t = made.columns, made.t
-    gradient = {n: np.gradient(c[n], t) for n in ("u", "v", "r", "psi")}
     state = State(
         c["u"],
         c["v"],
@@ -193,14 +192,8 @@ def signature(effect: Effect) -> Signature:
     }
     quantities = {k: low(x) if k not in ("heading", "time") else x for k, x in quantities.items()}
     if isinstance(effect.acts, Reading):
-        rows = np.stack(
-            [
-                c["ax"] - gradient["u"] + c["v"] * c["r"],
-                c["ay"] - gradient["v"] - c["u"] * c["r"],
-                c["r"] - gradient["psi"],
-            ]
-        )
-        rows = low(rows)
+        # What differencing makes of a jump of thrust stands in both, and goes.
+        rows = low(kinematic(c, t) - kinematic(made.exact, t))
         k = int(np.argmax(rows.std(axis=1) + np.abs(rows.mean(axis=1))))
         return finished(f"K{k + 1}", ("m/s²", "m/s²", "rad/s")[k], t, rows[k], rows[k], quantities, None)
     columns = np.stack(
@@ -222,6 +215,12 @@ def signature(effect: Effect) -> Signature:
     k = int(np.argmax(rest if rest.sum() > 1e-3 * energy.sum() else energy))
     share = float(rest.sum() / energy.sum())
     return finished(("X", "Y", "N")[k], "N m" if k == 2 else "N", t, whole[k], left[k], quantities, share)
+
+
+def kinematic(c: Mapping[str, Array], t: Array) -> Array:
+    """K1, K2, K3 of readings, shape (3, n)."""
+    u, v, psi = (np.gradient(c[n], t) for n in ("u", "v", "psi"))
+    return np.stack([c["ax"] - u + c["v"] * c["r"], c["ay"] - v - c["u"] * c["r"], c["r"] - psi])
 
 
 def finished(

@@ -66,9 +66,8 @@ def test_the_library_is_sailed_by_every_kind_of_vehicle():
             "acceleration straights", "round the anchor", "speed changes on four headings",
         } <= names  # fmt: skip
         assert ("turns on the spot" in names) == (text is TWIN)
-        values = TRUTH if text is TWIN else {**TRUTH}
         for trial in trials.library(vehicle):
-            made = simulate(vehicle, trials.scenario(trial, vehicle, 10.0, values))
+            made = simulate(vehicle, trials.scenario(trial, vehicle, 10.0, TRUTH))
             assert 120 <= made.t[-1] <= 200
             e = made.exact
             assert max(np.ptp(e["u"]), np.ptp(e["psi"])) > 0.5, trial.name
@@ -88,6 +87,7 @@ def test_two_logs_as_one_are_what_one_log_of_both_is():
     assert coast.d > twice[0].d
 
 
+@pytest.mark.slow
 def test_coasting_separates_linear_drag_from_friction_best():
     for segments in (LINE, LINE + CIRCLE):
         vehicle, train, fit = fitted(segments)
@@ -98,6 +98,7 @@ def test_coasting_separates_linear_drag_from_friction_best():
         assert one.best.groups == (("drag.surge.linear",), ("friction.coulomb",))
 
 
+@pytest.mark.slow
 def test_headings_separate_current_from_wind_and_straight_runs_do_not():
     """On one heading at one speed a current and a wind are one thing; speed changes on several headings, or full turns, tell them apart."""
     vehicle, train, fit = fitted(ONE_LINE)
@@ -119,6 +120,7 @@ def test_algebra_is_broken_by_no_manoeuvre():
     assert one.record()["best"] is None
 
 
+@pytest.mark.slow
 def test_the_advice_holds_when_it_is_followed():
     """The distance that a coast promises, against that of a real log of the programme with a coast behind it, sensors' noise and all."""
     vehicle, train, fit = fitted(LINE)
@@ -136,6 +138,7 @@ def test_the_advice_holds_when_it_is_followed():
     assert one.d < APART and 0.6 < one.best.d / min(real.distance[0, 1], real.distance[1, 0]) < 1.6
 
 
+@pytest.mark.slow
 def test_the_command_advises_for_a_scenario_and_for_a_log(tmp_path):
     from ivsid.workflow.common import csv
 
@@ -160,6 +163,7 @@ def test_the_command_advises_for_a_scenario_and_for_a_log(tmp_path):
         assert any("coast to rest would show it" in line for line in page.lines)
 
 
+@pytest.mark.slow
 def test_a_rudder_and_a_vehicle_without_thrusters_get_what_is_possible(tmp_path):
     vehicle, train, fit = fitted(STEERED, vehicle_of(RUDDER))
     logs = sailed(vehicle, fit.h.values, train.columns)

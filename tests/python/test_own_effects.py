@@ -10,6 +10,8 @@ import pytest
 
 from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS, logs_of, vehicle_of
 from ivsid import IvsidError, diagnose, identify
+from ivsid.diagnosis.channels import channels
+from ivsid.diagnosis.null_cache import key_of
 from ivsid.effects import (
     EFFECTS,
     Effect,
@@ -17,6 +19,7 @@ from ivsid.effects import (
     Parameter,
     Term,
     Terms,
+    own_fingerprint,
     read_effects,
     register,
     terms_of,
@@ -153,6 +156,27 @@ def test_a_file_that_is_no_list_of_effects_is_refused(text, words, tmp_path, cle
         read_effects(path)
     with pytest.raises(IvsidError, match="cannot be read"):
         read_effects(tmp_path / "absent.py")
+
+
+def test_null_logs_are_kept_under_the_content_of_the_files(tmp_path, clean):
+    """The same id with other physics asks for null logs of its own; what came from no file is not kept at all."""
+    assert own_fingerprint() == ""
+    path = tmp_path / "own.py"
+    said = []
+    for body in (BLOCKS["python"][0], BLOCKS["python"][0].replace("square(s.u)", "abs(s.u)")):
+        path.write_text(body)
+        read_effects(path)
+        said.append(own_fingerprint())
+        unregister("drag.surge.cubic")
+    assert own_fingerprint() == "" and len({"", None, *said}) == 4
+    vehicle = vehicle_of()
+    train, _ = logs_of(vehicle, duration=90.0)
+    log = channels(train, vehicle)
+    plain = key_of(vehicle, log, 1, 0.005, frozenset({"wind.steady"}), 1e-4)
+    read_effects(path)
+    assert key_of(vehicle, log, 1, 0.005, frozenset({"wind.steady"}), 1e-4) != plain
+    register(effect("drag.own"))
+    assert own_fingerprint() is None
 
 
 def test_sizes_scale_after_froude_from_the_unit_alone():

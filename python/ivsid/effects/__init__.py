@@ -33,7 +33,7 @@ from ivsid.effects.effect import (
     Thrust,
 )
 from ivsid.effects.given import Given, for_thruster, of_kind, sort_given, spread
-from ivsid.effects.own import own_files, own_ids, read_effects, register, unregister
+from ivsid.effects.own import own_files, own_fingerprint, own_ids, read_effects, register, unregister
 from ivsid.effects.rigid_body import rigid_body
 from ivsid.effects.terms import CHANNELS, Columns, Place, State, Term
 
@@ -65,6 +65,7 @@ __all__ = [
     "of_kind",
     "on_hull",
     "own_files",
+    "own_fingerprint",
     "own_ids",
     "read_effects",
     "register",

@@ -47,6 +47,8 @@ def unregister(id_: str) -> None:
     """Takes an effect of one's own out again."""
     for table in (EFFECTS, CATALOGUE, WITH_HEADING):
         table.pop(id_, None)
+    for ids in [q for q in _FILES if id_ in q]:
+        del _FILES[ids]
 
 
 def read_effects(path: str | Path) -> None:
@@ -87,6 +89,14 @@ def read_effects(path: str | Path) -> None:
 def own_ids() -> frozenset[str]:
     """Ids of the effects that joined the catalogue in this process."""
     return frozenset(EFFECTS) - _SHIPPED
+
+
+def own_fingerprint() -> str | None:
+    """What a cache has to know of the effects that joined: their files' content; None where some came from no file."""
+    files = {i: digest for ids, (_, digest) in _FILES.items() for i in ids}
+    if own_ids() - set(files):
+        return None
+    return " ".join(sorted({files[i] for i in own_ids()}))
 
 
 def own_files() -> tuple[tuple[str, str], ...]:

@@ -1,0 +1,157 @@
+"""What a user reads of a diagnosis: paragraphs made from its numbers, figures that show them, ranked rejections, losses as losses."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+from diagnosis_logs import logs_of, vehicle_of
+from ivsid import diagnose
+from ivsid.diagnosis import evidence, explain, worth
+from ivsid.diagnosis.explain import _verdict
+from ivsid.diagnosis.shape import binned, ordered_by
+from ivsid.records import to_json
+from ivsid.workflow.diagnose import diagnosis_report
+
+LINEAR = 4.0
+
+
+@pytest.fixture(scope="module")
+def result():
+    vehicle = vehicle_of()
+    return diagnose(vehicle, *logs_of(vehicle, {"drag.surge.linear": LINEAR}))
+
+
+@pytest.fixture(scope="module")
+def seen(result):
+    return evidence(result)
+
+
+def test_the_evidence_is_the_force_that_was_hidden(result, seen):
+    """Without the finding the projected part of 4 kg/s times u is missing, in surge, and it goes with u; with it only the ambient force is."""
+    assert [f.effect for f in result.findings] == ["drag.surge.linear"]
+    (e,) = seen
+    assert (e.effect, e.channel, e.unit, e.quantity) == ("drag.surge.linear", "surge", "N", "u")
+    before, after, own = e.rms
+    assert before > 1.4 * after and own > 1.1 * after
+    # The ambient force is 0.15 N before the low-pass.
+    assert 0.03 < after < 0.25
+    good = result.selection.last.noise.good
+    assert before == pytest.approx(float(np.sqrt(np.mean(e.before[good] ** 2))))
+    u = result.selection.last.anchor.points.nu[0, : e.time.size][good]
+    explained = (e.before - e.after)[good]
+    # Drag, mass and the declared thrust errors take most of -4 u; what is left falls with u first, and the square turns it round.
+    A = np.stack([u, u * np.abs(u)], axis=1)
+    slope, curve = np.linalg.lstsq(A, explained, rcond=None)[0]
+    assert -LINEAR < slope < -0.3 and curve > 0.3
+    first, end = e.window
+    assert end - first == 900 and (e.before - e.after)[first:end].std() > 0
+
+
+def test_every_paragraph_is_made_of_the_numbers(result, seen):
+    (paragraphs,) = explain(result, seen)
+    what, much, sure, other, following = paragraphs
+    bound = result.findings[0].parameters["drag.surge.linear"]
+    assert what.startswith("drag.surge.linear: laminar skin friction")
+    assert f"between {bound.lower:.4g} and {bound.upper:.4g} kg/s (statistical, not proved" in much
+    assert f"{seen[0].rms[0]:.3g} N are missing" in much and "It goes with u." in much
+    assert f"by {result.findings[0].evidence['z']:.0f} standard deviations" in sure and "0.5 %" in sure
+    numbers = re.findall(r"explains (\d+) % of the fall", other)
+    assert result.findings[0].alternatives or (numbers and 0 <= int(numbers[0]) <= 100) or "comes near" in other
+    assert "ivsid identify" in following
+    # A set is taken for the finding, and the manoeuvre that would decide stands there.
+    made = explain(_with_alternatives(result), seen)[0]
+    assert "does not tell it from friction.coulomb" in made[3] and "coast" in made[4]
+
+
+def _with_alternatives(result):
+    from dataclasses import replace
+
+    f = replace(result.findings[0], alternatives=("friction.coulomb",), separate_by="coast to rest", confidence=0.6)
+    return replace(result, findings=(f,))
+
+
+def test_every_candidate_is_found_in_a_set_or_rejected_with_a_reason(result):
+    record = json.loads(to_json(result.record()))
+    rejected = {q["effect"]: q for q in record["rejected"]}
+    held = {i for f in result.findings for i in (f.effect, *f.alternatives)}
+    assert set(rejected) | held == {s.id for s in result.selection.screened} and not set(rejected) & held
+    assert all(len(q["reason"]) > 20 for q in rejected.values())
+    gains = {s.id: s.gain for s in result.selection.screened}
+    for id_, q in rejected.items():
+        assert q["gain"] == pytest.approx(gains[id_])
+        if "no more than chance: a fall" in q["reason"] and "that count" in q["reason"]:
+            assert q["gain"] < 25
+        if "explained by what was found" in q["reason"]:
+            assert q["beside_findings"] < 0.2 * q["gain"]
+        if "does not test it: at its typical" in q["reason"]:
+            assert result.visible[id_].z < 8
+        if "fitted in full" in q["reason"]:
+            assert q["full_fit"][1] - q["full_fit"][0] > 9
+    # The nearest neighbour explains a great deal by itself and nothing beside the finding.
+    near = rejected.get("friction.coulomb") or rejected["thruster.advance_loss"]
+    assert near["gain"] > 25 and near["beside_findings"] < 0.2 * near["gain"]
+
+
+def test_gains_have_intervals_and_losses_are_said(result):
+    gain = result.gain
+    assert set(gain.interval) == {"u", "v", "r", "position", "X", "Y", "N"}
+    for low, high in gain.interval.values():
+        assert 0 < low <= high
+    rows = {what: (before, after, interval, said) for what, _, before, after, interval, said in worth(gain)}
+    assert len(rows) == 7
+    force = next(v for k, v in rows.items() if k.startswith("missing force X"))
+    assert force[1] < force[0] and force[3].startswith("better, by a factor of")
+    assert force[2][0] <= force[0] / force[1] <= force[2][1]
+    assert _verdict(1.0, 1.6, (0.5, 0.8)) == "WORSE, by a factor of 1.25 to 2"
+    assert _verdict(1.0, 0.9, (0.8, 1.4)) == "no change that this log can tell"
+    assert _verdict(1.0, 1.0, (1.0, 1.0)) == "unchanged"
+    # Mass times acceleration: what was measured, less what each model says of it, is the force that is missing.
+    left = gain.net[0] - gain.net[2]
+    size = np.sqrt(np.mean(left[:, 50:-50] ** 2, axis=1))
+    for k, name in enumerate("XYN"):
+        assert size[k] == pytest.approx(gain.force_rms[name][1], rel=0.1)
+
+
+def test_a_model_that_is_made_worse_is_reported_as_worse(result):
+    """TEST without the effect: the extended model is wrong there, and the report says so."""
+    vehicle = vehicle_of()
+    train, _ = logs_of(vehicle, {"drag.surge.linear": 3 * LINEAR})
+    _, test = logs_of(vehicle)
+    made = diagnose(vehicle, train, test)
+    assert made.findings
+    said = {what: words for what, *_, words in worth(made.gain)}
+    assert any(words.startswith("WORSE") for words in said.values()), said
+
+
+def test_the_page_shows_each_finding_and_both_models_on_the_other_log(result):
+    page = diagnosis_report(result)
+    names = [d.name for d in page.drawings]
+    assert names == ["signature_1", "net_force", "gain", "force_residual"]
+    assert all(d.png[:4] == b"\x89PNG" and d.svg.startswith(b"<?xml") and d.caption for d in page.drawings)
+    assert [d.png for d in diagnosis_report(result).drawings] == [d.png for d in page.drawings]
+    titles = [s.title for s in page.sections]
+    assert "Candidates that are no findings" in titles and "What the better model is worth" in titles
+    assert any("missing" in line or "simulated" in line for line in page.lines)
+
+
+def test_what_is_adequate_draws_no_finding_and_claims_no_gain():
+    vehicle = vehicle_of()
+    made = diagnose(vehicle, *logs_of(vehicle, duration=120.0))
+    assert made.verdict == "adequate" and evidence(made) == () and explain(made) == []
+    assert {said for *_, said in worth(made.gain)} == {"unchanged"}
+    page = diagnosis_report(made)
+    assert [d.name for d in page.drawings] == ["net_force", "gain", "force_residual"]
+
+
+def test_what_orders_a_force_is_found():
+    rng = np.random.default_rng(0)
+    u, r, t = rng.uniform(-1, 1, 4000), rng.uniform(-1, 1, 4000), np.arange(4000.0)
+    for name, values in (("u", u**2), ("r", np.tanh(9 * r)), ("time", np.sin(t / 700))):
+        assert ordered_by(values + 0.2 * rng.standard_normal(4000), {"u": u, "r": r, "time": t}) == name
+    # What stands still orders nothing, and an earlier quantity is preferred to its double.
+    assert ordered_by(u, {"still": np.ones(4000), "u": u, "twice": 2 * u}) == "u"
+    b = binned(3 * u, u, 0.1)
+    np.testing.assert_allclose(b.mean, 3 * b.centre)
+    assert (np.diff(b.centre) > 0).all() and (b.error > 0).all()

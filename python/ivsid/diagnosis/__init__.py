@@ -7,13 +7,17 @@ from ivsid.diagnosis.extended import extended_vehicle
 from ivsid.diagnosis.intervals import Bound
 from ivsid.diagnosis.isolability import Isolability, isolability
 from ivsid.diagnosis.null_cache import cache_folder
+from ivsid.diagnosis.proved import GUARANTEED, REFUTED, Proof
 
 __all__ = [
+    "GUARANTEED",
     "NULL_LOGS",
+    "REFUTED",
     "Bound",
     "Diagnosis",
     "Finding",
     "Isolability",
+    "Proof",
     "cache_folder",
     "diagnose",
     "explain",

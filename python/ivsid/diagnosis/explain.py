@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+
 from ivsid.diagnosis.diagnose import Diagnosis, Finding
 from ivsid.diagnosis.families import Scored
 from ivsid.effects import EFFECTS
@@ -12,11 +14,17 @@ def explain(result: Diagnosis) -> list[str]:
     return [_unknown(f) if f.effect == "unknown" else _paragraph(result, f) for f in result.findings]
 
 
+def _outward(x: float, rounding: str) -> str:
+    """Four digits that the interval does not lose anything by."""
+    return f"{float(Context(prec=4, rounding=rounding).create_decimal(Decimal(x))):g}"
+
+
 def _paragraph(result: Diagnosis, f: Finding) -> str:
     effect = EFFECTS[f.effect]
     words = [f"{f.effect}: {effect.cause}."]
     sizes = [
-        f"{name} lies between {b.lower:.4g} and {b.upper:.4g} {b.unit if b.unit != '1' else ''}".rstrip()
+        f"{name} lies between {_outward(b.lower, ROUND_FLOOR)} and {_outward(b.upper, ROUND_CEILING)} "
+        f"{b.unit if b.unit != '1' else ''}".rstrip()
         for name, b in f.parameters.items()
     ]
     if sizes:

@@ -229,6 +229,7 @@ def case(
     kind: str | None = None,
     ambient: float | None = None,
     duration: float | None = None,
+    noise: str = "gaussian",
 ) -> Case:
     """The case of a seed; what is given is not drawn."""
     rng = np.random.default_rng([seed, 77])
@@ -245,7 +246,7 @@ def case(
     vehicle = parse_vehicle(text, "v.toml")
     w = what or str(rng.choice(["none", "one", "one", "two", "outside"], p=[0.34, 0.2, 0.26, 0.1, 0.1]))
     truth: dict[str, float] = {}
-    head = f"duration = {d}\nrate = {rate}\nseed = {seed}\n[truth]\n"
+    head = f'duration = {d}\nrate = {rate}\nseed = {seed}\nnoise = "{noise}"\n[truth]\n'
     head += "\n".join(f'"{n}" = {v}' for n, v in exact.items()) + "\n"
     scenario = parse_scenario(head + programme(rng, d, k, scale, st), "s.toml")
     other = parse_scenario(head + programme(rng, d, k, scale, "rich"), "s.toml")

@@ -9,9 +9,12 @@ from ivsid.diagnosis.extended import extended_vehicle
 from ivsid.diagnosis.intervals import Bound
 from ivsid.diagnosis.isolability import Advice, Choice, Isolability, isolability
 from ivsid.diagnosis.null_cache import cache_folder
+from ivsid.diagnosis.proved import GUARANTEED, REFUTED, Proof
 
 __all__ = [
+    "GUARANTEED",
     "NULL_LOGS",
+    "REFUTED",
     "Advice",
     "Bound",
     "Choice",
@@ -19,6 +22,7 @@ __all__ = [
     "Evidence",
     "Finding",
     "Isolability",
+    "Proof",
     "advised",
     "cache_folder",
     "diagnose",

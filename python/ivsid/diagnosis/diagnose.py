@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -22,6 +22,7 @@ from ivsid.diagnosis.fit import Fit, plain_fit
 from ivsid.diagnosis.gain import Gain, compare, missing_force
 from ivsid.diagnosis.hints import hints
 from ivsid.diagnosis.intervals import Bound, intervals
+from ivsid.diagnosis.proved import Proof, extended_proof, guaranteed, proof_of
 from ivsid.diagnosis.rejected import Rejected, rejected
 from ivsid.diagnosis.selection import MARGIN, Found, Selection, select
 from ivsid.diagnosis.testing import VISIBLE, Threshold, Visibility, visibility
@@ -88,6 +89,7 @@ class Diagnosis:
         vehicle: of the file.
         inputs: names and hashes.
         seed: of every random draw.
+        proofs: of the model as it was on TRAIN, and of the extended one where a guarantee was asked for.
     """
 
     verdict: str
@@ -103,6 +105,7 @@ class Diagnosis:
     vehicle: Vehicle
     inputs: tuple[tuple[str, str], ...]
     seed: int
+    proofs: tuple[Proof, Proof | None]
     notes: tuple[str, ...] = field(default=())
 
     @property
@@ -121,6 +124,8 @@ class Diagnosis:
             "not_tested": list(self.not_tested),
             "detectable": _detectable(self.visible),
             "calibration": self.calibration,
+            "falsified": self.proofs[0].record(),
+            "guarantees": None if self.proofs[1] is None else self.proofs[1].record(),
             "unexplained": self.unexplained,
             "gain": self.gain.record(),
             "parameters": {k: float(v) for k, v in self.selection.last.h.values.items()},
@@ -177,6 +182,12 @@ def diagnose(
         # Where much is left that nobody explains, only a cause that explains far more than that, where it acts, keeps its name.
         named = tuple(f for f in named if f.gain >= DOMINANT * _left_beside(after, selection.last, f.id))
     findings = tuple(_finding(f, selection.last, selection.leftover, evidence) for f in named)
+    proof = proof_of(vehicle, train)
+    extended = None
+    # An interval rests on the model: another cause that would do as well, or one that nobody knows, ends its guarantee.
+    if findings and complete and not any(f.alternatives for f in findings):
+        extended = extended_proof(vehicle, train, selection.last.h)
+        findings = tuple(replace(f, parameters=guaranteed(f.parameters, extended)) for f in findings)
     if not complete:
         findings = (*findings, _unknown(after, [f.id for f in selection.found if f not in named]))
     progress("fitting the other log")
@@ -187,6 +198,7 @@ def diagnose(
     bench = Bench(vehicle, other, selection.last.noise.bench.ambient)
     gain = compare(bench, fit.h, selection.last.h, seed)
     verdict = "adequate" if not findings else ("wrong" if any(f.effect != "unknown" for f in findings) else "unknown")
+    said = [n for n in (confirmation.note, proof.sentence(verdict) if proof.refuted else "") if n]
     return Diagnosis(
         verdict,
         findings,
@@ -205,7 +217,8 @@ def diagnose(
             (test.name, test.sha256),
         ),
         seed,
-        (*log.notes, *train.notes, *_left_out(fit), *([confirmation.note] if confirmation.note else [])),
+        (proof, extended),
+        (*log.notes, *train.notes, *_left_out(fit), *said),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from typing import Final
 
 from ivsid.diagnosis.diagnose import Diagnosis, Finding
@@ -37,6 +38,11 @@ def explain(result: Diagnosis, seen: Sequence[Evidence] = ()) -> list[list[str]]
     ]
 
 
+def _outward(x: float, rounding: str) -> str:
+    """Four digits that the interval does not lose anything by."""
+    return f"{float(Context(prec=4, rounding=rounding).create_decimal(Decimal(x))):g}"
+
+
 def _paragraphs(result: Diagnosis, f: Finding, seen: Evidence | None) -> list[str]:
     effect = EFFECTS[f.effect]
     return [
@@ -63,7 +69,9 @@ def _sizes(result: Diagnosis, f: Finding, effect: Effect) -> list[str]:
         unit = "" if b.unit == "1" else f" {b.unit}"
         size = f"; {typical[name]:.3g}{unit} is usual for a vehicle of this mass" if name in typical else ""
         kind = "proved" if b.guaranteed else "statistical, not proved"
-        words.append(f"{name} lies between {b.lower:.4g} and {b.upper:.4g}{unit} ({kind}{size}).")
+        words.append(
+            f"{name} lies between {_outward(b.lower, ROUND_FLOOR)} and {_outward(b.upper, ROUND_CEILING)}{unit} ({kind}{size})."
+        )
     return words
 
 

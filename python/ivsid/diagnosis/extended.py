@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from ivsid.diagnosis.diagnose import Diagnosis
+from ivsid.diagnosis.physics import Hypothesis
 from ivsid.effects import CATALOGUE, PAPER_TERMS, own_ids
-from ivsid.vehicle import parse_vehicle
+from ivsid.vehicle import Vehicle, parse_vehicle
+
+if TYPE_CHECKING:
+    from ivsid.diagnosis.diagnose import Diagnosis
 
 # Effects that a vehicle file can state of its thrusters.
 _CLAIMS: Final = {
@@ -20,14 +23,18 @@ _CLAIMS: Final = {
 
 def extended_vehicle(result: Diagnosis) -> str:
     """The text of the vehicle file with the findings in its model; what a file cannot state stands in comments."""
-    h = result.selection.last.h
+    return extended_text(result.vehicle, result.selection.last.h)
+
+
+def extended_text(vehicle: Vehicle, h: Hypothesis) -> str:
+    """The same of a vehicle file and the hypothesis that it is extended to."""
     lines: list[str] = []
     given = {g.effect.id: g for g in h.given}
     claims = {_CLAIMS[i]: g.values[0] for i, g in given.items() if i in _CLAIMS and g.thruster is None}
     if "reverse_factor" in claims:
         claims["reverse_factor"] = 1.0 - claims["reverse_factor"]
     inside = ""
-    for line in result.vehicle.text.splitlines():
+    for line in vehicle.text.splitlines():
         head = line.strip()
         if head.startswith("["):
             inside = head.split("#")[0].strip()
@@ -46,8 +53,8 @@ def extended_vehicle(result: Diagnosis) -> str:
         lines.append('terms = "paper"')
     else:
         lines.append("terms = [" + ", ".join(f'"{i}"' for i in dict.fromkeys(ids)) + "]")
-    if result.vehicle.model.values:
-        pairs = ", ".join(f'"{k}" = {v!r}' for k, v in result.vehicle.model.values.items())
+    if vehicle.model.values:
+        pairs = ", ".join(f'"{k}" = {v!r}' for k, v in vehicle.model.values.items())
         lines.append(f"values = {{ {pairs} }}")
     for id_ in (i for i in ids if i in own_ids()):
         lines.append(f"# {id_} is an effect of your own: read this file with ivsid --own-effects FILE")

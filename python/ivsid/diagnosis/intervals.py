@@ -25,22 +25,29 @@ DOUBTFUL: Final = 6.0
 
 @dataclass(frozen=True)
 class Bound:
-    """An interval of one number of an effect; statistical."""
+    """An interval of one number of an effect: statistical, or guaranteed, with the other kind beside it where there is one."""
 
     lower: float
     upper: float
     unit: str
     symbol: str
     guaranteed: bool = False
+    statistical: tuple[float, float] | None = None
+    proved: tuple[float, float] | None = None
 
     def record(self) -> dict[str, Any]:
         """As in result.json."""
+        beside: dict[str, Any] = {}
+        for key, found in (("statistical", self.statistical), ("proved", self.proved)):
+            if found is not None:
+                beside[key] = {"lower": Lower(found[0]), "upper": Upper(found[1])}
         return {
             "lower": Lower(self.lower),
             "upper": Upper(self.upper),
             "unit": self.unit,
             "symbol": self.symbol,
             "guaranteed": self.guaranteed,
+            **beside,
         }
 
 

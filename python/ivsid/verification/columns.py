@@ -20,7 +20,7 @@ class Row:
 
 
 class Unknown:
-    """An acceleration that nothing bounds: it may stand in a column that is not used, and in no other."""
+    """An acceleration that nothing bounds: it may stand in a column that is not used, or be multiplied by exactly nothing, and nowhere else."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -28,7 +28,12 @@ class Unknown:
     def _used(self, *_: Any) -> Unknown:
         return self
 
-    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __neg__ = _used
+    def _times(self, other: Any) -> Unknown | Range:
+        # It is finite, whatever it is.
+        return Range(0) if isinstance(other, Range) and not other.magnitude else self
+
+    __add__ = __radd__ = __sub__ = __rsub__ = __neg__ = _used
+    __mul__ = __rmul__ = _times
 
 
 def value(columns: Column, state: State, channel: str) -> Range:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ivsid import diagnosis, figures, report
-from ivsid.diagnosis import NULL_LOGS, Diagnosis, cache_folder
+from ivsid.diagnosis import GUARANTEED, NULL_LOGS, REFUTED, Diagnosis, cache_folder
 from ivsid.log import read_log
 from ivsid.report import Report, Section
 from ivsid.vehicle import read_vehicle
@@ -17,6 +17,8 @@ VERDICTS = {
     "wrong": "The simulation is wrong; the findings name the causes, strongest first.",
     "unknown": "Something is wrong that no known cause explains.",
 }
+
+REFUTATION = "It is proved that no numbers of the model explain the log inside the declared bounds."
 
 
 def diagnose(
@@ -60,18 +62,21 @@ def diagnosis_report(result: Diagnosis) -> Report:
         Section("What the better model is worth", (_gain(result), *map(report.drawing, others))),
         Section("Candidates that are no findings", (_candidates(result),)),
         Section("What this log could not show", (_untested(result),)),
+        Section("Proved without a noise model", (report.bullets(_proved(result)),)),
         Section("What this rests on", (report.bullets(_assumptions(result)),)),
     ]
     if result.hints:
         sections.insert(1, Section("Hints: inside the declared errors", (report.bullets(result.hints),)))
     summary = f"{result.vehicle.name}: {result.verdict}. {VERDICTS[result.verdict]}"
+    if result.proofs[0].refuted:
+        summary += f" {REFUTATION}"
     return Report(
         f"Diagnosis of {result.vehicle.name}",
         summary,
         result.record(),
         tuple(s for s in sections if s.parts),
         (*signatures.values(), *others),
-        {"model.toml": diagnosis.extended_vehicle(result)},
+        {"model.toml": diagnosis.extended_vehicle(result), **_certificates(result)},
         tuple(_lines(result)),
     )
 
@@ -79,7 +84,10 @@ def diagnosis_report(result: Diagnosis) -> Report:
 def _findings(result: Diagnosis) -> dict[str, Any]:
     rows = []
     for f in result.findings:
-        bounds = "; ".join(f"{k} {shown(b.lower, b.upper)} {b.unit}" for k, b in f.parameters.items())
+        bounds = "; ".join(
+            f"{k} {shown(b.lower, b.upper)} {b.unit}{' (guaranteed)' if b.guaranteed else ''}"
+            for k, b in f.parameters.items()
+        )
         rows.append([f.effect, f.confidence, bounds or "–", ", ".join(f.alternatives) or "–", f.separate_by or "–"])
     header = ["cause", "confidence in its set", "parameters", "could also be", "what would separate them"]
     return report.table(header, rows, "No finding." if not rows else "Intervals are statistical unless marked.")
@@ -136,6 +144,42 @@ def _assumptions(result: Diagnosis) -> list[str]:
     return [*words, *result.notes]
 
 
+def _certificates(result: Diagnosis) -> dict[str, str]:
+    """Results of ``identify``, for ``ivsid verify``: of the refuted model, and of the one whose intervals are guaranteed."""
+    plain, extended = result.proofs
+    files = {REFUTED: plain.certificate} if plain.refuted else {}
+    if extended is not None and any(b.guaranteed or b.proved for f in result.findings for b in f.parameters.values()):
+        files[GUARANTEED] = extended.certificate
+    return files
+
+
+def _proved(result: Diagnosis) -> list[str]:
+    plain, extended = result.proofs
+    said = plain.record()
+    words = [plain.sentence(result.verdict)] if plain.refuted else []
+    if plain.refuted:
+        words.append(f"the certificate stands in {REFUTED}: ivsid verify {REFUTED} {result.inputs[1][0]}")
+    elif plain.status == "not_refuted":
+        words.append(
+            f"the model as it was is not refuted: at {said['inflation']:.3g} of the declared bounds some numbers of it explain every row"
+            if said["inflation"] is not None
+            else "the model as it was is not refuted"
+        )
+    else:
+        words.append(f"nothing is proved of the model as it was: {said['reason']}")
+    if extended is not None and GUARANTEED in _certificates(result):
+        for f in result.findings:
+            for k, b in f.parameters.items():
+                ends = (b.lower, b.upper) if b.guaranteed else b.proved
+                if ends is not None:
+                    words.append(f"{k} in {shown(*ends)} {b.unit}, whatever the noise inside its bounds")
+        words.append(f"these intervals are proved, if: {'; '.join(extended.record()['assumes'])}")
+        words.append(f"their certificates stand in {GUARANTEED}: ivsid verify {GUARANTEED} {result.inputs[1][0]}")
+    elif extended is not None and extended.refuted:
+        words.append("the extended model is refuted inside the declared bounds as well, so no interval is guaranteed")
+    return words
+
+
 def _null_logs(said: dict[str, Any] | None) -> list[str]:
     if said is None:
         return []
@@ -147,10 +191,15 @@ def _null_logs(said: dict[str, Any] | None) -> list[str]:
 
 def _lines(result: Diagnosis) -> list[str]:
     lines = [f"verdict: {result.verdict}. {VERDICTS[result.verdict]}"]
+    if result.proofs[0].refuted:
+        lines.append(f"  {result.proofs[0].sentence(result.verdict)}")
     for f in result.findings:
         also = f"; could also be {', '.join(f.alternatives)}" if f.alternatives else ""
         lines.append(f"  {f.effect} (confidence {f.confidence:.2f}{also})")
-        lines += [f"    {k:<32} {shown(b.lower, b.upper):>32} {b.unit}" for k, b in f.parameters.items()]
+        lines += [
+            f"    {k:<32} {shown(b.lower, b.upper):>32} {b.unit}{' (guaranteed)' if b.guaranteed else ''}"
+            for k, b in f.parameters.items()
+        ]
         if f.separate_by:
             lines.append(f"    to separate them: {f.separate_by}")
     if result.findings:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -45,11 +45,32 @@ class Adequacy:
         """Gain over its degrees of freedom; about 1 where nothing is left."""
         return self.gain / max(self.freedom, 1)
 
+    @property
+    def quiet(self) -> bool:
+        """Whether no more than chance is left."""
+        return self.chance > LEVEL or self.chance_of_one > LEVEL
+
     def sufficient(self, before: Adequacy, findings: int) -> bool:
         """Whether nothing that counts is left: no more than chance, or at most two parts in a hundred of what there was."""
-        if self.chance > LEVEL or self.chance_of_one > LEVEL:
+        if self.quiet:
             return True
         return findings > 0 and self.gain - self.freedom < REST * max(before.gain - before.freedom, 0.0)
+
+    def beside(self, fit: Fit, columns: Sequence[int]) -> float:
+        """What is left unexplained in the channels where a cause acts, by the share of its signature in each."""
+        whole = max(self.gain - self.freedom, 0.0)
+        energy = energy_of(fit, columns)
+        if not energy.sum() > 0:
+            return whole
+        by_row = [self.excess.get(c, whole) for c in fit.noise.bench.channels]
+        return float(energy @ np.array(by_row) / energy.sum())
+
+
+def energy_of(fit: Fit, columns: Sequence[int]) -> Array:
+    """Of signatures, by row of the errors."""
+    rows = len(fit.noise.bench.labels)
+    x = fit.gram.x[:, list(columns), :]
+    return np.asarray((x.reshape(-1, rows, fit.gram.length) ** 2).sum(axis=(0, 2)))
 
 
 def adequacy(fit: Fit) -> Adequacy:

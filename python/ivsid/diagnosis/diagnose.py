@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.adequacy import Adequacy, adequacy
+from ivsid.diagnosis.adequacy import Adequacy, adequacy, energy_of
 from ivsid.diagnosis.bench import Bench
 from ivsid.diagnosis.calibration import calibrate
 from ivsid.diagnosis.change import Change, change
@@ -178,10 +178,13 @@ def diagnose(
     evidence = _before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
     named = selection.found
     complete = after.sufficient(before, len(named))
-    if not complete:
+    if not after.quiet:
         # Where much is left that nobody explains, only a cause that explains far more than that, where it acts, keeps its name.
-        named = tuple(f for f in named if f.gain >= DOMINANT * _left_beside(after, selection.last, f.id))
+        last, factor = selection.last, 1.0 if complete else DOMINANT
+        named = tuple(f for f in named if f.gain >= factor * after.beside(last, _own(last, f.id)))
     findings = tuple(_finding(f, selection.last, selection.leftover, evidence) for f in named)
+    if not after.quiet:
+        findings = tuple(f for f in findings if not _may_be_none(f))
     proof = proof_of(vehicle, train)
     extended = None
     # An interval rests on the model: another cause that would do as well, or one that nobody knows, ends its guarantee.
@@ -189,7 +192,8 @@ def diagnose(
         extended = extended_proof(vehicle, train, selection.last.h)
         findings = tuple(replace(f, parameters=guaranteed(f.parameters, extended)) for f in findings)
     if not complete:
-        findings = (*findings, _unknown(after, [f.id for f in selection.found if f not in named]))
+        kept = {f.effect for f in findings}
+        findings = (*findings, _unknown(after, [f.id for f in selection.found if f.id not in kept]))
     progress("fitting the other log")
     moved = change(vehicle, selection.last, other)
     if moved is not None and moved.factor is not None:
@@ -319,6 +323,13 @@ def _finding(found: Found, last: Fit, left: Sequence[Scored], evidence: Mapping[
     )
 
 
+def _may_be_none(finding: Finding) -> bool:
+    """Whether the interval of a cause's only number holds that at which it is none."""
+    parameters = EFFECTS[finding.effect].parameters
+    bounds = list(finding.parameters.values())
+    return len(parameters) == len(bounds) == 1 and bounds[0].lower <= parameters[0].none <= bounds[0].upper
+
+
 def _shallow(moved: Change) -> Finding:
     """Masses and drags scale alike from one log to the other."""
     assert moved.factor is not None
@@ -355,28 +366,14 @@ def _unknown(left: Adequacy, near: Sequence[str]) -> Finding:
 
 def _channel(fit: Fit, id_: str) -> str:
     """Where an effect shows most."""
-    energy = _energy(fit, id_)
-    return "" if energy is None else fit.noise.bench.channels[int(np.argmax(energy))]
+    own = _own(fit, id_)
+    return fit.noise.bench.channels[int(np.argmax(energy_of(fit, own)))] if own else ""
 
 
-def _energy(fit: Fit, id_: str) -> Array | None:
-    """Of an effect's signature, by row of the errors; None where it has no column."""
+def _own(fit: Fit, id_: str) -> list[int]:
+    """An effect's columns in a fit that has it."""
     g = fit.gram
-    own = [k for k in fit.base if g.names[k] == id_ or g.names[k].startswith(f"{id_}.")]
-    if not own:
-        return None
-    rows = len(fit.noise.bench.labels)
-    return np.asarray((g.x[:, own, :].reshape(-1, rows, g.length) ** 2).sum(axis=(0, 2)))
-
-
-def _left_beside(left: Adequacy, fit: Fit, id_: str) -> float:
-    """What is left unexplained in the channels where an effect acts, by the share of its signature in each."""
-    energy = _energy(fit, id_)
-    whole = max(left.gain - left.freedom, 0.0)
-    if energy is None or not energy.sum() > 0:
-        return whole
-    by_row = [left.excess.get(c, whole) for c in fit.noise.bench.channels]
-    return float(energy @ np.array(by_row) / energy.sum())
+    return [k for k in fit.base if g.names[k] == id_ or g.names[k].startswith(f"{id_}.")]
 
 
 __all__ = ["MARGIN", "Channels", "Diagnosis", "Finding", "diagnose", "score"]

@@ -9,6 +9,7 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.diagnosis.adequacy import adequacy
 from ivsid.diagnosis.bench import Anchor, Bench
 from ivsid.diagnosis.families import Scored, adopted, everything, score
 from ivsid.diagnosis.fit import Declared, Fit, Noise, chi2_of, declared_columns, improve, learn, survey
@@ -19,6 +20,9 @@ from ivsid.effects import EFFECTS
 
 Array = NDArray[np.float64]
 MOST: Final = 6
+# Beyond so many, a cause is added only where it explains such a share of what is left in its channels.
+USUAL: Final = 4
+WORTH: Final = 0.5
 # Candidates that are fitted in full, and chi^2 within which two cannot be told apart.
 FINALISTS: Final = 6
 MARGIN: Final = 9.0
@@ -28,6 +32,8 @@ FAR: Final = 60.0
 REVIEWS: Final = 3
 # A number this close to its least possible value, in typical sizes, stands there.
 TINY: Final = 1e-4
+# The longest period that a log may speak of, in lengths of the log.
+PERIODS: Final = 3.0
 # How often the filters are made quicker for a cause that damps an axis.
 QUICKENED: Final = 3
 Progress = Callable[[str], None]
@@ -123,6 +129,9 @@ def select(plain: Fit, passes: Test, held: Mapping[str, float], progress: Progre
     tops: set[frozenset[str]] = set()
     while len(found) < MOST:
         passed = passes(fit, scored)
+        if len(found) >= USUAL and passed:
+            left = adequacy(fit)
+            passed = [s for s in passed if s.gain >= WORTH * left.beside(fit, s.columns)]
         if not passed:
             break
         progress(f"{passed[0].id}?")
@@ -227,7 +236,7 @@ def _admit(
         if best.merit - r.merit > max(FAR, 0.5 * best.merit):
             continue
         h, anchor, chi2 = exact(r.h, r.anchor)
-        if _possible(h, r.id):
+        if _possible(h, r.id, noise.bench):
             again.append(replace(r, h=h, anchor=anchor, chi2=chi2, gain=base - chi2))
     if not again:
         return None
@@ -269,13 +278,13 @@ def _fitted(fit: Fit, s: Scored, noise: Noise, held: Mapping[str, float], known:
         chi2 = chi2_of(noise, h, anchor, held, known)
     except (np.linalg.LinAlgError, ValueError, FloatingPointError):
         return None
-    if not np.isfinite(chi2) or not _possible(h, s.id):
+    if not np.isfinite(chi2) or not _possible(h, s.id, noise.bench):
         return None
     return Rival(s.id, h, anchor, chi2, s.count, base - chi2)
 
 
-def _possible(h: Hypothesis, id_: str) -> bool:
-    """Whether a fit has left a cause with numbers that it can have: a drag that drives, or a delay of nothing, is no cause."""
+def _possible(h: Hypothesis, id_: str, bench: Bench) -> bool:
+    """Whether a fit has left a cause with numbers that it can have: a drag that drives, a delay of nothing, or a tide that lasts many logs, is no cause."""
     for term in h.terms:
         if term.id == id_ and id_ in EFFECTS and id_ not in h.freed:
             own = EFFECTS[id_].parameters
@@ -284,6 +293,8 @@ def _possible(h: Hypothesis, id_: str) -> bool:
     for g in h.given:
         if g.effect.id == id_:
             for p, value in zip(g.effect.parameters, g.values, strict=True):
+                if p.part == "period" and value > PERIODS * bench.log.n * bench.log.h:
+                    return False
                 if p.draw == "size" and not p.inverse and p.lowest is not None and value <= p.lowest + TINY * p.typical:
                     return False
     return True

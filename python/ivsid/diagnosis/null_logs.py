@@ -26,6 +26,9 @@ Array = NDArray[np.float64]
 # The clock of null logs is no faster [Hz], and no step of the motion longer [s].
 FASTEST: Final = 10.0
 LONGEST: Final = 0.1
+# A thrust error is a wave of so many half turns over the range of demands, and of this share of its bound.
+ORDERS: Final = (0.6, 3.0)
+SIZES: Final = (0.2, 1.0)
 # Entries of a thrust curve over the demands that were sent.
 TABLE: Final = 4001
 # Past so many times the largest speed of the log the model has lost the motion.
@@ -106,10 +109,10 @@ def null_logs(programme: Programme, seed: int, numbers: Sequence[int]) -> list[t
     """
     log, n, count = programme.log, programme.log.n, len(numbers)
     rngs = [np.random.default_rng([seed, k]) for k in numbers]
-    drawn = _declared(programme, rngs)
+    drawn, errors = _declared(programme, rngs)
     pushed = np.stack([_ambient(programme.ambient, n, log.h, rng) for rng in rngs], axis=-1)
     noise = {name: np.stack([rng.standard_normal(n) * size for rng in rngs]) for name, size in log.noise.items()}
-    states, rates, sent = _moved(programme, drawn, pushed, noise)
+    states, rates, sent = _moved(programme, drawn, errors, pushed, noise)
     fastest = LOST * np.maximum(np.abs(log.nu).max(axis=1), 0.1)
     made: list[tuple[Channels, Hypothesis] | None] = []
     for j in range(count):
@@ -131,15 +134,37 @@ def null_logs(programme: Programme, seed: int, numbers: Sequence[int]) -> list[t
     return made
 
 
-def _declared(programme: Programme, rngs: Sequence[np.random.Generator]) -> dict[str, Array]:
-    """The size of each declared error in each log: normal, but the waves of a thruster's error add up to its bound."""
+def _declared(programme: Programme, rngs: Sequence[np.random.Generator]) -> tuple[dict[str, Array], list[Array | None]]:
+    """The size of each declared error in each log, and the thrust errors themselves, shape (count, TABLE) for each thruster.
+
+    Sizes are normal, but a thrust error is any wave inside its bound: the declared waves stand for it as well as they can, and no better.
+    """
     drawn = {name: np.array([rng.standard_normal() for rng in rngs]) * s for name, s in programme.declared.items()}
-    for thruster in programme.vehicle.thrusters:
-        waves = [name for name in drawn if name.startswith(f"~thrust.{thruster.name}.")]
-        if waves:
-            total = np.abs(np.stack([drawn[name] for name in waves])).sum(axis=0)
-            drawn |= {name: drawn[name] / np.maximum(total, 1.0) for name in waves}
-    return drawn
+    propulsion = Propulsion(programme.vehicle, programme.log)
+    curves: list[Array | None] = []
+    for k, thruster in enumerate(programme.vehicle.thrusters):
+        names = [f"~thrust.{thruster.name}.{j}" for j in range(len(propulsion.errors[k]))]
+        if not names or names[0] not in drawn:
+            curves.append(None)
+            continue
+        sent = propulsion.demands[k]
+        grid = np.linspace(sent.min(), sent.max() + 1e-9, TABLE)
+        low, high = (end - thruster.neutral for end in propulsion.curves[k].range)
+        if not np.isfinite(high - low):
+            low, high = float(grid[0]), float(grid[-1])
+        waves = np.stack([error(grid) for error in propulsion.errors[k]])
+        # How often each demand was sent says where the waves have to fit.
+        weight = np.sqrt(np.histogram(sent, np.r_[grid, grid[-1] + 1e-9])[0] / sent.size)
+        inner = (waves * weight) @ (waves * weight).T
+        inner += 1e-6 * max(float(np.trace(inner)), 1e-300) * np.eye(len(names))
+        errors = np.empty((len(rngs), TABLE))
+        for i, rng in enumerate(rngs):
+            order, phase, size = rng.uniform(*ORDERS), rng.uniform(0, 2 * np.pi), rng.uniform(*SIZES)
+            errors[i] = size * waves[0] * np.sin(np.pi * order * (grid - low) / (high - low) + phase)
+        fitted = np.linalg.solve(inner, (waves * weight) @ (errors * weight).T)
+        drawn |= dict(zip(names, fitted, strict=True))
+        curves.append(errors)
+    return drawn, curves
 
 
 def _at(drawn: dict[str, Array], j: int) -> dict[str, float]:
@@ -160,28 +185,19 @@ def _ambient(ambient: Ambient, n: int, h: float, rng: np.random.Generator) -> Ar
 class _Drives:
     """Thrusts of all logs from what is sent, step by step, with the lags that the file states."""
 
-    def __init__(self, vehicle: Vehicle, log: Channels, drawn: dict[str, Array], count: int) -> None:
+    def __init__(self, vehicle: Vehicle, log: Channels, errors: list[Array | None], count: int) -> None:
         self.vehicle, self.log, self.count = vehicle, log, count
         self.behind: list[Array | None] = [None for _ in vehicle.thrusters]
         propulsion = Propulsion(vehicle, log)
         self.low = log.demands.min(axis=1)
         self.pace = np.maximum(log.demands.max(axis=1) - self.low, 1e-9) / (TABLE - 1)
-        self.tables = []
         self.row = np.arange(count)
-        for k, thruster in enumerate(vehicle.thrusters):
+        self.tables = []
+        for k in range(len(vehicle.thrusters)):
             grid = self.low[k] + self.pace[k] * np.arange(TABLE)
-            found = [
-                propulsion.static(
-                    k,
-                    grid,
-                    [
-                        float(drawn.get(f"~thrust.{thruster.name}.{e}", np.zeros(count))[j])
-                        for e in range(len(propulsion.errors[k]))
-                    ],
-                )
-                for j in range(count)
-            ]
-            self.tables.append(np.stack(found))
+            off = errors[k]
+            rows = [None] * count if off is None else list(off)
+            self.tables.append(np.stack([propulsion.static(k, grid, row) for row in rows]))
 
     def static(self, k: int, demand: Array) -> Array:
         """Thrust at a demand without any lag, shape (count,)."""
@@ -281,11 +297,11 @@ class _Helm:
 
 
 def _moved(
-    programme: Programme, drawn: dict[str, Array], pushed: Array, noise: dict[str, Array]
+    programme: Programme, drawn: dict[str, Array], errors: list[Array | None], pushed: Array, noise: dict[str, Array]
 ) -> tuple[Array, Array, Array]:
     """States u, v, r, psi, x, y and rates at samples, shapes (6, n, count) and (3, n, count), and what was sent, shape (sent, n, count)."""
     log, n, count = programme.log, programme.log.n, pushed.shape[-1]
-    drives, motion = _Drives(programme.vehicle, log, drawn, count), _Motion(programme, drawn, count)
+    drives, motion = _Drives(programme.vehicle, log, errors, count), _Motion(programme, drawn, count)
     helm = _Helm(programme, noise, count)
     parts = max(1, int(np.ceil(log.h / LONGEST - 1e-6)))
     step = log.h / parts

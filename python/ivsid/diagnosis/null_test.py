@@ -28,7 +28,7 @@ FEW: Final = 20
 LEARN: Final = 2
 APART: Final = 1_000_000
 # Logs that are stepped together: enough to share the steps, few enough for the memory.
-TOGETHER: Final = 100
+TOGETHER: Final = 40
 # Of the few logs the tail starts at their middle, of many at their last tenth.
 MANY: Final = 100
 # Standard deviations that a threshold from few logs may be off.

@@ -99,13 +99,13 @@ class Propulsion:
         now, mean, _ = _behind(now, mean, lag, h)
         return now, mean
 
-    def static(self, k: int, demand: Array, sizes: Sequence[float] = ()) -> Array:
-        """Thrusts of one thruster at demands as they are logged, without lag, delay or effects, at the first row's voltage."""
+    def static(self, k: int, demand: Array, error: Array | None = None) -> Array:
+        """Thrusts of one thruster at demands as they are logged, with an error of its curve [N], without lag, delay or effects."""
         thruster = self.vehicle.thrusters[k]
         d = demand - thruster.neutral
         thrust: Any = self.curves[k].value(demand)
-        for error, size in zip(self.errors[k], sizes, strict=False):
-            thrust = thrust + size * error(d)
+        if error is not None:
+            thrust = thrust + error
         drive = Drive(d, 0.0, k, thruster.position[1], self.curves[k].largest, None)
         for g in _changes(thruster, ()):
             if isinstance(g.effect.acts, Thrust):

@@ -146,8 +146,8 @@ def test_axes_that_are_coupled_across_another_are_whitened():
     rng = np.random.default_rng(0)
     pair, alone, x = rng.standard_normal((3, 2, 2)), rng.standard_normal((3, 1, 1)), rng.standard_normal((4, 3, 70))
     white = Whitening(((0, 2), (1,)), (pair, alone))(x)
-    for rows, taps in (((0, 2), pair), ((1,), alone)):
-        wanted = np.zeros((4, len(rows), 70))
+    for group, taps in (((0, 2), pair), ((1,), alone)):
+        wanted = np.zeros((4, len(group), 70))
         for lag, tap in enumerate(taps):
-            wanted[:, :, lag:] += np.einsum("ij,kjn->kin", tap, x[:, list(rows), : 70 - lag])
-        np.testing.assert_allclose(white[:, list(rows)], wanted, atol=1e-12)
+            wanted[:, :, lag:] += np.einsum("ij,kjn->kin", tap, x[:, list(group), : 70 - lag])
+        np.testing.assert_allclose(white[:, list(group)], wanted, atol=1e-12)

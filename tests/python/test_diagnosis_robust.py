@@ -21,6 +21,7 @@ from diagnosis_logs import (
 from ivsid import IvsidError, diagnose
 from ivsid.diagnosis.channels import channels
 from ivsid.diagnosis.mounted import at_origin
+from ivsid.diagnosis.noise import Whitening
 from ivsid.diagnosis.propulsion import Propulsion
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
@@ -138,3 +139,15 @@ def test_a_linear_demand_gives_the_mean_of_the_curve_between_two_samples():
     np.testing.assert_allclose(found.now[0], np.polyval([2e-5, 1e-3, 0.1, 0.0], sent))
     held_found = Propulsion(held, channels(train, held)).thrusts()
     np.testing.assert_allclose(held_found.mean[0], held_found.now[0])
+
+
+def test_axes_that_are_coupled_across_another_are_whitened():
+    """Surge with yaw, sway by itself: the rows of the pair do not stand together. Against sums written out."""
+    rng = np.random.default_rng(0)
+    pair, alone, x = rng.standard_normal((3, 2, 2)), rng.standard_normal((3, 1, 1)), rng.standard_normal((4, 3, 70))
+    white = Whitening(((0, 2), (1,)), (pair, alone))(x)
+    for group, taps in (((0, 2), pair), ((1,), alone)):
+        wanted = np.zeros((4, len(group), 70))
+        for lag, tap in enumerate(taps):
+            wanted[:, :, lag:] += np.einsum("ij,kjn->kin", tap, x[:, list(group), : 70 - lag])
+        np.testing.assert_allclose(white[:, list(group)], wanted, atol=1e-12)

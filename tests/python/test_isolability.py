@@ -109,8 +109,9 @@ def test_headings_separate_current_from_wind_and_straight_runs_do_not():
     assert one.d < APART and one.best.d >= APART
     headings = d["speed changes on four headings"]
     assert headings >= APART
-    # A coast turns away as it comes to rest; these two do not.
-    assert headings > 2 * max(d["acceleration straights"], d["speed steps"])
+    # A coast turns away as it comes to rest; these two do not. Full turns without speed are best: there only the wind pushes.
+    assert headings > 1.5 * max(d["acceleration straights"], d["speed steps"])
+    assert one.best.trial == "turns on the spot"
 
 
 def test_algebra_is_broken_by_no_manoeuvre():

@@ -19,7 +19,7 @@ from ivsid.effects import (
     Parameter,
     Term,
     Terms,
-    own_fingerprint,
+    own_digest,
     read_effects,
     register,
     terms_of,
@@ -160,15 +160,15 @@ def test_a_file_that_is_no_list_of_effects_is_refused(text, words, tmp_path, cle
 
 def test_null_logs_are_kept_under_the_content_of_the_files(tmp_path, clean):
     """The same id with other physics asks for null logs of its own; what came from no file is not kept at all."""
-    assert own_fingerprint() == ""
+    assert own_digest() == ""
     path = tmp_path / "own.py"
     said = []
     for body in (BLOCKS["python"][0], BLOCKS["python"][0].replace("square(s.u)", "abs(s.u)")):
         path.write_text(body)
         read_effects(path)
-        said.append(own_fingerprint())
+        said.append(own_digest())
         unregister("drag.surge.cubic")
-    assert own_fingerprint() == "" and len({"", None, *said}) == 4
+    assert own_digest() == "" and len({"", None, *said}) == 4
     vehicle = vehicle_of()
     train, _ = logs_of(vehicle, duration=90.0)
     log = channels(train, vehicle)
@@ -176,7 +176,7 @@ def test_null_logs_are_kept_under_the_content_of_the_files(tmp_path, clean):
     read_effects(path)
     assert key_of(vehicle, log, 1, 0.005, frozenset({"wind.steady"}), 1e-4) != plain
     register(effect("drag.own"))
-    assert own_fingerprint() is None
+    assert own_digest() is None
 
 
 def test_sizes_scale_after_froude_from_the_unit_alone():

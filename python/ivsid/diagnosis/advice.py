@@ -9,7 +9,7 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.bench import Bench
+from ivsid.diagnosis.bench import Ambient, Bench
 from ivsid.diagnosis.channels import channels
 from ivsid.diagnosis.families import everything
 from ivsid.diagnosis.fit import Fit, Noise, plain_fit, survey
@@ -177,20 +177,36 @@ def _added(fit: Fit, log: Log, turning: Fit | None) -> Fit:
     vehicle = fit.noise.bench.vehicle
     # What the sensors are worth was learnt from the log; the manoeuvre has none of their noise.
     data = replace(channels(log, vehicle), noise=fit.noise.bench.log.noise)
-    bench = Bench(vehicle, data, fit.noise.bench.ambient)
+    white, held, ambient = fit.noise.whitening, fit.held, fit.noise.bench.ambient
+    if turning is not None:
+        white, held, ambient = _joined(fit, turning), turning.held, _moving(fit, turning)
+    bench = Bench(vehicle, data, ambient)
     if bench.labels != fit.noise.bench.labels:
         raise IvsidError("the manoeuvre has other channels than the log")
-    white, held = fit.noise.whitening, fit.held
-    if turning is not None:
-        taps = [
-            other if not np.any(own) else own
-            for own, other in zip(white.taps, turning.noise.whitening.taps, strict=True)
-        ]
-        white, held = Whitening(white.groups, tuple(taps)), turning.held
     # What is declared was fitted to the other log; here it is nothing yet.
     h = replace(fit.h, declared={})
     anchor = bench.settle(h, bench.start(h), 2)
     return survey(Noise(bench, white, usable_rows(bench), frozenset()), h, anchor, held)
+
+
+def _moving(fit: Fit, turning: Fit) -> Ambient:
+    """The ambient acceleration: of the log where it moves, of the other elsewhere."""
+    own, other = fit.noise.bench.ambient, turning.noise.bench.ambient
+    one = [other if k in fit.noise.still else own for k in range(3)]
+    deviation, time = ([q[k] for k, q in enumerate(x)] for x in ([a.deviation for a in one], [a.time for a in one]))
+    return Ambient((deviation[0], deviation[1], deviation[2]), (time[0], time[1], time[2]))
+
+
+def _joined(fit: Fit, turning: Fit) -> Whitening:
+    """The whitening: of the log where it moves, of the other elsewhere; all of the other's where it couples both."""
+    own, other = fit.noise.whitening, turning.noise.whitening
+    still = {i for i, (k, _) in enumerate(fit.noise.bench.labels) if k in fit.noise.still}
+    theirs = {g: t for g, t in zip(other.groups, other.taps, strict=True) if still & set(g)}
+    mine = {g: t for g, t in zip(own.groups, own.taps, strict=True) if not still & set(g)}
+    if any(set(g) - still for g in theirs):
+        return other
+    both = {**mine, **theirs}
+    return Whitening(tuple(both), tuple(both.values()))
 
 
 def _together(fit: Fit, more: Fit) -> Fit:

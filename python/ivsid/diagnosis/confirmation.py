@@ -15,7 +15,7 @@ from ivsid.diagnosis.null_cache import keep, kept, key_of
 from ivsid.diagnosis.null_test import FEW, UNSURE, NullTest, examined, trial_of
 from ivsid.diagnosis.selection import Found
 from ivsid.diagnosis.testing import Threshold
-from ivsid.effects import own_fingerprint
+from ivsid.effects import own_digest
 
 # Null logs at most, by default.
 NULL_LOGS: Final = 400
@@ -89,7 +89,7 @@ def confirmed(
     near = [s for s in (strength(test, f) for f in found) if s < CLOSE * asked]
     if not near or most <= 0:
         return Confirmation(test)
-    if own_fingerprint() is None:
+    if own_digest() is None:
         # An effect that no file brought may be another one tomorrow, under the same id.
         folder = None
     key = (

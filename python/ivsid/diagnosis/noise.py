@@ -137,9 +137,14 @@ class Whitening:
         flat = x.reshape(-1, *x.shape[-2:])
         out = np.empty_like(flat)
         for rows, taps in zip(self.groups, self.taps, strict=True):
-            # The rows of an axis stand together.
-            here = slice(rows[0], rows[-1] + 1)
-            _convolve(taps, flat[:, here], out[:, here])
+            if rows[-1] + 1 - rows[0] == len(rows):
+                here = slice(rows[0], rows[-1] + 1)
+                _convolve(taps, flat[:, here], out[:, here])
+                continue
+            # Surge and yaw may be coupled across a sway that is not.
+            apart = np.empty((flat.shape[0], len(rows), flat.shape[2]))
+            _convolve(taps, flat[:, list(rows)], apart)
+            out[:, list(rows)] = apart
         return out.reshape(x.shape)
 
 

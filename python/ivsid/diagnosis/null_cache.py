@@ -14,7 +14,7 @@ import numpy as np
 
 from ivsid.diagnosis.channels import Channels
 from ivsid.diagnosis.null_test import NullTest
-from ivsid.effects import own_fingerprint
+from ivsid.effects import own_digest
 from ivsid.errors import IvsidError
 from ivsid.records import sealed, to_json, write_whole
 from ivsid.seal import KEY, seal_of
@@ -32,7 +32,7 @@ def cache_folder() -> Path:
 def key_of(vehicle: Vehicle, log: Channels, seed: int, level: float, tested: frozenset[str], threshold: float) -> str:
     """A name that changes with everything that null logs depend on: the vehicle file, the log's content, the seed, the test, the files of own effects, the version."""
     digest = hashlib.sha256()
-    said = [version("ivsid"), vehicle.text, seed, level.hex(), sorted(tested), threshold.hex(), own_fingerprint()]
+    said = [version("ivsid"), vehicle.text, seed, level.hex(), sorted(tested), threshold.hex(), own_digest()]
     digest.update(json.dumps(said).encode())
     for field in fields(Channels):
         value = getattr(log, field.name)

@@ -33,7 +33,7 @@ from ivsid.effects.effect import (
     Thrust,
 )
 from ivsid.effects.given import Given, for_thruster, of_kind, sort_given, spread
-from ivsid.effects.own import own_files, own_fingerprint, own_ids, read_effects, register, unregister
+from ivsid.effects.own import own_digest, own_files, own_ids, read_effects, register, unregister
 from ivsid.effects.rigid_body import rigid_body
 from ivsid.effects.terms import CHANNELS, Columns, Place, State, Term
 
@@ -64,8 +64,8 @@ __all__ = [
     "for_thruster",
     "of_kind",
     "on_hull",
+    "own_digest",
     "own_files",
-    "own_fingerprint",
     "own_ids",
     "read_effects",
     "register",

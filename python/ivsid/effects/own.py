@@ -91,7 +91,7 @@ def own_ids() -> frozenset[str]:
     return frozenset(EFFECTS) - _SHIPPED
 
 
-def own_fingerprint() -> str | None:
+def own_digest() -> str | None:
     """What a cache has to know of the effects that joined: their files' content; None where some came from no file."""
     files = {i: digest for ids, (_, digest) in _FILES.items() for i in ids}
     if own_ids() - set(files):

@@ -178,21 +178,4 @@ def test_a_tanker_of_which_the_rudder_alone_is_known_gets_no_wrong_name(real):
     except IvsidError as refusal:
         assert "tanker" in str(refusal) or "calm_deep" in str(refusal)
         return
-    known = {
-        "drag.lift.sway",
-        "drag.lift.yaw",
-        "added_mass.munk",
-        "drag.yaw.linear",
-        "drag.yaw.quadratic",
-        "drag.sway.linear",
-    }
-    known |= {
-        "drag.cross_flow",
-        "drag.sway.yaw_rate",
-        "drag.surge.sideslip",
-        "drag.surge.linear",
-        "coupling.cg_x",
-        "unknown",
-    }
-    for finding in result.findings:
-        assert {finding.effect, *finding.alternatives} & known, finding.effect
+    assert result.verdict == "unknown"

@@ -295,8 +295,8 @@ def _possible(h: Hypothesis, id_: str, bench: Bench) -> bool:
     """Whether a fit has left a cause with numbers that it can have: a drag that drives, a delay of nothing, or a tide that lasts many logs, is no cause."""
     for term in h.terms:
         if term.id == id_ and id_ in EFFECTS and id_ not in h.freed:
-            p = EFFECTS[id_].parameters
-            if len(p) == 1 and not p[0].signed and h.values[id_] <= 0:
+            numbers = EFFECTS[id_].parameters
+            if len(numbers) == 1 and not numbers[0].signed and h.values[id_] <= 0:
                 return False
     for g in h.given:
         if g.effect.id == id_:

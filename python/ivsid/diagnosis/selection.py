@@ -127,6 +127,7 @@ def select(plain: Fit, passes: Test, held: Mapping[str, float], progress: Progre
     found: list[Found] = []
     before: set[frozenset[str]] = set()
     tops: set[frozenset[str]] = set()
+    again = 0
     while len(found) < MOST:
         passed = passes(fit, scored)
         if len(found) >= USUAL and passed:
@@ -139,11 +140,19 @@ def select(plain: Fit, passes: Test, held: Mapping[str, float], progress: Progre
         if made is None:
             break
         one, best, noise = made
+        if not passes.stands(one.first, one.gain):
+            # What it seemed to explain, the model explains by itself once it is fitted to the end.
+            again += 1
+            if again > REVIEWS:
+                break
+            h, anchor = improve(noise.bench, fit.h, fit.anchor, noise.whitening, noise.good, held, 6)
+            fit, scored = score(survey(noise, h, anchor, held))
+            continue
         found.append(one)
         h, anchor = improve(noise.bench, best.h, best.anchor, noise.whitening, noise.good, held)
         # What was found before more was known is looked at again, until nothing changes or what was there comes back.
-        for again in range(REVIEWS if len(found) > 1 else 0):
-            asked = len(found) if again else len(found) - 1
+        for turn in range(REVIEWS if len(found) > 1 else 0):
+            asked = len(found) if turn else len(found) - 1
             changed, found, h, anchor = _reviewed(noise, h, anchor, found, asked, passes, plain.h, held)
             ids = frozenset(f.id for f in found)
             if not changed or ids in before:
@@ -287,8 +296,8 @@ def _possible(h: Hypothesis, id_: str, bench: Bench) -> bool:
     """Whether a fit has left a cause with numbers that it can have: a drag that drives, a delay of nothing, or a tide that lasts many logs, is no cause."""
     for term in h.terms:
         if term.id == id_ and id_ in EFFECTS and id_ not in h.freed:
-            own = EFFECTS[id_].parameters
-            if len(own) == 1 and not own[0].signed and h.values[id_] <= 0:
+            numbers = EFFECTS[id_].parameters
+            if len(numbers) == 1 and not numbers[0].signed and h.values[id_] <= 0:
                 return False
     for g in h.given:
         if g.effect.id == id_:

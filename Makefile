@@ -99,8 +99,8 @@ $(VENV)/.built: $(VENV)/.ready $(RUST_SOURCES) pyproject.toml
 clean:
 	rm -rf $(VENV) target out docs/_build python/ivsid/*.so
 
-# Drawn cases of the diagnosis, and their score; some hours for 1000 on two cores.
+# Drawn cases of the diagnosis, sealed, and their score, which becomes a page of the docs; an hour and a half for 1000 on two cores.
 SEED ?= $(shell date +%s)
 EXAM ?= 1000
 exam: build
-	$(BIN)/python -m tests.exam.run $(SEED) $(EXAM) out=out/exam.json
+	$(BIN)/python -m tests.exam.run $(SEED) $(EXAM) out=out/exam.json table=docs/examination.md

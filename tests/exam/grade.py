@@ -67,6 +67,11 @@ def same(truth):
     return ways
 
 
+def hit(row):
+    """Whether each hidden effect is named, or in a set."""
+    return all(any(i in s for s in row["sets"]) for i in row["z"])
+
+
 def score(rows):
     out = []
     crashes = [r for r in rows if "crash" in r]
@@ -84,7 +89,6 @@ def score(rows):
     )
     singles = [r for r in rows if r["stratum"]["what"] == "one"]
     visible = [r for r in singles if max(r["z"].values()) >= 8 or max(r["z"].values()) < 0]
-    hit = lambda r: all(any(i in s for s in r["sets"]) for i in r["z"])  # noqa: E731
     named = [r for r in visible if hit(r)]
     out.append(f"singles {len(singles)}, z >= 8: {len(visible)}, named or in set {len(named)}")
     for r in singles:

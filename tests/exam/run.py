@@ -1,6 +1,6 @@
 """Draws cases, examines them sealed, and scores them: python -m tests.exam.run FIRST COUNT [key=value ...].
 
-Keys: ``out`` (a file for the rows), ``workers``, and what is not to be drawn: ``what``, ``effect``, ``size``, ``style``, ``kind``,
+Keys: ``out`` (a file for the rows), ``table`` (one for the table of the documentation), ``workers``, and what is not to be drawn: ``what``, ``effect``, ``size``, ``style``, ``kind``,
 ``ambient``, ``duration`` (tests/exam/draw.py).
 """
 
@@ -67,10 +67,11 @@ def examination(seeds: range, options: dict, workers: int = 1) -> Iterator[dict]
 
 def main() -> None:
     from tests.exam.grade import score
+    from tests.exam.table import table
 
     first, count = int(sys.argv[1]), int(sys.argv[2])
     given = dict(a.split("=", 1) for a in sys.argv[3:])
-    path, workers = given.pop("out", None), int(given.pop("workers", 2))
+    path, page, workers = given.pop("out", None), given.pop("table", None), int(given.pop("workers", 2))
     options = {k: float(v) if k in NUMBERS else v for k, v in given.items()}
     rows = []
     for row in examination(range(first, first + count), options, workers):
@@ -79,6 +80,8 @@ def main() -> None:
             # After each case: a run that is stopped leaves what it has.
             Path(path).parent.mkdir(parents=True, exist_ok=True)
             Path(path).write_text(json.dumps(rows, default=float))
+    if page:
+        Path(page).write_text(table(rows, first, count))
     sys.stdout.write(score(rows) + "\n")
 
 

@@ -117,12 +117,14 @@ def test_a_slow_run_of_the_model_tug_does_not_show_its_drag(real, tmp_path):
     speed = np.quantile(np.abs(channels(log, vehicle).nu[0]), 0.9)
     tank = 0.137 * speed + 3.088 * speed**2
     assert speed < 0.2 and abs(tank / (0.66 * speed) - 1) < 0.3
-    z = {id_: v.z for id_, v in isolability(vehicle, log).visible.items()}
-    for id_ in (
-        "drag.surge.linear",
-        "drag.surge.quadratic",
-        "thruster.asymmetry",
-        "thruster.reverse_loss",
-        "thruster.deadband",
-    ):
-        assert z[id_] < 8, (id_, z[id_])
+    visible = isolability(vehicle, log).visible
+    # The sizes of the towing tank and of the bollard pulls, beside the claim: sway gives +1.39 N and -0.80 N.
+    real_sizes = {
+        "drag.surge.linear": 0.66 - 0.137,
+        "drag.surge.quadratic": 3.088,
+        "thruster.asymmetry": 0.1,
+        "thruster.reverse_loss": 0.42,
+    }
+    for id_, size in real_sizes.items():
+        z = visible[id_].z * abs(size / visible[id_].typical[id_])
+        assert z < 8, (id_, z)

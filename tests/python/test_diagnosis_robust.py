@@ -17,6 +17,7 @@ from diagnosis_logs import (
     rows,
     vehicle_of,
     wild,
+    with_columns,
 )
 from ivsid import IvsidError, diagnose
 from ivsid.diagnosis.channels import channels
@@ -151,3 +152,11 @@ def test_axes_that_are_coupled_across_another_are_whitened():
         for lag, tap in enumerate(taps):
             wanted[:, :, lag:] += np.einsum("ij,kjn->kin", tap, x[:, list(group), : 70 - lag])
         np.testing.assert_allclose(white[:, list(group)], wanted, atol=1e-12)
+
+
+def test_a_spin_that_the_clock_cannot_follow_is_refused():
+    vehicle = vehicle_of()
+    train, test = logs_of(vehicle, duration=90.0)
+    spinning = with_columns(train, lambda k, x: 40.0 * x if k == "r" else x)
+    with pytest.raises(IvsidError, match="from one sample to the next"):
+        diagnose(vehicle, spinning, test)

@@ -29,6 +29,8 @@ FAR_OUT: Final = 10.0
 # Times closer than this, in steps, are the same.
 SAME: Final = 0.02
 SHORTEST: Final = 60.0
+# A turn from one sample to the next [rad] beyond which steps of the motion are no longer small.
+SPIN: Final = 0.3
 # Equal parts of a step in which demands are looked up, at most.
 PARTS: Final = 50
 
@@ -194,6 +196,12 @@ def _paced(log: Log) -> tuple[Log, float, list[str]]:
         thin = int(np.ceil(1 / h / FASTEST))
         h *= thin
         notes.append(f"every {thin}th sample is used: {1 / h:.3g} a second are enough for the motion of a hull")
+    turned = h * float(np.nanquantile(np.abs(log.columns["r"]), 0.95))
+    if turned > SPIN:
+        raise IvsidError(
+            f"{log.name}: the vehicle turns by {turned:.2g} rad from one sample to the next, and a diagnosis follows {SPIN:g}; log faster, or "
+            "give a log of slower turns"
+        )
     rare = [n for n in ("ax", "ay", "udot", "vdot", "rdot", "psi", "x", "y") if _interval(log, n) > RARER * h]
     if rare:
         notes.append(f"{', '.join(rare)} come too rarely to be used")

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.bench import Anchor, Bench, replaced
 from ivsid.diagnosis.channels import Channels
 from ivsid.diagnosis.noise import Whitening, ambient_of, declared, quick_enough, still_axes, usable_rows, whiten
+from ivsid.diagnosis.nuisances import nuisances
 from ivsid.diagnosis.physics import Hypothesis
 from ivsid.diagnosis.projection import Gram, Projection, gram
 from ivsid.diagnosis.signatures import Columns, Family, Signatures, free_parameters
@@ -161,7 +162,7 @@ def declared_columns(
     bench: Bench, h: Hypothesis, anchor: Anchor, white: Whitening, good: NDArray[np.bool_]
 ) -> Declared:
     """Those around a hypothesis."""
-    c = Signatures(bench, h, anchor).nuisances()
+    c = nuisances(Signatures(bench, h, anchor))
     none = np.zeros((len(bench.labels), bench.log.n))
     columns = white(c.stack()) if c.names else none[None][:0]
     return Declared(gram(c.names, columns, none, good, bench.log.h, c.prior, h.declared))
@@ -296,7 +297,7 @@ def survey(
     """All signatures at a fitted hypothesis, or those of ``only`` some effects, whitened and crossed."""
     bench = noise.bench
     signatures = Signatures(bench, h, anchor)
-    fitted, declared_ones = signatures.fitted(claimed), signatures.nuisances()
+    fitted, declared_ones = signatures.fitted(claimed), nuisances(signatures)
     extra, families, refused = signatures.candidates(only)
     every = _joined(fitted, declared_ones, extra)
     # The same name twice would be a parameter of the model beside its claim.

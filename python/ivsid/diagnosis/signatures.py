@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.bench import Anchor, Bench
-from ivsid.diagnosis.physics import Hypothesis, Mass, acceleration, blade_force, water
+from ivsid.diagnosis.physics import Hypothesis, Mass, acceleration
 from ivsid.effects import (
     CATALOGUE,
     EFFECTS,
@@ -27,10 +27,6 @@ from ivsid.effects import (
 from ivsid.effects.inertia import SHARED_MUNK
 
 Array = NDArray[np.float64]
-# Thrust errors are one wave or a sum of a few: the standard deviation of each, in units of the bound.
-SHARE: Final = 0.6
-# A step of a thrust error, in units of its bound.
-SLIGHT: Final = 0.05
 # Lags and delays that are tried [samples] and [s]; from a tenth of a sample on.
 DELAYS: Final = (0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0)
 LEVELS: Final = 9
@@ -108,59 +104,6 @@ class Signatures:
         values[j] += step
         other = self.h.with_effect(replace(g, values=tuple(values)))
         return self.bench.difference(self.h, self.anchor, other) / step
-
-    def nuisances(self) -> Columns:
-        """What the vehicle file declares: sensor biases and scale, smooth thrust errors."""
-        out = Columns()
-        bench, log = self.bench, self.bench.log
-        sensors = bench.vehicle.sensors
-        slow = bench.slow
-        if sensors.acceleration is not None:
-            for k, name in enumerate(("ax", "ay")):
-                size = sensors.acceleration.axis(k)[0] + 0.6 * sensors.acceleration.accuracy
-                if log.acceleration[k] is not None and size:
-                    for j, wave in enumerate(slow):
-                        out.add(f"~bias.{name}.{j}", bench.answer(self._still(), reading={name: wave}), size)
-        if sensors.yaw_rate is not None and log.psi is not None:
-            size = sensors.yaw_rate.axis(0)[0] + 0.6 * sensors.yaw_rate.accuracy
-            if size:
-                for j, wave in enumerate(slow):
-                    reading = {"r": wave * 1e-3}
-                    out.add(f"~bias.r.{j}", bench.misread(self.h, self.anchor, reading) / 1e-3, size)
-        if sensors.velocity is not None and sensors.velocity.scale_factor_error:
-            out.add(
-                "~scale.velocity", self.reading("sensor.velocity.scale")[0], 0.7 * sensors.velocity.scale_factor_error
-            )
-        p = self.anchor.points
-        u_c, v_c, _, _ = water(self.h, p)
-        relative = (p.nu[0] - u_c, p.nu[1] - v_c, p.nu[2])
-        self._blades(out, relative)
-        for k, thruster in enumerate(bench.vehicle.thrusters):
-            angle, (x, y) = bench.turned[k], thruster.position
-            c, s = np.cos(angle), np.sin(angle)
-            # A loss by inflow takes the same share of the error as of the thrust, which is small.
-            shares = np.stack([c, s, x * s - y * c])
-            blade = blade_force(bench.vehicle, k, p, p.thrusts[k], relative)
-            for j, shape in enumerate(bench.shapes(self.h, k)):
-                force = shares * shape
-                if thruster.rudder is not None:
-                    # The stream on the blade has the error, too.
-                    pushed = p.thrusts[k] + SLIGHT * shape
-                    force = force + (blade_force(bench.vehicle, k, p, pushed, relative) - blade) / SLIGHT
-                out.add(f"~thrust.{thruster.name}.{j}", bench.answer(self.mass.solve(force)), SHARE)
-        return out
-
-    def _blades(self, out: Columns, relative: tuple[Array, Array, Array]) -> None:
-        """What the rudders' declared accuracy allows: the same share of all of a blade's force."""
-        bench, p = self.bench, self.anchor.points
-        for k, thruster in enumerate(bench.vehicle.thrusters):
-            if thruster.rudder is not None and thruster.rudder.accuracy:
-                force = blade_force(bench.vehicle, k, p, p.thrusts[k], relative)
-                column = bench.answer(self.mass.solve(force))
-                out.add(f"~rudder.{thruster.name}", column, SHARE * thruster.rudder.accuracy)
-
-    def _still(self) -> Array:
-        return np.zeros_like(self.anchor.nudot)
 
     def reading(self, id_: str) -> list[Array]:
         """Slopes of the errors with the parameters of a sensor effect at none."""

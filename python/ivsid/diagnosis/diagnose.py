@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
@@ -10,21 +10,21 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.adequacy import Adequacy, adequacy, energy_of
+from ivsid.diagnosis.adequacy import Adequacy, adequacy
 from ivsid.diagnosis.bench import Bench
 from ivsid.diagnosis.calibration import calibrate
-from ivsid.diagnosis.change import Change, change
+from ivsid.diagnosis.change import change
 from ivsid.diagnosis.channels import Channels, channels
 from ivsid.diagnosis.confirmation import NULL_LOGS, confirmed
 from ivsid.diagnosis.falsify import falsified
-from ivsid.diagnosis.families import Scored, everything, score
+from ivsid.diagnosis.families import everything, score
+from ivsid.diagnosis.findings import Finding, finding, may_be_none, own_columns, shallow, unknown
 from ivsid.diagnosis.fit import Fit, plain_fit
 from ivsid.diagnosis.gain import Gain, compare, missing_force
 from ivsid.diagnosis.hints import hints
-from ivsid.diagnosis.intervals import Bound, intervals
 from ivsid.diagnosis.proved import Proof, extended_proof, guaranteed, proof_of
 from ivsid.diagnosis.rejected import Rejected, rejected
-from ivsid.diagnosis.selection import MARGIN, Found, Selection, select
+from ivsid.diagnosis.selection import MARGIN, Selection, select
 from ivsid.diagnosis.testing import VISIBLE, Threshold, Visibility, visibility
 from ivsid.effects import EFFECTS
 from ivsid.log import Log
@@ -35,40 +35,7 @@ Array = NDArray[np.float64]
 LEVEL: Final = 0.005
 # What a cause has to explain, times what is left unexplained beside it, to keep its name.
 DOMINANT: Final = 9.0
-# No log shows these by itself.
-_TWINS: Final = {
-    "added_mass.munk": ("drag.lift.yaw",),
-    "drag.lift.yaw": ("added_mass.munk",),
-    "thruster.asymmetry": ("thruster.failure",),
-}
 EPOCH: Final = 1e8
-
-
-@dataclass(frozen=True)
-class Finding:
-    """A cause, with those that could be taken for it."""
-
-    effect: str
-    confidence: float
-    alternatives: tuple[str, ...]
-    separate_by: str
-    parameters: dict[str, Bound]
-    evidence: dict[str, Any]
-    description: str = ""
-
-    def record(self) -> dict[str, Any]:
-        """As in result.json."""
-        out: dict[str, Any] = {
-            "effect": self.effect,
-            "confidence": self.confidence,
-            "alternatives": list(self.alternatives),
-            "separate_by": self.separate_by,
-            "parameters": {k: b.record() for k, b in self.parameters.items()},
-            "evidence": self.evidence,
-        }
-        if self.description:
-            out["description"] = self.description
-        return out
 
 
 @dataclass(frozen=True)
@@ -181,10 +148,10 @@ def diagnose(
     if not after.quiet:
         # Where much is left that nobody explains, only a cause that explains far more than that, where it acts, keeps its name.
         last, factor = selection.last, 1.0 if complete else DOMINANT
-        named = tuple(f for f in named if f.gain >= factor * after.beside(last, _own(last, f.id)))
-    findings = tuple(_finding(f, selection.last, selection.leftover, evidence) for f in named)
+        named = tuple(f for f in named if f.gain >= factor * after.beside(last, own_columns(last, f.id)))
+    findings = tuple(finding(f, selection.last, selection.leftover, evidence) for f in named)
     if not after.quiet:
-        findings = tuple(f for f in findings if not _may_be_none(f))
+        findings = tuple(f for f in findings if not may_be_none(f))
     proof = proof_of(vehicle, train)
     extended = None
     # An interval rests on the model: another cause that would do as well, or one that nobody knows, ends its guarantee.
@@ -193,11 +160,11 @@ def diagnose(
         findings = tuple(replace(f, parameters=guaranteed(f.parameters, extended)) for f in findings)
     if not complete:
         kept = {f.effect for f in findings}
-        findings = (*findings, _unknown(after, [f.id for f in selection.found if f.id not in kept]))
+        findings = (*findings, unknown(after, [f.id for f in selection.found if f.id not in kept]))
     progress("fitting the other log")
     moved = change(vehicle, selection.last, other)
     if moved is not None and moved.factor is not None:
-        findings = (*findings, _shallow(moved))
+        findings = (*findings, shallow(moved))
     progress("trying both models on the other log")
     bench = Bench(vehicle, other, selection.last.noise.bench.ambient)
     gain = compare(bench, fit.h, selection.last.h, seed)
@@ -294,86 +261,6 @@ def _before_and_after(vehicle: Vehicle, log: Log, plain: Fit, last: Fit) -> dict
         }
         for c in ("surge", "sway", "yaw")
     }
-
-
-def _finding(found: Found, last: Fit, left: Sequence[Scored], evidence: Mapping[str, dict[str, Any]]) -> Finding:
-    """A cause with its set, its intervals and what speaks for it."""
-    channel = _channel(last, found.id)
-    weights = np.array([np.exp(-0.5 * (found.rivals[0].merit - r.merit)) for r in found.rivals])
-    names = [r.id for r in found.rivals]
-    for twin in _TWINS.get(found.id, ()):
-        if twin not in names:
-            names.append(twin)
-            weights = np.r_[weights, 1.0 if twin in ("added_mass.munk", "drag.lift.yaw") else 0.3]
-    confidence = float(weights[0] / weights.sum())
-    alternatives = tuple(n for n in names if n != found.id)[:4]
-    effect = EFFECTS[found.id]
-    return Finding(
-        found.id,
-        confidence,
-        alternatives,
-        effect.separate if alternatives else "",
-        intervals(last, found.id, last.held, left),
-        {
-            "channel": channel,
-            **evidence.get(channel, {}),
-            "z": float(np.sqrt(max(found.gain, 0.0))),
-            "chance": found.chance,
-        },
-    )
-
-
-def _may_be_none(finding: Finding) -> bool:
-    """Whether the interval of a cause's only number holds that at which it is none."""
-    parameters = EFFECTS[finding.effect].parameters
-    bounds = list(finding.parameters.values())
-    return len(parameters) == len(bounds) == 1 and bounds[0].lower <= parameters[0].none <= bounds[0].upper
-
-
-def _shallow(moved: Change) -> Finding:
-    """Masses and drags scale alike from one log to the other."""
-    assert moved.factor is not None
-    factor, sigma = moved.factor
-    p = EFFECTS["environment.shallow_water"].parameters[0]
-    bound = Bound(factor - 4 * sigma, factor + 4 * sigma, p.unit, p.symbol)
-    evidence = {
-        "channel": "surge",
-        "z": abs(np.log(factor)) * factor / sigma,
-        "ratio": {k: r for k, (r, _) in moved.ratio.items()},
-    }
-    id_ = "environment.shallow_water"
-    return Finding(id_, 1.0, (), "", {id_: bound}, evidence)
-
-
-def _unknown(left: Adequacy, near: Sequence[str]) -> Finding:
-    """A finding without a name: what the residual looks like."""
-    likely = ", ".join(f"{name} in {channel} ({np.sqrt(gain):.0f} sigma)" for name, channel, gain in left.strongest)
-    channel = left.strongest[0][1]
-    text = (
-        f"the errors that the model leaves still follow the motion (dictionary statistic {left.statistic:.2f}, about 1 where nothing is "
-        f"left), strongest with {likely}; no cause of the catalogue explains it"
-    )
-    if near:
-        text += f"; the nearest are {' and '.join(near)}, which the extended model holds and nothing proves"
-    evidence = {
-        "channel": channel,
-        "z": float(np.sqrt(left.strongest[0][2])),
-        "statistic": left.statistic,
-        "chance": left.chance,
-    }
-    return Finding("unknown", 1.0, (), "", {}, evidence, text)
-
-
-def _channel(fit: Fit, id_: str) -> str:
-    """Where an effect shows most."""
-    own = _own(fit, id_)
-    return fit.noise.bench.channels[int(np.argmax(energy_of(fit, own)))] if own else ""
-
-
-def _own(fit: Fit, id_: str) -> list[int]:
-    """An effect's columns in a fit that has it."""
-    g = fit.gram
-    return [k for k in fit.base if g.names[k] == id_ or g.names[k].startswith(f"{id_}.")]
 
 
 __all__ = ["MARGIN", "Channels", "Diagnosis", "Finding", "diagnose", "score"]

@@ -149,7 +149,7 @@ def diagnose(
         # Where much is left that nobody explains, only a cause that explains far more than that, where it acts, keeps its name.
         last, factor = selection.last, 1.0 if complete else DOMINANT
         named = tuple(f for f in named if f.gain >= factor * after.beside(last, own_columns(last, f.id)))
-    findings = tuple(finding(f, selection.last, selection.leftover, evidence) for f in named)
+    findings = tuple(finding(f, selection.last, selection.leftover, evidence, after) for f in named)
     if not after.quiet:
         findings = tuple(f for f in findings if not may_be_none(f))
     proof = proof_of(vehicle, train)

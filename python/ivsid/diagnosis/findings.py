@@ -51,7 +51,13 @@ class Finding:
         return out
 
 
-def finding(found: Found, last: Fit, left: Sequence[Scored], evidence: Mapping[str, dict[str, Any]]) -> Finding:
+def finding(
+    found: Found,
+    last: Fit,
+    left: Sequence[Scored],
+    evidence: Mapping[str, dict[str, Any]],
+    rest: Adequacy,
+) -> Finding:
     """A cause with its set, its intervals and what speaks for it."""
     channel = _channel(last, found.id)
     weights = np.array([np.exp(-0.5 * (found.rivals[0].merit - r.merit)) for r in found.rivals])
@@ -68,7 +74,7 @@ def finding(found: Found, last: Fit, left: Sequence[Scored], evidence: Mapping[s
         confidence,
         alternatives,
         effect.separate if alternatives else "",
-        intervals(last, found.id, last.held, left),
+        intervals(last, found.id, last.held, left, unknown=not rest.quiet),
         {
             "channel": channel,
             **evidence.get(channel, {}),
@@ -82,7 +88,10 @@ def may_be_none(finding: Finding) -> bool:
     """Whether the interval of a cause's only number holds that at which it is none."""
     parameters = EFFECTS[finding.effect].parameters
     bounds = list(finding.parameters.values())
-    return len(parameters) == len(bounds) == 1 and bounds[0].lower <= parameters[0].none <= bounds[0].upper
+    if not len(parameters) == len(bounds) == 1:
+        return False
+    lower, upper = bounds[0].within or (bounds[0].lower, bounds[0].upper)
+    return lower <= parameters[0].none <= upper
 
 
 def shallow(moved: Change) -> Finding:

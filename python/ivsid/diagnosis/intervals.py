@@ -21,11 +21,16 @@ Array = NDArray[np.float64]
 SIGMAS: Final = 3.3
 # From this fall of chi^2 on a cause that is not found may still be there.
 DOUBTFUL: Final = 6.0
+# A cause that was not found is at most so many standard deviations larger than its score.
+HIDDEN: Final = 2.0
 
 
 @dataclass(frozen=True)
 class Bound:
-    """An interval of one number of an effect: statistical, or guaranteed, with the other kind beside it where there is one."""
+    """An interval of one number of an effect: statistical, or guaranteed, with the other kind beside it where there is one.
+
+    ``within`` is what it would be if nothing unknown were left.
+    """
 
     lower: float
     upper: float
@@ -34,6 +39,7 @@ class Bound:
     guaranteed: bool = False
     statistical: tuple[float, float] | None = None
     proved: tuple[float, float] | None = None
+    within: tuple[float, float] | None = None
 
     def record(self) -> dict[str, Any]:
         """As in result.json."""
@@ -51,11 +57,14 @@ class Bound:
         }
 
 
-def intervals(fit: Fit, id_: str, held: Mapping[str, float], left: Sequence[Scored] = ()) -> dict[str, Bound]:
+def intervals(
+    fit: Fit, id_: str, held: Mapping[str, float], left: Sequence[Scored] = (), *, unknown: bool = False
+) -> dict[str, Bound]:
     """Intervals of an effect's numbers: the larger of the errors by the noise model and by the blocks' own scatter.
 
     Each interval holds the number also where one of the causes that are ``left`` is there, too small to be found: how far it would move
-    the number is added. Numbers in which the errors bend or jump are profiled.
+    the number is added. Where something ``unknown`` is left, any of them may hide in it, at up to two standard deviations more than it is
+    scored. Numbers in which the errors bend or jump are profiled.
     """
     p, g = fit.projection, fit.gram
     covariance = np.linalg.inv(p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9))
@@ -63,6 +72,8 @@ def intervals(fit: Fit, id_: str, held: Mapping[str, float], left: Sequence[Scor
     out: dict[str, Bound] = {}
     worse = 1.0
     moved = _moved(fit, left)
+    hidden = _hidden(fit, left) if unknown else moved
+    hidden = np.stack([np.minimum(moved[0], hidden[0]), np.maximum(moved[1], hidden[1])])
     for i, k in enumerate(p.base):
         name = g.names[k]
         if name != id_ and not name.startswith(f"{id_}."):
@@ -73,8 +84,10 @@ def intervals(fit: Fit, id_: str, held: Mapping[str, float], left: Sequence[Scor
         rest = abs(float(p.coefficients[i])) / float(g.unit[k])
         reach = SIGMAS * sigma + rest
         worse = max(worse, robust[i] / covariance[i, i])
-        low, high = moved[0, i] / float(g.unit[k]), moved[1, i] / float(g.unit[k])
-        out[name] = Bound(value - reach + low, value + reach + high, parameter.unit, parameter.symbol)
+        unit = float(g.unit[k])
+        within = (value - reach + moved[0, i] / unit, value + reach + moved[1, i] / unit)
+        lower, upper = value - reach + hidden[0, i] / unit, value + reach + hidden[1, i] / unit
+        out[name] = Bound(lower, upper, parameter.unit, parameter.symbol, within=within)
     _turned(out, id_)
     for given in fit.h.given:
         if given.effect.id != id_:
@@ -135,6 +148,26 @@ def _moved(fit: Fit, left: Sequence[Scored]) -> Array:
         wide = Projection(fit.gram, [*p.base, *s.columns])
         shift = wide.coefficients[: len(p.base)] - p.coefficients
         span[0], span[1] = np.minimum(span[0], shift), np.maximum(span[1], shift)
+    return span
+
+
+def _hidden(fit: Fit, left: Sequence[Scored]) -> Array:
+    """How far causes that were not found may move the coefficients, each at up to two standard deviations beyond its score, shape (2, base)."""
+    p = fit.projection
+    base = list(p.base)
+    inner = p.total[np.ix_(base, base)] + np.diag(p.g.prior[base] + 1e-9)
+    span = np.zeros((2, len(base)))
+    for s in left:
+        if len(s.columns) != 1 or s.family.kind == "step":
+            continue
+        k = s.columns[0]
+        theta, _ = p.solve([k])
+        spread = HIDDEN / np.sqrt(max(float(p.information([k])[0, 0]), 1e-300))
+        ends = np.array([theta[0] - spread, theta[0] + spread])
+        if not s.family.effect.parameters[0].signed:
+            ends = np.maximum(ends, 0.0)
+        shift = -np.outer(np.linalg.solve(inner, p.total[base, k]), ends)
+        span[0], span[1] = np.minimum(span[0], shift.min(axis=1)), np.maximum(span[1], shift.max(axis=1))
     return span
 
 

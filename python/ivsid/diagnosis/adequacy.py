@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -14,6 +15,7 @@ from ivsid.diagnosis.fit import Fit
 from ivsid.diagnosis.projection import Projection
 
 Array = NDArray[np.float64]
+SYMBOLS: Final = re.compile(r"[a-z]+")
 AXES: Final = ("surge", "sway", "yaw")
 # Probability of calling a true model insufficient, and the share of the excess that a right cause may leave.
 LEVEL: Final = 1e-3
@@ -157,6 +159,9 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
         x, y = (q - q.mean() for q in p.place)
         reach = max(float(np.abs(x).max()), float(np.abs(y).max()), 1e-9)
         functions |= {"x": x / reach, "y": y / reach, "x u": x / reach * a, "y u": y / reach * a}
+    if fit.noise.still:
+        # Where sway and yaw are left out, nothing that is made of their velocities says anything of a cause.
+        functions = {k: f for k, f in functions.items() if not {"v", "r"} & set(SYMBOLS.findall(k))}
     names, arrays = [], []
     sizes = [max(d, 1e-6) for d in bench.ambient.deviation]
     for k, axis in enumerate(AXES):

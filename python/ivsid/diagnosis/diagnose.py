@@ -167,7 +167,10 @@ def diagnose(
         findings = (*findings, shallow(moved))
     progress("trying both models on the other log")
     bench = Bench(vehicle, other, selection.last.noise.bench.ambient)
-    gain = compare(bench, fit.h, selection.last.h, seed)
+    # What TRAIN's sensors and thrusters were off by is no part of the model, and none of model.toml.
+    plain = replace(fit.h, declared={})
+    extended_h = plain if selection.last.h is fit.h else replace(selection.last.h, declared={})
+    gain = compare(bench, plain, extended_h, seed)
     verdict = "adequate" if not findings else ("wrong" if any(f.effect != "unknown" for f in findings) else "unknown")
     said = [n for n in (confirmation.note, proof.sentence(verdict) if proof.refuted else "") if n]
     return Diagnosis(

@@ -26,6 +26,7 @@ VISIBLE: Final = 8.0
 EXCITED: Final = 4.0
 # Causes that nothing shows where the vehicle does not turn.
 TURNING: Final = (
+    "drag.surge.sideslip",
     "drag.sway",
     "drag.yaw",
     "drag.cross_flow",

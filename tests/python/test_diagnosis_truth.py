@@ -105,10 +105,11 @@ def test_the_calm_log_tells_its_six_causes(real):
     # Of the cross flow, z is 5 beside the others: sway drag and yaw damping stand for it.
     assert names >= {"drag.surge.linear", "drag.sway.linear", "drag.yaw.linear", "drag.yaw.quadratic"}
     assert names & MUNK
-    # The extended model is worth it on the second half.
-    for before, after in result.gain.simulation_rms.values():
-        assert after < 0.15 * before
-    assert result.gain.position_rms[1] < 0.15 * result.gain.position_rms[0]
+    # The extended model is worth it on the second half. The push along the pitching hull, which nothing names, had been carried over
+    # there as an error of the thrust; the model alone is tried now.
+    for name, (before, after) in result.gain.simulation_rms.items():
+        assert after < (0.4 if name == "u" else 0.15) * before
+    assert result.gain.position_rms[1] < 0.4 * result.gain.position_rms[0]
     # Noise-free, the pitching hull's push along its axis is what no cause of the catalogue explains.
     assert result.adequacy[1].strongest[0][:2] == ("1", "surge")
 

@@ -23,6 +23,8 @@ SIGMAS: Final = 3.3
 DOUBTFUL: Final = 6.0
 # A cause that was not found is at most so many standard deviations larger than its score.
 HIDDEN: Final = 2.0
+# With so small a share of its signature left beside the others a cause is no other than they.
+SAME: Final = 1e-3
 
 
 @dataclass(frozen=True)
@@ -161,8 +163,12 @@ def _hidden(fit: Fit, left: Sequence[Scored]) -> Array:
         if len(s.columns) != 1 or s.family.kind == "step":
             continue
         k = s.columns[0]
+        seen = float(p.information([k])[0, 0])
+        if seen < SAME * float(p.total[k, k]):
+            # What no log tells from the causes that were found stands among their alternatives.
+            continue
         theta, _ = p.solve([k])
-        spread = HIDDEN / np.sqrt(max(float(p.information([k])[0, 0]), 1e-300))
+        spread = HIDDEN / np.sqrt(seen)
         ends = np.array([theta[0] - spread, theta[0] + spread])
         if not s.family.effect.parameters[0].signed:
             ends = np.maximum(ends, 0.0)

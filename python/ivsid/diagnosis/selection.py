@@ -28,6 +28,9 @@ FINALISTS: Final = 6
 MARGIN: Final = 9.0
 # A candidate this far behind under the first noise is not fitted again.
 FAR: Final = 60.0
+# A full fit with less than this share of the score's gain is given more steps.
+SLOW: Final = 0.8
+LATE: Final = 6
 # How often the causes are looked at again after each that is added.
 REVIEWS: Final = 3
 # A number this close to its least possible value, in typical sizes, stands there.
@@ -285,6 +288,10 @@ def _fitted(fit: Fit, s: Scored, noise: Noise, held: Mapping[str, float], known:
                 break
             h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held, 3, known)
         chi2 = chi2_of(noise, h, anchor, held, known)
+        if chi2 > base - SLOW * s.gain:
+            # States that follow a hypothesis slowly hide for some steps what it explains.
+            h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held, LATE, known)
+            chi2 = chi2_of(noise, h, anchor, held, known)
     except (np.linalg.LinAlgError, ValueError, FloatingPointError):
         return None
     if not np.isfinite(chi2) or not _possible(h, s.id, noise.bench):

@@ -45,7 +45,8 @@ def test_the_papers_model_shares_a_drag_that_the_hull_does_not(tmp_path):
     assert bounds["drag.yaw.linear"].lower <= 3.0 <= bounds["drag.yaw.linear"].upper
     assert result.adequacy[1].quiet
     for before, after in result.gain.simulation_rms.values():
-        assert after < 0.2 * before
+        # What TRAIN showed of its thrusters' errors is not carried over to TEST.
+        assert after < 0.3 * before
 
 
 def test_equation_18_as_printed_is_no_curve_of_the_catalogue():

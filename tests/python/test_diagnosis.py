@@ -146,6 +146,8 @@ def test_a_wrong_claim_is_a_finding_and_a_true_one_is_not():
         assert result.verdict == verdict
         if verdict == "wrong":
             assert "drag.surge.quadratic" in set().union(*sets(result))
+            # What the log contradicts is no claim of the extended model.
+            assert not parse_vehicle(extended_vehicle(result), "model.toml").model.values
             bound = result.findings[0].parameters["drag.surge.quadratic"]
             assert 20.0 < bound.lower < 28.0 < bound.upper
 

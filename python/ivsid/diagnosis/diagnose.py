@@ -157,7 +157,9 @@ def diagnose(
     # An interval rests on the model: another cause that would do as well, or one that nobody knows, ends its guarantee.
     if findings and complete and not any(f.alternatives for f in findings):
         extended = extended_proof(vehicle, train, selection.last.h)
-        findings = tuple(replace(f, parameters=guaranteed(f.parameters, extended)) for f in findings)
+        findings = tuple(
+            replace(f, parameters=guaranteed(f.parameters, extended, vehicle.model.values)) for f in findings
+        )
     if not complete:
         kept = {f.effect for f in findings}
         findings = (*findings, unknown(after, [f.id for f in selection.found if f.id not in kept]))

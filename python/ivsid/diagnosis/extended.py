@@ -53,8 +53,10 @@ def extended_text(vehicle: Vehicle, h: Hypothesis) -> str:
         lines.append('terms = "paper"')
     else:
         lines.append("terms = [" + ", ".join(f'"{i}"' for i in dict.fromkeys(ids)) + "]")
-    if vehicle.model.values:
-        pairs = ", ".join(f'"{k}" = {v!r}' for k, v in vehicle.model.values.items())
+    # A claim that the log contradicts is no claim of the extended model.
+    claimed = {k: v for k, v in vehicle.model.values.items() if k not in h.freed}
+    if claimed:
+        pairs = ", ".join(f'"{k}" = {v!r}' for k, v in claimed.items())
         lines.append(f"values = {{ {pairs} }}")
     for id_ in (i for i in ids if i in own_ids()):
         lines.append(f"# {id_} is an effect of your own: read this file with ivsid --own-effects FILE")

@@ -122,10 +122,12 @@ def extended_proof(vehicle: Vehicle, log: Log, h: Hypothesis) -> Proof:
     return proof_of(parse_vehicle(extended_text(vehicle, h), "model.toml"), log)
 
 
-def guaranteed(parameters: Mapping[str, Bound], proof: Proof) -> dict[str, Bound]:
+def guaranteed(
+    parameters: Mapping[str, Bound], proof: Proof, claimed: Mapping[str, float] | None = None
+) -> dict[str, Bound]:
     """The proved interval in place of the statistical one where it leaves no effect out, so that the effect is proved, and beside it elsewhere.
 
-    A proved interval is never narrowed by what the statistics say, nor theirs called guaranteed.
+    No effect is zero, or the number that the vehicle file claims (``claimed``). A proved interval is never narrowed by what the statistics say, nor theirs called guaranteed.
     """
     fit = proof.identification
     out = dict(parameters)
@@ -135,7 +137,8 @@ def guaranteed(parameters: Mapping[str, Bound], proof: Proof) -> dict[str, Bound
         found = fit.parameters.get(id_)
         if found is None or not np.isfinite([found.lower, found.upper]).all():
             continue
-        if found.lower <= 0 <= found.upper:
+        none = (claimed or {}).get(id_, 0.0)
+        if found.lower <= none <= found.upper:
             out[id_] = replace(bound, proved=(found.lower, found.upper))
             continue
         beside = (bound.lower, bound.upper)

@@ -12,6 +12,7 @@ def examine(folder: Path) -> dict:
     from tests.exam.peers import PEERS, regression
 
     from ivsid.diagnosis import diagnose
+    from ivsid.diagnosis.testing import levels
     from ivsid.log import read_log
     from ivsid.vehicle import read_vehicle
 
@@ -28,6 +29,9 @@ def examine(folder: Path) -> dict:
         "record": d.record(),
         "cpu": spent,
         "visible": {i: v.z for i, v in d.visible.items()},
+        "levels": {
+            f.id: sorted(levels(d.selection.plain, f)) for f in d.selection.plain.families if f.idle is not None
+        },
         "left": [(s.id, round(s.gain, 1)) for s in d.selection.leftover[:4]],
         "adequacy": [(a.gain, a.freedom, a.chance, a.chance_of_one, a.strongest[:2]) for a in d.adequacy],
         "peers": {name: peer(others) for name, peer in PEERS.items()},

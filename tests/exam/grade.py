@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import numpy as np
 from tests.exam.worth import worth
 
 from ivsid.effects import EFFECTS
@@ -30,13 +31,13 @@ def grade(folder: Path, said: dict, truth: dict) -> dict:
             for w in ways
         ]
         held |= max(scored, key=lambda s: sum(h[0] for h in s.values()), default={})
-    z = said["visible"]
+    z = {i: shown(said, i, s, truth["truth"]) for i, s in sizes.items()}
     known = sizes and all(i in EFFECTS for i in sizes)
     return row | {
         "verdict": record["verdict"],
         "found": [f["effect"] for f in findings],
         "sets": [[f["effect"], *f["alternatives"]] for f in findings],
-        "z": {i: z.get(i, -1) * s for i, s in sizes.items()},
+        "z": z,
         "held": held,
         "cpu": said["cpu"],
         "evidence": [f["evidence"] for f in findings],
@@ -45,6 +46,14 @@ def grade(folder: Path, said: dict, truth: dict) -> dict:
         "worth": worth(folder, record["gain"], truth) if known else {},
         "peers": said["peers"],
     }
+
+
+def shown(said: dict, id_: str, size: float, truth: dict[str, float]) -> float:
+    """The z that the log predicts for what was hidden; negative where it has none for such an effect."""
+    if id_ in said["levels"]:
+        values, z = zip(*said["levels"][id_], strict=True)
+        return float(np.interp(truth[EFFECTS[id_].parts[0]], values, z))
+    return said["visible"].get(id_, -1) * size
 
 
 def same(truth):

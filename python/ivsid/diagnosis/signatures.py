@@ -29,7 +29,10 @@ from ivsid.effects.inertia import SHARED_MUNK
 Array = NDArray[np.float64]
 # Lags and delays that are tried [samples] and [s]; from a tenth of a sample on.
 DELAYS: Final = (0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0)
-LEVELS: Final = 9
+# Dead bands that are tried, in what most demands stay below: small ones hide little, and little of a larger one's signature.
+BANDS: Final = (0.03, 0.05, 0.08, 0.125, 0.19, 0.28, 0.4, 0.55, 0.75, 1.0)
+# Limits that are tried, in the largest thrust.
+LIMITS: Final = (0.97, 0.92, 0.85, 0.77, 0.68, 0.58, 0.47, 0.35)
 # Terms of the plain model that another model may lack.
 LACKED: Final = ("mass.sway", "drag.surge.quadratic", "drag.sway.quadratic")
 
@@ -63,6 +66,7 @@ class Family:
         variants: groups of columns, each a value of what is not linear; the parameters' values that belong to each.
         kind: "linear", "claim" (a number that is not fitted), "secant" (a column is the whole effect at a value), "step" (starts at a time), "wave", "tether".
         thruster: index of the thruster that a failure is of.
+        idle: of a dead band or limit, the value up to which it does nothing in this log.
     """
 
     effect: Effect
@@ -70,6 +74,7 @@ class Family:
     values: tuple[tuple[float, ...], ...] = ()
     kind: str = "linear"
     thruster: int | None = None
+    idle: float | None = None
 
     @property
     def id(self) -> str:
@@ -224,14 +229,13 @@ class Signatures:
             low = used[used > 1e-9]
             if not low.size:
                 return []
-            top = float(np.quantile(low, 0.7))
-            values = [top * q for q in np.linspace(1 / LEVELS, 1.0, LEVELS)]
+            idle, values = float(low.min()), [float(np.quantile(low, 0.7)) * q for q in BANDS]
         else:
             used = np.abs(bench.propulsion.thrusts(self.h.given).now)
-            top = float(used.max())
-            if top <= 0:
+            idle = float(used.max())
+            if idle <= 0:
                 return []
-            values = [top * q for q in (0.97, 0.92, 0.85, 0.77, 0.68, 0.58, 0.47, 0.35)]
+            values = [idle * q for q in LIMITS]
         names, kept = [], []
         for value in values:
             column = self._whole(Given(effect, (value,)))
@@ -239,7 +243,7 @@ class Signatures:
                 out.add(f"{effect.id}@{value:.6g}", column)
                 names.append((out.names[-1],))
                 kept.append((value,))
-        return [Family(effect, tuple(names), tuple(kept), "secant")] if names else []
+        return [Family(effect, tuple(names), tuple(kept), "secant", idle=idle)] if names else []
 
     def _failure(self, effect: Effect, out: Columns) -> list[Family]:
         families = []

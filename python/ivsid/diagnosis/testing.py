@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -141,24 +142,48 @@ def visibility(fit: Fit, excited: Mapping[str, float] | None = None) -> dict[str
         blind = blind or (bool(fit.noise.still) and family.id.startswith(TURNING))
         if family.id in found and found[family.id].z >= z:
             continue
-        # Without any signature there is no size that would show.
-        least = {k: v * VISIBLE / z for k, v in sizes.items() if v} if z > 1e-6 else {}
+        if family.idle is None:
+            # Without any signature there is no size that would show.
+            least = {k: v * VISIBLE / z for k, v in sizes.items() if v} if z > 1e-6 else {}
+        else:
+            least = _first(levels(fit, family), next(iter(sizes)))
         found[family.id] = Visibility(z, sizes, least, blind)
     return found
+
+
+def levels(fit: Fit, family: Family) -> list[tuple[float, float]]:
+    """Of a dead band or limit: the values tried and their z, from the one that does nothing on; z is not proportional to the value."""
+    g = fit.gram
+    found = [] if family.idle is None else [(family.idle, 0.0)]
+    for names, (value,) in zip(family.variants, family.values, strict=True):
+        at = g.at(names)
+        found.append((value, float(np.sqrt(max(fit.projection.information(at)[0, 0], 0.0)) * g.unit[at[0]])))
+    return sorted(found, key=lambda q: abs(q[0] - found[0][0]))
+
+
+def _first(found: list[tuple[float, float]], name: str) -> dict[str, float]:
+    """Where z first reaches what a log must show, between two levels; empty where none does."""
+    for (a, low), (b, high) in pairwise(found):
+        if low < VISIBLE <= high:
+            return {name: a + (b - a) * (VISIBLE - low) / (high - low)}
+    return {}
 
 
 def _size(fit: Fit, p: Projection, family: Family, mass: float) -> tuple[float, dict[str, float]]:
     g = fit.gram
     parameters = family.effect.parameters
-    if family.kind == "secant":
+    if family.idle is not None:
         typical = parameters[0].scaled(mass)
         if family.id == "thruster.deadband":
             typical = parameters[0].typical / 100 * float(np.abs(fit.noise.bench.log.demands).max())
+        values, shown = np.array(sorted(levels(fit, family))).T
+        return float(np.interp(typical, values, shown)), {family.effect.parts[0]: typical}
+    if family.kind == "secant":
+        typical = parameters[0].scaled(mass)
         values = [v[0] for v in family.values]
         k = int(np.argmin([abs(np.log(max(v, 1e-9) / max(typical, 1e-9))) for v in values]))
         at = g.at(family.variants[k])
-        scale = typical / values[k] if parameters[0].unit == "s" else 1.0
-        z = scale * float(np.sqrt(max(p.information(at)[0, 0], 0.0))) * float(g.unit[at[0]])
+        z = typical / values[k] * float(np.sqrt(max(p.information(at)[0, 0], 0.0))) * float(g.unit[at[0]])
         return z, {family.effect.parts[0]: typical}
     at = g.at(family.variants[0])
     if family.kind == "step":

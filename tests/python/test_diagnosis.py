@@ -178,8 +178,21 @@ def test_isolability_orders_what_the_theory_orders():
     assert result.rho[index["drag.surge.linear"], index["drag.yaw.linear"]] < 0.3
     assert result.visible["sensor.velocity.scale"].z < result.visible["drag.yaw.linear"].z
     for id_, v in result.visible.items():
-        for part, least in v.detectable.items():
+        # What a band or a limit hides is not proportional to it.
+        for part, least in {} if id_ in ("thruster.deadband", "thruster.saturation") else v.detectable.items():
             assert abs(least) * v.z == pytest.approx(8.0 * abs(v.typical[part]), rel=1e-9), id_
+
+
+def test_a_dead_band_that_no_demand_enters_shows_nothing():
+    """Demands of 30 to 80: a band of the usual eighth of them hides nothing, and the least that would show lies among the demands."""
+    vehicle, train, _ = logs()
+    used = np.abs(np.concatenate([train.columns[k] for k in train.columns if k.startswith("demand")]))
+    used = used[used > 1e-9]
+    band = isolability(vehicle, train).visible["thruster.deadband"]
+    (typical,), (least,) = band.typical.values(), band.detectable.values()
+    assert used.min() < least < np.quantile(used, 0.7)
+    assert (band.z > 0.0) == (typical > used.min())
+    assert band.tested == (typical >= least)
 
 
 def test_short_logs_are_refused_in_a_sentence():

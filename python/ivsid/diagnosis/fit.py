@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final, TypeAlias
 
@@ -15,7 +15,7 @@ from ivsid.diagnosis.noise import Whitening, ambient_of, declared, quick_enough,
 from ivsid.diagnosis.nuisances import nuisances
 from ivsid.diagnosis.physics import Hypothesis
 from ivsid.diagnosis.projection import Gram, Projection, gram
-from ivsid.diagnosis.signatures import Columns, Family, Signatures, free_parameters
+from ivsid.diagnosis.signatures import BENT, Columns, Family, Signatures, free_parameters
 from ivsid.diagnosis.start import first_values
 from ivsid.effects import terms_of
 from ivsid.errors import IvsidError
@@ -204,22 +204,35 @@ def improve(
     here = cost(h, errors)
     for _ in range(steps):
         g = _small_gram(bench, h, anchor, white, held, known, errors)
-        p = Projection(g, range(len(g.names)))
-        moves = dict(zip(g.names, (p.coefficients / g.unit).tolist(), strict=True))
-        for share in SHORTER:
-            other = stepped(h, {k: share * m for k, m in moves.items()}, bench)
-            there = bench.settle(other, anchor, 2)
-            errors = bench.errors(other, there)
-            now = cost(other, errors)
-            if now < here + WORSE:
-                break
+        for p in _movable(g, h):
+            base = np.array(p.base)
+            moves = dict(zip((g.names[k] for k in base), (p.coefficients / g.unit[base]).tolist(), strict=True))
+            for share in SHORTER:
+                other = stepped(h, {k: share * m for k, m in moves.items()}, bench)
+                there = bench.settle(other, anchor, 2)
+                errors = bench.errors(other, there)
+                now = cost(other, errors)
+                if now < here + WORSE:
+                    break
+            else:
+                continue
+            break
         else:
             return h, anchor
         h, anchor, here = other, there, now
-        sigma = np.sqrt(np.diag(np.linalg.inv(p.total + np.diag(g.prior + 1e-9))))
+        inner = p.total[np.ix_(base, base)] + np.diag(g.prior[base] + 1e-9)
+        sigma = np.sqrt(np.diag(np.linalg.inv(inner)))
         if (np.abs(p.coefficients) < 0.1 * sigma)[known.count :].all():
             break
     return h, anchor
+
+
+def _movable(g: Gram, h: Hypothesis) -> Iterator[Projection]:
+    """Steps of all numbers, then of all but those where the errors may jump: chi^2 can be a wall beside one, and stop the others."""
+    yield Projection(g, range(len(g.names)))
+    jumps = {name for given in h.given if given.effect.id in BENT for name, _, _ in free_parameters(given)}
+    if jumps:
+        yield Projection(g, [k for k, name in enumerate(g.names) if name not in jumps])
 
 
 def _small_gram(

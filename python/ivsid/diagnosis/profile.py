@@ -16,9 +16,9 @@ from ivsid.diagnosis.bench import Anchor
 from ivsid.diagnosis.fit import Declared, Noise, crossed
 from ivsid.diagnosis.physics import Hypothesis
 from ivsid.diagnosis.projection import Projection
+from ivsid.diagnosis.signatures import BENT
 from ivsid.effects import Given
 
-BENT: Final = ("thruster.deadband", "thruster.saturation", "thruster.lag", "thruster.delay", "sensor.velocity.delay")
 # Shares of the first value that are tried before it is refined: its score came from a column of another value.
 SHARES: Final = tuple(np.geomspace(0.2, 2.5, 16).tolist())
 # Bisections of an end, and doublings of the first step until chi^2 has risen.

@@ -238,8 +238,15 @@ def _admit(
     # Under the better noise, once more: who is best, and who cannot be told from it.
     known = declared_columns(noise.bench, best.h, best.anchor, noise.whitening, noise.good)
 
-    def exact(h: Hypothesis, anchor: Anchor) -> tuple[Hypothesis, Anchor, float]:
+    def exact(h: Hypothesis, anchor: Anchor, id_: str = "") -> tuple[Hypothesis, Anchor, float]:
         h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held, 6, known)
+        # Gauss-Newton steps do not cross where the errors jump, as they do where a delay is a sample long.
+        bends = [g for g in h.given if g.effect.id == id_ and bent(g)]
+        for given in bends:
+            h = refined(noise, h, anchor, held, known, given, wide=False)
+        if bends:
+            anchor = noise.bench.settle(h, anchor, 2)
+            h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held, 3, known)
         return h, anchor, chi2_of(noise, h, anchor, held, known)
 
     base = exact(fit.h, fit.anchor)[2]
@@ -247,7 +254,7 @@ def _admit(
     for r in sorted(rivals, key=lambda r: -r.merit):
         if best.merit - r.merit > max(FAR, 0.5 * best.merit):
             continue
-        h, anchor, chi2 = exact(r.h, r.anchor)
+        h, anchor, chi2 = exact(r.h, r.anchor, r.id)
         if _possible(h, r.id, noise.bench):
             again.append(replace(r, h=h, anchor=anchor, chi2=chi2, gain=base - chi2))
     if not again:

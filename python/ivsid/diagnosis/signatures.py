@@ -33,6 +33,8 @@ DELAYS: Final = (0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0)
 BANDS: Final = (0.03, 0.05, 0.08, 0.125, 0.19, 0.28, 0.4, 0.55, 0.75, 1.0)
 # Limits that are tried, in the largest thrust.
 LIMITS: Final = (0.97, 0.92, 0.85, 0.77, 0.68, 0.58, 0.47, 0.35)
+# In the numbers of these the errors bend or jump.
+BENT: Final = ("thruster.deadband", "thruster.saturation", "thruster.lag", "thruster.delay", "sensor.velocity.delay")
 # Terms of the plain model that another model may lack.
 LACKED: Final = ("mass.sway", "drag.surge.quadratic", "drag.sway.quadratic")
 

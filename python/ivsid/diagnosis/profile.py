@@ -19,6 +19,12 @@ from ivsid.diagnosis.projection import Projection
 from ivsid.diagnosis.signatures import BENT
 from ivsid.effects import Given
 
+# The place of its anchor is searched on a grid; a hull that sails around it has no slope that leads there.
+MOORED: Final = "tether.tension"
+COMPASS: Final = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (0.7, 0.7), (0.7, -0.7), (-0.7, 0.7), (-0.7, -0.7))
+# The first step of a search for an anchor, in extents of the track, and how often it is halved.
+ANCHOR_STEP: Final = 0.25
+ANCHOR_HALVINGS: Final = 5
 # Shares of the first value that are tried before it is refined: its score came from a column of another value.
 SHARES: Final = tuple(np.geomspace(0.2, 2.5, 16).tolist())
 # Bisections of an end, and doublings of the first step until chi^2 has risen.
@@ -35,6 +41,11 @@ def bent(given: Given) -> list[int]:
     return [j for j, p in enumerate(given.effect.parameters) if p.draw == "time"]
 
 
+def sought(given: Given) -> bool:
+    """Whether an effect has numbers whose first values come from a coarse search, and are to be refined before slopes are followed."""
+    return bool(bent(given)) or given.effect.id == MOORED
+
+
 def first_step(noise: Noise, given: Given, j: int) -> float:
     """A small change of the number: two seconds, or a fiftieth."""
     if given.effect.parameters[j].draw == "time":
@@ -43,9 +54,9 @@ def first_step(noise: Noise, given: Given, j: int) -> float:
 
 
 def profile(
-    noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float], known: Declared, given: Given, j: int
-) -> Callable[[float], float]:
-    """Chi^2 as a function of one number of an effect that the hypothesis has.
+    noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float], known: Declared, given: Given, *places: int
+) -> Callable[..., float]:
+    """Chi^2 as a function of one number of an effect that the hypothesis has, or of several.
 
     Args:
         noise: filters and whitening.
@@ -54,16 +65,17 @@ def profile(
         held: parameters that are not fitted.
         known: signatures of what is declared.
         given: the effect as it stands in the hypothesis.
-        j: the number's place.
+        places: of the numbers among the effect's.
     """
     g = crossed(noise, h, anchor, held, known)
-    own = given.effect.parts[j] if given.thruster is None else next(iter(given.named))
-    base = [k for k, name in enumerate(g.names) if name != own]
+    own = {given.effect.parts[j] if given.thruster is None else next(iter(given.named)) for j in places}
+    base = [k for k, name in enumerate(g.names) if name not in own]
     errors = noise.bench.errors(h, anchor)
 
-    def chi2(value: float) -> float:
+    def chi2(*numbers: float) -> float:
         values = list(given.values)
-        values[j] = value
+        for j, value in zip(places, numbers, strict=True):
+            values[j] = value
         other = h.with_effect(replace(given, values=tuple(values)))
         gone = noise.bench.difference(h, anchor, other)
         return Projection(g.of(noise.whitening(errors - gone)), base).chi2
@@ -82,6 +94,8 @@ def refined(
     wide: bool,
 ) -> Hypothesis:
     """The hypothesis with the numbers of an effect that are to be profiled where chi^2 is least nearby, or with ``wide`` anywhere."""
+    if given.effect.id == MOORED:
+        return _moored(noise, h, anchor, held, known, given)
     for j in bent(given):
         chi2 = profile(noise, h, anchor, held, known, given, j)
         step, best = first_step(noise, given, j), given.values[j]
@@ -101,6 +115,28 @@ def refined(
         given = replace(given, values=tuple(values))
         h = h.with_effect(given)
     return h
+
+
+def _moored(
+    noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float], known: Declared, given: Given
+) -> Hypothesis:
+    """The hypothesis with a tether's anchor where chi^2 is least, by a search in eight directions."""
+    log = noise.bench.log
+    if log.place is None:
+        return h
+    chi2 = profile(noise, h, anchor, held, known, given, 1, 2)
+    here = (float(given.values[1]), float(given.values[2]))
+    least = chi2(*here)
+    step = ANCHOR_STEP * max(float(np.ptp(log.place[0])), float(np.ptp(log.place[1])), 1.0)
+    for _ in range(ANCHOR_HALVINGS):
+        for _ in range(DOUBLINGS):
+            tried = {(here[0] + a * step, here[1] + b * step) for a, b in COMPASS}
+            worth, best = min((chi2(*q), q) for q in tried)
+            if worth >= least:
+                break
+            least, here = worth, best
+        step /= 2
+    return h.with_effect(replace(given, values=(given.values[0], *here, *given.values[3:])))
 
 
 def rise(given: Given, j: int, sigmas: float, worse: float) -> float:

@@ -15,7 +15,7 @@ from ivsid.diagnosis.families import Scored, adopted, everything, score
 from ivsid.diagnosis.fit import Declared, Fit, Noise, chi2_of, declared_columns, improve, learn, survey
 from ivsid.diagnosis.noise import quick_enough
 from ivsid.diagnosis.physics import Hypothesis
-from ivsid.diagnosis.profile import bent, refined
+from ivsid.diagnosis.profile import refined, sought
 from ivsid.effects import EFFECTS
 
 Array = NDArray[np.float64]
@@ -241,7 +241,7 @@ def _admit(
     def exact(h: Hypothesis, anchor: Anchor, id_: str = "") -> tuple[Hypothesis, Anchor, float]:
         h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held, 6, known)
         # Gauss-Newton steps do not cross where the errors jump, as they do where a delay is a sample long.
-        bends = [g for g in h.given if g.effect.id == id_ and bent(g)]
+        bends = [g for g in h.given if g.effect.id == id_ and sought(g)]
         for given in bends:
             h = refined(noise, h, anchor, held, known, given, wide=False)
         if bends:
@@ -287,7 +287,7 @@ def _fitted(fit: Fit, s: Scored, noise: Noise, held: Mapping[str, float], known:
     try:
         anchor = noise.bench.settle(h, fit.anchor)
         for turn in range(2):
-            own = [g for g in h.given if g.effect.id == s.id and bent(g)]
+            own = [g for g in h.given if g.effect.id == s.id and sought(g)]
             for given in own:
                 h = refined(noise, h, anchor, held, known, given, wide=not turn)
                 anchor = noise.bench.settle(h, anchor, 2)

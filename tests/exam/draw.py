@@ -229,6 +229,7 @@ def case(
     kind: str | None = None,
     ambient: float | None = None,
     duration: float | None = None,
+    rate: float | None = None,
     noise: str = "gaussian",
 ) -> Case:
     """The case of a seed; what is given is not drawn."""
@@ -242,7 +243,8 @@ def case(
     st = str(rng.choice(["rich", "rich", "rich", "zigzag", "circle", "line"]))
     st = style or st
     d = float(rng.choice([300.0, 600.0])) if duration is None else duration
-    rate = float(rng.choice([10.0, 20.0]))
+    drawn = float(rng.choice([10.0, 20.0]))
+    rate = rate or drawn
     vehicle = parse_vehicle(text, "v.toml")
     w = what or str(rng.choice(["none", "one", "one", "two", "outside"], p=[0.34, 0.2, 0.26, 0.1, 0.1]))
     truth: dict[str, float] = {}

@@ -1,7 +1,7 @@
 """Draws cases, examines them sealed, and scores them: python -m tests.exam.run FIRST COUNT [key=value ...].
 
 Keys: ``out`` (a file for the rows), ``table`` (one for the table of the documentation), ``workers``, and what is not to be drawn: ``what``, ``effect``, ``size``, ``style``, ``kind``,
-``ambient``, ``duration`` (tests/exam/draw.py).
+``ambient``, ``duration``, ``rate`` (tests/exam/draw.py).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-NUMBERS = ("size", "ambient", "duration")
+NUMBERS = ("size", "ambient", "duration", "rate")
 
 
 def drawn(seed: int, options: dict, papers: Path, answers: Path) -> Path | str:

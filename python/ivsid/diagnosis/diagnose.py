@@ -15,6 +15,7 @@ from ivsid.diagnosis.bench import Bench
 from ivsid.diagnosis.calibration import calibrate
 from ivsid.diagnosis.change import change
 from ivsid.diagnosis.channels import Channels, channels
+from ivsid.diagnosis.claims import Claim, claims
 from ivsid.diagnosis.confirmation import NULL_LOGS, confirmed
 from ivsid.diagnosis.falsify import falsified
 from ivsid.diagnosis.families import everything, score
@@ -57,6 +58,7 @@ class Diagnosis:
         inputs: names and hashes.
         seed: of every random draw.
         proofs: of the model as it was on TRAIN, and of the extended one where a guarantee was asked for.
+        claims: what the log says of each number that the vehicle file claims.
     """
 
     verdict: str
@@ -74,6 +76,7 @@ class Diagnosis:
     seed: int
     proofs: tuple[Proof, Proof | None]
     notes: tuple[str, ...] = field(default=())
+    claims: tuple[Claim, ...] = field(default=())
 
     @property
     def rejected(self) -> tuple[Rejected, ...]:
@@ -87,6 +90,7 @@ class Diagnosis:
             "verdict": self.verdict,
             "findings": [f.record() for f in self.findings],
             "rejected": [r.record() for r in self.rejected],
+            "claims": [c.record() for c in self.claims],
             "hints": list(self.hints),
             "not_tested": list(self.not_tested),
             "detectable": _detectable(self.visible),
@@ -163,6 +167,7 @@ def diagnose(
     if not complete:
         kept = {f.effect for f in findings}
         findings = (*findings, unknown(after, [f.id for f in selection.found if f.id not in kept]))
+    claimed = claims(selection.last, selection.leftover, findings, unknown=not after.quiet)
     progress("fitting the other log")
     moved = change(vehicle, selection.last, other)
     if moved is not None and moved.factor is not None:
@@ -195,6 +200,7 @@ def diagnose(
         seed,
         (proof, extended),
         (*log.notes, *train.notes, *_left_out(fit), *said),
+        claimed,
     )
 
 

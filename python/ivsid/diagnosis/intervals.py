@@ -164,7 +164,7 @@ def _hidden(fit: Fit, left: Sequence[Scored]) -> Array:
             continue
         k = s.columns[0]
         seen = float(p.information([k])[0, 0])
-        if seen < SAME * float(p.total[k, k]):
+        if seen <= SAME * float(p.total[k, k]):
             # What no log tells from the causes that were found stands among their alternatives.
             continue
         theta, _ = p.solve([k])

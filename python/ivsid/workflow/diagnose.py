@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ivsid import diagnosis, figures, report
-from ivsid.diagnosis import GUARANTEED, NULL_LOGS, REFUTED, Diagnosis, cache_folder
+from ivsid.diagnosis import GUARANTEED, NULL_LOGS, REFUTED, Claim, Diagnosis, cache_folder
 from ivsid.log import read_log
 from ivsid.report import Report, Section
 from ivsid.vehicle import read_vehicle
@@ -60,6 +60,7 @@ def diagnosis_report(result: Diagnosis) -> Report:
     sections = [
         Section("Findings", (_findings(result), *told)),
         Section("What the better model is worth", (_gain(result), *map(report.drawing, others))),
+        Section("What the vehicle file claims", (_claims(result),) if result.claims else ()),
         Section("Candidates that are no findings", (_candidates(result),)),
         Section("What this log could not show", (_untested(result),)),
         Section("Proved without a noise model", (report.bullets(_proved(result)),)),
@@ -126,6 +127,32 @@ def _candidates(result: Diagnosis) -> dict[str, Any]:
         "why it is none",
     ]
     return report.table(header, rows, "The twenty that came nearest; result.json has them all.")
+
+
+def _claims(result: Diagnosis) -> dict[str, Any]:
+    rows = [
+        [
+            c.parameter,
+            f"{c.value:g} {c.unit}",
+            c.z,
+            *("–" if b is None else shown(b.lower, b.upper) for b in (c.beside, c.alone)),
+            _said(c),
+        ]
+        for c in result.claims
+    ]
+    header = ["number", "claimed", "away [σ]", "the log, other claims held", "the log alone", "so it is"]
+    caption = "Statistical intervals; they hold what a cause that was not found may hide. A claim is a finding only where nothing else could move it."
+    return report.table(header, rows, caption)
+
+
+def _said(claim: Claim) -> str:
+    if claim.beside is None:
+        return claim.reason
+    if claim.contradicted:
+        return "contradicted: a finding"
+    if claim.beside.lower <= claim.value <= claim.beside.upper:
+        return "not contradicted"
+    return "outside of the interval, and no finding: too little of the rest is explained, or too little of it is there"
 
 
 def _untested(result: Diagnosis) -> dict[str, Any]:

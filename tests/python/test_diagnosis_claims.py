@@ -49,6 +49,21 @@ def test_without_claims_nothing_is_said_of_any():
     assert diagnose(vehicle, *logs_of(vehicle), null_logs=0).record()["claims"] == []
 
 
+def test_a_cause_that_is_no_finding_is_bounded():
+    """A drag below what would be found lies inside of what the log allows; what would be found does not."""
+    vehicle, hidden = vehicle_of(), 0.15
+    result = diagnose(vehicle, *logs_of(vehicle, {"drag.surge.linear": hidden}), null_logs=0)
+    assert result.verdict == "adequate"
+    may = result.record()["allowed"]
+    for id_, truth in (("drag.surge.linear", hidden), ("drag.yaw.linear", 0.0), ("coupling.cg_x", 0.0)):
+        assert may[id_]["lower"] <= truth <= may[id_]["upper"]
+        assert not may[id_]["guaranteed"]
+        # Nothing that is allowed would have stood out much further than what is asked for.
+        assert max(-may[id_]["lower"], may[id_]["upper"]) < 1.3 * result.record()["detectable"][id_]["value"]
+    for q in ("current.steady.north", "wind.steady.east", "tether.tension.force"):
+        assert may[q]["lower"] <= 0.0 <= may[q]["upper"]
+
+
 def test_a_cause_without_any_signature_hides_nothing():
     """Fouling multiplies the quadratic drag, which this model has not: its column is nothing, and no interval is made of it."""
     terms = '"mass.surge", "mass.sway", "inertia.yaw", "drag.surge.linear", "drag.sway.quadratic"'

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.adequacy import Adequacy, adequacy
+from ivsid.diagnosis.allowed import allowed
 from ivsid.diagnosis.bench import Bench
 from ivsid.diagnosis.calibration import calibrate
 from ivsid.diagnosis.change import change
@@ -23,6 +24,7 @@ from ivsid.diagnosis.findings import Finding, finding, may_be_none, own_columns,
 from ivsid.diagnosis.fit import Fit, plain_fit
 from ivsid.diagnosis.gain import Gain, compare, missing_force
 from ivsid.diagnosis.hints import hints
+from ivsid.diagnosis.intervals import Bound
 from ivsid.diagnosis.proved import Proof, extended_proof, guaranteed, proof_of
 from ivsid.diagnosis.rejected import Rejected, rejected
 from ivsid.diagnosis.selection import MARGIN, Selection, select
@@ -83,6 +85,13 @@ class Diagnosis:
         """The candidates that are no findings, the best first, and why each is none."""
         return rejected(self.findings, self.selection, self.visible, float(self.calibration["threshold"]))
 
+    @property
+    def allowed(self) -> dict[str, Bound]:
+        """How large causes that are no findings may be, each alone beside the extended model, by the names of their numbers."""
+        held = {i for f in self.findings for i in (f.effect, *f.alternatives)}
+        unnamed = [f.id for f in self.selection.found if f.id not in held]
+        return allowed(self.selection.last, [s for s in self.selection.leftover if s.id not in held], unnamed)
+
     def record(self) -> dict[str, Any]:
         """As in result.json."""
         return {
@@ -94,6 +103,7 @@ class Diagnosis:
             "hints": list(self.hints),
             "not_tested": list(self.not_tested),
             "detectable": _detectable(self.visible),
+            "allowed": {k: b.record() for k, b in self.allowed.items()},
             "calibration": self.calibration,
             "falsified": self.proofs[0].record(),
             "guarantees": None if self.proofs[1] is None else self.proofs[1].record(),

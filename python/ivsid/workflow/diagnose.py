@@ -62,7 +62,7 @@ def diagnosis_report(result: Diagnosis) -> Report:
         Section("What the better model is worth", (_gain(result), *map(report.drawing, others))),
         Section("What the vehicle file claims", (_claims(result),) if result.claims else ()),
         Section("Candidates that are no findings", (_candidates(result),)),
-        Section("What this log could not show", (_untested(result),)),
+        Section("What this log could not show", (_untested(result), _allowed(result))),
         Section("Proved without a noise model", (report.bullets(_proved(result)),)),
         Section("What this rests on", (report.bullets(_assumptions(result)),)),
     ]
@@ -159,6 +159,16 @@ def _untested(result: Diagnosis) -> dict[str, Any]:
     return report.table(
         ["effect", "why not", "needs"], [[q["effect"], q["reason"], q["needs"]] for q in result.not_tested]
     )
+
+
+def _allowed(result: Diagnosis) -> dict[str, Any]:
+    least = {k: v for q in result.visible.values() if q.tested for k, v in q.detectable.items()}
+    rows = [
+        [name, f"{shown(b.lower, b.upper)} {b.unit}", f"{abs(least[name]):.3g}" if name in least else "not tested"]
+        for name, b in result.allowed.items()
+    ]
+    caption = "Causes that are no findings, each alone beside the extended model: statistical intervals of what may be there all the same."
+    return report.table(["number", "the log allows", "would have shown from"], rows, caption)
 
 
 def _assumptions(result: Diagnosis) -> list[str]:

@@ -1,13 +1,19 @@
-"""What the log says of the numbers that a vehicle file claims, and of the causes that are no findings."""
+"""What a result says beside its findings: of claimed numbers, of causes that are none, and of the extended model."""
 
 import numpy as np
 
 from diagnosis_logs import TRUTH, logs_of, vehicle_of
 from ivsid import diagnose
+from ivsid.diagnosis import extended_vehicle
 from ivsid.diagnosis.channels import channels
+from ivsid.diagnosis.extended import extended_text, stated
 from ivsid.diagnosis.families import everything, score
 from ivsid.diagnosis.fit import plain_fit
 from ivsid.diagnosis.intervals import intervals
+from ivsid.diagnosis.physics import Hypothesis
+from ivsid.diagnosis.proved import extended_proof
+from ivsid.effects import EFFECTS, PLAIN_TERMS
+from ivsid.vehicle import parse_vehicle
 
 
 def claimed(values, effects=None):
@@ -72,3 +78,38 @@ def test_a_cause_without_any_signature_hides_nothing():
     assert any(s.id == "fouling.drift" and s.gain == 0 for s in left)
     bound = intervals(fit, "drag.surge.linear", fit.held, left, unknown=True)["drag.surge.linear"]
     assert np.isfinite([bound.lower, bound.upper]).all() and bound.lower < bound.upper
+
+
+def test_a_wind_that_was_found_stands_in_the_extended_model():
+    """Its two numbers are one entry of model.terms, which identify and simulate take."""
+    vehicle = vehicle_of()
+    train, test = logs_of(vehicle, {"wind.steady.north": 1.5, "wind.steady.east": -1.0})
+    result = diagnose(vehicle, train, test, null_logs=0)
+    assert [f.effect for f in result.findings] == ["wind.steady"]
+    text = extended_vehicle(result)
+    model = parse_vehicle(text, "model.toml")
+    assert "wind.steady" in model.model.terms and len(set(model.model.terms)) == 6
+    assert "# fitted: wind.steady.north = 1." in text and "not part of a vehicle file" not in text
+    # The file says the same as the diagnosis: nothing is missing from it, and its proof is of the wind, too.
+    assert diagnose(model, train, test, null_logs=0).verdict == "adequate"
+    proof = extended_proof(vehicle, train, result.selection.last.h)
+    assert {"wind.steady.north", "wind.steady.east"} <= set(proof.identification.parameters)
+
+
+def test_a_wind_by_the_measured_wind_is_no_term_of_a_file_and_ends_the_proof():
+    result = fitted_with("wind.steady", ("wind.steady.surge", "wind.steady.sway"))
+    assert stated(result)[1] == {"wind.steady.surge": 0.4, "wind.steady.sway": 0.2}
+    text = extended_text(vehicle_of(), result)
+    assert (
+        "# found, and not part of a vehicle file:\n#   wind.steady.surge = 0.4\n" in text
+        and '"wind.steady"' not in text
+    )
+    proof = extended_proof(vehicle_of(), logs_of(vehicle_of(), duration=70.0)[0], result)
+    assert proof.identification is None and "wind.steady.surge" in proof.reason
+
+
+def fitted_with(id_, numbers):
+    """The plain model with the measured form of an effect beside it."""
+    terms = EFFECTS[id_].measured.acts.terms
+    values = {t.id: 1.0 for t in PLAIN_TERMS} | dict(zip(numbers, (0.4, 0.2), strict=True))
+    return Hypothesis((*PLAIN_TERMS, *terms), values)

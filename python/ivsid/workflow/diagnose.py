@@ -51,6 +51,8 @@ def diagnosis_report(result: Diagnosis) -> Report:
     """The report of a diagnosis."""
     seen = diagnosis.evidence(result)
     signatures = {e.effect: figures.signature(e, f"signature_{k}") for k, e in enumerate(seen, start=1)}
+    # What shows between two logs has no signature in one.
+    signatures |= {f.effect: figures.ratios(f) for f in result.findings if "ratio" in f.evidence}
     others = (figures.net_force(result.gain), figures.gain(result.gain), figures.force_residual(result.gain))
     told: list[dict[str, Any]] = []
     for f, paragraphs in zip(result.findings, diagnosis.explain(result, seen), strict=True):

@@ -244,6 +244,9 @@ def _lines(result: Diagnosis) -> list[str]:
     if result.findings:
         for what, unit, before, after, _, said in diagnosis.worth(result.gain)[:4]:
             lines.append(f"  {what} on {result.gain.log}: {before:.4g} {unit} before, {after:.4g} after: {said}")
+    if result.claims:
+        wrong = [c.parameter for c in result.claims if c.contradicted]
+        lines.append(f"  {len(result.claims)} claims held against the log, contradicted: {', '.join(wrong) or 'none'}")
     lines.append(
         f"  {len(result.visible) - sum(v.z < 8 for v in result.visible.values())} effects tested, "
         f"{len(result.not_tested)} not (result.json says why)"

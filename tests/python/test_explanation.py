@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from diagnosis_logs import logs_of, vehicle_of
-from ivsid import diagnose
+from ivsid import diagnose, figures
 from ivsid.diagnosis import evidence, explain, worth
 from ivsid.diagnosis.explain import _verdict
 from ivsid.diagnosis.shape import binned, ordered_by
@@ -157,3 +157,23 @@ def test_what_orders_a_force_is_found():
     b = binned(3 * u, u, 0.1)
     np.testing.assert_allclose(b.mean, 3 * b.centre)
     assert (np.diff(b.centre) > 0).all() and (b.error > 0).all()
+
+
+def test_shallow_water_is_drawn_as_the_ratios_of_two_logs():
+    """It has no signature in one log: its figure shows each mass and drag of TEST over that of TRAIN."""
+    vehicle = vehicle_of()
+    train, _ = logs_of(vehicle)
+    _, test = logs_of(vehicle, {"environment.shallow_water": 1.4})
+    result = diagnose(vehicle, train, test, null_logs=0)
+    (f,) = result.findings
+    assert f.effect == "environment.shallow_water" and set(f.evidence["ratio_deviation"]) == set(f.evidence["ratio"])
+    bound = f.parameters["environment.shallow_water"]
+    assert bound.lower <= 1.4 <= bound.upper
+    drawn = figures.ratios(f)
+    words = drawn.svg.decode()
+    # Text of the figures is text in their SVG.
+    for id_ in f.evidence["ratio"]:
+        assert id_ in words
+    assert f"{bound.lower:.4g} to {bound.upper:.4g}" in drawn.caption
+    report = diagnosis_report(result)
+    assert "ratios" in {d.name for d in report.drawings} and not evidence(result)

@@ -1,6 +1,7 @@
 """What a simulation gets wrong, and why: one stage a file, each a function with a frozen result (EFFECTS.md 4)."""
 
 from ivsid.diagnosis.advice import advised
+from ivsid.diagnosis.claims import Claim
 from ivsid.diagnosis.confirmation import NULL_LOGS
 from ivsid.diagnosis.diagnose import Diagnosis, Finding, diagnose
 from ivsid.diagnosis.evidence import Evidence, evidence
@@ -18,6 +19,7 @@ __all__ = [
     "Advice",
     "Bound",
     "Choice",
+    "Claim",
     "Diagnosis",
     "Evidence",
     "Finding",

@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.adequacy import Adequacy, adequacy
+from ivsid.diagnosis.allowed import allowed
 from ivsid.diagnosis.bench import Bench
 from ivsid.diagnosis.calibration import calibrate
 from ivsid.diagnosis.change import change
 from ivsid.diagnosis.channels import Channels, channels
+from ivsid.diagnosis.claims import Claim, claims
 from ivsid.diagnosis.confirmation import NULL_LOGS, confirmed
 from ivsid.diagnosis.falsify import falsified
 from ivsid.diagnosis.families import everything, score
@@ -22,6 +24,7 @@ from ivsid.diagnosis.findings import Finding, finding, may_be_none, own_columns,
 from ivsid.diagnosis.fit import Fit, plain_fit
 from ivsid.diagnosis.gain import Gain, compare, missing_force
 from ivsid.diagnosis.hints import hints
+from ivsid.diagnosis.intervals import Bound
 from ivsid.diagnosis.proved import Proof, extended_proof, guaranteed, proof_of
 from ivsid.diagnosis.rejected import Rejected, rejected
 from ivsid.diagnosis.selection import MARGIN, Selection, select
@@ -57,6 +60,7 @@ class Diagnosis:
         inputs: names and hashes.
         seed: of every random draw.
         proofs: of the model as it was on TRAIN, and of the extended one where a guarantee was asked for.
+        claims: what the log says of each number that the vehicle file claims.
     """
 
     verdict: str
@@ -74,11 +78,20 @@ class Diagnosis:
     seed: int
     proofs: tuple[Proof, Proof | None]
     notes: tuple[str, ...] = field(default=())
+    claims: tuple[Claim, ...] = field(default=())
 
     @property
     def rejected(self) -> tuple[Rejected, ...]:
         """The candidates that are no findings, the best first, and why each is none."""
         return rejected(self.findings, self.selection, self.visible, float(self.calibration["threshold"]))
+
+    @property
+    def allowed(self) -> dict[str, Bound]:
+        """How large causes that are no findings may be, each alone beside the extended model, by the names of their numbers."""
+        # What the log says of claims stands with them.
+        held = {*(i for f in self.findings for i in (f.effect, *f.alternatives)), *self.vehicle.model.values}
+        unnamed = [f.id for f in self.selection.found if f.id not in held]
+        return allowed(self.selection.last, [s for s in self.selection.leftover if s.id not in held], unnamed)
 
     def record(self) -> dict[str, Any]:
         """As in result.json."""
@@ -87,9 +100,11 @@ class Diagnosis:
             "verdict": self.verdict,
             "findings": [f.record() for f in self.findings],
             "rejected": [r.record() for r in self.rejected],
+            "claims": [c.record() for c in self.claims],
             "hints": list(self.hints),
             "not_tested": list(self.not_tested),
             "detectable": _detectable(self.visible),
+            "allowed": {k: b.record() for k, b in self.allowed.items()},
             "calibration": self.calibration,
             "falsified": self.proofs[0].record(),
             "guarantees": None if self.proofs[1] is None else self.proofs[1].record(),
@@ -163,6 +178,7 @@ def diagnose(
     if not complete:
         kept = {f.effect for f in findings}
         findings = (*findings, unknown(after, [f.id for f in selection.found if f.id not in kept]))
+    claimed = claims(selection.last, selection.leftover, findings, unknown=not after.quiet)
     progress("fitting the other log")
     moved = change(vehicle, selection.last, other)
     if moved is not None and moved.factor is not None:
@@ -195,6 +211,7 @@ def diagnose(
         seed,
         (proof, extended),
         (*log.notes, *train.notes, *_left_out(fit), *said),
+        claimed,
     )
 
 

@@ -12,7 +12,6 @@ from ivsid.diagnosis.bench import Anchor, Bench
 from ivsid.diagnosis.diagnose import Diagnosis, Finding
 from ivsid.diagnosis.fit import Fit, improve
 from ivsid.diagnosis.gain import missing
-from ivsid.diagnosis.selection import _without as without
 from ivsid.diagnosis.shape import Binned, binned, ordered_by
 from ivsid.effects import CHANNELS
 
@@ -89,7 +88,7 @@ def _without(id_: str, result: Diagnosis) -> Array | None:
     """The force that is missing where a finding is taken out and the rest fitted anew."""
     last, plain = result.selection.last, result.selection.plain
     noise = last.noise
-    h = without(last.h, id_, plain.h)
+    h = last.h.without(id_, plain.h)
     # From the plain model's numbers: those beside the finding may be far from what fits without it.
     own = {t.id for t in h.terms}
     h = replace(h, values={**h.values, **{k: v for k, v in plain.h.values.items() if k in own}})

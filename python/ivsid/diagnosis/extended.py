@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from ivsid.diagnosis.physics import Hypothesis
-from ivsid.effects import CATALOGUE, PAPER_TERMS, own_ids
+from ivsid.effects import CATALOGUE, PAPER_TERMS, WITH_HEADING, own_ids
 from ivsid.vehicle import Vehicle, parse_vehicle
 
 if TYPE_CHECKING:
@@ -45,14 +45,14 @@ def extended_text(vehicle: Vehicle, h: Hypothesis) -> str:
         lines.append(line)
         if head.split("#")[0].strip() == "[[thrusters]]":
             lines += [f"{k} = {v!r}" for k, v in claims.items()]
-    ids = [t.id for t in h.terms if t.id in CATALOGUE]
+    ids, unstated = stated(h)
     shared = any(t in PAPER_TERMS[:2] for t in h.terms)
     lines.append("")
     lines.append("[model]  # as the diagnosis extended it")
     if shared and set(ids) <= {t.id for t in PAPER_TERMS}:
         lines.append('terms = "paper"')
     else:
-        lines.append("terms = [" + ", ".join(f'"{i}"' for i in dict.fromkeys(ids)) + "]")
+        lines.append("terms = [" + ", ".join(f'"{i}"' for i in ids) + "]")
     # A claim that the log contradicts is no claim of the extended model.
     claimed = {k: v for k, v in vehicle.model.values.items() if k not in h.freed}
     if claimed:
@@ -60,11 +60,24 @@ def extended_text(vehicle: Vehicle, h: Hypothesis) -> str:
         lines.append(f"values = {{ {pairs} }}")
     for id_ in (i for i in ids if i in own_ids()):
         lines.append(f"# {id_} is an effect of your own: read this file with ivsid --own-effects FILE")
-    lines += [f"# fitted: {t.id} = {float(h.values[t.id]):.6g} {t.unit}" for t in h.terms]
-    others = [g for i, g in given.items() if i not in _CLAIMS]
-    if others:
+    lines += [f"# fitted: {t.id} = {float(h.values[t.id]):.6g} {t.unit}" for t in h.terms if t.id not in unstated]
+    unstated |= {n: value for i, g in given.items() if i not in _CLAIMS for n, value in g.named.items()}
+    if unstated:
         lines.append("# found, and not part of a vehicle file:")
-        lines += [f"#   {name} = {value:.6g}" for g in others for name, value in g.named.items()]
+        lines += [f"#   {name} = {value:.6g}" for name, value in unstated.items()]
     text = "\n".join(lines) + "\n"
     parse_vehicle(text, "model.toml")
     return text
+
+
+def stated(h: Hypothesis) -> tuple[list[str], dict[str, float]]:
+    """The ids that ``model.terms`` takes for a hypothesis's terms, in their order, and the numbers of terms that it does not take."""
+    several = {t.id: id_ for id_, terms in WITH_HEADING.items() for t in terms if set(terms) <= set(h.terms)}
+    shared = set(PAPER_TERMS) & set(h.terms)
+    ids = [several.get(t.id, t.id) for t in h.terms if t.id in several or t.id in CATALOGUE]
+    rest = {
+        t.id: float(h.values[t.id])
+        for t in h.terms
+        if t.id not in several and t.id not in CATALOGUE and t not in shared
+    }
+    return list(dict.fromkeys(ids)), rest

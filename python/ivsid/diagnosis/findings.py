@@ -104,6 +104,7 @@ def shallow(moved: Change) -> Finding:
         "channel": "surge",
         "z": abs(np.log(factor)) * factor / sigma,
         "ratio": {k: r for k, (r, _) in moved.ratio.items()},
+        "ratio_deviation": {k: sigma for k, (_, sigma) in moved.ratio.items()},
     }
     id_ = "environment.shallow_water"
     return Finding(id_, 1.0, (), "", {id_: bound}, evidence)

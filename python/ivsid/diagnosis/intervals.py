@@ -70,7 +70,7 @@ def intervals(
     """
     p, g = fit.projection, fit.gram
     covariance = np.linalg.inv(p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9))
-    robust = _scatter(p, covariance)
+    robust = scatter(p, covariance)
     out: dict[str, Bound] = {}
     worse = 1.0
     moved = _moved(fit, left)
@@ -164,7 +164,7 @@ def _hidden(fit: Fit, left: Sequence[Scored]) -> Array:
             continue
         k = s.columns[0]
         seen = float(p.information([k])[0, 0])
-        if seen < SAME * float(p.total[k, k]):
+        if seen <= SAME * float(p.total[k, k]):
             # What no log tells from the causes that were found stands among their alternatives.
             continue
         theta, _ = p.solve([k])
@@ -177,7 +177,7 @@ def _hidden(fit: Fit, left: Sequence[Scored]) -> Array:
     return span
 
 
-def _scatter(p: Projection, covariance: Array) -> Array:
+def scatter(p: Projection, covariance: Array) -> Array:
     """Variances of the coefficients from the scores of half-minutes."""
     g = p.g
     score = g.score[:, p.base] - g.blocks[:, p.base][:, :, p.base] @ p.coefficients

@@ -48,6 +48,15 @@ class Hypothesis:
         others = tuple(g for g in self.given if (g.effect.id, g.thruster) != (given.effect.id, given.thruster))
         return replace(self, given=(*others, given))
 
+    def without(self, id_: str, plain: Hypothesis) -> Hypothesis:
+        """The same without a cause: a claim that was given up stands again, and every term that ``plain`` has stays."""
+        if id_ in self.freed:
+            return replace(self, values={**self.values, id_: plain.values[id_]}, freed=self.freed - {id_})
+        ids = {t.id for t in plain.terms}
+        terms = tuple(t for t in self.terms if t.id in ids or (t.id != id_ and not t.id.startswith(f"{id_}.")))
+        given = tuple(g for g in self.given if g.effect.id != id_)
+        return replace(self, terms=terms, values={t.id: self.values[t.id] for t in terms}, given=given)
+
 
 @dataclass(frozen=True)
 class Points:

@@ -30,6 +30,21 @@ class Thrusts:
     mean: Array
 
 
+class _At:
+    """A thruster's curve, and the shapes of its declared errors once they are asked for, at given demands from its neutral."""
+
+    def __init__(self, demand: Array, thrust: Array, errors: Sequence[Callable[[Array], Array]]) -> None:
+        self.demand, self.thrust = demand, thrust
+        self._errors = errors
+        self._known: dict[int, Array] = {}
+
+    def error(self, j: int) -> Array:
+        """The j-th shape, in units of the bound."""
+        if j not in self._known:
+            self._known[j] = self._errors[j](self.demand)
+        return self._known[j]
+
+
 class Propulsion:
     """The thrusters of a vehicle under the demands of a log."""
 
@@ -38,11 +53,15 @@ class Propulsion:
         bare = {"dead_band": None, "limit": None, "reverse_factor": None}
         self.curves = [ThrustCurve(t.model_copy(update={**bare, "outside": "hold"})) for t in vehicle.thrusters]
         self.demands = [log.demands[k] - t.neutral for k, t in enumerate(vehicle.thrusters)]
-        self._static = [np.asarray(c.value(log.demands[k]), dtype=np.float64) for k, c in enumerate(self.curves)]
         self.errors = [
             error_functions(t, c, d) for t, c, d in zip(vehicle.thrusters, self.curves, self.demands, strict=True)
         ]
-        self._static_errors = [[e(d) for e in es] for es, d in zip(self.errors, self.demands, strict=True)]
+        self._samples = [
+            _At(self.demands[k], np.asarray(c.value(log.demands[k]), dtype=np.float64), self.errors[k])
+            for k, c in enumerate(self.curves)
+        ]
+        # Every hypothesis asks for the thrusts of the same demands: between samples they are worked out once, when first asked for.
+        self._between: dict[int, _At] = {}
 
     def thrusts(self, given: Sequence[Given] = (), sizes: Sequence[Sequence[float]] | None = None) -> Thrusts:
         """The thrusts under a hypothesis's effects and the sizes of declared errors, before the loss by inflow."""
@@ -65,13 +84,13 @@ class Propulsion:
         lag = late.get("lag", thruster.time_constant or 0.0)
         delay = max(late.get("delay", 0.0), 0.0)
 
-        def static(demand: Array | None) -> Array:
-            thrust: Any = self._static[k] if demand is None else self.curves[k].value(demand + thruster.neutral)
-            d = self.demands[k] if demand is None else demand
+        def static(at: _At) -> Array:
+            thrust: Any = at.thrust
+            d = at.demand
             # What the curve is off comes before any limit or dead band.
             for j, size in enumerate(sizes):
                 if size:
-                    thrust = thrust + size * (self._static_errors[k][j] if demand is None else self.errors[k][j](d))
+                    thrust = thrust + size * at.error(j)
             parts = d.size // n
             time = self.log.t if parts == 1 else (self.log.t[:, None] + np.arange(parts) * (h / parts)).ravel()
             voltage = self.log.voltage if parts == 1 or self.log.voltage is None else np.repeat(self.log.voltage, parts)
@@ -86,13 +105,13 @@ class Propulsion:
             return self._finely(k, static, lag, delay)
         if lag > 1e-6 and thruster.lag == "demand":
             now, mean, end = _behind(*_late(d, _midway(d, held=self.log.held), delay, h), lag, h)
-            first, middle, last = static(now), static(mean), static(end)
+            first, middle, last = (static(self._at(k, x)) for x in (now, mean, end))
             return first, (first + 4 * middle + last) / 6
-        now = static(None)
+        now = static(self._samples[k])
         mean = now
         if not self.log.held:
             # Simpson's rule over a demand that runs straight to the next.
-            mean = (now + 4 * static(_midway(d, held=False)) + np.r_[now[1:], now[-1:]]) / 6
+            mean = (now + 4 * static(self._known(k, lambda: _midway(d, held=False))) + np.r_[now[1:], now[-1:]]) / 6
         now, mean = _late(now, mean, delay, h)
         if lag <= 1e-6:
             return now, mean
@@ -112,18 +131,29 @@ class Propulsion:
                 thrust = g.effect.acts.function(thrust, drive, g.values)
         return np.asarray(thrust, dtype=np.float64)
 
-    def _finely(self, k: int, static: Callable[[Array], Array], lag: float, delay: float) -> tuple[Array, Array]:
+    def _at(self, k: int, demand: Array) -> _At:
+        """One thruster at demands from its neutral."""
+        thrust = np.asarray(self.curves[k].value(demand + self.vehicle.thrusters[k].neutral), dtype=np.float64)
+        return _At(demand, thrust, self.errors[k])
+
+    def _known(self, k: int, demand: Callable[[], Array]) -> _At:
+        """One thruster at the log's own demands between samples."""
+        if k not in self._between:
+            self._between[k] = self._at(k, demand())
+        return self._between[k]
+
+    def _finely(self, k: int, static: Callable[[_At], Array], lag: float, delay: float) -> tuple[Array, Array]:
         """The same where demands come faster than the clock: worked out at equal parts of the steps."""
         assert self.log.between is not None
         thruster, parts = self.vehicle.thrusters[k], self.log.between.shape[2]
-        d = self.log.between[k].ravel() - thruster.neutral
+        sent = self.log.between[k].ravel() - thruster.neutral
         h = self.log.h / parts
         if lag > 1e-6 and thruster.lag == "demand":
-            start, middle, end = _behind(*_late(d, d, delay, h), lag, h)
-            now = static(start)
-            mean = (now + 4 * static(middle) + static(end)) / 6
+            start, middle, end = _behind(*_late(sent, sent, delay, h), lag, h)
+            now = static(self._at(k, start))
+            mean = (now + 4 * static(self._at(k, middle)) + static(self._at(k, end))) / 6
         else:
-            now = static(d)
+            now = static(self._known(k, lambda: sent))
             now, mean = _late(now, now, delay, h)
             if lag > 1e-6:
                 now, mean, _ = _behind(now, mean, lag, h)

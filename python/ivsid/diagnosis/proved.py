@@ -12,7 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from ivsid.diagnosis.extended import extended_text
+from ivsid.diagnosis.extended import extended_text, stated
 from ivsid.diagnosis.intervals import Bound
 from ivsid.diagnosis.physics import Hypothesis
 from ivsid.errors import IvsidError
@@ -119,6 +119,9 @@ def extended_proof(vehicle: Vehicle, log: Log, h: Hypothesis) -> Proof:
     """The same of the model that a diagnosis ended with, where it is made of linear terms alone."""
     if h.given:
         return Proof(None, f"{', '.join(g.effect.id for g in h.given)} is no linear term")
+    if left_out := stated(h)[1]:
+        # A model without a cause that was found is not the one that the findings are of.
+        return Proof(None, f"{', '.join(left_out)} is no term that a vehicle file can state")
     return proof_of(parse_vehicle(extended_text(vehicle, h), "model.toml"), log)
 
 

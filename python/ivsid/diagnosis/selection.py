@@ -188,7 +188,7 @@ def _reviewed(
     found = list(found)
     for i, one in enumerate(found[:asked]):
         try:
-            bare_h = _without(h, one.id, plain)
+            bare_h = h.without(one.id, plain)
             bare_h, bare_anchor = improve(noise.bench, bare_h, anchor, noise.whitening, noise.good, held, 3, known)
             bare, scored = score(survey(noise, bare_h, bare_anchor, held))
             base = chi2_of(noise, bare_h, bare_anchor, held, known)
@@ -321,13 +321,3 @@ def _possible(h: Hypothesis, id_: str, bench: Bench) -> bool:
                 if p.draw == "size" and not p.inverse and p.lowest is not None and value <= p.lowest + TINY * p.typical:
                     return False
     return True
-
-
-def _without(h: Hypothesis, id_: str, plain: Hypothesis) -> Hypothesis:
-    """The hypothesis without a cause."""
-    if id_ in h.freed:
-        return replace(h, values={**h.values, id_: plain.values[id_]}, freed=h.freed - {id_})
-    ids = {t.id for t in plain.terms}
-    terms = tuple(t for t in h.terms if t.id in ids or (t.id != id_ and not t.id.startswith(f"{id_}.")))
-    given = tuple(g for g in h.given if g.effect.id != id_)
-    return replace(h, terms=terms, values={t.id: h.values[t.id] for t in terms}, given=given)

@@ -132,6 +132,7 @@ class Signatures:
         families: list[Family] = []
         refused: dict[str, str] = {}
         present = {g.effect.id for g in self.h.given} | {t.id for t in self.h.terms}
+        present |= {e.id for e in EFFECTS.values() if isinstance(e.acts, Terms) and present.issuperset(e.parts)}
         for term in self.h.terms:
             if term.id in self.bench.vehicle.model.values and term.id not in self.h.freed and term.id in EFFECTS:
                 out.add(term.id, self.bench.term(self.h, self.anchor, self.mass, term))

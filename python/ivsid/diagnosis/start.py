@@ -12,7 +12,7 @@ from scipy.optimize import lsq_linear
 from ivsid.diagnosis.channels import Channels
 from ivsid.diagnosis.physics import Hypothesis, Points, thruster_force
 from ivsid.diagnosis.propulsion import Propulsion
-from ivsid.effects import CHANNELS, EFFECTS, State, Term, rigid_body
+from ivsid.effects import CHANNELS, EFFECTS, Place, State, Term, rigid_body
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -37,7 +37,9 @@ def first_values(vehicle: Vehicle, log: Channels, terms: Sequence[Term], claimed
     zero = np.zeros(log.n)
     points = Points(smooth, zero, np.zeros((2, log.n)), log.t, thrusts.mean, log.angles, log.force, rudders=log.rudders)
     force = thruster_force(vehicle, (), points, smooth)
-    state = State(*smooth, *rate)
+    north, east = (None, None) if log.place is None else log.place
+    here = None if log.psi is None else Place(log.psi, north, east, log.t)
+    state = State(*smooth, *rate, place=here)
     m = vehicle.hull.mass
     x_g, y_g = vehicle.hull.centre_of_gravity
     for channel, column in rigid_body(state, m * x_g, m * y_g).items():

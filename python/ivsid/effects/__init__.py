@@ -16,6 +16,7 @@ from ivsid.effects.catalogue import (
     PAPER_ADDED_MASS_TERMS,
     PAPER_TERMS,
     PLAIN_TERMS,
+    WITH_HEADING,
     on_hull,
     terms_of,
 )
@@ -45,6 +46,7 @@ __all__ = [
     "PAPER_ADDED_MASS_TERMS",
     "PAPER_TERMS",
     "PLAIN_TERMS",
+    "WITH_HEADING",
     "Change",
     "Columns",
     "Current",

@@ -1,7 +1,7 @@
 """Figures: the only place that draws. Each function returns one figure with its caption."""
 
 from ivsid.figures.canvas import COLOURS, FORCE_LABEL, Drawing
-from ivsid.figures.diagnosis import force_residual, gain, net_force, separation, signature
+from ivsid.figures.diagnosis import force_residual, gain, net_force, ratios, separation, signature
 from ivsid.figures.general import (
     allan_curves,
     channels,
@@ -27,6 +27,7 @@ __all__ = [
     "intervals",
     "motion",
     "net_force",
+    "ratios",
     "separation",
     "signature",
     "thrust_curve",

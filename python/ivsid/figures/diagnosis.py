@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ivsid.diagnosis import Evidence, Isolability
+from ivsid.diagnosis import Evidence, Finding, Isolability
 from ivsid.diagnosis.gain import Gain
 from ivsid.figures.canvas import COLOURS, Drawing, finish, thin
 
@@ -96,6 +96,30 @@ def signature(e: Evidence, name: str) -> Drawing:
         f"Force that the model lacks in TRAIN, low-passed at 0.35 Hz. Left: the stretch that holds most of it. Right: means over the whole log in bins of equally many samples, with two standard errors, "
         f"along the quantity that orders it best. Rms: {before:.3g} {e.unit}"
         + (f" without it, {after:.3g} {e.unit} with it. {what}" if not unknown else f". {what}"),
+        figure,
+    )
+
+
+def ratios(f: Finding, name: str = "ratios") -> Drawing:
+    """Each mass and drag on the other log over that on this one, and the factor that all share."""
+    each, deviation = f.evidence["ratio"], f.evidence["ratio_deviation"]
+    (bound,) = f.parameters.values()
+    figure = Figure(figsize=(8.5, 1.2 + 0.42 * len(each)), layout="constrained")
+    axes = figure.add_subplot()
+    axes.axvspan(bound.lower, bound.upper, color=COLOURS[0], alpha=0.25, lw=0, label="the factor of all")
+    for row, (id_, ratio) in enumerate(each.items()):
+        axes.errorbar([ratio], [row], xerr=3 * ratio * deviation[id_], fmt="o", ms=4, color=COLOURS[3], capsize=3)
+    axes.axvline(1.0, color="0.4", lw=0.8, ls="--", label="no change")
+    axes.set_yticks(range(len(each)), list(each), fontsize=8)
+    axes.set_ylim(len(each) - 0.5, -0.5)
+    axes.set_xlabel("TEST over TRAIN")
+    axes.grid(True, axis="x", alpha=0.3)
+    figure.legend(fontsize=8, loc="outside upper left", ncols=2, frameon=False)
+    return finish(
+        name,
+        f"{f.effect}: all masses and drags by one factor",
+        "Each parameter of the extended model fitted to the other log, over that of this log, with three standard deviations; the band is the factor's "
+        f"interval, {bound.lower:.4g} to {bound.upper:.4g}.",
         figure,
     )
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ivsid import diagnosis, figures, report
-from ivsid.diagnosis import GUARANTEED, NULL_LOGS, REFUTED, Diagnosis, cache_folder
+from ivsid.diagnosis import GUARANTEED, NULL_LOGS, REFUTED, Claim, Diagnosis, cache_folder
 from ivsid.log import read_log
 from ivsid.report import Report, Section
 from ivsid.vehicle import read_vehicle
@@ -51,6 +51,8 @@ def diagnosis_report(result: Diagnosis) -> Report:
     """The report of a diagnosis."""
     seen = diagnosis.evidence(result)
     signatures = {e.effect: figures.signature(e, f"signature_{k}") for k, e in enumerate(seen, start=1)}
+    # What shows between two logs has no signature in one.
+    signatures |= {f.effect: figures.ratios(f) for f in result.findings if "ratio" in f.evidence}
     others = (figures.net_force(result.gain), figures.gain(result.gain), figures.force_residual(result.gain))
     told: list[dict[str, Any]] = []
     for f, paragraphs in zip(result.findings, diagnosis.explain(result, seen), strict=True):
@@ -60,8 +62,9 @@ def diagnosis_report(result: Diagnosis) -> Report:
     sections = [
         Section("Findings", (_findings(result), *told)),
         Section("What the better model is worth", (_gain(result), *map(report.drawing, others))),
+        Section("What the vehicle file claims", (_claims(result),) if result.claims else ()),
         Section("Candidates that are no findings", (_candidates(result),)),
-        Section("What this log could not show", (_untested(result),)),
+        Section("What this log could not show", (_untested(result), _allowed(result))),
         Section("Proved without a noise model", (report.bullets(_proved(result)),)),
         Section("What this rests on", (report.bullets(_assumptions(result)),)),
     ]
@@ -128,10 +131,46 @@ def _candidates(result: Diagnosis) -> dict[str, Any]:
     return report.table(header, rows, "The twenty that came nearest; result.json has them all.")
 
 
+def _claims(result: Diagnosis) -> dict[str, Any]:
+    rows = [
+        [
+            c.parameter,
+            f"{c.value:g} {c.unit}",
+            c.z,
+            *("–" if b is None else shown(b.lower, b.upper) for b in (c.beside, c.alone)),
+            _said(c),
+        ]
+        for c in result.claims
+    ]
+    header = ["number", "claimed", "away [σ]", "the log, other claims held", "the log alone", "so it is"]
+    caption = "Statistical intervals; they hold what a cause that was not found may hide. A claim is a finding only where nothing else could move it."
+    return report.table(header, rows, caption)
+
+
+def _said(claim: Claim) -> str:
+    if claim.beside is None:
+        return claim.reason
+    if claim.contradicted:
+        return "contradicted: a finding"
+    if claim.beside.lower <= claim.value <= claim.beside.upper:
+        return "not contradicted"
+    return "outside of the interval, and no finding: too little of the rest is explained, or too little of it is there"
+
+
 def _untested(result: Diagnosis) -> dict[str, Any]:
     return report.table(
         ["effect", "why not", "needs"], [[q["effect"], q["reason"], q["needs"]] for q in result.not_tested]
     )
+
+
+def _allowed(result: Diagnosis) -> dict[str, Any]:
+    least = {k: v for q in result.visible.values() if q.tested for k, v in q.detectable.items()}
+    rows = [
+        [name, f"{shown(b.lower, b.upper)} {b.unit}", f"{abs(least[name]):.3g}" if name in least else "not tested"]
+        for name, b in result.allowed.items()
+    ]
+    caption = "Causes that are no findings, each alone beside the extended model: statistical intervals of what may be there all the same."
+    return report.table(["number", "the log allows", "would have shown from"], rows, caption)
 
 
 def _assumptions(result: Diagnosis) -> list[str]:
@@ -205,6 +244,9 @@ def _lines(result: Diagnosis) -> list[str]:
     if result.findings:
         for what, unit, before, after, _, said in diagnosis.worth(result.gain)[:4]:
             lines.append(f"  {what} on {result.gain.log}: {before:.4g} {unit} before, {after:.4g} after: {said}")
+    if result.claims:
+        wrong = [c.parameter for c in result.claims if c.contradicted]
+        lines.append(f"  {len(result.claims)} claims held against the log, contradicted: {', '.join(wrong) or 'none'}")
     lines.append(
         f"  {len(result.visible) - sum(v.z < 8 for v in result.visible.values())} effects tested, "
         f"{len(result.not_tested)} not (result.json says why)"

@@ -1,0 +1,115 @@
+"""What a result says beside its findings: of claimed numbers, of causes that are none, and of the extended model."""
+
+import numpy as np
+
+from diagnosis_logs import TRUTH, logs_of, vehicle_of
+from ivsid import diagnose
+from ivsid.diagnosis import extended_vehicle
+from ivsid.diagnosis.channels import channels
+from ivsid.diagnosis.extended import extended_text, stated
+from ivsid.diagnosis.families import everything, score
+from ivsid.diagnosis.fit import plain_fit
+from ivsid.diagnosis.intervals import intervals
+from ivsid.diagnosis.physics import Hypothesis
+from ivsid.diagnosis.proved import extended_proof
+from ivsid.effects import EFFECTS, PLAIN_TERMS
+from ivsid.vehicle import parse_vehicle
+
+
+def claimed(values, effects=None):
+    pairs = ", ".join(f'"{k}" = {v}' for k, v in values.items())
+    vehicle = vehicle_of(extra=f"[model]\nvalues = {{ {pairs} }}\n")
+    result = diagnose(vehicle, *logs_of(vehicle, effects), null_logs=0)
+    return result, {c.parameter: c for c in result.claims}
+
+
+def test_each_claim_has_the_logs_own_interval():
+    truth = {"drag.surge.quadratic": 28.0, "inertia.yaw": 9.0}
+    result, said = claimed(truth)
+    assert result.verdict == "adequate" and list(said) == list(truth)
+    for id_, claim in said.items():
+        assert not claim.contradicted and claim.value == truth[id_] and claim.z < 5
+        for bound in (claim.beside, claim.alone):
+            assert bound.lower <= truth[id_] <= bound.upper and bound.upper < 1.2 * bound.lower
+            assert not bound.guaranteed
+        # What is not held is known no better.
+        assert claim.alone.upper - claim.alone.lower >= 0.999 * (claim.beside.upper - claim.beside.lower)
+
+
+def test_a_wrong_claim_stands_far_from_the_log_and_bends_the_others():
+    result, said = claimed({"drag.surge.quadratic": 20.0, "mass.surge": 52.0})
+    assert result.verdict == "wrong"
+    assert said["drag.surge.quadratic"].z > 8 or said["mass.surge"].z > 8
+    for id_ in said:
+        assert said[id_].alone.lower <= TRUTH[id_] <= said[id_].alone.upper
+    record = {c["parameter"]: c for c in result.record()["claims"]}
+    named = {f.effect for f in result.findings}
+    assert any(c["contradicted"] for c in record.values())
+    for id_, c in record.items():
+        assert c["contradicted"] == (id_ in named)
+        assert set(c) == {"parameter", "value", "unit", "contradicted", "z", "interval", "without_claims"}
+
+
+def test_without_claims_nothing_is_said_of_any():
+    vehicle = vehicle_of()
+    assert diagnose(vehicle, *logs_of(vehicle), null_logs=0).record()["claims"] == []
+
+
+def test_a_cause_that_is_no_finding_is_bounded():
+    """A drag below what would be found lies inside of what the log allows; what would be found does not."""
+    vehicle, hidden = vehicle_of(), 0.15
+    result = diagnose(vehicle, *logs_of(vehicle, {"drag.surge.linear": hidden}), null_logs=0)
+    assert result.verdict == "adequate"
+    may = result.record()["allowed"]
+    for id_, truth in (("drag.surge.linear", hidden), ("drag.yaw.linear", 0.0), ("coupling.cg_x", 0.0)):
+        assert may[id_]["lower"] <= truth <= may[id_]["upper"]
+        assert not may[id_]["guaranteed"]
+        # Nothing that is allowed would have stood out much further than what is asked for.
+        assert max(-may[id_]["lower"], may[id_]["upper"]) < 1.3 * result.record()["detectable"][id_]["value"]
+    for q in ("current.steady.north", "wind.steady.east", "tether.tension.force"):
+        assert may[q]["lower"] <= 0.0 <= may[q]["upper"]
+
+
+def test_a_cause_without_any_signature_hides_nothing():
+    """Fouling multiplies the quadratic drag, which this model has not: its column is nothing, and no interval is made of it."""
+    terms = '"mass.surge", "mass.sway", "inertia.yaw", "drag.surge.linear", "drag.sway.quadratic"'
+    vehicle = vehicle_of(extra=f"[model]\nterms = [{terms}]\n")
+    fit, left = score(plain_fit(vehicle, channels(logs_of(vehicle_of())[0], vehicle), everything))
+    assert any(s.id == "fouling.drift" and s.gain == 0 for s in left)
+    bound = intervals(fit, "drag.surge.linear", fit.held, left, unknown=True)["drag.surge.linear"]
+    assert np.isfinite([bound.lower, bound.upper]).all() and bound.lower < bound.upper
+
+
+def test_a_wind_that_was_found_stands_in_the_extended_model():
+    """Its two numbers are one entry of model.terms, which identify and simulate take."""
+    vehicle = vehicle_of()
+    train, test = logs_of(vehicle, {"wind.steady.north": 1.5, "wind.steady.east": -1.0})
+    result = diagnose(vehicle, train, test, null_logs=0)
+    assert [f.effect for f in result.findings] == ["wind.steady"]
+    text = extended_vehicle(result)
+    model = parse_vehicle(text, "model.toml")
+    assert "wind.steady" in model.model.terms and len(set(model.model.terms)) == 6
+    assert "# fitted: wind.steady.north = 1." in text and "not part of a vehicle file" not in text
+    # The file says the same as the diagnosis: nothing is missing from it, and its proof is of the wind, too.
+    assert diagnose(model, train, test, null_logs=0).verdict == "adequate"
+    proof = extended_proof(vehicle, train, result.selection.last.h)
+    assert {"wind.steady.north", "wind.steady.east"} <= set(proof.identification.parameters)
+
+
+def test_a_wind_by_the_measured_wind_is_no_term_of_a_file_and_ends_the_proof():
+    result = fitted_with("wind.steady", ("wind.steady.surge", "wind.steady.sway"))
+    assert stated(result)[1] == {"wind.steady.surge": 0.4, "wind.steady.sway": 0.2}
+    text = extended_text(vehicle_of(), result)
+    assert (
+        "# found, and not part of a vehicle file:\n#   wind.steady.surge = 0.4\n" in text
+        and '"wind.steady"' not in text
+    )
+    proof = extended_proof(vehicle_of(), logs_of(vehicle_of(), duration=70.0)[0], result)
+    assert proof.identification is None and "wind.steady.surge" in proof.reason
+
+
+def fitted_with(id_, numbers):
+    """The plain model with the measured form of an effect beside it."""
+    terms = EFFECTS[id_].measured.acts.terms
+    values = {t.id: 1.0 for t in PLAIN_TERMS} | dict(zip(numbers, (0.4, 0.2), strict=True))
+    return Hypothesis((*PLAIN_TERMS, *terms), values)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.channels import Channels
 from ivsid.diagnosis.physics import Hypothesis, Mass, Points, acceleration, changed, term_column
-from ivsid.diagnosis.predictor import Axis, axis
+from ivsid.diagnosis.predictor import Axis, Filters, axis
 from ivsid.diagnosis.propulsion import Propulsion
 from ivsid.effects import Given, Reading, Response, Term, Thrust
 from ivsid.vehicle import Vehicle
@@ -74,6 +74,7 @@ class Bench:
             for k, name in enumerate(("x", "y"), start=3):
                 self.axes.append(axis(log.h, {"velocity": noise[name]}, TRACK, TRACK_TIME))
                 self.labels.append((k, name))
+        self.filters = Filters(self.axes)
 
     @property
     def channels(self) -> list[str]:
@@ -175,23 +176,23 @@ class Bench:
 
     def _filter(self, readings: list[dict[str, Array]], anchor: Anchor) -> Array:
         log, n = self.log, self.log.n
-        rows = []
+        inputs: dict[tuple[int, str], Array] = {}
         specific = self._specific(anchor.points.nu, anchor.nudot)
         for k in range(3):
             here = readings[k]
             first = here["velocity"][0]
-            inputs = {"velocity": here["velocity"] - first, "process": anchor.nudot[k, n:]}
+            inputs[k, "velocity"] = here["velocity"] - first
+            inputs[k, "process"] = anchor.nudot[k, n:]
             if "position" in self.axes[k].outputs:
-                inputs["position"] = here["position"] - here["position"][0] - first * (np.arange(n) * log.h)
+                inputs[k, "position"] = here["position"] - here["position"][0] - first * (np.arange(n) * log.h)
             if "acceleration" in self.axes[k].outputs:
-                inputs["acceleration"] = here["acceleration"] - self._at_samples(specific[k])
-            rows.append(self.axes[k].errors(inputs))
+                inputs[k, "acceleration"] = here["acceleration"] - self._at_samples(specific[k])
         if len(self.axes) > 3 and log.place is not None:
             over = self._over_ground(anchor.points)
             for k in range(2):
                 x = log.place[k]
-                rows.append(self.axes[3 + k].errors({"velocity": x - x[0], "process": over[k]}))
-        return np.concatenate(rows)
+                inputs[3 + k, "velocity"], inputs[3 + k, "process"] = x - x[0], over[k]
+        return self.filters.errors(inputs)
 
     def errors(self, h: Hypothesis, anchor: Anchor) -> Array:
         """Prediction errors of a hypothesis at the anchor's states, shape (rows, n)."""
@@ -233,20 +234,18 @@ class Bench:
         n = self.log.n
         seen = self._at_samples(process if specific is None else specific)
         added = reading or {}
-        rows = []
+        # What it adds to a reading or to what a sensor sees stands against what it does to the motion.
+        inputs: dict[tuple[int, str], Array] = {}
         for k in range(3):
-            here = self.axes[k]
-            inputs = {"process": -process[k, n:]}
-            if "acceleration" in here.outputs:
+            inputs[k, "process"] = -process[k, n:]
+            if "acceleration" in self.axes[k].outputs:
                 name = ("ax", "ay", "rdot")[k]
-                inputs["acceleration"] = seen[k] + added[name] if name in added else seen[k]
+                inputs[k, "acceleration"] = seen[k] + added[name] if name in added else seen[k]
             if (x := added.get(("u", "v", "r")[k])) is not None:
-                inputs["velocity"] = x
-            rows.append(here.errors(inputs))
-        for k in range(len(self.axes) - 3):
-            gone = np.zeros(n) if track is None else track[k]
-            rows.append(self.axes[3 + k].errors({"process": -gone}))
-        return np.concatenate(rows)
+                inputs[k, "velocity"] = x
+        for k in range(len(self.axes) - 3 if track is not None else 0):
+            inputs[3 + k, "process"] = -track[k]
+        return self.filters.errors(inputs)
 
     def term(self, h: Hypothesis, anchor: Anchor, mass: Mass, term: Term) -> Array:
         """The errors that one unit of a term's parameter leaves when the model lacks it."""
@@ -335,6 +334,7 @@ class Bench:
             )
             for k, q in enumerate((*names, last))
         ] + self.axes[3:]
+        made.filters = Filters(made.axes)
         return made
 
 

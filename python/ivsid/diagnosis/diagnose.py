@@ -241,7 +241,7 @@ def _unexplained(fit: Fit) -> dict[str, float]:
     """The share of each channel's squared errors above what its noise gives."""
     p = fit.projection
     g = fit.gram
-    left = g.y - np.einsum("i,bij->bj", p.coefficients, g.x[:, p.base, :])
+    left = g.y - g.explained(p.base, p.coefficients)
     rows = len(fit.noise.bench.labels)
     energy = (left.reshape(-1, rows, g.length) ** 2).sum(axis=(0, 2))
     count = g.rows.sum() / rows

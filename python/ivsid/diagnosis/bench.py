@@ -10,7 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.channels import Channels
-from ivsid.diagnosis.physics import Hypothesis, Mass, Points, acceleration, changed, term_column
+from ivsid.diagnosis.physics import (
+    Hypothesis,
+    Mass,
+    Points,
+    acceleration,
+    added_force,
+    changed,
+    still_force,
+    term_column,
+)
 from ivsid.diagnosis.predictor import Axis, Filters, axis
 from ivsid.diagnosis.propulsion import Propulsion
 from ivsid.effects import Given, Reading, Response, Term, Thrust
@@ -25,6 +34,8 @@ TRACK_TIME: Final = 20.0
 FAR: Final = 1.0
 # A step of a declared error, in units of its bound.
 SMALL: Final = 1e-3
+# Hypotheses whose thrusts are remembered: those that are compared with each other.
+REMEMBERED: Final = 4
 
 
 @dataclass(frozen=True)
@@ -53,6 +64,8 @@ class Bench:
         self.vehicle, self.log, self.ambient = vehicle, log, ambient
         self.propulsion = Propulsion(vehicle, log)
         self.turned, self.steered, self.sent = (_over(x, held=log.held) for x in (log.angles, log.rudders, log.force))
+        self._turn = np.cos(self.turned), np.sin(self.turned)
+        self._driven: dict[object, tuple[Array, Array]] = {}
         t = (np.arange(log.n) + 0.5) / log.n
         self.slow = [np.cos(np.pi * j * t) for j in range(3)]
         low, high = log.nu.min(axis=1), log.nu.max(axis=1)
@@ -83,8 +96,23 @@ class Bench:
 
     def thrusts(self, h: Hypothesis) -> Array:
         """Thrusts of a hypothesis at samples and over steps, shape (thrusters, 2 n)."""
-        found = self.propulsion.thrusts(h.given, [self._sizes(h, k) for k in range(len(self.vehicle.thrusters))])
-        return np.concatenate([found.now, found.mean], axis=1)
+        return self.drive(h)[0]
+
+    def drive(self, h: Hypothesis) -> tuple[Array, Array]:
+        """The same, and the force that they come to at no speed, shape (3, 2 n); most steps of a fit leave both as they are."""
+        sizes = [self._sizes(h, k) for k in range(len(self.vehicle.thrusters))]
+        acting = [g for g in h.given if isinstance(g.effect.acts, (Thrust, Response))]
+        key = (tuple((g.effect.id, g.values, g.thruster) for g in acting), tuple(map(tuple, sizes)))
+        found = self._driven.get(key)
+        if found is None:
+            made = self.propulsion.thrusts(h.given, sizes)
+            thrusts = np.concatenate([made.now, made.mean], axis=1)
+            found = thrusts, still_force(self.vehicle, thrusts, self._turn, self.sent)
+            # The oldest goes; a dictionary keeps the order.
+            for old in list(self._driven)[: 1 - REMEMBERED]:
+                self._driven.pop(old, None)
+            self._driven[key] = found
+        return found
 
     def _sizes(self, h: Hypothesis, k: int) -> list[float]:
         name = self.vehicle.thrusters[k].name
@@ -137,16 +165,18 @@ class Bench:
         nu = np.clip(nu, *self.reach)
         before = None if before is None else np.clip(before, *self.reach)
         place = np.zeros((2, n)) if log.place is None else log.place
+        thrusts, still = self.drive(h)
         points = Points(
             np.concatenate([nu if before is None else before, np.clip(nu + half * rate, *self.reach)], axis=1),
             np.r_[psi, psi + half * nu[2]],
             _twice(place),
             np.r_[log.t, log.t + half],
-            self.thrusts(h),
+            thrusts,
             self.turned,
             self.sent,
             None if log.wind is None else _twice(log.wind),
             self.steered,
+            still,
         )
         return Anchor(points, acceleration(self.vehicle, h, points))
 
@@ -267,20 +297,29 @@ class Bench:
         """The mass matrix at the anchor's times."""
         return Mass(self.vehicle, h.terms, changed(h, anchor.points.t))
 
-    def difference(self, h: Hypothesis, anchor: Anchor, other: Hypothesis) -> Array:
-        """The errors that the other hypothesis, were it true, leaves under this one."""
+    def difference(self, h: Hypothesis, anchor: Anchor, other: Hypothesis, mass: Mass | None = None) -> Array:
+        """The errors that the other hypothesis, were it true, leaves under this one, whose masses may be known."""
         thrust_kind = (Thrust, Response)
         moved = any(isinstance(g.effect.acts, thrust_kind) for g in (*h.given, *other.given))
-        points = anchor.points.under(self.thrusts(other)) if moved else anchor.points
-        process = acceleration(self.vehicle, other, points) - anchor.nudot
+        points = anchor.points.under(*self.drive(other)) if moved else anchor.points
+        mass = mass or self.mass(h, anchor)
+        added = added_force(self.vehicle, h, anchor.points, other, points)
+        process = acceleration(self.vehicle, other, points) - anchor.nudot if added is None else mass.solve(added)
+        if not any(isinstance(g.effect.acts, Reading) for g in (*h.given, *other.given)):
+            return self.answer(process)
         wrong, before = self.sensed(other.given, anchor), self.sensed(h.given, anchor)
         reading = {k: wrong[k] - before[k] for k in wrong}
         if not any(np.any(x) for x in reading.values()):
             return self.answer(process)
-        return self.misread(h, anchor, reading, process)
+        return self.misread(h, anchor, reading, process, mass)
 
     def misread(
-        self, h: Hypothesis, anchor: Anchor, reading: Mapping[str, Array], process: Array | float = 0.0
+        self,
+        h: Hypothesis,
+        anchor: Anchor,
+        reading: Mapping[str, Array],
+        process: Array | float = 0.0,
+        mass: Mass | None = None,
     ) -> Array:
         """The errors that wrong readings leave: in themselves, and in the model's acceleration, which believes them."""
         g = np.stack([_twice(reading.get(q, np.zeros(self.log.n))) for q in ("u", "v", "r")])
@@ -288,7 +327,7 @@ class Bench:
         track = None
         if np.any(g):
             shifted = anchor.points.moved(g)
-            there = acceleration(self.vehicle, h, shifted)
+            there = acceleration(self.vehicle, h, shifted, mass)
             believed = there - anchor.nudot
             process = process - believed
             specific = specific - (self._specific(shifted.nu, there) - self._specific(anchor.points.nu, anchor.nudot))

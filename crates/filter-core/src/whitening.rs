@@ -4,7 +4,7 @@ use pulp::Arch;
 use rayon::prelude::*;
 
 /// Samples that are summed at once; they stay in the processor's registers.
-const STRETCH: usize = 32;
+const STRETCH: usize = 16;
 /// A column this short has no square.
 const NOTHING: f64 = 1e-300;
 
@@ -90,21 +90,17 @@ fn one(column: &[f64], groups: &[Group], layout: Layout, scratch: &mut Vec<f64>,
         for (into, x) in scratch.chunks_exact_mut(width).zip(rows()) {
             into[lags..lags + n].copy_from_slice(x);
         }
-        for (i, &row) in group.rows.iter().enumerate() {
-            for s in 0..stretches {
-                let start = s * STRETCH;
-                let mut sum = [0.0; STRETCH];
-                for j in 0..r {
-                    for lag in 0..=lags {
-                        let tap = group.taps[(lag * r + i) * r + j];
-                        let x: &[f64; STRETCH] =
-                            scratch[j * width + start + lags - lag..][..STRETCH].try_into().expect("a whole stretch");
-                        for t in 0..STRETCH {
-                            sum[t] += tap * x[t];
-                        }
-                    }
+        // Two rows at a time share what is read.
+        for first in (0..r).step_by(2) {
+            for start in (0..stretches).map(|s| s * STRETCH) {
+                if first + 1 < r {
+                    let [one, other] = sums::<2>(group, first, scratch, width, start);
+                    place(&one, start, group.rows[first], layout, out);
+                    place(&other, start, group.rows[first + 1], layout, out);
+                } else {
+                    let [one] = sums::<1>(group, first, scratch, width, start);
+                    place(&one, start, group.rows[first], layout, out);
                 }
-                place(&sum, start, row, layout, out);
             }
         }
     }
@@ -115,6 +111,28 @@ fn one(column: &[f64], groups: &[Group], layout: Layout, scratch: &mut Vec<f64>,
     let factor = 1.0 / length;
     out.iter_mut().for_each(|x| *x *= factor);
     length
+}
+
+/// A stretch of `Q` rows, the first of which is `first` in the group, from rows that stand `width` apart after as many zeros as there are lags.
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "it is compiled for the vectors of its caller")]
+fn sums<const Q: usize>(group: &Group, first: usize, x: &[f64], width: usize, start: usize) -> [[f64; STRETCH]; Q] {
+    let r = group.rows.len();
+    let lags = group.taps.len() / (r * r) - 1;
+    let mut sum = [[0.0; STRETCH]; Q];
+    for j in 0..r {
+        for lag in 0..=lags {
+            let x: &[f64; STRETCH] =
+                x[j * width + start + lags - lag..][..STRETCH].try_into().expect("a whole stretch");
+            for q in 0..Q {
+                let tap = group.taps[(lag * r + first + q) * r + j];
+                for t in 0..STRETCH {
+                    sum[q][t] += tap * x[t];
+                }
+            }
+        }
+    }
+    sum
 }
 
 /// Puts a stretch of a row where its blocks are.

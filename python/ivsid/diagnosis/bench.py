@@ -273,8 +273,8 @@ class Bench:
                 inputs[k, "acceleration"] = seen[k] + added[name] if name in added else seen[k]
             if (x := added.get(("u", "v", "r")[k])) is not None:
                 inputs[k, "velocity"] = x
-        for k in range(len(self.axes) - 3 if track is not None else 0):
-            inputs[3 + k, "process"] = -track[k]
+        if track is not None:
+            inputs |= {(k, "process"): -track[k - 3] for k in range(3, len(self.axes))}
         return self.filters.errors(inputs)
 
     def term(self, h: Hypothesis, anchor: Anchor, mass: Mass, term: Term) -> Array:

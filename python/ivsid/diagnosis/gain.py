@@ -158,9 +158,7 @@ def _accelerations(bench: Bench, h: Hypothesis, anchor: Anchor) -> tuple[Array, 
     return measured, measured - mean
 
 
-def _windows(
-    bench: Bench, h: Hypothesis, anchor: Anchor, lengths: Sequence[float]
-) -> list[tuple[Array, Array, Array]]:
+def _windows(bench: Bench, h: Hypothesis, anchor: Anchor, lengths: Sequence[float]) -> list[tuple[Array, Array, Array]]:
     """For each length of windows [s]: simulated u, v, r (NaN outside windows), their rms by window, and the rms distance of each window.
 
     All windows sail side by side; the shorter ones leave first.
@@ -169,7 +167,8 @@ def _windows(
     counts = [round(length / log.h) for length in lengths]
     starts = [np.arange(0, n - count, count) for count in counts]
     starts = [
-        some[[bool(log.good[s : s + count + 1].all()) for s in some]] for some, count in zip(starts, counts, strict=True)
+        some[[bool(log.good[s : s + count + 1].all()) for s in some]]
+        for some, count in zip(starts, counts, strict=True)
     ]
     out = _sailed(bench, h, anchor, starts, counts)
     readings = bench.readings(h, anchor)

@@ -1,6 +1,6 @@
 //! Rational filters: each output is a sum of inputs through polynomials in the delay, over one polynomial of its own.
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Rows that one recursion carries side by side: it waits for its own last value, and other rows fill the wait.
 const LANES: usize = 8;
@@ -34,7 +34,7 @@ pub fn respond(inputs: &[&[f64]], numerators: &[f64], denominators: &[f64], taps
         for (i, x) in inputs.iter().enumerate() {
             let b = &numerators[(r * inputs.len() + i) * taps..][..taps];
             if active[i] && b.iter().any(|&v| v != 0.0) {
-                add(b, x, row);
+                Arch::new().dispatch(Add { b, x, row });
                 moved[r] = true;
             }
         }
@@ -53,33 +53,48 @@ pub fn respond(inputs: &[&[f64]], numerators: &[f64], denominators: &[f64], taps
         .collect();
     for part in bundle.chunks_mut(LANES) {
         if part.len() <= LANES / 2 {
-            Arch::new().dispatch(
-                #[inline(always)]
-                || recur::<{ LANES / 2 }>(part, n),
-            );
+            Arch::new().dispatch(Recur::<{ LANES / 2 }> { rows: part, n });
         } else {
-            Arch::new().dispatch(
-                #[inline(always)]
-                || recur::<LANES>(part, n),
-            );
+            Arch::new().dispatch(Recur::<LANES> { rows: part, n });
         }
     }
 }
 
-/// Adds an input through a polynomial in the delay.
-fn add(b: &[f64], x: &[f64], row: &mut [f64]) {
-    Arch::new().dispatch(
-        #[inline(always)]
-        || {
-            for (k, &b) in b.iter().enumerate() {
-                if b != 0.0 {
-                    for (y, &x) in row[k.min(x.len())..].iter_mut().zip(x) {
-                        *y += b * x;
-                    }
+/// Adds an input through a polynomial in the delay; compiled for each width of vectors.
+struct Add<'a> {
+    b: &'a [f64],
+    x: &'a [f64],
+    row: &'a mut [f64],
+}
+
+impl WithSimd for Add<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (k, &b) in self.b.iter().enumerate() {
+            if b != 0.0 {
+                for (y, &x) in self.row[k.min(self.x.len())..].iter_mut().zip(self.x) {
+                    *y += b * x;
                 }
             }
-        },
-    );
+        }
+    }
+}
+
+/// The denominators of rows side by side; compiled for each width of vectors.
+struct Recur<'a, 'b, const L: usize> {
+    rows: &'a mut [(&'b mut [f64], [f64; 3])],
+    n: usize,
+}
+
+impl<const L: usize> WithSimd for Recur<'_, '_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        recur::<L>(self.rows, self.n);
+    }
 }
 
 /// The denominators, for up to `L` rows side by side.

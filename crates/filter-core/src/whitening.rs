@@ -1,6 +1,6 @@
 //! A causal filter of groups of rows, whose results are laid out in blocks of time, in unit length where that is wanted.
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 /// Samples that are summed at once; they stay in the processor's registers.
@@ -62,12 +62,27 @@ pub fn whiten(columns: &[&[f64]], groups: &[Group], layout: Layout, out: &mut [f
     out.par_chunks_exact_mut(numbers)
         .zip(columns)
         .map_init(Vec::new, |scratch, (into, column)| {
-            Arch::new().dispatch(
-                #[inline(always)]
-                || one(column, groups, layout, scratch, into),
-            )
+            Arch::new().dispatch(One { column, groups, layout, scratch, out: into })
         })
         .collect()
+}
+
+/// One column, compiled for each width of vectors.
+struct One<'a> {
+    column: &'a [f64],
+    groups: &'a [Group<'a>],
+    layout: Layout<'a>,
+    scratch: &'a mut Vec<f64>,
+    out: &'a mut [f64],
+}
+
+impl WithSimd for One<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        one(self.column, self.groups, self.layout, self.scratch, self.out)
+    }
 }
 
 #[inline(always)]

@@ -66,6 +66,7 @@ class Bench:
         self.turned, self.steered, self.sent = (_over(x, held=log.held) for x in (log.angles, log.rudders, log.force))
         self._turn = np.cos(self.turned), np.sin(self.turned)
         self._driven: dict[object, tuple[Array, Array]] = {}
+        self._heading: tuple[Array, Array, Array] | None = None
         t = (np.arange(log.n) + 0.5) / log.n
         self.slow = [np.cos(np.pi * j * t) for j in range(3)]
         low, high = log.nu.min(axis=1), log.nu.max(axis=1)
@@ -242,7 +243,11 @@ class Bench:
     def _over_ground(self, p: Points) -> Array:
         n = self.log.n
         u, v = p.nu[0, n:], p.nu[1, n:]
-        c, s = np.cos(p.psi[n:]), np.sin(p.psi[n:])
+        # Signatures are all made at one heading.
+        kept = self._heading
+        if kept is None or kept[0] is not p.psi:
+            kept = self._heading = p.psi, np.cos(p.psi[n:]), np.sin(p.psi[n:])
+        _, c, s = kept
         return np.stack([u * c - v * s, u * s + v * c])
 
     def answer(

@@ -164,7 +164,7 @@ def declared_columns(
     """Those around a hypothesis."""
     c = nuisances(Signatures(bench, h, anchor))
     none = np.zeros((len(bench.labels), bench.log.n))
-    return Declared(gram(c.names, c.arrays, none, white, good, bench.log.h, c.prior, h.declared))
+    return Declared(gram(c.names, c.arrays, none, white, good, bench.log.h, c.prior, h.declared).whole())
 
 
 def improve(
@@ -191,30 +191,30 @@ def improve(
     """
     known = known or declared_columns(bench, h, anchor, white, good)
 
-    def cost(h: Hypothesis, errors: Array) -> float:
+    def cost(h: Hypothesis, errors: Array) -> tuple[float, Gram]:
+        g = _expected(known.gram.of(errors), h)
         # A step that goes far too far leaves states that run away.
-        if not np.isfinite(errors).all():
-            return float(np.inf)
-        return Projection(_expected(known.gram.of(errors), h), range(known.count)).chi2
+        finite = bool(np.isfinite(errors).all())
+        return Projection(g, range(known.count)).chi2 if finite else float(np.inf), g
 
     # States that are not those of the hypothesis would make it look better or worse than it is.
     anchor = bench.settle(h, anchor, 2)
     errors = bench.errors(h, anchor)
-    here = cost(h, errors)
+    here, base = cost(h, errors)
     for _ in range(steps):
-        g = _small_gram(bench, h, anchor, held, known, errors)
+        g = _beside(base, bench, h, anchor, held)
         p = Projection(g, range(len(g.names)))
         moves = dict(zip(g.names, (p.coefficients / g.unit).tolist(), strict=True))
         for share in SHORTER:
             other = stepped(h, {k: share * m for k, m in moves.items()}, bench)
             there = bench.settle(other, anchor, 2)
             errors = bench.errors(other, there)
-            now = cost(other, errors)
+            now, there_base = cost(other, errors)
             if now < here + WORSE:
                 break
         else:
             return h, anchor
-        h, anchor, here = other, there, now
+        h, anchor, here, base = other, there, now, there_base
         sigma = np.sqrt(np.diag(np.linalg.inv(p.total + np.diag(g.prior + 1e-9))))
         if (np.abs(p.coefficients) < 0.1 * sigma)[known.count :].all():
             break
@@ -232,8 +232,14 @@ def _small_gram(
     sums: bool = True,
 ) -> Gram:
     """What is declared first, then what is fitted."""
+    return _beside(_expected(known.gram.of(errors), h), bench, h, anchor, held, sums=sums)
+
+
+def _beside(
+    g: Gram, bench: Bench, h: Hypothesis, anchor: Anchor, held: Mapping[str, float], *, sums: bool = True
+) -> Gram:
+    """With the signatures of what is fitted."""
     fitted = Signatures(bench, h, anchor).fitted(held)
-    g = _expected(known.gram.of(errors), h)
     return g.extended(fitted.names, fitted.arrays, sums=sums) if fitted.names else g
 
 

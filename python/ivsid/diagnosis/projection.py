@@ -81,7 +81,7 @@ class Gram:
 
     def of(self, errors: Array) -> Gram:
         """With other errors, shape (rows, n)."""
-        y = self.white.blocks([errors], self.good, self.length, unit=False)[0][0]
+        y = self.white.blocks([errors], self.good, self.length, unit=False)[0].reshape(self.y.shape)
         score = np.concatenate([_times(part, y) for part in self.parts], axis=1)
         return replace(self, y=y, score=score, energy=np.einsum("bi,bi->b", y, y))
 
@@ -104,7 +104,19 @@ class Gram:
     def extended(self, names: Sequence[str], columns: Sequence[Array], *, sums: bool = False) -> Gram:
         """With further columns, each of shape (rows, n); with ``sums`` the columns themselves are not kept."""
         x, unit = self.white.blocks(columns, self.good, self.length)
-        return self.joined(names, x, unit, sums=sums)
+        return self.joined(names, x.reshape(-1, *self.y.shape), unit, sums=sums)
+
+    def whole(self) -> Gram:
+        """The whole log as one block: all that a fit needs."""
+        return replace(
+            self,
+            parts=tuple(part.reshape(len(part), 1, -1) for part in self.parts),
+            y=self.y.reshape(1, -1),
+            blocks=self.blocks.sum(axis=0, keepdims=True),
+            score=self.score.sum(axis=0, keepdims=True),
+            energy=self.energy.sum(keepdims=True),
+            rows=self.rows.sum(keepdims=True),
+        )
 
     def joined(self, names: Sequence[str], x: Array, unit: Array, *, sums: bool = False) -> Gram:
         """With further columns that are whitened and in unit length, shape (columns, blocks, numbers)."""

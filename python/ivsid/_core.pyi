@@ -31,9 +31,11 @@ __all__ = [
     "power",
     "regularity",
     "regularity_batch",
+    "respond",
     "solve",
     "solve_batch",
     "unary",
+    "whiten",
 ]
 
 @final
@@ -144,3 +146,7 @@ def regularity(lo: _Array, hi: _Array) -> tuple[str, dict[str, Any] | None]: ...
 def normal_equations(rows: _Bounds, right: _Bounds, method: str, partitions: int) -> dict[str, Any]: ...
 def least_squares(rows: _Bounds, right: _Bounds, method: str) -> dict[str, Any]: ...
 def feasible_set(rows: _Bounds, right: _Bounds, signs: list[int] | None, outliers: int) -> dict[str, Any]: ...
+def respond(inputs: list[_Array], numerators: _Array, denominators: _Array) -> _Array: ...
+def whiten(
+    columns: list[_Array], groups: list[list[int]], taps: list[_Array], length: int, weight: _Array | None, unit: bool
+) -> tuple[_Array, list[float]]: ...

@@ -11,13 +11,16 @@ import os
 import sys
 import tempfile
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("RAYON_NUM_THREADS", "1")
 NUMBERS = ("size", "ambient", "duration", "rate")
+# Cases that are drawn or graded while candidates work.
+AHEAD = 2
 
 
 def drawn(seed: int, options: dict, papers: Path, answers: Path) -> Path | str:
@@ -48,21 +51,18 @@ def examination(seeds: range, options: dict, workers: int = 1) -> Iterator[dict]
     with tempfile.TemporaryDirectory() as top:
         papers, answers = Path(top, "papers"), Path(top, "answers")
         spawn = get_context("spawn")
-        with ProcessPoolExecutor(workers, spawn) as candidates, ProcessPoolExecutor(1, spawn) as judge:
-            ahead = 4 * workers
-            waiting = []
-            for start in range(0, len(seeds), ahead):
-                for seed in seeds[start : start + ahead]:
-                    folder = judge.submit(drawn, seed, options, papers, answers).result()
-                    said = None if isinstance(folder, str) else candidates.submit(examine, folder)
-                    waiting.append((seed, folder, said))
-                # A handful is always under examination while the next are drawn.
-                while len(waiting) > (0 if start + ahead >= len(seeds) else workers):
-                    seed, folder, said = waiting.pop(0)
-                    if said is None:
-                        yield {"seed": seed, "skipped": folder}
-                    else:
-                        yield judge.submit(graded, folder, answers, said.result()).result()
+        with ProcessPoolExecutor(workers, spawn) as candidates, ProcessPoolExecutor(workers + 1, spawn) as judge:
+
+            def examined(seed: int) -> dict:
+                folder = judge.submit(drawn, seed, options, papers, answers).result()
+                if isinstance(folder, str):
+                    return {"seed": seed, "skipped": folder}
+                said = candidates.submit(examine, folder).result()
+                return judge.submit(graded, folder, answers, said).result()
+
+            # Judges draw and grade while candidates work: each case waits in a thread of its own, and a few are always under way.
+            with ThreadPoolExecutor(workers + AHEAD) as cases:
+                yield from cases.map(examined, seeds)
 
 
 def main() -> None:

@@ -1,7 +1,7 @@
 //! Arrays in and out.
 
 use interval_core::{Error, Interval, IntervalMatrix};
-use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -17,6 +17,15 @@ pub fn results(py: Python<'_>, n: usize) -> Bound<'_, PyArray2<f64>> {
     #[expect(unsafe_code, reason = "zeroing what is overwritten costs as much as the operation")]
     unsafe {
         PyArray2::new(py, [2, n], false)
+    }
+}
+
+/// The same in three dimensions.
+pub fn blocks(py: Python<'_>, shape: [usize; 3]) -> Bound<'_, PyArray3<f64>> {
+    // SAFETY: any bits are a double, and the filter writes every entry before Python sees the array.
+    #[expect(unsafe_code, reason = "zeroing what is overwritten costs as much as the operation")]
+    unsafe {
+        PyArray3::new(py, shape, false)
     }
 }
 

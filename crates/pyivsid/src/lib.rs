@@ -5,6 +5,7 @@
 mod arrays;
 mod convert;
 mod elementwise;
+mod filters;
 mod linalg;
 mod regression;
 mod scalar;
@@ -19,6 +20,8 @@ mod core_module {
         backend, binary, check_bounds, environment_is_default, exact_sum, follow, format_interval, measure,
         outward_decimal, power, unary,
     };
+    #[pymodule_export]
+    use super::filters::{respond, whiten};
     #[pymodule_export]
     use super::linalg::{gram, inverse, inverse_batch, matmul, norm, regularity, regularity_batch, solve, solve_batch};
     #[pymodule_export]

@@ -71,7 +71,7 @@ class Adequacy:
 def energy_of(fit: Fit, columns: Sequence[int]) -> Array:
     """Of signatures, by row of the errors."""
     rows = len(fit.noise.bench.labels)
-    x = fit.gram.x[:, list(columns), :]
+    x = fit.gram.columns(columns)
     return np.asarray((x.reshape(-1, rows, fit.gram.length) ** 2).sum(axis=(0, 2)))
 
 
@@ -81,7 +81,7 @@ def adequacy(fit: Fit) -> Adequacy:
     # Nothing but the model's own columns stands beside the dictionary.
     g = fit.gram.only(fit.base)
     first = len(g.names)
-    wide = g.extended(names, fit.noise.whitening(np.stack([fit.noise.bench.answer(a) for a in arrays])))
+    wide = g.extended(names, [fit.noise.bench.answer(a) for a in arrays])
     p = Projection(wide, range(first))
     columns = list(range(first, len(wide.names)))
     H = p.information(columns)

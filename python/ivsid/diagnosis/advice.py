@@ -236,7 +236,7 @@ def _together(fit: Fit, more: Fit) -> Fit:
     g = replace(
         a,
         names=names,
-        x=np.zeros((count, 0, 0)),
+        parts=(),
         y=np.zeros((count, 0)),
         blocks=blocks,
         score=np.zeros((count, len(names))),

@@ -10,8 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.channels import Channels
-from ivsid.diagnosis.physics import Hypothesis, Mass, Points, acceleration, changed, term_column
-from ivsid.diagnosis.predictor import Axis, axis
+from ivsid.diagnosis.physics import (
+    Hypothesis,
+    Mass,
+    Points,
+    acceleration,
+    added_force,
+    changed,
+    still_force,
+    term_column,
+)
+from ivsid.diagnosis.predictor import Axis, Filters, axis
 from ivsid.diagnosis.propulsion import Propulsion
 from ivsid.effects import Given, Reading, Response, Term, Thrust
 from ivsid.vehicle import Vehicle
@@ -25,6 +34,8 @@ TRACK_TIME: Final = 20.0
 FAR: Final = 1.0
 # A step of a declared error, in units of its bound.
 SMALL: Final = 1e-3
+# Hypotheses whose thrusts are remembered: those that are compared with each other.
+REMEMBERED: Final = 4
 
 
 @dataclass(frozen=True)
@@ -53,6 +64,9 @@ class Bench:
         self.vehicle, self.log, self.ambient = vehicle, log, ambient
         self.propulsion = Propulsion(vehicle, log)
         self.turned, self.steered, self.sent = (_over(x, held=log.held) for x in (log.angles, log.rudders, log.force))
+        self._turn = np.cos(self.turned), np.sin(self.turned)
+        self._driven: dict[object, tuple[Array, Array]] = {}
+        self._heading: tuple[Array, Array, Array] | None = None
         t = (np.arange(log.n) + 0.5) / log.n
         self.slow = [np.cos(np.pi * j * t) for j in range(3)]
         low, high = log.nu.min(axis=1), log.nu.max(axis=1)
@@ -74,6 +88,7 @@ class Bench:
             for k, name in enumerate(("x", "y"), start=3):
                 self.axes.append(axis(log.h, {"velocity": noise[name]}, TRACK, TRACK_TIME))
                 self.labels.append((k, name))
+        self.filters = Filters(self.axes)
 
     @property
     def channels(self) -> list[str]:
@@ -82,8 +97,23 @@ class Bench:
 
     def thrusts(self, h: Hypothesis) -> Array:
         """Thrusts of a hypothesis at samples and over steps, shape (thrusters, 2 n)."""
-        found = self.propulsion.thrusts(h.given, [self._sizes(h, k) for k in range(len(self.vehicle.thrusters))])
-        return np.concatenate([found.now, found.mean], axis=1)
+        return self.drive(h)[0]
+
+    def drive(self, h: Hypothesis) -> tuple[Array, Array]:
+        """The same, and the force that they come to at no speed, shape (3, 2 n); most steps of a fit leave both as they are."""
+        sizes = [self._sizes(h, k) for k in range(len(self.vehicle.thrusters))]
+        acting = [g for g in h.given if isinstance(g.effect.acts, (Thrust, Response))]
+        key = (tuple((g.effect.id, g.values, g.thruster) for g in acting), tuple(map(tuple, sizes)))
+        found = self._driven.get(key)
+        if found is None:
+            made = self.propulsion.thrusts(h.given, sizes)
+            thrusts = np.concatenate([made.now, made.mean], axis=1)
+            found = thrusts, still_force(self.vehicle, thrusts, self._turn, self.sent)
+            # The oldest goes; a dictionary keeps the order.
+            for old in list(self._driven)[: 1 - REMEMBERED]:
+                self._driven.pop(old, None)
+            self._driven[key] = found
+        return found
 
     def _sizes(self, h: Hypothesis, k: int) -> list[float]:
         name = self.vehicle.thrusters[k].name
@@ -136,16 +166,18 @@ class Bench:
         nu = np.clip(nu, *self.reach)
         before = None if before is None else np.clip(before, *self.reach)
         place = np.zeros((2, n)) if log.place is None else log.place
+        thrusts, still = self.drive(h)
         points = Points(
             np.concatenate([nu if before is None else before, np.clip(nu + half * rate, *self.reach)], axis=1),
             np.r_[psi, psi + half * nu[2]],
             _twice(place),
             np.r_[log.t, log.t + half],
-            self.thrusts(h),
+            thrusts,
             self.turned,
             self.sent,
             None if log.wind is None else _twice(log.wind),
             self.steered,
+            still,
         )
         return Anchor(points, acceleration(self.vehicle, h, points))
 
@@ -175,23 +207,23 @@ class Bench:
 
     def _filter(self, readings: list[dict[str, Array]], anchor: Anchor) -> Array:
         log, n = self.log, self.log.n
-        rows = []
+        inputs: dict[tuple[int, str], Array] = {}
         specific = self._specific(anchor.points.nu, anchor.nudot)
         for k in range(3):
             here = readings[k]
             first = here["velocity"][0]
-            inputs = {"velocity": here["velocity"] - first, "process": anchor.nudot[k, n:]}
+            inputs[k, "velocity"] = here["velocity"] - first
+            inputs[k, "process"] = anchor.nudot[k, n:]
             if "position" in self.axes[k].outputs:
-                inputs["position"] = here["position"] - here["position"][0] - first * (np.arange(n) * log.h)
+                inputs[k, "position"] = here["position"] - here["position"][0] - first * (np.arange(n) * log.h)
             if "acceleration" in self.axes[k].outputs:
-                inputs["acceleration"] = here["acceleration"] - self._at_samples(specific[k])
-            rows.append(self.axes[k].errors(inputs))
+                inputs[k, "acceleration"] = here["acceleration"] - self._at_samples(specific[k])
         if len(self.axes) > 3 and log.place is not None:
             over = self._over_ground(anchor.points)
             for k in range(2):
                 x = log.place[k]
-                rows.append(self.axes[3 + k].errors({"velocity": x - x[0], "process": over[k]}))
-        return np.concatenate(rows)
+                inputs[3 + k, "velocity"], inputs[3 + k, "process"] = x - x[0], over[k]
+        return self.filters.errors(inputs)
 
     def errors(self, h: Hypothesis, anchor: Anchor) -> Array:
         """Prediction errors of a hypothesis at the anchor's states, shape (rows, n)."""
@@ -211,7 +243,11 @@ class Bench:
     def _over_ground(self, p: Points) -> Array:
         n = self.log.n
         u, v = p.nu[0, n:], p.nu[1, n:]
-        c, s = np.cos(p.psi[n:]), np.sin(p.psi[n:])
+        # Signatures are all made at one heading.
+        kept = self._heading
+        if kept is None or kept[0] is not p.psi:
+            kept = self._heading = p.psi, np.cos(p.psi[n:]), np.sin(p.psi[n:])
+        _, c, s = kept
         return np.stack([u * c - v * s, u * s + v * c])
 
     def answer(
@@ -233,20 +269,18 @@ class Bench:
         n = self.log.n
         seen = self._at_samples(process if specific is None else specific)
         added = reading or {}
-        rows = []
+        # What it adds to a reading or to what a sensor sees stands against what it does to the motion.
+        inputs: dict[tuple[int, str], Array] = {}
         for k in range(3):
-            here = self.axes[k]
-            inputs = {"process": -process[k, n:]}
-            if "acceleration" in here.outputs:
+            inputs[k, "process"] = -process[k, n:]
+            if "acceleration" in self.axes[k].outputs:
                 name = ("ax", "ay", "rdot")[k]
-                inputs["acceleration"] = seen[k] + added[name] if name in added else seen[k]
+                inputs[k, "acceleration"] = seen[k] + added[name] if name in added else seen[k]
             if (x := added.get(("u", "v", "r")[k])) is not None:
-                inputs["velocity"] = x
-            rows.append(here.errors(inputs))
-        for k in range(len(self.axes) - 3):
-            gone = np.zeros(n) if track is None else track[k]
-            rows.append(self.axes[3 + k].errors({"process": -gone}))
-        return np.concatenate(rows)
+                inputs[k, "velocity"] = x
+        if track is not None:
+            inputs |= {(k, "process"): -track[k - 3] for k in range(3, len(self.axes))}
+        return self.filters.errors(inputs)
 
     def term(self, h: Hypothesis, anchor: Anchor, mass: Mass, term: Term) -> Array:
         """The errors that one unit of a term's parameter leaves when the model lacks it."""
@@ -268,20 +302,29 @@ class Bench:
         """The mass matrix at the anchor's times."""
         return Mass(self.vehicle, h.terms, changed(h, anchor.points.t))
 
-    def difference(self, h: Hypothesis, anchor: Anchor, other: Hypothesis) -> Array:
-        """The errors that the other hypothesis, were it true, leaves under this one."""
+    def difference(self, h: Hypothesis, anchor: Anchor, other: Hypothesis, mass: Mass | None = None) -> Array:
+        """The errors that the other hypothesis, were it true, leaves under this one, whose masses may be known."""
         thrust_kind = (Thrust, Response)
         moved = any(isinstance(g.effect.acts, thrust_kind) for g in (*h.given, *other.given))
-        points = anchor.points.under(self.thrusts(other)) if moved else anchor.points
-        process = acceleration(self.vehicle, other, points) - anchor.nudot
+        points = anchor.points.under(*self.drive(other)) if moved else anchor.points
+        mass = mass or self.mass(h, anchor)
+        added = added_force(self.vehicle, h, anchor.points, other, points)
+        process = acceleration(self.vehicle, other, points) - anchor.nudot if added is None else mass.solve(added)
+        if not any(isinstance(g.effect.acts, Reading) for g in (*h.given, *other.given)):
+            return self.answer(process)
         wrong, before = self.sensed(other.given, anchor), self.sensed(h.given, anchor)
         reading = {k: wrong[k] - before[k] for k in wrong}
         if not any(np.any(x) for x in reading.values()):
             return self.answer(process)
-        return self.misread(h, anchor, reading, process)
+        return self.misread(h, anchor, reading, process, mass)
 
     def misread(
-        self, h: Hypothesis, anchor: Anchor, reading: Mapping[str, Array], process: Array | float = 0.0
+        self,
+        h: Hypothesis,
+        anchor: Anchor,
+        reading: Mapping[str, Array],
+        process: Array | float = 0.0,
+        mass: Mass | None = None,
     ) -> Array:
         """The errors that wrong readings leave: in themselves, and in the model's acceleration, which believes them."""
         g = np.stack([_twice(reading.get(q, np.zeros(self.log.n))) for q in ("u", "v", "r")])
@@ -289,7 +332,7 @@ class Bench:
         track = None
         if np.any(g):
             shifted = anchor.points.moved(g)
-            there = acceleration(self.vehicle, h, shifted)
+            there = acceleration(self.vehicle, h, shifted, mass)
             believed = there - anchor.nudot
             process = process - believed
             specific = specific - (self._specific(shifted.nu, there) - self._specific(anchor.points.nu, anchor.nudot))
@@ -335,6 +378,7 @@ class Bench:
             )
             for k, q in enumerate((*names, last))
         ] + self.axes[3:]
+        made.filters = Filters(made.axes)
         return made
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -28,6 +29,7 @@ from ivsid.diagnosis.intervals import Bound
 from ivsid.diagnosis.proved import Proof, extended_proof, guaranteed, proof_of
 from ivsid.diagnosis.rejected import Rejected, rejected
 from ivsid.diagnosis.selection import MARGIN, Selection, select
+from ivsid.diagnosis.side import at_once
 from ivsid.diagnosis.testing import VISIBLE, Threshold, Visibility, visibility
 from ivsid.effects import EFFECTS
 from ivsid.log import Log
@@ -178,17 +180,24 @@ def diagnose(
     if not complete:
         kept = {f.effect for f in findings}
         findings = (*findings, unknown(after, [f.id for f in selection.found if f.id not in kept]))
+<<<<<<< HEAD
     claimed = claims(selection.last, selection.leftover, findings, unknown=not after.quiet)
     progress("fitting the other log")
     moved = change(vehicle, selection.last, other)
     if moved is not None and moved.factor is not None:
         findings = (*findings, shallow(moved))
+=======
+>>>>>>> speed
     progress("trying both models on the other log")
-    bench = Bench(vehicle, other, selection.last.noise.bench.ambient)
     # What TRAIN's sensors and thrusters were off by is no part of the model, and none of model.toml.
     plain = replace(fit.h, declared={})
     extended_h = plain if selection.last.h is fit.h else replace(selection.last.h, declared={})
-    gain = compare(bench, plain, extended_h, seed)
+    bench = Bench(vehicle, other, selection.last.noise.bench.ambient)
+    moved, gain = at_once(
+        partial(change, vehicle, selection.last, other), partial(compare, bench, plain, extended_h, seed)
+    )
+    if moved is not None and moved.factor is not None:
+        findings = (*findings, shallow(moved))
     verdict = "adequate" if not findings else ("wrong" if any(f.effect != "unknown" for f in findings) else "unknown")
     said = [n for n in (confirmation.note, proof.sentence(verdict) if proof.refuted else "") if n]
     return Diagnosis(
@@ -258,7 +267,7 @@ def _unexplained(fit: Fit) -> dict[str, float]:
     """The share of each channel's squared errors above what its noise gives."""
     p = fit.projection
     g = fit.gram
-    left = g.y - np.einsum("i,bij->bj", p.coefficients, g.x[:, p.base, :])
+    left = g.y - g.explained(p.base, p.coefficients)
     rows = len(fit.noise.bench.labels)
     energy = (left.reshape(-1, rows, g.length) ** 2).sum(axis=(0, 2))
     count = g.rows.sum() / rows

@@ -179,7 +179,7 @@ def _searched(fit: Fit, p: Projection, found: list[Scored]) -> tuple[Fit, list[S
     # The errors that the base leaves, taken back to the accelerations that would explain them.
     g, bench = fit.gram, fit.noise.bench
     n, rows = bench.log.n, len(bench.labels)
-    left = g.y - np.einsum("i,bij->bj", p.coefficients, g.x[:, p.base, :])
+    left = g.y - g.explained(p.base, p.coefficients)
     used = left.shape[0] * g.length
     errors = np.zeros((rows, n))
     errors[:, :used] = left.reshape(-1, rows, g.length).transpose(1, 0, 2).reshape(rows, used)
@@ -197,7 +197,7 @@ def _searched(fit: Fit, p: Projection, found: list[Scored]) -> tuple[Fit, list[S
     if not names:
         return fit, found
     at = len(g.names)
-    fit = replace(fit, gram=g.extended(names, fit.noise.whitening(np.stack(arrays))))
+    fit = replace(fit, gram=g.extended(names, arrays))
     wide = Projection(fit.gram, p.base)
     for family, values, size, looks in plans:
         best: Scored | None = None
@@ -361,12 +361,10 @@ def everything(fit: Fit) -> Fit:
     if not steps:
         return fit
     bench = fit.noise.bench
-    blocks, rows = len(g.x), len(bench.labels)
-    arrays = np.zeros((len(steps), rows, bench.log.n))
+    x = g.columns([s.columns[0] for s in steps])
     names = []
-    for k, s in enumerate(steps):
-        first = round((s.values[-1] - float(bench.log.t[0])) / (g.length * bench.log.h))
-        x = g.x[:, s.columns[0], :].reshape(blocks, rows, g.length).transpose(1, 0, 2).reshape(rows, -1)
-        arrays[k, :, first * g.length : blocks * g.length] = x[:, first * g.length :]
+    for one, s in zip(x, steps, strict=True):
+        one[: round((s.values[-1] - float(bench.log.t[0])) / (g.length * bench.log.h))] = 0.0
         names.append(f"{s.id}@{s.values[-1]!r}")
-    return replace(fit, gram=g.extended(names, arrays))
+    unit = np.sqrt(np.maximum(np.einsum("cbi,cbi->c", x, x), 1e-300))
+    return replace(fit, gram=g.joined(names, x / unit[:, None, None], unit))

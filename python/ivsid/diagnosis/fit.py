@@ -115,7 +115,7 @@ def remaining(fit: Fit) -> Array:
     """The errors, in their own units, without all that any column explains; shape (rows, n)."""
     g = fit.gram
     theta, _ = Projection(g, []).solve(range(len(g.names)))
-    left = g.y - np.einsum("c,bcj->bj", theta, g.x)
+    left = g.y - g.explained(range(len(g.names)), theta)
     rows = len(fit.noise.bench.labels)
     count = left.shape[0] * g.length
     out = np.zeros((rows, fit.noise.good.size))
@@ -164,8 +164,7 @@ def declared_columns(
     """Those around a hypothesis."""
     c = nuisances(Signatures(bench, h, anchor))
     none = np.zeros((len(bench.labels), bench.log.n))
-    columns = white(c.stack()) if c.names else none[None][:0]
-    return Declared(gram(c.names, columns, none, good, bench.log.h, c.prior, h.declared))
+    return Declared(gram(c.names, c.arrays, none, white, good, bench.log.h, c.prior, h.declared).whole())
 
 
 def improve(
@@ -192,17 +191,18 @@ def improve(
     """
     known = known or declared_columns(bench, h, anchor, white, good)
 
-    def cost(h: Hypothesis, errors: Array) -> float:
+    def cost(h: Hypothesis, errors: Array) -> tuple[float, Gram]:
+        g = _expected(known.gram.of(errors), h)
         # A step that goes far too far leaves states that run away.
-        if not np.isfinite(errors).all():
-            return float(np.inf)
-        return Projection(_expected(known.gram.of(white(errors)), h), range(known.count)).chi2
+        finite = bool(np.isfinite(errors).all())
+        return Projection(g, range(known.count)).chi2 if finite else float(np.inf), g
 
     # States that are not those of the hypothesis would make it look better or worse than it is.
     anchor = bench.settle(h, anchor, 2)
     errors = bench.errors(h, anchor)
-    here = cost(h, errors)
+    here, base = cost(h, errors)
     for _ in range(steps):
+<<<<<<< HEAD
         g = _small_gram(bench, h, anchor, white, held, known, errors)
         for p in _movable(g, h):
             base = np.array(p.base)
@@ -222,6 +222,22 @@ def improve(
         h, anchor, here = other, there, now
         inner = p.total[np.ix_(base, base)] + np.diag(g.prior[base] + 1e-9)
         sigma = np.sqrt(np.diag(np.linalg.inv(inner)))
+=======
+        g = _beside(base, bench, h, anchor, held)
+        p = Projection(g, range(len(g.names)))
+        moves = dict(zip(g.names, (p.coefficients / g.unit).tolist(), strict=True))
+        for share in SHORTER:
+            other = stepped(h, {k: share * m for k, m in moves.items()}, bench)
+            there = bench.settle(other, anchor, 2)
+            errors = bench.errors(other, there)
+            now, there_base = cost(other, errors)
+            if now < here + WORSE:
+                break
+        else:
+            return h, anchor
+        h, anchor, here, base = other, there, now, there_base
+        sigma = np.sqrt(np.diag(np.linalg.inv(p.total + np.diag(g.prior + 1e-9))))
+>>>>>>> speed
         if (np.abs(p.coefficients) < 0.1 * sigma)[known.count :].all():
             break
     return h, anchor
@@ -239,7 +255,6 @@ def _small_gram(
     bench: Bench,
     h: Hypothesis,
     anchor: Anchor,
-    by: Whitening,
     held: Mapping[str, float],
     known: Declared,
     errors: Array,
@@ -247,9 +262,15 @@ def _small_gram(
     sums: bool = True,
 ) -> Gram:
     """What is declared first, then what is fitted."""
+    return _beside(_expected(known.gram.of(errors), h), bench, h, anchor, held, sums=sums)
+
+
+def _beside(
+    g: Gram, bench: Bench, h: Hypothesis, anchor: Anchor, held: Mapping[str, float], *, sums: bool = True
+) -> Gram:
+    """With the signatures of what is fitted."""
     fitted = Signatures(bench, h, anchor).fitted(held)
-    g = _expected(known.gram.of(by(errors)), h)
-    return g.extended(fitted.names, by(fitted.stack()), sums=sums) if fitted.names else g
+    return g.extended(fitted.names, fitted.arrays, sums=sums) if fitted.names else g
 
 
 def _expected(g: Gram, h: Hypothesis) -> Gram:
@@ -260,20 +281,20 @@ def _expected(g: Gram, h: Hypothesis) -> Gram:
 def crossed(noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float], known: Declared) -> Gram:
     """Cross-products of what is declared and what is fitted, with the columns themselves."""
     errors = noise.bench.errors(h, anchor)
-    return _small_gram(noise.bench, h, anchor, noise.whitening, held, known, errors, sums=False)
+    return _small_gram(noise.bench, h, anchor, held, known, errors, sums=False)
 
 
 def fitted_gram(noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float]) -> Gram:
     """Cross-products of what is fitted and what is declared alone."""
     known = declared_columns(noise.bench, h, anchor, noise.whitening, noise.good)
     errors = noise.bench.errors(h, anchor)
-    return _small_gram(noise.bench, h, anchor, noise.whitening, held, known, errors)
+    return _small_gram(noise.bench, h, anchor, held, known, errors)
 
 
 def chi2_of(noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float], known: Declared) -> float:
     """Of the log under a hypothesis, what is declared fitted beside it."""
     errors = noise.bench.errors(h, anchor)
-    g = _small_gram(noise.bench, h, anchor, noise.whitening, held, known, errors)
+    g = _small_gram(noise.bench, h, anchor, held, known, errors)
     return Projection(g, range(len(g.names))).chi2
 
 
@@ -314,8 +335,8 @@ def survey(
     extra, families, refused = signatures.candidates(only)
     every = _joined(fitted, declared_ones, extra)
     # The same name twice would be a parameter of the model beside its claim.
-    errors = noise.whitening(bench.errors(h, anchor))
-    g = gram(every.names, noise.whitening(every.stack()), errors, noise.good, bench.log.h, every.prior, h.declared)
+    errors = bench.errors(h, anchor)
+    g = gram(every.names, every.arrays, errors, noise.whitening, noise.good, bench.log.h, every.prior, h.declared)
     count = len(fitted.names) + len(declared_ones.names)
     return Fit(
         noise,

@@ -67,8 +67,10 @@ def compare(bench: Bench, before: Hypothesis, after: Hypothesis, seed: int = 0) 
     both = (before,) if after is before else (before, after)
     anchors = [bench.settle(h, bench.start(h), 2) for h in both]
     force = np.stack([missing(bench, h, a) for h, a in zip(both, anchors, strict=True)])[[0, -1]]
-    velocity = [_windows(bench, h, a, VELOCITY_WINDOW) for h, a in zip(both, anchors, strict=True)]
-    velocity = [velocity[0], velocity[-1]]
+    placed = bench.log.place is not None and bench.log.psi is not None
+    lengths = (VELOCITY_WINDOW, POSITION_WINDOW) if placed else (VELOCITY_WINDOW,)
+    windows = [_windows(bench, h, a, lengths) for h, a in zip(both, anchors, strict=True)]
+    velocity = [windows[0][0], windows[-1][0]]
     rms, interval = {}, {}
     rng = np.random.default_rng(seed)
     for k, name in enumerate(("u", "v", "r")):
@@ -77,8 +79,8 @@ def compare(bench: Bench, before: Hypothesis, after: Hypothesis, seed: int = 0) 
         draws = rng.integers(0, max(b.size, 1), (DRAWS, max(b.size, 1)))
         interval[name] = _middle(np.median(b[draws], axis=1), np.median(a[draws], axis=1))
     position = None
-    if bench.log.place is not None and bench.log.psi is not None:
-        errors = [_windows(bench, h, a, POSITION_WINDOW)[2] for h, a in zip(both, anchors, strict=True)]
+    if placed:
+        errors = [w[1][2] for w in windows]
         if errors[0].size:
             position = (float(np.median(errors[0])), float(np.median(errors[-1])))
             draws = rng.integers(0, errors[0].size, (DRAWS, errors[0].size))
@@ -156,25 +158,32 @@ def _accelerations(bench: Bench, h: Hypothesis, anchor: Anchor) -> tuple[Array, 
     return measured, measured - mean
 
 
-def _windows(bench: Bench, h: Hypothesis, anchor: Anchor, length: float) -> tuple[Array, Array, Array]:
-    """Simulated u, v, r (NaN outside windows), their rms by window, and the rms distance of each window."""
+def _windows(bench: Bench, h: Hypothesis, anchor: Anchor, lengths: Sequence[float]) -> list[tuple[Array, Array, Array]]:
+    """For each length of windows [s]: simulated u, v, r (NaN outside windows), their rms by window, and the rms distance of each window.
+
+    All windows sail side by side; the shorter ones leave first.
+    """
     log, n = bench.log, bench.log.n
-    count = round(length / log.h)
-    starts = np.arange(0, n - count, count)
-    starts = starts[[bool(log.good[s : s + count + 1].all()) for s in starts]]
-    thrusts = bench.thrusts(h)[:, n:]
-    points = anchor.points
+    counts = [round(length / log.h) for length in lengths]
+    starts = [np.arange(0, n - count, count) for count in counts]
+    starts = [
+        some[[bool(log.good[s : s + count + 1].all()) for s in some]]
+        for some, count in zip(starts, counts, strict=True)
+    ]
+    out = _sailed(bench, h, anchor, starts, counts)
     readings = bench.readings(h, anchor)
     real = np.stack([readings[k]["velocity"] for k in range(3)])
-    state = np.concatenate(
-        [
-            points.nu[:, starts],
-            points.psi[None, starts],
-            np.zeros((2, starts.size)) if log.place is None else log.place[:, starts],
-        ]
-    )
-    out = np.empty((count + 1, 6, starts.size))
-    out[0] = state
+    return [_held_against(bench, real, *w) for w in zip(out, starts, counts, strict=True)]
+
+
+def _sailed(
+    bench: Bench, h: Hypothesis, anchor: Anchor, starts: Sequence[NDArray[np.int64]], counts: Sequence[int]
+) -> list[Array]:
+    """Simulated u, v, r, psi, x, y from the states at each start, for each group of starts: shape (count + 1, 6, starts)."""
+    log, n = bench.log, bench.log.n
+    thrusts, still = (x[:, n:] for x in bench.drive(h))
+    points = anchor.points
+    place = np.zeros((2, n)) if log.place is None else log.place
     step = log.h
     # Masses that change in time, as with a payload, are worked out anew at each step.
     steady = not any(isinstance(g.effect.acts, Change) for g in h.given)
@@ -191,21 +200,41 @@ def _windows(bench: Bench, h: Hypothesis, anchor: Anchor, length: float) -> tupl
             bench.sent[:, n + at],
             None if log.wind is None else log.wind[:, at],
             bench.steered[:, n + at],
+            still[:, at],
         )
         nudot = acceleration(bench.vehicle, h, p, mass)
         c, s = np.cos(x[3]), np.sin(x[3])
         return np.concatenate([nudot, x[2:3], (x[0] * c - x[1] * s)[None], (x[0] * s + x[1] * c)[None]])
 
+    order = np.argsort([-c for c in counts], kind="stable")
+    begin = np.concatenate([starts[k] for k in order])
+    state = np.concatenate([points.nu[:, begin], points.psi[None, begin], place[:, begin]])
+    edges = np.cumsum([0, *(starts[k].size for k in order)])
+    out = [np.empty((count + 1, 6, some.size)) for some, count in zip(starts, counts, strict=True)]
     with np.errstate(over="ignore", invalid="ignore"):
-        for i in range(count):
-            at = starts + i
+        for i in range(max(counts) + 1):
+            for k, first, last in zip(order, edges, edges[1:], strict=False):
+                if i <= counts[k]:
+                    out[k][i] = state[:, first:last]
+            # Those that last longer stand first.
+            left = int(max((e for k, e in zip(order, edges[1:], strict=True) if counts[k] > i), default=0))
+            state, at = state[:, :left], begin[:left] + i
+            if not left:
+                break
             t = log.t[at]
             k1 = rates(state, t, at)
             k2 = rates(state + 0.5 * step * k1, t + 0.5 * step, at)
             k3 = rates(state + 0.5 * step * k2, t + 0.5 * step, at)
             k4 = rates(state + step * k3, t + step, at)
             state = state + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-            out[i + 1] = state
+    return out
+
+
+def _held_against(
+    bench: Bench, real: Array, out: Array, starts: NDArray[np.int64], count: int
+) -> tuple[Array, Array, Array]:
+    """Windows of one length against the measured motion."""
+    log, n = bench.log, bench.log.n
     where = starts[None, :] + np.arange(count + 1)[:, None]
     error = np.nan_to_num(out[:, :3] - real[:, where].transpose(1, 0, 2), nan=1e3, posinf=1e3, neginf=-1e3)
     each = np.sqrt(np.mean(np.clip(error, -1e3, 1e3) ** 2, axis=0)).T

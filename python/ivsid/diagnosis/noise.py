@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from ivsid.diagnosis.bench import Ambient, Bench
+from ivsid.filters import whiten as filtered
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -19,8 +20,6 @@ MEMORY: Final = 0.6
 MOST_LAGS: Final = 12
 # Axes are whitened together where their pasts say more of each other than chance, by so many standard deviations of chi^2.
 COUPLED: Final = 6.0
-# Samples of a signature that one product whitens together.
-STRETCH: Final = 24
 # What the filter takes of the log's start, and of the time after a gap [s].
 SETTLING: Final = 4.0
 _TIMES: Final = (1.0, 5.0)
@@ -134,49 +133,25 @@ class Whitening:
 
     def __call__(self, x: Array) -> Array:
         """Whitens errors or signatures, shape (..., rows, n)."""
-        flat = x.reshape(-1, *x.shape[-2:])
-        out = np.empty_like(flat)
-        for rows, taps in zip(self.groups, self.taps, strict=True):
-            if rows[-1] + 1 - rows[0] == len(rows):
-                here = slice(rows[0], rows[-1] + 1)
-                _convolve(taps, flat[:, here], out[:, here])
-                continue
-            # Surge and yaw may be coupled across a sway that is not.
-            apart = np.empty((flat.shape[0], len(rows), flat.shape[2]))
-            _convolve(taps, flat[:, list(rows)], apart)
-            out[:, list(rows)] = apart
-        return out.reshape(x.shape)
+        n = x.shape[-1]
+        flat = list(x.reshape(-1, *x.shape[-2:]))
+        return filtered(flat, self.groups, self.taps, n)[0].reshape(x.shape) if flat and n else np.zeros_like(x)
 
+    def blocks(
+        self, columns: Sequence[Array], good: NDArray[np.bool_], length: int, *, unit: bool = True
+    ) -> tuple[Array, Array]:
+        """Whitened rows of each block side by side, those that do not count as zeros, and what each column was divided by.
 
-def _convolve(taps: Array, x: Array, out: Array) -> None:
-    """Each row's sum of all rows at the lags of the taps, what was before the first sample taken as nothing, shape (any, rows, n).
+        Args:
+            columns: each of shape (rows, n).
+            good: samples that count, shape (n,).
+            length: samples in a block.
+            unit: whether columns are brought to unit length.
 
-    A stretch of the result is one matrix times the stretch before and under it, so that all stretches are one product.
-    """
-    lags, r = taps.shape[0] - 1, taps.shape[1]
-    n = x.shape[-1]
-    if not np.any(taps):
-        out[...] = 0.0
-        return
-    if not lags:
-        np.matmul(taps[0], x, out=out)
-        return
-    count = -(-n // STRETCH)
-    band = np.zeros((r, lags + STRETCH, r, STRETCH))
-    for lag in range(lags + 1):
-        for k in range(STRETCH):
-            band[:, lags + k - lag, :, k] = taps[lag].T
-    band = band.reshape(r * (lags + STRETCH), r * STRETCH)
-    padded = np.zeros((r, lags + count * STRETCH))
-    windows = sliding_window_view(padded, lags + STRETCH, axis=1)[:, ::STRETCH].transpose(1, 0, 2)
-    # One signature at a time stays in the cache; most leave some axes alone.
-    for one, into in zip(x, out, strict=True):
-        if not one.any():
-            into[...] = 0.0
-            continue
-        padded[:, lags : lags + n] = one
-        product = windows.reshape(count, -1) @ band
-        into[...] = product.reshape(count, r, STRETCH).transpose(1, 0, 2).reshape(r, -1)[:, :n]
+        Returns:
+            Shape (columns, blocks, rows length), and (columns,).
+        """
+        return filtered(columns, self.groups, self.taps, length, good.astype(np.float64), unit=unit)
 
 
 def still_axes(bench: Bench) -> frozenset[int]:

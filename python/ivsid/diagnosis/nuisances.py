@@ -43,7 +43,7 @@ def _sensors(s: Signatures, out: Columns) -> None:
         size = sensors.yaw_rate.axis(0)[0] + 0.6 * sensors.yaw_rate.accuracy
         if size:
             for j, wave in enumerate(bench.slow):
-                out.add(f"~bias.r.{j}", bench.misread(s.h, s.anchor, {"r": wave * 1e-3}) / 1e-3, size)
+                out.add(f"~bias.r.{j}", bench.misread(s.h, s.anchor, {"r": wave * 1e-3}, mass=s.mass) / 1e-3, size)
     if sensors.velocity is not None and sensors.velocity.scale_factor_error:
         out.add("~scale.velocity", s.reading("sensor.velocity.scale")[0], 0.7 * sensors.velocity.scale_factor_error)
 

@@ -18,14 +18,17 @@ from ivsid.effects import (
     Given,
     Inflow,
     Place,
+    Reading,
+    Response,
     State,
     Term,
+    Thrust,
     for_thruster,
     rigid_body,
 )
 from ivsid.effects.environment import earth_to_body
 from ivsid.foil import rudder_force
-from ivsid.vehicle import Vehicle
+from ivsid.vehicle import Thruster, Vehicle
 
 Array = NDArray[np.float64]
 
@@ -60,7 +63,10 @@ class Hypothesis:
 
 @dataclass(frozen=True)
 class Points:
-    """Where accelerations are asked for: states, place, thrusts at no speed and their angles; shapes (n,), (k, n)."""
+    """Where accelerations are asked for: states, place, thrusts at no speed and their angles; shapes (n,), (k, n).
+
+    ``still`` is what the thrusts at no speed come to, shape (3, n), where it is known: it does not depend on the states.
+    """
 
     nu: Array
     psi: Array
@@ -71,14 +77,15 @@ class Points:
     force: Array
     wind: Array | None = None
     rudders: Array | None = None
+    still: Array | None = None
 
     def moved(self, shift: Array) -> Points:
         """At other velocities."""
         return replace(self, nu=self.nu + shift)
 
-    def under(self, thrusts: Array) -> Points:
+    def under(self, thrusts: Array, still: Array | None = None) -> Points:
         """With other thrusts."""
-        return replace(self, thrusts=thrusts)
+        return replace(self, thrusts=thrusts, still=still)
 
 
 def _place(p: Points) -> Place:
@@ -101,21 +108,40 @@ def thruster_force(
 ) -> Array:
     """X, Y [N], N [N m] of all thrusters and rudders, shape (3, n)."""
     u, v, r = relative
+    lost = [_losses(thruster, given) for thruster in vehicle.thrusters]
+    if p.still is not None and not any(lost) and all(t.rudder is None for t in vehicle.thrusters):
+        return p.still.copy()
     total = p.force.copy()
     for k, thruster in enumerate(vehicle.thrusters):
         c, s = np.cos(p.angles[k]), np.sin(p.angles[k])
         x, y = thruster.position
         push: Any = p.thrusts[k]
-        losses = for_thruster(given, Inflow, thruster.name)
-        if not losses and thruster.advance_loss:
-            losses = [Given(EFFECTS["thruster.advance_loss"], (thruster.advance_loss,))]
-        for g in losses:
+        for g in lost[k]:
             if isinstance(g.effect.acts, Inflow):
                 push = g.effect.acts.function(push, (u - r * y) * c + (v + r * x) * s, g.values)
         total += np.stack([push * c, push * s, push * (s * x - c * y)])
         if thruster.rudder is not None:
             off = (declared or {}).get(f"~rudder.{thruster.name}", 0.0)
             total += (1.0 + off) * blade_force(vehicle, k, p, push, relative)
+    return total
+
+
+def _losses(thruster: Thruster, given: Sequence[Given]) -> list[Given]:
+    """What takes thrust away by the inflow: the effects, else the file's claim."""
+    losses = for_thruster(given, Inflow, thruster.name)
+    if not losses and thruster.advance_loss:
+        return [Given(EFFECTS["thruster.advance_loss"], (thruster.advance_loss,))]
+    return losses
+
+
+def still_force(vehicle: Vehicle, thrusts: Array, turn: tuple[Array, Array], force: Array) -> Array:
+    """X, Y [N], N [N m] of thrusts at no speed, without rudders, shape (3, n); ``turn`` are the cosines and sines of their angles."""
+    total = force.copy()
+    for thruster, push, c, s in zip(vehicle.thrusters, thrusts, *turn, strict=True):
+        x, y = thruster.position
+        total[0] += push * c
+        total[1] += push * s
+        total[2] += push * (s * x - c * y)
     return total
 
 
@@ -206,6 +232,47 @@ def acceleration(vehicle: Vehicle, h: Hypothesis, p: Points, mass: Mass | None =
     nudot[0] += r * v_c + a_u
     nudot[1] += -r * u_c + a_v
     return nudot
+
+
+# Effects that are forces, thrusts or readings: they leave the masses, the water and every other force as they are.
+ADDED = (Force, Thrust, Response, Inflow, Reading)
+
+
+def same_given(a: Given, b: Given) -> bool:
+    """Whether two are the same effect with the same numbers."""
+    return a is b or (a.effect is b.effect and a.values == b.values and a.thruster == b.thruster)
+
+
+def added_force(vehicle: Vehicle, h: Hypothesis, p: Points, other: Hypothesis, under: Points) -> Array | None:
+    """X, Y [N], N [N m] by which another hypothesis differs at the same states, shape (3, n); None where it differs in more than forces.
+
+    Args:
+        vehicle: of both.
+        h: the hypothesis.
+        p: where.
+        other: the other hypothesis.
+        under: the same points under the other's thrusts.
+    """
+    if other.terms is not h.terms or other.values is not h.values or other.declared is not h.declared:
+        return None
+    gone = [g for g in h.given if not any(same_given(g, q) for q in other.given)]
+    new = [g for g in other.given if not any(same_given(g, q) for q in h.given)]
+    if not all(isinstance(g.effect.acts, ADDED) for g in (*gone, *new)):
+        return None
+    u_c, v_c, _, _ = water(h, p)
+    relative = (p.nu[0] - u_c, p.nu[1] - v_c, p.nu[2])
+    found = np.zeros_like(p.nu)
+    if any(isinstance(g.effect.acts, (Thrust, Response, Inflow)) for g in (*gone, *new)):
+        found += thruster_force(vehicle, other.given, under, relative, other.declared)
+        found -= thruster_force(vehicle, h.given, p, relative, h.declared)
+    zero = np.zeros_like(p.psi)
+    state = State(*relative, zero, zero, zero, place=_place(p))
+    for sign, some in ((1.0, new), (-1.0, gone)):
+        for g in some:
+            if isinstance(g.effect.acts, Force):
+                for channel, value in g.effect.acts.function(state, g.values).items():
+                    found[CHANNELS.index(channel)] += sign * value
+    return found
 
 
 def term_column(vehicle: Vehicle, h: Hypothesis, mass: Mass, p: Points, nudot: Array, term: Term) -> Array:

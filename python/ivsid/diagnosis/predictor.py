@@ -7,7 +7,7 @@ without feedback.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -15,12 +15,16 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_discrete_are
-from scipy.signal import lfilter, ss2tf
+from scipy.signal import ss2tf
+
+from ivsid.filters import respond
 
 Array = NDArray[np.float64]
 KINDS: Final = ("position", "velocity", "acceleration")
 # Samples of an impulse's answer.
 LONGEST: Final = 2000
+# Coefficients of a polynomial of three states.
+TAPS: Final = 4
 
 
 @dataclass(frozen=True)
@@ -43,17 +47,17 @@ class Axis:
 
     def errors(self, inputs: Mapping[str, Array]) -> Array:
         """Prediction errors of what is put in, shape (..., outputs, n) for inputs of shape (..., n)."""
-        shape = next(iter(inputs.values())).shape
-        out = np.zeros((*shape[:-1], len(self.outputs), shape[-1]))
-        for name, x in inputs.items():
-            # Most causes leave some axes alone.
-            if not np.any(x):
-                continue
-            for j, output in enumerate(self.outputs):
-                numerator = self.numerators[name, output]
-                if np.any(numerator):
-                    out[..., j, :] += lfilter(numerator, self.denominator, x, axis=-1)
-        return out
+        arrays = list(inputs.values())
+        shape, count = arrays[0].shape, len(self.outputs)
+        top = np.stack([self.numerator(name) for name in inputs], axis=1)
+        below = np.tile(_padded(self.denominator), (count, 1))
+        flat = [x.reshape(-1, shape[-1]) for x in arrays]
+        found = [respond([x[i] for x in flat], top, below) for i in range(len(flat[0]))]
+        return np.stack(found).reshape(*shape[:-1], count, shape[-1])
+
+    def numerator(self, name: str) -> Array:
+        """Of each output's answer to an input, in powers of the delay, shape (outputs, TAPS)."""
+        return np.stack([_padded(self.numerators[name, output]) for output in self.outputs])
 
     @cached_property
     def memory(self) -> float:
@@ -62,6 +66,37 @@ class Axis:
         impulse[0] = 1.0
         errors = self.errors({"process": impulse})
         return float(np.abs(self.gain[1] @ errors - errors[self.outputs.index("velocity")]).sum())
+
+
+class Filters:
+    """The filters of several axes, which answer together."""
+
+    def __init__(self, axes: Sequence[Axis]) -> None:
+        self.axes = tuple(axes)
+        self._below = np.concatenate([np.tile(_padded(a.denominator), (len(a.outputs), 1)) for a in self.axes])
+        self._tops: dict[tuple[tuple[int, str], ...], Array] = {}
+
+    def errors(self, inputs: Mapping[tuple[int, str], Array]) -> Array:
+        """Prediction errors of inputs, each of shape (n,), by axis and name, shape (rows, n)."""
+        key = tuple(inputs)
+        top = self._tops.get(key)
+        if top is None:
+            top = self._tops[key] = self._top(key)
+        return respond(list(inputs.values()), top, self._below)
+
+    def _top(self, key: tuple[tuple[int, str], ...]) -> Array:
+        out = np.zeros((len(self._below), len(key), TAPS))
+        first = 0
+        for k, here in enumerate(self.axes):
+            for i, (axis_, name) in enumerate(key):
+                if axis_ == k:
+                    out[first : first + len(here.outputs), i] = here.numerator(name)
+            first += len(here.outputs)
+        return out
+
+
+def _padded(polynomial: Array) -> Array:
+    return np.concatenate([polynomial, np.zeros(TAPS - polynomial.size)])
 
 
 def axis(h: float, noise: Mapping[str, float], ambient: float, time: float) -> Axis:

@@ -78,7 +78,7 @@ def profile(
             values[j] = value
         other = h.with_effect(replace(given, values=tuple(values)))
         gone = noise.bench.difference(h, anchor, other)
-        return Projection(g.of(noise.whitening(errors - gone)), base).chi2
+        return Projection(g.of(errors - gone), base).chi2
 
     return chi2
 

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
+from ivsid.diagnosis.noise import Whitening
+
 Array = NDArray[np.float64]
 # Length of a block [s].
 BLOCK: Final = 10.0
@@ -21,7 +23,7 @@ class Gram:
 
     Attributes:
         names: of the columns.
-        x: the columns in unit length, shape (blocks, columns, numbers).
+        parts: the columns in unit length, in the order of the names, each part of shape (columns, blocks, numbers).
         y: the errors, shape (blocks, numbers).
         blocks: shape (blocks, columns, columns).
         score: columns times errors, shape (blocks, columns).
@@ -32,10 +34,11 @@ class Gram:
         unit: what each column was divided by.
         good: samples that count, shape (n,).
         length: samples in a block.
+        white: what whitened columns and errors.
     """
 
     names: tuple[str, ...]
-    x: Array
+    parts: tuple[Array, ...]
     y: Array
     blocks: Array
     score: Array
@@ -46,6 +49,7 @@ class Gram:
     unit: Array
     good: NDArray[np.bool_]
     length: int
+    white: Whitening
 
     @property
     def index(self) -> dict[str, int]:
@@ -57,19 +61,39 @@ class Gram:
         index = self.index
         return [index[n] for n in names]
 
+    def columns(self, at: Sequence[int]) -> Array:
+        """Columns in unit length, shape (columns, blocks, numbers)."""
+        rows = [row for part in self.parts for row in part]
+        return np.stack([rows[k] for k in at]) if at else np.zeros((0, *self.y.shape))
+
+    def explained(self, at: Sequence[int], theta: Array) -> Array:
+        """What columns explain of the errors with these coefficients, shape (blocks, numbers)."""
+        weight = np.zeros(len(self.names))
+        weight[list(at)] = theta
+        out = np.zeros_like(self.y)
+        first = 0
+        for part in self.parts:
+            here = weight[first : first + len(part)]
+            first += len(part)
+            if here.any():
+                out += (here @ part.reshape(len(part), -1)).reshape(out.shape)
+        return out
+
     def of(self, errors: Array) -> Gram:
-        """With other whitened errors, shape (rows, n)."""
-        y = _blocked(errors[None], self.good, self.length)[:, 0]
-        score = (self.x @ y[:, :, None])[:, :, 0]
+        """With other errors, shape (rows, n)."""
+        y = self.white.blocks([errors], self.good, self.length, unit=False)[0].reshape(self.y.shape)
+        score = np.concatenate([_times(part, y) for part in self.parts], axis=1)
         return replace(self, y=y, score=score, energy=np.einsum("bi,bi->b", y, y))
 
     def only(self, columns: Sequence[int]) -> Gram:
         """With some of the columns alone."""
         at = list(columns)
+        # The first of them need not be copied.
+        leading = at == list(range(len(at))) and len(at) <= len(self.parts[0])
         return replace(
             self,
             names=tuple(self.names[k] for k in at),
-            x=self.x[:, at],
+            parts=(self.parts[0][: len(at)] if leading else self.columns(at),),
             blocks=self.blocks[:, at][:, :, at],
             score=self.score[:, at],
             prior=self.prior[at],
@@ -77,56 +101,65 @@ class Gram:
             unit=self.unit[at],
         )
 
-    def extended(self, names: Sequence[str], columns: Array, *, sums: bool = False) -> Gram:
-        """With further whitened columns, shape (columns, rows, n); with ``sums`` the columns themselves are not kept."""
-        x = _blocked(columns, self.good, self.length)
-        unit = np.sqrt(np.maximum(np.einsum("bci,bci->c", x, x), 1e-300))
-        x /= unit[:, None]
-        cross = self.x @ x.transpose(0, 2, 1)
+    def extended(self, names: Sequence[str], columns: Sequence[Array], *, sums: bool = False) -> Gram:
+        """With further columns, each of shape (rows, n); with ``sums`` the columns themselves are not kept."""
+        x, unit = self.white.blocks(columns, self.good, self.length)
+        return self.joined(names, x.reshape(-1, *self.y.shape), unit, sums=sums)
+
+    def whole(self) -> Gram:
+        """The whole log as one block: all that a fit needs."""
+        return replace(
+            self,
+            parts=tuple(part.reshape(len(part), 1, -1) for part in self.parts),
+            y=self.y.reshape(1, -1),
+            blocks=self.blocks.sum(axis=0, keepdims=True),
+            score=self.score.sum(axis=0, keepdims=True),
+            energy=self.energy.sum(keepdims=True),
+            rows=self.rows.sum(keepdims=True),
+        )
+
+    def joined(self, names: Sequence[str], x: Array, unit: Array, *, sums: bool = False) -> Gram:
+        """With further columns that are whitened and in unit length, shape (columns, blocks, numbers)."""
         old, new = len(self.names), len(names)
-        blocks = np.empty((len(x), old + new, old + new))
+        blocks = np.empty((len(self.y), old + new, old + new))
         blocks[:, :old, :old] = self.blocks
-        blocks[:, :old, old:] = cross
-        blocks[:, old:, :old] = cross.transpose(0, 2, 1)
-        blocks[:, old:, old:] = _squares(x)
+        first = 0
+        turned = x.transpose(1, 2, 0)
+        for part in self.parts:
+            cross = part.transpose(1, 0, 2) @ turned
+            blocks[:, first : first + len(part), old:] = cross
+            blocks[:, old:, first : first + len(part)] = cross.transpose(0, 2, 1)
+            first += len(part)
+        _squares(x, blocks[:, old:, old:])
         return replace(
             self,
             names=(*self.names, *names),
-            x=self.x[:, :0] if sums else np.concatenate([self.x, x], axis=1),
+            parts=() if sums else (*self.parts, x),
             blocks=blocks,
-            score=np.concatenate([self.score, np.einsum("bci,bi->bc", x, self.y)], axis=1),
-            prior=np.r_[self.prior, np.zeros(len(names))],
-            centre=np.r_[self.centre, np.zeros(len(names))],
+            score=np.concatenate([self.score, _times(x, self.y)], axis=1),
+            prior=np.r_[self.prior, np.zeros(new)],
+            centre=np.r_[self.centre, np.zeros(new)],
             unit=np.r_[self.unit, unit],
         )
 
 
-def _squares(x: Array) -> Array:
+def _times(x: Array, y: Array) -> Array:
+    """Columns times errors, shape (blocks, columns)."""
+    return np.asarray((x.transpose(1, 0, 2) @ y[:, :, None])[:, :, 0])
+
+
+def _squares(x: Array, out: Array) -> None:
     """Cross-products of all columns within each block; a matrix times its own transpose is half the work."""
-    out = np.empty((x.shape[0], x.shape[1], x.shape[1]))
-    for one, into in zip(x, out, strict=True):
-        np.matmul(one, one.T, out=into)
-    return out
-
-
-def _blocked(x: Array, good: NDArray[np.bool_], length: int) -> Array:
-    """Rows of each block side by side, those that do not count left out as zeros, shape (blocks, columns, numbers)."""
-    c, m, n = x.shape
-    count = n // length
-    out = np.empty((count, c, m * length))
-    view = out.reshape(count, c, m, length)
-    np.multiply(
-        x[..., : count * length].reshape(c, m, count, length).transpose(2, 0, 1, 3),
-        good[: count * length].reshape(count, 1, 1, length),
-        out=view,
-    )
-    return out
+    for b, into in enumerate(out):
+        one = x[:, b]
+        into[...] = one @ one.T
 
 
 def gram(
     names: Sequence[str],
-    columns: Array,
+    columns: Sequence[Array],
     errors: Array,
+    white: Whitening,
     good: NDArray[np.bool_],
     h: float,
     prior: Mapping[str, float],
@@ -136,26 +169,27 @@ def gram(
 
     Args:
         names: of the columns.
-        columns: whitened signatures, shape (columns, rows, n).
-        errors: whitened errors, shape (rows, n).
+        columns: signatures, each of shape (rows, n).
+        errors: of the log, shape (rows, n).
+        white: the whitening of both.
         good: samples that count, shape (n,).
         h: step [s].
         prior: standard deviation of the coefficients that are known beforehand, by name; infinite for the others.
         centre: how much of each is in the hypothesis already.
     """
     length = max(1, round(BLOCK / h))
-    x = _blocked(columns, good, length)
-    y = _blocked(errors[None], good, length)[:, 0]
-    unit = np.sqrt(np.maximum(np.einsum("bci,bci->c", x, x), 1e-300))
-    x /= unit[:, None]
-    rows = good[: len(x) * length].reshape(len(x), length).sum(axis=1) * errors.shape[0]
+    y = white.blocks([errors], good, length, unit=False)[0][0]
+    x, unit = white.blocks(columns, good, length) if names else (np.zeros((0, *y.shape)), np.zeros(0))
+    blocks = np.empty((len(y), len(x), len(x)))
+    _squares(x, blocks)
+    rows = good[: len(y) * length].reshape(len(y), length).sum(axis=1) * errors.shape[0]
     precision = np.array([1 / (prior[n] * u) ** 2 if n in prior else 0.0 for n, u in zip(names, unit, strict=True)])
     return Gram(
         tuple(names),
-        x,
+        (x,),
         y,
-        _squares(x),
-        (x @ y[:, :, None])[:, :, 0],
+        blocks,
+        _times(x, y),
         np.einsum("bi,bi->b", y, y),
         rows.astype(float),
         precision,
@@ -163,6 +197,7 @@ def gram(
         unit,
         good,
         length,
+        white,
     )
 
 

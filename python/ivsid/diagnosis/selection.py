@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Final, Protocol
 
 import numpy as np
@@ -15,7 +16,12 @@ from ivsid.diagnosis.families import Scored, adopted, everything, score
 from ivsid.diagnosis.fit import Declared, Fit, Noise, chi2_of, declared_columns, improve, learn, survey
 from ivsid.diagnosis.noise import quick_enough
 from ivsid.diagnosis.physics import Hypothesis
+<<<<<<< HEAD
 from ivsid.diagnosis.profile import refined, sought
+=======
+from ivsid.diagnosis.profile import bent, refined
+from ivsid.diagnosis.side import side_by_side
+>>>>>>> speed
 from ivsid.effects import EFFECTS
 
 Array = NDArray[np.float64]
@@ -200,7 +206,7 @@ def _reviewed(
         taken = {f.id for f in found}
         near = [s for s in scored if mine.merit - s.merit <= max(FAR, 0.5 * mine.merit) and s.gain > 4.0]
         near = [s for s in near if s.id not in taken and s.physical and passes.eligible(s)][: FINALISTS - 1]
-        tried = [_fitted(bare, s, noise, held, known) for s in near]
+        tried = side_by_side([partial(_fitted, bare, s, noise, held, known) for s in near])
         rivals = sorted(
             [mine, *(replace(r, gain=base - r.chi2) for r in tried if r is not None)], key=lambda r: -r.merit
         )
@@ -229,7 +235,7 @@ def _admit(
     )
     finalists = finalists[:FINALISTS]
     known = declared_columns(fit.noise.bench, fit.h, fit.anchor, fit.noise.whitening, fit.noise.good)
-    tried = [_fitted(fit, s, fit.noise, held, known) for s in finalists]
+    tried = side_by_side([partial(_fitted, fit, s, fit.noise, held, known) for s in finalists])
     rivals = [r for r in tried if r is not None and r.gain > 0]
     if not rivals:
         return None
@@ -249,12 +255,19 @@ def _admit(
             h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held, 3, known)
         return h, anchor, chi2_of(noise, h, anchor, held, known)
 
-    base = exact(fit.h, fit.anchor)[2]
+    asked = sorted(rivals, key=lambda r: -r.merit)
+    asked = [r for r in asked if best.merit - r.merit <= max(FAR, 0.5 * best.merit)]
+    starts = [(fit.h, fit.anchor), *((r.h, r.anchor) for r in asked)]
+    (_, _, base), *done = side_by_side([partial(exact, *start) for start in starts])
     again = []
+<<<<<<< HEAD
     for r in sorted(rivals, key=lambda r: -r.merit):
         if best.merit - r.merit > max(FAR, 0.5 * best.merit):
             continue
         h, anchor, chi2 = exact(r.h, r.anchor, r.id)
+=======
+    for r, (h, anchor, chi2) in zip(asked, done, strict=True):
+>>>>>>> speed
         if _possible(h, r.id, noise.bench):
             again.append(replace(r, h=h, anchor=anchor, chi2=chi2, gain=base - chi2))
     if not again:

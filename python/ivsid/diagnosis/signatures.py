@@ -110,7 +110,7 @@ class Signatures:
         values = list(g.values)
         values[j] += step
         other = self.h.with_effect(replace(g, values=tuple(values)))
-        return self.bench.difference(self.h, self.anchor, other) / step
+        return self.bench.difference(self.h, self.anchor, other, self.mass) / step
 
     def reading(self, id_: str) -> list[Array]:
         """Slopes of the errors with the parameters of a sensor effect at none."""
@@ -124,7 +124,7 @@ class Signatures:
 
     def _whole(self, given: Given) -> Array:
         """The errors that an effect leaves, whole."""
-        return self.bench.difference(self.h, self.anchor, self.h.with_effect(given))
+        return self.bench.difference(self.h, self.anchor, self.h.with_effect(given), self.mass)
 
     def candidates(self, only: frozenset[str] | None = None) -> tuple[Columns, list[Family], dict[str, str]]:
         """Signatures of every effect, or of ``only`` some, that the log can show, their families, and why the others are left out."""

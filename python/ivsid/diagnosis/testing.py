@@ -112,14 +112,10 @@ def excitation(fit: Fit, seed: int = 0) -> dict[str, float]:
                     arrays.append(bench.term(fit.h, other, signatures.mass, signatures.fitting(term)))
     if not names:
         return {}
-    white = fit.noise.whitening(np.stack(arrays))
     at = fit.gram.at(names)
     g = fit.gram
-    count, rows = len(g.x), white.shape[1]
-    used = count * g.length
-    x = np.where(g.good[:used], white[..., :used], 0.0)
-    x = x.reshape(len(names), rows, count, g.length).transpose(2, 0, 1, 3).reshape(count, len(names), -1)
-    difference = np.einsum("bci,bci->c", d := x - g.x[:, at, :] * g.unit[at][:, None], d)
+    x, _ = g.white.blocks(arrays, g.good, g.length, unit=False)
+    difference = np.einsum("cbi,cbi->c", d := x - g.columns(at) * g.unit[at][:, None, None], d)
     signal = np.diag(fit.projection.information(at)) * g.unit[at] ** 2
     ratio = np.sqrt(signal / np.maximum(difference, 1e-300))
     # What acts on an axis that is left out has neither.

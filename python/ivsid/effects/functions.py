@@ -112,5 +112,6 @@ def cross_flow_array(v: Any, r: Any, half: float, power: int) -> Any:
     if power == 0:
         smooth = np.sign(v) * (2 * half * v * v + 2 * half**3 * r * r / 3)
         return np.where(one_sign, smooth, first)
-    second = (high**3 * np.abs(high) - low**3 * np.abs(low)) / (4 * rate * rate)
+    # Products: a power of an array is worked out by logarithms.
+    second = (high * high * high * np.abs(high) - low * low * low * np.abs(low)) / (4 * rate * rate)
     return np.where(one_sign, np.sign(v) * 4 * v * r * half**3 / 3, second - v * first / rate)

@@ -1,0 +1,10 @@
+//! Filters of the diagnosis: recursions that share a denominator's order, and a causal whitening.
+//!
+//! Plain floats, and no bound: nothing here is guaranteed. What a signal becomes depends neither on the others nor on the
+//! number of threads nor on the width of the processor's vectors: each sum has one order.
+
+mod recursion;
+mod whitening;
+
+pub use recursion::respond;
+pub use whitening::{Group, Layout, whiten};

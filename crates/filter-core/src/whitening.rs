@@ -1,0 +1,196 @@
+//! A causal filter of groups of rows, whose results are laid out in blocks of time, in unit length where that is wanted.
+
+use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
+
+/// Samples that are summed at once; they stay in the processor's registers.
+const STRETCH: usize = 16;
+/// A column this short has no square.
+const NOTHING: f64 = 1e-300;
+
+/// Rows that are whitened together.
+#[derive(Clone, Copy, Debug)]
+pub struct Group<'a> {
+    /// Of the signals.
+    pub rows: &'a [usize],
+    /// Shape (lags + 1, rows, rows): what each row's value some samples ago adds to each row.
+    pub taps: &'a [f64],
+}
+
+/// How results are laid out.
+#[derive(Clone, Copy, Debug)]
+pub struct Layout<'a> {
+    /// Rows of each column.
+    pub rows: usize,
+    /// Samples of each row.
+    pub n: usize,
+    /// Samples in a block; what is beyond the last whole block is left out.
+    pub length: usize,
+    /// What each sample is multiplied by, or nothing.
+    pub weight: Option<&'a [f64]>,
+    /// Whether each column is divided by its length.
+    pub unit: bool,
+}
+
+impl Layout<'_> {
+    /// Numbers of a column in the result.
+    #[must_use]
+    pub fn numbers(&self) -> usize {
+        self.n / self.length * self.length * self.rows
+    }
+}
+
+/// Whitens columns, each of shape (rows, n), into shape (blocks, rows, length), and gives the length of each, 1 where none is asked for.
+///
+/// What was before the first sample counts as nothing. Columns are shared between threads.
+///
+/// # Panics
+/// Where the lengths do not fit each other.
+pub fn whiten(columns: &[&[f64]], groups: &[Group], layout: Layout, out: &mut [f64]) -> Vec<f64> {
+    let numbers = layout.numbers();
+    assert!(layout.length > 0 && out.len() == columns.len() * numbers, "a result of the layout's size is needed");
+    assert!(columns.iter().all(|c| c.len() == layout.rows * layout.n), "columns of the layout's size are needed");
+    assert!(layout.weight.is_none_or(|w| w.len() >= layout.n), "a weight for each sample is needed");
+    for g in groups {
+        let square = g.rows.len() * g.rows.len();
+        assert!(square > 0 && g.taps.len() % square == 0 && !g.taps.is_empty(), "square taps are needed");
+        assert!(g.rows.iter().all(|&r| r < layout.rows), "rows of the columns are needed");
+    }
+    if numbers == 0 {
+        return vec![1.0; columns.len()];
+    }
+    out.par_chunks_exact_mut(numbers)
+        .zip(columns)
+        .map_init(Vec::new, |scratch, (into, column)| {
+            Arch::new().dispatch(One { column, groups, layout, scratch, out: into })
+        })
+        .collect()
+}
+
+/// One column, compiled for each width of vectors.
+struct One<'a> {
+    column: &'a [f64],
+    groups: &'a [Group<'a>],
+    layout: Layout<'a>,
+    scratch: &'a mut Vec<f64>,
+    out: &'a mut [f64],
+}
+
+impl WithSimd for One<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        one(self.column, self.groups, self.layout, self.scratch, self.out)
+    }
+}
+
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "it is compiled for the vectors of its caller")]
+fn one(column: &[f64], groups: &[Group], layout: Layout, scratch: &mut Vec<f64>, out: &mut [f64]) -> f64 {
+    let n = layout.n;
+    let stretches = n.div_ceil(STRETCH);
+    out.fill(0.0);
+    for group in groups {
+        let r = group.rows.len();
+        let lags = group.taps.len() / (r * r) - 1;
+        let rows = || group.rows.iter().map(|&i| &column[i * n..(i + 1) * n]);
+        // Most signatures leave some axes alone, and nothing is left of axes that stand still.
+        if group.taps.iter().all(|&v| v == 0.0) || rows().all(|x| x.iter().all(|&v| v == 0.0)) {
+            continue;
+        }
+        let width = lags + stretches * STRETCH;
+        scratch.clear();
+        scratch.resize(r * width, 0.0);
+        for (into, x) in scratch.chunks_exact_mut(width).zip(rows()) {
+            into[lags..lags + n].copy_from_slice(x);
+        }
+        // Two rows at a time share what is read.
+        for first in (0..r).step_by(2) {
+            for start in (0..stretches).map(|s| s * STRETCH) {
+                if first + 1 < r {
+                    let [one, other] = sums::<2>(group, first, scratch, width, start);
+                    place(&one, start, group.rows[first], layout, out);
+                    place(&other, start, group.rows[first + 1], layout, out);
+                } else {
+                    let [one] = sums::<1>(group, first, scratch, width, start);
+                    place(&one, start, group.rows[first], layout, out);
+                }
+            }
+        }
+    }
+    if !layout.unit {
+        return 1.0;
+    }
+    let length = squared(out).max(NOTHING).sqrt();
+    let factor = 1.0 / length;
+    out.iter_mut().for_each(|x| *x *= factor);
+    length
+}
+
+/// A stretch of `Q` rows, the first of which is `first` in the group, from rows that stand `width` apart after as many zeros as there are lags.
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "it is compiled for the vectors of its caller")]
+fn sums<const Q: usize>(group: &Group, first: usize, x: &[f64], width: usize, start: usize) -> [[f64; STRETCH]; Q] {
+    let r = group.rows.len();
+    let lags = group.taps.len() / (r * r) - 1;
+    let mut sum = [[0.0; STRETCH]; Q];
+    for j in 0..r {
+        for lag in 0..=lags {
+            let x: &[f64; STRETCH] =
+                x[j * width + start + lags - lag..][..STRETCH].try_into().expect("a whole stretch");
+            for q in 0..Q {
+                let tap = group.taps[(lag * r + first + q) * r + j];
+                for t in 0..STRETCH {
+                    sum[q][t] += tap * x[t];
+                }
+            }
+        }
+    }
+    sum
+}
+
+/// Puts a stretch of a row where its blocks are.
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "it is compiled for the vectors of its caller")]
+fn place(sum: &[f64; STRETCH], start: usize, row: usize, layout: Layout, out: &mut [f64]) {
+    let last = (layout.n / layout.length * layout.length).min(start + STRETCH);
+    let mut t = start;
+    while t < last {
+        let block = t / layout.length;
+        let count = ((block + 1) * layout.length).min(last) - t;
+        let at = (block * layout.rows + row) * layout.length + t % layout.length;
+        let (into, from) = (&mut out[at..at + count], &sum[t - start..t - start + count]);
+        match layout.weight {
+            Some(w) => {
+                for ((y, &x), &w) in into.iter_mut().zip(from).zip(&w[t..t + count]) {
+                    *y = x * w;
+                }
+            }
+            None => into.copy_from_slice(from),
+        }
+        t += count;
+    }
+}
+
+/// The sum of squares, in sixteen sums that are added in pairs.
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "it is compiled for the vectors of its caller")]
+fn squared(x: &[f64]) -> f64 {
+    let mut sum = [0.0; 16];
+    let whole = x.chunks_exact(16);
+    let rest: f64 = whole.remainder().iter().map(|v| v * v).sum();
+    for part in whole {
+        for k in 0..16 {
+            sum[k] += part[k] * part[k];
+        }
+    }
+    let mut half = 8;
+    while half > 0 {
+        for k in 0..half {
+            sum[k] += sum[k + half];
+        }
+        half /= 2;
+    }
+    sum[0] + rest
+}

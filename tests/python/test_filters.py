@@ -1,0 +1,154 @@
+"""The core's filters against SciPy and the sums that define them, and what the diagnosis saves against what it saves it from."""
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS
+from ivsid.diagnosis.bench import Bench
+from ivsid.diagnosis.channels import channels
+from ivsid.diagnosis.gain import _windows
+from ivsid.diagnosis.noise import Whitening, declared
+from ivsid.diagnosis.physics import ADDED, Hypothesis, acceleration, added_force, still_force, thruster_force
+from ivsid.diagnosis.side import at_once, side_by_side
+from ivsid.effects import EFFECTS, Given, Reading, terms_of
+from ivsid.filters import respond, whiten
+from ivsid.log import Log
+from ivsid.scenario import parse_scenario
+from ivsid.simulation import simulate
+from ivsid.vehicle import parse_vehicle
+
+
+@pytest.fixture(scope="module")
+def bench():
+    vehicle = parse_vehicle(TWIN + SENSORS, "twin.toml")
+    head = "duration = 90.0\nrate = 10.0\nseed = 5\n[truth]\n" + "".join(f'"{k}" = {v}\n' for k, v in TRUTH.items())
+    made = simulate(vehicle, parse_scenario(head + ZIGZAGS, "s.toml"), 5)
+    return Bench(vehicle, channels(Log("1.csv", "0" * 64, made.t, made.columns), vehicle), declared(vehicle))
+
+
+@pytest.fixture(scope="module")
+def plain(bench):
+    return Hypothesis(terms_of(bench.vehicle), dict(TRUTH))
+
+
+def test_recursions_are_those_of_scipy(bench):
+    rng = np.random.default_rng(1)
+    n = bench.log.n
+    for k, here in enumerate(bench.axes):
+        inputs = {name: rng.standard_normal(n) for name in (*here.outputs, "process")}
+        expected = [
+            sum(lfilter(here.numerators[name, output], here.denominator, x) for name, x in inputs.items())
+            for output in here.outputs
+        ]
+        found = here.errors(inputs)
+        assert np.allclose(found, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
+        # What the axis answers alone it answers among the others, to the bit.
+        first = sum(len(a.outputs) for a in bench.axes[:k])
+        among = bench.filters.errors({(k, name): x for name, x in inputs.items()})
+        assert np.array_equal(among[first : first + len(here.outputs)], found)
+        assert not np.delete(among, range(first, first + len(here.outputs)), axis=0).any()
+
+
+def test_whitening_is_the_sum_that_defines_it():
+    rng = np.random.default_rng(2)
+    n, lags, length = 137, 5, 20
+    white = Whitening(
+        ((0, 2), (1,), (3,)),
+        (rng.standard_normal((lags + 1, 2, 2)), rng.standard_normal((lags + 1, 1, 1)), np.zeros((1, 1, 1))),
+    )
+    x = rng.standard_normal((3, 4, n))
+    expected = np.zeros_like(x)
+    for rows, taps in zip(white.groups, white.taps, strict=True):
+        for lag, tap in enumerate(taps):
+            expected[:, list(rows), lag:] += np.einsum("ij,cjt->cit", tap, x[:, list(rows), : n - lag])
+    assert np.allclose(white(x), expected, atol=1e-12)
+    good = rng.random(n) > 0.2
+    blocks, unit = white.blocks(list(x), good, length)
+    kept = np.where(good, expected, 0.0)[..., : n // length * length]
+    kept = kept.reshape(3, 4, -1, length).transpose(0, 2, 1, 3).reshape(3, n // length, -1)
+    size = np.sqrt((kept**2).sum(axis=(1, 2)))
+    assert np.allclose(unit, size) and np.allclose(blocks, kept / size[:, None, None])
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: respond([np.zeros(5), np.zeros(6)], np.zeros((1, 2, 4)), np.ones((1, 4))),
+        lambda: respond([np.zeros(5)], np.zeros((2, 1, 4)), np.ones((1, 4))),
+        lambda: respond([np.zeros(5)], np.zeros((1, 1, 5)), np.ones((1, 5))),
+        lambda: whiten([], [[0]], [np.ones((1, 1, 1))], 5),
+        lambda: whiten([np.zeros((2, 5))], [[0, 2]], [np.ones((1, 2, 2))], 5),
+        lambda: whiten([np.zeros((2, 5))], [[0]], [np.ones((1, 2, 2))], 5),
+        lambda: whiten([np.zeros((2, 5))], [[0]], [np.ones((1, 1, 1))], 0),
+        lambda: whiten([np.zeros((2, 5))], [[0]], [np.ones((1, 1, 1))], 5, np.ones(4)),
+    ],
+)
+def test_shapes_that_do_not_fit_are_refused(call):
+    with pytest.raises(ValueError, match="fit each other"):
+        call()
+
+
+@pytest.mark.parametrize("id_", [i for i, e in EFFECTS.items() if isinstance(e.acts, ADDED)])
+def test_what_a_force_adds_is_the_difference_of_both_models(bench, plain, id_):
+    effect = EFFECTS[id_]
+    if "wind" in id_ or (effect.measured is None and any(not bench.log.has(n) for n in effect.needs)):
+        pytest.skip("this log does not have what it needs")
+    values = tuple(
+        0.0 if p.draw == "thruster" else (float(bench.log.t[200]) if p.draw == "time" else p.none + p.scaled(60.0))
+        for p in effect.parameters
+    )
+    anchor = bench.settle(plain, bench.start(plain))
+    other = plain.with_effect(Given(effect, values))
+    under = anchor.points.under(*bench.drive(other))
+    added = added_force(bench.vehicle, plain, anchor.points, other, under)
+    expected = acceleration(bench.vehicle, other, under) - anchor.nudot
+    found = bench.mass(plain, anchor).solve(added)
+    assert np.allclose(found, expected, rtol=1e-9, atol=1e-11)
+    assert isinstance(effect.acts, Reading) == (not np.any(found)) or not np.any(expected)
+    # Taken out again, it is the same with the other sign.
+    back = added_force(bench.vehicle, other, under, plain, anchor.points)
+    assert np.allclose(back, -added, rtol=1e-12, atol=1e-12)
+
+
+def test_what_changes_more_than_forces_is_worked_out_whole(bench, plain):
+    p = bench.start(plain).points
+    for id_, values in (("current.steady", (0.1, 0.2)), ("payload.step", (2.0, 30.0))):
+        assert added_force(bench.vehicle, plain, p, plain.with_effect(Given(EFFECTS[id_], values)), p) is None
+    assert added_force(bench.vehicle, plain, p, Hypothesis(plain.terms, dict(plain.values)), p) is None
+
+
+def test_thrusts_that_are_remembered_are_those_that_are_asked_for(bench, plain):
+    lagged = plain.with_effect(Given(EFFECTS["thruster.lag"], (0.4,)))
+    slower = plain.with_effect(Given(EFFECTS["thruster.lag"], (0.8,)))
+    fresh = Bench(bench.vehicle, bench.log, bench.ambient)
+    for h in (plain, lagged, slower, plain, lagged):
+        thrusts, still = bench.drive(h)
+        again = fresh.propulsion.thrusts(h.given, [(), ()])
+        assert np.array_equal(thrusts, np.concatenate([again.now, again.mean], axis=1))
+        turn = np.cos(bench.turned), np.sin(bench.turned)
+        assert np.array_equal(still, still_force(bench.vehicle, thrusts, turn, bench.sent))
+    points = bench.start(lagged).points
+    relative = tuple(points.nu)
+    slow = thruster_force(bench.vehicle, lagged.given, points.under(points.thrusts), relative)
+    assert np.allclose(thruster_force(bench.vehicle, lagged.given, points, relative), slow, rtol=1e-13, atol=1e-12)
+
+
+def test_windows_sail_together_as_they_do_alone(bench, plain):
+    anchor = bench.settle(plain, bench.start(plain))
+    together = _windows(bench, plain, anchor, (10.0, 30.0))
+    for found, length in zip(together, (10.0, 30.0), strict=True):
+        (alone,) = _windows(bench, plain, anchor, (length,))
+        for a, b in zip(found, alone, strict=True):
+            assert np.allclose(a, b, rtol=1e-12, atol=1e-12, equal_nan=True)
+
+
+def test_tasks_keep_their_order_their_faults_and_what_is_ignored():
+    with np.errstate(over="ignore"):
+        found = side_by_side([lambda k=k: (k, np.geterr()["over"]) for k in range(7)])
+    assert found == [(k, "ignore") for k in range(7)]
+    assert at_once(lambda: 1, lambda: "b") == (1, "b")
+    with pytest.raises(ZeroDivisionError):
+        side_by_side([lambda: 1, lambda: 1 // 0, lambda: 2])
+    with pytest.raises(ZeroDivisionError):
+        at_once(lambda: 1, lambda: 1 // 0)

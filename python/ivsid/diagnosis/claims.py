@@ -110,8 +110,8 @@ def _freed(last: Fit, ids: Collection[str]) -> Fit:
     columns = [g.index[i] for i in ids if g.index[i] not in last.base]
     base = (*last.base, *columns)
     step = Projection(g, base).coefficients[len(last.base) :]
-    x, blocks = g.x[:, columns], g.blocks[:, :, columns]
-    y = g.y - np.einsum("bcj,c->bj", x, step)
+    blocks = g.blocks[:, :, columns]
+    y = g.y - np.einsum("cbj,c->bj", g.columns(columns), step)
     moved = replace(g, y=y, score=g.score - blocks @ step, energy=np.einsum("bi,bi->b", y, y))
     values = {g.names[k]: float(last.h.values[g.names[k]] + s / g.unit[k]) for k, s in zip(columns, step, strict=True)}
     h = replace(last.h, values={**last.h.values, **values}, freed=last.h.freed | set(values))

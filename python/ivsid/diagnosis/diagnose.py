@@ -180,14 +180,7 @@ def diagnose(
     if not complete:
         kept = {f.effect for f in findings}
         findings = (*findings, unknown(after, [f.id for f in selection.found if f.id not in kept]))
-<<<<<<< HEAD
     claimed = claims(selection.last, selection.leftover, findings, unknown=not after.quiet)
-    progress("fitting the other log")
-    moved = change(vehicle, selection.last, other)
-    if moved is not None and moved.factor is not None:
-        findings = (*findings, shallow(moved))
-=======
->>>>>>> speed
     progress("trying both models on the other log")
     # What TRAIN's sensors and thrusters were off by is no part of the model, and none of model.toml.
     plain = replace(fit.h, declared={})

@@ -202,16 +202,15 @@ def improve(
     errors = bench.errors(h, anchor)
     here, base = cost(h, errors)
     for _ in range(steps):
-<<<<<<< HEAD
-        g = _small_gram(bench, h, anchor, white, held, known, errors)
+        g = _beside(base, bench, h, anchor, held)
         for p in _movable(g, h):
-            base = np.array(p.base)
-            moves = dict(zip((g.names[k] for k in base), (p.coefficients / g.unit[base]).tolist(), strict=True))
+            at = np.array(p.base)
+            moves = dict(zip((g.names[k] for k in at), (p.coefficients / g.unit[at]).tolist(), strict=True))
             for share in SHORTER:
                 other = stepped(h, {k: share * m for k, m in moves.items()}, bench)
                 there = bench.settle(other, anchor, 2)
                 errors = bench.errors(other, there)
-                now = cost(other, errors)
+                now, there_base = cost(other, errors)
                 if now < here + WORSE:
                     break
             else:
@@ -219,25 +218,8 @@ def improve(
             break
         else:
             return h, anchor
-        h, anchor, here = other, there, now
-        inner = p.total[np.ix_(base, base)] + np.diag(g.prior[base] + 1e-9)
-        sigma = np.sqrt(np.diag(np.linalg.inv(inner)))
-=======
-        g = _beside(base, bench, h, anchor, held)
-        p = Projection(g, range(len(g.names)))
-        moves = dict(zip(g.names, (p.coefficients / g.unit).tolist(), strict=True))
-        for share in SHORTER:
-            other = stepped(h, {k: share * m for k, m in moves.items()}, bench)
-            there = bench.settle(other, anchor, 2)
-            errors = bench.errors(other, there)
-            now, there_base = cost(other, errors)
-            if now < here + WORSE:
-                break
-        else:
-            return h, anchor
         h, anchor, here, base = other, there, now, there_base
-        sigma = np.sqrt(np.diag(np.linalg.inv(p.total + np.diag(g.prior + 1e-9))))
->>>>>>> speed
+        sigma = np.sqrt(np.diag(np.linalg.inv(p.total[np.ix_(at, at)] + np.diag(g.prior[at] + 1e-9))))
         if (np.abs(p.coefficients) < 0.1 * sigma)[known.count :].all():
             break
     return h, anchor

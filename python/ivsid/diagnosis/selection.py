@@ -16,12 +16,8 @@ from ivsid.diagnosis.families import Scored, adopted, everything, score
 from ivsid.diagnosis.fit import Declared, Fit, Noise, chi2_of, declared_columns, improve, learn, survey
 from ivsid.diagnosis.noise import quick_enough
 from ivsid.diagnosis.physics import Hypothesis
-<<<<<<< HEAD
 from ivsid.diagnosis.profile import refined, sought
-=======
-from ivsid.diagnosis.profile import bent, refined
 from ivsid.diagnosis.side import side_by_side
->>>>>>> speed
 from ivsid.effects import EFFECTS
 
 Array = NDArray[np.float64]
@@ -257,17 +253,10 @@ def _admit(
 
     asked = sorted(rivals, key=lambda r: -r.merit)
     asked = [r for r in asked if best.merit - r.merit <= max(FAR, 0.5 * best.merit)]
-    starts = [(fit.h, fit.anchor), *((r.h, r.anchor) for r in asked)]
+    starts = [(fit.h, fit.anchor, ""), *((r.h, r.anchor, r.id) for r in asked)]
     (_, _, base), *done = side_by_side([partial(exact, *start) for start in starts])
     again = []
-<<<<<<< HEAD
-    for r in sorted(rivals, key=lambda r: -r.merit):
-        if best.merit - r.merit > max(FAR, 0.5 * best.merit):
-            continue
-        h, anchor, chi2 = exact(r.h, r.anchor, r.id)
-=======
     for r, (h, anchor, chi2) in zip(asked, done, strict=True):
->>>>>>> speed
         if _possible(h, r.id, noise.bench):
             again.append(replace(r, h=h, anchor=anchor, chi2=chi2, gain=base - chi2))
     if not again:

@@ -64,8 +64,11 @@ class Bench:
         self.vehicle, self.log, self.ambient = vehicle, log, ambient
         self.propulsion = Propulsion(vehicle, log)
         self.turned, self.steered, self.sent = (_over(x, held=log.held) for x in (log.angles, log.rudders, log.force))
+        if log.between is not None:
+            self.turned = np.concatenate([log.angles, log.between.angles.mean(axis=2)], axis=1)
+            self.steered = np.concatenate([log.rudders, log.between.rudders.mean(axis=2)], axis=1)
         self._turn = np.cos(self.turned), np.sin(self.turned)
-        self._driven: dict[object, tuple[Array, Array]] = {}
+        self._driven: dict[object, tuple[Array, Array, Array | None]] = {}
         self._heading: tuple[Array, Array, Array] | None = None
         t = (np.arange(log.n) + 0.5) / log.n
         self.slow = [np.cos(np.pi * j * t) for j in range(3)]
@@ -97,10 +100,14 @@ class Bench:
 
     def thrusts(self, h: Hypothesis) -> Array:
         """Thrusts of a hypothesis at samples and over steps, shape (thrusters, 2 n)."""
-        return self.drive(h)[0]
+        return self._driven_by(h)[0]
 
     def drive(self, h: Hypothesis) -> tuple[Array, Array]:
-        """The same, and the force that they come to at no speed, shape (3, 2 n); most steps of a fit leave both as they are."""
+        """The same, and the force that they come to at no speed, shape (3, 2 n)."""
+        return self._driven_by(h)[:2]
+
+    def _driven_by(self, h: Hypothesis) -> tuple[Array, Array, Array | None]:
+        """The same, and how much of the force comes early in the steps, shape (3, n); most steps of a fit leave all of it as it is."""
         sizes = [self._sizes(h, k) for k in range(len(self.vehicle.thrusters))]
         acting = [g for g in h.given if isinstance(g.effect.acts, (Thrust, Response))]
         key = (tuple((g.effect.id, g.values, g.thruster) for g in acting), tuple(map(tuple, sizes)))
@@ -108,12 +115,23 @@ class Bench:
         if found is None:
             made = self.propulsion.thrusts(h.given, sizes)
             thrusts = np.concatenate([made.now, made.mean], axis=1)
-            found = thrusts, still_force(self.vehicle, thrusts, self._turn, self.sent)
+            found = thrusts, still_force(self.vehicle, thrusts, self._turn, self.sent), self._early(made.parts)
             # The oldest goes; a dictionary keeps the order.
             for old in list(self._driven)[: 1 - REMEMBERED]:
                 self._driven.pop(old, None)
             self._driven[key] = found
         return found
+
+    def _early(self, parts: Array | None) -> Array | None:
+        """The force of thrusts that change inside the steps, weighted by how early it comes."""
+        between = self.log.between
+        if parts is None or between is None:
+            return None
+        pushes = (parts * between.lean).reshape(len(parts), -1)
+        angles = between.angles.reshape(pushes.shape)
+        none = np.zeros((3, pushes.shape[1]))
+        total = still_force(self.vehicle, pushes, (np.cos(angles), np.sin(angles)), none)
+        return np.asarray(total.reshape(3, self.log.n, -1).sum(axis=2))
 
     def _sizes(self, h: Hypothesis, k: int) -> list[float]:
         name = self.vehicle.thrusters[k].name
@@ -166,7 +184,10 @@ class Bench:
         nu = np.clip(nu, *self.reach)
         before = None if before is None else np.clip(before, *self.reach)
         place = np.zeros((2, n)) if log.place is None else log.place
-        thrusts, still = self.drive(h)
+        thrusts, still, early = self._driven_by(h)
+        if early is not None and nudot is not None:
+            # Over a step the mean of the velocities counts; a push that comes early carries them further than one that comes late.
+            rate = rate + Mass(self.vehicle, h.terms, changed(h, np.asarray(log.t))).solve(early)
         points = Points(
             np.concatenate([nu if before is None else before, np.clip(nu + half * rate, *self.reach)], axis=1),
             np.r_[psi, psi + half * nu[2]],

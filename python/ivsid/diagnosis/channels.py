@@ -36,6 +36,30 @@ PARTS: Final = 50
 
 
 @dataclass(frozen=True)
+class Between:
+    """What is sent and held at equal parts of each step of a clock that is slower than the log, shape (thrusters, n, parts) each.
+
+    Attributes:
+        demands: of thrusters.
+        angles: of azimuth thrusters [rad].
+        rudders: angles of rudders [rad].
+    """
+
+    demands: Array
+    angles: Array
+    rudders: Array
+
+    @property
+    def lean(self) -> Array:
+        """Weights of the parts in how far the mean of a step's velocities is ahead of the middle of a straight line, shape (parts,).
+
+        The mean of the double integral gives the first parts of a step the most weight; equal parts would have 1 / parts each.
+        """
+        count = self.demands.shape[2]
+        return np.asarray(2 * (count - np.arange(count) - 0.5) / count**2 - 1 / count)
+
+
+@dataclass(frozen=True)
 class Channels:
     """A log on the clock t = 0, h, 2 h, ... [s].
 
@@ -52,7 +76,7 @@ class Channels:
         angles: of azimuth thrusters [rad], shape (thrusters, n).
         rudders: angles of the rudders behind thrusters [rad], shape (thrusters, n).
         held: demands, angles and forces hold from a sample to the next; else they change on straight lines.
-        between: held demands at equal parts of each step, where the clock is slower than the log, shape (thrusters, n, parts), or None.
+        between: what is held at equal parts of each step, where the clock is slower than the log, or None.
         force: known X, Y [N], N [N m] beside the thrusters, shape (3, n).
         wind: the air's velocity north and east [m/s], shape (2, n), or None.
         voltage: as a share of its first value, or None.
@@ -74,7 +98,7 @@ class Channels:
     angles: Array
     rudders: Array
     held: bool
-    between: Array | None
+    between: Between | None
     force: Array
     wind: Array | None
     voltage: Array | None
@@ -139,7 +163,7 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     between = None
     if held and h > RARER * log.period and vehicle.thrusters:
         parts = min(int(np.ceil(h / log.period - 1e-6)), PARTS)
-        between = np.stack([resample.between(f"demand_{t.name}", parts) for t in vehicle.thrusters])
+        between = _between(vehicle, resample, parts)
     force = np.zeros((3, clock.size))
     if not vehicle.thrusters:
         for k, name in enumerate(("force_X", "force_Y", "moment_N")):
@@ -248,6 +272,19 @@ def _sent(vehicle: Vehicle, resample: _Resampler, *, held: bool) -> tuple[Array,
             log.column(f"rudder_{thruster.name}", f"for the rudder of thruster {thruster.name}")
             rudders[k] = resample(f"rudder_{thruster.name}", sent=True, held=held)
     return demands, angles, rudders
+
+
+def _between(vehicle: Vehicle, resample: _Resampler, parts: int) -> Between:
+    """What is sent at equal parts of the steps."""
+    demands = np.stack([resample.between(f"demand_{t.name}", parts) for t in vehicle.thrusters])
+    angles, rudders = np.zeros_like(demands), np.zeros_like(demands)
+    for k, thruster in enumerate(vehicle.thrusters):
+        angles[k] = thruster.azimuth
+        if thruster.steering == "azimuth":
+            angles[k] = resample.between(f"azimuth_{thruster.name}", parts)
+        if thruster.rudder is not None:
+            rudders[k] = resample.between(f"rudder_{thruster.name}", parts)
+    return Between(demands, angles, rudders)
 
 
 def _usable(log: Log) -> None:

@@ -128,7 +128,9 @@ def null_logs(programme: Programme, seed: int, numbers: Sequence[int]) -> list[t
             demands=parts[:thrusters],
             rudders=parts[thrusters : 2 * thrusters],
             angles=parts[2 * thrusters :],
-            between=None if log.between is None else log.between + (parts[:thrusters] - log.demands)[:, :, None],
+            between=None
+            if log.between is None
+            else replace(log.between, demands=log.between.demands + (parts[:thrusters] - log.demands)[:, :, None]),
         )
         made.append((read, replace(programme.h, declared=_at(drawn, j))))
     return made

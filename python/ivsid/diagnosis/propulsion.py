@@ -24,10 +24,17 @@ _CLAIMS = {"thruster.deadband": "dead_band", "thruster.saturation": "limit", "th
 
 @dataclass(frozen=True)
 class Thrusts:
-    """Thrusts at no speed [N]: just after each sample, and their means over the step to the next, shape (thrusters, n)."""
+    """Thrusts at no speed [N].
+
+    Attributes:
+        now: just after each sample, shape (thrusters, n).
+        mean: over the step to the next, shape (thrusters, n).
+        parts: means over equal parts of the steps where demands come faster than the clock, shape (thrusters, n, parts), or None.
+    """
 
     now: Array
     mean: Array
+    parts: Array | None = None
 
 
 class _At:
@@ -65,14 +72,20 @@ class Propulsion:
 
     def thrusts(self, given: Sequence[Given] = (), sizes: Sequence[Sequence[float]] | None = None) -> Thrusts:
         """The thrusts under a hypothesis's effects and the sizes of declared errors, before the loss by inflow."""
-        pairs = [self.one(k, given, () if sizes is None else sizes[k]) for k in range(len(self.vehicle.thrusters))]
-        if not pairs:
+        each = [self._worked(k, given, () if sizes is None else sizes[k]) for k in range(len(self.vehicle.thrusters))]
+        if not each:
             empty = np.zeros((0, self.log.n))
             return Thrusts(empty, empty)
-        return Thrusts(np.stack([p[0] for p in pairs]), np.stack([p[1] for p in pairs]))
+        now, mean, parts = zip(*each, strict=True)
+        fine = [p for p in parts if p is not None]
+        return Thrusts(np.stack(now), np.stack(mean), np.stack(fine) if fine else None)
 
     def one(self, k: int, given: Sequence[Given], sizes: Sequence[float] = ()) -> tuple[Array, Array]:
         """Of one thruster: at samples, and means over the steps after them."""
+        return self._worked(k, given, sizes)[:2]
+
+    def _worked(self, k: int, given: Sequence[Given], sizes: Sequence[float]) -> tuple[Array, Array, Array | None]:
+        """The same, and means over the parts of the steps."""
         h, n = self.log.h, self.log.n
         thruster = self.vehicle.thrusters[k]
         changes = _changes(thruster, given)
@@ -106,17 +119,16 @@ class Propulsion:
         if lag > 1e-6 and thruster.lag == "demand":
             now, mean, end = _behind(*_late(d, _midway(d, held=self.log.held), delay, h), lag, h)
             first, middle, last = (static(self._at(k, x)) for x in (now, mean, end))
-            return first, (first + 4 * middle + last) / 6
+            return first, (first + 4 * middle + last) / 6, None
         now = static(self._samples[k])
         mean = now
         if not self.log.held:
             # Simpson's rule over a demand that runs straight to the next.
             mean = (now + 4 * static(self._known(k, lambda: _midway(d, held=False))) + np.r_[now[1:], now[-1:]]) / 6
         now, mean = _late(now, mean, delay, h)
-        if lag <= 1e-6:
-            return now, mean
-        now, mean, _ = _behind(now, mean, lag, h)
-        return now, mean
+        if lag > 1e-6:
+            now, mean, _ = _behind(now, mean, lag, h)
+        return now, mean, None
 
     def static(self, k: int, demand: Array, error: Array | None = None) -> Array:
         """Thrusts of one thruster at demands as they are logged, with an error of its curve [N], without lag, delay or effects."""
@@ -142,11 +154,11 @@ class Propulsion:
             self._between[k] = self._at(k, demand())
         return self._between[k]
 
-    def _finely(self, k: int, static: Callable[[_At], Array], lag: float, delay: float) -> tuple[Array, Array]:
+    def _finely(self, k: int, static: Callable[[_At], Array], lag: float, delay: float) -> tuple[Array, Array, Array]:
         """The same where demands come faster than the clock: worked out at equal parts of the steps."""
         assert self.log.between is not None
-        thruster, parts = self.vehicle.thrusters[k], self.log.between.shape[2]
-        sent = self.log.between[k].ravel() - thruster.neutral
+        thruster, parts = self.vehicle.thrusters[k], self.log.between.demands.shape[2]
+        sent = self.log.between.demands[k].ravel() - thruster.neutral
         h = self.log.h / parts
         if lag > 1e-6 and thruster.lag == "demand":
             start, middle, end = _behind(*_late(sent, sent, delay, h), lag, h)
@@ -157,7 +169,8 @@ class Propulsion:
             now, mean = _late(now, now, delay, h)
             if lag > 1e-6:
                 now, mean, _ = _behind(now, mean, lag, h)
-        return now[::parts], mean.reshape(-1, parts).mean(axis=1)
+        fine = mean.reshape(-1, parts)
+        return now[::parts], fine.mean(axis=1), fine
 
 
 def _changes(thruster: Thruster, given: Sequence[Given]) -> list[Given]:

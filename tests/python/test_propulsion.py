@@ -1,0 +1,40 @@
+"""Thrusts of demands between samples: worked out once a log, and the same as if every hypothesis did it for itself."""
+
+import numpy as np
+import pytest
+
+from diagnosis_logs import logs_of, vehicle_of, with_columns
+from ivsid.diagnosis.channels import channels
+from ivsid.diagnosis.propulsion import Propulsion
+from ivsid.effects import EFFECTS, Given
+
+HYPOTHESES = (
+    (),
+    (Given(EFFECTS["thruster.lag"], (0.3,)),),
+    (Given(EFFECTS["thruster.delay"], (0.25,)), Given(EFFECTS["thruster.deadband"], (10.0,))),
+    (Given(EFFECTS["thruster.voltage_sag"], (1e-3,)),),
+)
+
+
+@pytest.mark.parametrize("slow", [True, False])
+@pytest.mark.parametrize("held", [True, False])
+def test_what_is_kept_between_hypotheses_changes_no_bit(slow, held):
+    vehicle = vehicle_of(extra=f'[log]\ndemand = "{"hold" if held else "linear"}"\n')
+    log = logs_of(vehicle, duration=80.0)[0]
+    if slow:
+        fifth = np.arange(log.t.size) % 5 > 0
+        log = with_columns(log, lambda name, x: np.where(fifth, np.nan, x) if name in ("u", "v", "r") else x)
+    data = channels(log, vehicle)
+    assert (data.between is not None) == (slow and held)
+    sizes = [[0.3, 0.0, -0.2, 0.1, 0.0, 0.0, 0.4]] * len(vehicle.thrusters)
+    kept = Propulsion(vehicle, data)
+    for given in (*HYPOTHESES, *HYPOTHESES):
+        for errors in (None, sizes):
+            seen, alone = kept.thrusts(given, errors), Propulsion(vehicle, data).thrusts(given, errors)
+            assert np.array_equal(seen.now, alone.now) and np.array_equal(seen.mean, alone.mean)
+    # Declared errors count between samples, too.
+    assert not np.array_equal(kept.thrusts((), sizes).mean, kept.thrusts().mean)
+    if slow and held:
+        # The mean over a step is that of its parts, worked out here by the curve alone.
+        parts = np.stack([c.value(d) for c, d in zip(kept.curves, data.between, strict=True)])
+        assert np.allclose(kept.thrusts().mean, parts.mean(axis=2), atol=1e-12)

@@ -58,7 +58,7 @@ pub fn whiten(columns: &[&[f64]], groups: &[Group], layout: Layout, threads: usi
         assert!(g.rows.iter().all(|&r| r < layout.rows), "rows of the columns are needed");
     }
     if numbers == 0 {
-        return vec![1.0; columns.len()];
+        return vec![if layout.unit { NOTHING.sqrt() } else { 1.0 }; columns.len()];
     }
     let threads = if out.len() < WORTHWHILE { 1 } else { threads.clamp(1, columns.len()) };
     let mut shares: Vec<Vec<Task>> = (0..threads).map(|_| Vec::new()).collect();

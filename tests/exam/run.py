@@ -17,7 +17,6 @@ from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-os.environ.setdefault("RAYON_NUM_THREADS", "1")
 NUMBERS = ("size", "ambient", "duration", "rate")
 # Cases that are drawn or graded while candidates work.
 AHEAD = 2

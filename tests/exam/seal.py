@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from ivsid.workflow.common import csv
+import polars as pl
 
 
 def seal(case, papers: Path, answers: Path) -> Path:
@@ -15,7 +15,7 @@ def seal(case, papers: Path, answers: Path) -> Path:
     answers.mkdir(parents=True, exist_ok=True)
     (folder / "vehicle.toml").write_text(case.vehicle.text)
     for name, log in (("1", case.train), ("2", case.test)):
-        (folder / f"{name}.csv").write_text(csv(log.t, log.columns))
+        (folder / f"{name}.csv").write_text(pl.DataFrame({"t": log.t, **log.columns}).write_csv())
     truth = {"truth": case.truth, "exact": case.exact, "stratum": case.stratum}
     (answers / f"{case.seed:08d}.json").write_text(json.dumps(truth, default=float))
     return folder

@@ -1,5 +1,7 @@
 """The core's filters against SciPy and the sums that define them, and what the diagnosis saves against what it saves it from."""
 
+import multiprocessing
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -152,3 +154,24 @@ def test_tasks_keep_their_order_their_faults_and_what_is_ignored():
         side_by_side([lambda: 1, lambda: 1 // 0, lambda: 2])
     with pytest.raises(ZeroDivisionError):
         at_once(lambda: 1, lambda: 1 // 0)
+
+
+@pytest.mark.skipif("fork" not in multiprocessing.get_all_start_methods(), reason="null logs run on forked processes")
+def test_a_forked_process_whitens_after_its_parent():
+    """A pool of threads stays behind in the parent, and its child would wait for it for ever."""
+    columns = list(np.random.default_rng(4).standard_normal((12, 8, 12000)))
+    taps = [np.ones((3, 8, 8))]
+
+    def work(into):
+        into.send(float(whiten(columns, [range(8)], taps, 200, unit=True)[1][-1]))
+
+    expected = whiten(columns, [range(8)], taps, 200, unit=True)[1][-1]
+    context = multiprocessing.get_context("fork")
+    here, there = context.Pipe(duplex=False)
+    child = context.Process(target=work, args=(there,))
+    child.start()
+    try:
+        assert here.poll(60.0) and here.recv() == expected
+    finally:
+        child.kill()
+        child.join()

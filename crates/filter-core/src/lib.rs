@@ -8,3 +8,10 @@ mod whitening;
 
 pub use recursion::respond;
 pub use whitening::{Group, Layout, whiten};
+
+/// Processors that this process may use.
+#[must_use]
+pub fn processors() -> usize {
+    static FOUND: std::sync::OnceLock<usize> = std::sync::OnceLock::new();
+    *FOUND.get_or_init(|| std::thread::available_parallelism().map_or(1, usize::from))
+}

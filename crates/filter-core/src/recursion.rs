@@ -71,6 +71,7 @@ impl WithSimd for Add<'_> {
     type Output = ();
 
     #[inline(always)]
+    #[expect(clippy::inline_always, reason = "it is compiled for the vectors of its caller")]
     fn with_simd<S: Simd>(self, _: S) {
         for (k, &b) in self.b.iter().enumerate() {
             if b != 0.0 {
@@ -92,6 +93,7 @@ impl<const L: usize> WithSimd for Recur<'_, '_, L> {
     type Output = ();
 
     #[inline(always)]
+    #[expect(clippy::inline_always, reason = "it is compiled for the vectors of its caller")]
     fn with_simd<S: Simd>(self, _: S) {
         recur::<L>(self.rows, self.n);
     }

@@ -1,10 +1,11 @@
 //! A causal filter of groups of rows, whose results are laid out in blocks of time, in unit length where that is wanted.
 
 use pulp::{Arch, Simd, WithSimd};
-use rayon::prelude::*;
 
 /// Samples that are summed at once; they stay in the processor's registers.
 const STRETCH: usize = 16;
+/// Numbers of a result from which waking other threads costs less than it saves.
+const WORTHWHILE: usize = 1 << 19;
 /// A column this short has no square.
 const NOTHING: f64 = 1e-300;
 
@@ -42,11 +43,11 @@ impl Layout<'_> {
 
 /// Whitens columns, each of shape (rows, n), into shape (blocks, rows, length), and gives the length of each, 1 where none is asked for.
 ///
-/// What was before the first sample counts as nothing. Columns are shared between threads.
+/// What was before the first sample counts as nothing. Columns are shared between so many threads.
 ///
 /// # Panics
 /// Where the lengths do not fit each other.
-pub fn whiten(columns: &[&[f64]], groups: &[Group], layout: Layout, out: &mut [f64]) -> Vec<f64> {
+pub fn whiten(columns: &[&[f64]], groups: &[Group], layout: Layout, threads: usize, out: &mut [f64]) -> Vec<f64> {
     let numbers = layout.numbers();
     assert!(layout.length > 0 && out.len() == columns.len() * numbers, "a result of the layout's size is needed");
     assert!(columns.iter().all(|c| c.len() == layout.rows * layout.n), "columns of the layout's size are needed");
@@ -57,15 +58,37 @@ pub fn whiten(columns: &[&[f64]], groups: &[Group], layout: Layout, out: &mut [f
         assert!(g.rows.iter().all(|&r| r < layout.rows), "rows of the columns are needed");
     }
     if numbers == 0 {
-        return vec![1.0; columns.len()];
+        return vec![if layout.unit { NOTHING.sqrt() } else { 1.0 }; columns.len()];
     }
-    out.par_chunks_exact_mut(numbers)
-        .zip(columns)
-        .map_init(Vec::new, |scratch, (into, column)| {
-            Arch::new().dispatch(One { column, groups, layout, scratch, out: into })
-        })
-        .collect()
+    let threads = if out.len() < WORTHWHILE { 1 } else { threads.clamp(1, columns.len()) };
+    let mut shares: Vec<Vec<Task>> = (0..threads).map(|_| Vec::new()).collect();
+    for (i, (out, column)) in out.chunks_exact_mut(numbers).zip(columns).enumerate() {
+        shares[i % threads].push((i, column, out));
+    }
+    let work = |share: Vec<Task>| {
+        let mut scratch = Vec::new();
+        let one =
+            |(i, column, out)| (i, Arch::new().dispatch(One { column, groups, layout, scratch: &mut scratch, out }));
+        share.into_iter().map(one).collect::<Vec<(usize, f64)>>()
+    };
+    let mut lengths = vec![1.0; columns.len()];
+    // Threads of this call alone: a process that is forked later has none of a pool's, and would wait for them for ever.
+    std::thread::scope(|scope| {
+        let own = shares.pop();
+        let others: Vec<_> = shares.into_iter().map(|share| scope.spawn(|| work(share))).collect();
+        let mut done: Vec<_> = own.into_iter().flat_map(work).collect();
+        for other in others {
+            done.extend(other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        }
+        for (i, length) in done {
+            lengths[i] = length;
+        }
+    });
+    lengths
 }
+
+/// A column's number, what it is, and where its result goes.
+type Task<'a> = (usize, &'a [f64], &'a mut [f64]);
 
 /// One column, compiled for each width of vectors.
 struct One<'a> {
@@ -80,6 +103,7 @@ impl WithSimd for One<'_> {
     type Output = f64;
 
     #[inline(always)]
+    #[expect(clippy::inline_always, reason = "it is compiled for the vectors of its caller")]
     fn with_simd<S: Simd>(self, _: S) -> f64 {
         one(self.column, self.groups, self.layout, self.scratch, self.out)
     }
@@ -124,7 +148,9 @@ fn one(column: &[f64], groups: &[Group], layout: Layout, scratch: &mut Vec<f64>,
     }
     let length = squared(out).max(NOTHING).sqrt();
     let factor = 1.0 / length;
-    out.iter_mut().for_each(|x| *x *= factor);
+    for x in out.iter_mut() {
+        *x *= factor;
+    }
     length
 }
 

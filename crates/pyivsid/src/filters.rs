@@ -77,7 +77,7 @@ pub fn whiten<'py>(
     let lengths = {
         let mut out = found.readwrite();
         let out = out.as_slice_mut()?;
-        py.detach(|| filter_core::whiten(&x, &groups, layout, out))
+        py.detach(|| filter_core::whiten(&x, &groups, layout, filter_core::processors(), out))
     };
     Ok((found, lengths))
 }

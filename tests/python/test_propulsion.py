@@ -36,5 +36,5 @@ def test_what_is_kept_between_hypotheses_changes_no_bit(slow, held):
     assert not np.array_equal(kept.thrusts((), sizes).mean, kept.thrusts().mean)
     if slow and held:
         # The mean over a step is that of its parts, worked out here by the curve alone.
-        parts = np.stack([c.value(d) for c, d in zip(kept.curves, data.between, strict=True)])
+        parts = np.stack([c.value(d) for c, d in zip(kept.curves, data.between.demands, strict=True)])
         assert np.allclose(kept.thrusts().mean, parts.mean(axis=2), atol=1e-12)

@@ -1,0 +1,78 @@
+"""Cases that the examination once drew and the diagnosis failed, each with the fault it showed."""
+
+import numpy as np
+import pytest
+from tests.exam.draw import case
+
+from diagnosis_logs import names, with_columns
+from ivsid import diagnose
+from ivsid.diagnosis.channels import Between, _wild
+from ivsid.log import Log
+
+
+def drawn(seed, change=lambda log: log, **given):
+    c = case(seed, **given)
+    logs = (change(Log(f"{k}.csv", "0" * 64, x.t, x.columns)) for k, x in ((1, c.train), (2, c.test)))
+    return c, diagnose(c.vehicle, *logs)
+
+
+def holds(result, truth):
+    found = {k: b for f in result.findings for k, b in f.parameters.items()}
+    return [k for k, value in truth.items() if k in found and found[k].lower <= value <= found[k].upper]
+
+
+def test_a_delay_of_a_sample_is_no_lag_beside_it():
+    """Chi^2 is a wall where a delay is a sample long: a fit that stops there left a lag of a millisecond at 40 sigma."""
+    c, result = drawn(113018, what="one")
+    assert names(result) == [{"thruster.delay"}]
+    assert holds(result, c.truth) == ["thruster.delay"]
+
+
+def test_a_rudder_that_flips_makes_no_outlier_of_the_yaw_rate():
+    c, result = drawn(113027, what="one")
+    assert any("thruster.delay" in s for s in names(result)) and holds(result, c.truth) == ["thruster.delay"]
+    assert not any("stand far out" in n for n in result.notes)
+
+
+def test_a_tether_that_the_hull_sails_around_is_found_at_its_place():
+    """Its anchor lies inside the track, where no slope leads from outside; a dead band was told beside it."""
+    c, result = drawn(113002, what="one")
+    assert names(result) == [{"tether.tension"}]
+    assert len(holds(result, c.truth)) == 4
+
+
+def test_a_small_dead_band_is_found_among_larger_ones_that_are_tried():
+    c, result = drawn(112004, what="one", effect="thruster.deadband", duration=300.0)
+    assert names(result) == [{"thruster.deadband"}] and holds(result, c.truth)
+
+
+@pytest.mark.parametrize("seed", [46502, 46503])
+def test_velocities_every_fourth_row_make_no_findings(seed):
+    """Demands and rudders change between two velocities, and when in a step they do matters."""
+
+    def fewer(log):
+        kept = np.arange(log.t.size) % 4 == 0
+        return with_columns(log, lambda name, x: np.where(kept, x, np.nan) if name in ("u", "v") else x)
+
+    _, result = drawn(seed, fewer, what="none")
+    assert result.verdict == "adequate", names(result)
+
+
+def test_a_push_that_comes_early_moves_the_mean_of_a_step_further():
+    """Against the double integral of a push in each part of a step alone."""
+    parts = 4
+    lean = Between(*(np.zeros((1, 3, parts)),) * 3).lean
+    for j in range(parts):
+        fine = np.zeros(parts * 1000)
+        fine[j * 1000 : (j + 1) * 1000] = 1.0
+        velocity = np.cumsum(fine) / fine.size
+        # The middle of the straight line to the same end is half of the mean push.
+        assert velocity.mean() - 0.5 * fine.mean() == pytest.approx(0.5 * lean[j], abs=1e-3)
+    assert lean.sum() == pytest.approx(0.0, abs=1e-15)
+
+
+def test_a_corner_is_no_outlier_and_a_spike_is():
+    x = np.r_[np.zeros(60), -0.3 * np.arange(1, 4), np.full(60, -0.9)] + 1e-3 * np.sin(np.arange(123.0))
+    assert not _wild(x).any()
+    x[30] += 1.0
+    assert np.flatnonzero(_wild(x)).tolist() == [30]

@@ -51,10 +51,16 @@ class Anchor:
     """The states at which a hypothesis is evaluated: first at each sample, then in the middle of each step, shape 2 n.
 
     Each depends on the past alone: those at a sample are predicted without its readings, those in a step filtered with them.
+
+    Attributes:
+        points: the states.
+        nudot: the model's accelerations there, shape (3, 2 n).
+        ambient: rdot that the ambient moment adds at each sample, as the past lets expect it, shape (n,): a sensor off the origin sees it.
     """
 
     points: Points
     nudot: Array
+    ambient: Array | float = 0.0
 
 
 class Bench:
@@ -173,7 +179,9 @@ class Bench:
                 nu[k] = before[k] + here.gain[1] @ e
                 if "position" in here.outputs:
                     psi = readings[k]["position"] - e[0] + here.gain[0] @ e
-            anchor = self._anchor(h, nu, psi, anchor.nudot, before)
+                if k == 2:
+                    ambient = here.ambient(e)
+            anchor = replace(self._anchor(h, nu, psi, anchor.nudot, before), ambient=ambient)
         return anchor
 
     def _anchor(self, h: Hypothesis, nu: Array, psi: Array, nudot: Array | None, before: Array | None = None) -> Anchor:
@@ -373,7 +381,14 @@ class Bench:
             return {q: np.zeros(n) for q in names}
         nu, nudot = anchor.points.nu[:, :n], anchor.nudot[:, :n]
         specific = self._at_samples(self._specific(anchor.points.nu, anchor.nudot))
-        exact = {"u": nu[0], "v": nu[1], "r": nu[2], "ax": specific[0], "ay": specific[1], "rdot": nudot[2]}
+        exact = {
+            "u": nu[0],
+            "v": nu[1],
+            "r": nu[2],
+            "ax": specific[0],
+            "ay": specific[1],
+            "rdot": nudot[2] + anchor.ambient,
+        }
         c: dict[str, Any] = dict(exact)
         c |= {"r_v": nu[2], "r_true": nu[2], "thrust": anchor.points.thrusts[:, :n].sum(axis=0)}
         c["at"] = lambda delay: _earlier(nu, anchor.nudot[:, n:], delay, self.log.h)

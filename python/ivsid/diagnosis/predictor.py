@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_discrete_are
-from scipy.signal import ss2tf
+from scipy.signal import lfilter, ss2tf
 
 from ivsid.filters import respond
 
@@ -37,6 +37,7 @@ class Axis:
         spread: standard deviation of the filtered velocity's error, as the filter believes.
         numerators: by input (an output's name, or "process") and output.
         denominator: common to all.
+        decay: of the ambient acceleration over a step.
     """
 
     outputs: tuple[str, ...]
@@ -44,6 +45,7 @@ class Axis:
     spread: float
     numerators: Mapping[tuple[str, str], Array]
     denominator: Array
+    decay: float
 
     def errors(self, inputs: Mapping[str, Array]) -> Array:
         """Prediction errors of what is put in, shape (..., outputs, n) for inputs of shape (..., n)."""
@@ -54,6 +56,11 @@ class Axis:
         flat = [x.reshape(-1, shape[-1]) for x in arrays]
         found = [respond([x[i] for x in flat], top, below) for i in range(len(flat[0]))]
         return np.stack(found).reshape(*shape[:-1], count, shape[-1])
+
+    def ambient(self, errors: Array) -> Array:
+        """The ambient acceleration that the past lets expect at each sample, from the errors, shape (outputs, n) -> (n,)."""
+        found: Array = lfilter([0.0, self.decay], [1.0, -self.decay], self.gain[2] @ errors)
+        return found
 
     def numerator(self, name: str) -> Array:
         """Of each output's answer to an input, in powers of the delay, shape (outputs, TAPS)."""
@@ -135,4 +142,4 @@ def axis(h: float, noise: Mapping[str, float], ambient: float, time: float) -> A
             numerators[name, output] = top[j]
     gain = K if "position" in noise else np.vstack([np.zeros(len(outputs)), K])
     spread = float(np.sqrt(((np.eye(len(B)) - K @ C) @ X)[-2, -2]))
-    return Axis(outputs, gain, spread, numerators, denominator)
+    return Axis(outputs, gain, spread, numerators, denominator, decay)

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 from scipy.stats import f as fisher
 
-from ivsid.diagnosis.bench import Anchor
 from ivsid.diagnosis.calibration import HIGH_SIDE, Calibration
 from ivsid.diagnosis.families import Scored
 from ivsid.diagnosis.fit import Fit
@@ -93,7 +92,7 @@ def excitation(fit: Fit, seed: int = 0) -> dict[str, float]:
         pole = float(np.exp(-bench.log.h / here.memory))
         shift[k] = lfilter([np.sqrt(1 - pole**2)], [1, -pole], rng.standard_normal(n)) * here.spread
     points = fit.anchor.points.moved(np.concatenate([shift, shift], axis=1))
-    other = Anchor(points, acceleration(bench.vehicle, fit.h, points))
+    other = replace(fit.anchor, points=points, nudot=acceleration(bench.vehicle, fit.h, points))
     signatures = Signatures(bench, fit.h, other)
     names: list[str] = []
     arrays: list[Array] = []

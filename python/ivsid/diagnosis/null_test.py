@@ -94,6 +94,10 @@ class NullTest:
         }
 
 
+# Rounds of filtering until the states are those of the hypothesis: after two a delay seemed to be there, after four nothing changes.
+SETTLED: Final = 6
+
+
 @dataclass(frozen=True)
 class Trial:
     """Null logs of a fit, and how each is examined."""
@@ -128,7 +132,8 @@ def surveyed(trial: Trial, log: Channels, h: Hypothesis, whitening: Whitening | 
     """The plain model on a null log with the signatures of what is tested, about its true numbers: the fit is linear there."""
     p = trial.programme
     bench = Bench(p.vehicle, log, trial.filters)
-    anchor = bench.settle(h, bench.start(h), 2)
+    # States that start from noisy readings take some rounds to forget them.
+    anchor = bench.settle(h, bench.start(h), SETTLED)
     good = usable_rows(bench)
     white = whitening or plain_scale(bench.errors(h, anchor), good, bench, trial.still)
     return survey(Noise(bench, white, good, trial.still), h, anchor, trial.held, trial.test.visible)

@@ -102,7 +102,7 @@ def test_what_a_force_adds_is_the_difference_of_both_models(bench, plain, id_):
     )
     anchor = bench.settle(plain, bench.start(plain))
     other = plain.with_effect(Given(effect, values))
-    under = anchor.points.under(*bench.drive(other))
+    under = anchor.points.under(*bench.driving.force(other))
     added = added_force(bench.vehicle, plain, anchor.points, other, under)
     expected = acceleration(bench.vehicle, other, under) - anchor.nudot
     found = bench.mass(plain, anchor).solve(added)
@@ -125,11 +125,11 @@ def test_thrusts_that_are_remembered_are_those_that_are_asked_for(bench, plain):
     slower = plain.with_effect(Given(EFFECTS["thruster.lag"], (0.8,)))
     fresh = Bench(bench.vehicle, bench.log, bench.ambient)
     for h in (plain, lagged, slower, plain, lagged):
-        thrusts, still = bench.drive(h)
+        thrusts, still = bench.driving.force(h)
         again = fresh.propulsion.thrusts(h.given, [(), ()])
         assert np.array_equal(thrusts, np.concatenate([again.now, again.mean], axis=1))
-        turn = np.cos(bench.turned), np.sin(bench.turned)
-        assert np.array_equal(still, still_force(bench.vehicle, thrusts, turn, bench.sent))
+        turn = np.cos(bench.driving.turned), np.sin(bench.driving.turned)
+        assert np.array_equal(still, still_force(bench.vehicle, thrusts, turn, bench.driving.sent))
     points = bench.start(lagged).points
     relative = tuple(points.nu)
     slow = thruster_force(bench.vehicle, lagged.given, points.under(points.thrusts), relative)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.channels import Channels
+from ivsid.diagnosis.driving import Driving
 from ivsid.diagnosis.physics import (
     Hypothesis,
     Mass,
@@ -17,11 +18,10 @@ from ivsid.diagnosis.physics import (
     acceleration,
     added_force,
     changed,
-    still_force,
     term_column,
 )
 from ivsid.diagnosis.predictor import Axis, Filters, axis
-from ivsid.diagnosis.propulsion import Propulsion
+from ivsid.diagnosis.readings import added_readings
 from ivsid.effects import Given, Reading, Response, Term, Thrust
 from ivsid.vehicle import Vehicle
 
@@ -32,10 +32,6 @@ TRACK: Final = 2e-3
 TRACK_TIME: Final = 20.0
 # How far beyond the readings states may go, in ranges of the readings.
 FAR: Final = 1.0
-# A step of a declared error, in units of its bound.
-SMALL: Final = 1e-3
-# Hypotheses whose thrusts are remembered: those that are compared with each other.
-REMEMBERED: Final = 4
 
 
 @dataclass(frozen=True)
@@ -68,13 +64,8 @@ class Bench:
 
     def __init__(self, vehicle: Vehicle, log: Channels, ambient: Ambient) -> None:
         self.vehicle, self.log, self.ambient = vehicle, log, ambient
-        self.propulsion = Propulsion(vehicle, log)
-        self.turned, self.steered, self.sent = (_over(x, held=log.held) for x in (log.angles, log.rudders, log.force))
-        if log.between is not None:
-            self.turned = np.concatenate([log.angles, log.between.angles.mean(axis=2)], axis=1)
-            self.steered = np.concatenate([log.rudders, log.between.rudders.mean(axis=2)], axis=1)
-        self._turn = np.cos(self.turned), np.sin(self.turned)
-        self._driven: dict[object, tuple[Array, Array, Array | None]] = {}
+        self.driving = Driving(vehicle, log)
+        self.propulsion = self.driving.propulsion
         self._heading: tuple[Array, Array, Array] | None = None
         t = (np.arange(log.n) + 0.5) / log.n
         self.slow = [np.cos(np.pi * j * t) for j in range(3)]
@@ -103,56 +94,6 @@ class Bench:
     def channels(self) -> list[str]:
         """The axis of each row of errors."""
         return [AXES[k] for k, _ in self.labels]
-
-    def thrusts(self, h: Hypothesis) -> Array:
-        """Thrusts of a hypothesis at samples and over steps, shape (thrusters, 2 n)."""
-        return self._driven_by(h)[0]
-
-    def drive(self, h: Hypothesis) -> tuple[Array, Array]:
-        """The same, and the force that they come to at no speed, shape (3, 2 n)."""
-        return self._driven_by(h)[:2]
-
-    def _driven_by(self, h: Hypothesis) -> tuple[Array, Array, Array | None]:
-        """The same, and how much of the force comes early in the steps, shape (3, n); most steps of a fit leave all of it as it is."""
-        sizes = [self._sizes(h, k) for k in range(len(self.vehicle.thrusters))]
-        acting = [g for g in h.given if isinstance(g.effect.acts, (Thrust, Response))]
-        key = (tuple((g.effect.id, g.values, g.thruster) for g in acting), tuple(map(tuple, sizes)))
-        found = self._driven.get(key)
-        if found is None:
-            made = self.propulsion.thrusts(h.given, sizes)
-            thrusts = np.concatenate([made.now, made.mean], axis=1)
-            found = thrusts, still_force(self.vehicle, thrusts, self._turn, self.sent), self._early(made.parts)
-            # The oldest goes; a dictionary keeps the order.
-            for old in list(self._driven)[: 1 - REMEMBERED]:
-                self._driven.pop(old, None)
-            self._driven[key] = found
-        return found
-
-    def _early(self, parts: Array | None) -> Array | None:
-        """The force of thrusts that change inside the steps, weighted by how early it comes."""
-        between = self.log.between
-        if parts is None or between is None:
-            return None
-        pushes = (parts * between.lean).reshape(len(parts), -1)
-        angles = between.angles.reshape(pushes.shape)
-        none = np.zeros((3, pushes.shape[1]))
-        total = still_force(self.vehicle, pushes, (np.cos(angles), np.sin(angles)), none)
-        return np.asarray(total.reshape(3, self.log.n, -1).sum(axis=2))
-
-    def _sizes(self, h: Hypothesis, k: int) -> list[float]:
-        name = self.vehicle.thrusters[k].name
-        return [h.declared.get(f"~thrust.{name}.{j}", 0.0) for j in range(len(self.propulsion.errors[k]))]
-
-    def shapes(self, h: Hypothesis, k: int) -> list[Array]:
-        """How a thruster's thrust changes with the size of each declared error: at samples, then over steps."""
-        sizes = self._sizes(h, k)
-        base = self.propulsion.one(k, h.given, sizes)
-        found = []
-        for j in range(len(sizes)):
-            more = [s + (SMALL if i == j else 0.0) for i, s in enumerate(sizes)]
-            moved = self.propulsion.one(k, h.given, more)
-            found.append(np.concatenate([b - a for a, b in zip(base, moved, strict=True)]) / SMALL)
-        return found
 
     def start(self, h: Hypothesis) -> Anchor:
         """States from the readings themselves."""
@@ -192,7 +133,7 @@ class Bench:
         nu = np.clip(nu, *self.reach)
         before = None if before is None else np.clip(before, *self.reach)
         place = np.zeros((2, n)) if log.place is None else log.place
-        thrusts, still, early = self._driven_by(h)
+        thrusts, still, early = self.driving.whole(h)
         if early is not None and nudot is not None:
             # Over a step the mean of the velocities counts; a push that comes early carries them further than one that comes late.
             rate = rate + Mass(self.vehicle, h.terms, changed(h, np.asarray(log.t))).solve(early)
@@ -202,10 +143,10 @@ class Bench:
             _twice(place),
             np.r_[log.t, log.t + half],
             thrusts,
-            self.turned,
-            self.sent,
+            self.driving.turned,
+            self.driving.sent,
             None if log.wind is None else _twice(log.wind),
-            self.steered,
+            self.driving.steered,
             still,
         )
         return Anchor(points, acceleration(self.vehicle, h, points))
@@ -335,7 +276,7 @@ class Bench:
         """The errors that the other hypothesis, were it true, leaves under this one, whose masses may be known."""
         thrust_kind = (Thrust, Response)
         moved = any(isinstance(g.effect.acts, thrust_kind) for g in (*h.given, *other.given))
-        points = anchor.points.under(*self.drive(other)) if moved else anchor.points
+        points = anchor.points.under(*self.driving.force(other)) if moved else anchor.points
         mass = mass or self.mass(h, anchor)
         added = added_force(self.vehicle, h, anchor.points, other, points)
         process = acceleration(self.vehicle, other, points) - anchor.nudot if added is None else mass.solve(added)
@@ -374,28 +315,8 @@ class Bench:
 
     def sensed(self, given: tuple[Given, ...], anchor: Anchor) -> dict[str, Array]:
         """What sensor effects add to the readings, at the anchor's states."""
-        names = ("u", "v", "r", "ax", "ay", "rdot")
-        n = self.log.n
-        readings = [g for g in given if isinstance(g.effect.acts, Reading)]
-        if not readings:
-            return {q: np.zeros(n) for q in names}
-        nu, nudot = anchor.points.nu[:, :n], anchor.nudot[:, :n]
         specific = self._at_samples(self._specific(anchor.points.nu, anchor.nudot))
-        exact = {
-            "u": nu[0],
-            "v": nu[1],
-            "r": nu[2],
-            "ax": specific[0],
-            "ay": specific[1],
-            "rdot": nudot[2] + anchor.ambient,
-        }
-        c: dict[str, Any] = dict(exact)
-        c |= {"r_v": nu[2], "r_true": nu[2], "thrust": anchor.points.thrusts[:, :n].sum(axis=0)}
-        c["at"] = lambda delay: _earlier(nu, anchor.nudot[:, n:], delay, self.log.h)
-        for g in sorted(readings, key=lambda g: g.effect.acts.order if isinstance(g.effect.acts, Reading) else 0):
-            if isinstance(g.effect.acts, Reading):
-                c.update(g.effect.acts.function(c, g.values))
-        return {q: np.asarray(c[q] - exact[q], dtype=np.float64) for q in names}
+        return added_readings(given, anchor.points, anchor.nudot, specific, anchor.ambient, self.log.h)
 
     def adopt(self, ambient: Ambient) -> Bench:
         """The same log with other filters."""
@@ -418,29 +339,9 @@ class Bench:
         return made
 
 
-def _earlier(nu: Array, rate: Array, delay: float, h: float) -> tuple[Array, ...]:
-    """Velocities at earlier moments: within the step that ends at the sample, back along the model's own acceleration, between two samples."""
-    whole = int(np.floor(delay / h + 1e-9))
-    back = delay - whole * h
-    # The state at the end of a step is predicted from its start.
-    step = np.concatenate([np.zeros((3, 1)), rate[:, :-1]], axis=1)
-    # From the sample after and from the one before, each the more the closer it is: a delay may grow past a whole sample without a jump.
-    before = np.concatenate([nu[:, :1], nu[:, :-1]], axis=1)
-    share = back / h
-    then = (1 - share) * (nu - back * step) + share * (before + (h - back) * step)
-    if whole:
-        then = np.concatenate([np.repeat(then[:, :1], whole, axis=1), then[:, :-whole]], axis=1)
-    return then[0], then[1], then[2]
-
-
 def _twice(x: Array) -> Array:
     """The same at samples and over steps."""
     return np.concatenate([x, x], axis=-1)
-
-
-def _over(x: Array, *, held: bool) -> Array:
-    """What is sent, at samples and in the middle of steps."""
-    return _twice(x) if held else np.concatenate([x, 0.5 * (x + np.c_[x[..., 1:], x[..., -1:]])], axis=-1)
 
 
 def replaced(h: Hypothesis, values: Mapping[str, float]) -> Hypothesis:

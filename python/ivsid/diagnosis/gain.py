@@ -181,7 +181,7 @@ def _sailed(
 ) -> list[Array]:
     """Simulated u, v, r, psi, x, y from the states at each start, for each group of starts: shape (count + 1, 6, starts)."""
     log, n = bench.log, bench.log.n
-    thrusts, still = (x[:, n:] for x in bench.drive(h))
+    thrusts, still = (x[:, n:] for x in bench.driving.force(h))
     points = anchor.points
     place = np.zeros((2, n)) if log.place is None else log.place
     step = log.h
@@ -196,10 +196,10 @@ def _sailed(
             x[4:],
             t,
             thrusts[:, at],
-            bench.turned[:, n + at],
-            bench.sent[:, n + at],
+            bench.driving.turned[:, n + at],
+            bench.driving.sent[:, n + at],
             None if log.wind is None else log.wind[:, at],
-            bench.steered[:, n + at],
+            bench.driving.steered[:, n + at],
             still[:, at],
         )
         nudot = acceleration(bench.vehicle, h, p, mass)

@@ -60,12 +60,12 @@ def _blades(s: Signatures, out: Columns, relative: tuple[Array, Array, Array]) -
 def _thrusts(s: Signatures, out: Columns, relative: tuple[Array, Array, Array]) -> None:
     bench, p = s.bench, s.anchor.points
     for k, thruster in enumerate(bench.vehicle.thrusters):
-        angle, (x, y) = bench.turned[k], thruster.position
+        angle, (x, y) = bench.driving.turned[k], thruster.position
         c, sine = np.cos(angle), np.sin(angle)
         # A loss by inflow takes the same share of the error as of the thrust, which is small.
         shares = np.stack([c, sine, x * sine - y * c])
         blade = blade_force(bench.vehicle, k, p, p.thrusts[k], relative)
-        for j, shape in enumerate(bench.shapes(s.h, k)):
+        for j, shape in enumerate(bench.driving.shapes(s.h, k)):
             force = shares * shape
             if thruster.rudder is not None:
                 # The stream on the blade has the error, too.

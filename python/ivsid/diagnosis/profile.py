@@ -6,7 +6,7 @@ at other values of the one number, everything else fitted beside it, and the int
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -19,6 +19,7 @@ from ivsid.diagnosis.projection import Projection
 from ivsid.diagnosis.signatures import BENT
 from ivsid.effects import Given
 
+LIMITED: Final = "thruster.saturation"
 # The place of its anchor is searched on a grid; a hull that sails around it has no slope that leads there.
 MOORED: Final = "tether.tension"
 COMPASS: Final = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (0.7, 0.7), (0.7, -0.7), (-0.7, 0.7), (-0.7, -0.7))
@@ -76,11 +77,22 @@ def profile(
         values = list(given.values)
         for j, value in zip(places, numbers, strict=True):
             values[j] = value
-        other = h.with_effect(replace(given, values=tuple(values)))
-        gone = noise.bench.difference(h, anchor, other)
+        gone = noise.bench.difference(h, anchor, moved(h, held, given, values))
         return Projection(g.of(errors - gone), base).chi2
 
     return chi2
+
+
+def moved(h: Hypothesis, held: Mapping[str, float], given: Given, values: Sequence[float]) -> Hypothesis:
+    """The hypothesis with other numbers of an effect.
+
+    Masses and drags that are fitted follow a limit: where most thrusts stand at it, little else tells it from their scale.
+    """
+    other = h.with_effect(replace(given, values=tuple(values)))
+    if given.effect.id != LIMITED:
+        return other
+    share = values[0] / given.values[0]
+    return replace(other, values={k: x if k in held else x * share for k, x in other.values.items()})
 
 
 def refined(
@@ -112,8 +124,8 @@ def refined(
             step /= AROUND
         values = list(given.values)
         values[j] = best
+        h = moved(h, held, given, values)
         given = replace(given, values=tuple(values))
-        h = h.with_effect(given)
     return h
 
 

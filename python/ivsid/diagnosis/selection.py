@@ -16,7 +16,7 @@ from ivsid.diagnosis.families import Scored, adopted, everything, score
 from ivsid.diagnosis.fit import Declared, Fit, Noise, chi2_of, declared_columns, improve, learn, survey
 from ivsid.diagnosis.noise import quick_enough
 from ivsid.diagnosis.physics import Hypothesis
-from ivsid.diagnosis.profile import refined, sought
+from ivsid.diagnosis.profile import LIMITED, moved, refined, sought
 from ivsid.diagnosis.side import side_by_side
 from ivsid.effects import EFFECTS
 
@@ -33,6 +33,8 @@ FAR: Final = 60.0
 # A full fit with less than this share of the score's gain is given more steps.
 SLOW: Final = 0.8
 LATE: Final = 6
+# Limits that are tried beside the best, in it.
+RESTARTS: Final = (0.8, 0.92, 1.0, 1.1, 1.25, 1.5)
 # How often the causes are looked at again after each that is added.
 REVIEWS: Final = 3
 # A number this close to its least possible value, in typical sizes, stands there.
@@ -249,7 +251,15 @@ def _admit(
         if bends:
             anchor = noise.bench.settle(h, anchor, 2)
             h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held, 3, known)
-        return h, anchor, chi2_of(noise, h, anchor, held, known)
+        chi2 = chi2_of(noise, h, anchor, held, known)
+        for given in [g for g in h.given if g.effect.id == id_ == LIMITED]:
+            for share in RESTARTS:
+                # Declared errors of the thrust hold a scale that is wrong in place: from none of them once more.
+                start = replace(moved(h, held, given, [share * given.values[0]]), declared={})
+                there, states = improve(noise.bench, start, anchor, noise.whitening, noise.good, held, LATE, known)
+                if (worth := chi2_of(noise, there, states, held, known)) < chi2:
+                    h, anchor, chi2 = there, states, worth
+        return h, anchor, chi2
 
     asked = sorted(rivals, key=lambda r: -r.merit)
     asked = [r for r in asked if best.merit - r.merit <= max(FAR, 0.5 * best.merit)]

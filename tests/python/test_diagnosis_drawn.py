@@ -1,7 +1,12 @@
 """Cases that the examination once drew and the diagnosis failed, each with the fault it showed."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.draw import case
 
 from diagnosis_logs import names, with_columns

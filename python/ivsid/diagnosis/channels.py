@@ -24,7 +24,7 @@ OFF_CLOCK: Final = 1.05
 # A channel whose samples are this much rarer than the rows sets the clock, or is left out where the motion does not need it.
 RARER: Final = 1.5
 SLOWEST: Final = 1.01
-# How many times as far as one sample in twenty stands beyond its neighbours an outlier does.
+# How many times the distance that one sample in twenty has from the middle of its neighbours an outlier stands away.
 FAR_OUT: Final = 10.0
 # Times closer than this, in steps, are the same.
 SAME: Final = 0.02
@@ -247,12 +247,15 @@ def _wild(x: Array) -> NDArray[np.bool_]:
     if there.size < 50:
         return found
     values = x[there]
-    off = np.zeros(there.size)
     before, after = values[1:-1] - values[:-2], values[1:-1] - values[2:]
-    off[1:-1] = np.where(before * after > 0, np.minimum(np.abs(before), np.abs(after)), 0.0)
+    off, beyond = np.zeros(there.size), np.zeros(there.size)
+    off[1:-1] = 0.5 * np.abs(before + after)
+    beyond[1:-1] = np.where(before * after > 0, np.minimum(np.abs(before), np.abs(after)), 0.0)
     usual = float(np.quantile(off, 0.95))
+    # Its neighbours stand out half as far, since it is their neighbour.
+    highest = off > 1.5 * np.maximum(np.r_[0.0, off[:-1]], np.r_[off[1:], 0.0])
     if usual > 0:
-        found[there] = off > max(FAR_OUT * usual, 0.3 * float(values.std()))
+        found[there] = (off > max(FAR_OUT * usual, 0.3 * float(values.std()))) & highest & (beyond > 0.5 * off)
     return found
 
 

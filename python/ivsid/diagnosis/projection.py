@@ -76,7 +76,7 @@ class Gram:
             here = weight[first : first + len(part)]
             first += len(part)
             if here.any():
-                out += (here @ part.reshape(len(part), -1)).reshape(out.shape)
+                out += (here @ part.reshape(len(part), part.shape[1] * part.shape[2])).reshape(out.shape)
         return out
 
     def of(self, errors: Array) -> Gram:
@@ -110,7 +110,7 @@ class Gram:
         """The whole log as one block: all that a fit needs."""
         return replace(
             self,
-            parts=tuple(part.reshape(len(part), 1, -1) for part in self.parts),
+            parts=tuple(part.reshape(len(part), 1, part.shape[1] * part.shape[2]) for part in self.parts),
             y=self.y.reshape(1, -1),
             blocks=self.blocks.sum(axis=0, keepdims=True),
             score=self.score.sum(axis=0, keepdims=True),

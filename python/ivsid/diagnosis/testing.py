@@ -231,6 +231,13 @@ def second_opinion(fit: Fit, s: Scored) -> float:
     return float(fisher.sf(wald * (n - k) / (n * k), k, n - k))
 
 
+def _beside(fit: Fit, s: Scored, other: Scored) -> float:
+    """The fall of chi^2 that is left of one family's beside another; infinite where they cannot stand side by side."""
+    if not other.physical or "step" in (s.family.kind, other.family.kind) or set(s.columns) & set(other.columns):
+        return float(np.inf)
+    return Projection(fit.gram, [*fit.base, *other.columns]).solve(s.columns)[1]
+
+
 @dataclass(frozen=True)
 class Threshold:
     """The test of a round: every family's chance is held against one threshold.
@@ -257,6 +264,9 @@ class Threshold:
                 continue
             share = s.share(fit.noise.bench.vehicle.hull.mass)
             if (s.gain < STRONG and share < NEGLIGIBLE) or share > IMPOSSIBLE:
+                continue
+            if any(_beside(fit, s, q) < FAINT for q in scored if q.id in self.blind and q.gain > s.gain):
+                # A cause that cannot be named here explains it as well, and more beside.
                 continue
             doubtful = s.gain < (BEYOND_DOUBT_STILL if fit.noise.still else BEYOND_DOUBT)
             if doubtful and second_opinion(fit, s) > SECOND:

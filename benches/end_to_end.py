@@ -23,12 +23,12 @@ from feasible import numpy_generation
 
 import ivsid
 from ivsid.effects import terms_of
+from ivsid.files.records import sealed, to_json
 from ivsid.identification.method import identify_rows
 from ivsid.log import read_log
-from ivsid.records import sealed, to_json
+from ivsid.programme.scenario import parse_scenario
 from ivsid.rows import build_rows
-from ivsid.scenario import parse_scenario
-from ivsid.sensors import bound_log
+from ivsid.sensors.bounds import bound_log
 from ivsid.simulation import simulate
 from ivsid.vehicle import Vehicle, parse_vehicle
 

@@ -21,14 +21,14 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from tests.exam.draw import programme, vehicle_of
 
-from ivsid.diagnosis.calibration import calibrate
-from ivsid.diagnosis.channels import channels
-from ivsid.diagnosis.families import everything, score
-from ivsid.diagnosis.fit import plain_fit
-from ivsid.diagnosis.null_test import examined, trial_of
-from ivsid.diagnosis.testing import Threshold, visibility
+from ivsid.diagnosis.candidates.families import everything, score
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.fit import plain_fit
+from ivsid.diagnosis.null.calibration import examined, trial_of
+from ivsid.diagnosis.null.thresholds import calibrate
+from ivsid.diagnosis.null.visibility import Threshold, visibility
 from ivsid.log import Log
-from ivsid.scenario import parse_scenario
+from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 

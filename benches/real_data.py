@@ -13,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from ivsid import IntervalArray, IvsidError, read_log, read_vehicle, regression, report, workflow
+from ivsid import IntervalArray, IvsidError, read_log, read_vehicle, regression, workflow
 from ivsid.effects import terms_of
+from ivsid.report import page
 from ivsid.rows import build_rows
-from ivsid.sensors import bound_log
+from ivsid.sensors.bounds import bound_log
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 # A tank that tows and pulls: what the captive tests of CyberShip say of the parameters of its free runs.
@@ -49,7 +50,7 @@ def run(out: Path, name: str, work: Callable[[], Any]) -> dict[str, Any] | None:
     except IvsidError as refusal:
         print(f"{name}: refused: {refusal}", flush=True)
         return None
-    report.write(made, out / name)
+    page.write(made, out / name)
     print(f"{name}: {time.perf_counter() - start:.1f} s; {made.summary}", flush=True)
     record: dict[str, Any] = made.record
     return record

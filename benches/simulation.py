@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 from importlib.resources import files
 
-from ivsid.scenario import parse_scenario
+from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 

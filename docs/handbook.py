@@ -21,7 +21,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.shape import binned
+from ivsid.diagnosis.statements.binning import binned
 from ivsid.effects import (
     CHANNELS,
     EFFECTS,

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
-from ivsid.diagnosis.shape import ordered_by
+from ivsid.diagnosis.statements.binning import ordered_by
 from ivsid.effects import (
     CHANNELS,
     PLAIN_TERMS,
@@ -20,9 +20,9 @@ from ivsid.effects import (
     Reading,
     State,
 )
-from ivsid.scenario import parse_scenario
+from ivsid.programme.scenario import parse_scenario
+from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.simulation import Simulated, simulate
-from ivsid.thrust import ThrustCurve
 from ivsid.vehicle import parse_vehicle
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ import numpy as np
 
 import ivsid
 from ivsid.log import Log
-from ivsid.scenario import parse_scenario
+from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 

@@ -2,21 +2,47 @@
 
 From logged demands, accelerations, velocities and yaw rates to parameter intervals that are proved under stated bounds on
 sensors and thrust. See the README for the commands, and ``docs/`` for the user's guide.
+
+Names are loaded when they are first used: ``import ivsid`` itself loads none of the libraries that the stages rest on.
 """
 
-from importlib.metadata import version
+from importlib import import_module
+from typing import TYPE_CHECKING, Final
 
-from ivsid import linalg, regression
-from ivsid.diagnosis import Diagnosis, diagnose
-from ivsid.errors import IvsidError
-from ivsid.identification import Identification, Parameter, identify
-from ivsid.intervals import EndpointPair, Interval, IntervalArray
-from ivsid.log import Log, read_log
-from ivsid.validation import Validation, validate
-from ivsid.vehicle import Vehicle, read_vehicle
-from ivsid.verification import Verification, verify
+if TYPE_CHECKING:
+    from ivsid.diagnosis import Diagnosis, diagnose
+    from ivsid.errors import IvsidError
+    from ivsid.identification import Identification, Parameter, identify
+    from ivsid.intervals import EndpointPair, Interval, IntervalArray
+    from ivsid.linear import linalg, regression
+    from ivsid.log import Log, read_log
+    from ivsid.validation import Validation, validate
+    from ivsid.vehicle import Vehicle, read_vehicle
+    from ivsid.verification import Verification, verify
 
-__version__ = version("ivsid")
+    __version__: str
+
+_HOMES: Final = {
+    "Diagnosis": "ivsid.diagnosis",
+    "EndpointPair": "ivsid.intervals",
+    "Identification": "ivsid.identification",
+    "Interval": "ivsid.intervals",
+    "IntervalArray": "ivsid.intervals",
+    "IvsidError": "ivsid.errors",
+    "Log": "ivsid.log",
+    "Parameter": "ivsid.identification",
+    "Validation": "ivsid.validation",
+    "Vehicle": "ivsid.vehicle",
+    "Verification": "ivsid.verification",
+    "diagnose": "ivsid.diagnosis",
+    "identify": "ivsid.identification",
+    "linalg": "ivsid.linear",
+    "read_log": "ivsid.log",
+    "read_vehicle": "ivsid.vehicle",
+    "regression": "ivsid.linear",
+    "validate": "ivsid.validation",
+    "verify": "ivsid.verification",
+}
 
 __all__ = [
     "Diagnosis",
@@ -40,3 +66,20 @@ __all__ = [
     "validate",
     "verify",
 ]
+
+
+def __getattr__(name: str) -> object:
+    if name == "__version__":
+        found: object = import_module("importlib.metadata").version("ivsid")
+    elif name in ("linalg", "regression"):
+        found = import_module(f"ivsid.linear.{name}")
+    elif name in _HOMES:
+        found = getattr(import_module(_HOMES[name]), name)
+    else:
+        raise AttributeError(f"module 'ivsid' has no attribute '{name}'")
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

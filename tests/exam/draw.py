@@ -8,7 +8,7 @@ import numpy as np
 
 from ivsid.effects import EFFECTS, Effect, Parameter
 from ivsid.effects.effect import Force
-from ivsid.scenario import parse_scenario
+from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
 from ivsid.simulation.hidden import can_hide, draw
 from ivsid.vehicle import Vehicle, parse_vehicle

@@ -12,7 +12,7 @@ def examine(folder: Path) -> dict:
     from tests.exam.peers import PEERS, regression
 
     from ivsid.diagnosis import diagnose
-    from ivsid.diagnosis.testing import levels
+    from ivsid.diagnosis.null.visibility import levels
     from ivsid.log import read_log
     from ivsid.vehicle import read_vehicle
 

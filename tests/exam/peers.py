@@ -12,10 +12,10 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 from scipy.stats import norm
 
-from ivsid.diagnosis.bench import Bench
-from ivsid.diagnosis.channels import channels
-from ivsid.diagnosis.noise import declared
-from ivsid.diagnosis.start import first_values
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.first_values import first_values
+from ivsid.diagnosis.estimation.noise import declared
+from ivsid.diagnosis.prediction.innovations import Bench
 from ivsid.effects import EFFECTS, Reading, Terms, terms_of
 from ivsid.effects.given import Given
 from ivsid.log import Log

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from ivsid.diagnosis.bench import Bench
-from ivsid.diagnosis.channels import channels
-from ivsid.diagnosis.gain import compare
-from ivsid.diagnosis.noise import declared
-from ivsid.diagnosis.physics import Hypothesis
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.noise import declared
+from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.prediction.innovations import Bench
+from ivsid.diagnosis.statements.comparison import compare
 from ivsid.effects import Terms, terms_of
 from ivsid.effects.given import sort_given
 from ivsid.log import read_log

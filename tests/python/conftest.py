@@ -7,7 +7,7 @@ import pytest
 
 from ivsid import identify
 from ivsid.log import Log, read_log
-from ivsid.scenario import Scenario, parse_scenario
+from ivsid.programme.scenario import Scenario, parse_scenario
 from ivsid.simulation import Simulated, simulate
 from ivsid.vehicle import Vehicle, parse_vehicle
 from ivsid.workflow.common import csv

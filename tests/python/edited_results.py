@@ -3,8 +3,8 @@
 import json
 from pathlib import Path
 
-from ivsid.records import Lower, Upper, sealed, to_json
-from ivsid.seal import seal_of
+from ivsid.files.records import Lower, Upper, sealed, to_json
+from ivsid.files.seal import seal_of
 
 
 def outward(p):

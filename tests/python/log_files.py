@@ -8,7 +8,7 @@ import numpy as np
 import polars as pl
 from scipy.io import savemat
 
-from ivsid.log_map import LogMap
+from ivsid.files.log_map import LogMap
 
 N = 200
 T = np.arange(N) * 0.05

@@ -7,16 +7,16 @@ import pytest
 
 from conftest import as_log, embedded
 from ivsid import IntervalArray, IvsidError, identify, validate
-from ivsid.actuation import nominal_force, pushed
 from ivsid.effects import terms_of
 from ivsid.log import Log, Sweep
+from ivsid.programme.scenario import parse_scenario
+from ivsid.propulsion.actuation import nominal_force, pushed
+from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.rows import build_rows
-from ivsid.scenario import parse_scenario
-from ivsid.sensors import bound_log
+from ivsid.sensors.bounds import bound_log
 from ivsid.simulation import follow, simulate
 from ivsid.simulation.equations import Plant
 from ivsid.simulation.propulsion import Propulsion, TrueThrust
-from ivsid.thrust import ThrustCurve
 from ivsid.vehicle import Thruster, parse_vehicle
 from test_rows import violated
 

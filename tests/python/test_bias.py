@@ -8,7 +8,7 @@ from ivsid import IntervalArray, IvsidError, identify
 from ivsid.effects import terms_of
 from ivsid.identification.bias import apart, with_unknowns
 from ivsid.rows import build_rows
-from ivsid.sensors import bound_log
+from ivsid.sensors.bounds import bound_log
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from ivsid import IntervalArray
-from ivsid.cross_flow import cross_flow_over, steepest_over
+from ivsid.effects.cross_flow import cross_flow_over, steepest_over
 from ivsid.effects.functions import cross_flow_force, cross_flow_moment
-from ivsid.motion import Motion
+from ivsid.rows.motion import Motion
 
 
 def integral(v: Fraction, r: Fraction, half: Fraction, power: int, *, absolute: bool) -> Fraction:

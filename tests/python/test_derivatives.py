@@ -5,12 +5,12 @@ import pytest
 
 from conftest import as_log
 from ivsid import IvsidError, identify
-from ivsid.derivatives import enclosed_rate
 from ivsid.effects import terms_of
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
 from ivsid.rows import build_rows
-from ivsid.sensors import bound_log
+from ivsid.sensors.bounds import bound_log
+from ivsid.sensors.derivatives import enclosed_rate
 from ivsid.vehicle import parse_vehicle
 from test_pose import HEAD, boat, motion
 
@@ -145,7 +145,7 @@ def test_the_spline_s_band_holds_for_other_noise(seed):
     size = 10 ** rng.uniform(-3.5, -1.5)
     noisy = {k: pose[k] + rng.standard_normal(t.size) * size for k in ("x", "y", "psi")}
     sensors = boat(3 * size, 3 * size).sensors.model_copy(update={"from_pose": "spline"})
-    from ivsid.smoothing import splined
+    from ivsid.sensors.smoothing import splined
 
     _, found, words = splined(Log("a.csv", "", t, noisy), sensors)
     for name, x in found.items():

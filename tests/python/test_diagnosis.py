@@ -8,16 +8,16 @@ import pytest
 from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS
 from ivsid import IvsidError, diagnose
 from ivsid.diagnosis import extended_vehicle, isolability
-from ivsid.diagnosis.bench import Bench
-from ivsid.diagnosis.channels import channels
-from ivsid.diagnosis.families import everything, score
-from ivsid.diagnosis.fit import plain_fit
-from ivsid.diagnosis.noise import declared, usable_rows
-from ivsid.diagnosis.physics import Hypothesis
+from ivsid.diagnosis.candidates.families import everything, score
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.fit import plain_fit
+from ivsid.diagnosis.estimation.noise import declared, usable_rows
+from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.prediction.innovations import Bench
 from ivsid.effects import terms_of
+from ivsid.files.records import to_json
 from ivsid.log import Log
-from ivsid.records import to_json
-from ivsid.scenario import parse_scenario
+from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 

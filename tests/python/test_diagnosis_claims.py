@@ -5,13 +5,13 @@ import numpy as np
 from diagnosis_logs import TRUTH, logs_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis import extended_vehicle
-from ivsid.diagnosis.channels import channels
-from ivsid.diagnosis.extended import extended_text, stated
-from ivsid.diagnosis.families import everything, score
-from ivsid.diagnosis.fit import plain_fit
-from ivsid.diagnosis.intervals import intervals
-from ivsid.diagnosis.physics import Hypothesis
-from ivsid.diagnosis.proved import extended_proof
+from ivsid.diagnosis.candidates.families import everything, score
+from ivsid.diagnosis.candidates.intervals import intervals
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.fit import plain_fit
+from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.statements.extended import extended_text, stated
+from ivsid.diagnosis.statements.proved import extended_proof
 from ivsid.effects import EFFECTS, PLAIN_TERMS
 from ivsid.vehicle import parse_vehicle
 

@@ -11,7 +11,7 @@ from tests.exam.draw import case
 
 from diagnosis_logs import names, with_columns
 from ivsid import diagnose
-from ivsid.diagnosis.channels import Between, _wild
+from ivsid.diagnosis.data.channels import Between, _wild
 from ivsid.log import Log
 
 

@@ -8,10 +8,10 @@ import pytest
 from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS
 from ivsid import diagnose
 from ivsid.diagnosis import GUARANTEED, REFUTED, Bound
-from ivsid.diagnosis.proved import Proof, extended_proof, guaranteed, proof_of
+from ivsid.diagnosis.statements.proved import Proof, extended_proof, guaranteed, proof_of
+from ivsid.files.records import to_json
 from ivsid.log import Log
-from ivsid.records import to_json
-from ivsid.scenario import parse_scenario
+from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 from ivsid.verification.verify import verify

@@ -20,10 +20,10 @@ from diagnosis_logs import (
     with_columns,
 )
 from ivsid import IvsidError, diagnose
-from ivsid.diagnosis.channels import channels
-from ivsid.diagnosis.mounted import at_origin
-from ivsid.diagnosis.noise import Whitening
-from ivsid.diagnosis.propulsion import Propulsion
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.data.lever_arms import at_origin
+from ivsid.diagnosis.estimation.noise import Whitening
+from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 

@@ -9,11 +9,11 @@ import pytest
 from ivsid import diagnose
 from ivsid.adapters.cse1 import read_cse1
 from ivsid.adapters.rov30k import read_rov30k
-from ivsid.bollard import PUBLISHED_CUBIC
 from ivsid.diagnosis import isolability
-from ivsid.diagnosis.channels import channels
+from ivsid.diagnosis.data.channels import channels
 from ivsid.log import Log, read_log
-from ivsid.scenario import parse_scenario
+from ivsid.programme.scenario import parse_scenario
+from ivsid.propulsion.bollard import PUBLISHED_CUBIC
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 

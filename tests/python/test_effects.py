@@ -11,8 +11,8 @@ from ivsid.effects import CATALOGUE, EFFECTS, Effect, Parameter, Reading, Terms,
 from ivsid.effects.effect import Force
 from ivsid.effects.functions import cross_flow_force, cross_flow_moment, cross_flow_value
 from ivsid.intervals import IntervalArray
-from ivsid.motion import Motion
-from ivsid.scenario import parse_scenario
+from ivsid.programme.scenario import parse_scenario
+from ivsid.rows.motion import Motion
 from ivsid.simulation import hidden_effect, simulate
 from ivsid.simulation.hidden import can_hide, draw
 from ivsid.vehicle import parse_vehicle

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from conftest import embedded
-from ivsid import IvsidError, read_log, read_vehicle, report, workflow
-from ivsid.manoeuvres import Segment
-from ivsid.scenario import parse_scenario
+from ivsid import IvsidError, read_log, read_vehicle, workflow
+from ivsid.programme.manoeuvres import Segment
+from ivsid.programme.scenario import parse_scenario
+from ivsid.report import page
 from ivsid.simulation import hidden_effect, hidden_effects, simulate
 from ivsid.vehicle import parse_vehicle
 from test_actuators import HULL, POD, PRBS, SENSORS, TRUTH, VALUES
@@ -38,7 +39,7 @@ def written(tmp_path, thrusters, table="csv"):
     (tmp_path / "vehicle.toml").write_text(HULL + thrusters + SENSORS)
     (tmp_path / "scenario.toml").write_text(PRBS.replace("[[segments]]", TRUTH + "[[segments]]", 1))
     made = workflow.simulate(tmp_path / "vehicle.toml", tmp_path / "scenario.toml", table=table)
-    report.write(made, tmp_path / "out")
+    page.write(made, tmp_path / "out")
     return tmp_path / "vehicle.toml", tmp_path / "out" / f"log.{table}"
 
 
@@ -57,7 +58,7 @@ def test_a_vehicle_that_steers_is_identified_from_its_file(tmp_path, thrusters, 
         assert low <= VALUES[id_] <= high, id_
         bounded += np.isfinite(high - low)
     assert bounded >= 3
-    report.write(workflow.identify(vehicle, log), tmp_path / "fit")
+    page.write(workflow.identify(vehicle, log), tmp_path / "fit")
     checked = workflow.validate(tmp_path / "fit", log).record
     assert sum(f["falsified_samples"] for f in checked["force"].values()) == 0
     assert checked["motion"]["rms"]["u"] < 0.1

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from diagnosis_logs import logs_of, vehicle_of
-from ivsid import diagnose, figures
+from ivsid import diagnose
 from ivsid.diagnosis import evidence, explain, worth
-from ivsid.diagnosis.explain import _verdict
-from ivsid.diagnosis.shape import binned, ordered_by
-from ivsid.records import to_json
+from ivsid.diagnosis.statements.binning import binned, ordered_by
+from ivsid.diagnosis.statements.prose import _verdict
+from ivsid.files.records import to_json
+from ivsid.report import figures
 from ivsid.workflow.diagnose import diagnosis_report
 
 LINEAR = 4.0

@@ -7,16 +7,16 @@ import pytest
 from scipy.signal import lfilter
 
 from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS
-from ivsid.diagnosis.bench import Bench
-from ivsid.diagnosis.channels import channels
-from ivsid.diagnosis.gain import _windows
-from ivsid.diagnosis.noise import Whitening, declared
-from ivsid.diagnosis.physics import ADDED, Hypothesis, acceleration, added_force, still_force, thruster_force
-from ivsid.diagnosis.side import at_once, side_by_side
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.noise import Whitening, declared
+from ivsid.diagnosis.plant.physics import ADDED, Hypothesis, acceleration, added_force, still_force, thruster_force
+from ivsid.diagnosis.prediction.innovations import Bench
+from ivsid.diagnosis.selection.parallel import at_once, side_by_side
+from ivsid.diagnosis.statements.comparison import _windows
 from ivsid.effects import EFFECTS, Given, Reading, terms_of
-from ivsid.filters import respond, whiten
+from ivsid.linear.filters import respond, whiten
 from ivsid.log import Log
-from ivsid.scenario import parse_scenario
+from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 

@@ -7,9 +7,9 @@ import pytest
 
 from conftest import as_log
 from ivsid import IvsidError, identify, verify
+from ivsid.files.records import to_json, write_whole
 from ivsid.identification import METHODS, read_identification
 from ivsid.log import Log
-from ivsid.records import to_json, write_whole
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 

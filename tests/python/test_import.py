@@ -9,7 +9,7 @@ import pytest
 from conftest import embedded
 from ivsid import IvsidError, read_log, read_vehicle, workflow
 from ivsid.adapters import ADAPTERS, read_cse1, read_rov30k, read_t200
-from ivsid.thrust import ThrustCurve
+from ivsid.propulsion.thrust import ThrustCurve
 from test_cli import run
 
 
@@ -90,7 +90,7 @@ def test_rows_from_the_pose_itself_say_more_of_cse1(sets):
     from ivsid import IntervalArray, identify, regression
     from ivsid.effects import terms_of
     from ivsid.rows import build_rows
-    from ivsid.sensors import bound_log
+    from ivsid.sensors.bounds import bound_log
 
     out, record = sets("cse1", "cse1")
     vehicle = read_vehicle(out / "cse1.toml")
@@ -124,7 +124,7 @@ def test_a_glimpse_of_something_else_is_found_by_the_limits(real):
     from scipy.io import loadmat
 
     from ivsid.log import Log
-    from ivsid.sensors import bound_log
+    from ivsid.sensors.bounds import bound_log
     from ivsid.vehicle import parse_vehicle
 
     vehicle = parse_vehicle(embedded("cse1.toml"), "cse1.toml")
@@ -239,7 +239,7 @@ def test_rov30k(sets):
 def test_rov30k_thrusters_give_the_logged_demand(real):
     """The rpm columns, at the places of the vehicle file, reproduce the demanded forces and moment."""
     from ivsid.log import open_source
-    from ivsid.thrust import combine
+    from ivsid.propulsion.thrust import combine
     from ivsid.vehicle import parse_vehicle
 
     vehicle = parse_vehicle(embedded("rov30k.toml"), "rov30k.toml")

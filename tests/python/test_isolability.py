@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from diagnosis_logs import RUDDER, STEERED, TRUTH, TWIN, ZIGZAGS, logs_of, vehicle_of
-from ivsid import trials
-from ivsid.diagnosis.advice import advise
-from ivsid.diagnosis.channels import channels
-from ivsid.diagnosis.families import everything
-from ivsid.diagnosis.fit import plain_fit
-from ivsid.diagnosis.isolability import APART, separability
+from ivsid.diagnosis.candidates.families import everything
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.fit import plain_fit
+from ivsid.diagnosis.planning.advice import advise
+from ivsid.diagnosis.planning.isolability import APART, separability
 from ivsid.log import Log
-from ivsid.scenario import parse_scenario
+from ivsid.programme import trials
+from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
 from ivsid.workflow import isolability
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ivsid import IntervalArray, IvsidError, linalg
-from ivsid.certificates import Certificate
+from ivsid.linear.certificates import Certificate
 
 PROVING = ("exact", "partitioned", "hansen-bliek-rohn", "krawczyk", "cramer", "kuttler", "neumaier")
 

@@ -7,8 +7,8 @@ import polars as pl
 import pytest
 
 from ivsid import IvsidError, read_log
+from ivsid.files.log_map import LogMap
 from ivsid.log.quality import without_held
-from ivsid.vehicle import LogMap
 
 GOOD = "t,u,v,r,other\n0,1,0,0,x\n0.1,1.1,0,0.01,y\n0.2,1.2,nan,0.02,z\n0.3,1.3,,0.03,z\n"
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from ivsid import IvsidError, read_log
 from ivsid.log.sweep import swept
-from ivsid.sensors import bound_log
+from ivsid.sensors.bounds import bound_log
 from ivsid.vehicle import parse_vehicle
 from log_files import log_map, rows_at, two_tables
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from ivsid import IvsidError, identify, read_log
 from ivsid.log.clocks import between, held
-from ivsid.sensors import bound_log
+from ivsid.sensors.bounds import bound_log
 from ivsid.vehicle import parse_vehicle
 from log_files import log_map, rows_at, two_tables
 
@@ -227,7 +227,7 @@ def test_fewer_rows_than_samples_keep_the_noise_of_the_sensor(tmp_path):
 def test_two_clocks_identify_the_truth(tmp_path, swan):
     """A simulated trial, logged by two computers, gives intervals that hold the truth; and says what it assumed."""
     from conftest import embedded
-    from ivsid.scenario import parse_scenario
+    from ivsid.programme.scenario import parse_scenario
     from ivsid.simulation import simulate
 
     scenario = parse_scenario(embedded("swan_train.toml"), "s").model_copy(

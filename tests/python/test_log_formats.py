@@ -11,7 +11,7 @@ from scipy.io import savemat
 
 import log_files
 from ivsid import IvsidError, read_log
-from ivsid.vehicle import LogMap
+from ivsid.files.log_map import LogMap
 
 
 def mapping(table):

@@ -7,11 +7,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from ivsid import IvsidError, read_log, units
+from ivsid import IvsidError, read_log
+from ivsid.files import units
+from ivsid.files.log_map import LogMap
 from ivsid.log import COLUMNS
-from ivsid.sensors import bound_log
-from ivsid.thrust import ThrustCurve
-from ivsid.vehicle import LogMap, parse_vehicle
+from ivsid.propulsion.thrust import ThrustCurve
+from ivsid.sensors.bounds import bound_log
+from ivsid.vehicle import parse_vehicle
 
 N = 24
 T = np.arange(N) * 0.25

@@ -7,7 +7,7 @@ import pytest
 
 from ivsid import identify, verify
 from ivsid.log import Log
-from ivsid.scenario import parse_scenario
+from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 

@@ -5,7 +5,7 @@ import pytest
 
 from conftest import as_log
 from ivsid import IvsidError, read_log
-from ivsid.scenario import parse_scenario
+from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 from ivsid.workflow.common import csv as as_csv

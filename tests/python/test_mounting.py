@@ -10,12 +10,12 @@ from conftest import as_log
 from ivsid import IntervalArray, IvsidError
 from ivsid.effects import terms_of
 from ivsid.log import Log
-from ivsid.mount import Mounted
-from ivsid.mounting import force_at_origin, velocity_at_origin
 from ivsid.rows import build_rows
-from ivsid.sensors import bound_log
+from ivsid.sensors.bounds import bound_log
+from ivsid.sensors.mounting import force_at_origin, velocity_at_origin
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
+from ivsid.vehicle.mount import Mounted
 from test_rows import violated
 
 G = 9.81

@@ -8,22 +8,22 @@ import pytest
 
 from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS
 from ivsid.diagnosis import cache_folder
-from ivsid.diagnosis.calibration import calibrate
-from ivsid.diagnosis.channels import channels
-from ivsid.diagnosis.confirmation import CLOSE, confirmed, strength
-from ivsid.diagnosis.families import everything, score
-from ivsid.diagnosis.fit import plain_fit
-from ivsid.diagnosis.null_cache import keep, kept, key_of
-from ivsid.diagnosis.null_logs import FASTEST, null_logs, thinned
-from ivsid.diagnosis.null_test import NullTest, examined, trial_of
-from ivsid.diagnosis.selection import Found
-from ivsid.diagnosis.testing import Threshold, visibility
+from ivsid.diagnosis.candidates.families import everything, score
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.fit import plain_fit
+from ivsid.diagnosis.null.cache import keep, kept, key_of
+from ivsid.diagnosis.null.calibration import NullTest, examined, trial_of
+from ivsid.diagnosis.null.null_logs import FASTEST, null_logs, thinned
+from ivsid.diagnosis.null.thresholds import calibrate
+from ivsid.diagnosis.null.visibility import Threshold, visibility
+from ivsid.diagnosis.selection.confirmation import CLOSE, confirmed, strength
+from ivsid.diagnosis.selection.select import Found
 from ivsid.effects import sort_given
 from ivsid.log import Log
-from ivsid.scenario import parse_scenario
+from ivsid.programme.scenario import parse_scenario
+from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.simulation import simulate
 from ivsid.simulation.equations import equations, plant
-from ivsid.thrust import ThrustCurve
 from ivsid.vehicle import parse_vehicle
 
 STRAIGHT = """

@@ -10,8 +10,8 @@ import pytest
 
 from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS, logs_of, vehicle_of
 from ivsid import IvsidError, diagnose, identify
-from ivsid.diagnosis.channels import channels
-from ivsid.diagnosis.null_cache import key_of
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.null.cache import key_of
 from ivsid.effects import (
     EFFECTS,
     Effect,

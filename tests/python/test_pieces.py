@@ -6,14 +6,14 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from ivsid import IntervalArray, pieces
+from ivsid import IntervalArray
 from ivsid.effects import terms_of
 from ivsid.errors import IvsidError
-from ivsid.intervals import follow
+from ivsid.intervals import follow, pieces
 from ivsid.log import Log
+from ivsid.programme.scenario import parse_scenario
 from ivsid.rows import build_rows
-from ivsid.scenario import parse_scenario
-from ivsid.sensors import bound_log
+from ivsid.sensors.bounds import bound_log
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 

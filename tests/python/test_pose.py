@@ -6,8 +6,8 @@ import pytest
 
 from ivsid import IvsidError, identify, read_log
 from ivsid.log import Log
-from ivsid.pose import with_velocities
-from ivsid.sensors import bound_log
+from ivsid.sensors.bounds import bound_log
+from ivsid.sensors.pose import with_velocities
 from ivsid.vehicle import parse_vehicle
 
 HEAD = 'name = "a"\n[hull]\nmass = 10\n'

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from diagnosis_logs import logs_of, vehicle_of, with_columns
-from ivsid.diagnosis.channels import channels
-from ivsid.diagnosis.propulsion import Propulsion
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.effects import EFFECTS, Given
 
 HYPOTHESES = (

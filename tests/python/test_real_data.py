@@ -28,10 +28,10 @@ def test_otter_plain_model_is_falsified_and_the_extended_one_holds_the_truth(rea
 
 
 def test_a_current_contradicts_the_calm_fit(real, tmp_path):
-    from ivsid import report
+    from ivsid.report import page
 
     fit = workflow.identify(EXAMPLES / "otter_extended.toml", real("sim_truth_pvs/otter_calm.csv.gz"))
-    report.write(fit, tmp_path / "fit")
+    page.write(fit, tmp_path / "fit")
     calm = workflow.validate(tmp_path / "fit", real("sim_truth_pvs/otter_calm.csv.gz")).record
     current = workflow.validate(tmp_path / "fit", real("sim_truth_pvs/otter_current_0p4_30deg.csv.gz")).record
     assert sum(f["falsified_samples"] for f in calm["force"].values()) == 0
@@ -56,7 +56,7 @@ def test_every_candidate_for_a_t200_holds_its_table(real, volts):
     import numpy as np
     import polars as pl
 
-    from ivsid.thrust import ThrustCurve
+    from ivsid.propulsion.thrust import ThrustCurve
     from ivsid.vehicle import parse_vehicle
 
     path = real(f"t200/T200_{volts}V.csv")

@@ -10,12 +10,12 @@ from conftest import as_log
 from ivsid import IntervalArray, IvsidError, identify, read_log
 from ivsid.effects import CATALOGUE, terms_of
 from ivsid.log import Log
-from ivsid.motion import Motion
+from ivsid.programme.scenario import Start
+from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.rows import build_rows
-from ivsid.scenario import Start
-from ivsid.sensors import bound_log
+from ivsid.rows.motion import Motion
+from ivsid.sensors.bounds import bound_log
 from ivsid.simulation import simulate
-from ivsid.thrust import ThrustCurve
 from ivsid.vehicle import parse_vehicle
 
 FULL = [

@@ -5,15 +5,15 @@ import pytest
 
 from conftest import as_log
 from ivsid import IntervalArray, IvsidError, identify
-from ivsid.actuation import nominal_force
 from ivsid.effects import terms_of
-from ivsid.foil import drag_coefficient, lift_coefficient, lift_slope, rudder_force
 from ivsid.log import Log
+from ivsid.programme.scenario import Start
+from ivsid.propulsion.actuation import nominal_force
+from ivsid.propulsion.foil import drag_coefficient, lift_coefficient, lift_slope, rudder_force
+from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.rows import build_rows
-from ivsid.scenario import Start
-from ivsid.sensors import bound_log
+from ivsid.sensors.bounds import bound_log
 from ivsid.simulation import follow, simulate
-from ivsid.thrust import ThrustCurve
 from ivsid.vehicle import Thruster, parse_vehicle
 from test_actuators import VALUES, scenario_of, vehicle_of
 from test_rows import violated
@@ -55,7 +55,7 @@ def test_a_rudder_turns_the_vehicle_and_is_identified(window):
 @pytest.mark.parametrize("seed", range(8))
 def test_a_rudder_s_force_is_enclosed_over_boxes(seed):
     """Random points of random boxes, small and large, across stall, reversal and standstill."""
-    from ivsid.rudder import drag_over, lift_over, rudder_over
+    from ivsid.propulsion.rudder import drag_over, lift_over, rudder_over
 
     rng = np.random.default_rng(seed)
     blade = {"area": 0.02, "aspect_ratio": 1.5, "position": -0.5, "propeller_diameter": 0.12}

@@ -12,7 +12,7 @@ from conftest import as_log
 from ivsid.errors import IvsidError
 from ivsid.log import Log
 from ivsid.log.record import Clock
-from ivsid.sensors import bound_log, doppler, half_width, rule_for
+from ivsid.sensors.bounds import bound_log, doppler, half_width, rule_for
 from ivsid.vehicle import InertialSensor, Sensors, VelocitySensor, parse_vehicle
 
 

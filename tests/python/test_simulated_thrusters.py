@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ivsid import IvsidError
-from ivsid.thrust import ThrustCurve
+from ivsid.propulsion.thrust import ThrustCurve
 from test_simulation import boat, move
 
 

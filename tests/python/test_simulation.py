@@ -6,7 +6,7 @@ import pytest
 
 from ivsid import IvsidError
 from ivsid.effects import CATALOGUE, EFFECTS, sort_given, terms_of
-from ivsid.scenario import Faults, Sensing, Start, parse_scenario
+from ivsid.programme.scenario import Faults, Sensing, Start, parse_scenario
 from ivsid.simulation import follow, simulate
 from ivsid.simulation.equations import equations, plant
 from ivsid.vehicle import parse_vehicle
@@ -285,7 +285,7 @@ def test_floats_and_arrays_compile_to_the_same_motion(swan):
 
 def test_the_catalogue_moves_as_the_dynamics_of_a_fit_does(swan, programme):
     """Two ways from the same columns: the compiled equations and the model that validates a fit."""
-    from ivsid.dynamics import Dynamics
+    from ivsid.validation.dynamics import Dynamics
 
     linear = [i for i in CATALOGUE if i != "drag.cross_flow"]
     text = swan.text.replace('terms = "paper"', f"terms = {linear}")

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ivsid import IvsidError
-from ivsid.bollard import TABLE_III, examine
+from ivsid.propulsion.bollard import TABLE_III, examine
+from ivsid.propulsion.thrust import ThrustCurve, combine
 from ivsid.simulation.propulsion import scalar_curve
-from ivsid.thrust import ThrustCurve, combine
 from ivsid.vehicle import Thruster, Vehicle, parse_vehicle
 
 
@@ -138,7 +138,7 @@ def held(text, demand, thrust):
 
 def test_every_candidate_with_its_band_holds_the_bollard_data():
     """Table III, a PWM table with a dead band, and a noisy one: each candidate's text encloses every point, and no half of it does."""
-    from ivsid.bollard import PUBLISHED_CUBIC
+    from ivsid.propulsion.bollard import PUBLISHED_CUBIC
     from ivsid.workflow.thrust import candidate_toml
 
     rng = np.random.default_rng(1)
@@ -160,7 +160,7 @@ def test_every_candidate_with_its_band_holds_the_bollard_data():
 
 
 def test_the_published_cubic_misses_and_the_quadratic_finds_its_own():
-    from ivsid.bollard import PUBLISHED_CUBIC
+    from ivsid.propulsion.bollard import PUBLISHED_CUBIC
 
     table = examine(np.array(TABLE_III[0]), np.array(TABLE_III[1]), PUBLISHED_CUBIC)
     cubic = table.fits[0]

@@ -5,12 +5,12 @@ import pytest
 
 from conftest import as_log
 from ivsid import IvsidError, identify, validate
-from ivsid.constriction import constrict
-from ivsid.dynamics import Dynamics
 from ivsid.effects import PAPER_TERMS, PLAIN_TERMS, terms_of
+from ivsid.identification.constriction import constrict
 from ivsid.rows import build_rows
-from ivsid.sensors import bound_log
+from ivsid.sensors.bounds import bound_log
 from ivsid.simulation import simulate
+from ivsid.validation.dynamics import Dynamics
 from ivsid.vehicle import parse_vehicle
 
 

@@ -15,7 +15,7 @@ from conftest import as_log
 from edited_results import written
 from ivsid import identify, verify
 from ivsid.errors import IvsidError
-from ivsid.records import to_json
+from ivsid.files.records import to_json
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 from ivsid.verification.cells import covers

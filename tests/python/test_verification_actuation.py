@@ -12,9 +12,9 @@ from scipy.spatial.transform import Rotation
 from conftest import as_log
 from edited_results import written
 from ivsid import IntervalArray, verify
-from ivsid.foil import rudder_force
 from ivsid.log import Log
-from ivsid.rudder import rudder_over
+from ivsid.propulsion.foil import rudder_force
+from ivsid.propulsion.rudder import rudder_over
 from ivsid.simulation import simulate
 from ivsid.vehicle import Thruster, parse_vehicle
 from ivsid.verification.angles import arctangent, direction

@@ -13,7 +13,7 @@ from ivsid import identify, verify
 from ivsid.effects import CHANNELS, terms_of
 from ivsid.log import Log, Sweep
 from ivsid.rows import ROW_KINDS, build_rows
-from ivsid.sensors import bound_log
+from ivsid.sensors.bounds import bound_log
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 from ivsid.verification.rows import Rows

@@ -6,11 +6,11 @@ import pytest
 from ivsid import IntervalArray, IvsidError, identify
 from ivsid.effects import terms_of
 from ivsid.log import Log
-from ivsid.pose import with_velocities
 from ivsid.rows import build_rows
-from ivsid.sensors import bound_log
+from ivsid.sensors.bounds import bound_log
+from ivsid.sensors.pose import with_velocities
+from ivsid.sensors.weak_form import pose_means
 from ivsid.vehicle import parse_vehicle
-from ivsid.weak_form import pose_means
 from test_pose import HEAD, boat, motion
 
 VALUES = {

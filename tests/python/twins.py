@@ -17,7 +17,7 @@ import numpy as np
 
 from ivsid import identify, verify
 from ivsid.log import Log
-from ivsid.scenario import Scenario, parse_scenario
+from ivsid.programme.scenario import Scenario, parse_scenario
 from ivsid.simulation import simulate
 from ivsid.vehicle import Vehicle, parse_vehicle
 

@@ -11,9 +11,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from ivsid import units
 from ivsid.adapters.imported import Imported, Table, digests, files_in
 from ivsid.errors import IvsidError
+from ivsid.files import units
 from ivsid.log import open_source
 
 WHAT: Final = "the T200 tables (T200_10V.csv to T200_20V.csv)"

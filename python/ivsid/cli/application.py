@@ -308,7 +308,9 @@ def _run(
     """Checks the folder, works, writes, prints; files named in ``apart`` go to places of their own."""
     apart = apart or {}
     folder = out if out is not None else Path(f"ivsid-{command}")
-    from ivsid import effects, records, report, workflow  # noqa: PLC0415 - the heavy imports wait until a command runs
+    from ivsid import effects, workflow  # noqa: PLC0415 - the heavy imports wait until a command runs
+    from ivsid.files import records  # noqa: PLC0415 - the heavy imports wait until a command runs
+    from ivsid.report import page  # noqa: PLC0415 - the heavy imports wait until a command runs
 
     for place in (folder, *(p.parent for p in apart.values())):
         records.check_writable(place)
@@ -316,7 +318,7 @@ def _run(
     with console.status(command) as status:
         made = work(workflow, lambda step: status.update(f"{command}: {step}"))
         made = replace(made, record=records.with_own_effects(made.record, effects.own_files()))
-        report.write(replace(made, files={n: c for n, c in made.files.items() if n not in apart}), folder)
+        page.write(replace(made, files={n: c for n, c in made.files.items() if n not in apart}), folder)
         for name, place in apart.items():
             records.write_whole(place, made.files[name])
     if json:

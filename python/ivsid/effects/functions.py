@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ivsid.cross_flow import cross_flow_over
+from ivsid.effects.cross_flow import cross_flow_over
 
 
 def _apply(name: str, x: Any, scalar: Any) -> Any:

@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 from ivsid.effects import CHANNELS, State, Term, rigid_body
 from ivsid.identification.fit import Identification
 from ivsid.intervals import IntervalArray
+from ivsid.intervals.pieces import interval_pieces
 from ivsid.log import Log
-from ivsid.pieces import interval_pieces
 from ivsid.rows import ROW_KINDS, RegressionRows
-from ivsid.sensors import BoundedLog, rule_for
+from ivsid.sensors.bounds import BoundedLog, rule_for
 from ivsid.vehicle import AccelerationSensor, Vehicle
 
 CHOICES: Final = ("auto", "sample", "log")

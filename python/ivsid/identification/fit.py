@@ -11,7 +11,7 @@ import numpy as np
 
 from ivsid.effects import terms_of
 from ivsid.errors import IvsidError
-from ivsid.records import Lower, Upper, envelope, sealed, to_json, write_whole
+from ivsid.files.records import Lower, Upper, envelope, sealed, to_json, write_whole
 from ivsid.vehicle import Vehicle, parse_vehicle
 
 

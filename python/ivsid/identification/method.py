@@ -9,18 +9,18 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid import regression
 from ivsid.effects import CHANNELS, Term, terms_of
 from ivsid.errors import IvsidError
 from ivsid.identification.bias import CHOICES, apart, with_unknowns, without_unknowns
 from ivsid.identification.fit import Identification, Parameter
 from ivsid.identification.freedom import determined
 from ivsid.intervals import FloatArray
-from ivsid.linalg import INVERSE_METHODS, partition_count
+from ivsid.intervals.pieces import over_pieces, pieces
+from ivsid.linear import regression
+from ivsid.linear.linalg import INVERSE_METHODS, partition_count
 from ivsid.log import Log
-from ivsid.pieces import over_pieces, pieces
 from ivsid.rows import ROW_KINDS, WINDOW, RegressionRows, build_rows
-from ivsid.sensors import BoundedLog, bound_log
+from ivsid.sensors.bounds import BoundedLog, bound_log
 from ivsid.vehicle import Vehicle
 
 METHODS: Final = ("feasible", *regression.LEAST_SQUARES_METHODS, *INVERSE_METHODS)

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
+from ivsid.files.log_map import Column, LogMap, TimeColumn
 from ivsid.log.source import Source
-from ivsid.log_map import Column, LogMap, TimeColumn
 
 COLUMNS: Final = (
     *("u", "v", "r", "udot", "vdot", "rdot", "ax", "ay", "psi", "x", "y"),

@@ -11,8 +11,8 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
-from ivsid import units
 from ivsid.errors import IvsidError
+from ivsid.files import units
 from ivsid.log.record import GAP, Clock
 from ivsid.log.source import numbers, stamp_unit
 

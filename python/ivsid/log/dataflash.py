@@ -14,8 +14,8 @@ from typing import Any, Final
 import polars as pl
 
 from ivsid.errors import IvsidError
+from ivsid.files.log_map import TimeColumn
 from ivsid.log.source import Lossless, Table
-from ivsid.log_map import TimeColumn
 
 CLOCK: Final = "TimeUS"
 OWN: Final = TimeColumn.model_validate({"from": CLOCK, "unit": "us"})

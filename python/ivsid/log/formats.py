@@ -17,13 +17,13 @@ from typing import Final
 import polars as pl
 
 from ivsid.errors import IvsidError
+from ivsid.files.log_map import TimeColumn
 from ivsid.log.dataflash import open_dataflash
 from ivsid.log.matlab import open_matlab
 from ivsid.log.panics import panics_unprinted
 from ivsid.log.rosbag import open_bag
 from ivsid.log.source import Lossless, Source, Table, head
 from ivsid.log.text import open_text
-from ivsid.log_map import TimeColumn
 
 # MATLAB v5 files begin with words; a v4 file is told by its ending.
 MATLAB_5: Final = b"MATLAB 5.0 MAT-file"

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
+from ivsid.files.log_map import LogMap
 from ivsid.log.angles import certain_below, is_angle, unwrapped, wrapped
 from ivsid.log.channels import BY_THRUSTER, DEMAND, Channel, Clocked
 from ivsid.log.clocks import Times, between, clock_of, held, nearest
 from ivsid.log.record import GAP, Clock, Quality, Sweep
 from ivsid.log.source import Source
 from ivsid.log.sweep import Manner, swept
-from ivsid.log_map import LogMap
 
 Array = NDArray[np.float64]
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
+from ivsid.files.log_map import LogMap
 from ivsid.log.channels import (
     Clocked,
     Rule,
@@ -26,7 +27,6 @@ from ivsid.log.one_clock import Columns, Reading, on_one_clock
 from ivsid.log.quality import Steps, examine, gaps, without_held
 from ivsid.log.record import Log
 from ivsid.log.source import numbers
-from ivsid.log_map import LogMap
 
 Array = NDArray[np.float64]
 

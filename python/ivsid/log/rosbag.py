@@ -13,8 +13,8 @@ import numpy as np
 import polars as pl
 
 from ivsid.errors import IvsidError
+from ivsid.files.log_map import TimeColumn
 from ivsid.log.source import Lossless, Table
-from ivsid.log_map import TimeColumn
 
 # The two clocks of a message, in nanoseconds: when the sensor says that it measured, and when the recorder got it.
 STAMP: Final = "stamp"

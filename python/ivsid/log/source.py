@@ -13,7 +13,7 @@ import polars as pl
 from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
-from ivsid.log_map import TimeColumn
+from ivsid.files.log_map import TimeColumn
 
 MISSING: Final = ("", "nan", "NaN", "NAN", "null")
 # Between a table and its column in the name of a foreign column, where a file holds several tables.

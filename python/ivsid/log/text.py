@@ -11,8 +11,8 @@ from typing import Final
 import polars as pl
 
 from ivsid.errors import IvsidError
+from ivsid.files.log_map import TimeColumn
 from ivsid.log.source import MISSING
-from ivsid.log_map import TimeColumn
 
 HEAD: Final = 65536
 SEPARATORS: Final = (";", "\t", " ")

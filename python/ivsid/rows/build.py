@@ -10,14 +10,14 @@ import numpy as np
 
 from ivsid.effects import CHANNELS, Term
 from ivsid.errors import IvsidError
+from ivsid.intervals.pieces import PIECE, over_pieces, pieces
 from ivsid.log import Log
-from ivsid.pieces import PIECE, over_pieces, pieces
 from ivsid.rows.equations import Equations
 from ivsid.rows.integral import integral
 from ivsid.rows.pointwise import explain, pointwise
 from ivsid.rows.record import RegressionRows, Space, joined
 from ivsid.rows.weak import weak
-from ivsid.sensors import BoundedLog
+from ivsid.sensors.bounds import BoundedLog
 from ivsid.vehicle import Vehicle
 
 WINDOW: Final = 1.0

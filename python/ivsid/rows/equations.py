@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from ivsid.effects import Columns, Place, State, Term, rigid_body
 from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray, Interval, IntervalArray
-from ivsid.lag import GAP
-from ivsid.needs import lacking, needed_by
+from ivsid.propulsion.lag import GAP
 from ivsid.rows.forces import Forces, KnownForces
+from ivsid.rows.needs import lacking, needed_by
 from ivsid.rows.record import ROW_KINDS, RegressionRows
-from ivsid.sensors import BoundedLog
+from ivsid.sensors.bounds import BoundedLog
 from ivsid.vehicle import Vehicle
 
 # Decimals of the mass and the centre of gravity are rounded, and their products too: this factor holds what that can lose.

@@ -8,10 +8,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.actuation import Flow, Push
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
-from ivsid.sensors import BoundedLog
+from ivsid.propulsion.actuation import Flow, Push
+from ivsid.sensors.bounds import BoundedLog
 from ivsid.vehicle import Vehicle
 
 

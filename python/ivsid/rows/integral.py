@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from ivsid.effects import Columns, Place, State
 from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray, IntervalArray
-from ivsid.motion import Motion
 from ivsid.rows.equations import SOMEWHERE, Equations, complete, unit
 from ivsid.rows.forces import above
+from ivsid.rows.motion import Motion
 from ivsid.rows.record import RegressionRows
 
 # Stands for an acceleration [m/s^2] that nobody knows, where an infinity would spoil the sum over a window.

@@ -11,7 +11,7 @@ from ivsid.intervals import IntervalArray
 from ivsid.rows.equations import Equations, complete, unit
 from ivsid.rows.integral import Quadrature
 from ivsid.rows.record import RegressionRows
-from ivsid.weak_form import ROUNDING, pose_means
+from ivsid.sensors.weak_form import ROUNDING, pose_means
 
 
 def weak(equations: Equations, index: int, channel: str, half: int) -> RegressionRows | None:

@@ -35,9 +35,9 @@ from ivsid.effects.environment import earth_to_body
 from ivsid.effects.functions import cos, sin
 from ivsid.effects.inertia import SHARED_MUNK
 from ivsid.errors import IvsidError
-from ivsid.foil import rudder_force
+from ivsid.propulsion.foil import rudder_force
+from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.simulation.symbols import Steps, Symbol, Tape, solve
-from ivsid.thrust import ThrustCurve
 from ivsid.vehicle import Vehicle
 
 # (t, u, v, r, psi, x, y, X, Y, N, wind north, wind east, thrusts, angles) -> rates of u, v, r, psi, x, y

@@ -9,8 +9,8 @@ import numpy as np
 
 from ivsid.effects import EFFECTS, Effect, Reading, Terms, terms_of
 from ivsid.errors import IvsidError
-from ivsid.scenario import Scenario
-from ivsid.thrust import ThrustCurve
+from ivsid.programme.scenario import Scenario
+from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.vehicle import Vehicle
 
 # Smallest and largest multiple of the typical size.

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from ivsid.effects import EFFECTS, Drive, Given, Response, Thrust, for_thruster
+from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.simulation.equations import Plant
-from ivsid.thrust import ThrustCurve
 from ivsid.vehicle import Thruster
 
 # Effects that say of a thruster what its file may claim; where both are given, the effect is the truth.

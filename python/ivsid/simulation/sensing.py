@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.effects import Given, Reading
-from ivsid.scenario import Faults, Scenario
-from ivsid.sensors import count_errors, half_width, rule_for
+from ivsid.programme.scenario import Faults, Scenario
+from ivsid.sensors.bounds import count_errors, half_width, rule_for
 from ivsid.vehicle import InertialSensor, Vehicle
 
 # Columns of each section of [sensors].

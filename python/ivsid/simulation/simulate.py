@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ivsid.effects import Given, Reading, Terms, sort_given, terms_of
 from ivsid.errors import IvsidError
-from ivsid.manoeuvres import Command, Programme
-from ivsid.scenario import Scenario, Start
+from ivsid.programme.manoeuvres import Command, Programme
+from ivsid.programme.scenario import Scenario, Start
 from ivsid.simulation.equations import Plant, axis, equations, plant, steps
 from ivsid.simulation.integrate import INSIDE, Helm, Path, Pose, settle
 from ivsid.simulation.propulsion import Propulsion, TrueThrust

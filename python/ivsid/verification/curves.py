@@ -8,7 +8,7 @@ from functools import cached_property
 from itertools import pairwise
 from typing import Final, TypeAlias
 
-from ivsid import units
+from ivsid.files import units
 from ivsid.vehicle import Thruster
 from ivsid.verification.errors import UnprovedError
 from ivsid.verification.rational import Range, cosine, sided, sine

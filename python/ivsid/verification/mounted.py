@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ivsid.mount import Mounted
+from ivsid.vehicle.mount import Mounted
 from ivsid.verification.decimals import Decimals
 from ivsid.verification.rational import Range, cosine, sided, sine
 

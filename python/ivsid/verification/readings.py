@@ -14,8 +14,8 @@ from typing import Final
 import numpy as np
 
 from ivsid.log import Log
-from ivsid.mount import Mounted
 from ivsid.vehicle import AccelerationSensor, InertialSensor, Vehicle
+from ivsid.vehicle.mount import Mounted
 from ivsid.verification.decimals import Decimals, around
 from ivsid.verification.errors import UnprovedError
 from ivsid.verification.gravity import along_and_across, size

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ivsid.errors import IvsidError
-from ivsid.seal import KEY, seal_of
+from ivsid.files.seal import KEY, seal_of
 from ivsid.vehicle import Vehicle, parse_vehicle
 from ivsid.verification.decimals import decimal
 

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid import figures, report
-from ivsid.allan import AllanDeviation, allan_deviation
-from ivsid.allan_fit import NAMES
 from ivsid.errors import IvsidError
+from ivsid.files.records import envelope
 from ivsid.log import open_source
-from ivsid.records import envelope
-from ivsid.report import Report, Section
-from ivsid.results import allan_record
-from ivsid.sensors import rule_for
+from ivsid.report import figures, page
+from ivsid.report.page import Report, Section
+from ivsid.report.tables import allan_record
+from ivsid.sensors.allan import AllanDeviation, allan_deviation
+from ivsid.sensors.allan_fit import NAMES
+from ivsid.sensors.bounds import rule_for
 from ivsid.vehicle import Sensors
 from ivsid.workflow.common import Progress, silent
 
@@ -85,10 +85,10 @@ def allan(
     sections = (
         Section(
             "Coefficients",
-            (coefficient_table(rows), band_table(curves), report.bullets([*_reading(rule.sigmas), *recording.notes])),
+            (coefficient_table(rows), band_table(curves), page.bullets([*_reading(rule.sigmas), *recording.notes])),
         ),
-        Section("Curves", tuple(report.drawing(d) for d in drawings)),
-        Section("For the vehicle file", (report.code(snippet),)),
+        Section("Curves", tuple(page.drawing(d) for d in drawings)),
+        Section("For the vehicle file", (page.code(snippet),)),
     )
     summary = f"{samples} samples at {1 / recording.period:.4g} Hz, {samples * recording.period:.4g} s; {len(curves)} channels."
     lines = [
@@ -154,13 +154,13 @@ def coefficient_table(rows: list[list[Any]]) -> dict[str, Any]:
         "3 σ_c",
         "half-width",
     ]
-    return report.table(header, rows)
+    return page.table(header, rows)
 
 
 def band_table(curves: Mapping[str, AllanDeviation]) -> dict[str, Any]:
     """The numbers that were read off with their 95 % bands."""
     rows = [[channel, *(_banded(getattr(a, name), a.bands[name]) for name in NAMES)] for channel, a in curves.items()]
-    return report.table(["channel", "N", "B", "T [s]", "K [unit/s/√s]"], rows, "95 % bands")
+    return page.table(["channel", "N", "B", "T [s]", "K [unit/s/√s]"], rows, "95 % bands")
 
 
 def _banded(value: float, band: tuple[float, float]) -> str:

@@ -12,10 +12,10 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
-from ivsid import report
 from ivsid.identification import Identification, in_words
 from ivsid.intervals import outward_decimal
 from ivsid.log import Quality
+from ivsid.report import page
 from ivsid.validation import Validation
 
 Progress: TypeAlias = Callable[[str], None]
@@ -68,7 +68,7 @@ def method_table(fits: Sequence[Identification]) -> dict[str, Any]:
             width = p.width if p and math.isfinite(p.width) else None
             head = [fit.method, fit.status, fit.guaranteed] if k == 0 else ["", "", ""]
             rows.append([*head, id_, p.unit if p else "", bounds, width])
-    return report.table(["method", "status", "guaranteed", "parameter", "unit", "interval", "width"], rows)
+    return page.table(["method", "status", "guaranteed", "parameter", "unit", "interval", "width"], rows)
 
 
 def parameter_lines(fit: Identification) -> list[str]:
@@ -158,20 +158,20 @@ def validation_table(result: Validation) -> dict[str, Any]:
         "inside bounds [%]",
         "contradicting rows",
     ]
-    return report.table(header, rows)
+    return page.table(header, rows)
 
 
 def motion_table(result: Validation) -> dict[str, Any]:
     """Errors of the simulated motion."""
     motion = result.motion
     if motion.reason:
-        return report.text(f"No simulated motion: {motion.reason}.")
+        return page.text(f"No simulated motion: {motion.reason}.")
     units = {"u": "m/s", "v": "m/s", "r": "rad/s", "position": "m"}
     rows = [
         [k, units[k], motion.window["position" if k == "position" else "velocity"], motion.rms[k], motion.median[k]]
         for k in motion.rms
     ]
-    return report.table(["quantity", "unit", "window [s]", "rms error", "median over windows"], rows)
+    return page.table(["quantity", "unit", "window [s]", "rms error", "median over windows"], rows)
 
 
 def quality_table(quality: Mapping[str, Quality]) -> dict[str, Any]:
@@ -190,7 +190,7 @@ def quality_table(quality: Mapping[str, Quality]) -> dict[str, Any]:
         "smallest",
         "largest",
     ]
-    return report.table(header, rows, "Nothing is filled in, and no outlier is taken out.")
+    return page.table(header, rows, "Nothing is filled in, and no outlier is taken out.")
 
 
 def csv(t: NDArray[np.float64], columns: dict[str, NDArray[np.float64]]) -> str:

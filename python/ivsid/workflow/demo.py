@@ -9,19 +9,21 @@ from typing import Any
 
 import numpy as np
 
-from ivsid import bollard, identification, linalg, regression, simulation, validation
-from ivsid.allan import AllanDeviation, allan_deviation
-from ivsid.constriction import Constriction, constrict
+from ivsid import identification, simulation, validation
 from ivsid.effects import terms_of
+from ivsid.files.records import envelope, sealed, to_json
 from ivsid.identification import Identification, Parameter
+from ivsid.identification.constriction import Constriction, constrict
 from ivsid.intervals import EndpointPair, IntervalArray
+from ivsid.linear import linalg, regression
 from ivsid.log import Log
-from ivsid.records import envelope, sealed, to_json
-from ivsid.report import Report
-from ivsid.results import allan_record, bollard_record, validation_record
+from ivsid.programme.scenario import parse_scenario
+from ivsid.propulsion import bollard
+from ivsid.report.page import Report
+from ivsid.report.tables import allan_record, bollard_record, validation_record
 from ivsid.rows import RegressionRows, build_rows
-from ivsid.scenario import parse_scenario
-from ivsid.sensors import BoundedLog, bound_log
+from ivsid.sensors.allan import AllanDeviation, allan_deviation
+from ivsid.sensors.bounds import BoundedLog, bound_log
 from ivsid.simulation import gauss_markov
 from ivsid.vehicle import AccelerationSensor, Vehicle, parse_vehicle
 from ivsid.workflow.common import (

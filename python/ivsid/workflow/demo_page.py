@@ -7,15 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from ivsid import bollard, figures, linalg, report
-from ivsid.allan import AllanDeviation
-from ivsid.constriction import Constriction
-from ivsid.figures import Drawing
 from ivsid.identification import Identification
+from ivsid.identification.constriction import Constriction
 from ivsid.intervals import Interval, IntervalArray
+from ivsid.linear import linalg
 from ivsid.log import Log
-from ivsid.report import Section
-from ivsid.sensors import doppler_drift, doppler_paper, sigma_published
+from ivsid.propulsion import bollard
+from ivsid.report import figures, page
+from ivsid.report.figures import Drawing
+from ivsid.report.page import Section
+from ivsid.sensors.allan import AllanDeviation
+from ivsid.sensors.bounds import doppler_drift, doppler_paper, sigma_published
 from ivsid.simulation import Simulated
 from ivsid.validation import Validation
 from ivsid.vehicle import Vehicle
@@ -109,12 +111,12 @@ def sections_of(
     drawings: tuple[Drawing, ...],
 ) -> tuple[Section, ...]:
     """The sections of the page, in the order of the paper."""
-    shown_figures = {d.name: report.drawing(d) for d in drawings}
+    shown_figures = {d.name: page.drawing(d) for d in drawings}
     validated = [p for name, p in shown_figures.items() if name.startswith("fig4-7_")]
     heuristic = [p for name, p in shown_figures.items() if name.startswith("constricted_")]
     rows = coefficient_rows(curves, {n: float("nan") for n in curves})
     return (
-        Section("The twin", (report.bullets(_twin(vehicle, train)), shown_figures["train"], _table_iv(vehicle))),
+        Section("The twin", (page.bullets(_twin(vehicle, train)), shown_figures["train"], _table_iv(vehicle))),
         Section(
             "Sensors (Table II, eq. 15, Figs 1-2)",
             (
@@ -125,11 +127,11 @@ def sections_of(
         ),
         Section(
             "Thrust (Table III, eq. 18, Fig. 3)",
-            (report.text(_thrust_words(table)), fit_table(table), shown_figures["fig3_thrust"]),
+            (page.text(_thrust_words(table)), fit_table(table), shown_figures["fig3_thrust"]),
         ),
         Section(
             "Parameters by every method",
-            (method_table(fits), shown_figures["parameters"], report.bullets(fits[0].assumes)),
+            (method_table(fits), shown_figures["parameters"], page.bullets(fits[0].assumes)),
         ),
         Section("What the published inverse is worth", _worth_parts(worth)),
         Section("Table V", _table_v(fits[0], published, narrowed, vehicle)),
@@ -140,7 +142,7 @@ def sections_of(
         Section(
             "Validation of the constricted intervals",
             (
-                report.text("The heuristic's intervals claim nothing; this is what they do on the second trial."),
+                page.text("The heuristic's intervals claim nothing; this is what they do on the second trial."),
                 validation_table(checks[1]),
                 *heuristic,
                 _errors(checks),
@@ -164,7 +166,7 @@ def _twin(vehicle: Vehicle, train: Trial) -> list[str]:
 def _table_iv(vehicle: Vehicle) -> dict[str, Any]:
     x, y = vehicle.hull.centre_of_gravity
     rows = [["centre of gravity x_G [mm]", -1.06, 1e3 * x], ["centre of gravity y_G [mm]", -2.95, 1e3 * y]]
-    return report.table(["Table IV", "paper", "twin"], rows)
+    return page.table(["Table IV", "paper", "twin"], rows)
 
 
 def _thrust_words(table: bollard.Bollard) -> str:
@@ -182,13 +184,13 @@ def _worth_parts(worth: dict[str, Any]) -> tuple[dict[str, Any], ...]:
         if method in worth:
             w = worth[method]
             rows.append([method, f"{w['improper']} of {entries}", f"{w.get('enclosed_entries', '–')} of {entries}"])
-    first = report.table(
+    first = page.table(
         ["inverse of A'A (mass, drag)", "improper entries", "entries that enclose the exact hull's"],
         rows,
         f"N = {worth['partitions']} partitions",
     )
     widths = [[m, i, float(r)] for m, ratios in worth["width_over_feasible"].items() for i, r in ratios.items()]
-    second = report.table(["method (eq. 14)", "parameter", "width over the feasible set's"], widths)
+    second = page.table(["method (eq. 14)", "parameter", "width over the feasible set's"], widths)
     values = []
     for i, j in np.ndindex(*np.shape(worth["published"]["lower"])):
         cells: list[Any] = [f"({i + 1}, {j + 1})"]
@@ -197,8 +199,8 @@ def _worth_parts(worth: dict[str, Any]) -> tuple[dict[str, Any], ...]:
                 f"[{worth[method]['lower'][i, j]:.6g}, {worth[method]['upper'][i, j]:.6g}]" if method in worth else "–"
             )
         values.append(cells)
-    third = report.table(["entry of (A'A)⁻¹", "eq. 11 literally", "hull over both sets", "exact hull"], values)
-    words = report.text(
+    third = page.table(["entry of (A'A)⁻¹", "eq. 11 literally", "hull over both sets", "exact hull"], values)
+    words = page.text(
         "Eq. 11 follows one diagonal of the box of matrices. Its result is kept as it comes out, improper entries included, and is never "
         "called guaranteed; through eq. 14 it is also far wider than the set of parameters that the samples allow."
     )
@@ -235,11 +237,11 @@ def _table_v(
         "the same, constricted (not guaranteed)",
         "feasible (guaranteed)",
     ]
-    words = report.text(
+    words = page.text(
         "Added mass with the rigid-body mass known (second form of eq. 6). The paper's widths of 40, 40 and 90 are the mark of its heuristic "
         f"constriction; ours accepted {narrowed.steps} halvings and kept {100 * narrowed.coverage:.1f} % of the measured forces inside."
     )
-    return words, report.table(header, rows)
+    return words, page.table(header, rows)
 
 
 def _errors(checks: list[Validation]) -> dict[str, Any]:
@@ -248,7 +250,7 @@ def _errors(checks: list[Validation]) -> dict[str, Any]:
         for f in check.forces:
             printed = PRINTED_ERRORS.get(f.channel)
             rows.append([check.fit.method, f.channel, f.mean_absolute, f.mean, f.sigma, *(printed or (None, None))])
-    return report.table(
+    return page.table(
         ["method", "channel", "mean |error|", "mean error", "sigma", "paper mean", "paper sigma"],
         rows,
         "Errors beside the paper's printed ones",
@@ -273,7 +275,7 @@ def _reproduced() -> dict[str, Any]:
             f"[{n['velocity_2'][0]:.6g}, {n['velocity_2'][1]:.6g}]",
         ],
     ]
-    return report.table(["number", "printed", "computed"], rows)
+    return page.table(["number", "printed", "computed"], rows)
 
 
 def lines_of(fits: list[Identification], worth: dict[str, Any], checks: list[Validation]) -> tuple[str, ...]:

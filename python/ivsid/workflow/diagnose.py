@@ -5,10 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from ivsid import diagnosis, figures, report
+from ivsid import diagnosis
 from ivsid.diagnosis import GUARANTEED, NULL_LOGS, REFUTED, Claim, Diagnosis, cache_folder
 from ivsid.log import read_log
-from ivsid.report import Report, Section
+from ivsid.report import figures, page
+from ivsid.report.page import Report, Section
 from ivsid.vehicle import read_vehicle
 from ivsid.workflow.common import Progress, shown, silent
 
@@ -56,20 +57,20 @@ def diagnosis_report(result: Diagnosis) -> Report:
     others = (figures.net_force(result.gain), figures.gain(result.gain), figures.force_residual(result.gain))
     told: list[dict[str, Any]] = []
     for f, paragraphs in zip(result.findings, diagnosis.explain(result, seen), strict=True):
-        told += map(report.text, paragraphs)
+        told += map(page.text, paragraphs)
         if f.effect in signatures:
-            told.append(report.drawing(signatures[f.effect]))
+            told.append(page.drawing(signatures[f.effect]))
     sections = [
         Section("Findings", (_findings(result), *told)),
-        Section("What the better model is worth", (_gain(result), *map(report.drawing, others))),
+        Section("What the better model is worth", (_gain(result), *map(page.drawing, others))),
         Section("What the vehicle file claims", (_claims(result),) if result.claims else ()),
         Section("Candidates that are no findings", (_candidates(result),)),
         Section("What this log could not show", (_untested(result), _allowed(result))),
-        Section("Proved without a noise model", (report.bullets(_proved(result)),)),
-        Section("What this rests on", (report.bullets(_assumptions(result)),)),
+        Section("Proved without a noise model", (page.bullets(_proved(result)),)),
+        Section("What this rests on", (page.bullets(_assumptions(result)),)),
     ]
     if result.hints:
-        sections.insert(1, Section("Hints: inside the declared errors", (report.bullets(result.hints),)))
+        sections.insert(1, Section("Hints: inside the declared errors", (page.bullets(result.hints),)))
     summary = f"{result.vehicle.name}: {result.verdict}. {VERDICTS[result.verdict]}"
     if result.proofs[0].refuted:
         summary += f" {REFUTATION}"
@@ -93,7 +94,7 @@ def _findings(result: Diagnosis) -> dict[str, Any]:
         )
         rows.append([f.effect, f.confidence, bounds or "–", ", ".join(f.alternatives) or "–", f.separate_by or "–"])
     header = ["cause", "confidence in its set", "parameters", "could also be", "what would separate them"]
-    return report.table(header, rows, "No finding." if not rows else "Intervals are statistical unless marked.")
+    return page.table(header, rows, "No finding." if not rows else "Intervals are statistical unless marked.")
 
 
 def _gain(result: Diagnosis) -> dict[str, Any]:
@@ -103,7 +104,7 @@ def _gain(result: Diagnosis) -> dict[str, Any]:
     ]
     header = ["on the other log", "before", "after", "before/after from", "to", "so it is"]
     caption = "Medians over windows, rms for forces; 95 % intervals of before/after by drawing windows anew. A loss is a loss."
-    return report.table(header, rows, caption)
+    return page.table(header, rows, caption)
 
 
 def _candidates(result: Diagnosis) -> dict[str, Any]:
@@ -128,7 +129,7 @@ def _candidates(result: Diagnosis) -> dict[str, Any]:
         "left beside the findings",
         "why it is none",
     ]
-    return report.table(header, rows, "The twenty that came nearest; result.json has them all.")
+    return page.table(header, rows, "The twenty that came nearest; result.json has them all.")
 
 
 def _claims(result: Diagnosis) -> dict[str, Any]:
@@ -144,7 +145,7 @@ def _claims(result: Diagnosis) -> dict[str, Any]:
     ]
     header = ["number", "claimed", "away [σ]", "the log, other claims held", "the log alone", "so it is"]
     caption = "Statistical intervals; they hold what a cause that was not found may hide. A claim is a finding only where nothing else could move it."
-    return report.table(header, rows, caption)
+    return page.table(header, rows, caption)
 
 
 def _said(claim: Claim) -> str:
@@ -158,7 +159,7 @@ def _said(claim: Claim) -> str:
 
 
 def _untested(result: Diagnosis) -> dict[str, Any]:
-    return report.table(
+    return page.table(
         ["effect", "why not", "needs"], [[q["effect"], q["reason"], q["needs"]] for q in result.not_tested]
     )
 
@@ -170,7 +171,7 @@ def _allowed(result: Diagnosis) -> dict[str, Any]:
         for name, b in result.allowed.items()
     ]
     caption = "Causes that are no findings, each alone beside the extended model: statistical intervals of what may be there all the same."
-    return report.table(["number", "the log allows", "would have shown from"], rows, caption)
+    return page.table(["number", "the log allows", "would have shown from"], rows, caption)
 
 
 def _assumptions(result: Diagnosis) -> list[str]:

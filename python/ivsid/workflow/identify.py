@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ivsid import figures, identification, report
+from ivsid import identification
+from ivsid.files.records import sealed
 from ivsid.identification import Identification
 from ivsid.log import Log, read_log
-from ivsid.records import sealed
-from ivsid.report import Report, Section
-from ivsid.results import quality_record
+from ivsid.report import figures, page
+from ivsid.report.page import Report, Section
+from ivsid.report.tables import quality_record
 from ivsid.rows import WINDOW
 from ivsid.vehicle import read_vehicle
 from ivsid.workflow.common import (
@@ -75,9 +76,9 @@ def identification_report(fit: Identification, log: Log) -> Report:
     facts += freedom_lines(fit)
     facts += claim_lines(fit)
     sections = [
-        Section("Parameters", (method_table([fit]), report.drawing(drawings[0]), report.bullets(facts))),
-        Section("What this rests on", (report.bullets(fit.assumes),)),
-        Section("The log", (report.drawing(drawings[1]), *_quality(log), *_notes(fit, log))),
+        Section("Parameters", (method_table([fit]), page.drawing(drawings[0]), page.bullets(facts))),
+        Section("What this rests on", (page.bullets(fit.assumes),)),
+        Section("The log", (page.drawing(drawings[1]), *_quality(log), *_notes(fit, log))),
     ]
     if fit.status == "empty":
         sections.insert(1, _contradiction(fit))
@@ -101,7 +102,7 @@ def _notes(fit: Identification, log: Log) -> list[dict[str, object]]:
     notes = [*fit.notes]
     if log.ignored:
         notes.append(f"columns not used: {', '.join(log.ignored)}")
-    return [report.bullets(notes)] if notes else []
+    return [page.bullets(notes)] if notes else []
 
 
 def _contradiction(fit: Identification) -> Section:
@@ -117,8 +118,8 @@ def _contradiction(fit: Identification) -> Section:
         for c in fit.falsifying
         for r in c["rows"]
     ]
-    table = report.table(["signs", "channel", "time [s]", "window [s]", "side"], rows[:60])
-    words = report.text(
+    table = page.table(["signs", "channel", "time [s]", "window [s]", "side"], rows[:60])
+    words = page.text(
         "For each combination of signs, these rows contradict each other. They are the samples to look at."
     )
     return Section("Why no parameter fits", (words, table))

@@ -8,16 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from ivsid import figures, report
 from ivsid.adapters import ADAPTERS, Imported, Part
-from ivsid.bollard import examine as examine_thrust
 from ivsid.errors import IvsidError
-from ivsid.figures import Drawing
+from ivsid.files.records import envelope
 from ivsid.log import Log, Quality
 from ivsid.log.quality import examine, gaps, without_held
-from ivsid.records import envelope
-from ivsid.report import Report, Section
-from ivsid.results import quality_record
+from ivsid.propulsion.bollard import examine as examine_thrust
+from ivsid.report import figures, page
+from ivsid.report.figures import Drawing
+from ivsid.report.page import Report, Section
+from ivsid.report.tables import quality_record
 from ivsid.workflow.common import Progress, quality_table, silent
 
 
@@ -48,11 +48,11 @@ def import_set(name: str, folder: str | Path, *, progress: Progress = silent) ->
         "logs": {n: {"quality": quality_record(q), "notes": notes} for n, (q, notes) in quality.items()},
         "notes": made.notes,
     }
-    sections = [Section("What to know", (report.bullets(made.notes),))]
+    sections = [Section("What to know", (page.bullets(made.notes),))]
     for n, (table, notes) in quality.items():
-        shown = [report.drawing(d) for d in drawings if d.name == f"log_{n}"]
-        sections.append(Section(f"{n}.csv", (quality_table(table), report.bullets(notes), *shown)))
-    rest = [report.drawing(d) for d in drawings if not d.name.startswith("log_")]
+        shown = [page.drawing(d) for d in drawings if d.name == f"log_{n}"]
+        sections.append(Section(f"{n}.csv", (quality_table(table), page.bullets(notes), *shown)))
+    rest = [page.drawing(d) for d in drawings if not d.name.startswith("log_")]
     if rest:
         sections.append(Section("Captive tests", tuple(rest)))
     summary = f"{made.title}: {len(made.logs)} logs, {len(made.tables)} thrust tables" + (

@@ -9,12 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from ivsid import diagnosis, figures, report, simulation, trials
+from ivsid import diagnosis, simulation
 from ivsid.diagnosis import Advice, Isolability
 from ivsid.errors import IvsidError
 from ivsid.log import Log, read_log
-from ivsid.report import Report, Section
-from ivsid.scenario import read_scenario
+from ivsid.programme import trials
+from ivsid.programme.scenario import read_scenario
+from ivsid.report import figures, page
+from ivsid.report.page import Report, Section
 from ivsid.vehicle import Vehicle, read_vehicle
 from ivsid.workflow.common import Progress, silent
 
@@ -121,14 +123,14 @@ def isolability_report(vehicle: Vehicle, result: Isolability, words: Mapping[str
         Section(
             "What this programme shows",
             (
-                report.table(header, rows, "Tested from z = 8; told apart from d = 5."),
-                *(() if drawing is None else (report.drawing(drawing),)),
+                page.table(header, rows, "Tested from z = 8; told apart from d = 5."),
+                *(() if drawing is None else (page.drawing(drawing),)),
             ),
         ),
-        Section("What it does not tell apart", (report.table([*columns, "what the catalogue says of it"], classes),)),
-        Section("What it barely tells apart", (report.table(columns, close),) if close else ()),
+        Section("What it does not tell apart", (page.table([*columns, "what the catalogue says of it"], classes),)),
+        Section("What it barely tells apart", (page.table(columns, close),) if close else ()),
         Section("What it cannot test", (_untested(result, record),)),
-        Section("The manoeuvres", (report.table(["name", "how it is sailed"], words.items()),) if words else ()),
+        Section("The manoeuvres", (page.table(["name", "how it is sailed"], words.items()),) if words else ()),
     )
     tested = sum(v.tested for v in result.visible.values())
     summary = f"{vehicle.name}: {tested} effects of typical size are tested by this programme, in {len(classes)} sets that it does not tell apart."
@@ -164,7 +166,7 @@ def _untested(result: Isolability, record: Mapping[str, Any]) -> dict[str, Any]:
     for q in record["not_tested"]:
         name, z = result.shown.get(q["effect"], ("–", None))
         rows.append([q["effect"], q["reason"], name, z])
-    return report.table(["effect", "why", "shown best by", "z with it"], rows)
+    return page.table(["effect", "why", "shown best by", "z with it"], rows)
 
 
 def _lines(result: Isolability, record: Mapping[str, Any], summary: str) -> list[str]:

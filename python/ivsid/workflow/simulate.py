@@ -9,13 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
-from ivsid import figures, report, simulation
+from ivsid import simulation
 from ivsid.effects import spread
 from ivsid.errors import IvsidError
+from ivsid.files.records import envelope, to_json
 from ivsid.log import Log
-from ivsid.records import envelope, to_json
-from ivsid.report import Report, Section
-from ivsid.scenario import Scenario, read_scenario
+from ivsid.programme.scenario import Scenario, read_scenario
+from ivsid.report import figures, page
+from ivsid.report.page import Report, Section
 from ivsid.vehicle import read_vehicle
 from ivsid.workflow.common import Progress, csv, parquet, silent
 
@@ -86,7 +87,7 @@ def simulate(
     }
     drawing = figures.channels(log)
     where = "The truth stands in truth.json." if hide is None else "The truth stands apart from this folder."
-    sections = (Section("The log", (report.drawing(drawing), report.text(where))),)
+    sections = (Section("The log", (page.drawing(drawing), page.text(where))),)
     summary = f"{made.t.size} samples of {checked.name}" + (f", seed {used}." if hide is None else ".")
     return Report(
         f"Simulation of {checked.name}",

@@ -8,13 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from ivsid import figures, report, units
-from ivsid.bollard import PUBLISHED_CUBIC, Bollard, Fit, examine
 from ivsid.errors import IvsidError
+from ivsid.files import units
+from ivsid.files.records import envelope
 from ivsid.log import open_source
-from ivsid.records import envelope
-from ivsid.report import Report, Section
-from ivsid.results import bollard_record
+from ivsid.propulsion.bollard import PUBLISHED_CUBIC, Bollard, Fit, examine
+from ivsid.report import figures, page
+from ivsid.report.page import Report, Section
+from ivsid.report.tables import bollard_record
 from ivsid.workflow.common import Progress, silent
 
 DEMANDS = ("demand", "pwm", "command", "throttle", "rpm")
@@ -72,11 +73,11 @@ def thrust(
     )
     notes = [*_notes(table, percent)]
     sections = (
-        Section("Candidates", (fit_table(table), report.drawing(drawing), report.bullets(notes))),
-        Section("For the vehicle file", (report.code(snippet),)),
+        Section("Candidates", (fit_table(table), page.drawing(drawing), page.bullets(notes))),
+        Section("For the vehicle file", (page.code(snippet),)),
         Section(
             "The candidates for the vehicle file, each with an accuracy that holds every point",
-            tuple(report.code(f"# {name}\n{text}") for name, text in candidates.items()),
+            tuple(page.code(f"# {name}\n{text}") for name, text in candidates.items()),
         ),
     )
     lines = [
@@ -101,7 +102,7 @@ def fit_table(table: Bollard) -> dict[str, object]:
         [f.name, ", ".join(f"{c:.5g}" for c in f.coefficients or f.quadratic or ()) or "–", f.rms, f.largest]
         for f in table.fits
     ]
-    return report.table(
+    return page.table(
         ["model", "coefficients, highest first", "rms residual [N]", "largest residual [N], the accuracy it needs"],
         rows,
     )

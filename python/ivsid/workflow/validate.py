@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ivsid import figures, report, validation
-from ivsid.figures import Drawing
+from ivsid import validation
 from ivsid.identification import read_identification
 from ivsid.log import read_log
-from ivsid.report import Report, Section
-from ivsid.results import validation_record
+from ivsid.report import figures, page
+from ivsid.report.figures import Drawing
+from ivsid.report.page import Report, Section
+from ivsid.report.tables import validation_record
 from ivsid.validation import Validation
 from ivsid.workflow.common import Progress, motion_table, silent, validation_table
 
@@ -26,13 +27,13 @@ def validate(fit: str | Path, log: str | Path, *, progress: Progress = silent) -
     progress("drawing")
     drawings = validation_drawings(result)
     summary = validation_summary(result)
-    parts = [report.drawing(d) for d in drawings]
+    parts = [page.drawing(d) for d in drawings]
     sections = (
         Section(
             "Predicted against measured force and moment", (validation_table(result), *parts[: 2 * len(result.forces)])
         ),
         Section("Simulated against measured motion", (motion_table(result), *parts[2 * len(result.forces) :])),
-        Section("What this rests on", (report.bullets([*known.assumes, *result.notes]),)),
+        Section("What this rests on", (page.bullets([*known.assumes, *result.notes]),)),
     )
     return Report(
         f"Validation of {known.vehicle.name}",

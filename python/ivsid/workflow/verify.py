@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ivsid import report, verification
-from ivsid.records import envelope
-from ivsid.report import Report, Section
+from ivsid import verification
+from ivsid.files.records import envelope
+from ivsid.report import page
+from ivsid.report.page import Report, Section
 from ivsid.verification import Verification
 from ivsid.workflow.common import Progress, silent
 
@@ -22,7 +23,7 @@ def verify(result: str | Path, log: str | Path, *, progress: Progress = silent) 
         Section(
             "What was proved",
             (
-                report.bullets(
+                page.bullets(
                     [
                         f"certificates that hold: {verdict.certificates}",
                         f"rows recomputed from the log in fractions: {verdict.rows}",
@@ -34,9 +35,9 @@ def verify(result: str | Path, log: str | Path, *, progress: Progress = silent) 
         )
     ]
     if verdict.not_checked:
-        sections.insert(0, Section("What was not checked", (report.bullets(verdict.not_checked),)))
+        sections.insert(0, Section("What was not checked", (page.bullets(verdict.not_checked),)))
     if verdict.failures:
-        sections.insert(0, Section("What failed", (report.bullets(verdict.failures),)))
+        sections.insert(0, Section("What failed", (page.bullets(verdict.failures),)))
     return Report(
         "Verification of an identification",
         lines[0],

@@ -1,0 +1,77 @@
+"""Readings of sensors that stand off the origin, are turned or feel gravity, brought to the body origin: the numbers of ``mounting``."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.log import Log
+from ivsid.vehicle import Sensors
+from ivsid.vehicle.mount import Mounted
+
+Array = NDArray[np.float64]
+GRAVITY: Final = 9.81
+
+
+def at_origin(log: Log, sensors: Sensors) -> Log:
+    """The log with velocities and specific forces of the origin; what would need a channel that is missing is left out."""
+    columns, notes = dict(log.columns), list(log.notes)
+    for sensor, names in ((sensors.velocity, ("u", "v")), (sensors.acceleration, ("ax", "ay"))):
+        if sensor is None or not set(names) <= set(columns):
+            continue
+        gravity = getattr(sensor, "gravity", False)
+        if not (sensor.off_origin or sensor.turned or gravity):
+            continue
+        if names[0] == "u" and log.derived.get("u", ("velocity_north",))[0] != "velocity_north":
+            # From a pose: of the origin already.
+            continue
+        pair = columns[names[0]], columns[names[1]]
+        if names[0] not in log.derived:
+            pair = _turned_back(pair, sensor)
+        if gravity:
+            tilt = _tilt(columns)
+            if tilt is None:
+                notes.append(f"{' and '.join(names)} hold gravity and no attitude is logged: they are not used")
+                columns = {k: x for k, x in columns.items() if k not in names}
+                continue
+            g = GRAVITY if gravity is True else float(gravity)
+            roll, pitch = tilt
+            pair = pair[0] - g * np.sin(pitch), pair[1] + g * np.cos(pitch) * np.sin(roll)
+        if sensor.position != (0.0, 0.0):
+            pair = _moved(pair, columns, log.t, sensor, force=names[0] == "ax")
+        columns[names[0]], columns[names[1]] = pair
+        notes.append(f"{' and '.join(names)} are brought to the body origin by the mounting of their sensor")
+    return replace(log, columns=columns, notes=tuple(notes))
+
+
+def _turned_back(pair: tuple[Array, Array], mount: Mounted) -> tuple[Array, Array]:
+    c, s = np.cos(mount.rotation), np.sin(mount.rotation)
+    return pair[0] * c - pair[1] * s, pair[0] * s + pair[1] * c
+
+
+def _moved(
+    pair: tuple[Array, Array], columns: dict[str, Array], t: Array, mount: Mounted, *, force: bool
+) -> tuple[Array, Array]:
+    x, y = mount.position
+    r = columns["r"]
+    if not force:
+        return pair[0] + y * r, pair[1] - x * r
+    rdot = columns.get("rdot")
+    if rdot is None:
+        rdot = np.gradient(r, t)
+    return pair[0] + x * r * r + y * rdot, pair[1] - x * rdot + y * r * r
+
+
+def _tilt(columns: dict[str, Array]) -> tuple[Array, Array] | None:
+    """Roll and pitch [rad]."""
+    if {"roll", "pitch"} <= set(columns):
+        return columns["roll"], columns["pitch"]
+    if {"qw", "qx", "qy", "qz"} <= set(columns):
+        w, x, y, z = (columns[q] for q in ("qw", "qx", "qy", "qz"))
+        norm = np.maximum(w * w + x * x + y * y + z * z, 1e-12)
+        roll = np.arctan2(2 * (w * x + y * z), w * w - x * x - y * y + z * z)
+        return roll, np.arcsin(np.clip(2 * (w * y - x * z) / norm, -1, 1))
+    return None

@@ -1,0 +1,99 @@
+"""First numbers for a model: means of the equations of motion over short windows, by least squares."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
+
+from ivsid.diagnosis.data.channels import Channels
+from ivsid.diagnosis.plant.physics import Hypothesis, Points, thruster_force
+from ivsid.diagnosis.plant.propulsion import Propulsion
+from ivsid.effects import CHANNELS, EFFECTS, Place, State, Term, rigid_body
+from ivsid.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+# Length of the windows [s]: longer than the sensors' noise matters, shorter than a manoeuvre.
+WINDOW: Final = 1.0
+
+
+def first_values(vehicle: Vehicle, log: Channels, terms: Sequence[Term], claimed: dict[str, float]) -> Hypothesis:
+    """A hypothesis with values that are good enough to improve.
+
+    Args:
+        vehicle: whose terms these are.
+        log: on its clock.
+        terms: of the model.
+        claimed: values that are not fitted.
+    """
+    free = [t for t in terms if t.id not in claimed]
+    q = max(2, round(WINDOW / log.h))
+    smooth = _mean(log.nu, max(2, q // 2))
+    rate = np.gradient(smooth, log.h, axis=1)
+    thrusts = Propulsion(vehicle, log).thrusts()
+    zero = np.zeros(log.n)
+    points = Points(smooth, zero, np.zeros((2, log.n)), log.t, thrusts.mean, log.angles, log.force, rudders=log.rudders)
+    force = thruster_force(vehicle, (), points, smooth)
+    north, east = (None, None) if log.place is None else log.place
+    here = None if log.psi is None else Place(log.psi, north, east, log.t)
+    state = State(*smooth, *rate, place=here)
+    m = vehicle.hull.mass
+    x_g, y_g = vehicle.hull.centre_of_gravity
+    for channel, column in rigid_body(state, m * x_g, m * y_g).items():
+        force[CHANNELS.index(channel)] -= column
+    design = np.zeros((len(free), 3, log.n))
+    for term in terms:
+        for channel, column in term.columns(state).items():
+            if term.id in claimed:
+                force[CHANNELS.index(channel)] -= claimed[term.id] * column
+            else:
+                design[free.index(term), CHANNELS.index(channel)] = column
+    good = np.flatnonzero(_mean(log.good.astype(float)[None], q)[0] > 0.999)[::q]
+    A = _mean(design.reshape(-1, log.n), q).reshape(len(free), 3, log.n)[:, :, good]
+    y = _mean(force, q)[:, good]
+    weights = _weights(y)
+    found = np.zeros(len(free))
+    for _ in range(3):
+        rows = (A * weights[:, None]).reshape(len(free), -1).T
+        scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-30)
+        right = (y * weights[:, None]).ravel()
+        found = np.linalg.lstsq(rows / scale, right, rcond=1e-8)[0] / scale
+        if any(_drives(term, value) for term, value in zip(free, found, strict=True)):
+            # A drag that drives lets the states run away before anything is improved.
+            least = np.array([-np.inf if _signed(term) else 0.0 for term in free])
+            found = lsq_linear(rows / scale, right, (least, np.inf)).x / scale
+        weights = _weights(y - np.einsum("j,jcn->cn", found, A))
+    values = dict(claimed)
+    for term, value in zip(free, found, strict=True):
+        values[term.id] = float(value)
+    length = vehicle.hull.length or (m / 60.0) ** (1 / 3)
+    floors = {"mass.surge": 0.3 * m, "mass.sway": 0.3 * m, "inertia.yaw": 0.01 * m * length**2}
+    for id_, floor in floors.items():
+        if id_ in values and id_ not in claimed:
+            values[id_] = max(values[id_], floor)
+    return Hypothesis(tuple(terms), values)
+
+
+def _signed(term: Term) -> bool:
+    """Whether a term's parameter may have either sign."""
+    return term.id not in EFFECTS or EFFECTS[term.id].parameters[0].signed
+
+
+def _drives(term: Term, value: float) -> bool:
+    return not _signed(term) and value < 0
+
+
+def _weights(x: Array) -> Array:
+    """One weight for both forces: without thrust to the side the sway equation alone is solved by no mass at all."""
+    force = max(float(np.sqrt(np.mean(x[:2] ** 2))), 1e-9)
+    return np.array([1 / force, 1 / force, 1 / max(float(np.sqrt(np.mean(x[2] ** 2))), 1e-9)])
+
+
+def _mean(x: Array, q: int) -> Array:
+    """Running mean over q samples, centred, with the ends repeated."""
+    from scipy.ndimage import uniform_filter1d  # noqa: PLC0415 - slow to import, and only a diagnosis needs it
+
+    return np.asarray(uniform_filter1d(x, q, axis=-1, mode="nearest"))

@@ -1,0 +1,246 @@
+"""Signatures, whitened, as cross-products by block of time: fits, gains and their errors are small linear algebra from there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+
+from ivsid.diagnosis.estimation.noise import Whitening
+
+Array = NDArray[np.float64]
+# Length of a block [s].
+BLOCK: Final = 10.0
+
+
+@dataclass(frozen=True)
+class Gram:
+    """Cross-products of named columns and of the errors, block by block.
+
+    Attributes:
+        names: of the columns.
+        parts: the columns in unit length, in the order of the names, each part of shape (columns, blocks, numbers).
+        y: the errors, shape (blocks, numbers).
+        blocks: shape (blocks, columns, columns).
+        score: columns times errors, shape (blocks, columns).
+        energy: squared errors, shape (blocks,).
+        rows: numbers in each block.
+        prior: precision of each column's coefficient before the data, shape (columns,).
+        centre: how far each coefficient is from what was expected of it already, in the columns' units.
+        unit: what each column was divided by.
+        good: samples that count, shape (n,).
+        length: samples in a block.
+        white: what whitened columns and errors.
+    """
+
+    names: tuple[str, ...]
+    parts: tuple[Array, ...]
+    y: Array
+    blocks: Array
+    score: Array
+    energy: Array
+    rows: Array
+    prior: Array
+    centre: Array
+    unit: Array
+    good: NDArray[np.bool_]
+    length: int
+    white: Whitening
+
+    @property
+    def index(self) -> dict[str, int]:
+        """Column by name."""
+        return {n: k for k, n in enumerate(self.names)}
+
+    def at(self, names: Sequence[str]) -> list[int]:
+        """Indices of names."""
+        index = self.index
+        return [index[n] for n in names]
+
+    def columns(self, at: Sequence[int]) -> Array:
+        """Columns in unit length, shape (columns, blocks, numbers)."""
+        rows = [row for part in self.parts for row in part]
+        return np.stack([rows[k] for k in at]) if at else np.zeros((0, *self.y.shape))
+
+    def explained(self, at: Sequence[int], theta: Array) -> Array:
+        """What columns explain of the errors with these coefficients, shape (blocks, numbers)."""
+        weight = np.zeros(len(self.names))
+        weight[list(at)] = theta
+        out = np.zeros_like(self.y)
+        first = 0
+        for part in self.parts:
+            here = weight[first : first + len(part)]
+            first += len(part)
+            if here.any():
+                out += (here @ part.reshape(len(part), part.shape[1] * part.shape[2])).reshape(out.shape)
+        return out
+
+    def of(self, errors: Array) -> Gram:
+        """With other errors, shape (rows, n)."""
+        y = self.white.blocks([errors], self.good, self.length, unit=False)[0].reshape(self.y.shape)
+        score = np.concatenate([_times(part, y) for part in self.parts], axis=1)
+        return replace(self, y=y, score=score, energy=np.einsum("bi,bi->b", y, y))
+
+    def only(self, columns: Sequence[int]) -> Gram:
+        """With some of the columns alone."""
+        at = list(columns)
+        # The first of them need not be copied.
+        leading = at == list(range(len(at))) and len(at) <= len(self.parts[0])
+        return replace(
+            self,
+            names=tuple(self.names[k] for k in at),
+            parts=(self.parts[0][: len(at)] if leading else self.columns(at),),
+            blocks=self.blocks[:, at][:, :, at],
+            score=self.score[:, at],
+            prior=self.prior[at],
+            centre=self.centre[at],
+            unit=self.unit[at],
+        )
+
+    def extended(self, names: Sequence[str], columns: Sequence[Array], *, sums: bool = False) -> Gram:
+        """With further columns, each of shape (rows, n); with ``sums`` the columns themselves are not kept."""
+        x, unit = self.white.blocks(columns, self.good, self.length)
+        return self.joined(names, x.reshape(-1, *self.y.shape), unit, sums=sums)
+
+    def whole(self) -> Gram:
+        """The whole log as one block: all that a fit needs."""
+        return replace(
+            self,
+            parts=tuple(part.reshape(len(part), 1, part.shape[1] * part.shape[2]) for part in self.parts),
+            y=self.y.reshape(1, -1),
+            blocks=self.blocks.sum(axis=0, keepdims=True),
+            score=self.score.sum(axis=0, keepdims=True),
+            energy=self.energy.sum(keepdims=True),
+            rows=self.rows.sum(keepdims=True),
+        )
+
+    def joined(self, names: Sequence[str], x: Array, unit: Array, *, sums: bool = False) -> Gram:
+        """With further columns that are whitened and in unit length, shape (columns, blocks, numbers)."""
+        old, new = len(self.names), len(names)
+        blocks = np.empty((len(self.y), old + new, old + new))
+        blocks[:, :old, :old] = self.blocks
+        first = 0
+        turned = x.transpose(1, 2, 0)
+        for part in self.parts:
+            cross = part.transpose(1, 0, 2) @ turned
+            blocks[:, first : first + len(part), old:] = cross
+            blocks[:, old:, first : first + len(part)] = cross.transpose(0, 2, 1)
+            first += len(part)
+        _squares(x, blocks[:, old:, old:])
+        return replace(
+            self,
+            names=(*self.names, *names),
+            parts=() if sums else (*self.parts, x),
+            blocks=blocks,
+            score=np.concatenate([self.score, _times(x, self.y)], axis=1),
+            prior=np.r_[self.prior, np.zeros(new)],
+            centre=np.r_[self.centre, np.zeros(new)],
+            unit=np.r_[self.unit, unit],
+        )
+
+
+def _times(x: Array, y: Array) -> Array:
+    """Columns times errors, shape (blocks, columns)."""
+    return np.asarray((x.transpose(1, 0, 2) @ y[:, :, None])[:, :, 0])
+
+
+def _squares(x: Array, out: Array) -> None:
+    """Cross-products of all columns within each block; a matrix times its own transpose is half the work."""
+    for b, into in enumerate(out):
+        one = x[:, b]
+        into[...] = one @ one.T
+
+
+def gram(
+    names: Sequence[str],
+    columns: Sequence[Array],
+    errors: Array,
+    white: Whitening,
+    good: NDArray[np.bool_],
+    h: float,
+    prior: Mapping[str, float],
+    centre: Mapping[str, float],
+) -> Gram:
+    """Cross-products.
+
+    Args:
+        names: of the columns.
+        columns: signatures, each of shape (rows, n).
+        errors: of the log, shape (rows, n).
+        white: the whitening of both.
+        good: samples that count, shape (n,).
+        h: step [s].
+        prior: standard deviation of the coefficients that are known beforehand, by name; infinite for the others.
+        centre: how much of each is in the hypothesis already.
+    """
+    length = max(1, round(BLOCK / h))
+    y = white.blocks([errors], good, length, unit=False)[0][0]
+    x, unit = white.blocks(columns, good, length) if names else (np.zeros((0, *y.shape)), np.zeros(0))
+    blocks = np.empty((len(y), len(x), len(x)))
+    _squares(x, blocks)
+    rows = good[: len(y) * length].reshape(len(y), length).sum(axis=1) * errors.shape[0]
+    precision = np.array([1 / (prior[n] * u) ** 2 if n in prior else 0.0 for n, u in zip(names, unit, strict=True)])
+    return Gram(
+        tuple(names),
+        (x,),
+        y,
+        blocks,
+        _times(x, y),
+        np.einsum("bi,bi->b", y, y),
+        rows.astype(float),
+        precision,
+        np.array([centre.get(n, 0.0) for n in names]) * unit,
+        unit,
+        good,
+        length,
+        white,
+    )
+
+
+class Projection:
+    """The fit of a base set of columns, and what further columns gain beyond it."""
+
+    def __init__(self, g: Gram, base: Sequence[int], blocks: NDArray[np.bool_] | None = None) -> None:
+        self.g, self.base = g, list(base)
+        use = slice(None) if blocks is None else blocks
+        self.total = g.blocks[use].sum(axis=0)
+        self.score = g.score[use].sum(axis=0) - g.prior * g.centre
+        self.energy = float(g.energy[use].sum()) + float(g.prior @ g.centre**2)
+        G = self.total[np.ix_(self.base, self.base)] + np.diag(g.prior[self.base] + 1e-9)
+        self._factor = cho_factor(G)
+        self.coefficients: Array = cho_solve(self._factor, self.score[self.base])
+        # What of every column the base leaves, in cross-products.
+        self._solved: Array = cho_solve(self._factor, self.total[self.base])
+        self.left_score = self.score - self.total[:, self.base] @ self.coefficients
+        self.chi2 = self.energy - float(self.score[self.base] @ self.coefficients)
+
+    def left(self, i: Sequence[int], j: Sequence[int]) -> Array:
+        """Cross-products of projected columns."""
+        return np.asarray(self.total[np.ix_(i, j)] - self.total[np.ix_(i, self.base)] @ self._solved[:, j])
+
+    def information(self, columns: Sequence[int]) -> Array:
+        """Of the columns' coefficients with the base free, their own priors included."""
+        return self.left(columns, columns) + np.diag(self.g.prior[list(columns)])
+
+    def solve(self, columns: Sequence[int]) -> tuple[Array, float]:
+        """Coefficients of further columns (in the Gram's units) and the fall of chi^2."""
+        columns = list(columns)
+        H = self.information(columns)
+        own = np.diag(self.total)[columns]
+        # A direction that the base explains to twelve digits is none.
+        keep = np.diag(H) > 1e-10 * np.maximum(own, 1e-300)
+        theta = np.zeros(len(columns))
+        if not keep.any():
+            return theta, 0.0
+        at = np.flatnonzero(keep)
+        s = self.left_score[np.array(columns)[at]]
+        d = np.sqrt(np.diag(H)[at])
+        values, vectors = np.linalg.eigh(H[np.ix_(at, at)] / np.outer(d, d))
+        good = values > 1e-8
+        w = (vectors[:, good] / values[good]) @ (vectors[:, good].T @ (s / d))
+        theta[at] = w / d
+        return theta, float(s @ theta[at])

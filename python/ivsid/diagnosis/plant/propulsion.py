@@ -1,0 +1,243 @@
+"""Thrusts of a log's demands at its samples and over its steps, with what a hypothesis changes in them.
+
+Written for whole arrays: it shares the catalogue's formulas with the simulator, and neither its stepping nor its code.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from ivsid.diagnosis.data.channels import Channels
+from ivsid.effects import EFFECTS, Drive, Given, Response, Thrust, for_thruster
+from ivsid.propulsion.thrust import ThrustCurve
+from ivsid.vehicle import Thruster, Vehicle
+
+Array = NDArray[np.float64]
+_CLAIMS = {"thruster.deadband": "dead_band", "thruster.saturation": "limit", "thruster.reverse_loss": "reverse_factor"}
+
+
+@dataclass(frozen=True)
+class Thrusts:
+    """Thrusts at no speed [N].
+
+    Attributes:
+        now: just after each sample, shape (thrusters, n).
+        mean: over the step to the next, shape (thrusters, n).
+        parts: means over equal parts of the steps where demands come faster than the clock, shape (thrusters, n, parts), or None.
+    """
+
+    now: Array
+    mean: Array
+    parts: Array | None = None
+
+
+class _At:
+    """A thruster's curve, and the shapes of its declared errors once they are asked for, at given demands from its neutral."""
+
+    def __init__(self, demand: Array, thrust: Array, errors: Sequence[Callable[[Array], Array]]) -> None:
+        self.demand, self.thrust = demand, thrust
+        self._errors = errors
+        self._known: dict[int, Array] = {}
+
+    def error(self, j: int) -> Array:
+        """The j-th shape, in units of the bound."""
+        if j not in self._known:
+            self._known[j] = self._errors[j](self.demand)
+        return self._known[j]
+
+
+class Propulsion:
+    """The thrusters of a vehicle under the demands of a log."""
+
+    def __init__(self, vehicle: Vehicle, log: Channels) -> None:
+        self.vehicle, self.log = vehicle, log
+        bare = {"dead_band": None, "limit": None, "reverse_factor": None}
+        self.curves = [ThrustCurve(t.model_copy(update={**bare, "outside": "hold"})) for t in vehicle.thrusters]
+        self.demands = [log.demands[k] - t.neutral for k, t in enumerate(vehicle.thrusters)]
+        self.errors = [
+            error_functions(t, c, d) for t, c, d in zip(vehicle.thrusters, self.curves, self.demands, strict=True)
+        ]
+        self._samples = [
+            _At(self.demands[k], np.asarray(c.value(log.demands[k]), dtype=np.float64), self.errors[k])
+            for k, c in enumerate(self.curves)
+        ]
+        # Every hypothesis asks for the thrusts of the same demands: between samples they are worked out once, when first asked for.
+        self._between: dict[int, _At] = {}
+
+    def thrusts(self, given: Sequence[Given] = (), sizes: Sequence[Sequence[float]] | None = None) -> Thrusts:
+        """The thrusts under a hypothesis's effects and the sizes of declared errors, before the loss by inflow."""
+        each = [self._worked(k, given, () if sizes is None else sizes[k]) for k in range(len(self.vehicle.thrusters))]
+        if not each:
+            empty = np.zeros((0, self.log.n))
+            return Thrusts(empty, empty)
+        now, mean, parts = zip(*each, strict=True)
+        fine = [p for p in parts if p is not None]
+        return Thrusts(np.stack(now), np.stack(mean), np.stack(fine) if fine else None)
+
+    def one(self, k: int, given: Sequence[Given], sizes: Sequence[float] = ()) -> tuple[Array, Array]:
+        """Of one thruster: at samples, and means over the steps after them."""
+        return self._worked(k, given, sizes)[:2]
+
+    def _worked(self, k: int, given: Sequence[Given], sizes: Sequence[float]) -> tuple[Array, Array, Array | None]:
+        """The same, and means over the parts of the steps."""
+        h, n = self.log.h, self.log.n
+        thruster = self.vehicle.thrusters[k]
+        changes = _changes(thruster, given)
+        late = {
+            g.effect.acts.kind: g.values[0]
+            for g in for_thruster(given, Response, thruster.name)
+            if isinstance(g.effect.acts, Response)
+        }
+        lag = late.get("lag", thruster.time_constant or 0.0)
+        delay = max(late.get("delay", 0.0), 0.0)
+
+        def static(at: _At) -> Array:
+            thrust: Any = at.thrust
+            d = at.demand
+            # What the curve is off comes before any limit or dead band.
+            for j, size in enumerate(sizes):
+                if size:
+                    thrust = thrust + size * at.error(j)
+            parts = d.size // n
+            time = self.log.t if parts == 1 else (self.log.t[:, None] + np.arange(parts) * (h / parts)).ravel()
+            voltage = self.log.voltage if parts == 1 or self.log.voltage is None else np.repeat(self.log.voltage, parts)
+            drive = Drive(d, time, k, thruster.position[1], self.curves[k].largest, voltage)
+            for g in changes:
+                if isinstance(g.effect.acts, Thrust):
+                    thrust = g.effect.acts.function(thrust, drive, g.values)
+            return np.asarray(thrust, dtype=np.float64) * np.ones(d.size)
+
+        d = self.demands[k]
+        if self.log.between is not None:
+            return self._finely(k, static, lag, delay)
+        if lag > 1e-6 and thruster.lag == "demand":
+            now, mean, end = _behind(*_late(d, _midway(d, held=self.log.held), delay, h), lag, h)
+            first, middle, last = (static(self._at(k, x)) for x in (now, mean, end))
+            return first, (first + 4 * middle + last) / 6, None
+        now = static(self._samples[k])
+        mean = now
+        if not self.log.held:
+            # Simpson's rule over a demand that runs straight to the next.
+            mean = (now + 4 * static(self._known(k, lambda: _midway(d, held=False))) + np.r_[now[1:], now[-1:]]) / 6
+        now, mean = _late(now, mean, delay, h)
+        if lag > 1e-6:
+            now, mean, _ = _behind(now, mean, lag, h)
+        return now, mean, None
+
+    def static(self, k: int, demand: Array, error: Array | None = None) -> Array:
+        """Thrusts of one thruster at demands as they are logged, with an error of its curve [N], without lag, delay or effects."""
+        thruster = self.vehicle.thrusters[k]
+        d = demand - thruster.neutral
+        thrust: Any = self.curves[k].value(demand)
+        if error is not None:
+            thrust = thrust + error
+        drive = Drive(d, 0.0, k, thruster.position[1], self.curves[k].largest, None)
+        for g in _changes(thruster, ()):
+            if isinstance(g.effect.acts, Thrust):
+                thrust = g.effect.acts.function(thrust, drive, g.values)
+        return np.asarray(thrust, dtype=np.float64)
+
+    def _at(self, k: int, demand: Array) -> _At:
+        """One thruster at demands from its neutral."""
+        thrust = np.asarray(self.curves[k].value(demand + self.vehicle.thrusters[k].neutral), dtype=np.float64)
+        return _At(demand, thrust, self.errors[k])
+
+    def _known(self, k: int, demand: Callable[[], Array]) -> _At:
+        """One thruster at the log's own demands between samples."""
+        if k not in self._between:
+            self._between[k] = self._at(k, demand())
+        return self._between[k]
+
+    def _finely(self, k: int, static: Callable[[_At], Array], lag: float, delay: float) -> tuple[Array, Array, Array]:
+        """The same where demands come faster than the clock: worked out at equal parts of the steps."""
+        assert self.log.between is not None
+        thruster, parts = self.vehicle.thrusters[k], self.log.between.demands.shape[2]
+        sent = self.log.between.demands[k].ravel() - thruster.neutral
+        h = self.log.h / parts
+        if lag > 1e-6 and thruster.lag == "demand":
+            start, middle, end = _behind(*_late(sent, sent, delay, h), lag, h)
+            now = static(self._at(k, start))
+            mean = (now + 4 * static(self._at(k, middle)) + static(self._at(k, end))) / 6
+        else:
+            now = static(self._known(k, lambda: sent))
+            now, mean = _late(now, now, delay, h)
+            if lag > 1e-6:
+                now, mean, _ = _behind(now, mean, lag, h)
+        fine = mean.reshape(-1, parts)
+        return now[::parts], fine.mean(axis=1), fine
+
+
+def _changes(thruster: Thruster, given: Sequence[Given]) -> list[Given]:
+    """What the file claims beyond the curve unless an effect replaces it, and the effects, in the catalogue's order."""
+    found = for_thruster(given, Thrust, thruster.name)
+    named = {g.effect.id for g in found}
+    for id_, key in _CLAIMS.items():
+        value = getattr(thruster, key)
+        if value is not None and id_ not in named:
+            found.append(Given(EFFECTS[id_], (1.0 - value if key == "reverse_factor" else value,)))
+    order = list(EFFECTS)
+    return sorted(found, key=lambda g: order.index(g.effect.id))
+
+
+def _midway(x: Array, *, held: bool) -> Array:
+    """What is sent in the middle of each step."""
+    return x if held else 0.5 * (x + np.r_[x[1:], x[-1:]])
+
+
+def _late(now: Array, mean: Array, delay: float, h: float) -> tuple[Array, Array]:
+    """A quantity at samples and its means over the steps after them, when it arrives later."""
+    if delay <= 0:
+        return now, mean
+    whole = int(np.floor(delay / h + 1e-9))
+    part = delay / h - whole
+    newer = np.r_[np.full(whole, mean[0]), mean][: mean.size]
+    older = np.r_[newer[0], newer[:-1]]
+    over = part * older + (1 - part) * newer
+    if mean is not now:
+        # On straight lines it stands between two samples.
+        late = np.r_[np.full(whole, now[0]), now][: now.size]
+        return (1 - part) * late + part * np.r_[late[0], late[:-1]], over
+    return (newer if part < 1e-9 else older), over
+
+
+def _behind(now: Array, held: Array, lag: float, h: float) -> tuple[Array, Array, Array]:
+    """A held quantity behind a first-order lag: at samples, as means over the steps after them, and at their ends."""
+    decay = float(np.exp(-h / lag))
+    # x at the end of step k is decay x at its start + (1 - decay) goal.
+    end, _ = lfilter([1 - decay], [1, -decay], held, zi=[decay * now[0]])
+    start = np.r_[now[0], end[:-1]]
+    share = (1 - decay) * lag / h
+    return start, held + (start - held) * share, np.asarray(end, dtype=np.float64)
+
+
+WAVES: Final = ((0, False), (1, False), (1, True), (2, False), (2, True), (3, False), (3, True))
+
+
+def error_functions(thruster: Thruster, curve: ThrustCurve, demand: Array) -> list[Callable[[Array], Array]]:
+    """Smooth functions of a thruster's demand that its declared accuracy allows, in units of the bound.
+
+    Waves over the range of demands, up to one and a half of them, times the bound on the thrust error. None where nothing is declared.
+    """
+    accuracy = thruster.accuracy
+    if not accuracy.absolute and not accuracy.relative:
+        return []
+    low, high = (end - thruster.neutral for end in curve.range)
+    if not np.isfinite(high - low):
+        low, high = float(demand.min()), float(demand.max()) + 1e-9
+
+    def shape(wave: int, sine: bool) -> Callable[[Array], Array]:
+        def error(d: Array) -> Array:
+            thrust = np.abs(np.asarray(curve.value(d + thruster.neutral), dtype=np.float64))
+            bound = np.minimum(accuracy.absolute + accuracy.relative * thrust, thrust)
+            x = np.pi * wave * (d - low) / (high - low)
+            return np.asarray(bound * (np.sin(x) if sine else np.cos(x)), dtype=np.float64)
+
+        return error
+
+    return [shape(*w) for w in WAVES]

@@ -1,0 +1,58 @@
+"""What sensor effects add to the readings of a log."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.plant.physics import Points
+from ivsid.effects import Given, Reading
+
+Array = NDArray[np.float64]
+NAMES: Final = ("u", "v", "r", "ax", "ay", "rdot")
+
+
+def added_readings(
+    given: Sequence[Given], points: Points, nudot: Array, specific: Array, ambient: Array | float, h: float
+) -> dict[str, Array]:
+    """By reading, shape (n,) each.
+
+    Args:
+        given: effects of a hypothesis; those of sensors count.
+        points: states at samples, then over steps, shape 2 n.
+        nudot: the model's accelerations there, shape (3, 2 n).
+        specific: what an accelerometer at the origin reads, shape (3, n).
+        ambient: rdot that the ambient moment adds at samples, shape (n,).
+        h: step [s].
+    """
+    n = nudot.shape[1] // 2
+    acting = [g for g in given if isinstance(g.effect.acts, Reading)]
+    if not acting:
+        return {q: np.zeros(n) for q in NAMES}
+    nu = points.nu[:, :n]
+    exact = dict(zip(NAMES, (*nu, specific[0], specific[1], nudot[2, :n] + ambient), strict=True))
+    c: dict[str, Any] = dict(exact)
+    c |= {"r_v": nu[2], "r_true": nu[2], "thrust": points.thrusts[:, :n].sum(axis=0)}
+    c["at"] = lambda delay: _earlier(nu, nudot[:, n:], delay, h)
+    for g in sorted(acting, key=lambda g: g.effect.acts.order if isinstance(g.effect.acts, Reading) else 0):
+        if isinstance(g.effect.acts, Reading):
+            c.update(g.effect.acts.function(c, g.values))
+    return {q: np.asarray(c[q] - exact[q], dtype=np.float64) for q in NAMES}
+
+
+def _earlier(nu: Array, rate: Array, delay: float, h: float) -> tuple[Array, ...]:
+    """Velocities at earlier moments: within the step that ends at the sample, back along the model's own acceleration, between two samples."""
+    whole = int(np.floor(delay / h + 1e-9))
+    back = delay - whole * h
+    # The state at the end of a step is predicted from its start.
+    step = np.concatenate([np.zeros((3, 1)), rate[:, :-1]], axis=1)
+    # From the sample after and from the one before, each the more the closer it is: a delay may grow past a whole sample without a jump.
+    before = np.concatenate([nu[:, :1], nu[:, :-1]], axis=1)
+    share = back / h
+    then = (1 - share) * (nu - back * step) + share * (before + (h - back) * step)
+    if whole:
+        then = np.concatenate([np.repeat(then[:, :1], whole, axis=1), then[:, :-whole]], axis=1)
+    return then[0], then[1], then[2]

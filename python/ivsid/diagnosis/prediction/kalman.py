@@ -1,0 +1,145 @@
+"""One-step prediction errors: a steady Kalman filter an axis, which is linear and so serves data and signatures alike.
+
+Its states are a position (heading), a velocity, and the ambient acceleration, a Gauss-Markov process. The model's acceleration drives it. What
+is predicted depends on the past alone: under a true model no signature made of the past can correlate with the errors, with or
+without feedback.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_discrete_are
+from scipy.signal import lfilter, ss2tf
+
+from ivsid.linear.filters import respond
+
+Array = NDArray[np.float64]
+KINDS: Final = ("position", "velocity", "acceleration")
+# Samples of an impulse's answer.
+LONGEST: Final = 2000
+# Coefficients of a polynomial of three states.
+TAPS: Final = 4
+
+
+@dataclass(frozen=True)
+class Axis:
+    """The filter of one axis.
+
+    Attributes:
+        outputs: which of position, velocity and acceleration are measured.
+        gain: Kalman gain of the states on the errors, shape (3, outputs).
+        spread: standard deviation of the filtered velocity's error, as the filter believes.
+        numerators: by input (an output's name, or "process") and output.
+        denominator: common to all.
+        decay: of the ambient acceleration over a step.
+    """
+
+    outputs: tuple[str, ...]
+    gain: Array
+    spread: float
+    numerators: Mapping[tuple[str, str], Array]
+    denominator: Array
+    decay: float
+
+    def errors(self, inputs: Mapping[str, Array]) -> Array:
+        """Prediction errors of what is put in, shape (..., outputs, n) for inputs of shape (..., n)."""
+        arrays = list(inputs.values())
+        shape, count = arrays[0].shape, len(self.outputs)
+        top = np.stack([self.numerator(name) for name in inputs], axis=1)
+        below = np.tile(_padded(self.denominator), (count, 1))
+        flat = [x.reshape(-1, shape[-1]) for x in arrays]
+        found = [respond([x[i] for x in flat], top, below) for i in range(len(flat[0]))]
+        return np.stack(found).reshape(*shape[:-1], count, shape[-1])
+
+    def ambient(self, errors: Array) -> Array:
+        """The ambient acceleration that the past lets expect at each sample, from the errors, shape (outputs, n) -> (n,)."""
+        found: Array = lfilter([0.0, self.decay], [1.0, -self.decay], self.gain[2] @ errors)
+        return found
+
+    def numerator(self, name: str) -> Array:
+        """Of each output's answer to an input, in powers of the delay, shape (outputs, TAPS)."""
+        return np.stack([_padded(self.numerators[name, output]) for output in self.outputs])
+
+    @cached_property
+    def memory(self) -> float:
+        """How long an acceleration is remembered: the most by which one that is bounded by 1 moves the filtered velocity [s]."""
+        impulse = np.zeros(LONGEST)
+        impulse[0] = 1.0
+        errors = self.errors({"process": impulse})
+        return float(np.abs(self.gain[1] @ errors - errors[self.outputs.index("velocity")]).sum())
+
+
+class Filters:
+    """The filters of several axes, which answer together."""
+
+    def __init__(self, axes: Sequence[Axis]) -> None:
+        self.axes = tuple(axes)
+        self._below = np.concatenate([np.tile(_padded(a.denominator), (len(a.outputs), 1)) for a in self.axes])
+        self._tops: dict[tuple[tuple[int, str], ...], Array] = {}
+
+    def errors(self, inputs: Mapping[tuple[int, str], Array]) -> Array:
+        """Prediction errors of inputs, each of shape (n,), by axis and name, shape (rows, n)."""
+        key = tuple(inputs)
+        top = self._tops.get(key)
+        if top is None:
+            top = self._tops[key] = self._top(key)
+        return respond(list(inputs.values()), top, self._below)
+
+    def _top(self, key: tuple[tuple[int, str], ...]) -> Array:
+        out = np.zeros((len(self._below), len(key), TAPS))
+        first = 0
+        for k, here in enumerate(self.axes):
+            for i, (axis_, name) in enumerate(key):
+                if axis_ == k:
+                    out[first : first + len(here.outputs), i] = here.numerator(name)
+            first += len(here.outputs)
+        return out
+
+
+def _padded(polynomial: Array) -> Array:
+    return np.concatenate([polynomial, np.zeros(TAPS - polynomial.size)])
+
+
+def axis(h: float, noise: Mapping[str, float], ambient: float, time: float) -> Axis:
+    """The filter.
+
+    Args:
+        h: step [s].
+        noise: standard deviation of each measured output.
+        ambient: standard deviation of the ambient acceleration.
+        time: its correlation time [s].
+    """
+    outputs = tuple(k for k in KINDS if k in noise)
+    decay = float(np.exp(-h / time))
+    A = np.array([[1.0, h, 0.5 * h * h], [0.0, 1.0, h], [0.0, 0.0, decay]])
+    B = np.array([0.5 * h * h, h, 0.0])
+    C = np.array([[float(KINDS.index(o) == j) for j in range(3)] for o in outputs])
+    if "position" not in noise:
+        # Nothing sees the position: it is left out of the filter.
+        A, B, C = A[1:, 1:], B[1:], C[:, 1:]
+    scale = np.zeros(len(B))
+    scale[-1] = ambient**2 * (1 - decay**2)
+    # A trace of noise on the velocity keeps the equation solvable where the ambient force is almost none.
+    scale[-2] = (1e-3 * ambient * h) ** 2
+    R = np.diag([noise[o] ** 2 for o in outputs])
+    X = solve_discrete_are(A.T, C.T, np.diag(scale), R)
+    S = C @ X @ C.T + R
+    K = X @ C.T @ np.linalg.inv(S)
+    closed = A @ (np.eye(len(B)) - K @ C)
+    inputs = np.column_stack([A @ K, B])
+    D = np.column_stack([np.eye(len(outputs)), np.zeros(len(outputs))])
+    numerators = {}
+    denominator = np.ones(1)
+    for i, name in enumerate((*outputs, "process")):
+        top, denominator = ss2tf(closed, inputs, -C, D, input=i)
+        for j, output in enumerate(outputs):
+            numerators[name, output] = top[j]
+    gain = K if "position" in noise else np.vstack([np.zeros(len(outputs)), K])
+    spread = float(np.sqrt(((np.eye(len(B)) - K @ C) @ X)[-2, -2]))
+    return Axis(outputs, gain, spread, numerators, denominator, decay)

@@ -1,0 +1,127 @@
+"""A finding close to its threshold has to pass null logs as well: a few first, all of them only where those leave doubt."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.null.cache import keep, kept, key_of
+from ivsid.diagnosis.null.calibration import FEW, UNSURE, NullTest, examined, trial_of
+from ivsid.diagnosis.null.visibility import Threshold
+from ivsid.diagnosis.selection.select import Found
+from ivsid.effects import own_digest
+
+# Null logs at most, by default.
+NULL_LOGS: Final = 400
+# A finding this many times as strong as the threshold asks for is not close to it: no null log has a say.
+CLOSE: Final = 3.0
+
+
+@dataclass(frozen=True)
+class Confirmation:
+    """What null logs made of the findings.
+
+    Attributes:
+        test: with the threshold that holds now.
+        nulls: the null logs, or None where no finding was close or none could be made.
+        note: what is to be said beside the result, or nothing.
+    """
+
+    test: Threshold
+    nulls: NullTest | None = None
+    note: str = ""
+
+    @property
+    def stricter(self) -> bool:
+        """Whether the threshold has moved beyond that of the Gaussian draws."""
+        return self.nulls is not None and self.nulls.usable and self.test.calibration.chance < self.nulls.first
+
+    def record(self) -> dict[str, Any]:
+        """The calibration as in result.json."""
+        out = self.test.calibration.record()
+        if self.nulls is None:
+            return out
+        said = self.nulls.record()
+        return {
+            **out,
+            "method": f"{out['method']}; null logs of this programme, simulated forward, where a finding is close",
+            "achieved": said["achieved"],
+            "simulated": {**said, "gaussian_threshold": self.nulls.first},
+        }
+
+
+def _told(progress: Callable[[str], None], start: int, count: int, done: int) -> None:
+    progress(f"null logs {start + done} of {count}")
+
+
+def strength(test: Threshold, found: Found) -> float:
+    """Minus the logarithm of the chance of a finding's gain."""
+    return -float(np.log(max(test.chance(replace(found.first, gain=found.gain)), 1e-300)))
+
+
+def confirmed(
+    fit: Fit,
+    test: Threshold,
+    found: Sequence[Found],
+    seed: int,
+    most: int,
+    folder: Path | None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Confirmation:
+    """The test after the null logs that the findings ask for.
+
+    Args:
+        fit: of the plain model.
+        test: with the threshold of the Gaussian draws.
+        found: what passed it.
+        seed: of the null logs.
+        most: null logs; with 0 the Gaussian draws stand alone.
+        folder: cache, or None.
+        progress: told how far it is.
+    """
+    asked = -float(np.log(test.calibration.chance))
+    near = [s for s in (strength(test, f) for f in found) if s < CLOSE * asked]
+    if not near or most <= 0:
+        return Confirmation(test)
+    if own_digest() is None:
+        # An effect that no file brought may be another one tomorrow, under the same id.
+        folder = None
+    key = (
+        ""
+        if folder is None
+        else key_of(
+            fit.noise.bench.vehicle,
+            fit.noise.bench.log,
+            seed,
+            test.calibration.level,
+            test.visible,
+            test.calibration.chance,
+        )
+    )
+    known = None if folder is None else kept(folder, key, test.calibration.level)
+    nulls = NullTest(np.zeros(0), np.zeros(0, dtype=bool), test.calibration.level) if known is None else known
+    before = nulls.strengths.size
+    trial = None
+    for count in sorted({min(FEW, most), most}):
+        if nulls.strengths.size < count:
+            progress(f"null logs 0 of {count}")
+            trial = trial or trial_of(fit, test, seed)
+            start = nulls.strengths.size
+            told = partial(_told, progress, start, count)
+            nulls = nulls.joined(examined(trial, seed, range(start, count), told))
+        used = nulls.first_of(count)
+        if not used.usable or min(near) >= used.threshold(UNSURE):
+            break
+    if folder is not None and nulls.strengths.size > before:
+        keep(folder, key, nulls)
+    used = replace(used, cached=min(before, used.strengths.size), first=test.calibration.chance)
+    if not used.usable:
+        return Confirmation(test, used, "null logs of this programme leave its motion: the Gaussian draws stand alone")
+    chance = min(test.calibration.chance, float(np.exp(-used.threshold())))
+    return Confirmation(replace(test, calibration=replace(test.calibration, chance=chance)), used)

@@ -1,0 +1,165 @@
+"""What a finding looks like in TRAIN: the force that the model lacks without it, and what is left with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.estimation.fit import Fit, improve
+from ivsid.diagnosis.prediction.innovations import Anchor, Bench
+from ivsid.diagnosis.statements.binning import Binned, binned, ordered_by
+from ivsid.diagnosis.statements.comparison import missing
+from ivsid.diagnosis.statements.diagnosis import Diagnosis
+from ivsid.diagnosis.statements.findings import Finding
+from ivsid.effects import CHANNELS
+
+Array = NDArray[np.float64]
+# Length of the stretch of time that is shown [s].
+STRETCH: Final = 90.0
+STEPS: Final = 6
+UNITS: Final = {
+    "u": "m/s",
+    "v": "m/s",
+    "r": "rad/s",
+    "heading": "rad",
+    "thrust ahead": "N",
+    "turning thrust": "N m",
+    "udot": "m/s²",
+    "rdot": "rad/s²",
+    "u v": "m²/s²",
+    "u r": "m/s²",
+    "north": "m",
+    "east": "m",
+    "time": "s",
+}
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """One finding in the channel that shows it most.
+
+    Attributes:
+        effect: the finding.
+        channel: surge, sway or yaw.
+        time: [s], shape (n,).
+        before: the force that is missing without the finding, all else fitted anew, low-passed [N, N m], shape (n,).
+        after: what is missing with it, shape (n,); the same for an unknown.
+        window: first and last sample of the stretch in which it shows most.
+        quantity: of the motion, along which it is ordered best.
+        means: of before, after and their difference along that quantity.
+        rms: of before, after and their difference.
+    """
+
+    effect: str
+    channel: str
+    time: Array
+    before: Array
+    after: Array
+    window: tuple[int, int]
+    quantity: str
+    means: tuple[Binned, Binned, Binned]
+    rms: tuple[float, float, float]
+
+    @property
+    def unit(self) -> str:
+        """Of the force."""
+        return "N m" if self.channel == "yaw" else "N"
+
+
+def evidence(result: Diagnosis) -> tuple[Evidence, ...]:
+    """For each finding of TRAIN that can be drawn, in the findings' order."""
+    last = result.selection.last
+    bench = last.noise.bench
+    after = missing(bench, last.h, last.anchor)
+    found = []
+    for f in result.findings:
+        if f.effect == "unknown":
+            found.append(_of(f, last, bench, after, after))
+        elif any(f.effect == q.id for q in result.selection.found):
+            made = _without(f.effect, result)
+            if made is not None:
+                found.append(_of(f, last, bench, made, after))
+    return tuple(found)
+
+
+def _without(id_: str, result: Diagnosis) -> Array | None:
+    """The force that is missing where a finding is taken out and the rest fitted anew."""
+    last, plain = result.selection.last, result.selection.plain
+    noise = last.noise
+    h = last.h.without(id_, plain.h)
+    # From the plain model's numbers: those beside the finding may be far from what fits without it.
+    own = {t.id for t in h.terms}
+    h = replace(h, values={**h.values, **{k: v for k, v in plain.h.values.items() if k in own}})
+    try:
+        h, anchor = improve(noise.bench, h, plain.anchor, noise.whitening, noise.good, last.held, STEPS)
+    except np.linalg.LinAlgError:
+        return None
+    return missing(noise.bench, h, anchor)
+
+
+def _of(f: Finding, last: Fit, bench: Bench, before: Array, after: Array) -> Evidence:
+    good = last.noise.good
+    shown = before - after if f.effect != "unknown" else before
+    k = _channel(f, shown[:, good], after[:, good])
+    quantities = {n: x[good] for n, x in motion(bench, last.anchor).items()}
+    name = ordered_by(shown[k, good], quantities)
+    x = quantities[name]
+    rows = (before[k], after[k], before[k] - after[k])
+    means = tuple(binned(row[good], x, bench.log.h) for row in rows)
+    rms = tuple(float(np.sqrt(np.mean(row[good] ** 2))) for row in rows)
+    return Evidence(
+        f.effect,
+        CHANNELS[k],
+        bench.log.t,
+        before[k],
+        after[k],
+        _window(shown[k], bench.log.h),
+        name,
+        (means[0], means[1], means[2]),
+        (rms[0], rms[1], rms[2]),
+    )
+
+
+def _channel(f: Finding, shown: Array, after: Array) -> int:
+    """Where the finding stands out most from what is left; an unknown has its own."""
+    if f.effect == "unknown" and f.evidence.get("channel") in CHANNELS:
+        return CHANNELS.index(f.evidence["channel"])
+    return int(np.argmax((shown**2).mean(axis=1) / np.maximum((after**2).mean(axis=1), 1e-300)))
+
+
+def _window(x: Array, step: float) -> tuple[int, int]:
+    """The stretch that holds most of a force."""
+    count = min(round(STRETCH / step), x.size)
+    energy = np.cumsum(np.r_[0.0, x**2])
+    first = int(np.argmax(energy[count:] - energy[: x.size - count + 1]))
+    return first, first + count
+
+
+def motion(bench: Bench, anchor: Anchor) -> dict[str, Array]:
+    """The quantities along which a force may be ordered, by name, at samples."""
+    n, p = bench.log.n, anchor.points
+    u, v, r = p.nu[:, :n]
+    c, s = np.cos(p.angles[:, :n]), np.sin(p.angles[:, :n])
+    arms = np.array([t.position for t in bench.vehicle.thrusters]).reshape(-1, 2)
+    thrust = p.thrusts[:, :n]
+    found = {
+        "u": u,
+        "v": v,
+        "r": r,
+        "heading": np.mod(p.psi[:n], 2 * np.pi),
+        "thrust ahead": (thrust * c).sum(axis=0),
+        "turning thrust": (thrust * (arms[:, :1] * s - arms[:, 1:] * c)).sum(axis=0),
+        "udot": anchor.nudot[0, :n],
+        "rdot": anchor.nudot[2, :n],
+        "u v": u * v,
+        "u r": u * r,
+        "time": bench.log.t,
+    }
+    if bench.log.psi is None:
+        del found["heading"]
+    if bench.log.place is not None:
+        found |= {"north": p.place[0, :n], "east": p.place[1, :n]}
+    return found

@@ -1,0 +1,53 @@
+"""What the declared errors explain: structure inside their bounds is worth a sentence, and no finding."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from ivsid.diagnosis.estimation.fit import Fit
+
+# A declared error is mentioned where it stands out by so many standard deviations of its estimate.
+SHOWN: Final = 5.0
+_BIAS: Final = {
+    "ax": ("accelerometer's bias in x", "m/s^2"),
+    "ay": ("accelerometer's bias in y", "m/s^2"),
+    "r": ("gyro's bias", "rad/s"),
+}
+
+
+def hints(fit: Fit) -> tuple[str, ...]:
+    """Sentences about biases, scale and thrust errors that the log shows inside their bounds, and about a strong ambient force."""
+    g, p = fit.gram, fit.projection
+    bare = np.linalg.inv(p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9))
+    out: list[str] = []
+    for i, k in enumerate(p.base):
+        name = g.names[k]
+        if not name.startswith("~") or name.startswith(("~thrust", "~rudder")):
+            continue
+        size = fit.h.declared.get(name, 0.0)
+        sigma = float(np.sqrt(bare[i, i])) / float(g.unit[k])
+        if abs(size) < SHOWN * sigma:
+            continue
+        if name == "~scale.velocity":
+            out.append(f"velocities read {100 * size:+.2f} % of their value too much; the vehicle file allows for that")
+        elif name.endswith(".0"):
+            words, unit = _BIAS[name.split(".")[1]]
+            out.append(f"the {words} is about {size:.3g} {unit}, inside its specification")
+    for thruster in fit.noise.bench.vehicle.thrusters:
+        own = [i for i, k in enumerate(p.base) if g.names[k].startswith(f"~thrust.{thruster.name}.")]
+        if not own:
+            continue
+        sizes = np.array([fit.h.declared.get(g.names[p.base[i]], 0.0) * g.unit[p.base[i]] for i in own])
+        if float(sizes @ np.linalg.solve(bare[np.ix_(own, own)], sizes)) > SHOWN**2 + len(own):
+            out.append(f"the thrust of {thruster.name} differs smoothly from its curve, inside its accuracy")
+    vehicle, ambient = fit.noise.bench.vehicle, fit.noise.bench.ambient
+    if vehicle.ambient is not None and vehicle.ambient.force:
+        mass = np.linalg.inv(fit.signatures.mass.inverse[0])
+        force = [ambient.deviation[k] * mass[k, k] for k in range(2)]
+        if min(force) > 2 * vehicle.ambient.force:
+            out.append(
+                f"the ambient force looks like {min(force):.2g} N rms, more than the {vehicle.ambient.force:g} N of the vehicle file"
+            )
+    return tuple(out)

@@ -1,0 +1,173 @@
+"""A diagnosis in words, made from its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+from typing import Final
+
+from ivsid.diagnosis.statements.comparison import POSITION_WINDOW, VELOCITY_WINDOW, Gain
+from ivsid.diagnosis.statements.diagnosis import Diagnosis
+from ivsid.diagnosis.statements.evidence import Evidence
+from ivsid.diagnosis.statements.findings import Finding
+from ivsid.effects import CATALOGUE, EFFECTS, Effect
+
+# Chances below this are not worth their digits.
+TINY: Final = 1e-12
+_WHAT: Final = {
+    "u": (f"simulated u over {VELOCITY_WINDOW:g} s", "m/s"),
+    "v": (f"simulated v over {VELOCITY_WINDOW:g} s", "m/s"),
+    "r": (f"simulated r over {VELOCITY_WINDOW:g} s", "rad/s"),
+    "position": (f"simulated position over {POSITION_WINDOW:g} s", "m"),
+    "X": ("missing force X", "N"),
+    "Y": ("missing force Y", "N"),
+    "N": ("missing moment N", "N m"),
+}
+
+
+def explain(result: Diagnosis, seen: Sequence[Evidence] = ()) -> list[list[str]]:
+    """For each finding, paragraphs: what, how much, how sure, what else, what next.
+
+    Args:
+        result: the diagnosis.
+        seen: what the findings look like, from which the share that each explains is told.
+    """
+    shown = {e.effect: e for e in seen}
+    return [
+        _unknown(f, shown.get(f.effect)) if f.effect == "unknown" else _paragraphs(result, f, shown.get(f.effect))
+        for f in result.findings
+    ]
+
+
+def _outward(x: float, rounding: str) -> str:
+    """Four digits that the interval does not lose anything by."""
+    return f"{float(Context(prec=4, rounding=rounding).create_decimal(Decimal(x))):g}"
+
+
+def _paragraphs(result: Diagnosis, f: Finding, seen: Evidence | None) -> list[str]:
+    effect = EFFECTS[f.effect]
+    return [
+        f"{f.effect}: {effect.cause}.",
+        " ".join(["How much:", *_sizes(result, f, effect), *_explained(seen)]),
+        f"How sure: {_sure(result, f)}",
+        f"What else: {_else(result, f)}",
+        f"What next: {_next(f, effect)}",
+    ]
+
+
+def _sizes(result: Diagnosis, f: Finding, effect: Effect) -> list[str]:
+    if not f.parameters:
+        return ["no interval of its numbers could be made."]
+    forms = (effect,) if effect.measured is None else (effect, effect.measured)
+    typical = {
+        n: p.scaled(result.vehicle.hull.mass)
+        for e in forms
+        for n, p in zip(e.parts, e.parameters, strict=True)
+        if p.draw in ("size", "north", "east")
+    }
+    words = []
+    for name, b in f.parameters.items():
+        unit = "" if b.unit == "1" else f" {b.unit}"
+        size = f"; {typical[name]:.3g}{unit} is usual for a vehicle of this mass" if name in typical else ""
+        kind = "proved" if b.guaranteed else "statistical, not proved"
+        words.append(
+            f"{name} lies between {_outward(b.lower, ROUND_FLOOR)} and {_outward(b.upper, ROUND_CEILING)}{unit} ({kind}{size})."
+        )
+    return words
+
+
+def _explained(seen: Evidence | None) -> list[str]:
+    if seen is None:
+        return []
+    before, after, own = seen.rms
+    return [
+        f"In {seen.channel} it accounts for {own:.2g} {seen.unit} (rms below 0.35 Hz): without it {before:.3g} {seen.unit} are missing, with it {after:.3g}. "
+        f"It goes with {seen.quantity}."
+    ]
+
+
+def _sure(result: Diagnosis, f: Finding) -> str:
+    z = f.evidence.get("z", 0.0)
+    words = [f"it stands out by {z:.0f} standard deviations, most in {f.evidence.get('channel') or 'several channels'}"]
+    chance = f.evidence.get("chance")
+    if chance is not None:
+        words.append(f"the chance of that without it is {f'below {TINY:g}' if chance < TINY else f'{chance:.1g}'}")
+    share = result.calibration["family_wise"]
+    words.append(f"of logs with nothing hidden, {100 * share:g} % or fewer are meant to give any finding")
+    return "; ".join(words) + "."
+
+
+def _else(result: Diagnosis, f: Finding) -> str:
+    if f.alternatives:
+        return (
+            f"the log does not tell it from {', '.join(f.alternatives)}; among them it has the weight {f.confidence:.2f}. Take the set for the finding, "
+            "not its first name."
+        )
+    near = [r for r in result.rejected if r.full is not None and r.full[1] > 0]
+    near = sorted((r for r in near if r.full is not None), key=lambda r: -_share(r.full))[:1]
+    if not near:
+        return "no other cause of the catalogue comes near."
+    return (
+        f"no other cause of the catalogue explains the log as well; the next best in its place, {near[0].effect}, explains "
+        f"{100 * _share(near[0].full):.0f} % of the fall of chi²."
+    )
+
+
+def _share(full: tuple[float, float] | None) -> float:
+    return 0.0 if full is None or full[1] <= 0 else max(full[0], 0.0) / full[1]
+
+
+def _next(f: Finding, effect: Effect) -> str:
+    words = []
+    if f.alternatives:
+        words.append(
+            f"to separate them: {f.separate_by}; ivsid isolability says which manoeuvre does most in your programme."
+        )
+    elif effect.separate:
+        words.append(f"to confirm it: {effect.separate}.")
+    if f.effect in CATALOGUE:
+        words.append("model.toml has it as a term; ivsid identify with that file gives a proved interval.")
+    else:
+        words.append("model.toml holds what a vehicle file can state of it; the rest stands there in comments.")
+    return " ".join(words)
+
+
+def _unknown(f: Finding, seen: Evidence | None) -> list[str]:
+    words = [f"Unknown: {f.description}."]
+    if seen is not None:
+        words.append(
+            f"How much: in {seen.channel} {seen.rms[1]:.3g} {seen.unit} (rms below 0.35 Hz) are missing with everything that was found; "
+            f"they go with {seen.quantity}."
+        )
+    words.append(
+        "What next: look at the figure for the shape of what is missing; a cause of your own can join the catalogue (docs: A 43rd effect). Until it "
+        "has a name, do not trust the parameters of that channel."
+    )
+    return words
+
+
+def worth(gain: Gain) -> list[tuple[str, str, float, float, tuple[float, float] | None, str]]:
+    """What the better model is worth on the other log: quantity, unit, before, after, 95 % of before over after, and that in words."""
+    pairs: Mapping[str, tuple[float, float]] = {
+        **gain.simulation_rms,
+        **({} if gain.position_rms is None else {"position": gain.position_rms}),
+        **gain.force_rms,
+    }
+    return [
+        (*_WHAT[name], before, after, gain.interval.get(name), _verdict(before, after, gain.interval.get(name)))
+        for name, (before, after) in pairs.items()
+    ]
+
+
+def _verdict(before: float, after: float, interval: tuple[float, float] | None) -> str:
+    if before == after:
+        return "unchanged"
+    if interval is None:
+        return "better" if after < before else "worse"
+    low, high = interval
+    if low > 1:
+        return f"better, by a factor of {low:.3g} to {high:.3g}"
+    if high < 1:
+        # The reciprocal: how much larger the error has become.
+        return f"WORSE, by a factor of {1 / high:.3g} to {1 / max(low, 1e-12):.3g}"
+    return "no change that this log can tell"

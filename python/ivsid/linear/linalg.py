@@ -1,0 +1,273 @@
+"""Inverses, regularity and square systems of interval matrices."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Final, TypeAlias, TypeVar, overload
+
+import numpy as np
+
+from ivsid import _core
+from ivsid.errors import IvsidError
+from ivsid.intervals import EndpointPair, FloatArray, Interval, IntervalArray, Operand
+from ivsid.linear.certificates import Certificate
+
+Bounds: TypeAlias = tuple[FloatArray, FloatArray]
+
+INVERSE_METHODS: Final = (
+    "exact",
+    "partitioned",
+    "hansen-bliek-rohn",
+    "krawczyk",
+    "cramer",
+    "kuttler",
+    "neumaier",
+    "published",
+    "published-hull",
+)
+SOLVE_METHODS: Final = ("hansen-bliek-rohn", "exact", "krawczyk", "gauss-seidel", "cramer")
+SWEEPS: Final = ("members", "extrema")
+DEFAULT_PARTITIONS: Final = 1000
+DEFAULT_CELLS: Final = 4096
+PARTITION_LIMIT: Final = 2**53
+"""Beyond it the members of a sweep are no longer told apart by doubles."""
+
+STATUSES: Final = ("enclosed", "singular", "not_proved", "not_applicable")
+VERDICTS: Final = ("regular", "singular", "not_proved")
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a method answers.
+
+    Attributes:
+        method: its name.
+        status: ``enclosed``, ``singular``, ``not_proved`` or ``not_applicable``.
+        value: the enclosure; an ``EndpointPair`` for the published methods, which claim nothing; None without bounds.
+        certificate: why the status holds; its ``verify()`` checks that in exact arithmetic.
+        reason: what was not proved and why, in one sentence.
+        gap: for ``partitioned``, how far a bound may be from the hull at most.
+    """
+
+    method: str
+    status: str
+    value: IntervalArray | EndpointPair | None
+    certificate: Certificate | None
+    reason: str | None
+    gap: float | None = None
+
+    @property
+    def guaranteed(self) -> bool:
+        """Whether every step was proved."""
+        return self.status in ("enclosed", "singular")
+
+
+@dataclass(frozen=True)
+class Regularity:
+    """Whether every member is nonsingular: ``status`` is ``regular``, ``singular`` or ``not_proved``."""
+
+    status: str
+    certificate: Certificate | None
+
+
+Answer = TypeVar("Answer")
+
+
+class Batch(Sequence[Answer]):
+    """Answers to a batch: names in ``status``, shape (k,), or one answer after the other.
+
+    An answer with its certificate is made when it is asked for.
+    """
+
+    def __init__(self, status: np.ndarray[Any, np.dtype[np.str_]], single: Callable[[int], Answer]) -> None:
+        self.status = status
+        self._single = single
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    @overload
+    def __getitem__(self, index: int) -> Answer: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Answer]: ...
+    def __getitem__(self, index: int | slice) -> Answer | list[Answer]:
+        positions = range(len(self))[index]
+        return self._single(positions) if isinstance(positions, int) else [self._single(k) for k in positions]
+
+
+class ResultBatch(Batch[Result]):
+    """The results of a batch: whole arrays as well.
+
+    Attributes:
+        method: its name.
+        lower: bounds, shape (k, n, n), of systems (k, n); NaN where a result has no value.
+        upper: the same from above.
+    """
+
+    def __init__(
+        self, method: str, codes: np.ndarray[Any, np.dtype[np.uint8]], bounds: Bounds, single: Callable[[int], Result]
+    ) -> None:
+        super().__init__(np.array(STATUSES)[codes], single)
+        self.method = method
+        self.lower, self.upper = bounds
+
+    @property
+    def guaranteed(self) -> np.ndarray[Any, np.dtype[np.bool_]]:
+        """Which results are proved, shape (k,)."""
+        return np.isin(self.status, ("enclosed", "singular"))
+
+
+def inverse(
+    A: Operand,
+    method: str = "exact",
+    partitions: int | None = None,
+    *,
+    sweep: str = "members",
+    progress: Callable[[int, int], object] | None = None,
+) -> Any:
+    """The inverse of an interval matrix.
+
+    Args:
+        A: shape (n, n), or a batch (k, n, n), which gives a ``ResultBatch``.
+        method: ``exact`` (the hull; n <= 64 where the signs of the inverse are fixed, else n <= 12), ``partitioned`` (the hull by
+            halving, or an enclosure with a stated gap), ``hansen-bliek-rohn`` (hull of the preconditioned columns), ``krawczyk``
+            (paper eq. 8-10, corrected), ``cramer`` (Nirmala-Ganesan), ``kuttler`` (extreme members with non-negative inverses: the
+            hull), ``neumaier`` (one norm bound), ``published`` (eq. 11-13 literally, n <= 64), ``published-hull`` (hull over both of its sets).
+        partitions: N of the published methods, 1000 by default; cells of ``partitioned``, 4096 by default.
+        sweep: of the published methods: ``members`` inverts all 2N matrices, ``extrema`` only those that can be extreme, with the same
+            result up to rounding at any N.
+        progress: called with (partitions done, N) some times a second during a long sweep of one matrix.
+
+    Returns:
+        A ``Result``, or a ``ResultBatch``. A failed proof is a status, never an exception.
+
+    Raises:
+        IvsidError: wrong shape, NaN, reversed bounds, or an unknown method or sweep.
+    """
+    check_method(method, INVERSE_METHODS)
+    if sweep not in SWEEPS:
+        raise IvsidError(f"sweep '{sweep}' is unknown; use {' or '.join(SWEEPS)}")
+    number = partition_count(partitions, method)
+    matrix = _matrix(A)
+    if matrix.ndim == 2:
+        lower, upper = _square(matrix)
+        found = _core.inverse(lower, upper, method, number, sweep, progress)
+        return make_result(method, found, (lower, upper), matrix.shape)
+    lower, upper = np.ascontiguousarray(matrix.lower), np.ascontiguousarray(matrix.upper)
+    codes, bounds = _core.inverse_batch(lower, upper, method, number, sweep)
+
+    def single(k: int) -> Result:
+        found = _core.inverse(lower[k], upper[k], method, number, sweep)
+        return make_result(method, found, (lower[k], upper[k]), lower[k].shape)
+
+    return ResultBatch(method, codes, bounds, single)
+
+
+def solve(A: Operand, b: Operand, method: str = "hansen-bliek-rohn") -> Any:
+    """Encloses every solution of ``A x = b``.
+
+    Args:
+        A: shape (n, n), or a batch (k, n, n).
+        b: shape (n,); for a batch (k, n), or (n,) for all of it.
+        method: ``hansen-bliek-rohn`` (hull of the preconditioned system in closed form), ``exact`` (hull of the solution set by sign
+            accord, n <= 12), ``krawczyk`` (paper eq. 8-10, corrected), ``gauss-seidel``, or ``cramer`` (Nirmala-Ganesan).
+
+    Returns:
+        A ``Result`` with bounds of shape (n,), or a ``ResultBatch`` with (k, n).
+
+    Raises:
+        IvsidError: wrong shapes, NaN, reversed bounds, or an unknown method.
+    """
+    check_method(method, SOLVE_METHODS)
+    matrix = _matrix(A)
+    right = b if isinstance(b, IntervalArray) else IntervalArray(_points(b))
+    if right.shape not in (matrix.shape[-1:], matrix.shape[:-1]):
+        raise IvsidError(f"the right-hand side has shape {right.shape}; for this matrix it must be {matrix.shape[:-1]}")
+    lower, upper = (np.ascontiguousarray(np.broadcast_to(end, matrix.shape[:-1])) for end in (right.lower, right.upper))
+    low, high = np.ascontiguousarray(matrix.lower), np.ascontiguousarray(matrix.upper)
+    if matrix.ndim == 2:
+        return make_result(method, _core.solve(low, high, (lower, upper), method), (low, high), right.shape)
+    codes, bounds = _core.solve_batch(low, high, (lower.ravel(), upper.ravel()), method)
+
+    def single(k: int) -> Result:
+        found = _core.solve(low[k], high[k], (lower[k], upper[k]), method)
+        return make_result(method, found, (low[k], high[k]), lower[k].shape)
+
+    return ResultBatch(method, codes, bounds, single)
+
+
+def regularity(A: Operand) -> Any:
+    """Decides whether every member of ``A`` is nonsingular, with a certificate.
+
+    Args:
+        A: shape (n, n), or a batch (k, n, n).
+
+    Returns:
+        A ``Regularity``, or a ``Batch`` of them.
+    """
+    matrix = _matrix(A)
+    low, high = np.ascontiguousarray(matrix.lower), np.ascontiguousarray(matrix.upper)
+
+    def single(lower: FloatArray, upper: FloatArray) -> Regularity:
+        status, certificate = _core.regularity(lower, upper)
+        return Regularity(status, None if certificate is None else Certificate(certificate, lower, upper))
+
+    if matrix.ndim == 2:
+        return single(low, high)
+    codes = _core.regularity_batch(low, high)
+    return Batch(np.array(VERDICTS)[codes], lambda k: single(low[k], high[k]))
+
+
+def norm(A: Operand) -> float:
+    """The maximum row sum of magnitudes, rounded up (paper, section IV.A)."""
+    matrix = _matrix(A, square=False)
+    return _core.norm(np.ascontiguousarray(matrix.lower), np.ascontiguousarray(matrix.upper))
+
+
+def partition_count(partitions: int | None, method: str = "published") -> int:
+    """N of the published methods or the cells of ``partitioned``, checked; a default where none is given."""
+    default = DEFAULT_CELLS if method == "partitioned" else DEFAULT_PARTITIONS
+    number = default if partitions is None else partitions
+    if not isinstance(number, (int, np.integer)) or isinstance(number, bool) or not 0 < number < PARTITION_LIMIT:
+        raise IvsidError(f"partitions = {number!r} is not usable; give a whole number of at least 1 and below 2^53")
+    return int(number)
+
+
+def check_method(method: str, methods: tuple[str, ...]) -> None:
+    """Refuses a name that is not among the methods."""
+    if method not in methods:
+        raise IvsidError(f"method '{method}' is not available; choose one of {', '.join(methods)}")
+
+
+def _points(value: Any) -> FloatArray:
+    if isinstance(value, Interval):
+        raise IvsidError("one interval was given where an array is needed; use IntervalArray")
+    return np.asarray(value, dtype=np.float64)
+
+
+def _matrix(value: Operand, *, square: bool = True) -> IntervalArray:
+    matrix = value if isinstance(value, IntervalArray) else IntervalArray(_points(value))
+    usable = matrix.ndim in ((2, 3) if square else (2,)) and (not square or matrix.shape[-1] == matrix.shape[-2])
+    if not usable or matrix.size == 0:
+        needed = "(n, n) or (k, n, n)" if square else "(m, n)"
+        raise IvsidError(f"an array of shape {matrix.shape} was given; a matrix of shape {needed} is needed")
+    return matrix
+
+
+def _square(matrix: IntervalArray) -> tuple[FloatArray, FloatArray]:
+    if matrix.ndim != 2:
+        raise IvsidError(f"an array of shape {matrix.shape} was given; one matrix of shape (n, n) is needed")
+    return np.ascontiguousarray(matrix.lower), np.ascontiguousarray(matrix.upper)
+
+
+def make_result(
+    method: str, found: dict[str, Any], matrix: tuple[FloatArray, FloatArray], shape: tuple[int, ...]
+) -> Result:
+    """The core's answer as a ``Result``; only a proved enclosure becomes an ``IntervalArray``."""
+    value: IntervalArray | EndpointPair | None = None
+    if found["value"] is not None:
+        lower, upper = (end.reshape(shape) for end in found["value"])
+        value = IntervalArray(lower, upper) if found["proved"] else EndpointPair(lower, upper)
+    certificate = None if found["certificate"] is None else Certificate(found["certificate"], *matrix)
+    return Result(method, found["status"], value, certificate, found["reason"], found["gap"])

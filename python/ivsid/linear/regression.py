@@ -1,0 +1,191 @@
+"""Parameters of interval rows: the feasible set, and interval least squares."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+
+from ivsid import _core
+from ivsid.errors import IvsidError
+from ivsid.intervals import FloatArray, IntervalArray, Operand
+from ivsid.linear.linalg import INVERSE_METHODS, Result, check_method, make_result, partition_count
+
+
+@dataclass(frozen=True)
+class FeasibleSet:
+    """The proved hull of all parameters that are consistent with every row.
+
+    Attributes:
+        status: ``enclosed``, ``empty`` (no parameter is consistent), ``unbounded`` or ``not_applicable``.
+        value: bounds, shape (n,); unproved ends are infinite; None where the set is empty.
+        inflation: the smallest factor on all radii at which a parameter is consistent (an estimate); None if none is.
+        centre: where that factor is attained, shape (n,).
+        directions: in which the set goes on for ever, each of shape (n,).
+        certificate: per orthant that the set may meet, the rows and multipliers of every bound, or of the contradiction; with
+            ``outliers`` each entry names the rows that it leaves out (``dropped``).
+        reason: why the method does not apply.
+        sign_proofs: why the set meets no orthant beside those of ``certificate``; empty where all are listed.
+        fewest_outliers: with ``outliers``, the least number of rows without which no contradiction is left; None where more
+            than the allowed number are needed.
+        outliers: with ``outliers``, the sets of that many rows, each a tuple of row numbers.
+    """
+
+    status: str
+    value: IntervalArray | None
+    inflation: float | None
+    centre: FloatArray | None
+    directions: list[FloatArray]
+    certificate: list[dict[str, Any]]
+    reason: str | None
+    sign_proofs: list[dict[str, Any]] = field(default_factory=list)
+    fewest_outliers: int | None = None
+    outliers: tuple[tuple[int, ...], ...] = ()
+
+    @property
+    def guaranteed(self) -> bool:
+        """Whether every bound that is given was proved."""
+        return self.status in ("enclosed", "empty", "unbounded")
+
+
+@dataclass(frozen=True)
+class NormalEquations:
+    """Interval least squares, theta = (A'A)^-1 A'y (paper eq. 14).
+
+    Attributes:
+        status: that of the inverse; only ``enclosed`` is proved.
+        value: bounds, shape (n,), or None where the inverse has none.
+        improper: how many entries of the inverse had their lower bound above the upper one.
+        gram: A'A, shape (n, n).
+        inverse: the inverse that was used.
+    """
+
+    status: str
+    value: IntervalArray | None
+    improper: int
+    gram: IntervalArray
+    inverse: Result
+
+    @property
+    def guaranteed(self) -> bool:
+        """Whether every step was proved."""
+        return self.status == "enclosed"
+
+
+LEAST_SQUARES_METHODS: Final = ("qr", "augmented")
+"""Methods of ``least_squares``."""
+
+
+@dataclass(frozen=True)
+class LeastSquares:
+    """An enclosure of the least-squares solutions of all members.
+
+    Attributes:
+        method: how it was found.
+        status: ``enclosed``, ``not_proved`` or ``not_applicable``.
+        value: bounds, shape (n,); None where there are none.
+        reason: why there are none.
+    """
+
+    method: str
+    status: str
+    value: IntervalArray | None
+    reason: str | None
+
+    @property
+    def guaranteed(self) -> bool:
+        """Whether the enclosure was proved."""
+        return self.status == "enclosed"
+
+
+def feasible_set(A: Operand, y: Operand, outliers: int = 0, signs: Sequence[int] | None = None) -> FeasibleSet:
+    """The hull of {theta: some member of A and of y gives A theta = y} (Oettli-Prager; METHODS 4.3-4.5).
+
+    C-contiguous float64 bounds are used where they lie, memory-mapped ones too.
+
+    Args:
+        A: interval rows, shape (m, n).
+        y: right-hand sides, shape (m,).
+        outliers: how many rows may be wrong: the hull is that of all parameters that all but so many rows allow.
+        signs: for each parameter 1 or -1 where its sign is known beforehand, else 0; the result holds under this assumption.
+
+    Raises:
+        IvsidError: wrong shapes, NaN or reversed bounds, signs that do not fit.
+    """
+    rows, right = _rows(A, y)
+    if outliers < 0:
+        raise IvsidError(f"outliers = {outliers} was given; a number of rows, at least 0, is needed")
+    if signs is not None and (len(signs) != rows[0].shape[1] or any(s not in (-1, 0, 1) for s in signs)):
+        raise IvsidError(f"signs = {list(signs)} was given; {rows[0].shape[1]} of 1, -1 and 0 are needed")
+    found = _core.feasible_set(rows, right, None if signs is None else list(signs), int(outliers))
+    lower, upper = found["parameters"]
+    empty = found["status"] == "empty"
+    directions = [np.array(d) for d in found["directions"]]
+    return FeasibleSet(
+        found["status"],
+        None if empty else IntervalArray(lower, upper),
+        found["inflation"],
+        found["centre"],
+        directions,
+        found["orthants"],
+        found["reason"],
+        found["sign_proofs"],
+        found["fewest_outliers"],
+        tuple(tuple(rows) for rows in found["outliers"] or ()),
+    )
+
+
+def normal_equations(A: Operand, y: Operand, method: str = "exact", partitions: int | None = None) -> NormalEquations:
+    """Interval least squares with the named inverse; arguments as in ``feasible_set`` and ``linalg.inverse``."""
+    check_method(method, INVERSE_METHODS)
+    rows, right = _rows(A, y)
+    found = _core.normal_equations(rows, right, method, partition_count(partitions, method))
+    value = None if found["parameters"] is None else IntervalArray(*found["parameters"])
+    gram = IntervalArray(*found["gram"])
+    bounds = (np.ascontiguousarray(gram.lower), np.ascontiguousarray(gram.upper))
+    inverse = make_result(method, found["inverse"], bounds, gram.shape)
+    return NormalEquations(found["status"], value, found["improper"], gram, inverse)
+
+
+def least_squares(A: Operand, y: Operand, method: str = "qr") -> LeastSquares:
+    """Every least-squares solution of every member of A and y (METHODS 4.4), and so every consistent parameter.
+
+    Args:
+        A: interval rows or points, shape (m, n).
+        y: right-hand sides, shape (m,).
+        method: ``qr``, a verified QR factorisation (Rump 2012, with the rows' radii to first order), in one pass over the rows; or
+            ``augmented``, Rump's square system of order m + n, far wider, up to an order of 1000.
+
+    Raises:
+        IvsidError: wrong shapes, NaN or reversed bounds, an unknown method.
+    """
+    if method not in LEAST_SQUARES_METHODS:
+        raise IvsidError(f"method '{method}' is not available; choose one of {', '.join(LEAST_SQUARES_METHODS)}")
+    rows, right = _rows(A, y)
+    found = _core.least_squares(rows, right, method)
+    value = None if found["parameters"] is None else IntervalArray(*found["parameters"])
+    return LeastSquares(method, found["status"], value, found["reason"])
+
+
+def _rows(A: Operand, y: Operand) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
+    rows = A if isinstance(A, IntervalArray) else IntervalArray(np.asarray(A, dtype=np.float64))
+    right = y if isinstance(y, IntervalArray) else IntervalArray(np.asarray(y, dtype=np.float64))
+    if rows.ndim != 2 or 0 in rows.shape:
+        raise IvsidError(f"rows of shape {rows.shape} were given; shape (m, n) with m, n >= 1 is needed")
+    if right.shape != rows.shape[:1]:
+        raise IvsidError(f"right-hand sides of shape {right.shape} were given; {rows.shape[:1]} is needed")
+
+    def contiguous(v: IntervalArray) -> tuple[FloatArray, FloatArray]:
+        return np.ascontiguousarray(v.lower), np.ascontiguousarray(v.upper)
+
+    return contiguous(rows), contiguous(right)
+
+
+def gram(A: Operand) -> IntervalArray:
+    """A'A with squares on its diagonal, as ``normal_equations`` forms it; A has shape (m, n)."""
+    rows = A if isinstance(A, IntervalArray) else IntervalArray(np.asarray(A, dtype=np.float64))
+    if rows.ndim != 2 or 0 in rows.shape:
+        raise IvsidError(f"rows of shape {rows.shape} were given; shape (m, n) with m, n >= 1 is needed")
+    return IntervalArray(*_core.gram(np.ascontiguousarray(rows.lower), np.ascontiguousarray(rows.upper)))

@@ -1,0 +1,218 @@
+"""A small library of manoeuvres, sized for a vehicle: what a next trial could add."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.programme.manoeuvres import Segment
+from ivsid.programme.scenario import Scenario
+from ivsid.propulsion.thrust import ThrustCurve
+from ivsid.vehicle import Vehicle
+
+# Each lasts this long [s] for a hull of 1 m; longer hulls take longer, after Froude.
+LENGTH: Final = 150.0
+# Samples of one, at most, where that leaves it as long.
+MOST: Final = 6000.0
+# The yaw rate of a brisk turn of such a hull [rad/s], and how much of full demand an error of it calls for.
+BRISK: Final = 0.4
+HOLD: Final = 0.6
+# No vehicle turns so many times faster.
+SPIN: Final = 6.0
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A manoeuvre of the library.
+
+    Attributes:
+        name: short, for tables.
+        words: how it is sailed, in a sentence.
+        segments: for a scenario, repeated until its end.
+    """
+
+    name: str
+    words: str
+    segments: tuple[Segment, ...]
+
+
+def library(vehicle: Vehicle, full: float | None = None) -> tuple[Trial, ...]:
+    """The manoeuvres that a vehicle with these thrusters can sail.
+
+    Args:
+        vehicle: whose thrusters and length size them.
+        full: the largest demand from neutral; by default where the weakest curve ends.
+    """
+    if not vehicle.thrusters:
+        return ()
+    return _Sizes(vehicle, full_demand(vehicle) if full is None else full).trials()
+
+
+def full_demand(vehicle: Vehicle) -> float:
+    """The largest demand from neutral that every thruster can take; 0 for curves without an end."""
+    ends = [c.range[1] - t.neutral for t in vehicle.thrusters if math.isfinite((c := ThrustCurve(t)).range[1])]
+    return min(ends, default=0.0)
+
+
+def scenario(trial: Trial, vehicle: Vehicle, rate: float, truth: Mapping[str, float], noise: str = "none") -> Scenario:
+    """The manoeuvre as a scenario, by default without the noise of the sensors."""
+    seconds = min(LENGTH * max(_slower(vehicle), 0.8), max(LENGTH, MOST / rate))
+    return Scenario.model_validate(
+        {
+            "duration": seconds,
+            "rate": rate,
+            "seed": 0,
+            "noise": noise,
+            "truth": dict(truth),
+            "segments": trial.segments,
+        }
+    )
+
+
+def believable(vehicle: Vehicle, r: NDArray[np.float64]) -> bool:
+    """Whether a vehicle could turn like this [rad/s]: a model without damping may spin."""
+    return bool(np.isfinite(r).all() and np.abs(r).max() < SPIN * BRISK / _slower(vehicle))
+
+
+def _slower(vehicle: Vehicle) -> float:
+    return math.sqrt(vehicle.hull.length or (vehicle.hull.mass / 60.0) ** (1 / 3))
+
+
+class _Sizes:
+    """Demands, times and rates for one vehicle."""
+
+    def __init__(self, vehicle: Vehicle, full: float) -> None:
+        self.full, self.slow = full, _slower(vehicle)
+        fixed = [t for t in vehicle.thrusters if t.steering == "fixed" and t.rudder is None]
+        self.spins = any(
+            abs(t.position[0] * math.sin(t.azimuth) - t.position[1] * math.cos(t.azimuth)) > 1e-9 for t in fixed
+        )
+        self.pushes_sideways = any(abs(math.sin(t.azimuth)) > 1e-9 for t in fixed)
+
+    def one(self, kind: str, seconds: float, demand: Any = 0.0, **how: Any) -> Segment:
+        """A segment: demands as shares of full, times and rates for a hull of 1 m.
+
+        Thrusters that turn the vehicle hold its yaw rate, 0 where none is asked for: a model without damping in yaw would spin else.
+        """
+        levels = tuple(q * self.full for q in demand) if isinstance(demand, tuple) else demand * self.full
+        numbers: dict[str, Any] = {"manoeuvre": kind, "duration": seconds * self.slow, "demand": levels}
+        if kind != "coast":
+            numbers |= {"yaw_gain": HOLD * self.full / (BRISK / self.slow), "differential_limit": 0.6 * self.full}
+        if share := how.pop("turned", None):
+            numbers |= self.turned(share)
+        for key, value in how.items():
+            scaled = {"period": self.slow, "period_end": self.slow, "yaw_rate": 1 / self.slow}.get(key, 1.0)
+            numbers[key] = value * (self.full if key in ("sway", "amplitude") else scaled)
+        return Segment(**numbers)
+
+    def turn(self, seconds: float, demand: float, share: float) -> Segment:
+        """A steady turn at a share of a brisk one."""
+        if self.spins:
+            return self.one("circle", seconds, demand, yaw_rate=BRISK * share)
+        return self.one("steady", seconds, demand, turned=share)
+
+    def turned(self, share: float) -> dict[str, Any]:
+        """Thrusters against each other, rudders and azimuths over, by a share of what is usual."""
+        return {"differential": 0.4 * self.full * share, "rudder": 0.6 * share, "azimuth": 0.5 * share}
+
+    def trials(self) -> tuple[Trial, ...]:
+        one = self.one
+        quarter = 0.5 * math.pi / BRISK
+        found = [
+            Trial(
+                "coast to rest",
+                "full speed, then no thrust until it lies still; the same astern",
+                (one("steady", 12, 0.8), one("coast", 24), one("steady", 7, -0.5), one("coast", 14)),
+            ),
+            Trial(
+                "speed steps", "straight, at several speeds", (one("steps", 48, (0.3, 0.6, 0.9, 0.15), period=12.0),)
+            ),
+            Trial(
+                "acceleration straights",
+                "straight, full ahead and slow ahead in turn, each for some seconds",
+                (one("steps", 36, (0.95, 0.2, 0.7, 0.1), period=9.0),),
+            ),
+            Trial(
+                "zigzag 10/10",
+                "a little helm, over each time the heading has come 10 degrees",
+                (one("heading_zigzag", 75, 0.5, heading=math.radians(10), turned=0.5),),
+            ),
+            Trial(
+                "zigzag 20/20",
+                "more helm, over each time the heading has come 20 degrees, at two speeds",
+                (
+                    one("heading_zigzag", 40, 0.45, heading=math.radians(20), turned=1.0),
+                    one("heading_zigzag", 35, 0.8, heading=math.radians(20), turned=1.0),
+                ),
+            ),
+            Trial(
+                "circles at two speeds",
+                "steady turns both ways, slow and fast",
+                tuple(self.turn(30, q, s) for q, s in ((0.35, 1.0), (0.8, 1.0), (0.35, -1.0), (0.8, -1.0))),
+            ),
+            Trial("PRBS", "random steps of speed and helm", (self.random(),)),
+            Trial(
+                "spiral",
+                "the helm in steps from one side to the other",
+                tuple(self.turn(15, 0.6, s) for s in (1.4, 0.8, 0.3, -0.3, -0.8, -1.4)),
+            ),
+            Trial(
+                "chirp in yaw",
+                "the helm to and fro, ever faster",
+                (
+                    one(
+                        "chirp",
+                        75,
+                        0.5,
+                        amplitude=0.3,
+                        period=15.0,
+                        period_end=2.5,
+                        **({} if self.spins else {"turned": 0.5}),
+                    ),
+                ),
+            ),
+            Trial(
+                "speed changes on four headings",
+                "slow and fast on each of four headings",
+                (
+                    one("steps", 32, (0.2, 0.9), period=8.0),
+                    self.turn(quarter if self.spins else 1.5 * quarter, 0.45, 1.0),
+                ),
+            ),
+            Trial(
+                "round the anchor",
+                "one wide, slow circle after the other, round the place where a tether would be made fast",
+                (self.turn(LENGTH, 0.5, 0.25),),
+            ),
+        ]
+        if self.spins:
+            found.append(
+                Trial(
+                    "turns on the spot",
+                    "full turns both ways without speed, brisk and slow",
+                    tuple(self.turn(18, 0.0, s) for s in (1.5, 0.5, -1.5, -0.5)),
+                )
+            )
+        if self.pushes_sideways:
+            found.append(
+                Trial(
+                    "sideways steps",
+                    "pushed to either side, at rest and ahead",
+                    (
+                        one("steady", 12, 0.0, sway=0.5),
+                        one("steady", 12, 0.0, sway=-0.5),
+                        one("steady", 12, 0.4, sway=0.4),
+                        one("coast", 8),
+                    ),
+                )
+            )
+        return tuple(found)
+
+    def random(self) -> Segment:
+        """Both signs of helm, drawn anew each time."""
+        return self.one("prbs", LENGTH, 0.5, amplitude=0.3, period=2.5, turned=0.4)

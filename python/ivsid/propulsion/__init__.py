@@ -1,0 +1,10 @@
+"""Demands to forces, in intervals.
+
+- ``thrust``: the curve of one thruster, from demand to a force interval.
+- ``bollard``: bollard-pull tables, and candidates for a curve.
+- ``foil``: lift and drag of a low-aspect-ratio foil; ``rudder``: the force of a rudder over boxes of speeds and angles.
+- ``lag``: forces behind a first-order lag.
+- ``actuation``: the forces of a whole vehicle in time, azimuth thrusters and rudders included.
+
+The chapter may use ``log``, ``vehicle`` and what is below them.
+"""

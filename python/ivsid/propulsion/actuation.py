@@ -1,0 +1,258 @@
+"""From logged demands to thrusts in intervals and in numbers: lag, and thrusters that turn.
+
+The static curve with its accuracy is ``thrust``; here stands what happens between a demand and the water in time. Nothing that the
+vehicle file claims is left out in silence.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.errors import IvsidError
+from ivsid.intervals import IntervalArray
+from ivsid.log import Log
+from ivsid.log.turning import Turned, angle_of
+from ivsid.propulsion.foil import rudder_force
+from ivsid.propulsion.lag import lagged
+from ivsid.propulsion.rudder import rudder_over
+from ivsid.propulsion.thrust import ThrustCurve, directions
+from ivsid.vehicle import Thruster, Vehicle
+
+_cos: Any = np.cos  # NumPy's types know no intervals, its functions do.
+_sin: Any = np.sin
+
+
+@dataclass(frozen=True)
+class Flow:
+    """The vehicle's motion through the water, for what depends on it: u, v [m/s], r [rad/s] at rows and over all of each step."""
+
+    at_rows: tuple[IntervalArray, IntervalArray, IntervalArray]
+    over_steps: tuple[IntervalArray, IntervalArray, IntervalArray]
+
+    def part(self, rows: slice, steps: slice) -> Flow:
+        """Of some rows and the steps between them."""
+        (u, v, r), (du, dv, dr) = self.at_rows, self.over_steps
+        return Flow((u[rows], v[rows], r[rows]), (du[steps], dv[steps], dr[steps]))
+
+
+@dataclass(frozen=True)
+class Pushed:
+    """Forces of one thruster at the rows, shape (n,), and over the steps between them, shape (n - 1,).
+
+    Attributes:
+        at_rows: X, Y [N], N [N m] at each row.
+        over_steps: their means over each step to the next row.
+        present: where demand and angle are known, shape (n,).
+        assumes: sentences that the intervals rely on.
+        whole: steps over which the angle is known, shape (n - 1,); None: wherever it is at both rows.
+    """
+
+    at_rows: tuple[IntervalArray, IntervalArray, IntervalArray]
+    over_steps: tuple[IntervalArray, IntervalArray, IntervalArray]
+    present: NDArray[np.bool_]
+    assumes: tuple[str, ...] = ()
+    whole: NDArray[np.bool_] | None = None
+
+
+def pushed(thruster: Thruster, log: Log, *, held: bool, flow: Flow | None = None) -> Pushed:
+    """The forces of a thruster at all rows of a log; arguments and errors as those of ``Push``."""
+    return Push(thruster, log, held=held, flow=flow).forces(0, log.t.size)
+
+
+class Push:
+    """A thruster and what happens to its demand in time, made ready once; its forces are worked out for the rows that are asked for.
+
+    Args:
+        thruster: with its claims.
+        log: with its demand, and its angle where it turns.
+        held: demands hold from row to row; else they change on straight lines.
+        flow: needed where the thruster claims an advance loss or has a rudder.
+
+    Raises:
+        IvsidError: a column that is missing, a demand outside the curve, or a claim that the rows cannot follow.
+    """
+
+    def __init__(self, thruster: Thruster, log: Log, *, held: bool, flow: Flow | None = None) -> None:
+        _followed(thruster, held=held)
+        self.thruster, self.held, self.flow = thruster, held, flow
+        name = f"demand_{thruster.name}"
+        demand, self.error = log.column(name, f"for thruster {thruster.name}"), log.error(name)
+        self.there: NDArray[np.bool_] = ~np.isnan(demand)
+        # A missing demand is not used; any demand that is allowed stands in for it.
+        self.demand = np.where(self.there, demand, demand[self.there][0])
+        self.curve = ThrustCurve(thruster)
+        self.whole: NDArray[np.bool_] | None = None
+        assumes: tuple[str, ...] = ()
+        self.lagged: tuple[IntervalArray, IntervalArray] | None = None
+        if thruster.time_constant:
+            self.lagged = lagged(self.curve, self.demand, self.error, log, self.there, thruster.time_constant)
+            assumes = (
+                f"thruster {thruster.name} follows its demand with a time constant of {thruster.time_constant!r} s; before the log it "
+                "was at rest or pushed anything that its curve allows",
+            )
+        self.turned: Turned | None = None
+        if thruster.steering == "azimuth":
+            self.turned = angle_of(
+                log, f"azimuth_{thruster.name}", f"for the direction of thruster {thruster.name}", held=held
+            )
+            self.there, self.whole = self.there & self.turned.present, self.turned.whole
+            assumes = (*assumes, self.turned.assumes)
+        if flow is None and (thruster.advance_loss or thruster.rudder is not None):
+            raise IvsidError(
+                f"thruster {thruster.name} claims advance_loss or has a rudder, which needs the motion; give u, v and r"
+            )
+        # The mean of T cos a is the mean of T times cos a only where the angle holds still.
+        self.swept = f"azimuth_{thruster.name}" in log.over
+        self.delta: Turned | None = None
+        if thruster.rudder is not None and flow is not None:
+            self.delta = angle_of(
+                log, f"rudder_{thruster.name}", f"for the rudder of thruster {thruster.name}", held=held
+            )
+            self.there = self.there & self.delta.present
+            self.whole = self.delta.whole if self.whole is None else self.whole & self.delta.whole
+            within = f", each within {thruster.rudder.accuracy:g} of itself" if thruster.rudder.accuracy else ""
+            foil = f"the rudder behind {thruster.name} has the lift and drag of the stated foil{within}"
+            assumes = (*assumes, self.delta.assumes, foil)
+        self.assumes = assumes
+
+    def forces(self, first: int, last: int) -> Pushed:
+        """At rows from ``first`` up to ``last``, and over the steps between them."""
+        thruster, flow = self.thruster, self.flow
+        here, between = slice(first, last), slice(first, last - 1)
+        at, over = self._thrust(here, between)
+        if self.turned is not None:
+            rows, steps = (_shares(thruster, a) for a in (self.turned.at_rows[here], self.turned.over_steps[between]))
+        else:
+            rows = steps = directions(thruster)
+        # Behind a lag the thrust moves between its values at both rows, and its mean alone is no bound.
+        swept_thrust = at[:-1].hull(at[1:]) if thruster.time_constant and thruster.lag == "thrust" else over
+        if self.swept:
+            over = swept_thrust
+        motion = None if flow is None else flow.part(here, between)
+        if thruster.advance_loss and motion is not None:
+            at = at - _advance_loss(thruster, at, rows, motion.at_rows)
+            lost = _advance_loss(thruster, swept_thrust, steps, motion.over_steps)
+            over, swept_thrust = over - lost, swept_thrust - lost
+        at_rows = [_share(at, s) for s in rows]
+        # A demand that holds pushes over the step as at its row.
+        same = self.held and self.lagged is None and self.turned is None and motion is None
+        over_steps = [force[:-1] for force in at_rows] if same else [_share(over, s) for s in steps]
+        if self.delta is not None and thruster.rudder is not None and motion is not None:
+            blades = (
+                rudder_over(thruster.rudder, self.delta.at_rows[here], at, motion.at_rows),
+                rudder_over(thruster.rudder, self.delta.over_steps[between], swept_thrust, motion.over_steps),
+            )
+            at_rows = [a + b for a, b in zip(at_rows, blades[0], strict=True)]
+            over_steps = [a + b for a, b in zip(over_steps, blades[1], strict=True)]
+        whole = None if self.whole is None else self.whole[between]
+        return Pushed(
+            (at_rows[0], at_rows[1], at_rows[2]),
+            (over_steps[0], over_steps[1], over_steps[2]),
+            self.there[here],
+            self.assumes,
+            whole,
+        )
+
+    def _thrust(self, here: slice, between: slice) -> tuple[IntervalArray, IntervalArray]:
+        """The thrust at rows and over the steps between them, at no speed."""
+        if self.lagged is not None:
+            return self.lagged[0][here], self.lagged[1][between]
+        demand, error = self.demand[here], self.error[here]
+        at = self.curve.interval(demand, error=error)
+        if self.held:
+            return at, at[:-1]
+        return at, self.curve.interval(demand[:-1], demand[1:], np.maximum(error[:-1], error[1:]))
+
+
+def _followed(thruster: Thruster, *, held: bool) -> None:
+    if thruster.time_constant and not held:
+        raise IvsidError(
+            f"thruster {thruster.name} claims a time_constant and the log's demands are linear; a lag is followed for held demands "
+            'only: set [log] demand = "hold", or leave time_constant out'
+        )
+
+
+def _share(force: IntervalArray, share: IntervalArray) -> IntervalArray:
+    """``force * share``, without work where the share is 0 or 1."""
+    if not share.ndim and share.lower == share.upper and share.lower in (0.0, 1.0):
+        return force if share.lower else IntervalArray(np.zeros(force.shape))
+    return force * share
+
+
+def _shares(thruster: Thruster, angle: IntervalArray) -> tuple[IntervalArray, IntervalArray, IntervalArray]:
+    x, y = (IntervalArray.around(p, np.spacing(abs(p))) for p in thruster.position)
+    cosine, sine = _cos(angle), _sin(angle)
+    return cosine, sine, sine * x - cosine * y
+
+
+def _advance_loss(
+    thruster: Thruster,
+    thrust: IntervalArray,
+    shares: tuple[IntervalArray, IntervalArray, IntervalArray],
+    motion: tuple[IntervalArray, IntervalArray, IntervalArray],
+) -> IntervalArray:
+    """What inflow takes of a thrust, k |T| w with w along the thruster's axis (EFFECTS.md, thruster.advance_loss)."""
+    loss = thruster.advance_loss or 0.0
+    x, y = (IntervalArray.around(p, np.spacing(abs(p))) for p in thruster.position)
+    u, v, r = motion
+    inflow = (u - r * y) * shares[0] + (v + r * x) * shares[1]
+    return abs(thrust) * inflow * IntervalArray.around(loss, np.spacing(loss))
+
+
+def nominal_force(vehicle: Vehicle, log: Log) -> NDArray[np.float64]:
+    """X, Y [N], N [N m] from the demands without their error, as means over the step after each row, shape (n, 3).
+
+    An advance loss and a rudder take the logged motion. NaN where a demand or an angle is missing, and behind a lag for the first five time constants: what it did before the log is
+    not known.
+    """
+    if not vehicle.thrusters:
+        return np.stack([log.columns[n] for n in ("force_X", "force_Y", "moment_N")], axis=1)
+    total = np.zeros((log.t.size, 3))
+    for thruster in vehicle.thrusters:
+        _followed(thruster, held=vehicle.log.demand == "hold")
+        demand = log.columns[f"demand_{thruster.name}"]
+        there = ~np.isnan(demand)
+        filled = np.where(there, demand, demand[there][0])
+        thrust = ThrustCurve(thruster).value(filled)
+        if thruster.time_constant:
+            thrust = _nominal_lag(thruster, filled, thrust, log.t)
+            thrust[log.t - log.t[0] < 5 * thruster.time_constant] = np.nan
+        thrust = np.where(there, thrust, np.nan)
+        x, y = thruster.position
+        if thruster.steering == "azimuth":
+            angle = log.column(f"azimuth_{thruster.name}", f"for the direction of thruster {thruster.name}")
+            shares: list[Any] = [np.cos(angle), np.sin(angle), x * np.sin(angle) - y * np.cos(angle)]
+        else:
+            shares = [float(s.midpoint) for s in directions(thruster)]
+        if thruster.advance_loss:
+            u, v, r = (log.columns[n] for n in ("u", "v", "r"))
+            thrust = thrust - thruster.advance_loss * np.abs(thrust) * (
+                (u - y * r) * shares[0] + (v + x * r) * shares[1]
+            )
+        for j, share in enumerate(shares):
+            total[:, j] += thrust * share
+        if thruster.rudder is not None:
+            delta = log.column(f"rudder_{thruster.name}", f"for the rudder of thruster {thruster.name}")
+            u, v, r = (log.columns[n] for n in ("u", "v", "r"))
+            total += np.stack(rudder_force(thruster.rudder, delta, thrust, u, v, r), axis=1)
+    return total
+
+
+def _nominal_lag(
+    thruster: Thruster, demand: NDArray[np.float64], thrust: NDArray[np.float64], t: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    tau = thruster.time_constant or 0.0
+    goal = demand if thruster.lag == "demand" else thrust
+    now, means = float(goal[0]), []
+    for g, h in zip(goal.tolist(), [*np.diff(t).tolist(), math.inf], strict=True):
+        decay = math.exp(-h / tau)
+        share = (1 - decay) * tau / h if math.isfinite(h) else 0.0
+        means.append(g + (now - g) * share)
+        now = g + (now - g) * decay
+    mean = np.array(means)
+    return ThrustCurve(thruster).value(mean) if thruster.lag == "demand" else mean

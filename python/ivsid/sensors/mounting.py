@@ -1,0 +1,70 @@
+"""Readings of sensors that stand off the origin, are turned, or feel gravity, brought to the body origin in intervals.
+
+A sensor at (l_x, l_y) whose x axis is turned by a to starboard reads, in its own axes, the velocity (u - l_y r, v + l_x r) and the
+specific force (a_x - l_x r^2 - l_y rdot, a_y + l_x rdot - l_y r^2), as sensor.velocity.lever_arm, sensor.velocity.misalignment and
+sensor.acceleration.lever_arm of the catalogue make them. Here they are undone with the interval of each number.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+
+from ivsid.intervals import IntervalArray
+from ivsid.vehicle.mount import Mounted
+
+# NumPy's types know no intervals, its functions do.
+_cos: Any = np.cos
+_sin: Any = np.sin
+
+Pair: TypeAlias = tuple[IntervalArray, IntervalArray]
+# Gravity at sea level, from the equator to the poles (9.7803 to 9.8322 m/s^2), with room for mountains and seamounts.
+GRAVITY: Final = (9.76, 9.84)
+
+
+def velocity_at_origin(reading: Pair, r: IntervalArray, mount: Mounted, *, own_axes: bool = True) -> Pair:
+    """u, v of the body origin [m/s] from those that the sensor reads.
+
+    Args:
+        reading: in the sensor's axes, bounds of the true velocity there.
+        r: yaw rate [rad/s].
+        mount: of the sensor.
+        own_axes: whether the reading stands in the sensor's axes; an earth-fixed velocity is turned by the heading already.
+    """
+    u, v = _turned_back(reading, mount) if own_axes else reading
+    if not mount.off_origin:
+        return u, v
+    x, y = _arm(mount)
+    return u + y * r, v - x * r
+
+
+def force_at_origin(reading: Pair, r: IntervalArray, rdot: IntervalArray, mount: Mounted) -> Pair:
+    """Specific force a_x, a_y of the body origin [m/s^2] from those that the sensor reads."""
+    ax, ay = _turned_back(reading, mount)
+    if not mount.off_origin:
+        return ax, ay
+    x, y = _arm(mount)
+    centripetal = r.square()
+    return ax + x * centripetal + y * rdot, ay - x * rdot + y * centripetal
+
+
+def without_gravity(reading: Pair, roll: IntervalArray, pitch: IntervalArray, gravity: IntervalArray) -> Pair:
+    """Acceleration from specific force in body axes: a_x = f_x - g sin(pitch), a_y = f_y + g cos(pitch) sin(roll)."""
+    fx, fy = reading
+    return fx - gravity * _sin(pitch), fy + gravity * (_cos(pitch) * _sin(roll))
+
+
+def _arm(mount: Mounted) -> Pair:
+    reach = mount.position_accuracy
+    return tuple(IntervalArray.around(p, reach + np.spacing(abs(p) + reach)) for p in mount.position)  # type: ignore[return-value]
+
+
+def _turned_back(reading: Pair, mount: Mounted) -> Pair:
+    if not mount.turned:
+        return reading
+    first, second = reading
+    reach = mount.rotation_accuracy
+    angle = IntervalArray.around(mount.rotation, reach + np.spacing(abs(mount.rotation) + reach))
+    cosine, sine = _cos(angle), _sin(angle)
+    return first * cosine - second * sine, first * sine + second * cosine

@@ -1,0 +1,221 @@
+"""A fit against another log: predicted force and moment against measured (paper Figs 4-7), simulated motion against measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.effects import CHANNELS, terms_of
+from ivsid.errors import IvsidError
+from ivsid.identification import Identification
+from ivsid.intervals import IntervalArray
+from ivsid.log import Log
+from ivsid.propulsion.actuation import nominal_force
+from ivsid.propulsion.lag import GAP
+from ivsid.rows import RegressionRows, build_rows
+from ivsid.sensors.bounds import bound_log
+from ivsid.validation.dynamics import Dynamics
+
+VELOCITY_WINDOW: Final = 10.0
+POSITION_WINDOW: Final = 30.0
+
+
+@dataclass(frozen=True)
+class ForceCheck:
+    """One channel: predicted against measured force [N] or moment [N m].
+
+    Attributes:
+        channel: surge, sway or yaw.
+        time: of each row [s].
+        measured: the known force, intervals.
+        predicted: what the parameters and the motion give, intervals.
+        predicted_mid: from midpoints of both.
+        mean: of the error predicted_mid - measured.
+        sigma: its standard deviation.
+        mean_absolute: mean of its absolute value.
+        coverage: share of rows whose measured value lies inside the predicted bounds.
+        falsified: rows whose predicted and measured intervals do not meet: they contradict the parameters.
+    """
+
+    channel: str
+    time: NDArray[np.float64]
+    measured: IntervalArray
+    predicted: IntervalArray
+    predicted_mid: NDArray[np.float64]
+    mean: float
+    sigma: float
+    mean_absolute: float
+    coverage: float
+    falsified: int
+
+
+@dataclass(frozen=True)
+class MotionCheck:
+    """Simulated motion over windows that restart from the measured state.
+
+    Attributes:
+        window: {"velocity": 10, "position": 30} [s], as far as the log allows.
+        rms: root mean square error of u, v [m/s], r [rad/s] over velocity windows, of position [m] over position windows.
+        median: the same as the median over windows.
+        time: samples of the velocity windows [s].
+        simulated: u, v, r there, shape (n, 3).
+        measured: the same, measured.
+        reason: why nothing was simulated, or None.
+    """
+
+    window: dict[str, float]
+    rms: dict[str, float]
+    median: dict[str, float]
+    time: NDArray[np.float64]
+    simulated: NDArray[np.float64]
+    measured: NDArray[np.float64]
+    reason: str | None
+
+
+@dataclass(frozen=True)
+class Validation:
+    """Both checks of one fit on one log."""
+
+    fit: Identification
+    log_name: str
+    log_sha256: str
+    forces: tuple[ForceCheck, ...]
+    motion: MotionCheck
+    notes: tuple[str, ...]
+
+
+def validate(fit: Identification, log: Log) -> Validation:
+    """Checks a fit on a log that it has not seen.
+
+    Raises:
+        IvsidError: a fit without parameters, or a log without the channels of its model.
+    """
+    if not fit.estimate:
+        raise IvsidError(
+            f"the fit ({fit.method}, {fit.status}) has no parameter to validate: {fit.reason or 'its set is empty'}; identify again"
+        )
+    vehicle = fit.vehicle
+    form = fit.options["form"]
+    bounded = bound_log(log, vehicle)
+    rows = build_rows(
+        bounded,
+        vehicle,
+        terms_of(vehicle, form),
+        added_mass=form == "added",
+        kind=fit.options["rows"],
+        window=fit.options["window"],
+    )
+    forces = tuple(_force_check(fit, rows, k, name) for k, name in enumerate(CHANNELS) if _checkable(fit, rows, k))
+    return Validation(fit, log.name, log.sha256, forces, simulate_windows(fit, bounded.log), bounded.log.notes)
+
+
+def _checkable(fit: Identification, rows: RegressionRows, index: int) -> bool:
+    """Whether the channel has rows, and the fit a value for every parameter in them."""
+    here = rows.matrix[rows.channel == index]
+    used = ((here.lower != 0) | (here.upper != 0)).any(axis=0)
+    known = {*fit.estimate, *fit.parameters}
+    return here.shape[0] > 0 and all(t.id in known for t, u in zip(rows.terms, used, strict=True) if u)
+
+
+def _force_check(fit: Identification, rows: RegressionRows, index: int, channel: str) -> ForceCheck:
+    here = rows.channel == index
+    matrix, right = rows.matrix[here], rows.right[here]
+    ids = [t.id for t in rows.terms]
+    point = np.array([fit.estimate.get(i, 0.0) for i in ids])
+    known = [fit.parameters.get(i) for i in ids]
+    # Without an interval the estimate stands alone, as a point: the parameter of least inflation of a falsified model.
+    lower = np.array([p.lower if p else x for p, x in zip(known, point, strict=True)])
+    upper = np.array([p.upper if p else x for p, x in zip(known, point, strict=True)])
+    predicted = (matrix * IntervalArray(lower, upper)).sum(axis=1)
+    mid = matrix.midpoint @ point
+    measured = right.midpoint
+    error = mid - measured
+    meets = (predicted.lower <= right.upper) & (right.lower <= predicted.upper)
+    return ForceCheck(
+        channel,
+        rows.time[here],
+        right,
+        predicted,
+        mid,
+        float(error.mean()),
+        float(error.std()),
+        float(np.abs(error).mean()),
+        float(predicted.contains(measured).mean()),
+        int((~meets).sum()),
+    )
+
+
+def simulate_windows(fit: Identification, log: Log) -> MotionCheck:
+    """Simulates the fit's estimate from the measured state, window by window, under the logged demands."""
+    nothing = np.zeros((0, 3))
+    vehicle = fit.vehicle
+    added = fit.options["form"] == "added"
+    mass = vehicle.hull.mass
+    x_g, y_g = vehicle.hull.centre_of_gravity
+    try:
+        model = Dynamics(
+            terms_of(vehicle, fit.options["form"]), fit.estimate, mass * x_g, mass * y_g, mass if added else 0.0
+        )
+    except IvsidError as refusal:
+        return MotionCheck({}, {}, {}, np.zeros(0), nothing, nothing, str(refusal))
+    nu = np.stack([log.columns[n] for n in ("u", "v", "r")], axis=1)
+    force = nominal_force(vehicle, log)
+    complete: NDArray[np.bool_] = np.asarray(np.isfinite(nu).all(axis=1) & np.isfinite(force).all(axis=1))
+    window, rms, median = {}, {}, {}
+    starts, count = _windows(log, complete, VELOCITY_WINDOW)
+    if not starts.size:
+        return MotionCheck({}, {}, {}, np.zeros(0), nothing, nothing, "no window of 10 s without missing samples")
+    at = starts[:, None] + np.arange(count + 1)
+    steps = np.diff(log.t[at], axis=1)
+    with np.errstate(over="ignore", invalid="ignore"):
+        simulated = model.runs(nu[starts], force[at[:, :-1]], steps)
+    if not np.isfinite(simulated).all():
+        return MotionCheck({}, {}, {}, np.zeros(0), nothing, nothing, "the simulated motion grows without bound")
+    window["velocity"] = VELOCITY_WINDOW
+    error = simulated - nu[at]
+    for j, name in enumerate(("u", "v", "r")):
+        each = np.sqrt(np.mean(error[:, :, j] ** 2, axis=1))
+        rms[name], median[name] = float(np.sqrt(np.mean(each**2))), float(np.median(each))
+    position = _position_error(model, log, nu, force, complete)
+    if position is not None:
+        window["position"] = POSITION_WINDOW
+        rms["position"], median["position"] = float(np.sqrt(np.mean(position**2))), float(np.median(position))
+    return MotionCheck(window, rms, median, log.t[at].ravel(), simulated.reshape(-1, 3), nu[at].reshape(-1, 3), None)
+
+
+def _position_error(
+    model: Dynamics, log: Log, nu: NDArray[np.float64], force: NDArray[np.float64], complete: NDArray[np.bool_]
+) -> NDArray[np.float64] | None:
+    """Rms distance [m] over each position window, or None without pose."""
+    if not all(n in log.columns for n in ("psi", "x", "y")):
+        return None
+    pose = np.stack([log.columns[n] for n in ("x", "y", "psi")], axis=1)
+    starts, count = _windows(log, complete & np.isfinite(pose).all(axis=1), POSITION_WINDOW)
+    if not starts.size:
+        return None
+    at = starts[:, None] + np.arange(count + 1)
+    steps = np.diff(log.t[at], axis=1)
+    run = model.runs(nu[starts], force[at[:, :-1]], steps)
+    middle = 0.5 * (run[:, 1:] + run[:, :-1])
+    turn = np.concatenate([np.zeros((starts.size, 1)), np.cumsum(middle[:, :, 2] * steps, axis=1)], axis=1)
+    psi = pose[starts, 2][:, None] + turn
+    heading = 0.5 * (psi[:, 1:] + psi[:, :-1])
+    north = middle[:, :, 0] * np.cos(heading) - middle[:, :, 1] * np.sin(heading)
+    east = middle[:, :, 0] * np.sin(heading) + middle[:, :, 1] * np.cos(heading)
+    track = np.stack([np.cumsum(north * steps, axis=1), np.cumsum(east * steps, axis=1)], axis=2)
+    measured = pose[at[:, 1:], :2] - pose[starts, None, :2]
+    return np.asarray(np.sqrt(np.mean(np.sum((track - measured) ** 2, axis=2), axis=1)), dtype=np.float64)
+
+
+def _windows(log: Log, complete: NDArray[np.bool_], length: float) -> tuple[NDArray[np.int64], int]:
+    """Starts of windows of ``length`` seconds that follow each other, without missing samples or gaps, and their steps."""
+    count = max(1, round(length / log.period))
+    gap = np.diff(log.t) > GAP * log.period
+    bad = np.r_[0, np.cumsum(~complete)]
+    gaps = np.r_[0, np.cumsum(gap)]
+    starts = np.arange(0, log.t.size - count, count)
+    whole = (bad[starts + count + 1] == bad[starts]) & (gaps[starts + count] == gaps[starts])
+    return starts[whole], count

@@ -32,7 +32,7 @@ def examine(folder: Path) -> dict:
         "levels": {
             f.id: sorted(levels(d.selection.plain, f)) for f in d.selection.plain.families if f.idle is not None
         },
-        "left": [(s.id, round(s.gain, 1)) for s in d.selection.leftover[:4]],
-        "adequacy": [(a.gain, a.freedom, a.chance, a.chance_of_one, a.strongest[:2]) for a in d.adequacy],
+        "left": [(s.id, round(s.fall, 1)) for s in d.selection.leftover[:4]],
+        "adequacy": [(a.fall, a.freedom, a.chance, a.chance_of_one, a.strongest[:2]) for a in d.adequacy],
         "peers": {name: peer(others) for name, peer in PEERS.items()},
     }

@@ -14,8 +14,8 @@ from scipy.stats import norm
 
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.first_values import first_values
-from ivsid.diagnosis.estimation.noise import declared
-from ivsid.diagnosis.prediction.innovations import Bench
+from ivsid.diagnosis.estimation.noise import declared_ambient
+from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.effects import EFFECTS, Reading, Terms, terms_of
 from ivsid.effects.given import Given
 from ivsid.log import Log
@@ -66,11 +66,11 @@ def regression(vehicle: Vehicle, train: Log) -> Regression:
     log = channels(train, vehicle, None)
     terms = terms_of(vehicle)
     h = first_values(vehicle, log, terms, {})
-    bench = Bench(vehicle, log, declared(vehicle))
+    predictor = Predictor(vehicle, log, declared_ambient(vehicle))
     n = log.n
     # Over the steps between samples: the same time as the differences of the velocities.
-    here = bench.start(h).nudot[:, n:]
-    moved = lambda other: bench.start(other).nudot[:, n:] - here  # noqa: E731
+    here = predictor.start(h).nudot[:, n:]
+    moved = lambda other: predictor.start(other).nudot[:, n:] - here  # noqa: E731
     plain = [
         moved(type(h)(h.terms, {**h.values, t.id: h.values[t.id] * 1.01})) / (0.01 * h.values[t.id]) for t in terms
     ]

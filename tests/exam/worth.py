@@ -6,9 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.noise import declared
+from ivsid.diagnosis.estimation.noise import declared_ambient
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.innovations import Bench
+from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.statements.comparison import compare
 from ivsid.effects import Terms, terms_of
 from ivsid.effects.given import sort_given
@@ -36,7 +36,7 @@ def worth(folder: Path, gain: dict, truth: dict) -> dict[str, float]:
     vehicle = read_vehicle(folder / "vehicle.toml")
     log = channels(read_log(folder / "2.csv", vehicle.log), vehicle, None)
     h = true_model(vehicle, truth["exact"], truth["truth"])
-    best = compare(Bench(vehicle, log, declared(vehicle)), h, h)
+    best = compare(Predictor(vehicle, log, declared_ambient(vehicle)), h, h)
     out = {k: best.simulation_rms[k][1] / after for k, (_, after) in gain["simulation_rms"].items()}
     if best.position_rms is not None and gain["position_rms"] is not None:
         out["position"] = best.position_rms[1] / gain["position_rms"][1]

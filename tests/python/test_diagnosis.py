@@ -11,9 +11,9 @@ from ivsid.diagnosis import extended_vehicle, isolability
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.fit import plain_fit
-from ivsid.diagnosis.estimation.noise import declared, usable_rows
+from ivsid.diagnosis.estimation.noise import declared_ambient, usable_rows
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.innovations import Bench
+from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.effects import terms_of
 from ivsid.files.records import to_json
 from ivsid.log import Log
@@ -58,11 +58,11 @@ def test_a_true_model_leaves_white_errors():
     """At the true parameters the prediction errors of every channel have no memory, whatever the feedback of the programme."""
     vehicle, train, _ = logs()
     data = channels(train, vehicle)
-    bench = Bench(vehicle, data, declared(vehicle))
+    predictor = Predictor(vehicle, data, declared_ambient(vehicle))
     h = Hypothesis(terms_of(vehicle), TRUTH)
-    anchor = bench.settle(h, bench.start(h), 4)
-    errors, good = bench.errors(h, anchor), usable_rows(bench)
-    for (axis, name), row in zip(bench.labels, errors, strict=True):
+    states = predictor.settle(h, predictor.start(h), 4)
+    errors, good = predictor.errors(h, states), usable_rows(predictor)
+    for (axis, name), row in zip(predictor.labels, errors, strict=True):
         x = row[good] - row[good].mean()
         memory = [float(x[lag:] @ x[:-lag] / (x @ x)) for lag in (1, 2, 3)]
         # 4 standard deviations of 2960 samples, and the moment of the thrust errors that are declared.
@@ -164,7 +164,7 @@ def test_channels_that_are_missing_are_said_and_not_tested():
     assert "psi" in fit.refused["current.steady"] and "ax" in fit.refused["sensor.acceleration.bias"]
     ids = {f.id for f in fit.families}
     assert "drag.surge.linear" in ids and not any(i.startswith("sensor.") for i in ids)
-    assert np.isfinite([s.gain for s in score(fit)[1]]).all()
+    assert np.isfinite([s.fall for s in score(fit)[1]]).all()
 
 
 def test_isolability_orders_what_the_theory_orders():

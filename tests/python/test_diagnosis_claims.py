@@ -75,8 +75,8 @@ def test_a_cause_without_any_signature_hides_nothing():
     terms = '"mass.surge", "mass.sway", "inertia.yaw", "drag.surge.linear", "drag.sway.quadratic"'
     vehicle = vehicle_of(extra=f"[model]\nterms = [{terms}]\n")
     fit, left = score(plain_fit(vehicle, channels(logs_of(vehicle_of())[0], vehicle), everything))
-    assert any(s.id == "fouling.drift" and s.gain == 0 for s in left)
-    bound = intervals(fit, "drag.surge.linear", fit.held, left, unknown=True)["drag.surge.linear"]
+    assert any(s.id == "fouling.drift" and s.fall == 0 for s in left)
+    bound = intervals(fit, "drag.surge.linear", fit.fixed, left, unknown=True)["drag.surge.linear"]
     assert np.isfinite([bound.lower, bound.upper]).all() and bound.lower < bound.upper
 
 

@@ -40,7 +40,7 @@ def test_the_evidence_is_the_force_that_was_hidden(result, seen):
     assert 0.03 < after < 0.25
     good = result.selection.last.noise.good
     assert before == pytest.approx(float(np.sqrt(np.mean(e.before[good] ** 2))))
-    u = result.selection.last.anchor.points.nu[0, : e.time.size][good]
+    u = result.selection.last.states.points.nu[0, : e.time.size][good]
     explained = (e.before - e.after)[good]
     # Drag, mass and the declared thrust errors take most of -4 u; what is left falls with u first, and the square turns it round.
     A = np.stack([u, u * np.abs(u)], axis=1)
@@ -81,7 +81,7 @@ def test_every_candidate_is_found_in_a_set_or_rejected_with_a_reason(result):
     held = {i for f in result.findings for i in (f.effect, *f.alternatives)}
     assert set(rejected) | held == {s.id for s in result.selection.screened} and not set(rejected) & held
     assert all(len(q["reason"]) > 20 for q in rejected.values())
-    gains = {s.id: s.gain for s in result.selection.screened}
+    gains = {s.id: s.fall for s in result.selection.screened}
     for id_, q in rejected.items():
         assert q["gain"] == pytest.approx(gains[id_])
         if "no more than chance: a fall" in q["reason"] and "that count" in q["reason"]:

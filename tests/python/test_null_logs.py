@@ -87,7 +87,7 @@ def test_without_noise_a_null_log_moves_as_the_equations_say(zigzags):
     quiet = replace(
         programme,
         ambient=replace(programme.ambient, deviation=(0.0, 0.0, 0.0)),
-        declared={},
+        declared_errors={},
         log=replace(programme.log, noise=dict.fromkeys(programme.log.noise, 0.0)),
     )
     log, h = null_logs(quiet, 1, [0])[0]
@@ -117,7 +117,7 @@ def test_a_null_log_is_the_same_alone_and_in_company(zigzags):
 def test_null_logs_have_the_noise_of_the_log_and_its_demands_where_no_feedback_acts(zigzags):
     fit, _, made = zigzags
     log, _ = null_logs(made.programme, 1, [0])[0]
-    real = fit.noise.bench.log
+    real = fit.noise.predictor.log
     for k in range(3):
         rough = [float(np.std(np.diff(x.nu[k], 3))) for x in (real, log)]
         assert rough[1] == pytest.approx(rough[0], rel=0.15)
@@ -212,7 +212,7 @@ def test_the_cache_is_whole_or_nothing_and_follows_its_key(tmp_path, monkeypatch
 
 def test_the_key_follows_content_and_not_names(zigzags):
     fit = zigzags[0]
-    vehicle, log = fit.noise.bench.vehicle, fit.noise.bench.log
+    vehicle, log = fit.noise.predictor.vehicle, fit.noise.predictor.log
     ids = frozenset({"drag.surge.linear"})
     key = key_of(vehicle, log, 1, 0.005, ids, 1e-4)
     assert key == key_of(vehicle, replace(log, name="b.csv"), 1, 0.005, ids, 1e-4)

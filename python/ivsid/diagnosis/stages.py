@@ -16,7 +16,7 @@ from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.fit import Fit, plain_fit
 from ivsid.diagnosis.null.thresholds import calibrate
 from ivsid.diagnosis.null.visibility import VISIBLE, Threshold, Visibility, visibility
-from ivsid.diagnosis.prediction.innovations import Bench
+from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.confirmation import NULL_LOGS, confirmed
 from ivsid.diagnosis.selection.parallel import at_once
@@ -75,11 +75,11 @@ def diagnose(
     calibration = calibrate(fit, seen, LEVEL, seed)
     test_of = Threshold(calibration, seen, frozenset(i for i, v in visible.items() if v.blind))
     progress("looking for causes")
-    selection = select(fit, test_of, fit.held, progress)
+    selection = select(fit, test_of, fit.fixed, progress)
     confirmation = confirmed(fit, test_of, selection.found, seed, null_logs, cache, progress)
-    if confirmation.stricter and not all(confirmation.test.stands(f.first, f.gain) for f in selection.found):
+    if confirmation.stricter and not all(confirmation.test.stands(f.first, f.fall) for f in selection.found):
         progress("looking again, at the threshold of the null logs")
-        selection = select(fit, confirmation.test, fit.held, progress)
+        selection = select(fit, confirmation.test, fit.fixed, progress)
     before = adequacy(fit)
     after = adequacy(selection.last) if selection.found else before
     evidence = _before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
@@ -88,7 +88,7 @@ def diagnose(
     if not after.quiet:
         # Where much is left that nobody explains, only a cause that explains far more than that, where it acts, keeps its name.
         last, factor = selection.last, 1.0 if complete else DOMINANT
-        named = tuple(f for f in named if f.gain >= factor * after.beside(last, own_columns(last, f.id)))
+        named = tuple(f for f in named if f.fall >= factor * after.beside(last, own_columns(last, f.id)))
     findings = tuple(finding(f, selection.last, selection.leftover, evidence, after) for f in named)
     if not after.quiet:
         findings = tuple(f for f in findings if not may_be_none(f))
@@ -106,11 +106,11 @@ def diagnose(
     claimed = claims(selection.last, selection.leftover, findings, unknown=not after.quiet)
     progress("trying both models on the other log")
     # What TRAIN's sensors and thrusters were off by is no part of the model, and none of model.toml.
-    plain = replace(fit.h, declared={})
-    extended_h = plain if selection.last.h is fit.h else replace(selection.last.h, declared={})
-    bench = Bench(vehicle, other, selection.last.noise.bench.ambient)
+    plain = replace(fit.h, declared_errors={})
+    extended_h = plain if selection.last.h is fit.h else replace(selection.last.h, declared_errors={})
+    predictor = Predictor(vehicle, other, selection.last.noise.predictor.ambient)
     moved, gain = at_once(
-        partial(change, vehicle, selection.last, other), partial(compare, bench, plain, extended_h, seed)
+        partial(change, vehicle, selection.last, other), partial(compare, predictor, plain, extended_h, seed)
     )
     if moved is not None and moved.factor is not None:
         findings = (*findings, shallow(moved))
@@ -142,9 +142,9 @@ def diagnose(
 
 def _left_out(fit: Fit) -> list[str]:
     """What is said where axes were left out."""
-    if not fit.noise.still:
+    if not fit.noise.left_out:
         return []
-    usual = [t.id for t in fit.h.terms if t.id in fit.held and t.id not in fit.noise.bench.vehicle.model.values]
+    usual = [t.id for t in fit.h.terms if t.id in fit.fixed and t.id not in fit.noise.predictor.vehicle.model.values]
     return [
         "the vehicle hardly turns: sway and yaw are left out, and "
         f"{', '.join(usual) or 'their parameters'} of the models are those of a usual hull of this mass and length, not of this log"
@@ -168,12 +168,12 @@ def _unexplained(fit: Fit) -> dict[str, float]:
     p = fit.projection
     g = fit.gram
     left = g.y - g.explained(p.base, p.coefficients)
-    rows = len(fit.noise.bench.labels)
+    rows = len(fit.noise.predictor.labels)
     energy = (left.reshape(-1, rows, g.length) ** 2).sum(axis=(0, 2))
     count = g.rows.sum() / rows
     out: dict[str, float] = {}
     for channel in ("surge", "sway", "yaw"):
-        at = [i for i, c in enumerate(fit.noise.bench.channels) if c == channel]
+        at = [i for i, c in enumerate(fit.noise.predictor.channels) if c == channel]
         total = float(energy[at].sum())
         out[channel] = max(0.0, 1.0 - count * len(at) / total) if total > 0 else 0.0
     return out
@@ -181,7 +181,7 @@ def _unexplained(fit: Fit) -> dict[str, float]:
 
 def _before_and_after(vehicle: Vehicle, log: Log, plain: Fit, last: Fit) -> dict[str, dict[str, Any]]:
     """Force residuals and contradicted rows of both models on TRAIN, by channel."""
-    rms = [missing_force(f.noise.bench, f.h, f.anchor) for f in (plain, last)]
+    rms = [missing_force(f.noise.predictor, f.h, f.states) for f in (plain, last)]
     rows = [falsified(vehicle, log, f.h) for f in (plain, last)]
     return {
         c: {

@@ -111,7 +111,7 @@ def _candidates(result: Diagnosis) -> dict[str, Any]:
     rows = [
         [
             r.effect,
-            r.gain,
+            r.fall,
             r.numbers,
             r.chance,
             None if r.full is None else f"{r.full[0]:.0f} of {r.full[1]:.0f}",

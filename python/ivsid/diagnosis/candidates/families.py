@@ -32,7 +32,7 @@ class Scored:
 
     Attributes:
         family: the cause.
-        gain: fall of chi^2.
+        fall: fall of chi^2.
         count: numbers that are fitted for it, searched ones included.
         looks: how many independent values were searched.
         columns: indices in the Gram.
@@ -42,7 +42,7 @@ class Scored:
     """
 
     family: Family
-    gain: float
+    fall: float
     count: int
     looks: float
     columns: tuple[int, ...]
@@ -70,12 +70,12 @@ class Scored:
     @property
     def merit(self) -> float:
         """The gain with a price for each number beyond the first."""
-        return self.gain - 3.0 * (self.count - 1)
+        return self.fall - 3.0 * (self.count - 1)
 
     @property
     def chance(self) -> float:
         """The probability of such a gain without the effect, over the values that were searched; of one sign where it has one."""
-        one = chi2.sf(self.gain, self.count) * self.looks
+        one = chi2.sf(self.fall, self.count) * self.looks
         sided = (
             self.family.kind != "claim"
             and len(self.family.effect.parameters) == 1
@@ -115,31 +115,31 @@ def _physical(family: Family, theta: tuple[float, ...]) -> bool:
 
 def _linear(fit: Fit, p: Projection, family: Family) -> list[Scored]:
     at = fit.gram.at(family.variants[0])
-    theta, gain = p.solve(at)
+    theta, fall = p.solve(at)
     real = tuple((theta / fit.gram.unit[at]).tolist())
     if family.kind == "claim":
         value = float(fit.h.values[family.id]) + real[0]
-        return [Scored(family, gain, 1, 1.0, tuple(at), real, (value,), value > 0)]
+        return [Scored(family, fall, 1, 1.0, tuple(at), real, (value,), value > 0)]
     if isinstance(family.effect.acts, Terms):
         values = real
     else:
         values = tuple(q.none + x for q, x in zip(family.effect.parameters, real, strict=True))
-    return [Scored(family, gain, len(at), 1.0, tuple(at), real, values, _physical(family, real))]
+    return [Scored(family, fall, len(at), 1.0, tuple(at), real, values, _physical(family, real))]
 
 
 def _secant(fit: Fit, p: Projection, family: Family) -> list[Scored]:
     best: Scored | None = None
     for names, value in zip(family.variants, family.values, strict=True):
         at = fit.gram.at(names)
-        theta, gain = p.solve(at)
+        theta, fall = p.solve(at)
         real = float(theta[0] / fit.gram.unit[at[0]])
         if real <= 0:
-            gain = 0.0
-        if best is None or gain > best.gain:
+            fall = 0.0
+        if best is None or fall > best.fall:
             scaled = value[0]
             if family.effect.parameters[0].unit == "s":
                 scaled *= float(np.clip(real, 0.3, 3.0))
-            best = Scored(family, gain, 1, 1.0 + 0.3 * len(family.variants), tuple(at), (real,), (scaled,), real > 0)
+            best = Scored(family, fall, 1, 1.0 + 0.3 * len(family.variants), tuple(at), (real,), (scaled,), real > 0)
     return [] if best is None else [best]
 
 
@@ -157,14 +157,14 @@ def _step(fit: Fit, p: Projection, family: Family) -> list[Scored]:
     usable[:EDGE] = usable[len(usable) - EDGE :] = False
     if not usable.any():
         return []
-    gain = np.where(usable, s**2 / np.where(usable, H, 1.0), 0.0)
+    fall = np.where(usable, s**2 / np.where(usable, H, 1.0), 0.0)
     if family.thruster is not None:
-        gain = np.where(s > 0, gain, 0.0)
-    b = int(np.argmax(gain))
+        fall = np.where(s > 0, fall, 0.0)
+    b = int(np.argmax(fall))
     theta = float(s[b] / max(H[b], 1e-300) / g.unit[j])
-    time = float(fit.noise.bench.log.t[0] + b * g.length * fit.noise.bench.log.h)
+    time = float(fit.noise.predictor.log.t[0] + b * g.length * fit.noise.predictor.log.h)
     values = (theta, time) if family.thruster is None else (float(family.thruster), min(theta, 1.0), time)
-    return [Scored(family, float(gain[b]), 2, len(gain) / 6.0, (j,), (theta,), values)]
+    return [Scored(family, float(fall[b]), 2, len(fall) / 6.0, (j,), (theta,), values)]
 
 
 def _inner(p: Projection) -> Array:
@@ -177,8 +177,8 @@ def _searched(fit: Fit, p: Projection, found: list[Scored]) -> tuple[Fit, list[S
     if not wanted:
         return fit, found
     # The errors that the base leaves, taken back to the accelerations that would explain them.
-    g, bench = fit.gram, fit.noise.bench
-    n, rows = bench.log.n, len(bench.labels)
+    g, predictor = fit.gram, fit.noise.predictor
+    n, rows = predictor.log.n, len(predictor.labels)
     left = g.y - g.explained(p.base, p.coefficients)
     used = left.shape[0] * g.length
     errors = np.zeros((rows, n))
@@ -204,13 +204,13 @@ def _searched(fit: Fit, p: Projection, found: list[Scored]) -> tuple[Fit, list[S
         for value in values:
             columns = tuple(range(at, at + size))
             at += size
-            theta, gain = wide.solve(columns)
+            theta, fall = wide.solve(columns)
             real = tuple((theta / fit.gram.unit[list(columns)]).tolist())
-            if best is None or gain > best.gain:
+            if best is None or fall > best.fall:
                 numbers = _wave_numbers(family, value[0], real) if size == 4 else _pull_numbers(value, real)
                 ok = size == 4 or real[0] > 0
                 # A far anchor is a wind: the two numbers of its place are paid for, too.
-                best = Scored(family, gain if ok else 0.0, 4, looks, columns, real, numbers, ok)
+                best = Scored(family, fall if ok else 0.0, 4, looks, columns, real, numbers, ok)
         if best is not None:
             found.append(best)
     return fit, found
@@ -238,8 +238,8 @@ def _unwhiten(fit: Fit, errors: Array) -> Array:
 
 def _periods(fit: Fit, family: Family, back: Array) -> tuple[list[tuple[float, ...]], float]:
     """The periods [s] at which a wave would explain most, and how many were independent."""
-    log = fit.noise.bench.log
-    p = fit.anchor.points
+    log = fit.noise.predictor.log
+    p = fit.states.points
     n, h = log.n, log.h
     c, s = np.cos(p.psi[:n]), np.sin(p.psi[:n])
     duration = n * h
@@ -273,24 +273,24 @@ def _periods(fit: Fit, family: Family, back: Array) -> tuple[list[tuple[float, .
 
 def _sensitivity(fit: Fit, padded: int, unit: Array) -> Array:
     """How much whitened energy an acceleration of each frequency leaves, over the axes that the cause moves."""
-    bench = fit.noise.bench
-    n = bench.log.n
+    predictor = fit.noise.predictor
+    n = predictor.log.n
     impulse = np.zeros((3, 2 * n))
     total = np.zeros(padded // 2 + 1)
     for k in range(2):
         impulse[:] = 0.0
         impulse[k, 0] = impulse[k, n] = 1.0
-        response = fit.noise.whitening(bench.answer(impulse)[None])[0]
+        response = fit.noise.whitening(predictor.answer(impulse)[None])[0]
         total += np.mean(unit[:, k] ** 2) * (np.abs(np.fft.rfft(response, padded, axis=1)) ** 2).sum(axis=0)
     return total
 
 
 def _anchors(fit: Fit, back: Array) -> tuple[list[tuple[float, ...]], float]:
     """Where a tether would have to be made fast to explain most."""
-    log = fit.noise.bench.log
+    log = fit.noise.predictor.log
     if log.place is None:
         return [], 1.0
-    p = fit.anchor.points
+    p = fit.states.points
     n = log.n
     x, y = p.place[0, :n], p.place[1, :n]
     reach = max(float(np.ptp(x)), float(np.ptp(y)), 20.0)
@@ -304,12 +304,12 @@ def _anchors(fit: Fit, back: Array) -> tuple[list[tuple[float, ...]], float]:
     thin = slice(None, None, max(1, n // 1500))
     for a in np.linspace(-1.0, 1.0, 15):
         for b in np.linspace(-1.0, 1.0, 15):
-            anchor = (middle[0] + a * reach, middle[1] + b * reach)
-            dn, de = anchor[0] - x[thin], anchor[1] - y[thin]
+            states = (middle[0] + a * reach, middle[1] + b * reach)
+            dn, de = states[0] - x[thin], states[1] - y[thin]
             d = np.sqrt(dn**2 + de**2 + 1e-4)
-            every.append((float(np.sum((dn * north[thin] + de * east[thin]) / d)), anchor))
+            every.append((float(np.sum((dn * north[thin] + de * east[thin]) / d)), states))
     every.sort(key=lambda q: -q[0])
-    return [anchor for _, anchor in every[:PEAKS]], 20.0
+    return [states for _, states in every[:PEAKS]], 20.0
 
 
 def _wave_numbers(family: Family, period: float, theta: tuple[float, ...]) -> tuple[float, ...]:
@@ -323,9 +323,9 @@ def _wave_numbers(family: Family, period: float, theta: tuple[float, ...]) -> tu
     return float(along[0]), float(along[1]), period, phase
 
 
-def _pull_numbers(anchor: tuple[float, ...], theta: tuple[float, ...]) -> tuple[float, ...]:
+def _pull_numbers(states: tuple[float, ...], theta: tuple[float, ...]) -> tuple[float, ...]:
     pull = theta[0] if abs(theta[0]) > 1e-12 else 1e-12
-    return pull, anchor[0], anchor[1], float(np.clip(theta[1] / pull, -3.0, 3.0))
+    return pull, states[0], states[1], float(np.clip(theta[1] / pull, -3.0, 3.0))
 
 
 def adopted(h: Hypothesis, s: Scored, fit: Fit) -> Hypothesis:
@@ -360,11 +360,11 @@ def everything(fit: Fit) -> Fit:
     steps = [s for s in scored if s.family.kind == "step"]
     if not steps:
         return fit
-    bench = fit.noise.bench
+    predictor = fit.noise.predictor
     x = g.columns([s.columns[0] for s in steps])
     names = []
     for one, s in zip(x, steps, strict=True):
-        one[: round((s.values[-1] - float(bench.log.t[0])) / (g.length * bench.log.h))] = 0.0
+        one[: round((s.values[-1] - float(predictor.log.t[0])) / (g.length * predictor.log.h))] = 0.0
         names.append(f"{s.id}@{s.values[-1]!r}")
     unit = np.sqrt(np.maximum(np.einsum("cbi,cbi->c", x, x), 1e-300))
     return replace(fit, gram=g.joined(names, x / unit[:, None, None], unit))

@@ -60,7 +60,7 @@ class Bound:
 
 
 def intervals(
-    fit: Fit, id_: str, held: Mapping[str, float], left: Sequence[Scored] = (), *, unknown: bool = False
+    fit: Fit, id_: str, fixed: Mapping[str, float], left: Sequence[Scored] = (), *, unknown: bool = False
 ) -> dict[str, Bound]:
     """Intervals of an effect's numbers: the larger of the errors by the noise model and by the blocks' own scatter.
 
@@ -98,8 +98,8 @@ def intervals(
             if parameter.draw == "thruster":
                 out[name] = Bound(value, value, parameter.unit, parameter.symbol)
         for j in bent(given):
-            known = declared_columns(fit.noise.bench, fit.h, fit.anchor, fit.noise.whitening, fit.noise.good)
-            chi2 = profile(fit.noise, fit.h, fit.anchor, held, known, given, j)
+            known = declared_columns(fit.noise.predictor, fit.h, fit.states, fit.noise.whitening, fit.noise.good)
+            chi2 = profile(fit.noise, fit.h, fit.states, fixed, known, given, j)
             lower, upper = ends(chi2, given.values[j], first_step(fit.noise, given, j), rise(given, j, SIGMAS, worse))
             around = slack(fit.noise, given, j)
             lower, upper = max(lower - around, 0.0), upper + around
@@ -107,7 +107,7 @@ def intervals(
             if parameter.unit == "N":
                 # The limit is of the true thrust, which the curve gives within its accuracy alone.
                 error = max(
-                    t.accuracy.absolute + t.accuracy.relative * upper for t in fit.noise.bench.vehicle.thrusters
+                    t.accuracy.absolute + t.accuracy.relative * upper for t in fit.noise.predictor.vehicle.thrusters
                 )
                 lower, upper = max(lower - error, 0.0), upper + error
             out[given.effect.parts[j]] = Bound(lower, upper, parameter.unit, parameter.symbol)
@@ -145,7 +145,7 @@ def _moved(fit: Fit, left: Sequence[Scored]) -> Array:
     span = np.zeros((2, len(p.base)))
     for s in left:
         # A step in time has its column from its start on alone, which stands in no Gram.
-        if s.gain < DOUBTFUL or not s.physical or not s.columns or s.family.kind == "step":
+        if s.fall < DOUBTFUL or not s.physical or not s.columns or s.family.kind == "step":
             continue
         wide = Projection(fit.gram, [*p.base, *s.columns])
         shift = wide.coefficients[: len(p.base)] - p.coefficients

@@ -12,11 +12,11 @@ from typing import Final
 
 import numpy as np
 
-from ivsid.diagnosis.estimation.fit import Declared, Noise, crossed
+from ivsid.diagnosis.estimation.fit import DeclaredColumns, Noise, crossed
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.signatures import BENT
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.innovations import Anchor
+from ivsid.diagnosis.prediction.innovations import FilteredStates
 from ivsid.effects import Given
 
 LIMITED: Final = "thruster.saturation"
@@ -50,40 +50,46 @@ def sought(given: Given) -> bool:
 def first_step(noise: Noise, given: Given, j: int) -> float:
     """A small change of the number: two seconds, or a fiftieth."""
     if given.effect.parameters[j].draw == "time":
-        return max(2.0, 4 * noise.bench.log.h)
+        return max(2.0, 4 * noise.predictor.log.h)
     return 0.02 * max(abs(given.values[j]), 1e-9)
 
 
 def profile(
-    noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float], known: Declared, given: Given, *places: int
+    noise: Noise,
+    h: Hypothesis,
+    states: FilteredStates,
+    fixed: Mapping[str, float],
+    known: DeclaredColumns,
+    given: Given,
+    *places: int,
 ) -> Callable[..., float]:
     """Chi^2 as a function of one number of an effect that the hypothesis has, or of several.
 
     Args:
         noise: filters and whitening.
         h: the hypothesis.
-        anchor: its states.
-        held: parameters that are not fitted.
+        states: its states.
+        fixed: parameters that are not fitted.
         known: signatures of what is declared.
         given: the effect as it stands in the hypothesis.
         places: of the numbers among the effect's.
     """
-    g = crossed(noise, h, anchor, held, known)
+    g = crossed(noise, h, states, fixed, known)
     own = {given.effect.parts[j] if given.thruster is None else next(iter(given.named)) for j in places}
     base = [k for k, name in enumerate(g.names) if name not in own]
-    errors = noise.bench.errors(h, anchor)
+    errors = noise.predictor.errors(h, states)
 
     def chi2(*numbers: float) -> float:
         values = list(given.values)
         for j, value in zip(places, numbers, strict=True):
             values[j] = value
-        gone = noise.bench.difference(h, anchor, moved(h, held, given, values))
+        gone = noise.predictor.difference(h, states, moved(h, fixed, given, values))
         return Projection(g.of(errors - gone), base).chi2
 
     return chi2
 
 
-def moved(h: Hypothesis, held: Mapping[str, float], given: Given, values: Sequence[float]) -> Hypothesis:
+def moved(h: Hypothesis, fixed: Mapping[str, float], given: Given, values: Sequence[float]) -> Hypothesis:
     """The hypothesis with other numbers of an effect.
 
     Masses and drags that are fitted follow a limit: where most thrusts stand at it, little else tells it from their scale.
@@ -92,24 +98,24 @@ def moved(h: Hypothesis, held: Mapping[str, float], given: Given, values: Sequen
     if given.effect.id != LIMITED:
         return other
     share = values[0] / given.values[0]
-    return replace(other, values={k: x if k in held else x * share for k, x in other.values.items()})
+    return replace(other, values={k: x if k in fixed else x * share for k, x in other.values.items()})
 
 
 def refined(
     noise: Noise,
     h: Hypothesis,
-    anchor: Anchor,
-    held: Mapping[str, float],
-    known: Declared,
+    states: FilteredStates,
+    fixed: Mapping[str, float],
+    known: DeclaredColumns,
     given: Given,
     *,
     wide: bool,
 ) -> Hypothesis:
     """The hypothesis with the numbers of an effect that are to be profiled where chi^2 is least nearby, or with ``wide`` anywhere."""
     if given.effect.id == MOORED:
-        return _moored(noise, h, anchor, held, known, given)
+        return _moored(noise, h, states, fixed, known, given)
     for j in bent(given):
-        chi2 = profile(noise, h, anchor, held, known, given, j)
+        chi2 = profile(noise, h, states, fixed, known, given, j)
         step, best = first_step(noise, given, j), given.values[j]
         tried = {best: chi2(best)}
         if wide and given.effect.id in BENT:
@@ -124,19 +130,24 @@ def refined(
             step /= AROUND
         values = list(given.values)
         values[j] = best
-        h = moved(h, held, given, values)
+        h = moved(h, fixed, given, values)
         given = replace(given, values=tuple(values))
     return h
 
 
 def _moored(
-    noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float], known: Declared, given: Given
+    noise: Noise,
+    h: Hypothesis,
+    states: FilteredStates,
+    fixed: Mapping[str, float],
+    known: DeclaredColumns,
+    given: Given,
 ) -> Hypothesis:
     """The hypothesis with a tether's anchor where chi^2 is least, by a search in eight directions."""
-    log = noise.bench.log
+    log = noise.predictor.log
     if log.place is None:
         return h
-    chi2 = profile(noise, h, anchor, held, known, given, 1, 2)
+    chi2 = profile(noise, h, states, fixed, known, given, 1, 2)
     here = (float(given.values[1]), float(given.values[2]))
     least = chi2(*here)
     step = ANCHOR_STEP * max(float(np.ptp(log.place[0])), float(np.ptp(log.place[1])), 1.0)
@@ -158,7 +169,7 @@ def rise(given: Given, j: int, sigmas: float, worse: float) -> float:
 
 def slack(noise: Noise, given: Given, j: int) -> float:
     """What a number is off beside its errors: a start cannot be told within a few samples, nor within the memory of the filters."""
-    return max(1.0, 3 * noise.bench.log.h) if given.effect.parameters[j].draw == "time" else 0.0
+    return max(1.0, 3 * noise.predictor.log.h) if given.effect.parameters[j].draw == "time" else 0.0
 
 
 def ends(chi2: Callable[[float], float], best: float, step: float, most: float) -> tuple[float, float]:

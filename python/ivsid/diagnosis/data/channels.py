@@ -366,8 +366,8 @@ def _noise(c: Channels, vehicle: Vehicle) -> dict[str, float]:
         if x is None:
             continue
         order = 1 if name in ("ax", "ay", "rdot") else 3
-        gain = {1: 2.0, 3: 20.0}[order]
-        scatter = float(np.median(np.abs(np.diff(x, order))) / 0.6745 / np.sqrt(gain))
+        variance = {1: 2.0, 3: 20.0}[order]
+        scatter = float(np.median(np.abs(np.diff(x, order))) / 0.6745 / np.sqrt(variance))
         guess = said.get(name)
         if guess:
             scatter = float(np.clip(scatter, guess / 10, guess * 10))

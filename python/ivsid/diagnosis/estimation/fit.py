@@ -15,16 +15,16 @@ from ivsid.diagnosis.estimation.first_values import first_values
 from ivsid.diagnosis.estimation.noise import (
     Whitening,
     ambient_of,
-    declared,
+    axes_left_out,
+    declared_ambient,
     quick_enough,
-    still_axes,
     usable_rows,
     whiten,
 )
 from ivsid.diagnosis.estimation.projection import Gram, Projection, gram
 from ivsid.diagnosis.estimation.signatures import BENT, Columns, Family, Signatures, free_parameters
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.innovations import Anchor, Bench, replaced
+from ivsid.diagnosis.prediction.innovations import FilteredStates, Predictor, replaced
 from ivsid.effects import terms_of
 from ivsid.errors import IvsidError
 from ivsid.vehicle import Vehicle
@@ -42,10 +42,10 @@ WORSE: Final = 1.0
 class Noise:
     """What was learnt of a log's noise: its filters, its whitening, the samples that count, and axes that are left out."""
 
-    bench: Bench
+    predictor: Predictor
     whitening: Whitening
     good: NDArray[np.bool_]
-    still: frozenset[int] = frozenset()
+    left_out: frozenset[int] = frozenset()
 
 
 Search: TypeAlias = "Callable[[Fit], Fit]"
@@ -58,26 +58,26 @@ class Fit:
     Attributes:
         noise: filters and whitening.
         h: the hypothesis with its numbers.
-        anchor: its states.
+        states: its states.
         signatures: what made the columns, for further ones.
         gram: cross-products of everything below.
         base: columns that are fitted: free parameters, then what is declared.
         free: names of the free parameters.
         families: candidates.
         refused: ids that the log cannot show, and why.
-        held: parameters that are not fitted: claims, and what axes that are left out do not determine.
+        fixed: parameters that are not fitted: claims, and what axes that are left out do not determine.
     """
 
     noise: Noise
     h: Hypothesis
-    anchor: Anchor
+    states: FilteredStates
     signatures: Signatures
     gram: Gram
     base: tuple[int, ...]
     free: tuple[str, ...]
     families: tuple[Family, ...]
     refused: Mapping[str, str]
-    held: Mapping[str, float]
+    fixed: Mapping[str, float]
 
     @property
     def projection(self) -> Projection:
@@ -86,36 +86,36 @@ class Fit:
 
 
 def learn(
-    bench: Bench,
+    predictor: Predictor,
     h: Hypothesis,
-    anchor: Anchor,
+    states: FilteredStates,
     search: Search,
-    held: Mapping[str, float],
-    still: frozenset[int],
+    fixed: Mapping[str, float],
+    left_out: frozenset[int],
     rounds: int = 2,
-) -> tuple[Noise, Hypothesis, Anchor]:
+) -> tuple[Noise, Hypothesis, FilteredStates]:
     """The noise of a log from what the whole library leaves unexplained, and the hypothesis fitted on the way.
 
     An effect that is taken for noise would hide itself, so everything that the catalogue can explain is taken out first, whether it
     is there or not: the ``search`` adds the columns of waves, tethers and steps that explain most.
     """
-    good = usable_rows(bench)
-    if good.sum() * bench.log.h < LEAST:
+    good = usable_rows(predictor)
+    if good.sum() * predictor.log.h < LEAST:
         raise IvsidError(
-            f"{bench.log.name}: between its gaps {good.sum() * bench.log.h:.0f} s can be used, and a diagnosis needs {LEAST:.0f} s; give a "
+            f"{predictor.log.name}: between its gaps {good.sum() * predictor.log.h:.0f} s can be used, and a diagnosis needs {LEAST:.0f} s; give a "
             "log with fewer missing samples"
         )
     for turn in range(rounds):
-        scale = plain_scale(bench.errors(h, anchor), good, bench, still)
-        h, anchor = improve(bench, h, anchor, scale, good, held)
-        scale = plain_scale(bench.errors(h, anchor), good, bench, still)
-        fit = search(survey(Noise(bench, scale, good, still), h, anchor, held))
+        scale = plain_scale(predictor.errors(h, states), good, predictor, left_out)
+        h, states = improve(predictor, h, states, scale, good, fixed)
+        scale = plain_scale(predictor.errors(h, states), good, predictor, left_out)
+        fit = search(survey(Noise(predictor, scale, good, left_out), h, states, fixed))
         left = remaining(fit)
         if turn == rounds - 1:
-            return Noise(bench, whiten(bench, left, good, still), good, still), h, anchor
-        bench = bench.adopt(ambient_of(bench, left, good, still))
-        bench = quick_enough(bench, bench.damping(h, anchor))
-        anchor = bench.settle(h, anchor)
+            return Noise(predictor, whiten(predictor, left, good, left_out), good, left_out), h, states
+        predictor = predictor.adopt(ambient_of(predictor, left, good, left_out))
+        predictor = quick_enough(predictor, predictor.damping(h, states))
+        states = predictor.settle(h, states)
     raise AssertionError("rounds must be positive")
 
 
@@ -124,7 +124,7 @@ def remaining(fit: Fit) -> Array:
     g = fit.gram
     theta, _ = Projection(g, []).solve(range(len(g.names)))
     left = g.y - g.explained(range(len(g.names)), theta)
-    rows = len(fit.noise.bench.labels)
+    rows = len(fit.noise.predictor.labels)
     count = left.shape[0] * g.length
     out = np.zeros((rows, fit.noise.good.size))
     out[:, :count] = left.reshape(-1, rows, g.length).transpose(1, 0, 2).reshape(rows, count)
@@ -134,15 +134,17 @@ def remaining(fit: Fit) -> Array:
     return out
 
 
-def plain_scale(errors: Array, good: NDArray[np.bool_], bench: Bench, still: frozenset[int] = frozenset()) -> Whitening:
+def plain_scale(
+    errors: Array, good: NDArray[np.bool_], predictor: Predictor, left_out: frozenset[int] = frozenset()
+) -> Whitening:
     """Each row divided by its usual size: a start. Still axes are left out."""
     size = np.maximum(np.median(np.abs(errors[:, good]), axis=1) / 0.6745, 1e-12)
     groups: dict[int, list[int]] = {}
-    for i, (k, _) in enumerate(bench.labels):
+    for i, (k, _) in enumerate(predictor.labels):
         groups.setdefault(k, []).append(i)
     return Whitening(
         tuple(tuple(r) for r in groups.values()),
-        tuple(np.diag((0.0 if k in still else 1.0) / size[r])[None] for k, r in groups.items()),
+        tuple(np.diag((0.0 if k in left_out else 1.0) / size[r])[None] for k, r in groups.items()),
     )
 
 
@@ -155,7 +157,7 @@ def _joined(*parts: Columns) -> Columns:
 
 
 @dataclass(frozen=True)
-class Declared:
+class DeclaredColumns:
     """Whitened signatures of what the vehicle file declares; they hardly depend on the hypothesis, and are made once for many."""
 
     gram: Gram
@@ -167,37 +169,39 @@ class Declared:
 
 
 def declared_columns(
-    bench: Bench, h: Hypothesis, anchor: Anchor, white: Whitening, good: NDArray[np.bool_]
-) -> Declared:
+    predictor: Predictor, h: Hypothesis, states: FilteredStates, white: Whitening, good: NDArray[np.bool_]
+) -> DeclaredColumns:
     """Those around a hypothesis."""
-    c = nuisances(Signatures(bench, h, anchor))
-    none = np.zeros((len(bench.labels), bench.log.n))
-    return Declared(gram(c.names, c.arrays, none, white, good, bench.log.h, c.prior, h.declared).whole())
+    c = nuisances(Signatures(predictor, h, states))
+    none = np.zeros((len(predictor.labels), predictor.log.n))
+    return DeclaredColumns(
+        gram(c.names, c.arrays, none, white, good, predictor.log.h, c.prior, h.declared_errors).whole()
+    )
 
 
 def improve(
-    bench: Bench,
+    predictor: Predictor,
     h: Hypothesis,
-    anchor: Anchor,
+    states: FilteredStates,
     white: Whitening,
     good: NDArray[np.bool_],
-    held: Mapping[str, float],
+    fixed: Mapping[str, float],
     steps: int = STEPS,
-    known: Declared | None = None,
-) -> tuple[Hypothesis, Anchor]:
+    known: DeclaredColumns | None = None,
+) -> tuple[Hypothesis, FilteredStates]:
     """Gauss-Newton steps of all free parameters, with what is declared beside them; shorter ones where a step makes it worse.
 
     Args:
-        bench: the log.
+        predictor: of the log.
         h: where to start.
-        anchor: its states.
+        states: its states.
         white: the whitening.
         good: samples that count.
-        held: parameters that are not fitted.
+        fixed: parameters that are not fitted.
         steps: at most.
         known: signatures of what is declared, for the same whitening.
     """
-    known = known or declared_columns(bench, h, anchor, white, good)
+    known = known or declared_columns(predictor, h, states, white, good)
 
     def cost(h: Hypothesis, errors: Array) -> tuple[float, Gram]:
         g = _expected(known.gram.of(errors), h)
@@ -206,18 +210,18 @@ def improve(
         return Projection(g, range(known.count)).chi2 if finite else float(np.inf), g
 
     # States that are not those of the hypothesis would make it look better or worse than it is.
-    anchor = bench.settle(h, anchor, 2)
-    errors = bench.errors(h, anchor)
+    states = predictor.settle(h, states, 2)
+    errors = predictor.errors(h, states)
     here, base = cost(h, errors)
     for _ in range(steps):
-        g = _beside(base, bench, h, anchor, held)
+        g = _beside(base, predictor, h, states, fixed)
         for p in _movable(g, h):
             at = np.array(p.base)
             moves = dict(zip((g.names[k] for k in at), (p.coefficients / g.unit[at]).tolist(), strict=True))
             for share in SHORTER:
-                other = stepped(h, {k: share * m for k, m in moves.items()}, bench)
-                there = bench.settle(other, anchor, 2)
-                errors = bench.errors(other, there)
+                other = stepped(h, {k: share * m for k, m in moves.items()}, predictor)
+                there = predictor.settle(other, states, 2)
+                errors = predictor.errors(other, there)
                 now, there_base = cost(other, errors)
                 if now < here + WORSE:
                     break
@@ -225,12 +229,12 @@ def improve(
                 continue
             break
         else:
-            return h, anchor
-        h, anchor, here, base = other, there, now, there_base
+            return h, states
+        h, states, here, base = other, there, now, there_base
         sigma = np.sqrt(np.diag(np.linalg.inv(p.total[np.ix_(at, at)] + np.diag(g.prior[at] + 1e-9))))
         if (np.abs(p.coefficients) < 0.1 * sigma)[known.count :].all():
             break
-    return h, anchor
+    return h, states
 
 
 def _movable(g: Gram, h: Hypothesis) -> Iterator[Projection]:
@@ -242,53 +246,63 @@ def _movable(g: Gram, h: Hypothesis) -> Iterator[Projection]:
 
 
 def _small_gram(
-    bench: Bench,
+    predictor: Predictor,
     h: Hypothesis,
-    anchor: Anchor,
-    held: Mapping[str, float],
-    known: Declared,
+    states: FilteredStates,
+    fixed: Mapping[str, float],
+    known: DeclaredColumns,
     errors: Array,
     *,
     sums: bool = True,
 ) -> Gram:
     """What is declared first, then what is fitted."""
-    return _beside(_expected(known.gram.of(errors), h), bench, h, anchor, held, sums=sums)
+    return _beside(_expected(known.gram.of(errors), h), predictor, h, states, fixed, sums=sums)
 
 
 def _beside(
-    g: Gram, bench: Bench, h: Hypothesis, anchor: Anchor, held: Mapping[str, float], *, sums: bool = True
+    g: Gram,
+    predictor: Predictor,
+    h: Hypothesis,
+    states: FilteredStates,
+    fixed: Mapping[str, float],
+    *,
+    sums: bool = True,
 ) -> Gram:
     """With the signatures of what is fitted."""
-    fitted = Signatures(bench, h, anchor).fitted(held)
+    fitted = Signatures(predictor, h, states).fitted(fixed)
     return g.extended(fitted.names, fitted.arrays, sums=sums) if fitted.names else g
 
 
 def _expected(g: Gram, h: Hypothesis) -> Gram:
     """With how much of each declared error the hypothesis holds."""
-    return replace(g, centre=np.array([h.declared.get(n, 0.0) for n in g.names]) * g.unit)
+    return replace(g, centre=np.array([h.declared_errors.get(n, 0.0) for n in g.names]) * g.unit)
 
 
-def crossed(noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float], known: Declared) -> Gram:
+def crossed(
+    noise: Noise, h: Hypothesis, states: FilteredStates, fixed: Mapping[str, float], known: DeclaredColumns
+) -> Gram:
     """Cross-products of what is declared and what is fitted, with the columns themselves."""
-    errors = noise.bench.errors(h, anchor)
-    return _small_gram(noise.bench, h, anchor, held, known, errors, sums=False)
+    errors = noise.predictor.errors(h, states)
+    return _small_gram(noise.predictor, h, states, fixed, known, errors, sums=False)
 
 
-def fitted_gram(noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float]) -> Gram:
+def fitted_gram(noise: Noise, h: Hypothesis, states: FilteredStates, fixed: Mapping[str, float]) -> Gram:
     """Cross-products of what is fitted and what is declared alone."""
-    known = declared_columns(noise.bench, h, anchor, noise.whitening, noise.good)
-    errors = noise.bench.errors(h, anchor)
-    return _small_gram(noise.bench, h, anchor, held, known, errors)
+    known = declared_columns(noise.predictor, h, states, noise.whitening, noise.good)
+    errors = noise.predictor.errors(h, states)
+    return _small_gram(noise.predictor, h, states, fixed, known, errors)
 
 
-def chi2_of(noise: Noise, h: Hypothesis, anchor: Anchor, held: Mapping[str, float], known: Declared) -> float:
+def chi2_of(
+    noise: Noise, h: Hypothesis, states: FilteredStates, fixed: Mapping[str, float], known: DeclaredColumns
+) -> float:
     """Of the log under a hypothesis, what is declared fitted beside it."""
-    errors = noise.bench.errors(h, anchor)
-    g = _small_gram(noise.bench, h, anchor, held, known, errors)
+    errors = noise.predictor.errors(h, states)
+    g = _small_gram(noise.predictor, h, states, fixed, known, errors)
     return Projection(g, range(len(g.names))).chi2
 
 
-def stepped(h: Hypothesis, moves: Mapping[str, float], bench: Bench) -> Hypothesis:
+def stepped(h: Hypothesis, moves: Mapping[str, float], predictor: Predictor) -> Hypothesis:
     """The hypothesis with its parameters moved, no mass to less than a third and none outside what its physics allows."""
     values = {}
     for term in h.terms:
@@ -298,13 +312,13 @@ def stepped(h: Hypothesis, moves: Mapping[str, float], bench: Bench) -> Hypothes
                 new = float(np.clip(new, h.values[term.id] / 3, h.values[term.id] * 3))
             values[term.id] = float(new)
     h = replaced(h, values)
-    known = {n: h.declared.get(n, 0.0) + m for n, m in moves.items() if n.startswith("~")}
-    h = replace(h, declared={**h.declared, **known})
+    known = {n: h.declared_errors.get(n, 0.0) + m for n, m in moves.items() if n.startswith("~")}
+    h = replace(h, declared_errors={**h.declared_errors, **known})
     for g in h.given:
         numbers = list(g.values)
         for name, p, j in free_parameters(g):
             step = moves.get(name, 0.0)
-            most = 0.5 * max(abs(numbers[j]), 0.2 * abs(p.scaled(bench.vehicle.hull.mass)), 1e-9)
+            most = 0.5 * max(abs(numbers[j]), 0.2 * abs(p.scaled(predictor.vehicle.hull.mass)), 1e-9)
             if p.unit != "rad":
                 step = float(np.clip(step, -most, most))
             new = numbers[j] + step
@@ -316,22 +330,28 @@ def stepped(h: Hypothesis, moves: Mapping[str, float], bench: Bench) -> Hypothes
 
 
 def survey(
-    noise: Noise, h: Hypothesis, anchor: Anchor, claimed: Mapping[str, float], only: frozenset[str] | None = None
+    noise: Noise,
+    h: Hypothesis,
+    states: FilteredStates,
+    claimed: Mapping[str, float],
+    only: frozenset[str] | None = None,
 ) -> Fit:
     """All signatures at a fitted hypothesis, or those of ``only`` some effects, whitened and crossed."""
-    bench = noise.bench
-    signatures = Signatures(bench, h, anchor)
-    fitted, declared_ones = signatures.fitted(claimed), nuisances(signatures)
+    predictor = noise.predictor
+    signatures = Signatures(predictor, h, states)
+    fitted, stated = signatures.fitted(claimed), nuisances(signatures)
     extra, families, refused = signatures.candidates(only)
-    every = _joined(fitted, declared_ones, extra)
+    every = _joined(fitted, stated, extra)
     # The same name twice would be a parameter of the model beside its claim.
-    errors = bench.errors(h, anchor)
-    g = gram(every.names, every.arrays, errors, noise.whitening, noise.good, bench.log.h, every.prior, h.declared)
-    count = len(fitted.names) + len(declared_ones.names)
+    errors = predictor.errors(h, states)
+    g = gram(
+        every.names, every.arrays, errors, noise.whitening, noise.good, predictor.log.h, every.prior, h.declared_errors
+    )
+    count = len(fitted.names) + len(stated.names)
     return Fit(
         noise,
         h,
-        anchor,
+        states,
         signatures,
         g,
         tuple(range(count)),
@@ -363,21 +383,21 @@ def plain_fit(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
 def _plain(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
     claimed = dict(vehicle.model.values)
     h = first_values(vehicle, log, terms_of(vehicle), claimed)
-    bench = Bench(vehicle, log, declared(vehicle))
-    still = still_axes(bench)
-    usual = _usual(h, vehicle, still)
+    predictor = Predictor(vehicle, log, declared_ambient(vehicle))
+    left_out = axes_left_out(predictor)
+    usual = _usual(h, vehicle, left_out)
     h = replaced(h, usual)
-    bench = quick_enough(bench, bench.damping(h, bench.start(h)))
+    predictor = quick_enough(predictor, predictor.damping(h, predictor.start(h)))
     # The sway mass still acts in surge, through turning.
-    held = {**claimed, **{i: x for i, x in usual.items() if i != "mass.sway"}}
-    noise, h, anchor = learn(bench, h, bench.settle(h, bench.start(h), 2), search, held, still)
-    h, anchor = improve(noise.bench, h, anchor, noise.whitening, noise.good, held)
-    return survey(noise, h, anchor, held)
+    fixed = {**claimed, **{i: x for i, x in usual.items() if i != "mass.sway"}}
+    noise, h, states = learn(predictor, h, predictor.settle(h, predictor.start(h), 2), search, fixed, left_out)
+    h, states = improve(noise.predictor, h, states, noise.whitening, noise.good, fixed)
+    return survey(noise, h, states, fixed)
 
 
-def _usual(h: Hypothesis, vehicle: Vehicle, still: frozenset[int]) -> dict[str, float]:
+def _usual(h: Hypothesis, vehicle: Vehicle, left_out: frozenset[int]) -> dict[str, float]:
     """Parameters of the axes that are left out, at what a hull of this mass and length has: nothing in the log says more of them."""
-    if not still:
+    if not left_out:
         return {}
     m = vehicle.hull.mass
     length = vehicle.hull.length or (m / 60.0) ** (1 / 3)

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from ivsid.diagnosis.prediction.innovations import Ambient, Bench
-from ivsid.linear.filters import whiten as filtered
+from ivsid.diagnosis.prediction.innovations import Ambient, Predictor
+from ivsid.linear.filters import whiten as whitened
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -35,7 +35,7 @@ LOOSE: Final = 100.0
 TURNING: Final = 0.015
 
 
-def declared(vehicle: Vehicle) -> Ambient:
+def declared_ambient(vehicle: Vehicle) -> Ambient:
     """What the vehicle file says of the ambient force, as accelerations; else a share of the thrusters' accuracy."""
     m = vehicle.hull.mass
     length = vehicle.hull.length or (m / 60.0) ** (1 / 3)
@@ -49,41 +49,43 @@ def declared(vehicle: Vehicle) -> Ambient:
     return Ambient((0.2 * force / m, 0.2 * force / m, 0.2 * force * arm / inertia), (2.0, 2.0, 2.0))
 
 
-def ambient_of(bench: Bench, residual: Array, rows: NDArray[np.bool_], still: frozenset[int] = frozenset()) -> Ambient:
+def ambient_of(
+    predictor: Predictor, residual: Array, rows: NDArray[np.bool_], left_out: frozenset[int] = frozenset()
+) -> Ambient:
     """The ambient acceleration behind prediction errors that no effect explains.
 
     The errors are put through the filter's inverse, which gives the velocity that they stand for. Its mean slopes over a second,
     correlated at lags where the sensors' noise is not shared, give deviation and time.
     """
-    h = bench.log.h
+    h = predictor.log.h
     q = max(2, round(0.5 / h))
     deviations, times = [], []
     row = 0
     for k in range(3):
-        here = bench.axes[k]
+        here = predictor.axes[k]
         count = len(here.outputs)
-        velocity = _data_of(bench, k, residual[row : row + count])
+        velocity = _data_of(predictor, k, residual[row : row + count])
         row += count
         mean = uniform_filter1d(velocity, q)
         slope = (mean[2 * q :] - mean[: -2 * q]) / (2 * q * h)
         good = rows[q:-q][: slope.size]
         near, far = (_covariance(slope, good, round(s / h)) for s in (2.0, 4.0))
         if near <= 0:
-            deviations.append(bench.ambient.deviation[k] * 0.3)
-            times.append(bench.ambient.time[k])
+            deviations.append(predictor.ambient.deviation[k] * 0.3)
+            times.append(predictor.ambient.time[k])
             continue
         ratio = np.clip(far / near, 1e-3, 0.9)
         time = float(np.clip(-2.0 / np.log(ratio), *_TIMES))
         deviations.append(float(np.sqrt(near * np.exp(2.0 / time))))
         times.append(time)
-    said = declared(bench.vehicle)
-    given = bench.vehicle.ambient is not None
+    said = declared_ambient(predictor.vehicle)
+    given = predictor.vehicle.ambient is not None
     # A filter that is too quick is whitened afterwards; one that is too slow is wrong about the motion in between.
     # What is declared is no discovery, and slow noise that is taken for less than it is makes every slow signature look certain.
     low, high = (1.0, 30.0) if given else (0.05, 1e3)
     d = [float(np.clip(a, low * b, high * b)) for a, b in zip(deviations, said.deviation, strict=True)]
     # Nobody asks what moves a still axis, but other axes need its velocity: it is the sensor's, whatever steady moment the model lacks.
-    d = [x * (LOOSE if k in still else 1.0) for k, x in enumerate(d)]
+    d = [x * (LOOSE if k in left_out else 1.0) for k, x in enumerate(d)]
     if given:
         times = list(said.time)
     return Ambient((d[0], d[1], d[2]), (times[0], times[1], times[2]))
@@ -96,17 +98,17 @@ def _covariance(x: Array, good: NDArray[np.bool_], lag: int) -> float:
     return float(np.sum((x[lag:] * x[:-lag])[both]) / max(both.sum(), 1))
 
 
-def _data_of(bench: Bench, k: int, errors: Array) -> Array:
+def _data_of(predictor: Predictor, k: int, errors: Array) -> Array:
     """The velocity reading that would have given these errors without a model: the filter's inverse."""
-    here = bench.axes[k]
-    h = bench.log.h
-    decay = float(np.exp(-h / bench.ambient.time[k]))
+    here = predictor.axes[k]
+    h = predictor.log.h
+    decay = float(np.exp(-h / predictor.ambient.time[k]))
     at = here.outputs.index("velocity")
-    K = here.gain
+    K = here.kalman_gain
     # Velocity and ambient states alone: the position does not act on them.
     out = np.empty(errors.shape[1])
-    gain = K[1:]
-    pushes = gain @ errors
+    kalman_gain = K[1:]
+    pushes = kalman_gain @ errors
     own = errors[at]
     w0, w1 = pushes.tolist()
     velocity, wind = 0.0, 0.0
@@ -135,7 +137,7 @@ class Whitening:
         """Whitens errors or signatures, shape (..., rows, n)."""
         n = x.shape[-1]
         flat = list(x.reshape(-1, *x.shape[-2:]))
-        return filtered(flat, self.groups, self.taps, n)[0].reshape(x.shape) if flat and n else np.zeros_like(x)
+        return whitened(flat, self.groups, self.taps, n)[0].reshape(x.shape) if flat and n else np.zeros_like(x)
 
     def blocks(
         self, columns: Sequence[Array], good: NDArray[np.bool_], length: int, *, unit: bool = True
@@ -151,40 +153,42 @@ class Whitening:
         Returns:
             Shape (columns, blocks, rows length), and (columns,).
         """
-        return filtered(columns, self.groups, self.taps, length, good.astype(np.float64), unit=unit)
+        return whitened(columns, self.groups, self.taps, length, good.astype(np.float64), unit=unit)
 
 
-def still_axes(bench: Bench) -> frozenset[int]:
+def axes_left_out(predictor: Predictor) -> frozenset[int]:
     """The axes to leave out where the vehicle hardly turns beyond what the filter can know: yaw, and sway with it.
 
     An autopilot that holds a heading answers to the motion itself; where little else moves the vehicle, demands and errors are of one
     piece, and inertia and damping come out wrong. Such an axis is left out, and its causes are not tested.
     """
     # A steady turn, as under a gyro's bias, tells no more of inertia and damping than none.
-    turning = float(uniform_filter1d(bench.log.nu[2], max(2, round(0.5 / bench.log.h))).std())
+    turning = float(uniform_filter1d(predictor.log.nu[2], max(2, round(0.5 / predictor.log.h))).std())
     # Sway turns with u r: without the yaw rate it is not known either.
-    hull = bench.vehicle.hull
+    hull = predictor.vehicle.hull
     least = TURNING / np.sqrt(hull.length or (hull.mass / 60.0) ** (1 / 3))
-    return frozenset() if turning >= max(MOVING * bench.axes[2].spread, least) else frozenset({1, 2})
+    return frozenset() if turning >= max(MOVING * predictor.axes[2].spread, least) else frozenset({1, 2})
 
 
-def whiten(bench: Bench, residual: Array, good: NDArray[np.bool_], still: frozenset[int] = frozenset()) -> Whitening:
+def whiten(
+    predictor: Predictor, residual: Array, good: NDArray[np.bool_], left_out: frozenset[int] = frozenset()
+) -> Whitening:
     """An autoregression of the errors that no effect explains, by least squares; nothing is left of still axes.
 
     Each axis by itself, unless another's past foretells it: where a rudder or a fast turn couples them, the error of one axis's state
     pushes the other, and a signature at that state would not be new to it.
     """
     rows_of: dict[int, list[int]] = {}
-    for i, (k, _) in enumerate(bench.labels):
+    for i, (k, _) in enumerate(predictor.labels):
         rows_of.setdefault(k, []).append(i)
-    lags = int(np.clip(round(MEMORY / bench.log.h), 3, MOST_LAGS))
+    lags = int(np.clip(round(MEMORY / predictor.log.h), 3, MOST_LAGS))
     usable = good.copy()
     for lag in range(1, lags + 1):
         usable[lag:] &= good[:-lag]
     usable[:lags] = False
     at = np.flatnonzero(usable)
     groups = [[k] for k in rows_of]
-    for first, second in _coupled(residual, rows_of, [k for k in rows_of if k not in still], at, lags):
+    for first, second in _coupled(residual, rows_of, [k for k in rows_of if k not in left_out], at, lags):
         one, other = (next(g for g in groups if k in g) for k in (first, second))
         if one is not other:
             one += other
@@ -194,7 +198,7 @@ def whiten(bench: Bench, residual: Array, good: NDArray[np.bool_], still: frozen
     for axes in groups:
         rows = [i for k in sorted(axes) for i in rows_of[k]]
         found.append(tuple(rows))
-        if axes[0] in still:
+        if axes[0] in left_out:
             taps.append(np.zeros((1, len(rows), len(rows))))
             continue
         past = np.concatenate([residual[rows][:, at - lag] for lag in range(1, lags + 1)])
@@ -239,29 +243,29 @@ def _coupled(
     return found
 
 
-def usable_rows(bench: Bench) -> NDArray[np.bool_]:
+def usable_rows(predictor: Predictor) -> NDArray[np.bool_]:
     """Samples whose errors count: not those of a gap, nor those that the filter's start or a gap still shapes, shape (n,)."""
-    good = bench.log.good.copy()
-    settle = round(SETTLING / bench.log.h)
+    good = predictor.log.good.copy()
+    settle = round(SETTLING / predictor.log.h)
     bad = ~good
     bad[0] = True
     reach = np.convolve(bad.astype(float), np.ones(settle))[: good.size] > 0
     return ~reach
 
 
-def quick_enough(bench: Bench, damping: tuple[float, float, float]) -> Bench:
+def quick_enough(predictor: Predictor, damping: tuple[float, float, float]) -> Predictor:
     """The bench with filters that forget faster than the vehicle does, so that their states hardly depend on the hypothesis.
 
     Args:
-        bench: with filters of the estimated ambient force.
+        predictor: with filters of the estimated ambient force.
         damping: of each axis [1/s].
     """
-    deviation = list(bench.ambient.deviation)
+    deviation = list(predictor.ambient.deviation)
     for _ in range(8):
-        slow = [k for k in range(3) if bench.axes[k].memory * max(QUICKER * damping[k], SLOWEST) > 1]
+        slow = [k for k in range(3) if predictor.axes[k].memory * max(QUICKER * damping[k], SLOWEST) > 1]
         if not slow:
-            return bench
+            return predictor
         for k in slow:
             deviation[k] *= 1.6
-        bench = bench.adopt(Ambient((deviation[0], deviation[1], deviation[2]), bench.ambient.time))
-    return bench
+        predictor = predictor.adopt(Ambient((deviation[0], deviation[1], deviation[2]), predictor.ambient.time))
+    return predictor

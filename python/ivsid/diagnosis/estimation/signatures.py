@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration
-from ivsid.diagnosis.prediction.innovations import Anchor, Bench
+from ivsid.diagnosis.prediction.innovations import FilteredStates, Predictor
 from ivsid.effects import (
     CATALOGUE,
     EFFECTS,
@@ -87,17 +87,17 @@ class Family:
 class Signatures:
     """All signatures at one hypothesis and its states."""
 
-    def __init__(self, bench: Bench, h: Hypothesis, anchor: Anchor) -> None:
-        self.bench, self.h, self.anchor = bench, h, anchor
-        self.mass: Mass = bench.mass(h, anchor)
+    def __init__(self, predictor: Predictor, h: Hypothesis, states: FilteredStates) -> None:
+        self.predictor, self.h, self.states = predictor, h, states
+        self.mass: Mass = predictor.mass(h, states)
 
     def fitted(self, claimed: Iterable[str]) -> Columns:
         """Those of the model's free parameters, and of the parameters of effects that the hypothesis has."""
         out = Columns()
-        held = set(claimed) - self.h.freed
+        fixed = set(claimed) - self.h.freed
         for term in self.h.terms:
-            if term.id not in held:
-                out.add(term.id, self.bench.term(self.h, self.anchor, self.mass, term))
+            if term.id not in fixed:
+                out.add(term.id, self.predictor.term(self.h, self.states, self.mass, term))
         for g in self.h.given:
             for name, parameter, j in free_parameters(g):
                 out.add(name, self._slope(g, parameter, j))
@@ -105,12 +105,12 @@ class Signatures:
 
     def _slope(self, g: Given, parameter: Parameter, j: int) -> Array:
         """The slope of the errors with a parameter of an effect that is there, by a difference."""
-        scale = max(abs(g.values[j]), 0.1 * abs(parameter.scaled(self.bench.vehicle.hull.mass)), 1e-9)
+        scale = max(abs(g.values[j]), 0.1 * abs(parameter.scaled(self.predictor.vehicle.hull.mass)), 1e-9)
         step = (0.02 if parameter.inverse or g.effect.id == "thruster.deadband" else 1e-3) * scale
         values = list(g.values)
         values[j] += step
         other = self.h.with_effect(replace(g, values=tuple(values)))
-        return self.bench.difference(self.h, self.anchor, other, self.mass) / step
+        return self.predictor.difference(self.h, self.states, other, self.mass) / step
 
     def reading(self, id_: str) -> list[Array]:
         """Slopes of the errors with the parameters of a sensor effect at none."""
@@ -124,7 +124,7 @@ class Signatures:
 
     def _whole(self, given: Given) -> Array:
         """The errors that an effect leaves, whole."""
-        return self.bench.difference(self.h, self.anchor, self.h.with_effect(given), self.mass)
+        return self.predictor.difference(self.h, self.states, self.h.with_effect(given), self.mass)
 
     def candidates(self, only: frozenset[str] | None = None) -> tuple[Columns, list[Family], dict[str, str]]:
         """Signatures of every effect, or of ``only`` some, that the log can show, their families, and why the others are left out."""
@@ -134,8 +134,8 @@ class Signatures:
         present = {g.effect.id for g in self.h.given} | {t.id for t in self.h.terms}
         present |= {e.id for e in EFFECTS.values() if isinstance(e.acts, Terms) and present.issuperset(e.parts)}
         for term in self.h.terms:
-            if term.id in self.bench.vehicle.model.values and term.id not in self.h.freed and term.id in EFFECTS:
-                out.add(term.id, self.bench.term(self.h, self.anchor, self.mass, term))
+            if term.id in self.predictor.vehicle.model.values and term.id not in self.h.freed and term.id in EFFECTS:
+                out.add(term.id, self.predictor.term(self.h, self.states, self.mass, term))
                 families.append(Family(EFFECTS[term.id], ((term.id,),), kind="claim"))
         for effect in EFFECTS.values():
             if only is not None and effect.id not in only:
@@ -143,9 +143,9 @@ class Signatures:
             if effect.id in present and not (effect.plain and self._shared(effect)):
                 continue
             form = effect
-            if effect.measured is not None and all(self.bench.log.has(n) for n in effect.measured.needs):
+            if effect.measured is not None and all(self.predictor.log.has(n) for n in effect.measured.needs):
                 form = effect.measured
-            missing = [n for n in form.needs if not self.bench.log.has(n)]
+            missing = [n for n in form.needs if not self.predictor.log.has(n)]
             if missing:
                 refused[effect.id] = "no " + " and no ".join(n.replace("|", " or ") for n in missing)
                 continue
@@ -161,7 +161,7 @@ class Signatures:
         return effect.id not in {t.id for t in self.h.terms}
 
     def _impossible(self, effect: Effect) -> str | None:
-        vehicle = self.bench.vehicle
+        vehicle = self.predictor.vehicle
         id_ = effect.id
         if effect.plain and (id_ not in LACKED or not self._shared(effect)):
             return "a term of every model"
@@ -177,7 +177,7 @@ class Signatures:
             sides = [t.position[1] for t in vehicle.thrusters]
             if not min(sides) < 0 < max(sides):
                 return "no thrusters on both sides"
-        if id_ == "thruster.curve" and not all(c.largest for c in self.bench.propulsion.curves):
+        if id_ == "thruster.curve" and not all(c.largest for c in self.predictor.propulsion.curves):
             return "a thrust curve without an end"
         return None
 
@@ -185,7 +185,7 @@ class Signatures:
         id_ = effect.id
         if isinstance(effect.acts, Terms):
             for term in effect.acts.terms:
-                out.add(term.id, self.bench.term(self.h, self.anchor, self.mass, self.fitting(term)))
+                out.add(term.id, self.predictor.term(self.h, self.states, self.mass, self.fitting(term)))
             return [Family(effect, (tuple(t.id for t in effect.acts.terms),))]
         special: dict[str, Callable[[Effect, Columns], list[Family]]] = {
             "thruster.lag": self._late,
@@ -203,7 +203,7 @@ class Signatures:
             return special[id_](effect, out)
         none = [p.none for p in effect.parameters]
         for j, (name, parameter) in enumerate(zip(effect.parts, effect.parameters, strict=True)):
-            step = 1e-2 * (abs(parameter.scaled(self.bench.vehicle.hull.mass)) or 1.0)
+            step = 1e-2 * (abs(parameter.scaled(self.predictor.vehicle.hull.mass)) or 1.0)
             values = list(none)
             values[j] += step
             out.add(name, self._whole(Given(effect, tuple(values))) / step)
@@ -214,11 +214,11 @@ class Signatures:
         shared = any(t is PAPER_TERMS[0] for t in self.h.terms)
         if term.id == "added_mass.munk" and shared:
             return SHARED_MUNK
-        return on_hull(term, self.bench.vehicle) if term.id in CATALOGUE else term
+        return on_hull(term, self.predictor.vehicle) if term.id in CATALOGUE else term
 
     def _late(self, effect: Effect, out: Columns) -> list[Family]:
-        h = self.bench.log.h
-        values = sorted({0.1 * h, *(d for d in DELAYS if d < 0.1 * self.bench.log.n * h)})
+        h = self.predictor.log.h
+        values = sorted({0.1 * h, *(d for d in DELAYS if d < 0.1 * self.predictor.log.n * h)})
         names = []
         for value in values:
             out.add(f"{effect.id}@{value:.6g}", self._whole(Given(effect, (value,))))
@@ -226,15 +226,15 @@ class Signatures:
         return [Family(effect, tuple(names), tuple((v,) for v in values), "secant")]
 
     def _levels(self, effect: Effect, out: Columns) -> list[Family]:
-        bench = self.bench
+        predictor = self.predictor
         if effect.id == "thruster.deadband":
-            used = np.abs(np.concatenate(bench.propulsion.demands))
+            used = np.abs(np.concatenate(predictor.propulsion.demands))
             low = used[used > 1e-9]
             if not low.size:
                 return []
             idle, values = float(low.min()), [float(np.quantile(low, 0.7)) * q for q in BANDS]
         else:
-            used = np.abs(bench.propulsion.thrusts(self.h.given).now)
+            used = np.abs(predictor.propulsion.thrusts(self.h.given).now)
             idle = float(used.max())
             if idle <= 0:
                 return []
@@ -250,16 +250,16 @@ class Signatures:
 
     def _failure(self, effect: Effect, out: Columns) -> list[Family]:
         families = []
-        for k, thruster in enumerate(self.bench.vehicle.thrusters):
+        for k, thruster in enumerate(self.predictor.vehicle.thrusters):
             name = f"thruster.failure.{thruster.name}"
-            start = float(self.bench.log.t[0])
+            start = float(self.predictor.log.t[0])
             out.add(name, self._whole(Given(effect, (float(k), 0.01, start - 1.0))) / 0.01)
             families.append(Family(effect, ((name,),), kind="step", thruster=k))
         return families
 
     def _payload(self, effect: Effect, out: Columns) -> list[Family]:
-        step = 1e-3 * self.bench.vehicle.hull.mass
-        start = float(self.bench.log.t[0])
+        step = 1e-3 * self.predictor.vehicle.hull.mass
+        start = float(self.predictor.log.t[0])
         out.add("payload.step.mass", self._whole(Given(effect, (step, start - 1.0))) / step)
         return [Family(effect, (("payload.step.mass",),), kind="step")]
 
@@ -277,11 +277,11 @@ class Signatures:
 
     def force(self, force: Array) -> Array:
         """The errors that a force at samples and over steps, shape (3, 2 n), leaves."""
-        return self.bench.answer(self.mass.solve(force))
+        return self.predictor.answer(self.mass.solve(force))
 
     def earth_wave(self, period: float) -> list[Array]:
         """Sine and cosine of a force of 1 N toward north, and toward east."""
-        p = self.anchor.points
+        p = self.states.points
         w = 2 * np.pi / period
         c, s = np.cos(p.psi), np.sin(p.psi)
         found = []
@@ -302,19 +302,19 @@ class Signatures:
 
     def flow_columns(self) -> Array:
         """Accelerations at samples by a unit of steady current north, and east, shape (2, 3, n)."""
-        effect, size, n = EFFECTS["current.steady"], 1e-2, self.bench.log.n
+        effect, size, n = EFFECTS["current.steady"], 1e-2, self.predictor.log.n
         found = []
         for values in ((size, 0.0), (0.0, size)):
             other = self.h.with_effect(Given(effect, values))
-            found.append(acceleration(self.bench.vehicle, other, self.anchor.points) - self.anchor.nudot)
+            found.append(acceleration(self.predictor.vehicle, other, self.states.points) - self.states.nudot)
         return np.stack(found)[:, :, :n] / size
 
-    def pull(self, anchor: tuple[float, float]) -> list[Array]:
+    def pull(self, states: tuple[float, float]) -> list[Array]:
         """A pull of 1 N toward a point, and its moment on an arm of 1 m."""
         from ivsid.effects.environment import TETHER_RADIUS  # noqa: PLC0415 - one number
 
-        p = self.anchor.points
-        north, east = anchor[0] - p.place[0], anchor[1] - p.place[1]
+        p = self.states.points
+        north, east = states[0] - p.place[0], states[1] - p.place[1]
         distance = np.sqrt(north**2 + east**2 + TETHER_RADIUS**2)
         c, s = np.cos(p.psi), np.sin(p.psi)
         north, east = north / distance, east / distance
@@ -324,11 +324,11 @@ class Signatures:
 
     def backward(self, weighted: Array) -> Array:
         """For each sample and axis, how strongly a brief unit acceleration there would answer to weighted errors, shape (3, n)."""
-        n = self.bench.log.n
+        n = self.predictor.log.n
         found = np.zeros((3, n))
         row = 0
         for k in range(3):
-            here = self.bench.axes[k]
+            here = self.predictor.axes[k]
             count = len(here.outputs)
             impulse = np.zeros((1, n))
             impulse[0, 0] = 1.0
@@ -359,9 +359,9 @@ def free_parameters(g: Given) -> list[tuple[str, Parameter, int]]:
     ]
 
 
-def model_force(bench: Bench, h: Hypothesis, anchor: Anchor) -> Array:
+def model_force(predictor: Predictor, h: Hypothesis, states: FilteredStates) -> Array:
     """The model's acceleration at samples and over steps, shape (3, 2 n)."""
-    return acceleration(bench.vehicle, h, anchor.points)
+    return acceleration(predictor.vehicle, h, states.points)
 
 
 __all__ = ["Columns", "Family", "Inflow", "Reading", "Signatures", "free_parameters", "model_force"]

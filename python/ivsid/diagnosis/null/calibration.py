@@ -20,7 +20,7 @@ from ivsid.diagnosis.null.feedback import feedback_of
 from ivsid.diagnosis.null.null_logs import Programme, null_logs, thinned
 from ivsid.diagnosis.null.visibility import Threshold
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.innovations import Ambient, Bench
+from ivsid.diagnosis.prediction.innovations import Ambient, Predictor
 
 Array = NDArray[np.float64]
 # Null logs of the first look, and those that the noise is learnt from.
@@ -105,8 +105,8 @@ class Trial:
     programme: Programme
     filters: Ambient
     whitening: Whitening
-    still: frozenset[int]
-    held: dict[str, float]
+    left_out: frozenset[int]
+    fixed: dict[str, float]
     test: Threshold
 
     def strengths(self, seed: int, numbers: Sequence[int]) -> list[tuple[float, bool]]:
@@ -131,41 +131,41 @@ class Trial:
 def surveyed(trial: Trial, log: Channels, h: Hypothesis, whitening: Whitening | None) -> Fit:
     """The plain model on a null log with the signatures of what is tested, about its true numbers: the fit is linear there."""
     p = trial.programme
-    bench = Bench(p.vehicle, log, trial.filters)
+    predictor = Predictor(p.vehicle, log, trial.filters)
     # States that start from noisy readings take some rounds to forget them.
-    anchor = bench.settle(h, bench.start(h), SETTLED)
-    good = usable_rows(bench)
-    white = whitening or plain_scale(bench.errors(h, anchor), good, bench, trial.still)
-    return survey(Noise(bench, white, good, trial.still), h, anchor, trial.held, trial.test.visible)
+    states = predictor.settle(h, predictor.start(h), SETTLED)
+    good = usable_rows(predictor)
+    white = whitening or plain_scale(predictor.errors(h, states), good, predictor, trial.left_out)
+    return survey(Noise(predictor, white, good, trial.left_out), h, states, trial.fixed, trial.test.visible)
 
 
 def trial_of(fit: Fit, test: Threshold, seed: int) -> Trial:
     """How null logs of a fitted model are made and examined; their noise is learnt from the first two as a log's is."""
-    bench, log = fit.noise.bench, fit.noise.bench.log
+    predictor, log = fit.noise.predictor, fit.noise.predictor.log
     g = fit.gram
-    declared = {
+    declared_errors = {
         n: float(1.0 / np.sqrt(g.prior[k]) / g.unit[k]) for k, n in enumerate(g.names) if g.prior[k] > 0 and n[0] == "~"
     }
     thin, q = thinned(log)
-    back = feedback_of(log, fit.anchor, bench.axes[2].spread)
+    back = feedback_of(log, fit.states, predictor.axes[2].spread)
     n = log.n
-    heading = np.zeros(n) if log.psi is None else fit.anchor.points.psi[:n]
-    felt = np.concatenate([fit.anchor.points.nu[:, :n], heading[None]])
+    heading = np.zeros(n) if log.psi is None else fit.states.points.psi[:n]
+    felt = np.concatenate([fit.states.points.nu[:, :n], heading[None]])
     if back.reads:
         felt = np.concatenate([log.nu, (heading if log.psi is None else log.psi)[None]])
     # On a slower clock what is sent is a mean, and so is what it answers to.
     reference = felt[:, : thin.n * q].reshape(4, thin.n, q).mean(axis=2) if log.held else felt[:, : thin.n * q : q]
     programme = Programme(
-        bench.vehicle,
+        predictor.vehicle,
         thin,
-        replace(fit.h, declared={}),
-        ambient_of(bench, remaining(fit), fit.noise.good),
-        declared,
-        fit.anchor.points.nu[:, 0],
+        replace(fit.h, declared_errors={}),
+        ambient_of(predictor, remaining(fit), fit.noise.good),
+        declared_errors,
+        fit.states.points.nu[:, 0],
         replace(back, at=back.at[:, : thin.n * q : q]),
         reference,
     )
-    trial = Trial(programme, bench.ambient, fit.noise.whitening, fit.noise.still, dict(fit.held), test)
+    trial = Trial(programme, predictor.ambient, fit.noise.whitening, fit.noise.left_out, dict(fit.fixed), test)
     fits = [
         surveyed(trial, *made, None)
         for made in null_logs(programme, seed, range(APART, APART + LEARN))
@@ -175,7 +175,7 @@ def trial_of(fit: Fit, test: Threshold, seed: int) -> Trial:
         return trial
     left = np.concatenate([remaining(f) for f in fits], axis=1)
     good = np.concatenate([f.noise.good for f in fits])
-    return replace(trial, whitening=whiten(fits[0].noise.bench, left, good, fit.noise.still))
+    return replace(trial, whitening=whiten(fits[0].noise.predictor, left, good, fit.noise.left_out))
 
 
 def examined(trial: Trial, seed: int, numbers: Sequence[int], told: Callable[[int], None] = lambda _: None) -> NullTest:

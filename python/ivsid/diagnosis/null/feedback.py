@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from ivsid.diagnosis.data.channels import Channels
-from ivsid.diagnosis.prediction.innovations import Anchor
+from ivsid.diagnosis.prediction.innovations import FilteredStates
 
 Array = NDArray[np.float64]
 # Increments over this time [s], blocks of this length [s], and what of a block's increments a feedback has to explain.
@@ -39,14 +39,14 @@ class Feedback:
     """Linear feedback of the demands, rudders and angles, in this order.
 
     Attributes:
-        gains: change of each with u, v, r, psi, shape (sent, 4); zeros where there is none.
+        feedback_gains: change of each with u, v, r, psi, shape (sent, 4); zeros where there is none.
         at: samples at which it acts, shape (sent, n).
         lowest: of each, as far as the log goes.
         highest: likewise.
         reads: the feedback holds the sensors' noise; else it knows the motion better than they do.
     """
 
-    gains: Array
+    feedback_gains: Array
     at: NDArray[np.bool_]
     lowest: Array
     highest: Array
@@ -63,43 +63,45 @@ def sent_of(log: Channels) -> Array:
     return np.concatenate([log.demands, log.rudders, log.angles])
 
 
-def feedback_of(log: Channels, anchor: Anchor, spread: float) -> Feedback:
+def feedback_of(log: Channels, states: FilteredStates, spread: float) -> Feedback:
     """The feedback behind a log.
 
     Args:
         log: on its clock.
-        anchor: filtered states, which hold less noise than the readings.
+        states: filtered motion, which hold less noise than the readings.
         spread: standard deviation of the filtered yaw rate's error [rad/s].
     """
     sent, n = sent_of(log), log.n
     span = max(1, round(SPAN / log.h))
-    heading = np.zeros(n) if log.psi is None else anchor.points.psi[:n]
-    states = np.concatenate([anchor.points.nu[:, :n], heading[None]])
+    heading = np.zeros(n) if log.psi is None else states.points.psi[:n]
+    motion = np.concatenate([states.points.nu[:, :n], heading[None]])
     # Without a heading nothing can have followed one.
     usable = [0, 1, 2] + ([3] if log.psi is not None else [])
-    change = states[:, span:] - states[:, :-span]
+    change = motion[:, span:] - motion[:, :-span]
     good = log.good[span:] & log.good[:-span]
-    gains = np.zeros((len(sent), 4))
+    feedback_gains = np.zeros((len(sent), 4))
     at = np.zeros((len(sent), n), dtype=bool)
     length = max(span, round(BLOCK / log.h))
     for k, x in enumerate(sent):
         moved = x[span:] - x[:-span]
         blocks = [slice(s, s + length) for s in range(0, n - span - length + 1, length)]
         # One state is enough for most programmes, and it is never mistaken for four.
-        held = [b for b in blocks if _explained(change[[2]][:, b], moved[b], good[b])]
-        if held:
-            rows = _rows(held, good)
-            gains[k, 2] = _robust(change[[2]][:, rows], moved[rows])[0][0]
-        held += _faint(log, x, [b for b in blocks if b not in held], gains[k], spread, span)
-        if not held:
-            held = [b for b in blocks if _explained(change[usable][:, b], moved[b], good[b])]
-            if not held:
+        explained = [b for b in blocks if _explained(change[[2]][:, b], moved[b], good[b])]
+        if explained:
+            rows = _rows(explained, good)
+            feedback_gains[k, 2] = _robust(change[[2]][:, rows], moved[rows])[0][0]
+        explained += _faint(log, x, [b for b in blocks if b not in explained], feedback_gains[k], spread, span)
+        if not explained:
+            explained = [b for b in blocks if _explained(change[usable][:, b], moved[b], good[b])]
+            if not explained:
                 continue
-            rows = _rows(held, good)
-            gains[k, usable] = _robust(change[usable][:, rows], moved[rows])[0]
-        for b in held:
+            rows = _rows(explained, good)
+            feedback_gains[k, usable] = _robust(change[usable][:, rows], moved[rows])[0]
+        for b in explained:
             at[k, b.start : n if b.stop + length > n - span else b.stop] = True
-    return Feedback(gains, at, sent.min(axis=1), sent.max(axis=1), _reads(log, states, sent, gains, at))
+    return Feedback(
+        feedback_gains, at, sent.min(axis=1), sent.max(axis=1), _reads(log, motion, sent, feedback_gains, at)
+    )
 
 
 def _robust(x: Array, y: Array) -> tuple[Array, float]:
@@ -129,11 +131,13 @@ def _moving(y: Array, good: NDArray[np.bool_]) -> bool:
 
 
 def _explained(x: Array, y: Array, good: NDArray[np.bool_]) -> bool:
-    """Whether the states make a block's demand; more states have to explain more."""
+    """Whether the motion make a block's demand; more motion have to explain more."""
     return _moving(y, good) and _robust(x[:, good], y[good])[1] >= 1.0 - (1.0 - EXPLAINED) / len(x)
 
 
-def _faint(log: Channels, sent: Array, blocks: list[slice], gain: Array, spread: float, span: int) -> list[slice]:
+def _faint(
+    log: Channels, sent: Array, blocks: list[slice], feedback_gain: Array, spread: float, span: int
+) -> list[slice]:
     """Blocks on straight courses: the yaw rate is mostly noise there, and the demand is not, so it stands on the other side.
 
     What is left of the yaw rate must be no more than its noise. The gain is set where none was known.
@@ -150,30 +154,30 @@ def _faint(log: Channels, sent: Array, blocks: list[slice], gain: Array, spread:
     # A jump of the programme would be a lever.
     calm = np.abs(y) <= JUMP * _size(y[rows])
     rows = rows[calm[rows]]
-    if not gain[2]:
+    if not feedback_gain[2]:
         back = _robust(y[None, rows], x[rows])[0][0]
         one = _robust(x[None, rows], y[rows])[0][0]
         if one * back * rows.size / long < CERTAIN**2 or _size(x[rows] - back * y[rows]) > noise:
             return []
-        gain[2] = 1.0 / back
-    return [b for b in blocks if _size((x[b] - y[b] / gain[2])[good[b] & calm[b]]) <= noise]
+        feedback_gain[2] = 1.0 / back
+    return [b for b in blocks if _size((x[b] - y[b] / feedback_gain[2])[good[b] & calm[b]]) <= noise]
 
 
 def _size(x: Array) -> float:
     return float(np.median(np.abs(x))) / 0.6745 if x.size else np.inf
 
 
-def _reads(log: Channels, states: Array, sent: Array, gains: Array, at: NDArray[np.bool_]) -> bool:
+def _reads(log: Channels, motion: Array, sent: Array, feedback_gains: Array, at: NDArray[np.bool_]) -> bool:
     """Whether the demands hold the noise of the rate sensor."""
-    noise = np.diff(log.nu[2] - states[2])
+    noise = np.diff(log.nu[2] - motion[2])
     total = weight = 0.0
-    for x, gain, here in zip(sent, gains, at, strict=True):
-        if not gain[2]:
+    for x, feedback_gain, here in zip(sent, feedback_gains, at, strict=True):
+        if not feedback_gain[2]:
             continue
         use = here[1:] & log.good[1:] & log.good[:-1]
-        left = np.diff(x) - gain @ np.diff(states, axis=1)
+        left = np.diff(x) - feedback_gain @ np.diff(motion, axis=1)
         use &= np.abs(left) <= 6.0 * max(float(np.median(np.abs(left[use]))), 1e-12) if use.any() else use
         power = float(noise[use] @ noise[use])
-        total += float(left[use] @ noise[use]) / gain[2]
+        total += float(left[use] @ noise[use]) / feedback_gain[2]
         weight += power
     return weight > 0 and total / weight > READ

@@ -44,7 +44,7 @@ class Programme:
         log: on the clock of the null logs.
         h: the fitted model.
         ambient: as estimated.
-        declared: standard deviation of each declared error by its name.
+        declared_errors: standard deviation of each declared error by its name.
         start: u, v, r at the first sample.
         feedback: of what is sent.
         reference: states that the logged demands answered to, shape (4, n).
@@ -54,7 +54,7 @@ class Programme:
     log: Channels
     h: Hypothesis
     ambient: Ambient
-    declared: dict[str, float]
+    declared_errors: dict[str, float]
     start: Array
     feedback: Feedback
     reference: Array
@@ -132,7 +132,7 @@ def null_logs(programme: Programme, seed: int, numbers: Sequence[int]) -> list[t
             if log.between is None
             else replace(log.between, demands=log.between.demands + (parts[:thrusters] - log.demands)[:, :, None]),
         )
-        made.append((read, replace(programme.h, declared=_at(drawn, j))))
+        made.append((read, replace(programme.h, declared_errors=_at(drawn, j))))
     return made
 
 
@@ -141,7 +141,9 @@ def _declared(programme: Programme, rngs: Sequence[np.random.Generator]) -> tupl
 
     Sizes are normal, but a thrust error is any wave inside its bound: the declared waves stand for it as well as they can, and no better.
     """
-    drawn = {name: np.array([rng.standard_normal() for rng in rngs]) * s for name, s in programme.declared.items()}
+    drawn = {
+        name: np.array([rng.standard_normal() for rng in rngs]) * s for name, s in programme.declared_errors.items()
+    }
     propulsion = Propulsion(programme.vehicle, programme.log)
     curves: list[Array | None] = []
     for k, thruster in enumerate(programme.vehicle.thrusters):
@@ -235,9 +237,9 @@ class _Motion:
     """The fitted model's rates of change, for all logs at once."""
 
     def __init__(self, programme: Programme, drawn: dict[str, Array], count: int) -> None:
-        declared: Any = {k: x for k, x in drawn.items() if k.startswith("~rudder.")}
+        declared_errors: Any = {k: x for k, x in drawn.items() if k.startswith("~rudder.")}
         self.vehicle, self.log = programme.vehicle, programme.log
-        self.h = replace(programme.h, declared=declared)
+        self.h = replace(programme.h, declared_errors=declared_errors)
         self.mass = Mass(self.vehicle, self.h.terms, self.h.values)
         self.wide = np.zeros(count)
         self.thrusters = len(self.log.demands)
@@ -278,7 +280,7 @@ class _Helm:
         log = programme.log
         self.logged = np.concatenate([log.demands, log.rudders, log.angles])
         self.back, self.reference, self.held = programme.feedback, programme.reference, log.held
-        self.acting = self.back.at & np.any(self.back.gains != 0, axis=1, keepdims=True)
+        self.acting = self.back.at & np.any(self.back.feedback_gains != 0, axis=1, keepdims=True)
         none = np.zeros((count, log.n))
         self.noise = np.stack([noise.get(q, none) for q in ("u", "v", "r", "psi")])
         self.wide = np.zeros(count)
@@ -291,7 +293,7 @@ class _Helm:
             felt = x[:4] - self.reference[:, i, None]
             if self.back.reads:
                 felt = felt + self.noise[:, :, i]
-            now = own + np.where(self.acting[:, i : i + 1], self.back.gains @ felt, 0.0)
+            now = own + np.where(self.acting[:, i : i + 1], self.back.feedback_gains @ felt, 0.0)
             now = np.clip(now, self.back.lowest[:, None], self.back.highest[:, None])
         if self.held or i + 1 == self.logged.shape[1]:
             return now, now

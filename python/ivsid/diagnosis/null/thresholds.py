@@ -102,8 +102,8 @@ def _family(fit: Fit, family: Family, scores: Array, left: Array, fitted: Array,
         s = np.cumsum(scores[:, ::-1, j], axis=1)[:, ::-1] - fitted @ cross.T
         usable = H / max(float(later[0, j]), 1e-300) > 1e-6
         usable[:EDGE] = usable[len(usable) - EDGE :] = False
-        gain = np.where(usable, s**2 / np.where(usable, H, 1.0), 0.0).max(axis=1)
-        return np.asarray(np.minimum(1.0, chi2.sf(gain, 2) * len(H) / 6.0))
+        fall = np.where(usable, s**2 / np.where(usable, H, 1.0), 0.0).max(axis=1)
+        return np.asarray(np.minimum(1.0, chi2.sf(fall, 2) * len(H) / 6.0))
     best = np.zeros(len(left))
     for names in family.variants:
         at = g.at(names)
@@ -111,10 +111,10 @@ def _family(fit: Fit, family: Family, scores: Array, left: Array, fitted: Array,
         values, vectors = np.linalg.eigh(H)
         keep = values > 1e-8 * max(float(values.max()), 1e-300)
         z = left[:, at] @ vectors[:, keep] / np.sqrt(values[keep])
-        gain = (z**2).sum(axis=1)
+        fall = (z**2).sum(axis=1)
         if len(at) == 1 and not parameters[0].signed and family.kind != "claim":
-            gain = np.where(left[:, at[0]] > 0, gain, 0.0)
-        best = np.maximum(best, gain)
+            fall = np.where(left[:, at[0]] > 0, fall, 0.0)
+        best = np.maximum(best, fall)
     looks = 1.0 + 0.3 * len(family.variants) if family.kind == "secant" else 1.0
     count = 1 if family.kind == "secant" else len(family.variants[0])
     sided = family.kind != "claim" and len(parameters) == 1 and not parameters[0].signed

@@ -46,7 +46,7 @@ SECOND: Final = 5e-3
 # A gain like this is none of the noise model's; its blocks may disagree only because the fit is not finished, or because they are few.
 # Without a hidden effect the largest gain of a hundred turning logs was 14; where axes are left out it was 90, and more is asked.
 BEYOND_DOUBT: Final = 40.0
-BEYOND_DOUBT_STILL: Final = 60.0
+BEYOND_DOUBT_AXES_LEFT_OUT: Final = 60.0
 # An effect that would not show at its typical size needs this gain.
 STRONG: Final = 40.0
 # A smaller fall of chi^2 is no finding, whatever its chance: below five standard deviations the model of the noise is not to be trusted.
@@ -85,15 +85,15 @@ def excitation(fit: Fit, seed: int = 0) -> dict[str, float]:
     The columns are made again at states that differ from the filtered ones by an error of the size and memory that the filter believes.
     Where a regressor is mostly its own noise, no test of it means anything.
     """
-    bench, n = fit.noise.bench, fit.noise.bench.log.n
+    predictor, n = fit.noise.predictor, fit.noise.predictor.log.n
     rng = np.random.default_rng(seed)
     shift = np.empty((3, n))
-    for k, here in enumerate(bench.axes[:3]):
-        pole = float(np.exp(-bench.log.h / here.memory))
+    for k, here in enumerate(predictor.axes[:3]):
+        pole = float(np.exp(-predictor.log.h / here.memory))
         shift[k] = lfilter([np.sqrt(1 - pole**2)], [1, -pole], rng.standard_normal(n)) * here.spread
-    points = fit.anchor.points.moved(np.concatenate([shift, shift], axis=1))
-    other = replace(fit.anchor, points=points, nudot=acceleration(bench.vehicle, fit.h, points))
-    signatures = Signatures(bench, fit.h, other)
+    points = fit.states.points.moved(np.concatenate([shift, shift], axis=1))
+    other = replace(fit.states, points=points, nudot=acceleration(predictor.vehicle, fit.h, points))
+    signatures = Signatures(predictor, fit.h, other)
     names: list[str] = []
     arrays: list[Array] = []
     index = fit.gram.index
@@ -108,7 +108,7 @@ def excitation(fit: Fit, seed: int = 0) -> dict[str, float]:
             for term in acts.terms:
                 if term.id in index:
                     names.append(term.id)
-                    arrays.append(bench.term(fit.h, other, signatures.mass, signatures.fitting(term)))
+                    arrays.append(predictor.term(fit.h, other, signatures.mass, signatures.fitting(term)))
     if not names:
         return {}
     at = fit.gram.at(names)
@@ -126,7 +126,7 @@ def visibility(fit: Fit, excited: Mapping[str, float] | None = None) -> dict[str
     if excited is None:
         excited = excitation(fit)
     p = fit.projection
-    mass = fit.noise.bench.vehicle.hull.mass
+    mass = fit.noise.predictor.vehicle.hull.mass
     found: dict[str, Visibility] = {}
     for family in fit.families:
         if not family.variants:
@@ -134,7 +134,7 @@ def visibility(fit: Fit, excited: Mapping[str, float] | None = None) -> dict[str
         z, sizes = _size(fit, p, family, mass)
         blind = min((excited[n] for n in family.variants[0] if n in excited), default=np.inf) < EXCITED
         # Without turning, what is known of sway and yaw is the noise of their sensors.
-        blind = blind or (bool(fit.noise.still) and family.id.startswith(TURNING))
+        blind = blind or (bool(fit.noise.left_out) and family.id.startswith(TURNING))
         if family.id in found and found[family.id].z >= z:
             continue
         if family.idle is None:
@@ -170,7 +170,7 @@ def _size(fit: Fit, p: Projection, family: Family, mass: float) -> tuple[float, 
     if family.idle is not None:
         typical = parameters[0].scaled(mass)
         if family.id == "thruster.deadband":
-            typical = parameters[0].typical / 100 * float(np.abs(fit.noise.bench.log.demands).max())
+            typical = parameters[0].typical / 100 * float(np.abs(fit.noise.predictor.log.demands).max())
         values, shown = np.array(sorted(levels(fit, family))).T
         return float(np.interp(typical, values, shown)), {family.effect.parts[0]: typical}
     if family.kind == "secant":
@@ -204,7 +204,7 @@ def second_opinion(fit: Fit, s: Scored) -> float:
     g = fit.gram
     at = list(s.columns)
     if s.family.kind == "step":
-        first = round((s.values[-1] - float(fit.noise.bench.log.t[0])) / (g.length * fit.noise.bench.log.h))
+        first = round((s.values[-1] - float(fit.noise.predictor.log.t[0])) / (g.length * fit.noise.predictor.log.h))
         keep = np.arange(len(g.blocks)) >= first
     else:
         keep = np.ones(len(g.blocks), dtype=bool)
@@ -257,18 +257,18 @@ class Threshold:
         found = []
         for s in scored:
             # Far larger than typical: what is hidden in the noise that a very wrong model leaves may still stand out.
-            strong = s.id not in self.blind and s.gain >= STRONG
+            strong = s.id not in self.blind and s.fall >= STRONG
             if s.id not in self.visible and s.family.kind not in ("wave", "tether") and not strong:
                 continue
-            if not s.physical or s.gain < FAINT or self.chance(s) > self.calibration.chance:
+            if not s.physical or s.fall < FAINT or self.chance(s) > self.calibration.chance:
                 continue
-            share = s.share(fit.noise.bench.vehicle.hull.mass)
-            if (s.gain < STRONG and share < NEGLIGIBLE) or share > IMPOSSIBLE:
+            share = s.share(fit.noise.predictor.vehicle.hull.mass)
+            if (s.fall < STRONG and share < NEGLIGIBLE) or share > IMPOSSIBLE:
                 continue
-            if any(_beside(fit, s, q) < FAINT for q in scored if q.id in self.blind and q.gain > s.gain):
+            if any(_beside(fit, s, q) < FAINT for q in scored if q.id in self.blind and q.fall > s.fall):
                 # A cause that cannot be named here explains it as well, and more beside.
                 continue
-            doubtful = s.gain < (BEYOND_DOUBT_STILL if fit.noise.still else BEYOND_DOUBT)
+            doubtful = s.fall < (BEYOND_DOUBT_AXES_LEFT_OUT if fit.noise.left_out else BEYOND_DOUBT)
             if doubtful and second_opinion(fit, s) > SECOND:
                 continue
             found.append(s)
@@ -278,10 +278,10 @@ class Threshold:
         """Whether a family may stand in a set: all but those that the log is blind to."""
         return s.id not in self.blind
 
-    def stands(self, s: Scored, gain: float) -> bool:
+    def stands(self, s: Scored, fall: float) -> bool:
         """Whether a gain in a full fit is more than chance for the family."""
-        return self.chance(replace(s, gain=gain)) <= self.calibration.chance
+        return self.chance(replace(s, fall=fall)) <= self.calibration.chance
 
     def chance(self, s: Scored) -> float:
         """Of one family's gain."""
-        return replace(s, gain=s.gain / HIGH_SIDE).chance
+        return replace(s, fall=s.fall / HIGH_SIDE).chance

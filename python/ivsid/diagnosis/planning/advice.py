@@ -16,7 +16,7 @@ from ivsid.diagnosis.estimation.noise import Whitening, usable_rows
 from ivsid.diagnosis.estimation.projection import Gram
 from ivsid.diagnosis.null.visibility import VISIBLE, Visibility, excitation, visibility
 from ivsid.diagnosis.planning.isolability import APART, Advice, Choice, Isolability, separability
-from ivsid.diagnosis.prediction.innovations import Ambient, Bench
+from ivsid.diagnosis.prediction.innovations import Ambient, Predictor
 from ivsid.errors import IvsidError
 from ivsid.log import Log
 from ivsid.vehicle import Vehicle
@@ -47,7 +47,7 @@ def advised(vehicle: Vehicle, log: Log, sail: Sail, *, progress: Callable[[str],
     fit = plain_fit(vehicle, channels(log, vehicle), everything)
     inputs = ((vehicle.source.rsplit("/", 1)[-1] or vehicle.name, vehicle.sha256), (log.name, log.sha256))
     made = separability(fit, inputs)
-    logs, turning = sail(fit.h.values, 1.0 / fit.noise.bench.log.h, bool(fit.noise.still))
+    logs, turning = sail(fit.h.values, 1.0 / fit.noise.predictor.log.h, bool(fit.noise.left_out))
     if not logs:
         return made
     sets = [ids for ids, _ in made.classes]
@@ -98,7 +98,7 @@ def advise(
     for name, log in logs.items():
         progress(name)
         try:
-            if fit.noise.still and fallback is None:
+            if fit.noise.left_out and fallback is None:
                 fallback = _turning(fit, turning)
             more = _added(fit, log, fallback)
             there = excitation(more) if weak else {}
@@ -166,33 +166,33 @@ def _pairs(fit: Fit, visible: Mapping[str, Visibility], wanted: set[str]) -> dic
 def _turning(fit: Fit, log: Log | None) -> Fit:
     """A fit to a manoeuvre in which the vehicle turns, for the noise of axes that the log leaves out."""
     if log is not None:
-        made = plain_fit(fit.noise.bench.vehicle, channels(log, fit.noise.bench.vehicle), everything)
-        if not made.noise.still:
+        made = plain_fit(fit.noise.predictor.vehicle, channels(log, fit.noise.predictor.vehicle), everything)
+        if not made.noise.left_out:
             return made
     raise IvsidError("no manoeuvre of the library turns this vehicle")
 
 
 def _added(fit: Fit, log: Log, turning: Fit | None) -> Fit:
     """All signatures of a manoeuvre, at the fitted model and under the log's noise."""
-    vehicle = fit.noise.bench.vehicle
+    vehicle = fit.noise.predictor.vehicle
     # What the sensors are worth was learnt from the log; the manoeuvre has none of their noise.
-    data = replace(channels(log, vehicle), noise=fit.noise.bench.log.noise)
-    white, held, ambient = fit.noise.whitening, fit.held, fit.noise.bench.ambient
+    data = replace(channels(log, vehicle), noise=fit.noise.predictor.log.noise)
+    white, fixed, ambient = fit.noise.whitening, fit.fixed, fit.noise.predictor.ambient
     if turning is not None:
-        white, held, ambient = _joined(fit, turning), turning.held, _moving(fit, turning)
-    bench = Bench(vehicle, data, ambient)
-    if bench.labels != fit.noise.bench.labels:
+        white, fixed, ambient = _joined(fit, turning), turning.fixed, _moving(fit, turning)
+    predictor = Predictor(vehicle, data, ambient)
+    if predictor.labels != fit.noise.predictor.labels:
         raise IvsidError("the manoeuvre has other channels than the log")
     # What is declared was fitted to the other log; here it is nothing yet.
-    h = replace(fit.h, declared={})
-    anchor = bench.settle(h, bench.start(h), 2)
-    return survey(Noise(bench, white, usable_rows(bench), frozenset()), h, anchor, held)
+    h = replace(fit.h, declared_errors={})
+    states = predictor.settle(h, predictor.start(h), 2)
+    return survey(Noise(predictor, white, usable_rows(predictor), frozenset()), h, states, fixed)
 
 
 def _moving(fit: Fit, turning: Fit) -> Ambient:
     """The ambient acceleration: of the log where it moves, of the other elsewhere."""
-    own, other = fit.noise.bench.ambient, turning.noise.bench.ambient
-    one = [other if k in fit.noise.still else own for k in range(3)]
+    own, other = fit.noise.predictor.ambient, turning.noise.predictor.ambient
+    one = [other if k in fit.noise.left_out else own for k in range(3)]
     deviation, time = ([q[k] for k, q in enumerate(x)] for x in ([a.deviation for a in one], [a.time for a in one]))
     return Ambient((deviation[0], deviation[1], deviation[2]), (time[0], time[1], time[2]))
 
@@ -200,10 +200,10 @@ def _moving(fit: Fit, turning: Fit) -> Ambient:
 def _joined(fit: Fit, turning: Fit) -> Whitening:
     """The whitening: of the log where it moves, of the other elsewhere; all of the other's where it couples both."""
     own, other = fit.noise.whitening, turning.noise.whitening
-    still = {i for i, (k, _) in enumerate(fit.noise.bench.labels) if k in fit.noise.still}
-    theirs = {g: t for g, t in zip(other.groups, other.taps, strict=True) if still & set(g)}
-    mine = {g: t for g, t in zip(own.groups, own.taps, strict=True) if not still & set(g)}
-    if any(set(g) - still for g in theirs):
+    left_out = {i for i, (k, _) in enumerate(fit.noise.predictor.labels) if k in fit.noise.left_out}
+    theirs = {g: t for g, t in zip(other.groups, other.taps, strict=True) if left_out & set(g)}
+    mine = {g: t for g, t in zip(own.groups, own.taps, strict=True) if not left_out & set(g)}
+    if any(set(g) - left_out for g in theirs):
         return other
     both = {**mine, **theirs}
     return Whitening(tuple(both), tuple(both.values()))
@@ -246,8 +246,10 @@ def _together(fit: Fit, more: Fit) -> Fit:
         centre=np.zeros(len(names)),
         unit=unit,
     )
-    held = {k: v for k, v in fit.held.items() if k in more.held}
-    return replace(fit, gram=g, base=tuple(range(len(base))), noise=replace(fit.noise, still=frozenset()), held=held)
+    fixed = {k: v for k, v in fit.fixed.items() if k in more.fixed}
+    return replace(
+        fit, gram=g, base=tuple(range(len(base))), noise=replace(fit.noise, left_out=frozenset()), fixed=fixed
+    )
 
 
 def _placed(g: Gram, at: list[int], scale: Array, size: int) -> Array:

@@ -77,7 +77,7 @@ class Driving:
 
     def _sizes(self, h: Hypothesis, k: int) -> list[float]:
         name = self.vehicle.thrusters[k].name
-        return [h.declared.get(f"~thrust.{name}.{j}", 0.0) for j in range(len(self.propulsion.errors[k]))]
+        return [h.declared_errors.get(f"~thrust.{name}.{j}", 0.0) for j in range(len(self.propulsion.errors[k]))]
 
     def shapes(self, h: Hypothesis, k: int) -> list[Array]:
         """How a thruster's thrust changes with the size of each declared error: at samples, then over steps."""

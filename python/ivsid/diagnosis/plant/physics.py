@@ -43,7 +43,7 @@ class Hypothesis:
     terms: tuple[Term, ...]
     values: Mapping[str, float]
     given: tuple[Given, ...] = ()
-    declared: Mapping[str, float] = field(default_factory=dict)
+    declared_errors: Mapping[str, float] = field(default_factory=dict)
     freed: frozenset[str] = frozenset()
 
     def with_effect(self, given: Given) -> Hypothesis:
@@ -77,15 +77,15 @@ class Points:
     force: Array
     wind: Array | None = None
     rudders: Array | None = None
-    still: Array | None = None
+    bollard: Array | None = None
 
     def moved(self, shift: Array) -> Points:
         """At other velocities."""
         return replace(self, nu=self.nu + shift)
 
-    def under(self, thrusts: Array, still: Array | None = None) -> Points:
+    def under(self, thrusts: Array, bollard: Array | None = None) -> Points:
         """With other thrusts."""
-        return replace(self, thrusts=thrusts, still=still)
+        return replace(self, thrusts=thrusts, bollard=bollard)
 
 
 def _place(p: Points) -> Place:
@@ -104,13 +104,17 @@ def blade_force(vehicle: Vehicle, k: int, p: Points, push: Any, relative: Any) -
 
 
 def thruster_force(
-    vehicle: Vehicle, given: Sequence[Given], p: Points, relative: Any, declared: Mapping[str, float] | None = None
+    vehicle: Vehicle,
+    given: Sequence[Given],
+    p: Points,
+    relative: Any,
+    declared_errors: Mapping[str, float] | None = None,
 ) -> Array:
     """X, Y [N], N [N m] of all thrusters and rudders, shape (3, n)."""
     u, v, r = relative
     lost = [_losses(thruster, given) for thruster in vehicle.thrusters]
-    if p.still is not None and not any(lost) and all(t.rudder is None for t in vehicle.thrusters):
-        return p.still.copy()
+    if p.bollard is not None and not any(lost) and all(t.rudder is None for t in vehicle.thrusters):
+        return p.bollard.copy()
     total = p.force.copy()
     for k, thruster in enumerate(vehicle.thrusters):
         c, s = np.cos(p.angles[k]), np.sin(p.angles[k])
@@ -121,7 +125,7 @@ def thruster_force(
                 push = g.effect.acts.function(push, (u - r * y) * c + (v + r * x) * s, g.values)
         total += np.stack([push * c, push * s, push * (s * x - c * y)])
         if thruster.rudder is not None:
-            off = (declared or {}).get(f"~rudder.{thruster.name}", 0.0)
+            off = (declared_errors or {}).get(f"~rudder.{thruster.name}", 0.0)
             total += (1.0 + off) * blade_force(vehicle, k, p, push, relative)
     return total
 
@@ -199,9 +203,9 @@ class Mass:
 
 def _inertial(term: Term, state: State) -> dict[str, Any]:
     """The term's column at rest: what multiplies an acceleration."""
-    still = term.columns(State(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, place=state.place))
+    bollard = term.columns(State(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, place=state.place))
     # What is there without any acceleration, as a wind, is no inertia.
-    columns = {k: c - still.get(k, 0.0) for k, c in term.columns(state).items()}
+    columns = {k: c - bollard.get(k, 0.0) for k, c in term.columns(state).items()}
     return {k: c for k, c in columns.items() if isinstance(c, (int, float)) and c}
 
 
@@ -214,7 +218,7 @@ def acceleration(vehicle: Vehicle, h: Hypothesis, p: Points, mass: Mass | None =
     x_g, y_g = vehicle.hull.centre_of_gravity
     zero = np.zeros_like(r)
     state = State(u, v, r, zero, zero, zero, place=_place(p))
-    right = thruster_force(vehicle, h.given, p, (u, v, r), h.declared)
+    right = thruster_force(vehicle, h.given, p, (u, v, r), h.declared_errors)
     for term in h.terms:
         for channel, column in term.columns(state).items():
             right[CHANNELS.index(channel)] -= column * values[term.id]
@@ -253,7 +257,7 @@ def added_force(vehicle: Vehicle, h: Hypothesis, p: Points, other: Hypothesis, u
         other: the other hypothesis.
         under: the same points under the other's thrusts.
     """
-    if other.terms is not h.terms or other.values is not h.values or other.declared is not h.declared:
+    if other.terms is not h.terms or other.values is not h.values or other.declared_errors is not h.declared_errors:
         return None
     gone = [g for g in h.given if not any(same_given(g, q) for q in other.given)]
     new = [g for g in other.given if not any(same_given(g, q) for q in h.given)]
@@ -263,8 +267,8 @@ def added_force(vehicle: Vehicle, h: Hypothesis, p: Points, other: Hypothesis, u
     relative = (p.nu[0] - u_c, p.nu[1] - v_c, p.nu[2])
     found = np.zeros_like(p.nu)
     if any(isinstance(g.effect.acts, (Thrust, Response, Inflow)) for g in (*gone, *new)):
-        found += thruster_force(vehicle, other.given, under, relative, other.declared)
-        found -= thruster_force(vehicle, h.given, p, relative, h.declared)
+        found += thruster_force(vehicle, other.given, under, relative, other.declared_errors)
+        found -= thruster_force(vehicle, h.given, p, relative, h.declared_errors)
     zero = np.zeros_like(p.psi)
     state = State(*relative, zero, zero, zero, place=_place(p))
     for sign, some in ((1.0, new), (-1.0, gone)):

@@ -43,7 +43,7 @@ class Ambient:
 
 
 @dataclass(frozen=True)
-class Anchor:
+class FilteredStates:
     """The states at which a hypothesis is evaluated: first at each sample, then in the middle of each step, shape 2 n.
 
     Each depends on the past alone: those at a sample are predicted without its readings, those in a step filtered with them.
@@ -59,7 +59,7 @@ class Anchor:
     ambient: Array | float = 0.0
 
 
-class Bench:
+class Predictor:
     """A vehicle's log with its filters."""
 
     def __init__(self, vehicle: Vehicle, log: Channels, ambient: Ambient) -> None:
@@ -95,21 +95,21 @@ class Bench:
         """The axis of each row of errors."""
         return [AXES[k] for k, _ in self.labels]
 
-    def start(self, h: Hypothesis) -> Anchor:
+    def start(self, h: Hypothesis) -> FilteredStates:
         """States from the readings themselves."""
         log = self.log
         nu = log.nu.copy()
         psi = np.zeros(log.n) if log.psi is None else log.psi
         return self._anchor(h, nu, psi, None)
 
-    def settle(self, h: Hypothesis, anchor: Anchor, times: int = 1) -> Anchor:
+    def settle(self, h: Hypothesis, states: FilteredStates, times: int = 1) -> FilteredStates:
         """The filtered states under a hypothesis, from those of another."""
         for _ in range(times):
-            readings = self.readings(h, anchor)
-            errors = self._filter(readings, anchor)
+            readings = self.readings(h, states)
+            errors = self._filter(readings, states)
             nu = np.empty((3, self.log.n))
             before = np.empty_like(nu)
-            psi = anchor.points.psi[: self.log.n].copy()
+            psi = states.points.psi[: self.log.n].copy()
             row = 0
             for k in range(3):
                 here = self.axes[k]
@@ -117,15 +117,17 @@ class Bench:
                 row += len(here.outputs)
                 at = here.outputs.index("velocity")
                 before[k] = readings[k]["velocity"] - e[at]
-                nu[k] = before[k] + here.gain[1] @ e
+                nu[k] = before[k] + here.kalman_gain[1] @ e
                 if "position" in here.outputs:
-                    psi = readings[k]["position"] - e[0] + here.gain[0] @ e
+                    psi = readings[k]["position"] - e[0] + here.kalman_gain[0] @ e
                 if k == 2:
                     ambient = here.ambient(e)
-            anchor = replace(self._anchor(h, nu, psi, anchor.nudot, before), ambient=ambient)
-        return anchor
+            states = replace(self._anchor(h, nu, psi, states.nudot, before), ambient=ambient)
+        return states
 
-    def _anchor(self, h: Hypothesis, nu: Array, psi: Array, nudot: Array | None, before: Array | None = None) -> Anchor:
+    def _anchor(
+        self, h: Hypothesis, nu: Array, psi: Array, nudot: Array | None, before: Array | None = None
+    ) -> FilteredStates:
         log, n = self.log, self.log.n
         half = 0.5 * log.h
         rate = np.zeros((3, n)) if nudot is None else nudot[:, n:]
@@ -133,7 +135,7 @@ class Bench:
         nu = np.clip(nu, *self.reach)
         before = None if before is None else np.clip(before, *self.reach)
         place = np.zeros((2, n)) if log.place is None else log.place
-        thrusts, still, early = self.driving.whole(h)
+        thrusts, bollard, early = self.driving.whole(h)
         if early is not None and nudot is not None:
             # Over a step the mean of the velocities counts; a push that comes early carries them further than one that comes late.
             rate = rate + Mass(self.vehicle, h.terms, changed(h, np.asarray(log.t))).solve(early)
@@ -147,17 +149,17 @@ class Bench:
             self.driving.sent,
             None if log.wind is None else _twice(log.wind),
             self.driving.steered,
-            still,
+            bollard,
         )
-        return Anchor(points, acceleration(self.vehicle, h, points))
+        return FilteredStates(points, acceleration(self.vehicle, h, points))
 
-    def readings(self, h: Hypothesis, anchor: Anchor) -> list[dict[str, Array]]:
+    def readings(self, h: Hypothesis, states: FilteredStates) -> list[dict[str, Array]]:
         """What the sensors would read without the hypothesis's sensor effects, by axis."""
         log = self.log
-        wrong = self.sensed(h.given, anchor)
-        scale = h.declared.get("~scale.velocity", 0.0)
+        wrong = self.sensed(h.given, states)
+        scale = h.declared_errors.get("~scale.velocity", 0.0)
         nu = [
-            log.nu[k] - wrong[q] - (scale * anchor.points.nu[k, : log.n] if k < 2 else self._bias(h, "r"))
+            log.nu[k] - wrong[q] - (scale * states.points.nu[k, : log.n] if k < 2 else self._bias(h, "r"))
             for k, q in enumerate(("u", "v", "r"))
         ]
         out: list[dict[str, Array]] = []
@@ -172,32 +174,32 @@ class Bench:
         return out
 
     def _bias(self, h: Hypothesis, name: str) -> Array | float:
-        parts = [h.declared.get(f"~bias.{name}.{j}", 0.0) * wave for j, wave in enumerate(self.slow)]
+        parts = [h.declared_errors.get(f"~bias.{name}.{j}", 0.0) * wave for j, wave in enumerate(self.slow)]
         return sum(parts)
 
-    def _filter(self, readings: list[dict[str, Array]], anchor: Anchor) -> Array:
+    def _filter(self, readings: list[dict[str, Array]], states: FilteredStates) -> Array:
         log, n = self.log, self.log.n
         inputs: dict[tuple[int, str], Array] = {}
-        specific = self._specific(anchor.points.nu, anchor.nudot)
+        specific = self._specific(states.points.nu, states.nudot)
         for k in range(3):
             here = readings[k]
             first = here["velocity"][0]
             inputs[k, "velocity"] = here["velocity"] - first
-            inputs[k, "process"] = anchor.nudot[k, n:]
+            inputs[k, "process"] = states.nudot[k, n:]
             if "position" in self.axes[k].outputs:
                 inputs[k, "position"] = here["position"] - here["position"][0] - first * (np.arange(n) * log.h)
             if "acceleration" in self.axes[k].outputs:
                 inputs[k, "acceleration"] = here["acceleration"] - self._at_samples(specific[k])
         if len(self.axes) > 3 and log.place is not None:
-            over = self._over_ground(anchor.points)
+            over = self._over_ground(states.points)
             for k in range(2):
                 x = log.place[k]
                 inputs[3 + k, "velocity"], inputs[3 + k, "process"] = x - x[0], over[k]
         return self.filters.errors(inputs)
 
-    def errors(self, h: Hypothesis, anchor: Anchor) -> Array:
-        """Prediction errors of a hypothesis at the anchor's states, shape (rows, n)."""
-        return self._filter(self.readings(h, anchor), anchor)
+    def errors(self, h: Hypothesis, states: FilteredStates) -> Array:
+        """Prediction errors of a hypothesis at these states, shape (rows, n)."""
+        return self._filter(self.readings(h, states), states)
 
     def _at_samples(self, x: Array) -> Array:
         """What an accelerometer sees of a quantity at samples and over steps, shape (..., 2 n): the value, or the step before."""
@@ -252,46 +254,46 @@ class Bench:
             inputs |= {(k, "process"): -track[k - 3] for k in range(3, len(self.axes))}
         return self.filters.errors(inputs)
 
-    def term(self, h: Hypothesis, anchor: Anchor, mass: Mass, term: Term) -> Array:
+    def term(self, h: Hypothesis, states: FilteredStates, mass: Mass, term: Term) -> Array:
         """The errors that one unit of a term's parameter leaves when the model lacks it."""
-        return self.answer(term_column(self.vehicle, h, mass, anchor.points, anchor.nudot, term))
+        return self.answer(term_column(self.vehicle, h, mass, states.points, states.nudot, term))
 
-    def damping(self, h: Hypothesis, anchor: Anchor) -> tuple[float, float, float]:
+    def damping(self, h: Hypothesis, states: FilteredStates) -> tuple[float, float, float]:
         """How fast each axis alone comes to rest, on average over the log [1/s]."""
         found = []
-        here = acceleration(self.vehicle, h, anchor.points)
+        here = acceleration(self.vehicle, h, states.points)
         for k in range(3):
-            size = 1e-3 * max(float(np.std(anchor.points.nu[k])), 1e-6)
+            size = 1e-3 * max(float(np.std(states.points.nu[k])), 1e-6)
             shift = np.zeros((3, 1))
             shift[k] = size
-            rate = acceleration(self.vehicle, h, anchor.points.moved(shift)) - here
+            rate = acceleration(self.vehicle, h, states.points.moved(shift)) - here
             found.append(max(float(-np.mean(rate[k]) / size), 0.0))
         return found[0], found[1], found[2]
 
-    def mass(self, h: Hypothesis, anchor: Anchor) -> Mass:
+    def mass(self, h: Hypothesis, states: FilteredStates) -> Mass:
         """The mass matrix at the anchor's times."""
-        return Mass(self.vehicle, h.terms, changed(h, anchor.points.t))
+        return Mass(self.vehicle, h.terms, changed(h, states.points.t))
 
-    def difference(self, h: Hypothesis, anchor: Anchor, other: Hypothesis, mass: Mass | None = None) -> Array:
+    def difference(self, h: Hypothesis, states: FilteredStates, other: Hypothesis, mass: Mass | None = None) -> Array:
         """The errors that the other hypothesis, were it true, leaves under this one, whose masses may be known."""
         thrust_kind = (Thrust, Response)
         moved = any(isinstance(g.effect.acts, thrust_kind) for g in (*h.given, *other.given))
-        points = anchor.points.under(*self.driving.force(other)) if moved else anchor.points
-        mass = mass or self.mass(h, anchor)
-        added = added_force(self.vehicle, h, anchor.points, other, points)
-        process = acceleration(self.vehicle, other, points) - anchor.nudot if added is None else mass.solve(added)
+        points = states.points.under(*self.driving.force(other)) if moved else states.points
+        mass = mass or self.mass(h, states)
+        added = added_force(self.vehicle, h, states.points, other, points)
+        process = acceleration(self.vehicle, other, points) - states.nudot if added is None else mass.solve(added)
         if not any(isinstance(g.effect.acts, Reading) for g in (*h.given, *other.given)):
             return self.answer(process)
-        wrong, before = self.sensed(other.given, anchor), self.sensed(h.given, anchor)
+        wrong, before = self.sensed(other.given, states), self.sensed(h.given, states)
         reading = {k: wrong[k] - before[k] for k in wrong}
         if not any(np.any(x) for x in reading.values()):
             return self.answer(process)
-        return self.misread(h, anchor, reading, process, mass)
+        return self.misread(h, states, reading, process, mass)
 
     def misread(
         self,
         h: Hypothesis,
-        anchor: Anchor,
+        states: FilteredStates,
         reading: Mapping[str, Array],
         process: Array | float = 0.0,
         mass: Mass | None = None,
@@ -301,26 +303,26 @@ class Bench:
         specific = process
         track = None
         if np.any(g):
-            shifted = anchor.points.moved(g)
+            shifted = states.points.moved(g)
             there = acceleration(self.vehicle, h, shifted, mass)
-            believed = there - anchor.nudot
+            believed = there - states.nudot
             process = process - believed
-            specific = specific - (self._specific(shifted.nu, there) - self._specific(anchor.points.nu, anchor.nudot))
-            track = -(self._over_ground(shifted) - self._over_ground(anchor.points))
+            specific = specific - (self._specific(shifted.nu, there) - self._specific(states.points.nu, states.nudot))
+            track = -(self._over_ground(shifted) - self._over_ground(states.points))
         if np.isscalar(process):
-            process = np.zeros_like(anchor.nudot)
+            process = np.zeros_like(states.nudot)
         if np.isscalar(specific):
-            specific = np.zeros_like(anchor.nudot)
+            specific = np.zeros_like(states.nudot)
         return self.answer(np.asarray(process), specific=np.asarray(specific), reading=reading, track=track)
 
-    def sensed(self, given: tuple[Given, ...], anchor: Anchor) -> dict[str, Array]:
-        """What sensor effects add to the readings, at the anchor's states."""
-        specific = self._at_samples(self._specific(anchor.points.nu, anchor.nudot))
-        return added_readings(given, anchor.points, anchor.nudot, specific, anchor.ambient, self.log.h)
+    def sensed(self, given: tuple[Given, ...], states: FilteredStates) -> dict[str, Array]:
+        """What sensor effects add to the readings, at these states."""
+        specific = self._at_samples(self._specific(states.points.nu, states.nudot))
+        return added_readings(given, states.points, states.nudot, specific, states.ambient, self.log.h)
 
-    def adopt(self, ambient: Ambient) -> Bench:
+    def adopt(self, ambient: Ambient) -> Predictor:
         """The same log with other filters."""
-        made = Bench.__new__(Bench)
+        made = Predictor.__new__(Predictor)
         made.__dict__.update(self.__dict__)
         noise = self.log.noise
         made.ambient = ambient

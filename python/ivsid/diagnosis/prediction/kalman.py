@@ -33,7 +33,7 @@ class Axis:
 
     Attributes:
         outputs: which of position, velocity and acceleration are measured.
-        gain: Kalman gain of the states on the errors, shape (3, outputs).
+        kalman_gain: Kalman gain of the states on the errors, shape (3, outputs).
         spread: standard deviation of the filtered velocity's error, as the filter believes.
         numerators: by input (an output's name, or "process") and output.
         denominator: common to all.
@@ -41,7 +41,7 @@ class Axis:
     """
 
     outputs: tuple[str, ...]
-    gain: Array
+    kalman_gain: Array
     spread: float
     numerators: Mapping[tuple[str, str], Array]
     denominator: Array
@@ -59,7 +59,7 @@ class Axis:
 
     def ambient(self, errors: Array) -> Array:
         """The ambient acceleration that the past lets expect at each sample, from the errors, shape (outputs, n) -> (n,)."""
-        found: Array = lfilter([0.0, self.decay], [1.0, -self.decay], self.gain[2] @ errors)
+        found: Array = lfilter([0.0, self.decay], [1.0, -self.decay], self.kalman_gain[2] @ errors)
         return found
 
     def numerator(self, name: str) -> Array:
@@ -72,7 +72,7 @@ class Axis:
         impulse = np.zeros(LONGEST)
         impulse[0] = 1.0
         errors = self.errors({"process": impulse})
-        return float(np.abs(self.gain[1] @ errors - errors[self.outputs.index("velocity")]).sum())
+        return float(np.abs(self.kalman_gain[1] @ errors - errors[self.outputs.index("velocity")]).sum())
 
 
 class Filters:
@@ -140,6 +140,6 @@ def axis(h: float, noise: Mapping[str, float], ambient: float, time: float) -> A
         top, denominator = ss2tf(closed, inputs, -C, D, input=i)
         for j, output in enumerate(outputs):
             numerators[name, output] = top[j]
-    gain = K if "position" in noise else np.vstack([np.zeros(len(outputs)), K])
+    kalman_gain = K if "position" in noise else np.vstack([np.zeros(len(outputs)), K])
     spread = float(np.sqrt(((np.eye(len(B)) - K @ C) @ X)[-2, -2]))
-    return Axis(outputs, gain, spread, numerators, denominator, decay)
+    return Axis(outputs, kalman_gain, spread, numerators, denominator, decay)

@@ -27,7 +27,7 @@ class Adequacy:
     """What a dictionary finds in the errors that a hypothesis leaves.
 
     Attributes:
-        gain: fall of chi^2 by the whole dictionary.
+        fall: fall of chi^2 by the whole dictionary.
         freedom: its directions that are not in the model.
         chance: of such a gain without anything left.
         strongest: single regressors with their channel and gain, the best first.
@@ -35,7 +35,7 @@ class Adequacy:
         excess: what each channel's part of the dictionary gains beyond chance.
     """
 
-    gain: float
+    fall: float
     freedom: int
     chance: float
     strongest: tuple[tuple[str, str, float], ...]
@@ -45,7 +45,7 @@ class Adequacy:
     @property
     def statistic(self) -> float:
         """Gain over its degrees of freedom; about 1 where nothing is left."""
-        return self.gain / max(self.freedom, 1)
+        return self.fall / max(self.freedom, 1)
 
     @property
     def quiet(self) -> bool:
@@ -56,21 +56,21 @@ class Adequacy:
         """Whether nothing that counts is left: no more than chance, or at most two parts in a hundred of what there was."""
         if self.quiet:
             return True
-        return findings > 0 and self.gain - self.freedom < REST * max(before.gain - before.freedom, 0.0)
+        return findings > 0 and self.fall - self.freedom < REST * max(before.fall - before.freedom, 0.0)
 
     def beside(self, fit: Fit, columns: Sequence[int]) -> float:
         """What is left unexplained in the channels where a cause acts, by the share of its signature in each."""
-        whole = max(self.gain - self.freedom, 0.0)
+        whole = max(self.fall - self.freedom, 0.0)
         energy = energy_of(fit, columns)
         if not energy.sum() > 0:
             return whole
-        by_row = [self.excess.get(c, whole) for c in fit.noise.bench.channels]
+        by_row = [self.excess.get(c, whole) for c in fit.noise.predictor.channels]
         return float(energy @ np.array(by_row) / energy.sum())
 
 
 def energy_of(fit: Fit, columns: Sequence[int]) -> Array:
     """Of signatures, by row of the errors."""
-    rows = len(fit.noise.bench.labels)
+    rows = len(fit.noise.predictor.labels)
     x = fit.gram.columns(columns)
     return np.asarray((x.reshape(-1, rows, fit.gram.length) ** 2).sum(axis=(0, 2)))
 
@@ -81,7 +81,7 @@ def adequacy(fit: Fit) -> Adequacy:
     # Nothing but the model's own columns stands beside the dictionary.
     g = fit.gram.only(fit.base)
     first = len(g.names)
-    wide = g.extended(names, [fit.noise.bench.answer(a) for a in arrays])
+    wide = g.extended(names, [fit.noise.predictor.answer(a) for a in arrays])
     p = Projection(wide, range(first))
     columns = list(range(first, len(wide.names)))
     H = p.information(columns)
@@ -96,7 +96,7 @@ def adequacy(fit: Fit) -> Adequacy:
         s = vectors[:, keep].T @ scores[which]
         return float(np.sum(s**2 / values[keep])), int(keep.sum())
 
-    gain, freedom = gained(real)
+    fall, freedom = gained(real)
     excess = {}
     for axis in AXES:
         own, directions = gained(real & np.array([n.startswith(axis) for n in names]))
@@ -104,14 +104,14 @@ def adequacy(fit: Fit) -> Adequacy:
     order = np.argsort(-single)[:3]
     strongest = tuple((names[k].split("|")[1], names[k].split("|")[0], float(single[k])) for k in order)
     one = float(min(1.0, chi2.sf(float(single.max()), 1) * len(names)))
-    return Adequacy(gain, freedom, float(chi2.sf(gain, freedom)), strongest, one, excess)
+    return Adequacy(fall, freedom, float(chi2.sf(fall, freedom)), strongest, one, excess)
 
 
 def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
-    p = fit.anchor.points
+    p = fit.states.points
     u, v, r = p.nu
-    bench = fit.noise.bench
-    n = bench.log.n
+    predictor = fit.noise.predictor
+    n = predictor.log.n
     scale = [max(float(np.sqrt(np.mean(x**2))), 1e-9) for x in (u, v, r)]
     a, b, c = u / scale[0], v / scale[1], r / scale[2]
     t = (p.t - p.t[0]) / (p.t.max() - p.t[0])
@@ -150,20 +150,20 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
             "change of thrust": force - before,
             "t thrust": t * force,
         }
-        for k, thruster in enumerate(bench.vehicle.thrusters[:4]):
+        for k, thruster in enumerate(predictor.vehicle.thrusters[:4]):
             functions[f"thrust of {thruster.name}"] = p.thrusts[k] / size
-    if bench.log.psi is not None:
+    if predictor.log.psi is not None:
         cosine, sine = np.cos(p.psi), np.sin(p.psi)
         functions |= {"cos psi": cosine, "sin psi": sine, "u cos psi": a * cosine, "u sin psi": a * sine}
-    if bench.log.place is not None:
+    if predictor.log.place is not None:
         x, y = (q - q.mean() for q in p.place)
         reach = max(float(np.abs(x).max()), float(np.abs(y).max()), 1e-9)
         functions |= {"x": x / reach, "y": y / reach, "x u": x / reach * a, "y u": y / reach * a}
-    if fit.noise.still:
+    if fit.noise.left_out:
         # Where sway and yaw are left out, nothing that is made of their velocities says anything of a cause.
         functions = {k: f for k, f in functions.items() if not {"v", "r"} & set(SYMBOLS.findall(k))}
     names, arrays = [], []
-    sizes = [max(d, 1e-6) for d in bench.ambient.deviation]
+    sizes = [max(d, 1e-6) for d in predictor.ambient.deviation]
     for k, axis in enumerate(AXES):
         for name, f in functions.items():
             process = np.zeros((3, 2 * n))

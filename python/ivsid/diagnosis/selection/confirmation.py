@@ -62,7 +62,7 @@ def _told(progress: Callable[[str], None], start: int, count: int, done: int) ->
 
 def strength(test: Threshold, found: Found) -> float:
     """Minus the logarithm of the chance of a finding's gain."""
-    return -float(np.log(max(test.chance(replace(found.first, gain=found.gain)), 1e-300)))
+    return -float(np.log(max(test.chance(replace(found.first, fall=found.fall)), 1e-300)))
 
 
 def confirmed(
@@ -96,8 +96,8 @@ def confirmed(
         ""
         if folder is None
         else key_of(
-            fit.noise.bench.vehicle,
-            fit.noise.bench.log,
+            fit.noise.predictor.vehicle,
+            fit.noise.predictor.log,
             seed,
             test.calibration.level,
             test.visible,

@@ -69,7 +69,7 @@ def claims(last: Fit, left: Sequence[Scored], findings: Sequence[Finding], *, un
         findings: that stand.
         unknown: whether something is left that nothing explains.
     """
-    values = last.noise.bench.vehicle.model.values
+    values = last.noise.predictor.vehicle.model.values
     wrong = {f.effect for f in findings}
     by_id = {t.id: t for t in last.h.terms}
     terms = {i: by_id[i] for i in values if i in by_id}
@@ -84,7 +84,7 @@ def claims(last: Fit, left: Sequence[Scored], findings: Sequence[Finding], *, un
             out.append(replace(made, reason="nothing in this log shows it"))
             continue
         beside, alone = (
-            intervals(fit, id_, fit.held, hidden, unknown=unknown)[id_] for fit in (_freed(last, [id_]), without)
+            intervals(fit, id_, fit.fixed, hidden, unknown=unknown)[id_] for fit in (_freed(last, [id_]), without)
         )
         out.append(replace(made, z=_away(last, id_), beside=beside, alone=alone))
     return tuple(out)
@@ -99,7 +99,7 @@ def _away(last: Fit, id_: str) -> float:
     g = last.gram
     k = g.index[id_]
     p = Projection(g, [q for q in last.base if q != k])
-    claimed = float(last.noise.bench.vehicle.model.values[id_])
+    claimed = float(last.noise.predictor.vehicle.model.values[id_])
     distance = (float(last.h.values[id_]) - claimed) * float(g.unit[k]) + float(p.solve([k])[0][0])
     return float(abs(distance) * np.sqrt(max(float(p.information([k])[0, 0]), 0.0)))
 

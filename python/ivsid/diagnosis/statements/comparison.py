@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
 from ivsid.diagnosis.plant.physics import Hypothesis, Mass, Points, acceleration
-from ivsid.diagnosis.prediction.innovations import Anchor, Bench
+from ivsid.diagnosis.prediction.innovations import FilteredStates, Predictor
 from ivsid.effects import Change
 
 Array = NDArray[np.float64]
@@ -61,15 +61,15 @@ class Gain:
         }
 
 
-def compare(bench: Bench, before: Hypothesis, after: Hypothesis, seed: int = 0) -> Gain:
+def compare(predictor: Predictor, before: Hypothesis, after: Hypothesis, seed: int = 0) -> Gain:
     """Both hypotheses on the log of the bench, from its measured states, under its demands, on its own clock."""
     # What is adequate is simulated once.
     both = (before,) if after is before else (before, after)
-    anchors = [bench.settle(h, bench.start(h), 2) for h in both]
-    force = np.stack([missing(bench, h, a) for h, a in zip(both, anchors, strict=True)])[[0, -1]]
-    placed = bench.log.place is not None and bench.log.psi is not None
+    states_of = [predictor.settle(h, predictor.start(h), 2) for h in both]
+    force = np.stack([missing(predictor, h, a) for h, a in zip(both, states_of, strict=True)])[[0, -1]]
+    placed = predictor.log.place is not None and predictor.log.psi is not None
     lengths = (VELOCITY_WINDOW, POSITION_WINDOW) if placed else (VELOCITY_WINDOW,)
-    windows = [_windows(bench, h, a, lengths) for h, a in zip(both, anchors, strict=True)]
+    windows = [_windows(predictor, h, a, lengths) for h, a in zip(both, states_of, strict=True)]
     velocity = [windows[0][0], windows[-1][0]]
     rms, interval = {}, {}
     rng = np.random.default_rng(seed)
@@ -85,8 +85,8 @@ def compare(bench: Bench, before: Hypothesis, after: Hypothesis, seed: int = 0) 
             position = (float(np.median(errors[0])), float(np.median(errors[-1])))
             draws = rng.integers(0, errors[0].size, (DRAWS, errors[0].size))
             interval["position"] = _middle(np.median(errors[0][draws], axis=1), np.median(errors[-1][draws], axis=1))
-    interval |= _force_interval(force, bench, rng)
-    size = np.sqrt(np.mean(force[:, :, bench.log.good] ** 2, axis=2))
+    interval |= _force_interval(force, predictor, rng)
+    size = np.sqrt(np.mean(force[:, :, predictor.log.good] ** 2, axis=2))
     forces = {n: (float(size[0, k]), float(size[1, k])) for k, n in enumerate(("X", "Y", "N"))}
     motion = np.stack([v[0] for v in velocity])
     return Gain(
@@ -96,10 +96,10 @@ def compare(bench: Bench, before: Hypothesis, after: Hypothesis, seed: int = 0) 
         interval,
         force,
         motion,
-        bench.log.nu,
-        bench.log.t,
-        bench.log.name,
-        _net(bench, both, anchors),
+        predictor.log.nu,
+        predictor.log.t,
+        predictor.log.name,
+        _net(predictor, both, states_of),
     )
 
 
@@ -109,85 +109,91 @@ def _middle(before: Array, after: Array) -> tuple[float, float]:
     return float(np.quantile(ratios, 0.025)), float(np.quantile(ratios, 0.975))
 
 
-def _force_interval(force: Array, bench: Bench, rng: np.random.Generator) -> dict[str, tuple[float, float]]:
+def _force_interval(force: Array, predictor: Predictor, rng: np.random.Generator) -> dict[str, tuple[float, float]]:
     """Of before/after in the rms of the missing forces, whole windows drawn anew."""
-    count = round(VELOCITY_WINDOW / bench.log.h)
-    blocks = bench.log.n // count
+    count = round(VELOCITY_WINDOW / predictor.log.h)
+    blocks = predictor.log.n // count
     if blocks < 2:
         return {}
-    kept = np.where(bench.log.good, force, 0.0)[:, :, : blocks * count]
+    kept = np.where(predictor.log.good, force, 0.0)[:, :, : blocks * count]
     energy = (kept**2).reshape(2, 3, blocks, count).sum(axis=3)
     drawn = energy[:, :, rng.integers(0, blocks, (DRAWS, blocks))].sum(axis=3)
     return {n: _middle(*np.sqrt(drawn[:, k])) for k, n in enumerate(("X", "Y", "N"))}
 
 
-def _net(bench: Bench, both: Sequence[Hypothesis], anchors: Sequence[Anchor]) -> Array:
+def _net(predictor: Predictor, both: Sequence[Hypothesis], states_of: Sequence[FilteredStates]) -> Array:
     """Mass times acceleration, low-passed: measured, of the first hypothesis and of the last, by the last's masses."""
-    mass = np.linalg.inv(bench.mass(both[-1], anchors[-1]).inverse).mean(axis=0)
-    found = [_accelerations(bench, h, a) for h, a in zip(both, anchors, strict=True)]
+    mass = np.linalg.inv(predictor.mass(both[-1], states_of[-1]).inverse).mean(axis=0)
+    found = [_accelerations(predictor, h, a) for h, a in zip(both, states_of, strict=True)]
     measured = found[-1][0]
     rows = [measured, found[0][0] - found[0][1], measured - found[-1][1]]
-    return np.stack([_low(bench, mass @ x) for x in rows])
+    return np.stack([_low(predictor, mass @ x) for x in rows])
 
 
-def _low(bench: Bench, x: Array) -> Array:
+def _low(predictor: Predictor, x: Array) -> Array:
     """Low-passed without a shift in time."""
-    sos = butter(4, BAND, fs=1 / bench.log.h, output="sos")
+    sos = butter(4, BAND, fs=1 / predictor.log.h, output="sos")
     return np.asarray(sosfiltfilt(sos, x, axis=1))
 
 
-def missing_force(bench: Bench, h: Hypothesis, anchor: Anchor) -> dict[str, float]:
+def missing_force(predictor: Predictor, h: Hypothesis, states: FilteredStates) -> dict[str, float]:
     """Rms of the low-passed force that a hypothesis lacks, by channel [N, N m]."""
-    force = missing(bench, h, anchor)[:, bench.log.good]
+    force = missing(predictor, h, states)[:, predictor.log.good]
     return dict(zip(("surge", "sway", "yaw"), np.sqrt(np.mean(force**2, axis=1)).tolist(), strict=True))
 
 
-def missing(bench: Bench, h: Hypothesis, anchor: Anchor) -> Array:
+def missing(predictor: Predictor, h: Hypothesis, states: FilteredStates) -> Array:
     """The force that a hypothesis lacks [N, N m], low-passed without a shift in time, shape (3, n)."""
-    mass = np.linalg.inv(bench.mass(h, anchor).inverse)
+    mass = np.linalg.inv(predictor.mass(h, states).inverse)
     # A step of mass is small beside what it multiplies here: its mean serves.
-    return _low(bench, mass.mean(axis=0) @ _accelerations(bench, h, anchor)[1])
+    return _low(predictor, mass.mean(axis=0) @ _accelerations(predictor, h, states)[1])
 
 
-def _accelerations(bench: Bench, h: Hypothesis, anchor: Anchor) -> tuple[Array, Array]:
+def _accelerations(predictor: Predictor, h: Hypothesis, states: FilteredStates) -> tuple[Array, Array]:
     """Measured accelerations as the hypothesis reads its sensors, and what of them it does not explain, shape (3, n)."""
-    n, log = bench.log.n, bench.log
-    readings = bench.readings(h, anchor)
+    n, log = predictor.log.n, predictor.log
+    readings = predictor.readings(h, states)
     measured = np.stack([np.gradient(readings[k]["velocity"], log.h) for k in range(3)])
-    mean = 0.5 * (anchor.nudot[:, n:] + np.concatenate([anchor.nudot[:, n : n + 1], anchor.nudot[:, n:-1]], 1))
+    mean = 0.5 * (states.nudot[:, n:] + np.concatenate([states.nudot[:, n : n + 1], states.nudot[:, n:-1]], 1))
     return measured, measured - mean
 
 
-def _windows(bench: Bench, h: Hypothesis, anchor: Anchor, lengths: Sequence[float]) -> list[tuple[Array, Array, Array]]:
+def _windows(
+    predictor: Predictor, h: Hypothesis, states: FilteredStates, lengths: Sequence[float]
+) -> list[tuple[Array, Array, Array]]:
     """For each length of windows [s]: simulated u, v, r (NaN outside windows), their rms by window, and the rms distance of each window.
 
     All windows sail side by side; the shorter ones leave first.
     """
-    log, n = bench.log, bench.log.n
+    log, n = predictor.log, predictor.log.n
     counts = [round(length / log.h) for length in lengths]
     starts = [np.arange(0, n - count, count) for count in counts]
     starts = [
         some[[bool(log.good[s : s + count + 1].all()) for s in some]]
         for some, count in zip(starts, counts, strict=True)
     ]
-    out = _sailed(bench, h, anchor, starts, counts)
-    readings = bench.readings(h, anchor)
+    out = _sailed(predictor, h, states, starts, counts)
+    readings = predictor.readings(h, states)
     real = np.stack([readings[k]["velocity"] for k in range(3)])
-    return [_held_against(bench, real, *w) for w in zip(out, starts, counts, strict=True)]
+    return [_held_against(predictor, real, *w) for w in zip(out, starts, counts, strict=True)]
 
 
 def _sailed(
-    bench: Bench, h: Hypothesis, anchor: Anchor, starts: Sequence[NDArray[np.int64]], counts: Sequence[int]
+    predictor: Predictor,
+    h: Hypothesis,
+    states: FilteredStates,
+    starts: Sequence[NDArray[np.int64]],
+    counts: Sequence[int],
 ) -> list[Array]:
     """Simulated u, v, r, psi, x, y from the states at each start, for each group of starts: shape (count + 1, 6, starts)."""
-    log, n = bench.log, bench.log.n
-    thrusts, still = (x[:, n:] for x in bench.driving.force(h))
-    points = anchor.points
+    log, n = predictor.log, predictor.log.n
+    thrusts, bollard = (x[:, n:] for x in predictor.driving.force(h))
+    points = states.points
     place = np.zeros((2, n)) if log.place is None else log.place
     step = log.h
     # Masses that change in time, as with a payload, are worked out anew at each step.
     steady = not any(isinstance(g.effect.acts, Change) for g in h.given)
-    mass = Mass(bench.vehicle, h.terms, h.values) if steady else None
+    mass = Mass(predictor.vehicle, h.terms, h.values) if steady else None
 
     def rates(x: Array, t: Array, at: NDArray[np.int64]) -> Array:
         p = Points(
@@ -196,13 +202,13 @@ def _sailed(
             x[4:],
             t,
             thrusts[:, at],
-            bench.driving.turned[:, n + at],
-            bench.driving.sent[:, n + at],
+            predictor.driving.turned[:, n + at],
+            predictor.driving.sent[:, n + at],
             None if log.wind is None else log.wind[:, at],
-            bench.driving.steered[:, n + at],
-            still[:, at],
+            predictor.driving.steered[:, n + at],
+            bollard[:, at],
         )
-        nudot = acceleration(bench.vehicle, h, p, mass)
+        nudot = acceleration(predictor.vehicle, h, p, mass)
         c, s = np.cos(x[3]), np.sin(x[3])
         return np.concatenate([nudot, x[2:3], (x[0] * c - x[1] * s)[None], (x[0] * s + x[1] * c)[None]])
 
@@ -231,10 +237,10 @@ def _sailed(
 
 
 def _held_against(
-    bench: Bench, real: Array, out: Array, starts: NDArray[np.int64], count: int
+    predictor: Predictor, real: Array, out: Array, starts: NDArray[np.int64], count: int
 ) -> tuple[Array, Array, Array]:
     """Windows of one length against the measured motion."""
-    log, n = bench.log, bench.log.n
+    log, n = predictor.log, predictor.log.n
     where = starts[None, :] + np.arange(count + 1)[:, None]
     error = np.nan_to_num(out[:, :3] - real[:, where].transpose(1, 0, 2), nan=1e3, posinf=1e3, neginf=-1e3)
     each = np.sqrt(np.mean(np.clip(error, -1e3, 1e3) ** 2, axis=0)).T

@@ -70,9 +70,9 @@ class Diagnosis:
     def allowed(self) -> dict[str, Bound]:
         """How large causes that are no findings may be, each alone beside the extended model, by the names of their numbers."""
         # What the log says of claims stands with them.
-        held = {*(i for f in self.findings for i in (f.effect, *f.alternatives)), *self.vehicle.model.values}
-        unnamed = [f.id for f in self.selection.found if f.id not in held]
-        return allowed(self.selection.last, [s for s in self.selection.leftover if s.id not in held], unnamed)
+        named = {*(i for f in self.findings for i in (f.effect, *f.alternatives)), *self.vehicle.model.values}
+        unnamed = [f.id for f in self.selection.found if f.id not in named]
+        return allowed(self.selection.last, [s for s in self.selection.leftover if s.id not in named], unnamed)
 
     def record(self) -> dict[str, Any]:
         """As in result.json."""

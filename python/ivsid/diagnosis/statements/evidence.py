@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.fit import Fit, improve
-from ivsid.diagnosis.prediction.innovations import Anchor, Bench
+from ivsid.diagnosis.prediction.innovations import FilteredStates, Predictor
 from ivsid.diagnosis.statements.binning import Binned, binned, ordered_by
 from ivsid.diagnosis.statements.comparison import missing
 from ivsid.diagnosis.statements.diagnosis import Diagnosis
@@ -72,16 +72,16 @@ class Evidence:
 def evidence(result: Diagnosis) -> tuple[Evidence, ...]:
     """For each finding of TRAIN that can be drawn, in the findings' order."""
     last = result.selection.last
-    bench = last.noise.bench
-    after = missing(bench, last.h, last.anchor)
+    predictor = last.noise.predictor
+    after = missing(predictor, last.h, last.states)
     found = []
     for f in result.findings:
         if f.effect == "unknown":
-            found.append(_of(f, last, bench, after, after))
+            found.append(_of(f, last, predictor, after, after))
         elif any(f.effect == q.id for q in result.selection.found):
             made = _without(f.effect, result)
             if made is not None:
-                found.append(_of(f, last, bench, made, after))
+                found.append(_of(f, last, predictor, made, after))
     return tuple(found)
 
 
@@ -94,29 +94,29 @@ def _without(id_: str, result: Diagnosis) -> Array | None:
     own = {t.id for t in h.terms}
     h = replace(h, values={**h.values, **{k: v for k, v in plain.h.values.items() if k in own}})
     try:
-        h, anchor = improve(noise.bench, h, plain.anchor, noise.whitening, noise.good, last.held, STEPS)
+        h, states = improve(noise.predictor, h, plain.states, noise.whitening, noise.good, last.fixed, STEPS)
     except np.linalg.LinAlgError:
         return None
-    return missing(noise.bench, h, anchor)
+    return missing(noise.predictor, h, states)
 
 
-def _of(f: Finding, last: Fit, bench: Bench, before: Array, after: Array) -> Evidence:
+def _of(f: Finding, last: Fit, predictor: Predictor, before: Array, after: Array) -> Evidence:
     good = last.noise.good
     shown = before - after if f.effect != "unknown" else before
     k = _channel(f, shown[:, good], after[:, good])
-    quantities = {n: x[good] for n, x in motion(bench, last.anchor).items()}
+    quantities = {n: x[good] for n, x in motion(predictor, last.states).items()}
     name = ordered_by(shown[k, good], quantities)
     x = quantities[name]
     rows = (before[k], after[k], before[k] - after[k])
-    means = tuple(binned(row[good], x, bench.log.h) for row in rows)
+    means = tuple(binned(row[good], x, predictor.log.h) for row in rows)
     rms = tuple(float(np.sqrt(np.mean(row[good] ** 2))) for row in rows)
     return Evidence(
         f.effect,
         CHANNELS[k],
-        bench.log.t,
+        predictor.log.t,
         before[k],
         after[k],
-        _window(shown[k], bench.log.h),
+        _window(shown[k], predictor.log.h),
         name,
         (means[0], means[1], means[2]),
         (rms[0], rms[1], rms[2]),
@@ -138,12 +138,12 @@ def _window(x: Array, step: float) -> tuple[int, int]:
     return first, first + count
 
 
-def motion(bench: Bench, anchor: Anchor) -> dict[str, Array]:
+def motion(predictor: Predictor, states: FilteredStates) -> dict[str, Array]:
     """The quantities along which a force may be ordered, by name, at samples."""
-    n, p = bench.log.n, anchor.points
+    n, p = predictor.log.n, states.points
     u, v, r = p.nu[:, :n]
     c, s = np.cos(p.angles[:, :n]), np.sin(p.angles[:, :n])
-    arms = np.array([t.position for t in bench.vehicle.thrusters]).reshape(-1, 2)
+    arms = np.array([t.position for t in predictor.vehicle.thrusters]).reshape(-1, 2)
     thrust = p.thrusts[:, :n]
     found = {
         "u": u,
@@ -152,14 +152,14 @@ def motion(bench: Bench, anchor: Anchor) -> dict[str, Array]:
         "heading": np.mod(p.psi[:n], 2 * np.pi),
         "thrust ahead": (thrust * c).sum(axis=0),
         "turning thrust": (thrust * (arms[:, :1] * s - arms[:, 1:] * c)).sum(axis=0),
-        "udot": anchor.nudot[0, :n],
-        "rdot": anchor.nudot[2, :n],
+        "udot": states.nudot[0, :n],
+        "rdot": states.nudot[2, :n],
         "u v": u * v,
         "u r": u * r,
-        "time": bench.log.t,
+        "time": predictor.log.t,
     }
-    if bench.log.psi is None:
+    if predictor.log.psi is None:
         del found["heading"]
-    if bench.log.place is not None:
+    if predictor.log.place is not None:
         found |= {"north": p.place[0, :n], "east": p.place[1, :n]}
     return found

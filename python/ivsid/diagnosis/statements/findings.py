@@ -74,11 +74,11 @@ def finding(
         confidence,
         alternatives,
         effect.separate if alternatives else "",
-        intervals(last, found.id, last.held, left, unknown=not rest.quiet),
+        intervals(last, found.id, last.fixed, left, unknown=not rest.quiet),
         {
             "channel": channel,
             **evidence.get(channel, {}),
-            "z": float(np.sqrt(max(found.gain, 0.0))),
+            "z": float(np.sqrt(max(found.fall, 0.0))),
             "chance": found.chance,
         },
     )
@@ -112,7 +112,7 @@ def shallow(moved: Change) -> Finding:
 
 def unknown(left: Adequacy, near: Sequence[str]) -> Finding:
     """A finding without a name: what the residual looks like."""
-    likely = ", ".join(f"{name} in {channel} ({np.sqrt(gain):.0f} sigma)" for name, channel, gain in left.strongest)
+    likely = ", ".join(f"{name} in {channel} ({np.sqrt(fall):.0f} sigma)" for name, channel, fall in left.strongest)
     channel = left.strongest[0][1]
     text = (
         f"the errors that the model leaves still follow the motion (dictionary statistic {left.statistic:.2f}, about 1 where nothing is "
@@ -132,7 +132,7 @@ def unknown(left: Adequacy, near: Sequence[str]) -> Finding:
 def _channel(fit: Fit, id_: str) -> str:
     """Where an effect shows most."""
     own = own_columns(fit, id_)
-    return fit.noise.bench.channels[int(np.argmax(energy_of(fit, own)))] if own else ""
+    return fit.noise.predictor.channels[int(np.argmax(energy_of(fit, own)))] if own else ""
 
 
 def own_columns(fit: Fit, id_: str) -> list[int]:

@@ -26,7 +26,7 @@ def hints(fit: Fit) -> tuple[str, ...]:
         name = g.names[k]
         if not name.startswith("~") or name.startswith(("~thrust", "~rudder")):
             continue
-        size = fit.h.declared.get(name, 0.0)
+        size = fit.h.declared_errors.get(name, 0.0)
         sigma = float(np.sqrt(bare[i, i])) / float(g.unit[k])
         if abs(size) < SHOWN * sigma:
             continue
@@ -35,14 +35,14 @@ def hints(fit: Fit) -> tuple[str, ...]:
         elif name.endswith(".0"):
             words, unit = _BIAS[name.split(".")[1]]
             out.append(f"the {words} is about {size:.3g} {unit}, inside its specification")
-    for thruster in fit.noise.bench.vehicle.thrusters:
+    for thruster in fit.noise.predictor.vehicle.thrusters:
         own = [i for i, k in enumerate(p.base) if g.names[k].startswith(f"~thrust.{thruster.name}.")]
         if not own:
             continue
-        sizes = np.array([fit.h.declared.get(g.names[p.base[i]], 0.0) * g.unit[p.base[i]] for i in own])
+        sizes = np.array([fit.h.declared_errors.get(g.names[p.base[i]], 0.0) * g.unit[p.base[i]] for i in own])
         if float(sizes @ np.linalg.solve(bare[np.ix_(own, own)], sizes)) > SHOWN**2 + len(own):
             out.append(f"the thrust of {thruster.name} differs smoothly from its curve, inside its accuracy")
-    vehicle, ambient = fit.noise.bench.vehicle, fit.noise.bench.ambient
+    vehicle, ambient = fit.noise.predictor.vehicle, fit.noise.predictor.ambient
     if vehicle.ambient is not None and vehicle.ambient.force:
         mass = np.linalg.inv(fit.signatures.mass.inverse[0])
         force = [ambient.deviation[k] * mass[k, k] for k in range(2)]

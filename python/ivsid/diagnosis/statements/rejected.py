@@ -22,7 +22,7 @@ class Rejected:
 
     Attributes:
         effect: its id.
-        gain: fall of chi^2 with it alone beside the model, by its signature.
+        fall: fall of chi^2 with it alone beside the model, by its signature.
         numbers: that were fitted for it.
         chance: of such a gain without it.
         full: its fall of chi^2 in a full fit in a finding's place, and that finding's; None where it was not fitted in full.
@@ -31,7 +31,7 @@ class Rejected:
     """
 
     effect: str
-    gain: float
+    fall: float
     numbers: int
     chance: float
     full: tuple[float, float] | None
@@ -42,7 +42,7 @@ class Rejected:
         """As in result.json."""
         return {
             "effect": self.effect,
-            "gain": self.gain,
+            "gain": self.fall,
             "numbers": self.numbers,
             "chance": self.chance,
             "full_fit": None if self.full is None else list(self.full),
@@ -55,26 +55,26 @@ def rejected(
     findings: Sequence[Finding], selection: Selection, visible: Mapping[str, Visibility], threshold: float
 ) -> tuple[Rejected, ...]:
     """Every candidate of the first round that no finding holds, best first."""
-    held = {i for f in findings for i in (f.effect, *f.alternatives)}
-    beside = {s.id: s.gain for s in selection.leftover}
+    named = {i for f in findings for i in (f.effect, *f.alternatives)}
+    beside = {s.id: s.fall for s in selection.leftover}
     full: dict[str, tuple[float, float, str]] = {}
     for one in selection.found:
-        for id_, gain in one.rejected:
-            if id_ not in full or gain > full[id_][0]:
-                full[id_] = (gain, one.gain, one.id)
+        for id_, fall in one.rejected:
+            if id_ not in full or fall > full[id_][0]:
+                full[id_] = (fall, one.fall, one.id)
     made = []
     for s in selection.screened:
-        if s.id in held:
+        if s.id in named:
             continue
         tried = full.get(s.id)
-        if tried is not None and tried[0] == s.gain:
+        if tried is not None and tried[0] == s.fall:
             # The score of the first round, which stands there for those that were not fitted in full.
             tried = None
         left = beside.get(s.id)
         made.append(
             Rejected(
                 s.id,
-                s.gain,
+                s.fall,
                 s.count,
                 s.chance,
                 None if tried is None else tried[:2],
@@ -100,17 +100,17 @@ def _why(
     if not s.physical:
         return "its sign is one that the cause cannot have"
     # As the test takes it: on the high side.
-    taken = s.gain / HIGH_SIDE
-    if s.gain < FAINT:
-        return f"no more than chance: a fall of chi² of {s.gain:.1f} is less than the {FAINT:.0f} that count"
-    if found and left is not None and left < EXPLAINED * s.gain:
-        return f"explained by what was found: beside it {max(left, 0.0):.1f} of its {s.gain:.0f} in chi² are left"
+    taken = s.fall / HIGH_SIDE
+    if s.fall < FAINT:
+        return f"no more than chance: a fall of chi² of {s.fall:.1f} is less than the {FAINT:.0f} that count"
+    if found and left is not None and left < EXPLAINED * s.fall:
+        return f"explained by what was found: beside it {max(left, 0.0):.1f} of its {s.fall:.0f} in chi² are left"
     if tried is not None and tried[1] - tried[0] > MARGIN:
         return f"fitted in full in the place of {tried[2]} it explains {tried[0]:.0f} in chi² against {tried[1]:.0f}; within {MARGIN:.0f} it would be a rival"
     if s.chance > threshold or _chance(s, taken) > threshold:
-        return f"no more than chance: a fall of chi² of {s.gain:.1f} has probability {_chance(s, taken):.1g}, and {threshold:.1g} is the limit"
+        return f"no more than chance: a fall of chi² of {s.fall:.1f} has probability {_chance(s, taken):.1g}, and {threshold:.1g} is the limit"
     return "the half-minutes of the log do not agree on it, or its size is none that it can have"
 
 
-def _chance(s: Scored, gain: float) -> float:
-    return replace(s, gain=gain).chance
+def _chance(s: Scored, fall: float) -> float:
+    return replace(s, fall=fall).chance

@@ -14,7 +14,7 @@ from ivsid.diagnosis.estimation.fit import Fit, Noise, fitted_gram, improve, sur
 from ivsid.diagnosis.estimation.noise import usable_rows
 from ivsid.diagnosis.estimation.projection import Gram, Projection
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.innovations import Bench
+from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.adequacy import LEVEL, adequacy
 from ivsid.vehicle import Vehicle
 
@@ -40,20 +40,20 @@ class Change:
 
 def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
     """Fits the last hypothesis to the other log, too, under the noise of the first; None where the logs have other channels."""
-    held = last.held
-    wanted = [i for i in SCALED if i in last.h.values and i not in held]
+    fixed = last.fixed
+    wanted = [i for i in SCALED if i in last.h.values and i not in fixed]
     if len(wanted) < 3:
         return None
-    bench = Bench(vehicle, test, last.noise.bench.ambient)
-    if bench.labels != last.noise.bench.labels or abs(test.h / last.noise.bench.log.h - 1) > 1e-6:
+    predictor = Predictor(vehicle, test, last.noise.predictor.ambient)
+    if predictor.labels != last.noise.predictor.labels or abs(test.h / last.noise.predictor.log.h - 1) > 1e-6:
         return None
-    noise = Noise(bench, last.noise.whitening, usable_rows(bench), last.noise.still)
+    noise = Noise(predictor, last.noise.whitening, usable_rows(predictor), last.noise.left_out)
     # Biases and thrust errors are those of a log: they start anew.
-    first = replace(last.h, declared={})
+    first = replace(last.h, declared_errors={})
     try:
-        anchor = bench.settle(first, bench.start(first), 2)
-        h, anchor = improve(bench, first, anchor, noise.whitening, noise.good, held)
-        g = fitted_gram(noise, h, anchor, held)
+        states = predictor.settle(first, predictor.start(first), 2)
+        h, states = improve(predictor, first, states, noise.whitening, noise.good, fixed)
+        g = fitted_gram(noise, h, states, fixed)
     except np.linalg.LinAlgError:
         return None
     before, after = (np.array([q.values[i] for i in wanted]) for q in (last.h, h))
@@ -64,18 +64,18 @@ def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
     spread += _covariance(g, range(len(g.names)), wanted) / np.outer(after, after) + 1e-8 * np.eye(len(wanted))
     sigma = np.sqrt(np.diag(spread))
     ratio = {i: (float(b / a), float(s)) for i, a, b, s in zip(wanted, before, after, sigma, strict=True)}
-    factor = _common(np.log(after / before), spread, _declared(bench, h))
-    if factor is not None and adequacy(survey(noise, h, anchor, held)).chance < LEVEL:
+    factor = _common(np.log(after / before), spread, _declared(predictor, h))
+    if factor is not None and adequacy(survey(noise, h, states, fixed)).chance < LEVEL:
         # Something else is wrong in the other log, and may be what moves the parameters.
         factor = None
     return Change(ratio, factor)
 
 
-def _declared(bench: Bench, h: Hypothesis) -> float:
+def _declared(predictor: Predictor, h: Hypothesis) -> float:
     """How far the accuracy of the thrusts alone may move masses and drags between two logs, which use other demands."""
     found = 0.0
-    thrusts = bench.propulsion.thrusts(h.given).mean
-    for thruster, thrust in zip(bench.vehicle.thrusters, thrusts, strict=True):
+    thrusts = predictor.propulsion.thrusts(h.given).mean
+    for thruster, thrust in zip(predictor.vehicle.thrusters, thrusts, strict=True):
         usual = float(np.sqrt(np.mean(thrust**2)))
         found = max(found, thruster.accuracy.relative + thruster.accuracy.absolute / max(usual, 1e-9))
     return 2.0 * found

@@ -30,7 +30,7 @@ def allowed(last: Fit, left: Sequence[Scored], unnamed: Sequence[str] = ()) -> d
     """
     found: dict[str, Bound] = {}
     for id_ in unnamed:
-        found |= intervals(last, id_, last.held)
+        found |= intervals(last, id_, last.fixed)
     for s in left:
         if s.family.kind not in ("linear", "tether") or not _seen(last, s):
             continue

@@ -1,4 +1,7 @@
-"""What a user can do wrong, said in one sentence: what was given, what is needed, what to do."""
+"""The error for faults of the user's input.
+
+Its text is one sentence: what was given, what is needed, what to do.
+"""
 
 
 class IvsidError(ValueError):

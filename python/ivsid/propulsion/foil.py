@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ivsid.vehicle.actuator import Rudder
+from ivsid.vehicle import Rudder
 
 
 def lift_slope(aspect_ratio: float) -> float:

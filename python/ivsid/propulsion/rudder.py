@@ -9,7 +9,7 @@ import numpy as np
 
 from ivsid.intervals import IntervalArray
 from ivsid.propulsion.foil import drag_coefficient, lift_coefficient, lift_slope
-from ivsid.vehicle.actuator import Rudder
+from ivsid.vehicle import Rudder
 
 # Coefficients in floats, from decimals of the file that were rounded once, are good to some 1e-15 of their size; the curve is
 # Lipschitz with a constant of a few.

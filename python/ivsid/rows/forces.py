@@ -89,20 +89,20 @@ def _logged(bounded: BoundedLog, vehicle: Vehicle) -> Forces:
             raise IvsidError(
                 f"the vehicle file has no [sensors.{section}] accuracy; it is needed to bound column {name}"
             )
-        x, sweep = bounded.channels[name], log.over.get(name)
+        x, between_rows = bounded.channels[name], log.over.get(name)
         values.append(x)
         present &= bounded.present[name]
-        if sweep is None:
+        if between_rows is None:
             # Unlike a demand, a logged force need not be held to the next row: between two rows it lies between their values.
             between.append(x[:-1].hull(x[1:]))
             sentences.append(f"{name} lies between the values of neighbouring samples")
             continue
-        known = np.isfinite(sweep.lower) & np.isfinite(sweep.upper)
+        known = np.isfinite(between_rows.lower) & np.isfinite(between_rows.upper)
         whole &= known
         accuracy = np.nextafter(getattr(vehicle.sensors, section).accuracy, np.inf)
-        readings = IntervalArray(np.where(known, sweep.lower, 0.0), np.where(known, sweep.upper, 0.0))
+        readings = IntervalArray(np.where(known, between_rows.lower, 0.0), np.where(known, between_rows.upper, 0.0))
         between.append(readings + IntervalArray(-accuracy, accuracy))
-        sentences.append(sweep.assumes)
+        sentences.append(between_rows.assumes)
     return Forces(
         (values[0], values[1], values[2]), (between[0], between[1], between[2]), present, tuple(sentences), whole
     )

@@ -1,4 +1,4 @@
-"""The equations of motion forward in time: M nudot = tau - f(nu), from the same terms that make regression rows."""
+"""The equations of motion forward in time, M nudot = tau - f(nu), from the same terms as the regression rows."""
 
 from __future__ import annotations
 
@@ -23,6 +23,9 @@ class Dynamics:
         mx: known m x_G [kg m].
         my: known m y_G [kg m].
         mass: known rigid-body mass, where the parameters leave it out [kg].
+
+    Raises:
+        IvsidError: a parameter without a value, or a singular mass matrix.
 
     Velocities are tuples (u, v, r) of floats, or of arrays of equal shape for many runs at once.
     """

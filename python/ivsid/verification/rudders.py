@@ -9,7 +9,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Final, TypeAlias
 
-from ivsid.vehicle.actuator import Rudder
+from ivsid.vehicle import Rudder
 from ivsid.verification.angles import direction, nearest_turn
 from ivsid.verification.decimals import Decimals
 from ivsid.verification.rational import Range, cosine, pi, root, sided, sine

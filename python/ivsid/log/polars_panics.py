@@ -1,4 +1,4 @@
-"""Polars prints a page about each fault inside it before Python hears of it; one sentence stands for that page."""
+"""Keeps the page that Polars prints about an internal fault off the terminal; the error's own sentence stands for it."""
 
 from __future__ import annotations
 
@@ -10,12 +10,14 @@ from typing import Final
 
 import polars as pl
 
+# The file descriptor of the standard error.
+# Source: definition: POSIX
 STDERR: Final = 2
 
 
 @contextmanager
 def panics_unprinted() -> Iterator[None]:
-    """Holds back what is written to the standard error; only where Polars panics is it dropped, else it is written afterwards."""
+    """Delays the standard error to the end of the block, and drops it where Polars panics."""
     try:
         kept = os.dup(STDERR)
     except OSError:

@@ -1,4 +1,4 @@
-"""Between which values a channel stands from each row to the next, from all samples that the log has there."""
+"""Ranges of a channel over the steps from row to row, from all samples of the log there."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 Manner = Literal["hold", "between"]
 
 
-def swept(
+def step_range(
     rows: Array,
     t: Array,
     values: Array,
@@ -25,18 +25,18 @@ def swept(
     clock_error: float = 0.0,
     jitter: float = 0.0,
 ) -> tuple[Array, Array]:
-    """The range over the step after each row, of readings.
+    """The range of readings over the step after each row.
 
     Args:
         rows: times of the rows [s], shape (n,).
         t: times of the samples [s], shape (m,).
         values: samples, shape (m,), none missing.
-        lost: how far each may be off, decimals included, shape (m,).
-        manner: ``hold``: each value stands until the next sample; ``between``: it lies between the values of neighbouring samples.
-            A ``rate`` goes before either.
+        lost: bound on the error of each, decimals included, shape (m,).
+        manner: ``hold`` holds each value until the next sample; under ``between`` it lies between the values of neighbouring samples.
+            A ``rate`` takes the place of either.
         rate: the largest rate of change, where one is stated.
-        clock_error: how far the two clocks may disagree [s].
-        jitter: how far each time may be off beyond the rounding of its decimals [s].
+        clock_error: the largest difference between the two clocks [s].
+        jitter: bound on the error of each time beyond the rounding of its decimals [s].
 
     Returns:
         Lower and upper ends, shape (n - 1,); NaN outside the samples, and where a step reaches into a gap between two of them.
@@ -69,7 +69,10 @@ def _moving(
     clock_error: float,
     jitter: float,
 ) -> tuple[Array, Array]:
-    """Between two moments d apart a quantity that is in [a, b] at the first and in [c, e] at the second stays below (b + e + rate d) / 2."""
+    """The range under a stated rate.
+
+    A quantity that is in [a, b] at one moment and in [c, e] a time d later stays below (b + e + rate d) / 2 between the two.
+    """
     line, reach = between(rows, t, values, lost, rate, 0.0, jitter)
     moments = np.r_[t, rows]
     order = np.argsort(moments, kind="stable")
@@ -79,7 +82,7 @@ def _moving(
     steps = np.diff(moments)
     far = rate * steps
     slack = 4 * np.spacing(np.abs(low[:-1]) + np.abs(low[1:]) + np.abs(high[:-1]) + np.abs(high[1:]) + far)
-    # Beyond each end by what clocks that disagree, and stamps that were rounded, can hide.
+    # Clocks that disagree and stamps that were rounded can hide a change at each end.
     slack += rate * (clock_error + 4 * (jitter + float(np.spacing(np.abs(moments).max())))) * (1 + 1e-12)
     lower = 0.5 * (low[:-1] + low[1:] - far) - slack
     upper = 0.5 * (high[:-1] + high[1:] + far) + slack
@@ -91,7 +94,7 @@ def _moving(
 
 
 def _reduced(how: np.ufunc, values: Array, first: NDArray[np.intp], last: NDArray[np.intp]) -> Array:
-    """The least or the largest of each stretch of values, both ends included; NaN where there is one in it."""
+    """The least or the largest of each stretch of values, both ends included; NaN where the stretch has one."""
     padded = np.r_[values, np.nan]
     pairs = np.c_[first, last + 1].ravel()
     result: Array = how.reduceat(padded, pairs)[::2]

@@ -21,7 +21,7 @@ from ivsid.sensors.bounds import doppler_drift, doppler_paper, sigma_published
 from ivsid.simulation import Simulated
 from ivsid.validation import Validation
 from ivsid.vehicle import Vehicle
-from ivsid.workflow.allan import coefficient_rows, coefficient_table
+from ivsid.workflow.allan_analysis import coefficient_rows, coefficient_table
 from ivsid.workflow.common import (
     method_table,
     motion_table,
@@ -29,8 +29,8 @@ from ivsid.workflow.common import (
     shown,
     validation_table,
 )
-from ivsid.workflow.thrust import fit_table
-from ivsid.workflow.validate import validation_drawings, validation_lines
+from ivsid.workflow.thrust_curves import fit_table
+from ivsid.workflow.validation import validation_drawings, validation_lines
 
 # Table V of the paper, and its printed validation errors.
 TABLE_V = {

@@ -31,7 +31,7 @@ from ivsid.workflow.common import (
     csv,
     silent,
 )
-from ivsid.workflow.demo_page import Trial, drawings_of, lines_of, paper_numbers, sections_of
+from ivsid.workflow.paper_page import Trial, drawings_of, lines_of, paper_numbers, sections_of
 
 STATIC_HOURS = 2.0
 STATIC_RATE = 20.0

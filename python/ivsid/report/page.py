@@ -8,12 +8,14 @@ from dataclasses import dataclass, field
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from jinja2 import Environment, StrictUndefined
 
 from ivsid.files.records import to_json, write_folder
-from ivsid.report.figures import Drawing
+
+if TYPE_CHECKING:
+    from ivsid.report.figures import Drawing
 
 
 @dataclass(frozen=True)

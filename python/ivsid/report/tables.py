@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ivsid.files.records import envelope
-from ivsid.log import Quality
-from ivsid.propulsion.bollard import Bollard
-from ivsid.sensors.allan import AllanDeviation
-from ivsid.validation import Validation
+
+if TYPE_CHECKING:
+    from ivsid.log import Quality
+    from ivsid.propulsion.bollard import Bollard
+    from ivsid.sensors.allan import AllanDeviation
+    from ivsid.validation import Validation
 
 
 def validation_record(result: Validation) -> dict[str, Any]:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ivsid.diagnosis import Evidence, Finding, Isolability
-from ivsid.diagnosis.statements.comparison import Gain
 from ivsid.report.figures.canvas import COLOURS, Drawing, finish, thin
+
+if TYPE_CHECKING:
+    from ivsid.diagnosis import Evidence, Finding, Isolability
+    from ivsid.diagnosis.statements.comparison import Gain
 
 
 def separation(result: Isolability, name: str = "separation") -> Drawing | None:

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ivsid.identification import Identification
-from ivsid.log import Log
-from ivsid.propulsion.bollard import Bollard
 from ivsid.propulsion.thrust import table_curve
 from ivsid.report.figures.canvas import COLOURS, FORCE_LABEL, Drawing, finish, thin
-from ivsid.sensors.allan import AllanDeviation
-from ivsid.validation import ForceCheck, MotionCheck
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ivsid.identification import Identification
+    from ivsid.log import Log
+    from ivsid.propulsion.bollard import Bollard
+    from ivsid.sensors.allan import AllanDeviation
+    from ivsid.validation import ForceCheck, MotionCheck
 
 
 def allan_curves(curves: Mapping[str, AllanDeviation], name: str, title: str, unit: str) -> Drawing:
@@ -162,7 +166,7 @@ def force_bounds(check: ForceCheck, name: str, title: str, *, guaranteed: bool) 
     return finish(name, title, caption, figure)
 
 
-def _time_axes(axes: Any, check: ForceCheck) -> None:
+def _time_axes(axes: Axes, check: ForceCheck) -> None:
     axes.set_xlabel("time [s]")
     axes.set_ylabel(FORCE_LABEL[check.channel])
     axes.grid(True, alpha=0.3)

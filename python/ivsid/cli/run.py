@@ -11,7 +11,7 @@ import typer
 
 if TYPE_CHECKING:
     from ivsid.report.page import Report
-    from ivsid.workflow.common import Progress
+    from ivsid.workflow.progress import Progress
 
 
 def run(

@@ -7,7 +7,7 @@
 - ``identification``, ``verification``, ``validation``: parameter intervals, their proof, and another log against them.
 - ``diagnosis``, ``planning``: causes of what the simulation gets wrong, and manoeuvres that would separate them.
 - ``paper_trials``, ``paper_page``: the paper's experiment on a twin of its vehicle, and its page.
-- ``common``: sentences and tables that several reports share.
+- ``parameters``, ``log_files``, ``progress``: intervals in words, logs as files, and progress, which several commands share.
 
 Each command is a function of this package and returns a ``Report``. A function is loaded when it is first used, so that a
 command does not wait for the libraries of the others. The chapter may use every other but ``cli``.

@@ -1,4 +1,4 @@
-"""What every command but the diagnosis draws."""
+"""Figures of all commands but the diagnosis."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def _read_off(a: AllanDeviation) -> str:
 def thrust_curve(
     table: Bollard, name: str = "thrust", title: str = "Thrust against demand", demand_unit: str = "%"
 ) -> Drawing:
-    """Bollard-pull points with the candidate curves, and their residuals."""
+    """Bollard-pull points with the candidate curves, and the residuals of these."""
     figure = Figure(figsize=(8.5, 4.2), layout="constrained")
     left, right = figure.subplots(1, 2)
     fine = np.linspace(table.demand[0], table.demand[-1], 600)
@@ -197,7 +197,7 @@ def motion(check: MotionCheck, name: str = "motion") -> Drawing:
 
 
 def channels(log: Log, name: str = "log") -> Drawing:
-    """The log as it came: demands, velocities and rates, accelerations."""
+    """The channels of a log as measured: demands, velocities and rates, accelerations."""
     groups: list[tuple[str, list[str]]] = [
         ("demand", [c for c in log.columns if c.startswith("demand_")]),
         ("u, v [m/s], r [rad/s]", [c for c in ("u", "v", "r") if c in log.columns]),

@@ -10,7 +10,7 @@ from ivsid.log import Log, read_log
 from ivsid.programme.scenario import Scenario, parse_scenario
 from ivsid.simulation import Simulated, simulate
 from ivsid.vehicle import Vehicle, parse_vehicle
-from ivsid.workflow.common import csv
+from ivsid.workflow.log_files import csv
 
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "data"
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from conftest import as_log, embedded
-from ivsid.workflow.common import csv as as_csv
+from ivsid.workflow.log_files import csv as as_csv
 
 COMMAND = [sys.executable, "-c", "from ivsid.cli import main; main()"]
 

@@ -15,7 +15,7 @@ from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 from ivsid.verification.verify import verify
-from ivsid.workflow.diagnose import diagnosis_report
+from ivsid.workflow.diagnosis import diagnosis_report
 
 # Better sensors on a calmer day, so that a bounded-error set says something.
 FINE = (

@@ -13,7 +13,7 @@ from ivsid.diagnosis.statements.binning import binned, ordered_by
 from ivsid.diagnosis.statements.prose import _verdict
 from ivsid.files.records import to_json
 from ivsid.report import figures
-from ivsid.workflow.diagnose import diagnosis_report
+from ivsid.workflow.diagnosis import diagnosis_report
 
 LINEAR = 4.0
 

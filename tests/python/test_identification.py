@@ -174,7 +174,7 @@ def test_what_is_determined_in_words():
 def test_a_log_at_constant_speed_determines_one_combination(swan):
     """Steady motion ties linear to quadratic drag: only their sum at that speed is known."""
     from ivsid.log import Log
-    from ivsid.workflow.common import freedom_lines
+    from ivsid.workflow.parameters import freedom_lines
 
     text = swan.text[: swan.text.index("[[thrusters]]")] + "[sensors" + swan.text.split("[sensors", 1)[1]
     text = (

@@ -141,7 +141,7 @@ def test_the_advice_holds_when_it_is_followed():
 
 @pytest.mark.slow
 def test_the_command_advises_for_a_scenario_and_for_a_log(tmp_path):
-    from ivsid.workflow.common import csv
+    from ivsid.workflow.log_files import csv
 
     vehicle = vehicle_of()
     (tmp_path / "boat.toml").write_text(vehicle.text)

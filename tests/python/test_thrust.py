@@ -139,7 +139,7 @@ def held(text, demand, thrust):
 def test_every_candidate_with_its_band_holds_the_bollard_data():
     """Table III, a PWM table with a dead band, and a noisy one: each candidate's text encloses every point, and no half of it does."""
     from ivsid.propulsion.bollard import PUBLISHED_CUBIC
-    from ivsid.workflow.thrust import candidate_toml
+    from ivsid.workflow.thrust_curves import candidate_toml
 
     rng = np.random.default_rng(1)
     pwm = np.arange(1100.0, 1901.0, 20)

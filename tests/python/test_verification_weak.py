@@ -13,7 +13,7 @@ from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 from ivsid.verification.errors import UnprovedError
 from ivsid.verification.rows import Rows
-from ivsid.workflow.verify import verdict_lines
+from ivsid.workflow.verification import verdict_lines
 from test_pose import boat, motion
 from test_verification_rows import ends, outside
 from test_weak_form import towed as from_pose

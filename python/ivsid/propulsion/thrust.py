@@ -9,7 +9,6 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import PchipInterpolator
 
 from ivsid.errors import IvsidError
 from ivsid.files import units
@@ -243,6 +242,8 @@ class ThrustCurve:
 
 def table_curve(demand: NDArray[np.float64], thrust: NDArray[np.float64], *, linear_start: bool = False) -> Curve:
     """A monotone piecewise cubic (PCHIP; Fritsch and Carlson) through the points; the first piece straight if asked for."""
+    from scipy.interpolate import PchipInterpolator  # noqa: PLC0415 - slow to import, and only tables need it
+
     if len(demand) == 2:
         return lambda d: np.interp(d, demand, thrust)
     if not linear_start:
@@ -258,6 +259,8 @@ def table_pieces(
     demand: NDArray[np.float64], thrust: NDArray[np.float64], *, linear_start: bool = False
 ) -> tuple[list[float], list[list[float]]]:
     """The polynomials of ``table_curve``: its knots, and a list of coefficients, highest first, for each piece between them."""
+    from scipy.interpolate import PchipInterpolator  # noqa: PLC0415 - slow to import, and only tables need it
+
     slopes = np.diff(thrust) / np.diff(demand)
     straight = [[float(s), float(t)] for s, t in zip(slopes, thrust[:-1], strict=True)]
     if len(demand) == 2 or (linear_start and len(demand) == 3):

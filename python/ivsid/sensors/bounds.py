@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
@@ -148,7 +148,7 @@ def rule_for(sensors: Sensors, errors: int) -> Rule:
     if sensors.sigmas is not None:
         return Rule(sensors.sigmas, None, errors)
     confidence = DEFAULT_CONFIDENCE if sensors.confidence is None else sensors.confidence
-    k = float(norm.isf((1 - confidence) / (2 * max(errors, 1))))
+    k = -float(ndtri((1 - confidence) / (2 * max(errors, 1))))
     return Rule(k * (1 + ROUNDING), confidence, errors)
 
 

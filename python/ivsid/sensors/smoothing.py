@@ -9,17 +9,18 @@ larger, which cross-validation aims at and nobody proves: a result that rests on
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline, make_smoothing_spline
-from scipy.optimize import minimize_scalar
 
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
 from ivsid.sensors.pose import POSE
 from ivsid.vehicle import Sensors
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 # Energy of the kernel's slope, integral of K'^2 = 2^(-5/2) / 2.
 SLOPE_ENERGY: Final = 2.0**-3.5
@@ -83,6 +84,8 @@ def _stretches(t: Array, there: NDArray[np.bool_], period: float) -> list[NDArra
 
 def _smoothed(t: Array, x: Array) -> tuple[Array, Array, Array]:
     """A channel, its slope, and the band of the slope."""
+    from scipy.interpolate import make_smoothing_spline  # noqa: PLC0415 - slow to import, and only splines need it
+
     h = float(np.median(np.diff(t)))
     stiffness = _stiffness(t, x, h)
     spline: BSpline = make_smoothing_spline(t, x, lam=stiffness)
@@ -99,6 +102,9 @@ def _smoothed(t: Array, x: Array) -> tuple[Array, Array, Array]:
 
 def _stiffness(t: Array, x: Array, h: float) -> float:
     """The stiffness whose spline predicts left-out samples best: every other one, from those beside it."""
+    from scipy.interpolate import make_smoothing_spline  # noqa: PLC0415 - slow to import, and only splines need it
+    from scipy.optimize import minimize_scalar  # noqa: PLC0415 - slow to import, and only splines need it
+
     odd, even = slice(1, None, 2), slice(None, None, 2)
 
     def miss(log_bandwidth: float) -> float:

@@ -26,7 +26,6 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d
 
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
@@ -90,11 +89,11 @@ class PoseMeans:
         h = self.steps.upper
         most = {n: self._largest(n, half) for n in ("u", "v", "r")}
         speed = most["u"] + most["v"]
-        longest = maximum_filter1d(np.r_[h, h[-1]], 2 * half + 1)
+        longest = _largest_near(np.r_[h, h[-1]], half)
         earth = DIAGONAL * sensors.limits.acceleration + most["r"] * speed
         lost = float((log.error("psi") + 4 * np.spacing(np.abs(self.turned) + 7.0)).max())
         off = sensors.heading.accuracy + lost + sensors.limits.yaw_acceleration * longest**2 / 8
-        turn = maximum_filter1d(np.r_[np.abs(np.diff(self.turned)), 0.0], 2 * half + 1)
+        turn = _largest_near(np.r_[np.abs(np.diff(self.turned)), 0.0], half)
         chord = turn**2 / 8 * DIAGONAL * speed
         ways = {}
         for name, along, across in (("u", {"x": c, "y": s}, "v"), ("v", {"x": -s, "y": c}, "u")):
@@ -122,7 +121,14 @@ class PoseMeans:
         limit = limits.yaw_acceleration if name == "r" else limits.acceleration
         known = np.where(self.there, x.magnitude, 0.0)
         between = 0.5 * (limit or 0.0) * float(self.steps.upper[self.there[1:] & self.there[:-1]].max(initial=0.0))
-        return np.asarray(maximum_filter1d(known, 2 * half + 1) + between, dtype=np.float64)
+        return _largest_near(known, half) + between
+
+
+def _largest_near(x: Array, half: int) -> Array:
+    """The largest value within ``half`` rows of each row."""
+    from scipy.ndimage import maximum_filter1d  # noqa: PLC0415 - slow to import, and only rows from a pose need it
+
+    return np.asarray(maximum_filter1d(x, 2 * half + 1), dtype=np.float64)
 
 
 @dataclass(frozen=True)

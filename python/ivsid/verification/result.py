@@ -1,4 +1,4 @@
-"""A result.json of ``ivsid identify`` with every number as it is written, checked for its shape."""
+"""A result.json of ``ivsid identify``, its decimals as exact numbers, checked for its shape."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ class DamagedError(Exception):
 
 @dataclass(frozen=True)
 class Result:
-    """What a result claims.
+    """A result with its vehicle.
 
     Attributes:
         record: the file, its decimals as fractions.
-        vehicle: from the text that it carries.
-        sealed: whether its seal is that of its content.
+        vehicle: parsed from the text in the record.
+        sealed: whether the seal is that of the content.
     """
 
     record: dict[str, Any]
@@ -53,7 +53,7 @@ def read_result(path: str | Path) -> Result:
 
 
 def parse_result(text: str, source: str) -> Result:
-    """The same from the text of a result."""
+    """Reads a result from its text; errors as in ``read_result``."""
     try:
         record = json.loads(text, parse_float=decimal, object_pairs_hook=_unique)
         seal = seal_of(text)

@@ -1,4 +1,11 @@
-"""Figures: the only place that draws. Each function returns one figure with its caption."""
+"""Figures: each function returns one drawing with its caption.
+
+- ``canvas``: colours, sizes, and a figure as files; the same input gives the same bytes.
+- ``general``: logs, Allan deviations, thrust curves, parameter intervals, validations.
+- ``diagnosis``: signatures of findings, and force and motion before and after.
+
+The chapter may use the values that the stages return, for their types, and the curve of a thrust table.
+"""
 
 from ivsid.report.figures.canvas import COLOURS, FORCE_LABEL, Drawing
 from ivsid.report.figures.diagnosis import force_residual, gain, net_force, ratios, separation, signature

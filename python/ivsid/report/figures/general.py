@@ -1,21 +1,25 @@
-"""What every command but the diagnosis draws."""
+"""Figures of all commands but the diagnosis."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ivsid.identification import Identification
-from ivsid.log import Log
-from ivsid.propulsion.bollard import Bollard
 from ivsid.propulsion.thrust import table_curve
 from ivsid.report.figures.canvas import COLOURS, FORCE_LABEL, Drawing, finish, thin
-from ivsid.sensors.allan import AllanDeviation
-from ivsid.validation import ForceCheck, MotionCheck
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ivsid.identification import Identification
+    from ivsid.log import Log
+    from ivsid.propulsion.bollard import Bollard
+    from ivsid.sensors.allan import AllanDeviation
+    from ivsid.validation import ForceCheck, MotionCheck
 
 
 def allan_curves(curves: Mapping[str, AllanDeviation], name: str, title: str, unit: str) -> Drawing:
@@ -53,7 +57,7 @@ def _read_off(a: AllanDeviation) -> str:
 def thrust_curve(
     table: Bollard, name: str = "thrust", title: str = "Thrust against demand", demand_unit: str = "%"
 ) -> Drawing:
-    """Bollard-pull points with the candidate curves, and their residuals."""
+    """Bollard-pull points with the candidate curves, and the residuals of these."""
     figure = Figure(figsize=(8.5, 4.2), layout="constrained")
     left, right = figure.subplots(1, 2)
     fine = np.linspace(table.demand[0], table.demand[-1], 600)
@@ -162,7 +166,7 @@ def force_bounds(check: ForceCheck, name: str, title: str, *, guaranteed: bool) 
     return finish(name, title, caption, figure)
 
 
-def _time_axes(axes: Any, check: ForceCheck) -> None:
+def _time_axes(axes: Axes, check: ForceCheck) -> None:
     axes.set_xlabel("time [s]")
     axes.set_ylabel(FORCE_LABEL[check.channel])
     axes.grid(True, alpha=0.3)
@@ -193,7 +197,7 @@ def motion(check: MotionCheck, name: str = "motion") -> Drawing:
 
 
 def channels(log: Log, name: str = "log") -> Drawing:
-    """The log as it came: demands, velocities and rates, accelerations."""
+    """The channels of a log as measured: demands, velocities and rates, accelerations."""
     groups: list[tuple[str, list[str]]] = [
         ("demand", [c for c in log.columns if c.startswith("demand_")]),
         ("u, v [m/s], r [rad/s]", [c for c in ("u", "v", "r") if c in log.columns]),

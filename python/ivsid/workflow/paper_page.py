@@ -1,4 +1,4 @@
-"""The page of ``ivsid demo``: pictures, tables and words, beside the numbers that the paper prints."""
+"""The page of ``ivsid demo``: figures, tables and words beside the numbers that the paper prints."""
 
 from __future__ import annotations
 
@@ -9,35 +9,32 @@ import numpy as np
 
 from ivsid.identification import Identification
 from ivsid.identification.constriction import Constriction
-from ivsid.intervals import Interval, IntervalArray
+from ivsid.intervals import EndpointPair, Interval, IntervalArray
 from ivsid.linear import linalg
 from ivsid.log import Log
 from ivsid.propulsion import bollard
 from ivsid.report import figures, page
 from ivsid.report.figures import Drawing
-from ivsid.report.page import Section
+from ivsid.report.page import Cells, Part, Section
 from ivsid.sensors.allan import AllanDeviation
 from ivsid.sensors.bounds import doppler_drift, doppler_paper, sigma_published
 from ivsid.simulation import Simulated
 from ivsid.validation import Validation
 from ivsid.vehicle import Vehicle
-from ivsid.workflow.allan import coefficient_rows, coefficient_table
-from ivsid.workflow.common import (
-    method_table,
-    motion_table,
-    parameter_lines,
-    shown,
-    validation_table,
-)
-from ivsid.workflow.thrust import fit_table
-from ivsid.workflow.validate import validation_drawings, validation_lines
+from ivsid.workflow.allan_analysis import coefficient_rows, coefficient_table
+from ivsid.workflow.parameters import method_table, parameter_lines, shown
+from ivsid.workflow.thrust_curves import fit_table
+from ivsid.workflow.validation import motion_table, validation_drawings, validation_lines, validation_table
 
-# Table V of the paper, and its printed validation errors.
+# Parameter intervals as printed.
+# Source: paper: Table V
 TABLE_V = {
     "added mass [kg]": (-31.8686, 8.1316),
     "drag [kg/m]": (235.7778, 275.7781),
     "moment of inertia [kg m²]": (-41.7606, 48.2396),
 }
+# Mean and standard deviation of the validation errors as printed [N, N m].
+# Source: paper: printed validation errors
 PRINTED_ERRORS = {"surge": (1.955, 2.699), "yaw": (0.963, 0.785)}
 
 
@@ -51,7 +48,7 @@ class Trial:
 
 
 def paper_numbers() -> dict[str, Any]:
-    """Numbers printed in the paper that can be computed again (READING_NOTES)."""
+    """Numbers printed in the paper that can be computed again (docs/theory.md, "The paper's equations, as corrected")."""
     q = IntervalArray(np.array([[2, -2], [-1.5, -2]]), np.array([[4, 2], [4.5, 3.5]]))
     one = IntervalArray([[1.0]], [[2.0]])
     literal = linalg.inverse(one, "published", 10)
@@ -71,7 +68,8 @@ def paper_numbers() -> dict[str, Any]:
     }
 
 
-def _pair(value: Any) -> list[float]:
+def _pair(value: object) -> list[float]:
+    assert isinstance(value, (IntervalArray, EndpointPair))
     return [float(value.lower.ravel()[0]), float(value.upper.ravel()[0])]
 
 
@@ -104,7 +102,7 @@ def sections_of(
     curves: dict[str, AllanDeviation],
     table: bollard.Bollard,
     fits: list[Identification],
-    worth: dict[str, Any],
+    inverses: dict[str, Any],
     published: Identification,
     narrowed: Constriction,
     checks: list[Validation],
@@ -133,7 +131,7 @@ def sections_of(
             "Parameters by every method",
             (method_table(fits), shown_figures["parameters"], page.bullets(fits[0].assumes)),
         ),
-        Section("What the published inverse is worth", _worth_parts(worth)),
+        Section("What the published inverse is worth", _inverse_parts(inverses)),
         Section("Table V", _table_v(fits[0], published, narrowed, vehicle)),
         Section(
             "Validation on the second trial, feasible parameters (Figs 4-7)",
@@ -163,7 +161,7 @@ def _twin(vehicle: Vehicle, train: Trial) -> list[str]:
     ]
 
 
-def _table_iv(vehicle: Vehicle) -> dict[str, Any]:
+def _table_iv(vehicle: Vehicle) -> Part:
     x, y = vehicle.hull.centre_of_gravity
     rows = [["centre of gravity x_G [mm]", -1.06, 1e3 * x], ["centre of gravity y_G [mm]", -2.95, 1e3 * y]]
     return page.table(["Table IV", "paper", "twin"], rows)
@@ -177,26 +175,31 @@ def _thrust_words(table: bollard.Bollard) -> str:
     )
 
 
-def _worth_parts(worth: dict[str, Any]) -> tuple[dict[str, Any], ...]:
-    rows: list[list[Any]] = []
-    entries = worth["entries"]
+def _inverse_parts(inverses: dict[str, Any]) -> tuple[Part, ...]:
+    """The published inverses beside the exact hull."""
+    rows: list[Cells] = []
+    entries = inverses["entries"]
     for method in ("published", "published-hull"):
-        if method in worth:
-            w = worth[method]
-            rows.append([method, f"{w['improper']} of {entries}", f"{w.get('enclosed_entries', '–')} of {entries}"])
+        if method in inverses:
+            found = inverses[method]
+            rows.append(
+                [method, f"{found['improper']} of {entries}", f"{found.get('enclosed_entries', '–')} of {entries}"]
+            )
     first = page.table(
         ["inverse of A'A (mass, drag)", "improper entries", "entries that enclose the exact hull's"],
         rows,
-        f"N = {worth['partitions']} partitions",
+        f"N = {inverses['partitions']} partitions",
     )
-    widths = [[m, i, float(r)] for m, ratios in worth["width_over_feasible"].items() for i, r in ratios.items()]
+    widths = [[m, i, float(r)] for m, ratios in inverses["width_over_feasible"].items() for i, r in ratios.items()]
     second = page.table(["method (eq. 14)", "parameter", "width over the feasible set's"], widths)
     values = []
-    for i, j in np.ndindex(*np.shape(worth["published"]["lower"])):
-        cells: list[Any] = [f"({i + 1}, {j + 1})"]
+    for i, j in np.ndindex(*np.shape(inverses["published"]["lower"])):
+        cells: list[object] = [f"({i + 1}, {j + 1})"]
         for method in ("published", "published-hull", "exact"):
             cells.append(
-                f"[{worth[method]['lower'][i, j]:.6g}, {worth[method]['upper'][i, j]:.6g}]" if method in worth else "–"
+                f"[{inverses[method]['lower'][i, j]:.6g}, {inverses[method]['upper'][i, j]:.6g}]"
+                if method in inverses
+                else "–"
             )
         values.append(cells)
     third = page.table(["entry of (A'A)⁻¹", "eq. 11 literally", "hull over both sets", "exact hull"], values)
@@ -209,7 +212,7 @@ def _worth_parts(worth: dict[str, Any]) -> tuple[dict[str, Any], ...]:
 
 def _table_v(
     feasible: Identification, published: Identification, narrowed: Constriction, vehicle: Vehicle
-) -> tuple[dict[str, Any], ...]:
+) -> tuple[Part, ...]:
     ids = ("mass.surge", "drag.surge.quadratic", "inertia.yaw")
     rows = []
     for (label, printed), id_, added_id in zip(TABLE_V.items(), ids, published.parameters, strict=True):
@@ -244,7 +247,7 @@ def _table_v(
     return words, page.table(header, rows)
 
 
-def _errors(checks: list[Validation]) -> dict[str, Any]:
+def _errors(checks: list[Validation]) -> Part:
     rows = []
     for check in checks:
         for f in check.forces:
@@ -257,11 +260,11 @@ def _errors(checks: list[Validation]) -> dict[str, Any]:
     )
 
 
-def _reproduced() -> dict[str, Any]:
+def _reproduced() -> Part:
     n = paper_numbers()
     low, high = n["inverse_of_1_2"]["published_10"]
     exact = n["inverse_of_1_2"]["exact"]
-    rows: list[list[Any]] = [
+    rows: list[Cells] = [
         ["norm of Q (IV.A)", "8", float(n["norm"])],
         ["radius of Q at (2,2) (IV.A)", "2.25 (misprint)", float(n["radius"][1, 1])],
         ["Doppler drift in an hour at 2 m/s", "28.8 m", float(n["doppler_drift_per_hour"])],
@@ -278,8 +281,8 @@ def _reproduced() -> dict[str, Any]:
     return page.table(["number", "printed", "computed"], rows)
 
 
-def lines_of(fits: list[Identification], worth: dict[str, Any], checks: list[Validation]) -> tuple[str, ...]:
-    """What the command prints."""
+def lines_of(fits: list[Identification], inverses: dict[str, Any], checks: list[Validation]) -> tuple[str, ...]:
+    """The result of the demo, for the terminal."""
     feasible = fits[0]
     word = "guaranteed" if feasible.guaranteed else "not guaranteed"
     ids = ", ".join(f"{i} {shown(p.lower, p.upper, 4)} {p.unit}" for i, p in feasible.parameters.items())
@@ -287,10 +290,10 @@ def lines_of(fits: list[Identification], worth: dict[str, Any], checks: list[Val
     for fit in fits:
         lines += parameter_lines(fit)
     for method in ("published", "published-hull"):
-        if method in worth:
-            w = worth[method]
+        if method in inverses:
+            found = inverses[method]
             lines.append(
-                f"{method} inverse: {w['improper']} of {worth['entries']} entries improper, {w.get('enclosed_entries', 0)} enclose the exact hull's"
+                f"{method} inverse: {found['improper']} of {inverses['entries']} entries improper, {found.get('enclosed_entries', 0)} enclose the exact hull's"
             )
     lines += validation_lines(checks[0])
     return tuple(lines)

@@ -1,4 +1,4 @@
-"""``ivsid allan``."""
+"""``ivsid allan``: noise coefficients of a static recording, ready for a vehicle file."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,16 +14,16 @@ from ivsid.errors import IvsidError
 from ivsid.files.records import envelope
 from ivsid.log import open_source
 from ivsid.report import figures, page
-from ivsid.report.page import Report, Section
+from ivsid.report.page import Cells, Part, Report, Section
 from ivsid.report.tables import allan_record
 from ivsid.sensors.allan import AllanDeviation, allan_deviation
 from ivsid.sensors.allan_fit import NAMES
 from ivsid.sensors.bounds import rule_for
 from ivsid.vehicle import Sensors
-from ivsid.workflow.common import Progress, silent
+from ivsid.workflow.progress import Progress, silent
 
 TIMES = ("t", "t_s", "time", "time_s", "timestamp", "stamp")
-# Which quantity a column is, by its name: (quantity, unit, pattern).
+# The quantity of a column by its name: (quantity, unit, pattern).
 QUANTITIES = (
     ("acceleration", "m/s^2", re.compile(r"^(ax|ay|az|udot|vdot|acc.*)$", re.IGNORECASE)),
     ("yaw_rate", "rad/s", re.compile(r"^(r|p|q|gyr.*|yaw_?rate.*)$", re.IGNORECASE)),
@@ -44,7 +43,17 @@ class Recording:
 def allan(
     log: str | Path, *, columns: Sequence[str] = (), time: str | None = None, progress: Progress = silent
 ) -> Report:
-    """Reads a static recording and analyses every inertial channel."""
+    """Reads a static recording and analyses every inertial channel.
+
+    Args:
+        log: the recording.
+        columns: channels; every inertial one by default.
+        time: name of the time column [s]; found by its name by default.
+        progress: told of each step.
+
+    Raises:
+        IvsidError: an unusable recording, in one sentence.
+    """
     progress("reading")
     recording = _record(log, columns, time)
     curves = {}
@@ -94,7 +103,7 @@ def allan(
     lines = [
         summary,
         *(
-            f"  {r[0]:<10} N {r[2]:.4g}, B {r[3]:.4g} (T {r[4]:.4g} s{'' if r[5] else ', not resolved'}), K {curves[r[0]].rate_random_walk:.4g}, "
+            f"  {r[0]:<10} N {r[2]:.4g}, B {r[3]:.4g} (T {r[4]:.4g} s{'' if r[5] else ', not resolved'}), K {curves[str(r[0])].rate_random_walk:.4g}, "
             f"sigma_c {r[7]:.4g}, half-width {r[9]:.4g} {r[1]}"
             for r in rows
         ),
@@ -121,8 +130,8 @@ def _reading(sigmas: float) -> list[str]:
     ]
 
 
-def coefficient_rows(curves: Mapping[str, AllanDeviation], bounds: Mapping[str, float]) -> list[list[Any]]:
-    """One row a channel, for tables."""
+def coefficient_rows(curves: Mapping[str, AllanDeviation], bounds: Mapping[str, float]) -> list[list[object]]:
+    """One row for each channel, for tables."""
     return [
         [
             n,
@@ -140,8 +149,8 @@ def coefficient_rows(curves: Mapping[str, AllanDeviation], bounds: Mapping[str, 
     ]
 
 
-def coefficient_table(rows: list[list[Any]]) -> dict[str, Any]:
-    """The same as a table of the report."""
+def coefficient_table(rows: Sequence[Cells]) -> Part:
+    """The coefficients as a table of the report."""
     header = [
         "channel",
         "unit",
@@ -157,8 +166,8 @@ def coefficient_table(rows: list[list[Any]]) -> dict[str, Any]:
     return page.table(header, rows)
 
 
-def band_table(curves: Mapping[str, AllanDeviation]) -> dict[str, Any]:
-    """The numbers that were read off with their 95 % bands."""
+def band_table(curves: Mapping[str, AllanDeviation]) -> Part:
+    """The coefficients with their 95 % bands."""
     rows = [[channel, *(_banded(getattr(a, name), a.bands[name]) for name in NAMES)] for channel, a in curves.items()]
     return page.table(["channel", "N", "B", "T [s]", "K [unit/s/√s]"], rows, "95 % bands")
 
@@ -172,7 +181,7 @@ def _quantity(name: str) -> tuple[str, str]:
 
 
 def sensors_toml(curves: Mapping[str, AllanDeviation]) -> str:
-    """The sections of a vehicle file; z axes of an accelerometer and x, y axes of a gyro have no place in it."""
+    """The sensor sections of a vehicle file; it has no place for an accelerometer's z axis and a gyro's x and y axes."""
     lines: list[str] = []
 
     def number(x: float) -> str:

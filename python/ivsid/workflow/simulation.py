@@ -1,4 +1,4 @@
-"""``ivsid simulate``."""
+"""``ivsid simulate``: a log from a known truth, which stands apart from it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ from ivsid.programme.scenario import Scenario, read_scenario
 from ivsid.report import figures, page
 from ivsid.report.page import Report, Section
 from ivsid.vehicle import read_vehicle
-from ivsid.workflow.common import Progress, csv, parquet, silent
+from ivsid.workflow.log_files import csv, parquet
+from ivsid.workflow.progress import Progress, silent
 
 TABLES: dict[str, Callable[..., str | bytes]] = {"csv": csv, "parquet": parquet}
 
@@ -34,16 +35,16 @@ def simulate(
     table: str = "csv",
     progress: Progress = silent,
 ) -> Report:
-    """Reads both files, simulates, and leaves the log and, apart from it, the truth.
+    """Reads a vehicle file and a scenario, and simulates; the log and the truth become files of the report.
 
     Args:
         vehicle: path of a vehicle file, or the name of a shipped one (otter, vectored_rov).
         scenario: path of a scenario file, or the name of the vehicle that a shipped one is for.
         seed: in place of the scenario's.
-        effects: further numbers of the catalogue by id; several in EFFECTS.md's order, or one by id.part or id.NAME.
-        hide: draws the effect, and the noise where no seed is given, from this seed instead: none in one of three; neither seed
-            is in the result.
-        hidden: draws exactly so many with it.
+        effects: further numbers by id of the catalogue; several in the order of its parameters, or one by id.part or id.NAME.
+        hide: draws the effect (none in one case of three), and the noise if no seed is given, from this seed; neither seed is in
+            the result.
+        hidden: number of effects that ``hide`` draws.
         table: the log's format, csv or parquet.
         progress: told of each step.
 
@@ -65,7 +66,7 @@ def simulate(
             given = simulation.hidden_effect(checked, programme, hide)
         else:
             given = simulation.hidden_effects(checked, programme, hide, hidden)
-        # Who knows the seed of the noise can take the noise away: it is drawn from the hidden seed, and not printed.
+        # The seed of the noise would let a reader remove the noise: it is drawn from the hidden seed, and not printed.
         seed = _noise_seed(hide) if seed is None else seed
     elif hidden is not None:
         raise IvsidError("--effects says how many effects --hide draws; give --hide SEED with it")
@@ -105,13 +106,13 @@ def _noise_seed(hide: int) -> int:
 
 
 def _measured(id_: str, scenario: Scenario) -> bool:
-    """Whether the log will have the cause itself, so that the effect's numbers multiply it."""
+    """Whether the log will hold the cause of an effect as a channel, so that the effect's numbers multiply it."""
     where = scenario.environment
     return (where.voltage if id_ == "thruster.voltage_sag" else where.wind_speed) is not None
 
 
 def shipped(path: str | Path, suffix: str) -> Path:
-    """The path itself, or that of the file which ships under this name where nothing stands at the path."""
+    """The path, or that of the shipped file of this name if there is no file at the path."""
     given = Path(path)
     if given.exists() or given.suffix or len(given.parts) != 1:
         return given

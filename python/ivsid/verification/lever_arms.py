@@ -1,4 +1,4 @@
-"""Where a sensor stands and how it is turned, in fractions."""
+"""Lever arm and rotation of a sensor, in fractions."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def mounted(sensor: Mounted) -> bool:
 
 
 def arm_of(exact: Decimals, mount: Mounted) -> tuple[Range, Range]:
-    """Its place ahead of the origin and to starboard [m]."""
+    """The sensor's place ahead of the origin and to starboard [m]."""
     (x, y), off = exact.pair(mount.position), sided(exact(mount.position_accuracy))
     return x + off, y + off
 

@@ -1,12 +1,13 @@
-"""``ivsid import``."""
+"""``ivsid import``: a public data set as logs, thrust tables and a vehicle file."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ivsid.adapters import ADAPTERS, Imported, Part
 from ivsid.errors import IvsidError
@@ -18,14 +19,15 @@ from ivsid.report import figures, page
 from ivsid.report.figures import Drawing
 from ivsid.report.page import Report, Section
 from ivsid.report.tables import quality_record
-from ivsid.workflow.common import Progress, quality_table, silent
+from ivsid.workflow.log_files import quality_table
+from ivsid.workflow.progress import Progress, silent
 
 
 def import_set(name: str, folder: str | Path, *, progress: Progress = silent) -> Report:
-    """Reads a public data set from a folder; leaves logs, tables and the vehicle file in the contract's form.
+    """Reads a public data set from a folder; its logs, tables and vehicle file become files of the report.
 
     Raises:
-        IvsidError: an unknown set, or what is missing or damaged in the folder.
+        IvsidError: an unknown set, or a file of the folder that is missing or damaged.
     """
     if name not in ADAPTERS:
         raise IvsidError(f"data set '{name}' is unknown; choose one of {', '.join(ADAPTERS)}")
@@ -64,14 +66,14 @@ def import_set(name: str, folder: str | Path, *, progress: Progress = silent) ->
     return Report(f"Import of {made.title}", summary, record, tuple(sections), drawings, content, tuple(lines))
 
 
-def _csv(columns: Any) -> str:
+def _csv(columns: Mapping[str, NDArray[np.float64]]) -> str:
     names = list(columns)
     rows = zip(*(columns[n].tolist() for n in names), strict=True)
     return "\n".join([",".join(names), *(",".join(repr(x) for x in row) for row in rows)]) + "\n"
 
 
 def _quality(name: str, part: Part) -> tuple[dict[str, Quality], list[str]]:
-    """As ``read_log`` will say when the file is used."""
+    """Quality and notes, as ``read_log`` gives them for the written file."""
     found, notes = {}, list(part.notes)
     for column, values in part.columns.items():
         kept, repeats, note = without_held(column, values)

@@ -1,4 +1,4 @@
-"""``ivsid isolability``."""
+"""``ivsid isolability``: causes that a programme can show and tell apart, and the manoeuvre that would help."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from ivsid.log import Log, read_log
 from ivsid.programme import trials
 from ivsid.programme.scenario import read_scenario
 from ivsid.report import figures, page
-from ivsid.report.page import Report, Section
+from ivsid.report.page import Part, Report, Section
 from ivsid.vehicle import Vehicle, read_vehicle
-from ivsid.workflow.common import Progress, silent
+from ivsid.workflow.progress import Progress, silent
 
 # Channels that a manoeuvre's log always has; others only where the log has them.
 MOTION = ("u", "v", "r")
@@ -29,7 +29,11 @@ TURNS = ("zigzag 20/20", "PRBS")
 def isolability(
     vehicle: str | Path, log: str | Path, *, seed: int | None = None, progress: Progress = silent
 ) -> Report:
-    """Reads a vehicle and a log, or a scenario that is simulated first, and says what it can show and what to sail next."""
+    """Reads a vehicle file and a log, or a scenario to simulate, and reports its isolability with the best manoeuvres.
+
+    Raises:
+        IvsidError: an unusable file, in one sentence.
+    """
     progress("reading")
     checked = read_vehicle(vehicle)
     data = _log(checked, Path(log), seed, progress)
@@ -53,7 +57,7 @@ def _log(vehicle: Vehicle, path: Path, seed: int | None, progress: Progress) -> 
 
 
 def _full(vehicle: Vehicle, log: Log) -> float:
-    """The largest demand from neutral: where the curves end, or else what the log asked for."""
+    """The largest demand from neutral: the end of the curves, or the largest demand of the log for curves without end."""
     if full := trials.full_demand(vehicle):
         return full
     asked = [
@@ -98,7 +102,7 @@ def _simulated(
     if not trials.believable(vehicle, made.exact["r"]):
         return None
     columns = {k: x for k, x in made.columns.items() if k in log.columns or k in MOTION}
-    # What blows and the supply stay as they were.
+    # Wind, supply voltage and depth keep their means over the log.
     for name in ("wind_speed", "wind_direction", "voltage", "depth"):
         if name in log.columns:
             columns[name] = np.full(made.t.size, float(np.nanmean(log.columns[name])))
@@ -106,7 +110,7 @@ def _simulated(
 
 
 def isolability_report(vehicle: Vehicle, result: Isolability, words: Mapping[str, str]) -> Report:
-    """The report."""
+    """The report of an isolability study."""
     record = result.record()
     record["manoeuvres"] = dict(words)
     rows = []
@@ -149,8 +153,8 @@ def _of(result: Isolability, ids: tuple[str, ...]) -> Advice | None:
     return next((a for a in result.advice if a.ids == ids), None)
 
 
-def _advised(result: Isolability, ids: tuple[str, ...]) -> list[Any]:
-    """Cells: the distance now, the best manoeuvre, the distance with it, and what it still leaves together."""
+def _advised(result: Isolability, ids: tuple[str, ...]) -> list[object]:
+    """Cells of a table: the distance now, the best manoeuvre, the distance with it, and the causes that it leaves together."""
     advice = _of(result, ids)
     if advice is None:
         return [None, "none was tried", None, None]
@@ -161,7 +165,7 @@ def _advised(result: Isolability, ids: tuple[str, ...]) -> list[Any]:
     return [advice.d, best.trial, best.d, left or "nothing"]
 
 
-def _untested(result: Isolability, record: Mapping[str, Any]) -> dict[str, Any]:
+def _untested(result: Isolability, record: Mapping[str, Any]) -> Part:
     rows = []
     for q in record["not_tested"]:
         name, z = result.shown.get(q["effect"], ("–", None))

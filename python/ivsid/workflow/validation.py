@@ -1,4 +1,4 @@
-"""``ivsid validate``."""
+"""``ivsid validate``: a fit against another log."""
 
 from __future__ import annotations
 
@@ -9,16 +9,20 @@ from ivsid.identification import read_identification
 from ivsid.log import read_log
 from ivsid.report import figures, page
 from ivsid.report.figures import Drawing
-from ivsid.report.page import Report, Section
+from ivsid.report.page import Part, Report, Section
 from ivsid.report.tables import validation_record
 from ivsid.validation import Validation
-from ivsid.workflow.common import Progress, motion_table, silent, validation_table
+from ivsid.workflow.progress import Progress, silent
 
 TITLES = {"surge": "force X", "sway": "force Y", "yaw": "moment N"}
 
 
 def validate(fit: str | Path, log: str | Path, *, progress: Progress = silent) -> Report:
-    """Reads a fit and a log, validates, reports."""
+    """Reads a fit and a log, validates and reports.
+
+    Raises:
+        IvsidError: an unusable file, in one sentence.
+    """
     progress("reading")
     known = read_identification(fit)
     data = read_log(log, known.vehicle.log)
@@ -47,7 +51,7 @@ def validate(fit: str | Path, log: str | Path, *, progress: Progress = silent) -
 
 
 def validation_drawings(result: Validation, prefix: str = "") -> tuple[Drawing, ...]:
-    """Mid-values and bounds of each channel, and the motion where it was simulated."""
+    """Mid-values and bounds of each channel, and the motion if it was simulated."""
     drawings = []
     for f in result.forces:
         title = TITLES[f.channel]
@@ -75,7 +79,7 @@ def validation_summary(result: Validation) -> str:
 
 
 def validation_lines(result: Validation) -> list[str]:
-    """What the terminal shows."""
+    """The errors of each channel, for the terminal."""
     lines = [validation_summary(result)]
     for f in result.forces:
         unit = "N m" if f.channel == "yaw" else "N"
@@ -90,3 +94,44 @@ def validation_lines(result: Validation) -> list[str]:
         else "  motion rms: " + ", ".join(f"{k} {v:.4g}" for k, v in motion.rms.items())
     )
     return lines
+
+
+def validation_table(result: Validation) -> Part:
+    """Errors of the predicted force [N] and moment [N m] of each channel."""
+    rows = [
+        [
+            f.channel,
+            "N m" if f.channel == "yaw" else "N",
+            f.time.size,
+            f.mean,
+            f.sigma,
+            f.mean_absolute,
+            100 * f.coverage,
+            f.falsified,
+        ]
+        for f in result.forces
+    ]
+    header = [
+        "channel",
+        "unit",
+        "rows",
+        "mean error",
+        "sigma",
+        "mean |error|",
+        "inside bounds [%]",
+        "contradicting rows",
+    ]
+    return page.table(header, rows)
+
+
+def motion_table(result: Validation) -> Part:
+    """Errors of the simulated motion: rms and median over windows."""
+    motion = result.motion
+    if motion.reason:
+        return page.text(f"No simulated motion: {motion.reason}.")
+    units = {"u": "m/s", "v": "m/s", "r": "rad/s", "position": "m"}
+    rows = [
+        [k, units[k], motion.window["position" if k == "position" else "velocity"], motion.rms[k], motion.median[k]]
+        for k in motion.rms
+    ]
+    return page.table(["quantity", "unit", "window [s]", "rms error", "median over windows"], rows)

@@ -1,4 +1,4 @@
-"""``ivsid identify``."""
+"""``ivsid identify``: parameter intervals with their assumptions, and the rows that prove a contradiction."""
 
 from __future__ import annotations
 
@@ -10,20 +10,13 @@ from ivsid.files.records import sealed
 from ivsid.identification import Identification
 from ivsid.log import Log, read_log
 from ivsid.report import figures, page
-from ivsid.report.page import Report, Section
+from ivsid.report.page import Part, Report, Section
 from ivsid.report.tables import quality_record
 from ivsid.rows import WINDOW
 from ivsid.vehicle import read_vehicle
-from ivsid.workflow.common import (
-    MEANING,
-    Progress,
-    claim_lines,
-    freedom_lines,
-    method_table,
-    parameter_lines,
-    quality_table,
-    silent,
-)
+from ivsid.workflow.log_files import quality_table
+from ivsid.workflow.parameters import MEANING, claim_lines, freedom_lines, method_table, parameter_lines
+from ivsid.workflow.progress import Progress, silent
 
 
 def identify(
@@ -39,7 +32,11 @@ def identify(
     outliers: int = 0,
     progress: Progress = silent,
 ) -> Report:
-    """Reads both files, identifies, reports."""
+    """Reads a vehicle file and a log, identifies and reports; the options are those of ``ivsid.identify``.
+
+    Raises:
+        IvsidError: an unusable file or option, in one sentence.
+    """
     progress("reading")
     checked = read_vehicle(vehicle)
     data = read_log(log, checked.log)
@@ -94,11 +91,11 @@ def identification_report(fit: Identification, log: Log) -> Report:
     )
 
 
-def _quality(log: Log) -> list[dict[str, object]]:
+def _quality(log: Log) -> list[Part]:
     return [quality_table(log.quality)] if log.quality else []
 
 
-def _notes(fit: Identification, log: Log) -> list[dict[str, object]]:
+def _notes(fit: Identification, log: Log) -> list[Part]:
     notes = [*fit.notes]
     if log.ignored:
         notes.append(f"columns not used: {', '.join(log.ignored)}")
@@ -106,7 +103,7 @@ def _notes(fit: Identification, log: Log) -> list[dict[str, object]]:
 
 
 def _contradiction(fit: Identification) -> Section:
-    """The few rows that prove the model wrong."""
+    """The rows that prove the model wrong."""
     rows = [
         [
             ", ".join(f"{k} {'≥' if s > 0 else '≤'} 0" for k, s in c["orthant"].items() if s),

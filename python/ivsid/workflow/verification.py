@@ -1,4 +1,4 @@
-"""``ivsid verify``."""
+"""``ivsid verify``: the certificates of an identification, checked in exact arithmetic."""
 
 from __future__ import annotations
 
@@ -9,13 +9,19 @@ from ivsid.files.records import envelope
 from ivsid.report import page
 from ivsid.report.page import Report, Section
 from ivsid.verification import Verification
-from ivsid.workflow.common import Progress, silent
+from ivsid.workflow.progress import Progress, silent
 
+# Failures that the terminal shows; result.json holds all.
+# Source: resource: lines of a terminal
 MOST_FAILURES = 12
 
 
 def verify(result: str | Path, log: str | Path, *, progress: Progress = silent) -> Report:
-    """Checks the certificates, reports the verdict."""
+    """Checks the certificates of a result against its log, and reports the verdict.
+
+    Raises:
+        IvsidError: a file that cannot be read.
+    """
     progress("recomputing rows and multipliers in fractions")
     verdict = verification.verify(result, log)
     lines = verdict_lines(verdict)
@@ -50,16 +56,16 @@ def verify(result: str | Path, log: str | Path, *, progress: Progress = silent) 
 
 
 def verdict_lines(verdict: Verification) -> list[str]:
-    """What the terminal shows."""
+    """The verdict for the terminal."""
     if verdict.proved:
         rows = f"{verdict.wrong} row{'s' * (verdict.wrong > 1)}"
-        claim = (
+        statement = (
             f"{verdict.claim}, if at most {rows} of each set of parameters that share rows are wrong"
             if verdict.wrong
             else verdict.claim
         )
         return [
-            f"PROVED: {verdict.result_name} ({claim}) follows from {verdict.log_name}: {verdict.certificates} certificates "
+            f"PROVED: {verdict.result_name} ({statement}) follows from {verdict.log_name}: {verdict.certificates} certificates "
             f"over {verdict.rows} rows hold in exact arithmetic"
         ]
     if verdict.status == "not_checked":

@@ -1,4 +1,4 @@
-"""``ivsid thrust``."""
+"""``ivsid thrust``: candidates for a thrust curve from a bollard-pull table."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from ivsid.files.records import envelope
 from ivsid.log import open_source
 from ivsid.propulsion.bollard import PUBLISHED_CUBIC, Bollard, Fit, examine
 from ivsid.report import figures, page
-from ivsid.report.page import Report, Section
+from ivsid.report.page import Part, Report, Section
 from ivsid.report.tables import bollard_record
-from ivsid.workflow.common import Progress, silent
+from ivsid.workflow.progress import Progress, silent
 
 DEMANDS = ("demand", "pwm", "command", "throttle", "rpm")
 THRUSTS = ("thrust", "force")
@@ -30,7 +30,18 @@ def thrust(
     unit: str | None = None,
     progress: Progress = silent,
 ) -> Report:
-    """Reads a bollard-pull table, fits the candidates, says which to use."""
+    """Reads a bollard-pull table, fits the candidates and recommends one.
+
+    Args:
+        path: the table.
+        demand_column: name of the demand's column; found by its name by default.
+        thrust_column: name of the thrust's column, likewise.
+        unit: of the thrust; the unit in the column's name, or N, by default.
+        progress: told of each step.
+
+    Raises:
+        IvsidError: an unusable table, in one sentence.
+    """
     progress("reading")
     with open_source(path) as source:
         demand_name = _column(source.columns, demand_column, DEMANDS, "demand", path)
@@ -96,8 +107,8 @@ def thrust(
     )
 
 
-def fit_table(table: Bollard) -> dict[str, object]:
-    """One row a candidate."""
+def fit_table(table: Bollard) -> Part:
+    """One row for each candidate."""
     rows = [
         [f.name, ", ".join(f"{c:.5g}" for c in f.coefficients or f.quadratic or ()) or "–", f.rms, f.largest]
         for f in table.fits
@@ -134,7 +145,7 @@ def _notes(table: Bollard, percent: bool) -> list[str]:
 def thruster_toml(table: Bollard) -> str:
     """A thruster's table for a vehicle file, its demands from the middle of the dead band where that is not zero.
 
-    Its thrusts are printed with six digits; what they lose is the accuracy beside them.
+    Its thrusts are printed with six digits; the accuracy beside them bounds the rounding.
     """
     neutral = 0.0
     if table.dead_band is not None and not table.dead_band[0] <= 0 <= table.dead_band[1]:

@@ -1,25 +1,17 @@
-"""Sections that several reports share."""
+"""Parameter intervals of an identification in words and tables."""
 
 from __future__ import annotations
 
-import io
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any, TypeAlias
-
-import numpy as np
-import polars as pl
-from numpy.typing import NDArray
 
 from ivsid.identification import Identification, in_words
 from ivsid.intervals import outward_decimal
-from ivsid.log import Quality
 from ivsid.report import page
-from ivsid.validation import Validation
+from ivsid.report.page import Cells, Part
 
-Progress: TypeAlias = Callable[[str], None]
-
+# Statuses of an identification in words.
 MEANING = {
     "enclosed": "every parameter that is consistent with the log lies in these intervals",
     "empty": "no parameter is consistent with every row: the model, the thrust accuracy or a sensor bound is wrong",
@@ -28,17 +20,13 @@ MEANING = {
     "not_applicable": "the method's own conditions do not hold on these data",
 }
 
-
-# Directions that the terminal shows; a log that bounds nothing leaves dozens.
+# Directions that the terminal shows; a log that bounds no parameter leaves dozens.
+# Source: resource: lines of a terminal
 MOST_DIRECTIONS = 6
 
 
-def silent(_: str) -> None:
-    """Progress for nobody."""
-
-
 def shown(lower: float, upper: float, digits: int = 6) -> str:
-    """An interval for people, rounded outward; open ends as words."""
+    """An interval in decimals, rounded outward; open ends as words."""
     return f"[{_end(lower, digits, up=False)}, {_end(upper, digits, up=True)}]"
 
 
@@ -52,14 +40,14 @@ def _end(x: float, digits: int, *, up: bool) -> str:
     if (scaled < x) if up else (scaled > x):
         scaled += (1 if up else -1) * 10.0**-places
     text = f"{scaled:.{digits}g}"
-    # Rounding to a few digits is done in floats: where it landed on the wrong side, the exact decimal is shown.
+    # The rounding above is done in floats: if it went inward, the exact decimal is shown.
     safe = Fraction(text) >= Fraction(x) if up else Fraction(text) <= Fraction(x)
     return text if safe else outward_decimal(x, up=up)
 
 
-def method_table(fits: Sequence[Identification]) -> dict[str, Any]:
-    """One row a method and parameter."""
-    rows: list[list[Any]] = []
+def method_table(fits: Sequence[Identification]) -> Part:
+    """One row for each method and parameter."""
+    rows: list[Cells] = []
     for fit in fits:
         ids = list(fit.parameters) or ["–"]
         for k, id_ in enumerate(ids):
@@ -72,7 +60,7 @@ def method_table(fits: Sequence[Identification]) -> dict[str, Any]:
 
 
 def parameter_lines(fit: Identification) -> list[str]:
-    """What the terminal shows of an identification."""
+    """Status and intervals of an identification, for the terminal."""
     lines = [
         f"method {fit.method}: {fit.status}, {'guaranteed' if fit.guaranteed else 'NOT guaranteed'}; {MEANING[fit.status]}"
     ]
@@ -97,7 +85,7 @@ def parameter_lines(fit: Identification) -> list[str]:
 
 
 def freedom_lines(fit: Identification) -> list[str]:
-    """What the data do determine, where they leave something open."""
+    """The parameters and combinations that the data determine, if they leave some direction open."""
     if fit.status != "unbounded" or not fit.directions:
         return []
     if not fit.determined:
@@ -113,7 +101,7 @@ def freedom_lines(fit: Identification) -> list[str]:
 
 
 def claim_lines(fit: Identification) -> list[str]:
-    """What the vehicle file claims of its parameters, against their intervals."""
+    """Numbers of the vehicle file's model against the intervals of their parameters."""
     lines = []
     for claim in fit.claims:
         p = fit.parameters[claim["parameter"]]
@@ -124,82 +112,10 @@ def claim_lines(fit: Identification) -> list[str]:
 
 
 def _culprits(fit: Identification) -> list[str]:
-    """The samples that contradict each other."""
+    """The rows that contradict each other."""
     places = dict.fromkeys((r["channel"], r["time"], r["duration"]) for c in fit.falsifying for r in c["rows"])
     if not places:
         return []
     names = [f"{c} at {t:.6g} s" + (f" over {d:.4g} s" if d else "") for c, t, d in list(places)[:MOST_DIRECTIONS]]
     more = f" and {len(places) - MOST_DIRECTIONS} more (report.html)" if len(places) > MOST_DIRECTIONS else ""
     return [f"rows that contradict each other: {', '.join(names)}{more}"]
-
-
-def validation_table(result: Validation) -> dict[str, Any]:
-    """Errors of the predicted force and moment."""
-    rows = [
-        [
-            f.channel,
-            "N m" if f.channel == "yaw" else "N",
-            f.time.size,
-            f.mean,
-            f.sigma,
-            f.mean_absolute,
-            100 * f.coverage,
-            f.falsified,
-        ]
-        for f in result.forces
-    ]
-    header = [
-        "channel",
-        "unit",
-        "rows",
-        "mean error",
-        "sigma",
-        "mean |error|",
-        "inside bounds [%]",
-        "contradicting rows",
-    ]
-    return page.table(header, rows)
-
-
-def motion_table(result: Validation) -> dict[str, Any]:
-    """Errors of the simulated motion."""
-    motion = result.motion
-    if motion.reason:
-        return page.text(f"No simulated motion: {motion.reason}.")
-    units = {"u": "m/s", "v": "m/s", "r": "rad/s", "position": "m"}
-    rows = [
-        [k, units[k], motion.window["position" if k == "position" else "velocity"], motion.rms[k], motion.median[k]]
-        for k in motion.rms
-    ]
-    return page.table(["quantity", "unit", "window [s]", "rms error", "median over windows"], rows)
-
-
-def quality_table(quality: Mapping[str, Quality]) -> dict[str, Any]:
-    """What each channel of a log is worth, as it came."""
-    rows = [
-        [n, q.samples, q.rate, q.missing, q.longest, q.held, q.outliers, q.lower, q.upper] for n, q in quality.items()
-    ]
-    header = [
-        "channel",
-        "measurements",
-        "usual rate [Hz]",
-        "rows without",
-        "longest wait [s]",
-        "held repeats",
-        "outliers",
-        "smallest",
-        "largest",
-    ]
-    return page.table(header, rows, "Nothing is filled in, and no outlier is taken out.")
-
-
-def csv(t: NDArray[np.float64], columns: dict[str, NDArray[np.float64]]) -> str:
-    """A log as CSV text; the decimals read back as the same doubles."""
-    return pl.DataFrame({"t": t, **columns}).write_csv()
-
-
-def parquet(t: NDArray[np.float64], columns: dict[str, NDArray[np.float64]]) -> bytes:
-    """A log as a Parquet file; missing samples are NaN."""
-    buffer = io.BytesIO()
-    pl.DataFrame({"t": t, **columns}).write_parquet(buffer)
-    return buffer.getvalue()

@@ -1,4 +1,4 @@
-"""``ivsid diagnose``."""
+"""``ivsid diagnose``: causes of the simulation's errors, and the extended model on another log."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from ivsid import diagnosis
 from ivsid.diagnosis import GUARANTEED, NULL_LOGS, REFUTED, Claim, Diagnosis, cache_folder
 from ivsid.log import read_log
 from ivsid.report import figures, page
-from ivsid.report.page import Report, Section
+from ivsid.report.page import Part, Report, Section
 from ivsid.vehicle import read_vehicle
-from ivsid.workflow.common import Progress, shown, silent
+from ivsid.workflow.parameters import shown
+from ivsid.workflow.progress import Progress, silent
 
 VERDICTS = {
     "adequate": "Nothing beyond the declared errors: the simulation is adequate for what this log could show.",
@@ -32,7 +33,11 @@ def diagnose(
     cache: bool = True,
     progress: Progress = silent,
 ) -> Report:
-    """Reads the files, diagnoses, reports."""
+    """Reads a vehicle file and two logs, diagnoses and reports.
+
+    Raises:
+        IvsidError: an unusable file, in one sentence.
+    """
     progress("reading")
     checked = read_vehicle(vehicle)
     logs = [read_log(p, checked.log) for p in (train, test)]
@@ -52,10 +57,10 @@ def diagnosis_report(result: Diagnosis) -> Report:
     """The report of a diagnosis."""
     seen = diagnosis.evidence(result)
     signatures = {e.effect: figures.signature(e, f"signature_{k}") for k, e in enumerate(seen, start=1)}
-    # What shows between two logs has no signature in one.
+    # A cause found between the two logs has no signature in one of them.
     signatures |= {f.effect: figures.ratios(f) for f in result.findings if "ratio" in f.evidence}
     others = (figures.net_force(result.gain), figures.gain(result.gain), figures.force_residual(result.gain))
-    told: list[dict[str, Any]] = []
+    told: list[Part] = []
     for f, paragraphs in zip(result.findings, diagnosis.explain(result, seen), strict=True):
         told += map(page.text, paragraphs)
         if f.effect in signatures:
@@ -85,7 +90,7 @@ def diagnosis_report(result: Diagnosis) -> Report:
     )
 
 
-def _findings(result: Diagnosis) -> dict[str, Any]:
+def _findings(result: Diagnosis) -> Part:
     rows = []
     for f in result.findings:
         bounds = "; ".join(
@@ -97,7 +102,7 @@ def _findings(result: Diagnosis) -> dict[str, Any]:
     return page.table(header, rows, "No finding." if not rows else "Intervals are statistical unless marked.")
 
 
-def _gain(result: Diagnosis) -> dict[str, Any]:
+def _gain(result: Diagnosis) -> Part:
     rows = [
         [f"{what} [{unit}]", before, after, *(interval or (None, None)), said]
         for what, unit, before, after, interval, said in diagnosis.worth(result.gain)
@@ -107,7 +112,7 @@ def _gain(result: Diagnosis) -> dict[str, Any]:
     return page.table(header, rows, caption)
 
 
-def _candidates(result: Diagnosis) -> dict[str, Any]:
+def _candidates(result: Diagnosis) -> Part:
     rows = [
         [
             r.effect,
@@ -132,7 +137,7 @@ def _candidates(result: Diagnosis) -> dict[str, Any]:
     return page.table(header, rows, "The twenty that came nearest; result.json has them all.")
 
 
-def _claims(result: Diagnosis) -> dict[str, Any]:
+def _claims(result: Diagnosis) -> Part:
     rows = [
         [
             c.parameter,
@@ -158,13 +163,13 @@ def _said(claim: Claim) -> str:
     return "outside of the interval, and no finding: too little of the rest is explained, or too little of it is there"
 
 
-def _untested(result: Diagnosis) -> dict[str, Any]:
+def _untested(result: Diagnosis) -> Part:
     return page.table(
         ["effect", "why not", "needs"], [[q["effect"], q["reason"], q["needs"]] for q in result.not_tested]
     )
 
 
-def _allowed(result: Diagnosis) -> dict[str, Any]:
+def _allowed(result: Diagnosis) -> Part:
     least = {k: v for q in result.visible.values() if q.tested for k, v in q.detectable.items()}
     rows = [
         [name, f"{shown(b.lower, b.upper)} {b.unit}", f"{abs(least[name]):.3g}" if name in least else "not tested"]

@@ -26,20 +26,28 @@ from ivsid.sensors.allan import AllanDeviation, allan_deviation
 from ivsid.sensors.bounds import BoundedLog, bound_log
 from ivsid.simulation import gauss_markov
 from ivsid.vehicle import AccelerationSensor, Vehicle, parse_vehicle
-from ivsid.workflow.common import (
-    Progress,
-    csv,
-    silent,
-)
-from ivsid.workflow.demo_page import Trial, drawings_of, lines_of, paper_numbers, sections_of
+from ivsid.workflow.log_files import csv
+from ivsid.workflow.paper_page import Trial, drawings_of, lines_of, paper_numbers, sections_of
+from ivsid.workflow.progress import Progress, silent
 
+# Length [h] of the static recording: more than ten correlation times of the slowest bias of Table II, 670 s.
+# Source: paper: Table II
 STATIC_HOURS = 2.0
+# Rate [Hz] of the static recording, which is that of both trials.
+# Source: definition: rate of the shipped scenarios
 STATIC_RATE = 20.0
+# Partitions N of the published inverse.
+# Source: none
 PARTITIONS = 1000
 
 
 def demo(*, seed: int | None = None, progress: Progress = silent) -> Report:
-    """Runs the whole experiment; ``seed`` shifts the seeds of both trials and of the static recording."""
+    """Runs the whole experiment: sensors, thrusters, identification by every method, constriction, validation.
+
+    Args:
+        seed: added to the seeds of both trials and of the static recording.
+        progress: told of each step.
+    """
     vehicle = _vehicle()
     shift = 0 if seed is None else seed
     progress("simulating two trials of 300 s")
@@ -60,7 +68,7 @@ def demo(*, seed: int | None = None, progress: Progress = silent) -> Report:
     checks = [validation.validate(f, test.log) for f in (feasible, _constricted(published_added, narrowed))]
     progress("drawing")
     drawings = drawings_of(train.log, curves, table_iii, fits, checks)
-    worth = _worth(total, fits)
+    inverses = _published_inverses(total, fits)
     record = {
         **envelope("demo", {"train.csv": train.log.sha256, "test.csv": test.log.sha256}, shift),
         "truth": train.made.truth["parameters"],
@@ -69,17 +77,19 @@ def demo(*, seed: int | None = None, progress: Progress = silent) -> Report:
         "identifications": [
             {k: v for k, v in f.record().items() if k not in ("certificates", "vehicle")} for f in fits
         ],
-        "published_inverse": worth,
+        "published_inverse": inverses,
         "constriction": _constriction_record(added, narrowed),
         "validation": validation_record(checks[0]),
         "validation_constricted": validation_record(checks[1]),
         "paper": paper_numbers(),
     }
-    sections = sections_of(vehicle, train, curves, table_iii, fits, worth, published_added, narrowed, checks, drawings)
+    sections = sections_of(
+        vehicle, train, curves, table_iii, fits, inverses, published_added, narrowed, checks, drawings
+    )
     extra: dict[str, str | bytes] = {"swan.toml": vehicle.text, "train.csv": train.text, "test.csv": test.text}
     extra["truth.json"] = to_json({"train": train.made.truth, "test": test.made.truth}) + "\n"
     extra["identify/result.json"] = to_json(sealed(feasible.record())) + "\n"
-    lines = lines_of(fits, worth, checks)
+    lines = lines_of(fits, inverses, checks)
     return Report(
         "The paper, end to end: SWAN identified by interval analysis",
         lines[0],
@@ -108,7 +118,7 @@ def _trial(vehicle: Vehicle, name: str, shift: int) -> Trial:
 
 
 def _static(vehicle: Vehicle, seed: int) -> dict[str, AllanDeviation]:
-    """Two hours at rest with the noise of Table II, and what the Allan analysis makes of them (paper Figs 1-2)."""
+    """Allan analyses of two hours at rest with the noise of Table II (paper Figs 1-2)."""
     rng = np.random.default_rng(seed)
     n, h = round(STATIC_HOURS * 3600 * STATIC_RATE), 1 / STATIC_RATE
     sensors = vehicle.sensors
@@ -138,7 +148,7 @@ def _constrict(rows: RegressionRows, fit: Identification) -> Constriction:
 
 
 def _constricted(fit: Identification, narrowed: Constriction) -> Identification:
-    """The published fit with the heuristic's box in place of its own: no claim is attached."""
+    """The published fit with the heuristic's box in place of its own; it guarantees nothing."""
     parameters = {
         id_: Parameter(float(low), float(high), p.unit, p.symbol)
         for (id_, p), low, high in zip(fit.parameters.items(), narrowed.lower, narrowed.upper, strict=True)
@@ -147,8 +157,8 @@ def _constricted(fit: Identification, narrowed: Constriction) -> Identification:
     return replace(fit, method="published, constricted", guaranteed=False, parameters=parameters, estimate=estimate)
 
 
-def _worth(rows: RegressionRows, fits: list[Identification]) -> dict[str, Any]:
-    """What the published inverse is worth: improper entries, enclosed entries of the exact hull, widths against the feasible set."""
+def _published_inverses(rows: RegressionRows, fits: list[Identification]) -> dict[str, Any]:
+    """The published inverses: improper entries, entries that enclose the exact hull's, and widths over the feasible set's."""
     mass_and_drag = [j for j, t in enumerate(rows.terms) if t.id != "inertia.yaw"]
     block = rows.take(np.isin(rows.channel, (0, 1)), mass_and_drag)
     gram = regression.gram(block.matrix)
@@ -174,7 +184,7 @@ def _worth(rows: RegressionRows, fits: list[Identification]) -> dict[str, Any]:
     return found
 
 
-def _constriction_record(rows: RegressionRows, c: Constriction) -> dict[str, Any]:
+def _constriction_record(rows: RegressionRows, c: Constriction) -> dict[str, object]:
     boxes = {
         t.id: {"lower": low, "upper": high, "unit": t.unit}
         for t, low, high in zip(rows.terms, c.lower, c.upper, strict=True)

@@ -1,0 +1,96 @@
+"""Start-up: which libraries a fresh interpreter loads, and that names which load late are the same names."""
+
+import pickle
+import subprocess
+import sys
+from importlib import import_module
+
+import pytest
+
+import ivsid
+
+HEAVY = {"allantools", "jinja2", "matplotlib", "polars", "pydantic", "scipy"}
+PROBE = "\nimport sys\nprint('LOADED', *sorted(sys.modules), file=sys.stderr)"
+COMMAND = """
+import sys
+from ivsid.cli import main
+sys.argv = {}
+try:
+    main()
+except SystemExit as end:
+    assert end.code == {}
+"""
+
+
+def loaded(code: str) -> set[str]:
+    """All modules that a fresh interpreter has loaded after the code."""
+    made = subprocess.run(
+        [sys.executable, "-c", code + PROBE], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert made.returncode == 0, made.stderr
+    return set(made.stderr.rpartition("LOADED ")[2].split())
+
+
+def test_import_loads_no_library():
+    found = loaded("import ivsid")
+    assert not found & {*HEAVY, "numpy", "rich", "typer"}
+    assert {m for m in found if m.startswith("ivsid")} == {"ivsid"}
+
+
+def test_arithmetic_loads_numpy_and_the_core_alone():
+    found = loaded("from ivsid import EndpointPair, Interval, IntervalArray, IvsidError, linalg, regression")
+    assert not found & HEAVY
+    chapters = {m.split(".")[1] for m in found if m.startswith("ivsid.")}
+    assert chapters <= {"_core", "errors", "intervals", "linear"}
+
+
+@pytest.mark.parametrize("line", ["--help", "--version"])
+def test_help_loads_no_numerical_library(line):
+    assert not loaded(COMMAND.format(["ivsid", line], 0)) & {*HEAVY, "numpy"}
+
+
+@pytest.mark.parametrize(("line", "code"), [("identify --help", 0), ("fly", 2), ("identify", 2)])
+def test_help_of_a_command_and_wrong_usage_load_no_numerical_library(line, code):
+    # Typer itself reads the options of a command by Pydantic.
+    assert not loaded(COMMAND.format(["ivsid", *line.split()], code)) & {*HEAVY, "numpy"} - {"pydantic"}
+
+
+@pytest.mark.parametrize("command", ["identify", "validate", "verify"])
+def test_a_command_waits_for_no_other(command):
+    found = loaded(f"from ivsid import workflow\nworkflow.{command}")
+    assert not found & {"ivsid.diagnosis", "ivsid.simulation", "scipy.optimize", "scipy.signal", "scipy.stats"}
+
+
+def test_the_program_runs_as_a_module():
+    made = subprocess.run(
+        [sys.executable, "-m", "ivsid.cli", "--version"], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert made.returncode == 0 and made.stdout == f"ivsid {ivsid.__version__}\n"
+
+
+@pytest.mark.parametrize("package", ["ivsid", "ivsid.workflow"])
+def test_every_name_loads_and_is_listed(package):
+    code = f"import {package} as p\nassert set(p.__all__) <= set(dir(p))\nfor name in p.__all__: getattr(p, name)\nfrom {package} import *"
+    assert "numpy" in loaded(code)
+    with pytest.raises(AttributeError, match="has no attribute 'nothing'"):
+        getattr(import_module(package), "nothing")  # noqa: B009
+
+
+def test_a_module_that_was_loaded_first_leaves_the_command_callable():
+    loaded(
+        "import importlib, pkgutil\nfrom ivsid import workflow\n"
+        "for m in pkgutil.iter_modules(workflow.__path__): importlib.import_module(f'ivsid.workflow.{m.name}')\n"
+        "assert all(callable(getattr(workflow, name)) for name in workflow.__all__)"
+    )
+
+
+def test_late_names_are_the_same_objects_and_can_be_pickled():
+    from ivsid.identification import Identification
+    from ivsid.linear import linalg
+
+    assert ivsid.Identification is Identification and ivsid.linalg is linalg
+    found = ivsid.linalg.inverse(ivsid.IntervalArray([[2.0]], [[4.0]]), "exact")
+    again = pickle.loads(pickle.dumps(found))
+    assert again.status == found.status and again.value.lower == found.value.lower == 0.25
+    assert pickle.loads(pickle.dumps(ivsid.Interval(1, 2))) == ivsid.Interval(1, 2)
+    assert pickle.loads(pickle.dumps(ivsid.Vehicle)) is ivsid.Vehicle

@@ -13,9 +13,10 @@ from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.fit import plain_fit
 from ivsid.diagnosis.null.cache import keep, kept, key_of
 from ivsid.diagnosis.null.calibration import NullTest, examined, trial_of
-from ivsid.diagnosis.null.null_logs import FASTEST, null_logs, thinned
+from ivsid.diagnosis.null.family_wise import Threshold
+from ivsid.diagnosis.null.simulated_logs import FASTEST, null_logs, thinned
 from ivsid.diagnosis.null.thresholds import calibrate
-from ivsid.diagnosis.null.visibility import Threshold, visibility
+from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.selection.confirmation import CLOSE, confirmed, strength
 from ivsid.diagnosis.selection.select import Found
 from ivsid.effects import sort_given

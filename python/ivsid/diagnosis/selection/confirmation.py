@@ -13,7 +13,7 @@ import numpy as np
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.null.cache import keep, kept, key_of
 from ivsid.diagnosis.null.calibration import FEW, UNSURE, NullTest, examined, trial_of
-from ivsid.diagnosis.null.visibility import Threshold
+from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.selection.select import Found
 from ivsid.effects import own_digest
 

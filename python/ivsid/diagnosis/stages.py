@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.fit import Fit, plain_fit
+from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.thresholds import calibrate
-from ivsid.diagnosis.null.visibility import VISIBLE, Threshold, Visibility, visibility
+from ivsid.diagnosis.null.visibility import VISIBLE, Visibility, visibility
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.confirmation import NULL_LOGS, confirmed

@@ -12,7 +12,7 @@ from ivsid.diagnosis.candidates.families import Scored
 from ivsid.diagnosis.candidates.intervals import Bound, intervals
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.selection.adequacy import Adequacy, energy_of
-from ivsid.diagnosis.selection.select import Found
+from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.statements.shallow_water import Change
 from ivsid.effects import EFFECTS
 

@@ -7,9 +7,11 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from ivsid.diagnosis.candidates.families import Scored
+from ivsid.diagnosis.null.family_wise import FAINT
 from ivsid.diagnosis.null.thresholds import HIGH_SIDE
-from ivsid.diagnosis.null.visibility import FAINT, VISIBLE, Visibility
-from ivsid.diagnosis.selection.select import MARGIN, Selection
+from ivsid.diagnosis.null.visibility import VISIBLE, Visibility
+from ivsid.diagnosis.selection.rivals import MARGIN
+from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.findings import Finding
 
 # A cause keeps less than this share of its gain beside what was found: it is explained.

@@ -15,7 +15,7 @@ from ivsid.diagnosis.estimation.noise import usable_rows
 from ivsid.diagnosis.estimation.projection import Gram, Projection
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor
-from ivsid.diagnosis.selection.adequacy import LEVEL, adequacy
+from ivsid.diagnosis.selection.adequacy import RISK, adequacy
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -65,7 +65,7 @@ def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
     sigma = np.sqrt(np.diag(spread))
     ratio = {i: (float(b / a), float(s)) for i, a, b, s in zip(wanted, before, after, sigma, strict=True)}
     factor = _common(np.log(after / before), spread, _declared(predictor, h))
-    if factor is not None and adequacy(survey(noise, h, states, fixed)).chance < LEVEL:
+    if factor is not None and adequacy(survey(noise, h, states, fixed)).chance < RISK:
         # Something else is wrong in the other log, and may be what moves the parameters.
         factor = None
     return Change(ratio, factor)

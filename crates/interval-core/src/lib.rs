@@ -15,6 +15,7 @@
 //!   [`rounding::environment_is_default`] checks it.
 
 mod absolute_value;
+mod accumulator;
 mod approximate;
 pub mod certified;
 mod elementary;
@@ -25,6 +26,7 @@ pub mod inverse;
 mod lanes;
 pub mod linear_program;
 pub mod matrix;
+mod parallel;
 pub mod reductions;
 pub mod regression;
 pub mod regularity;
@@ -34,8 +36,7 @@ mod scaling;
 pub mod status;
 pub mod systems;
 mod verify;
-
-mod parallel;
+mod witness;
 
 pub use certified::{Certified, Unproved};
 pub use error::Error;

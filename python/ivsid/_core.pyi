@@ -6,8 +6,8 @@ from typing import Any, Final, Self, TypedDict, final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.certificates import Content
-from ivsid.regression import OrthantProof, SignProof
+from ivsid.linear.certificates import Content
+from ivsid.linear.regression import OrthantProof, SignProof
 
 _Array = NDArray[np.float64]
 _Bounds = tuple[_Array, _Array]

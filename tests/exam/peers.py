@@ -17,7 +17,7 @@ from ivsid.diagnosis.estimation.first_values import first_values
 from ivsid.diagnosis.estimation.noise import declared_ambient
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.effects import EFFECTS, Reading, Terms, terms_of
-from ivsid.effects.given import Given
+from ivsid.effects.values import Given
 from ivsid.log import Log
 from ivsid.vehicle import Vehicle
 

@@ -12,7 +12,9 @@ from conftest import as_log
 from ivsid.errors import IvsidError
 from ivsid.log import Log
 from ivsid.log.record import Clock
-from ivsid.sensors.bounds import bound_log, doppler, half_width, rule_for
+from ivsid.sensors.bounds import bound_log
+from ivsid.sensors.doppler import doppler
+from ivsid.sensors.noise import half_width, rule_for
 from ivsid.vehicle import InertialSensor, Sensors, VelocitySensor, parse_vehicle
 
 

@@ -8,7 +8,7 @@ import pytest
 from ivsid import IvsidError
 from ivsid.propulsion.bollard import TABLE_III, examine
 from ivsid.propulsion.thrust import ThrustCurve, combine
-from ivsid.simulation.propulsion import scalar_curve
+from ivsid.simulation.true_thrust import scalar_curve
 from ivsid.vehicle import Thruster, Vehicle, parse_vehicle
 
 

@@ -26,7 +26,8 @@ from ivsid.intervals import IntervalArray
 from ivsid.intervals.pieces import interval_pieces
 from ivsid.log import Log
 from ivsid.rows import ROW_KINDS, RegressionRows
-from ivsid.sensors.bounds import BoundedLog, rule_for
+from ivsid.sensors.bounds import BoundedLog
+from ivsid.sensors.noise import rule_for
 from ivsid.vehicle import AccelerationSensor, Vehicle
 
 CHOICES: Final = ("auto", "sample", "log")

@@ -18,7 +18,7 @@ from ivsid.report.page import Cells, Part, Report, Section
 from ivsid.report.tables import allan_record
 from ivsid.sensors.allan import AllanDeviation, allan_deviation
 from ivsid.sensors.allan_fit import NAMES
-from ivsid.sensors.bounds import rule_for
+from ivsid.sensors.noise import rule_for
 from ivsid.vehicle import Sensors
 from ivsid.workflow.progress import Progress, silent
 

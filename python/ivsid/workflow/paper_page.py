@@ -17,7 +17,8 @@ from ivsid.report import figures, page
 from ivsid.report.figures import Drawing
 from ivsid.report.page import Cells, Part, Section
 from ivsid.sensors.allan import AllanDeviation
-from ivsid.sensors.bounds import doppler_drift, doppler_paper, sigma_published
+from ivsid.sensors.doppler import doppler_drift, doppler_paper
+from ivsid.sensors.noise import sigma_published
 from ivsid.simulation import Simulated
 from ivsid.validation import Validation
 from ivsid.vehicle import Vehicle

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
@@ -15,13 +15,6 @@ from ivsid.diagnosis.selection.adequacy import Adequacy, energy_of
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.statements.shallow_water import Change
 from ivsid.effects import EFFECTS
-
-# No log shows these by itself.
-_TWINS: Final = {
-    "added_mass.munk": ("drag.lift.yaw",),
-    "drag.lift.yaw": ("added_mass.munk",),
-    "thruster.asymmetry": ("thruster.failure",),
-}
 
 
 @dataclass(frozen=True)
@@ -62,10 +55,10 @@ def finding(
     channel = _channel(last, found.id)
     weights = np.array([np.exp(-0.5 * (found.rivals[0].merit - r.merit)) for r in found.rivals])
     names = [r.id for r in found.rivals]
-    for twin in _TWINS.get(found.id, ()):
+    for twin, odds in EFFECTS[found.id].always_equivalent.items():
         if twin not in names:
             names.append(twin)
-            weights = np.r_[weights, 1.0 if twin in ("added_mass.munk", "drag.lift.yaw") else 0.3]
+            weights = np.r_[weights, odds]
     confidence = float(weights[0] / weights.sum())
     alternatives = tuple(n for n in names if n != found.id)[:4]
     effect = EFFECTS[found.id]

@@ -1,4 +1,4 @@
-"""Effects of one's own: checked when they join the catalogue, and read from a Python file for the command line."""
+"""User effects: checked when they join the catalogue, and read from a Python file for the command line."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from ivsid.effects.catalogue import CATALOGUE, EFFECTS, WITH_HEADING
 from ivsid.effects.effect import Effect, Force, Terms
@@ -17,19 +17,20 @@ from ivsid.errors import IvsidError
 
 _ID: Final = re.compile(r"[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)+")
 _SHIPPED: Final = frozenset(EFFECTS)
-# Beside the catalogue: which file brought which ids.
+# Name and SHA-256 of each file by the ids of its effects.
 _FILES: Final[dict[tuple[str, ...], tuple[str, str]]] = {}
-# Where a force or a column is tried out before it is let in.
+# u, v, r and their rates at which a new force or column is tried.
+# Source: physics: a state without zeros and symmetries, so that a column that is not 0 everywhere is not 0 there.
 _MOVING: Final = (0.7, -0.2, 0.3, 0.05, -0.04, 0.02)
 
 
 def register(*effects: Effect) -> None:
-    """Adds effects of one's own to the catalogue, for this process: all of them or none.
+    """Adds effects to the catalogue, for this process: all of them or none.
 
-    What is linear in its parameters (``Terms``) may then stand in ``model.terms``, too.
+    Effects that are linear in their parameters (``Terms``) may then also stand in ``model.terms``.
 
     Raises:
-        IvsidError: an id that is taken or of another shape, a unit that is not understood, or physics that fails where it is tried.
+        IvsidError: an id that is taken or malformed, an unknown unit, or physics that fails in a trial evaluation.
     """
     for k, effect in enumerate(effects):
         _check(effect, [*EFFECTS, *(e.id for e in effects[:k])])
@@ -44,7 +45,7 @@ def register(*effects: Effect) -> None:
 
 
 def unregister(id_: str) -> None:
-    """Takes an effect of one's own out again."""
+    """Removes a user effect from the catalogue; an unknown id is ignored."""
     for table in (EFFECTS, CATALOGUE, WITH_HEADING):
         table.pop(id_, None)
     for ids in [q for q in _FILES if id_ in q]:
@@ -54,7 +55,7 @@ def unregister(id_: str) -> None:
 def read_effects(path: str | Path) -> None:
     """Runs a Python file and registers the effects in its list ``EFFECTS``.
 
-    The file is a program: it can do whatever Python can. That is why nothing reads one unless its user names it.
+    The file is a program and may do anything that Python can. Therefore no file is read unless the user names it.
 
     Raises:
         IvsidError: a file that cannot be read, fails, or has no such list; nothing is registered then.
@@ -67,7 +68,7 @@ def read_effects(path: str | Path) -> None:
         raise IvsidError(f"effects {where} cannot be read ({error.strerror}); give the path of a Python file") from None
     except (SyntaxError, ValueError) as error:
         raise IvsidError(f"{where} is not Python: {error}; mend that line") from None
-    names: dict[str, Any] = {"__name__": "ivsid_effects", "__file__": str(where)}
+    names: dict[str, object] = {"__name__": "ivsid_effects", "__file__": str(where)}
     try:
         exec(code, names)
     except Exception as error:
@@ -87,12 +88,12 @@ def read_effects(path: str | Path) -> None:
 
 
 def own_ids() -> frozenset[str]:
-    """Ids of the effects that joined the catalogue in this process."""
+    """Ids of the user effects in the catalogue."""
     return frozenset(EFFECTS) - _SHIPPED
 
 
 def own_digest() -> str | None:
-    """What a cache has to know of the effects that joined: their files' content; None where some came from no file."""
+    """Digests of the files of all user effects, for the key of a cache; None where an effect came from no file."""
     files = {i: digest for ids, (_, digest) in _FILES.items() for i in ids}
     if own_ids() - set(files):
         return None
@@ -100,7 +101,7 @@ def own_digest() -> str | None:
 
 
 def own_files() -> tuple[tuple[str, str], ...]:
-    """Names and SHA-256 of the files whose effects stand in the catalogue, for the inputs of a result."""
+    """Names and SHA-256 of the files whose effects are in the catalogue, for the inputs of a result."""
     return tuple(file for ids, file in _FILES.items() if all(i in EFFECTS for i in ids))
 
 
@@ -130,14 +131,14 @@ def _check(effect: Effect, taken: Sequence[str]) -> None:
 
 
 def _try(effect: Effect) -> None:
-    """Evaluates a force or the columns of terms once, so that what is wrong is said here and not in the middle of a run."""
+    """Evaluates a force or the columns of terms once, so that a fault is reported here and not in the middle of a run."""
     place = Place(0.4, 2.0, -3.0, 5.0, 1.0, -2.0)
     state = State(*_MOVING, place=place)
     try:
         if isinstance(effect.acts, Force):
             made = [effect.acts.function(state, tuple(p.typical for p in effect.parameters))]
         elif isinstance(effect.acts, Terms):
-            # Columns along the hull have none of their own.
+            # A term along the hull has columns only once its length is known.
             made = [(t.of_hull(1.0) if t.of_hull else t.columns)(state) for t in effect.acts.terms]
         else:
             return
@@ -154,7 +155,7 @@ def _try(effect: Effect) -> None:
 
 
 def _needs_place(terms: Terms) -> bool:
-    """Whether a column depends on more than the motion."""
+    """Whether a column depends on pose, time or wind."""
     try:
         for t in terms.terms:
             (t.of_hull(1.0) if t.of_hull else t.columns)(State(*_MOVING))

@@ -1,4 +1,4 @@
-"""Numbers by id, as scenarios and the command line give them, sorted to the effects that they belong to."""
+"""Effects with values for their parameters, from numbers by id as scenarios and the command line give them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,13 @@ from ivsid.errors import IvsidError
 
 @dataclass(frozen=True)
 class Given:
-    """An effect with a number for each parameter, and the thruster that it is for: None for all."""
+    """An effect with values.
+
+    Attributes:
+        effect: the effect, or the form of it that the values belong to.
+        values: one for each parameter, in the effect's order and units.
+        thruster: the name of the only thruster that it acts on; None for all.
+    """
 
     effect: Effect
     values: tuple[float, ...]
@@ -20,21 +26,21 @@ class Given:
 
     @property
     def named(self) -> dict[str, float]:
-        """The values by id or id.part."""
+        """The values by id, id.part, or id.NAME for one thruster."""
         if self.thruster is not None:
             return {f"{self.effect.id}.{self.thruster}": self.values[0]}
         return dict(zip(self.effect.parts, self.values, strict=True))
 
 
 def sort_given(values: Mapping[str, float], thrusters: Sequence[str] = ()) -> tuple[Given, ...]:
-    """The effects that the ids name, in the catalogue's order.
+    """Sorts numbers by id into effects with values, in the catalogue's order.
 
     Args:
         values: by id, id.part, or id.NAME for one thruster.
         thrusters: names, in the vehicle file's order.
 
     Raises:
-        IvsidError: an unknown id, a part that is missing, or a thruster that is not there.
+        IvsidError: an unknown id, a missing part, an impossible value, or an unknown thruster.
     """
     found: dict[tuple[str, str | None], dict[str, float]] = {}
     for key, value in values.items():
@@ -52,9 +58,15 @@ def sort_given(values: Mapping[str, float], thrusters: Sequence[str] = ()) -> tu
 
 
 def spread(id_: str, values: Sequence[float], *, measured: bool = False) -> dict[str, float]:
-    """Numbers in EFFECTS.md's order, as ``--effect ID=A,B`` gives them, by id and part.
+    """Numbers by id and part, from the order in which ``--effect ID=A,B`` gives them.
 
-    ``id_`` may name a part, or a thruster, of its own; ``measured`` picks the form with columns of its own (wind).
+    Args:
+        id_: an effect; or id.part or id.NAME, which take one number.
+        values: in the order of the effect's parameters.
+        measured: whether they belong to the form for a measured cause (wind columns).
+
+    Raises:
+        IvsidError: more or fewer numbers than parameters.
     """
     if id_ not in EFFECTS:
         if len(values) != 1:
@@ -115,12 +127,15 @@ def _check(effect: Effect, values: tuple[float, ...]) -> None:
 
 
 def of_kind(given: Sequence[Given], kind: type) -> list[Given]:
-    """Those whose physics is of a kind, as ``Thrust``."""
+    """Effects whose physics is of one class, such as ``Thrust``."""
     return [g for g in given if isinstance(g.effect.acts, kind)]
 
 
 def for_thruster(given: Sequence[Given], kind: type, thruster: str) -> list[Given]:
-    """Those of a kind that act on a thruster, in the catalogue's order; what names it goes before what is for all."""
+    """Effects of one class that act on a thruster, in the catalogue's order.
+
+    An effect that names the thruster replaces the same effect for all thrusters.
+    """
     found = [g for g in of_kind(given, kind) if g.thruster in (None, thruster)]
     own = {g.effect.id for g in found if g.thruster is not None}
     return [g for g in found if g.thruster is not None or g.effect.id not in own]

@@ -17,7 +17,8 @@ from scipy.signal import lfilter
 
 from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.null.feedback import Feedback
-from ivsid.diagnosis.plant.physics import Hypothesis, Mass, Points, acceleration
+from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration
+from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.diagnosis.prediction.innovations import Ambient
 from ivsid.vehicle import Vehicle

@@ -11,7 +11,8 @@ from tests.exam.draw import case
 
 from diagnosis_logs import names, with_columns
 from ivsid import diagnose
-from ivsid.diagnosis.data.channels import Between, _wild
+from ivsid.diagnosis.data.channels import Between
+from ivsid.diagnosis.data.outliers import outliers
 from ivsid.log import Log
 
 
@@ -78,6 +79,6 @@ def test_a_push_that_comes_early_moves_the_mean_of_a_step_further():
 
 def test_a_corner_is_no_outlier_and_a_spike_is():
     x = np.r_[np.zeros(60), -0.3 * np.arange(1, 4), np.full(60, -0.9)] + 1e-3 * np.sin(np.arange(123.0))
-    assert not _wild(x).any()
+    assert not outliers(x).any()
     x[30] += 1.0
-    assert np.flatnonzero(_wild(x)).tolist() == [30]
+    assert np.flatnonzero(outliers(x)).tolist() == [30]

@@ -8,9 +8,10 @@ from scipy.signal import lfilter
 
 from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.noise import Whitening, declared
-from ivsid.diagnosis.plant.physics import ADDED, Hypothesis, acceleration, added_force, still_force, thruster_force
-from ivsid.diagnosis.prediction.innovations import Bench
+from ivsid.diagnosis.estimation.noise import Whitening, declared_ambient
+from ivsid.diagnosis.plant.physics import ADDED, Hypothesis, acceleration, added_force
+from ivsid.diagnosis.plant.thruster_forces import bollard_force, thruster_force
+from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.parallel import at_once, side_by_side
 from ivsid.diagnosis.statements.comparison import _windows
 from ivsid.effects import EFFECTS, Given, Reading, terms_of
@@ -22,22 +23,24 @@ from ivsid.vehicle import parse_vehicle
 
 
 @pytest.fixture(scope="module")
-def bench():
+def predictor():
     vehicle = parse_vehicle(TWIN + SENSORS, "twin.toml")
     head = "duration = 90.0\nrate = 10.0\nseed = 5\n[truth]\n" + "".join(f'"{k}" = {v}\n' for k, v in TRUTH.items())
     made = simulate(vehicle, parse_scenario(head + ZIGZAGS, "s.toml"), 5)
-    return Bench(vehicle, channels(Log("1.csv", "0" * 64, made.t, made.columns), vehicle), declared(vehicle))
+    return Predictor(
+        vehicle, channels(Log("1.csv", "0" * 64, made.t, made.columns), vehicle), declared_ambient(vehicle)
+    )
 
 
 @pytest.fixture(scope="module")
-def plain(bench):
-    return Hypothesis(terms_of(bench.vehicle), dict(TRUTH))
+def plain(predictor):
+    return Hypothesis(terms_of(predictor.vehicle), dict(TRUTH))
 
 
-def test_recursions_are_those_of_scipy(bench):
+def test_recursions_are_those_of_scipy(predictor):
     rng = np.random.default_rng(1)
-    n = bench.log.n
-    for k, here in enumerate(bench.axes):
+    n = predictor.log.n
+    for k, here in enumerate(predictor.axes):
         inputs = {name: rng.standard_normal(n) for name in (*here.outputs, "process")}
         expected = [
             sum(lfilter(here.numerators[name, output], here.denominator, x) for name, x in inputs.items())
@@ -46,8 +49,8 @@ def test_recursions_are_those_of_scipy(bench):
         found = here.errors(inputs)
         assert np.allclose(found, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
         # What the axis answers alone it answers among the others, to the bit.
-        first = sum(len(a.outputs) for a in bench.axes[:k])
-        among = bench.filters.errors({(k, name): x for name, x in inputs.items()})
+        first = sum(len(a.outputs) for a in predictor.axes[:k])
+        among = predictor.filters.errors({(k, name): x for name, x in inputs.items()})
         assert np.array_equal(among[first : first + len(here.outputs)], found)
         assert not np.delete(among, range(first, first + len(here.outputs)), axis=0).any()
 
@@ -92,55 +95,55 @@ def test_shapes_that_do_not_fit_are_refused(call):
 
 
 @pytest.mark.parametrize("id_", [i for i, e in EFFECTS.items() if isinstance(e.acts, ADDED)])
-def test_what_a_force_adds_is_the_difference_of_both_models(bench, plain, id_):
+def test_what_a_force_adds_is_the_difference_of_both_models(predictor, plain, id_):
     effect = EFFECTS[id_]
-    if "wind" in id_ or (effect.measured is None and any(not bench.log.has(n) for n in effect.needs)):
+    if "wind" in id_ or (effect.measured is None and any(not predictor.log.has(n) for n in effect.needs)):
         pytest.skip("this log does not have what it needs")
     values = tuple(
-        0.0 if p.draw == "thruster" else (float(bench.log.t[200]) if p.draw == "time" else p.none + p.scaled(60.0))
+        0.0 if p.draw == "thruster" else (float(predictor.log.t[200]) if p.draw == "time" else p.none + p.scaled(60.0))
         for p in effect.parameters
     )
-    anchor = bench.settle(plain, bench.start(plain))
+    states = predictor.settle(plain, predictor.start(plain))
     other = plain.with_effect(Given(effect, values))
-    under = anchor.points.under(*bench.driving.force(other))
-    added = added_force(bench.vehicle, plain, anchor.points, other, under)
-    expected = acceleration(bench.vehicle, other, under) - anchor.nudot
-    found = bench.mass(plain, anchor).solve(added)
+    under = states.points.under(*predictor.driving.force(other))
+    added = added_force(predictor.vehicle, plain, states.points, other, under)
+    expected = acceleration(predictor.vehicle, other, under) - states.nudot
+    found = predictor.mass(plain, states).solve(added)
     assert np.allclose(found, expected, rtol=1e-9, atol=1e-11)
     assert isinstance(effect.acts, Reading) == (not np.any(found)) or not np.any(expected)
     # Taken out again, it is the same with the other sign.
-    back = added_force(bench.vehicle, other, under, plain, anchor.points)
+    back = added_force(predictor.vehicle, other, under, plain, states.points)
     assert np.allclose(back, -added, rtol=1e-12, atol=1e-12)
 
 
-def test_what_changes_more_than_forces_is_worked_out_whole(bench, plain):
-    p = bench.start(plain).points
+def test_what_changes_more_than_forces_is_worked_out_whole(predictor, plain):
+    p = predictor.start(plain).points
     for id_, values in (("current.steady", (0.1, 0.2)), ("payload.step", (2.0, 30.0))):
-        assert added_force(bench.vehicle, plain, p, plain.with_effect(Given(EFFECTS[id_], values)), p) is None
-    assert added_force(bench.vehicle, plain, p, Hypothesis(plain.terms, dict(plain.values)), p) is None
+        assert added_force(predictor.vehicle, plain, p, plain.with_effect(Given(EFFECTS[id_], values)), p) is None
+    assert added_force(predictor.vehicle, plain, p, Hypothesis(plain.terms, dict(plain.values)), p) is None
 
 
-def test_thrusts_that_are_remembered_are_those_that_are_asked_for(bench, plain):
+def test_thrusts_that_are_remembered_are_those_that_are_asked_for(predictor, plain):
     lagged = plain.with_effect(Given(EFFECTS["thruster.lag"], (0.4,)))
     slower = plain.with_effect(Given(EFFECTS["thruster.lag"], (0.8,)))
-    fresh = Bench(bench.vehicle, bench.log, bench.ambient)
+    fresh = Predictor(predictor.vehicle, predictor.log, predictor.ambient)
     for h in (plain, lagged, slower, plain, lagged):
-        thrusts, still = bench.driving.force(h)
+        thrusts, bollard = predictor.driving.force(h)
         again = fresh.propulsion.thrusts(h.given, [(), ()])
         assert np.array_equal(thrusts, np.concatenate([again.now, again.mean], axis=1))
-        turn = np.cos(bench.driving.turned), np.sin(bench.driving.turned)
-        assert np.array_equal(still, still_force(bench.vehicle, thrusts, turn, bench.driving.sent))
-    points = bench.start(lagged).points
+        turn = np.cos(predictor.driving.turned), np.sin(predictor.driving.turned)
+        assert np.array_equal(bollard, bollard_force(predictor.vehicle, thrusts, turn, predictor.driving.sent))
+    points = predictor.start(lagged).points
     relative = tuple(points.nu)
-    slow = thruster_force(bench.vehicle, lagged.given, points.under(points.thrusts), relative)
-    assert np.allclose(thruster_force(bench.vehicle, lagged.given, points, relative), slow, rtol=1e-13, atol=1e-12)
+    slow = thruster_force(predictor.vehicle, lagged.given, points.under(points.thrusts), relative)
+    assert np.allclose(thruster_force(predictor.vehicle, lagged.given, points, relative), slow, rtol=1e-13, atol=1e-12)
 
 
-def test_windows_sail_together_as_they_do_alone(bench, plain):
-    anchor = bench.settle(plain, bench.start(plain))
-    together = _windows(bench, plain, anchor, (10.0, 30.0))
+def test_windows_sail_together_as_they_do_alone(predictor, plain):
+    states = predictor.settle(plain, predictor.start(plain))
+    together = _windows(predictor, plain, states, (10.0, 30.0))
     for found, length in zip(together, (10.0, 30.0), strict=True):
-        (alone,) = _windows(bench, plain, anchor, (length,))
+        (alone,) = _windows(predictor, plain, states, (length,))
         for a, b in zip(found, alone, strict=True):
             assert np.allclose(a, b, rtol=1e-12, atol=1e-12, equal_nan=True)
 

@@ -1,8 +1,15 @@
-"""A log as the diagnosis reads it.
+"""A log as the diagnosis reads it: every reading and every demand on one uniform clock.
 
-- ``channels``: all readings on one uniform clock, samples that are missing left out.
-- ``from_pose``: velocities where a log holds poses alone.
-- ``lever_arms``: what a sensor off the origin reads.
+A log comes with the clocks of its sensors, with gaps, and with sensors that stand anywhere on the hull. The chapter makes one value of it,
+``Channels``, in four steps:
 
+1. ``from_pose``: a log without velocities gets them as differences of its pose.
+2. ``lever_arms``: readings are brought to the body origin.
+3. ``clock``: the step of the uniform clock is chosen; channels that come too rarely and single outliers (``outliers``) are left out.
+4. ``resampling``: readings and demands are looked up on that clock, and samples without readings are marked.
+
+``sensor_noise`` estimates the white noise of each channel from its own scatter, and ``channels`` calls the steps in order.
+
+Nothing is filled in beyond a single lost sample: the later stages count only the samples that are marked as good.
 The chapter may use nothing else of the diagnosis.
 """

@@ -1,7 +1,7 @@
-"""Velocities of a log that has a pose alone: mean velocities between its samples, each at the middle of its step.
+"""Velocities of a log that has a pose alone: differences of the pose over short steps, each at the middle of its step.
 
-A smoother looks ahead and leaves errors with a long memory; a difference does neither beyond its own step, and what two neighbours share
-is whitened away. The step is long enough for the noise of the pose and short beside the motion.
+A smoother looks ahead and leaves errors with a long memory. A difference does neither beyond its own step. Two neighbouring differences
+share the pose between them, and the whitening takes out the noise that they share.
 """
 
 from __future__ import annotations
@@ -15,16 +15,26 @@ from numpy.typing import NDArray
 from ivsid.log import Log
 
 Array = NDArray[np.float64]
-# Steps of the differences [s].
+# Step of the differences [s]: long enough for the noise of the pose, short beside the motion.
+# Source: none
 STEP: Final = 0.25
+# Reach of the straight line through the pose around either end of a step, as a share of the step.
+# Source: geometry: the lines of both ends leave half of the step between them, and the ends of neighbouring steps share one line
+SIDE: Final = 0.25
+# Farthest distance of a single sample that stands for the pose at an end of a step, as a share of the step.
+# Source: none
+CLOSE: Final = 0.1
 POSE: Final = ("x", "y", "psi")
 
 
 def differenced(log: Log) -> Log:
-    """The log with u, v, r from its pose where it has none of them; the position itself is used up by that.
+    """The log with u, v [m/s] and r [rad/s] from its pose.
+
+    The position leaves the log: the velocities hold all that it says. A log that has a velocity, or lacks a part of the pose, comes back
+    as it is.
 
     Args:
-        log: with x, y and psi, and without u, v, r; else it comes back as it is.
+        log: with x, y [m] and psi [rad].
     """
     if set(POSE) - set(log.columns) or {"u", "v", "r"} & set(log.columns):
         return log
@@ -37,7 +47,7 @@ def differenced(log: Log) -> Log:
     c, s = np.cos(middle), np.sin(middle)
     made = {"u": north * c + east * s, "v": east * c - north * s, "r": np.diff(psi) / h, "psi": middle}
     at = 0.5 * (t[1:] + t[:-1])
-    # The other channels keep their own times, and the velocities get rows of theirs.
+    # The other channels keep their own times, and the velocities get rows of their own.
     every = np.union1d(log.t, at)
     columns = {}
     for name, values in log.columns.items():
@@ -49,7 +59,7 @@ def differenced(log: Log) -> Log:
 
 
 def _mean(log: Log, name: str, t: Array, h: float) -> Array:
-    """A channel at the ends of the steps: a straight line through its samples of the quarter of a step on either side; NaN where there are none."""
+    """A channel at times t, shape of t: the value of a straight line through its samples within ``SIDE`` steps, NaN if it has none there."""
     values = log.columns[name]
     there = np.isfinite(values)
     own, x = log.t[there], values[there]
@@ -57,12 +67,12 @@ def _mean(log: Log, name: str, t: Array, h: float) -> Array:
         x = np.unwrap(x)
     found = np.full(t.size, np.nan)
     for k, moment in enumerate(t.tolist()):
-        a, b = np.searchsorted(own, [moment - 0.25 * h, moment + 0.25 * h + 1e-9])
+        a, b = np.searchsorted(own, [moment - SIDE * h, moment + SIDE * h + 1e-9])
         if b - a > 1:
             off = own[a:b] - moment
             slope = np.polyfit(off, x[a:b], 1)
             found[k] = slope[-1]
-        elif b - a == 1 and abs(own[a] - moment) < 0.1 * h:
+        elif b - a == 1 and abs(own[a] - moment) < CLOSE * h:
             found[k] = x[a]
     return found
 

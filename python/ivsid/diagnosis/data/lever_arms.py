@@ -1,4 +1,7 @@
-"""Readings of sensors that stand off the origin, are turned or feel gravity, brought to the body origin: the numbers of ``mounting``."""
+"""Readings of sensors that stand off the origin, are turned, or feel gravity, brought to the body origin.
+
+The formulas are those of ``ivsid.sensors.mounting``, with numbers in place of intervals.
+"""
 
 from __future__ import annotations
 
@@ -13,11 +16,20 @@ from ivsid.vehicle import Sensors
 from ivsid.vehicle.mount import Mounted
 
 Array = NDArray[np.float64]
+# Gravity [m/s^2] where a vehicle file says that a sensor feels it, and not how much.
+# Source: definition: standard gravity, 9.80665 m/s^2, in three digits
 GRAVITY: Final = 9.81
 
 
 def at_origin(log: Log, sensors: Sensors) -> Log:
-    """The log with velocities and specific forces of the origin; what would need a channel that is missing is left out."""
+    """The log with velocities and accelerations of the body origin.
+
+    A specific force that holds gravity is left out if the log has no attitude.
+
+    Args:
+        log: with readings in the sensors' own axes.
+        sensors: with their mounts.
+    """
     columns, notes = dict(log.columns), list(log.notes)
     for sensor, names in ((sensors.velocity, ("u", "v")), (sensors.acceleration, ("ax", "ay"))):
         if sensor is None or not set(names) <= set(columns):
@@ -26,7 +38,7 @@ def at_origin(log: Log, sensors: Sensors) -> Log:
         if not (sensor.off_origin or sensor.turned or gravity):
             continue
         if names[0] == "u" and log.derived.get("u", ("velocity_north",))[0] != "velocity_north":
-            # From a pose: of the origin already.
+            # A velocity from a pose is that of the origin already.
             continue
         pair = columns[names[0]], columns[names[1]]
         if names[0] not in log.derived:
@@ -66,7 +78,7 @@ def _moved(
 
 
 def _tilt(columns: dict[str, Array]) -> tuple[Array, Array] | None:
-    """Roll and pitch [rad]."""
+    """Roll and pitch [rad], shape (n,) each, from angles or from a quaternion; None if neither is logged."""
     if {"roll", "pitch"} <= set(columns):
         return columns["roll"], columns["pitch"]
     if {"qw", "qx", "qy", "qz"} <= set(columns):

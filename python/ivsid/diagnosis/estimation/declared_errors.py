@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.signatures import Columns, Signatures
-from ivsid.diagnosis.plant.physics import blade_force, water
+from ivsid.diagnosis.plant.physics import water
+from ivsid.diagnosis.plant.thruster_forces import blade_force
 
 Array = NDArray[np.float64]
 # Thrust errors are one wave or a sum of a few: the standard deviation of each, in units of the bound.

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from ivsid.diagnosis.data.channels import Channels
-from ivsid.diagnosis.plant.physics import Hypothesis, Points, thruster_force
+from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.propulsion import Propulsion
+from ivsid.diagnosis.plant.thruster_forces import thruster_force
 from ivsid.effects import CHANNELS, EFFECTS, Place, State, Term, rigid_body
 from ivsid.vehicle import Vehicle
 
@@ -36,7 +38,7 @@ def first_values(vehicle: Vehicle, log: Channels, terms: Sequence[Term], claimed
     thrusts = Propulsion(vehicle, log).thrusts()
     zero = np.zeros(log.n)
     points = Points(smooth, zero, np.zeros((2, log.n)), log.t, thrusts.mean, log.angles, log.force, rudders=log.rudders)
-    force = thruster_force(vehicle, (), points, smooth)
+    force = thruster_force(vehicle, (), points, (smooth[0], smooth[1], smooth[2]))
     north, east = (None, None) if log.place is None else log.place
     here = None if log.psi is None else Place(log.psi, north, east, log.t)
     state = State(*smooth, *rate, place=here)

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.null.feedback import Feedback
-from ivsid.diagnosis.plant.physics import Hypothesis, Mass, Points, acceleration
+from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration
+from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.diagnosis.prediction.innovations import Ambient
 from ivsid.vehicle import Vehicle

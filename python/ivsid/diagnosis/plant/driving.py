@@ -1,4 +1,4 @@
-"""What drives a vehicle through a log under a hypothesis: thrusts, angles and known forces, at samples and over steps."""
+"""Thrusts, angles and known forces of a log under a hypothesis, at samples and over steps."""
 
 from __future__ import annotations
 
@@ -8,20 +8,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.channels import Channels
-from ivsid.diagnosis.plant.physics import Hypothesis, still_force
+from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.propulsion import Propulsion
+from ivsid.diagnosis.plant.thruster_forces import bollard_force
 from ivsid.effects import Response, Thrust
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
-# A step of a declared error, in units of its bound.
-SMALL: Final = 1e-3
-# Hypotheses whose thrusts are remembered: those that are compared with each other.
-REMEMBERED: Final = 4
+# Difference of a declared error from which a slope is taken, in units of the error's bound.
+# Source: geometry: thrust is linear in the error up to a limit or a dead band, and rounding costs 1e-13 of such a difference
+ERROR_STEP: Final = 1e-3
+# Hypotheses whose thrusts are kept: those that a fit compares, so that most of its steps work none out.
+# Source: resource: memory of thrusts, of shape (thrusters, 2 n) each
+KEPT: Final = 4
 
 
 class Driving:
-    """Thrusts and angles of a log.
+    """Thrusts and angles of a log; each array has the samples first, then the steps after them.
 
     Attributes:
         propulsion: the thrusters.
@@ -41,15 +44,18 @@ class Driving:
         self._known: dict[object, tuple[Array, Array, Array | None]] = {}
 
     def thrusts(self, h: Hypothesis) -> Array:
-        """Thrusts of a hypothesis at samples and over steps, shape (thrusters, 2 n)."""
+        """Thrusts of a hypothesis at samples and over steps [N], shape (thrusters, 2 n)."""
         return self.whole(h)[0]
 
     def force(self, h: Hypothesis) -> tuple[Array, Array]:
-        """The same, and the force that they come to at no speed, shape (3, 2 n)."""
+        """The thrusts, and their sum at no speed: X, Y [N], N [N m], shape (3, 2 n)."""
         return self.whole(h)[:2]
 
     def whole(self, h: Hypothesis) -> tuple[Array, Array, Array | None]:
-        """The same, and how much of the force comes early in the steps, shape (3, n); most steps of a fit leave all of it as it is."""
+        """The thrusts, their sum at no speed, and its first moment over each step, shape (3, n), or None.
+
+        The moment is positive for a force that comes early in its step; it exists if demands come faster than the clock.
+        """
         sizes = [self._sizes(h, k) for k in range(len(self.vehicle.thrusters))]
         acting = [g for g in h.given if isinstance(g.effect.acts, (Thrust, Response))]
         key = (tuple((g.effect.id, g.values, g.thruster) for g in acting), tuple(map(tuple, sizes)))
@@ -57,22 +63,22 @@ class Driving:
         if found is None:
             made = self.propulsion.thrusts(h.given, sizes)
             thrusts = np.concatenate([made.now, made.mean], axis=1)
-            found = thrusts, still_force(self.vehicle, thrusts, self._turn, self.sent), self._early(made.parts)
-            # The oldest goes; a dictionary keeps the order.
-            for old in list(self._known)[: 1 - REMEMBERED]:
+            found = thrusts, bollard_force(self.vehicle, thrusts, self._turn, self.sent), self._early(made.parts)
+            # A dictionary keeps the order of its keys: the oldest go.
+            for old in list(self._known)[: 1 - KEPT]:
                 self._known.pop(old, None)
             self._known[key] = found
         return found
 
     def _early(self, parts: Array | None) -> Array | None:
-        """The force of thrusts that change inside the steps, weighted by how early it comes."""
+        """First moment of the force of thrusts that change inside the steps, shape (3, n)."""
         between = self.log.between
         if parts is None or between is None:
             return None
         pushes = (parts * between.lean).reshape(len(parts), -1)
         angles = between.angles.reshape(pushes.shape)
         none = np.zeros((3, pushes.shape[1]))
-        total = still_force(self.vehicle, pushes, (np.cos(angles), np.sin(angles)), none)
+        total = bollard_force(self.vehicle, pushes, (np.cos(angles), np.sin(angles)), none)
         return np.asarray(total.reshape(3, self.log.n, -1).sum(axis=2))
 
     def _sizes(self, h: Hypothesis, k: int) -> list[float]:
@@ -80,19 +86,24 @@ class Driving:
         return [h.declared_errors.get(f"~thrust.{name}.{j}", 0.0) for j in range(len(self.propulsion.errors[k]))]
 
     def shapes(self, h: Hypothesis, k: int) -> list[Array]:
-        """How a thruster's thrust changes with the size of each declared error: at samples, then over steps."""
+        """Slopes of a thruster's thrust [N] with the sizes of its declared errors, shape (2 n,) each.
+
+        Args:
+            h: the hypothesis, with the sizes at which the slopes are taken.
+            k: index of the thruster.
+        """
         sizes = self._sizes(h, k)
         base = self.propulsion.one(k, h.given, sizes)
         found = []
         for j in range(len(sizes)):
-            more = [s + (SMALL if i == j else 0.0) for i, s in enumerate(sizes)]
+            more = [s + (ERROR_STEP if i == j else 0.0) for i, s in enumerate(sizes)]
             moved = self.propulsion.one(k, h.given, more)
-            found.append(np.concatenate([b - a for a, b in zip(base, moved, strict=True)]) / SMALL)
+            found.append(np.concatenate([b - a for a, b in zip(base, moved, strict=True)]) / ERROR_STEP)
         return found
 
 
 def _over(x: Array, *, held: bool) -> Array:
-    """What is sent, at samples and in the middle of steps."""
+    """Angles or forces at samples, then in the middle of steps."""
     return (
         np.concatenate([x, x], axis=-1)
         if held

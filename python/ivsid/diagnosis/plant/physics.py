@@ -1,17 +1,21 @@
-"""Accelerations of a hypothesis at given states: Fossen's equations for whole arrays, from the catalogue's formulas."""
+"""Accelerations of a hypothesis at given states: Fossen's equations in three degrees of freedom, for whole arrays.
+
+Source: Fossen 2011, with the terms and effects of the catalogue (docs/theory.md, "The catalogue of effects").
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.diagnosis.plant.points import Points, place_of
+from ivsid.diagnosis.plant.thruster_forces import thruster_force
 from ivsid.effects import (
     CHANNELS,
-    EFFECTS,
     Change,
     Current,
     Force,
@@ -23,21 +27,25 @@ from ivsid.effects import (
     State,
     Term,
     Thrust,
-    for_thruster,
     rigid_body,
 )
 from ivsid.effects.environment import earth_to_body
-from ivsid.propulsion.foil import rudder_force
-from ivsid.vehicle import Thruster, Vehicle
+from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
+Number: TypeAlias = float | Array
 
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A model with numbers: terms with their values by id, effects that are no terms with theirs, and the size of what is declared.
+    """A model with numbers.
 
-    ``freed`` are claimed parameters that are fitted after all, since the log contradicts the claim.
+    Attributes:
+        terms: linear in one parameter each.
+        values: of the terms' parameters, by id, in their units.
+        given: effects that are no terms, with their numbers.
+        declared_errors: sizes of the errors that the vehicle file declares, by name, in units of their bounds.
+        freed: claimed parameters that are fitted after all, since the log contradicts the claim.
     """
 
     terms: tuple[Term, ...]
@@ -47,12 +55,17 @@ class Hypothesis:
     freed: frozenset[str] = frozenset()
 
     def with_effect(self, given: Given) -> Hypothesis:
-        """The same with an effect more, or with other numbers for one that it has."""
+        """With one more effect, or with other numbers for one that it has."""
         others = tuple(g for g in self.given if (g.effect.id, g.thruster) != (given.effect.id, given.thruster))
         return replace(self, given=(*others, given))
 
     def without(self, id_: str, plain: Hypothesis) -> Hypothesis:
-        """The same without a cause: a claim that was given up stands again, and every term that ``plain`` has stays."""
+        """Without a cause: a claim that was given up stands again, and every term of ``plain`` stays.
+
+        Args:
+            id_: of the cause.
+            plain: the model of the vehicle file.
+        """
         if id_ in self.freed:
             return replace(self, values={**self.values, id_: plain.values[id_]}, freed=self.freed - {id_})
         ids = {t.id for t in plain.terms}
@@ -61,97 +74,9 @@ class Hypothesis:
         return replace(self, terms=terms, values={t.id: self.values[t.id] for t in terms}, given=given)
 
 
-@dataclass(frozen=True)
-class Points:
-    """Where accelerations are asked for: states, place, thrusts at no speed and their angles; shapes (n,), (k, n).
-
-    ``still`` is what the thrusts at no speed come to, shape (3, n), where it is known: it does not depend on the states.
-    """
-
-    nu: Array
-    psi: Array
-    place: Array
-    t: Array
-    thrusts: Array
-    angles: Array
-    force: Array
-    wind: Array | None = None
-    rudders: Array | None = None
-    bollard: Array | None = None
-
-    def moved(self, shift: Array) -> Points:
-        """At other velocities."""
-        return replace(self, nu=self.nu + shift)
-
-    def under(self, thrusts: Array, bollard: Array | None = None) -> Points:
-        """With other thrusts."""
-        return replace(self, thrusts=thrusts, bollard=bollard)
-
-
-def _place(p: Points) -> Place:
-    if p.wind is None:
-        return Place(p.psi, p.place[0], p.place[1], p.t)
-    blows = earth_to_body(Place(p.psi, None, None, None), p.wind[0], p.wind[1])
-    return Place(p.psi, p.place[0], p.place[1], p.t, blows[0] - p.nu[0], blows[1] - p.nu[1])
-
-
-def blade_force(vehicle: Vehicle, k: int, p: Points, push: Any, relative: Any) -> Array:
-    """X, Y [N], N [N m] of the rudder behind a thruster, shape (3, n); nothing where there is none."""
-    rudder = vehicle.thrusters[k].rudder
-    if rudder is None or p.rudders is None:
-        return np.zeros_like(p.nu)
-    return np.stack(rudder_force(rudder, p.rudders[k], push, *relative))
-
-
-def thruster_force(
-    vehicle: Vehicle,
-    given: Sequence[Given],
-    p: Points,
-    relative: Any,
-    declared_errors: Mapping[str, float] | None = None,
-) -> Array:
-    """X, Y [N], N [N m] of all thrusters and rudders, shape (3, n)."""
-    u, v, r = relative
-    lost = [_losses(thruster, given) for thruster in vehicle.thrusters]
-    if p.bollard is not None and not any(lost) and all(t.rudder is None for t in vehicle.thrusters):
-        return p.bollard.copy()
-    total = p.force.copy()
-    for k, thruster in enumerate(vehicle.thrusters):
-        c, s = np.cos(p.angles[k]), np.sin(p.angles[k])
-        x, y = thruster.position
-        push: Any = p.thrusts[k]
-        for g in lost[k]:
-            if isinstance(g.effect.acts, Inflow):
-                push = g.effect.acts.function(push, (u - r * y) * c + (v + r * x) * s, g.values)
-        total += np.stack([push * c, push * s, push * (s * x - c * y)])
-        if thruster.rudder is not None:
-            off = (declared_errors or {}).get(f"~rudder.{thruster.name}", 0.0)
-            total += (1.0 + off) * blade_force(vehicle, k, p, push, relative)
-    return total
-
-
-def _losses(thruster: Thruster, given: Sequence[Given]) -> list[Given]:
-    """What takes thrust away by the inflow: the effects, else the file's claim."""
-    losses = for_thruster(given, Inflow, thruster.name)
-    if not losses and thruster.advance_loss:
-        return [Given(EFFECTS["thruster.advance_loss"], (thruster.advance_loss,))]
-    return losses
-
-
-def still_force(vehicle: Vehicle, thrusts: Array, turn: tuple[Array, Array], force: Array) -> Array:
-    """X, Y [N], N [N m] of thrusts at no speed, without rudders, shape (3, n); ``turn`` are the cosines and sines of their angles."""
-    total = force.copy()
-    for thruster, push, c, s in zip(vehicle.thrusters, thrusts, *turn, strict=True):
-        x, y = thruster.position
-        total[0] += push * c
-        total[1] += push * s
-        total[2] += push * (s * x - c * y)
-    return total
-
-
-def water(h: Hypothesis, p: Points) -> tuple[Any, Any, Any, Any]:
-    """The water's velocity in body axes, and its rate of change there apart from turning."""
-    total: list[Any] = [0.0, 0.0, 0.0, 0.0]
+def water(h: Hypothesis, p: Points) -> tuple[Number, Number, Number, Number]:
+    """The water's velocity in body axes [m/s], and its rate of change in body axes apart from turning [m/s^2], along x and y each."""
+    total: list[Number] = [0.0, 0.0, 0.0, 0.0]
     for g in h.given:
         if isinstance(g.effect.acts, Current):
             total = [a + b for a, b in zip(total, g.effect.acts.function(g.values, p.t), strict=True)]
@@ -161,9 +86,9 @@ def water(h: Hypothesis, p: Points) -> tuple[Any, Any, Any, Any]:
     return *earth_to_body(here, total[0], total[1]), *earth_to_body(here, total[2], total[3])
 
 
-def changed(h: Hypothesis, t: Array) -> dict[str, Any]:
-    """The values of the terms, with those that effects change in time."""
-    values: dict[str, Any] = dict(h.values)
+def changed(h: Hypothesis, t: Array) -> dict[str, Number]:
+    """The values of the terms by id, of which effects may change some in time, shape (n,)."""
+    values: dict[str, Number] = dict(h.values)
     for g in h.given:
         if isinstance(g.effect.acts, Change):
             values.update(g.effect.acts.function(values, g.values, t))
@@ -171,15 +96,19 @@ def changed(h: Hypothesis, t: Array) -> dict[str, Any]:
 
 
 class Mass:
-    """The mass matrix of a hypothesis, constant or in time, and its inverse."""
+    """The mass matrix of a hypothesis, constant or in time.
 
-    def __init__(self, vehicle: Vehicle, terms: Sequence[Term], values: Mapping[str, Any]) -> None:
+    Attributes:
+        inverse: of the matrix, shape (1, 3, 3) or (n, 3, 3).
+    """
+
+    def __init__(self, vehicle: Vehicle, terms: Sequence[Term], values: Mapping[str, Number]) -> None:
         m = vehicle.hull.mass
         x_g, y_g = vehicle.hull.centre_of_gravity
         columns = []
         for unit in np.eye(3).tolist():
             state = State(0.0, 0.0, 0.0, *unit, place=Place(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
-            total: dict[str, Any] = rigid_body(state, m * x_g, m * y_g)
+            total: dict[str, Number] = rigid_body(state, m * x_g, m * y_g)
             for term in terms:
                 for channel, column in _inertial(term, state).items():
                     total[channel] = column * values[term.id] + total.get(channel, 0.0)
@@ -193,31 +122,38 @@ class Mass:
         self.inverse: Array = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
 
     def solve(self, force: Array) -> Array:
-        """Accelerations, shape (3, n)."""
+        """Accelerations udot, vdot [m/s^2], rdot [rad/s^2] of a force X, Y [N], N [N m], shape (3, n) each."""
         if self.inverse.shape[0] == 1:
             out: Array = self.inverse[0] @ force
             return out
-        # Points at samples alone are the first of those that the matrix knows.
+        # A force at samples alone belongs to the first matrices: samples come before steps.
         return np.asarray(np.einsum("nij,jn->in", self.inverse[: force.shape[1]], force))
 
 
-def _inertial(term: Term, state: State) -> dict[str, Any]:
-    """The term's column at rest: what multiplies an acceleration."""
-    bollard = term.columns(State(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, place=state.place))
-    # What is there without any acceleration, as a wind, is no inertia.
-    columns = {k: c - bollard.get(k, 0.0) for k, c in term.columns(state).items()}
+def _inertial(term: Term, state: State) -> dict[str, float]:
+    """Coefficients of the accelerations in a term's column, at rest."""
+    at_rest = term.columns(State(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, place=state.place))
+    # A column that is there without any acceleration, as a wind's, is no inertia.
+    columns = {k: c - at_rest.get(k, 0.0) for k, c in term.columns(state).items()}
     return {k: c for k, c in columns.items() if isinstance(c, (int, float)) and c}
 
 
 def acceleration(vehicle: Vehicle, h: Hypothesis, p: Points, mass: Mass | None = None) -> Array:
-    """udot, vdot [m/s^2], rdot [rad/s^2] over ground, shape (3, n); ``mass`` saves its inversion where it is known."""
+    """udot, vdot [m/s^2], rdot [rad/s^2] over ground, shape (3, n).
+
+    Args:
+        vehicle: of the hypothesis.
+        h: the hypothesis.
+        p: states.
+        mass: its mass matrix, if it is known already.
+    """
     u_c, v_c, a_u, a_v = water(h, p)
     u, v, r = p.nu[0] - u_c, p.nu[1] - v_c, p.nu[2]
     values = changed(h, p.t)
     m = vehicle.hull.mass
     x_g, y_g = vehicle.hull.centre_of_gravity
     zero = np.zeros_like(r)
-    state = State(u, v, r, zero, zero, zero, place=_place(p))
+    state = State(u, v, r, zero, zero, zero, place=place_of(p))
     right = thruster_force(vehicle, h.given, p, (u, v, r), h.declared_errors)
     for term in h.terms:
         for channel, column in term.columns(state).items():
@@ -228,7 +164,7 @@ def acceleration(vehicle: Vehicle, h: Hypothesis, p: Points, mass: Mass | None =
         if isinstance(g.effect.acts, Force):
             for channel, value in g.effect.acts.function(state, g.values).items():
                 right[CHANNELS.index(channel)] += value
-    # M_RB stands on the velocity over ground: what the water's own acceleration does not move.
+    # The rigid body's mass acts on the acceleration over ground, of which the water's own is a part.
     right[0] -= a_u * m
     right[1] -= a_v * m
     right[2] -= a_v * (m * x_g) - a_u * (m * y_g)
@@ -238,24 +174,24 @@ def acceleration(vehicle: Vehicle, h: Hypothesis, p: Points, mass: Mass | None =
     return nudot
 
 
-# Effects that are forces, thrusts or readings: they leave the masses, the water and every other force as they are.
+# Kinds of effects that leave the masses, the water and every other force as they are.
 ADDED = (Force, Thrust, Response, Inflow, Reading)
 
 
 def same_given(a: Given, b: Given) -> bool:
-    """Whether two are the same effect with the same numbers."""
+    """Whether two effects are the same, with the same numbers."""
     return a is b or (a.effect is b.effect and a.values == b.values and a.thruster == b.thruster)
 
 
 def added_force(vehicle: Vehicle, h: Hypothesis, p: Points, other: Hypothesis, under: Points) -> Array | None:
-    """X, Y [N], N [N m] by which another hypothesis differs at the same states, shape (3, n); None where it differs in more than forces.
+    """X, Y [N], N [N m] that another hypothesis adds at the same states, shape (3, n); None if the two differ in more than forces.
 
     Args:
         vehicle: of both.
         h: the hypothesis.
-        p: where.
+        p: states and its thrusts.
         other: the other hypothesis.
-        under: the same points under the other's thrusts.
+        under: the same states under the other's thrusts.
     """
     if other.terms is not h.terms or other.values is not h.values or other.declared_errors is not h.declared_errors:
         return None
@@ -270,7 +206,7 @@ def added_force(vehicle: Vehicle, h: Hypothesis, p: Points, other: Hypothesis, u
         found += thruster_force(vehicle, other.given, under, relative, other.declared_errors)
         found -= thruster_force(vehicle, h.given, p, relative, h.declared_errors)
     zero = np.zeros_like(p.psi)
-    state = State(*relative, zero, zero, zero, place=_place(p))
+    state = State(*relative, zero, zero, zero, place=place_of(p))
     for sign, some in ((1.0, new), (-1.0, gone)):
         for g in some:
             if isinstance(g.effect.acts, Force):
@@ -280,10 +216,19 @@ def added_force(vehicle: Vehicle, h: Hypothesis, p: Points, other: Hypothesis, u
 
 
 def term_column(vehicle: Vehicle, h: Hypothesis, mass: Mass, p: Points, nudot: Array, term: Term) -> Array:
-    """How the accelerations change with one term's parameter: -M^-1 times its column at the model's own accelerations."""
+    """Slope of the accelerations with one term's parameter, shape (3, n): -M^-1 times its column.
+
+    Args:
+        vehicle: of the hypothesis.
+        h: the hypothesis.
+        mass: its mass matrix.
+        p: states.
+        nudot: the model's own accelerations there, shape (3, n), at which the column is evaluated.
+        term: whose parameter changes.
+    """
     u_c, v_c, a_u, a_v = water(h, p)
     u, v, r = p.nu[0] - u_c, p.nu[1] - v_c, p.nu[2]
-    state = State(u, v, r, nudot[0] - r * v_c - a_u, nudot[1] + r * u_c - a_v, nudot[2], place=_place(p))
+    state = State(u, v, r, nudot[0] - r * v_c - a_u, nudot[1] + r * u_c - a_v, nudot[2], place=place_of(p))
     force = np.zeros_like(nudot)
     for channel, column in term.columns(state).items():
         force[CHANNELS.index(channel)] = column

@@ -1,13 +1,13 @@
-"""Thrusts of a log's demands at its samples and over its steps, with what a hypothesis changes in them.
+"""Thrusts of a log's demands at its samples and over its steps, under the effects and declared errors of a hypothesis.
 
-Written for whole arrays: it shares the catalogue's formulas with the simulator, and neither its stepping nor its code.
+Everything works on whole arrays. The catalogue's formulas are shared with the simulator; its integration and its code are not.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,21 @@ from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.vehicle import Thruster, Vehicle
 
 Array = NDArray[np.float64]
-_CLAIMS = {"thruster.deadband": "dead_band", "thruster.saturation": "limit", "thruster.reverse_loss": "reverse_factor"}
+# Shortest lag that is followed [s]; a shorter one is none.
+# Source: geometry: 4e-5 of the shortest step, 1/25 s, over which a lag of this length is over
+SHORTEST_LAG: Final = 1e-6
+# Rounding of a number of steps that is rounded to a whole one.
+# Source: geometry: far above the rounding of a quotient of times, far below a step
+WHOLE: Final = 1e-9
+# Numbers of half periods of the declared thrust errors over the range of demands, and whether each is a sine or a cosine.
+# Source: none
+WAVES: Final = ((0, False), (1, False), (1, True), (2, False), (2, True), (3, False), (3, True))
+# The keys of a thruster in the vehicle file that mean the same as an effect.
+_STATED: Final = {
+    "thruster.deadband": "dead_band",
+    "thruster.saturation": "limit",
+    "thruster.reverse_loss": "reverse_factor",
+}
 
 
 @dataclass(frozen=True)
@@ -38,7 +52,12 @@ class Thrusts:
 
 
 class _At:
-    """A thruster's curve, and the shapes of its declared errors once they are asked for, at given demands from its neutral."""
+    """One thruster at given demands: its thrust by the curve, and the shapes of its declared errors, worked out when first asked for.
+
+    Attributes:
+        demand: from the thruster's neutral, in its own unit, any shape.
+        thrust: by the curve [N], of the same shape.
+    """
 
     def __init__(self, demand: Array, thrust: Array, errors: Sequence[Callable[[Array], Array]]) -> None:
         self.demand, self.thrust = demand, thrust
@@ -46,14 +65,20 @@ class _At:
         self._known: dict[int, Array] = {}
 
     def error(self, j: int) -> Array:
-        """The j-th shape, in units of the bound."""
+        """The thrust error [N] of one unit of the j-th declared error."""
         if j not in self._known:
             self._known[j] = self._errors[j](self.demand)
         return self._known[j]
 
 
 class Propulsion:
-    """The thrusters of a vehicle under the demands of a log."""
+    """The thrusters of a vehicle under the demands of a log.
+
+    Attributes:
+        curves: thrust curves, without dead bands, limits and losses, which are effects.
+        demands: of each thruster from its neutral, shape (n,) each.
+        errors: functions of such a demand: the thrust errors [N] of one unit of each declared error, by thruster.
+    """
 
     def __init__(self, vehicle: Vehicle, log: Channels) -> None:
         self.vehicle, self.log = vehicle, log
@@ -67,11 +92,16 @@ class Propulsion:
             _At(self.demands[k], np.asarray(c.value(log.demands[k]), dtype=np.float64), self.errors[k])
             for k, c in enumerate(self.curves)
         ]
-        # Every hypothesis asks for the thrusts of the same demands: between samples they are worked out once, when first asked for.
+        # Every hypothesis asks for the thrusts of the same demands between samples: they are worked out once.
         self._between: dict[int, _At] = {}
 
     def thrusts(self, given: Sequence[Given] = (), sizes: Sequence[Sequence[float]] | None = None) -> Thrusts:
-        """The thrusts under a hypothesis's effects and the sizes of declared errors, before the loss by inflow."""
+        """The thrusts before any loss by inflow.
+
+        Args:
+            given: effects of a hypothesis.
+            sizes: of the declared errors by thruster, in units of their bounds; none by default.
+        """
         each = [self._worked(k, given, () if sizes is None else sizes[k]) for k in range(len(self.vehicle.thrusters))]
         if not each:
             empty = np.zeros((0, self.log.n))
@@ -81,11 +111,11 @@ class Propulsion:
         return Thrusts(np.stack(now), np.stack(mean), np.stack(fine) if fine else None)
 
     def one(self, k: int, given: Sequence[Given], sizes: Sequence[float] = ()) -> tuple[Array, Array]:
-        """Of one thruster: at samples, and means over the steps after them."""
+        """Thrusts of one thruster [N]: at samples, and means over the steps after them, shape (n,) each."""
         return self._worked(k, given, sizes)[:2]
 
     def _worked(self, k: int, given: Sequence[Given], sizes: Sequence[float]) -> tuple[Array, Array, Array | None]:
-        """The same, and means over the parts of the steps."""
+        """Thrusts of one thruster at samples, means over steps, and means over the parts of steps, shape (n, parts), or None."""
         h, n = self.log.h, self.log.n
         thruster = self.vehicle.thrusters[k]
         changes = _changes(thruster, given)
@@ -98,9 +128,9 @@ class Propulsion:
         delay = max(late.get("delay", 0.0), 0.0)
 
         def static(at: _At) -> Array:
-            thrust: Any = at.thrust
+            thrust = at.thrust
             d = at.demand
-            # What the curve is off comes before any limit or dead band.
+            # The error of the curve comes before any limit or dead band.
             for j, size in enumerate(sizes):
                 if size:
                     thrust = thrust + size * at.error(j)
@@ -116,7 +146,7 @@ class Propulsion:
         d = self.demands[k]
         if self.log.between is not None:
             return self._finely(k, static, lag, delay)
-        if lag > 1e-6 and thruster.lag == "demand":
+        if lag > SHORTEST_LAG and thruster.lag == "demand":
             now, mean, end = _behind(*_late(d, _midway(d, held=self.log.held), delay, h), lag, h)
             first, middle, last = (static(self._at(k, x)) for x in (now, mean, end))
             return first, (first + 4 * middle + last) / 6, None
@@ -126,15 +156,21 @@ class Propulsion:
             # Simpson's rule over a demand that runs straight to the next.
             mean = (now + 4 * static(self._known(k, lambda: _midway(d, held=False))) + np.r_[now[1:], now[-1:]]) / 6
         now, mean = _late(now, mean, delay, h)
-        if lag > 1e-6:
+        if lag > SHORTEST_LAG:
             now, mean, _ = _behind(now, mean, lag, h)
         return now, mean, None
 
     def static(self, k: int, demand: Array, error: Array | None = None) -> Array:
-        """Thrusts of one thruster at demands as they are logged, with an error of its curve [N], without lag, delay or effects."""
+        """Thrusts of one thruster [N] without lag, delay or effects of a hypothesis, shape of the demand.
+
+        Args:
+            k: index of the thruster.
+            demand: as it is logged.
+            error: of its curve [N], of the same shape.
+        """
         thruster = self.vehicle.thrusters[k]
         d = demand - thruster.neutral
-        thrust: Any = self.curves[k].value(demand)
+        thrust = np.asarray(self.curves[k].value(demand))
         if error is not None:
             thrust = thrust + error
         drive = Drive(d, 0.0, k, thruster.position[1], self.curves[k].largest, None)
@@ -155,29 +191,29 @@ class Propulsion:
         return self._between[k]
 
     def _finely(self, k: int, static: Callable[[_At], Array], lag: float, delay: float) -> tuple[Array, Array, Array]:
-        """The same where demands come faster than the clock: worked out at equal parts of the steps."""
+        """Thrusts of one thruster whose demands come faster than the clock, worked out at equal parts of the steps."""
         assert self.log.between is not None
         thruster, parts = self.vehicle.thrusters[k], self.log.between.demands.shape[2]
         sent = self.log.between.demands[k].ravel() - thruster.neutral
         h = self.log.h / parts
-        if lag > 1e-6 and thruster.lag == "demand":
+        if lag > SHORTEST_LAG and thruster.lag == "demand":
             start, middle, end = _behind(*_late(sent, sent, delay, h), lag, h)
             now = static(self._at(k, start))
             mean = (now + 4 * static(self._at(k, middle)) + static(self._at(k, end))) / 6
         else:
             now = static(self._known(k, lambda: sent))
             now, mean = _late(now, now, delay, h)
-            if lag > 1e-6:
+            if lag > SHORTEST_LAG:
                 now, mean, _ = _behind(now, mean, lag, h)
         fine = mean.reshape(-1, parts)
         return now[::parts], fine.mean(axis=1), fine
 
 
 def _changes(thruster: Thruster, given: Sequence[Given]) -> list[Given]:
-    """What the file claims beyond the curve unless an effect replaces it, and the effects, in the catalogue's order."""
+    """Effects on a thruster's thrust in the catalogue's order: those of a hypothesis, and those that the vehicle file states."""
     found = for_thruster(given, Thrust, thruster.name)
     named = {g.effect.id for g in found}
-    for id_, key in _CLAIMS.items():
+    for id_, key in _STATED.items():
         value = getattr(thruster, key)
         if value is not None and id_ not in named:
             found.append(Given(EFFECTS[id_], (1.0 - value if key == "reverse_factor" else value,)))
@@ -186,28 +222,28 @@ def _changes(thruster: Thruster, given: Sequence[Given]) -> list[Given]:
 
 
 def _midway(x: Array, *, held: bool) -> Array:
-    """What is sent in the middle of each step."""
+    """Demands in the middle of each step."""
     return x if held else 0.5 * (x + np.r_[x[1:], x[-1:]])
 
 
 def _late(now: Array, mean: Array, delay: float, h: float) -> tuple[Array, Array]:
-    """A quantity at samples and its means over the steps after them, when it arrives later."""
+    """A quantity at samples and its means over the steps after them, a delay later; before the delay has passed it keeps its first value."""
     if delay <= 0:
         return now, mean
-    whole = int(np.floor(delay / h + 1e-9))
+    whole = int(np.floor(delay / h + WHOLE))
     part = delay / h - whole
     newer = np.r_[np.full(whole, mean[0]), mean][: mean.size]
     older = np.r_[newer[0], newer[:-1]]
     over = part * older + (1 - part) * newer
     if mean is not now:
-        # On straight lines it stands between two samples.
+        # A quantity on straight lines stands between two samples.
         late = np.r_[np.full(whole, now[0]), now][: now.size]
         return (1 - part) * late + part * np.r_[late[0], late[:-1]], over
-    return (newer if part < 1e-9 else older), over
+    return (newer if part < WHOLE else older), over
 
 
 def _behind(now: Array, held: Array, lag: float, h: float) -> tuple[Array, Array, Array]:
-    """A held quantity behind a first-order lag: at samples, as means over the steps after them, and at their ends."""
+    """A quantity that holds over each step, behind a first-order lag: at samples, means over the steps after them, and at their ends."""
     decay = float(np.exp(-h / lag))
     # x at the end of step k is decay x at its start + (1 - decay) goal.
     end, _ = lfilter([1 - decay], [1, -decay], held, zi=[decay * now[0]])
@@ -216,13 +252,15 @@ def _behind(now: Array, held: Array, lag: float, h: float) -> tuple[Array, Array
     return start, held + (start - held) * share, np.asarray(end, dtype=np.float64)
 
 
-WAVES: Final = ((0, False), (1, False), (1, True), (2, False), (2, True), (3, False), (3, True))
-
-
 def error_functions(thruster: Thruster, curve: ThrustCurve, demand: Array) -> list[Callable[[Array], Array]]:
-    """Smooth functions of a thruster's demand that its declared accuracy allows, in units of the bound.
+    """Thrust errors [N] that a thruster's declared accuracy allows, as smooth functions of its demand.
 
-    Waves over the range of demands, up to one and a half of them, times the bound on the thrust error. None where nothing is declared.
+    Each is a wave over the range of demands (``WAVES``) times the bound of the thrust error. The list is empty if no accuracy is declared.
+
+    Args:
+        thruster: with its accuracy.
+        curve: its thrust curve.
+        demand: of the log from neutral, whose range counts if the curve has none.
     """
     accuracy = thruster.accuracy
     if not accuracy.absolute and not accuracy.relative:

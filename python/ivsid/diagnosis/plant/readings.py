@@ -1,4 +1,4 @@
-"""What sensor effects add to the readings of a log."""
+"""Readings under effects of sensors: lever arms, scales, delays and the like."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.plant.physics import Points
+from ivsid.diagnosis.plant.points import Points
+from ivsid.diagnosis.plant.propulsion import WHOLE
 from ivsid.effects import Given, Reading
 
 Array = NDArray[np.float64]
@@ -18,14 +19,14 @@ NAMES: Final = ("u", "v", "r", "ax", "ay", "rdot")
 def added_readings(
     given: Sequence[Given], points: Points, nudot: Array, specific: Array, ambient: Array | float, h: float
 ) -> dict[str, Array]:
-    """By reading, shape (n,) each.
+    """The numbers that effects of sensors add to u, v [m/s], r [rad/s], ax, ay [m/s^2] and rdot [rad/s^2], shape (n,) each, by name.
 
     Args:
-        given: effects of a hypothesis; those of sensors count.
-        points: states at samples, then over steps, shape 2 n.
+        given: effects of a hypothesis, of which those of sensors act here.
+        points: states at samples, then over steps, of length 2 n.
         nudot: the model's accelerations there, shape (3, 2 n).
-        specific: what an accelerometer at the origin reads, shape (3, n).
-        ambient: rdot that the ambient moment adds at samples, shape (n,).
+        specific: reading of an accelerometer at the origin, and rdot, shape (3, n).
+        ambient: rdot of the ambient moment at samples, shape (n,).
         h: step [s].
     """
     n = nudot.shape[1] // 2
@@ -44,12 +45,15 @@ def added_readings(
 
 
 def _earlier(nu: Array, rate: Array, delay: float, h: float) -> tuple[Array, ...]:
-    """Velocities at earlier moments: within the step that ends at the sample, back along the model's own acceleration, between two samples."""
-    whole = int(np.floor(delay / h + 1e-9))
+    """Velocities a delay before each sample, shape (n,) each.
+
+    Within the step that ends at the sample they go back along the model's own acceleration.
+    """
+    whole = int(np.floor(delay / h + WHOLE))
     back = delay - whole * h
     # The state at the end of a step is predicted from its start.
     step = np.concatenate([np.zeros((3, 1)), rate[:, :-1]], axis=1)
-    # From the sample after and from the one before, each the more the closer it is: a delay may grow past a whole sample without a jump.
+    # Both samples around the moment count, weighted by how near they are, so that a delay grows past a whole sample without a jump.
     before = np.concatenate([nu[:, :1], nu[:, :-1]], axis=1)
     share = back / h
     then = (1 - share) * (nu - back * step) + share * (before + (h - back) * step)

@@ -14,12 +14,12 @@ from ivsid.diagnosis.plant.driving import Driving
 from ivsid.diagnosis.plant.physics import (
     Hypothesis,
     Mass,
-    Points,
     acceleration,
     added_force,
     changed,
     term_column,
 )
+from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.readings import added_readings
 from ivsid.diagnosis.prediction.kalman import Axis, Filters, axis
 from ivsid.effects import Given, Reading, Response, Term, Thrust

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
-from ivsid.diagnosis.plant.physics import Hypothesis, Mass, Points, acceleration
+from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration
+from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.prediction.innovations import FilteredStates, Predictor
 from ivsid.effects import Change
 

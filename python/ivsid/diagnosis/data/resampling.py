@@ -1,0 +1,71 @@
+"""Columns of a log on the uniform clock, and the samples at which all of them were measured."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.log import Log
+
+Array = NDArray[np.float64]
+# Farthest distance of a sample from its time on the clock [steps]: a single lost sample is interpolated, a longer gap is not.
+# Source: geometry: the neighbours of a single lost sample are one step away, and their stamps are rounded
+FARTHEST: Final = 1.05
+# Times closer than this are the same [steps].
+# Source: geometry: stamps rounded to a millisecond are off by at most 0.0125 of the shortest step, 1/25 s
+SAME: Final = 0.02
+
+
+class Resampler:
+    """Columns of a log on a uniform clock.
+
+    Attributes:
+        log: with irregular times.
+        clock: times of the uniform clock [s], shape (n,).
+        h: its step [s].
+        good: samples at which every channel asked for so far was measured, shape (n,).
+    """
+
+    def __init__(self, log: Log, clock: Array, h: float) -> None:
+        self.log, self.clock, self.h = log, clock, h
+        self.good = np.ones(clock.size, dtype=bool)
+
+    def __call__(self, name: str, *, sent: bool = False, held: bool = False, unwrap: bool = False) -> Array:
+        """A column on the clock, shape (n,).
+
+        Args:
+            name: of the column.
+            sent: a demand, which stays in force between its samples; a reading is not ``good`` in a gap.
+            held: the last value at or before each time (a zero-order hold), in place of straight lines.
+            unwrap: an angle is followed through whole turns.
+        """
+        values = self.log.columns[name]
+        there = np.isfinite(values)
+        t, x = self.log.t[there], values[there]
+        if unwrap:
+            x = np.unwrap(x)
+        at = np.clip(np.searchsorted(t, self.clock + SAME * self.h, side="right") - 1, 0, t.size - 1)
+        if held:
+            found: Array = x[at]
+            return found
+        if sent:
+            return np.interp(self.clock, t, x)
+        nearest = np.minimum(np.abs(self.clock - t[at]), np.abs(t[np.minimum(at + 1, t.size - 1)] - self.clock))
+        self.good &= nearest <= FARTHEST * self.h
+        return np.interp(self.clock, t, x)
+
+    def between(self, name: str, parts: int) -> Array:
+        """A held demand at equal parts of the steps of a clock that is slower than the log, shape (n, parts)."""
+        there = np.isfinite(self.log.columns[name])
+        t, x = self.log.t[there], self.log.columns[name][there]
+        clock = self.clock[:, None] + np.arange(parts) * (self.h / parts)
+        at = np.searchsorted(t, clock + SAME * self.h / parts, side="right") - 1
+        return np.asarray(x[np.clip(at, 0, t.size - 1)])
+
+    def optional(self, name: str) -> Array | None:
+        """A reading on the clock, shape (n,), or None if the log has no sample of it."""
+        if name not in self.log.columns or not np.isfinite(self.log.columns[name]).any():
+            return None
+        return self(name)

@@ -1,0 +1,95 @@
+"""Forces of thrusters and of the rudders behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.plant.points import Points
+from ivsid.effects import EFFECTS, Given, Inflow, for_thruster
+from ivsid.propulsion.foil import rudder_force
+from ivsid.vehicle import Thruster, Vehicle
+
+Array = NDArray[np.float64]
+# u, v, r relative to the water.
+Relative: TypeAlias = tuple[Array, Array, Array]
+
+
+def blade_force(vehicle: Vehicle, k: int, p: Points, push: Array, relative: Relative) -> Array:
+    """X, Y [N], N [N m] of the rudder behind a thruster, shape (3, n); zero without one.
+
+    Args:
+        vehicle: of the thruster.
+        k: its index.
+        p: states.
+        push: its thrust [N], shape (n,).
+        relative: u, v [m/s] and r [rad/s] relative to the water, shape (n,) each.
+    """
+    rudder = vehicle.thrusters[k].rudder
+    if rudder is None or p.rudders is None:
+        return np.zeros_like(p.nu)
+    return np.stack(rudder_force(rudder, p.rudders[k], push, *relative))
+
+
+def thruster_force(
+    vehicle: Vehicle,
+    given: Sequence[Given],
+    p: Points,
+    relative: Relative,
+    declared_errors: Mapping[str, float] | None = None,
+) -> Array:
+    """X, Y [N], N [N m] of all thrusters and rudders, shape (3, n).
+
+    Args:
+        vehicle: with its thrusters.
+        given: effects of a hypothesis, of which losses by inflow act here.
+        p: states and thrusts.
+        relative: u, v [m/s] and r [rad/s] relative to the water, shape (n,) each.
+        declared_errors: sizes of declared errors, of which those of rudders act here.
+    """
+    u, v, r = relative
+    lost = [_losses(thruster, given) for thruster in vehicle.thrusters]
+    if p.bollard is not None and not any(lost) and all(t.rudder is None for t in vehicle.thrusters):
+        return p.bollard.copy()
+    total = p.force.copy()
+    for k, thruster in enumerate(vehicle.thrusters):
+        c, s = np.cos(p.angles[k]), np.sin(p.angles[k])
+        x, y = thruster.position
+        push = p.thrusts[k]
+        for g in lost[k]:
+            if isinstance(g.effect.acts, Inflow):
+                push = g.effect.acts.function(push, (u - r * y) * c + (v + r * x) * s, g.values)
+        total += np.stack([push * c, push * s, push * (s * x - c * y)])
+        if thruster.rudder is not None:
+            off = (declared_errors or {}).get(f"~rudder.{thruster.name}", 0.0)
+            total += (1.0 + off) * blade_force(vehicle, k, p, push, relative)
+    return total
+
+
+def _losses(thruster: Thruster, given: Sequence[Given]) -> list[Given]:
+    """Losses of thrust by the inflow: those of the effects, else the one that the vehicle file states."""
+    losses = for_thruster(given, Inflow, thruster.name)
+    if not losses and thruster.advance_loss:
+        return [Given(EFFECTS["thruster.advance_loss"], (thruster.advance_loss,))]
+    return losses
+
+
+def bollard_force(vehicle: Vehicle, thrusts: Array, turn: tuple[Array, Array], force: Array) -> Array:
+    """X, Y [N], N [N m] of thrusts at no speed, without rudders, shape (3, n).
+
+    Args:
+        vehicle: with its thrusters.
+        thrusts: [N], shape (thrusters, n).
+        turn: cosines and sines of their angles, shape (thrusters, n) each.
+        force: known force beside them, shape (3, n).
+    """
+    total = force.copy()
+    for thruster, push, c, s in zip(vehicle.thrusters, thrusts, *turn, strict=True):
+        x, y = thruster.position
+        total[0] += push * c
+        total[1] += push * s
+        total[2] += push * (s * x - c * y)
+    return total

@@ -1,7 +1,15 @@
 """A vehicle, its simulated logs and what can happen to a log, for the tests of the diagnosis."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
+from ivsid.diagnosis.candidates.families import Scored, everything, score
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.fit import Fit, plain_fit
+from ivsid.diagnosis.null.thresholds import calibrate
+from ivsid.diagnosis.null.visibility import Threshold, visibility
+from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.log import Log
 from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
@@ -166,3 +174,34 @@ def epochs(log, rng):
     """Times since 1970."""
     del rng
     return Log(log.name, log.sha256, log.t + 1.7e9, log.columns)
+
+
+@dataclass(frozen=True)
+class Screened:
+    """The stages before the selection: what is known of a log when the first cause is looked for.
+
+    Attributes:
+        fit: of the vehicle's own model, with the columns of every candidate.
+        scores: of every candidate, the best first.
+        passed: the ids of those that pass the calibrated threshold, the best first.
+        quiet: whether the dictionary of the adequacy test finds no more than chance in what the model leaves.
+    """
+
+    fit: Fit
+    scores: list[Scored]
+    passed: list[str]
+    quiet: bool
+
+    def of(self, id_):
+        """The score of a candidate."""
+        return next(s for s in self.scores if s.id == id_)
+
+
+def screened(vehicle, train):
+    """Data, plant, prediction, estimation, candidates and null in turn; about a third of a whole diagnosis."""
+    fit = plain_fit(vehicle, channels(train, vehicle), everything)
+    visible = visibility(fit)
+    seen = frozenset(i for i, v in visible.items() if v.tested)
+    passes = Threshold(calibrate(fit, seen, 0.005, 1), seen, frozenset(i for i, v in visible.items() if v.blind))
+    fit, scores = score(fit)
+    return Screened(fit, scores, [s.id for s in passes(fit, scores)], adequacy(fit).quiet)

@@ -6,11 +6,14 @@ import shutil
 import numpy as np
 import pytest
 
+from command_line import run
 from conftest import embedded
 from ivsid import IvsidError, read_log, read_vehicle, workflow
 from ivsid.adapters import ADAPTERS, read_cse1, read_rov30k, read_t200
 from ivsid.propulsion.thrust import ThrustCurve
-from test_cli import run
+
+# One worker makes what these tests share.
+pytestmark = pytest.mark.xdist_group("import")
 
 
 @pytest.fixture(scope="module")
@@ -84,7 +87,9 @@ def test_cse1_runs_identify_from_their_cameras(sets):
     assert plain.status == "empty" and plain.guaranteed and plain.inflation > 1
 
 
+# Nightly: a run of 700 s; the gate has weak rows in test_weak_form.py and the fit of this run by its velocities.
 @pytest.mark.slow
+@pytest.mark.nightly
 def test_rows_from_the_pose_itself_say_more_of_cse1(sets):
     """Damping in yaw within a factor of three, where velocities gave sixteen; the towing tank's drag is not contradicted."""
     from ivsid import IntervalArray, identify, regression

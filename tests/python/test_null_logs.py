@@ -27,6 +27,9 @@ from ivsid.simulation import simulate
 from ivsid.simulation.equations import equations, plant
 from ivsid.vehicle import parse_vehicle
 
+# One worker makes what these tests share.
+pytestmark = pytest.mark.xdist_group("null logs")
+
 STRAIGHT = """
 [[segments]]
 manoeuvre = "steps"

@@ -81,7 +81,9 @@ def test_the_guide_does_what_it_says(tmp_path):
     assert bare.returncode == 2 and "--own-effects" in bare.stderr and not (tmp_path / "bare").exists()
 
 
+# Nightly: the gate screens it in test_diagnosis_stages.py.
 @pytest.mark.slow
+@pytest.mark.nightly
 def test_a_force_with_two_channels_is_named(clean):
     """The guide's second example: no term, so no model lists it, but it is simulated and named."""
     names = {}

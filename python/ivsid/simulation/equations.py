@@ -41,7 +41,7 @@ from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.simulation.compiled import Steps, function, runge_kutta
 from ivsid.simulation.symbols import Symbol, Tape, solve
 from ivsid.vehicle import Vehicle
-from ivsid.vehicle.actuator import Rudder
+from ivsid.vehicle.rudder import Rudder
 
 # (t, u, v, r, psi, x, y, X, Y, N, wind north, wind east, thrusts, angles) -> rates of u, v, r, psi, x, y
 Rates: TypeAlias = Callable[..., tuple[Quantity, ...]]

@@ -26,6 +26,7 @@ pub mod inverse;
 mod lanes;
 pub mod linear_program;
 pub mod matrix;
+mod names;
 mod parallel;
 pub mod reductions;
 pub mod regression;
@@ -38,7 +39,7 @@ pub mod systems;
 mod verify;
 mod witness;
 
-pub use certified::{Certified, Unproved};
+pub use certified::{Certified, Claim, Unproved};
 pub use error::Error;
 pub use interval::{DecoratedInterval, Decoration, Interval};
 pub use matrix::IntervalMatrix;

@@ -5,6 +5,7 @@ mod positive_definite;
 mod preconditioned;
 mod singular;
 
+pub use crate::status::Verdict;
 pub use crate::witness::{Cell, SingularMember, Witness};
 pub(crate) use cells::{halves, largest_smear};
 pub(crate) use preconditioned::{Preconditioned, contracted_vector, interval_residual, slack, split, times};
@@ -28,6 +29,18 @@ pub enum Regularity {
     Singular(SingularMember),
     /// Neither was proved.
     NotProved,
+}
+
+impl Regularity {
+    /// The verdict without what proves it.
+    #[must_use]
+    pub const fn verdict(&self) -> Verdict {
+        match self {
+            Self::Regular(_) => Verdict::Regular,
+            Self::Singular(_) => Verdict::Singular,
+            Self::NotProved => Verdict::NotProved,
+        }
+    }
 }
 
 /// Proves regularity by contraction, plain or scaled, by the norm of the radii, or by a partition; proves singularity by a

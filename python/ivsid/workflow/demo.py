@@ -150,8 +150,8 @@ def _worth(rows: RegressionRows, fits: list[Identification]) -> dict[str, Any]:
     mass_and_drag = [j for j, t in enumerate(rows.terms) if t.id != "inertia.yaw"]
     block = rows.take(np.isin(rows.channel, (0, 1)), mass_and_drag)
     gram = regression.gram(block.matrix)
-    exact = linalg.inverse(gram, "exact")
-    results = {m: linalg.inverse(gram, m, PARTITIONS) for m in ("published", "published-hull")}
+    exact = linalg.inverse_one(gram, "exact")
+    results = {m: linalg.inverse_one(gram, m, PARTITIONS) for m in ("published", "published-hull")}
     found: dict[str, Any] = {"partitions": PARTITIONS, "entries": gram.size, "exact_status": exact.status}
     for method, result in results.items():
         value = result.value

@@ -52,8 +52,8 @@ def paper_numbers() -> dict[str, Any]:
     """Numbers printed in the paper that can be computed again (READING_NOTES)."""
     q = IntervalArray(np.array([[2, -2], [-1.5, -2]]), np.array([[4, 2], [4.5, 3.5]]))
     one = IntervalArray([[1.0]], [[2.0]])
-    literal = linalg.inverse(one, "published", 10)
-    exact = linalg.inverse(one, "exact")
+    literal = linalg.inverse_one(one, "published", 10)
+    exact = linalg.inverse_one(one, "exact")
     u = doppler_paper(np.array([2.0]), 0.002, 0.004)
     return {
         "norm": linalg.norm(q),

@@ -22,7 +22,7 @@ GRAVITY: Final = (9.76, 9.84)
 
 
 def velocity_at_origin(reading: Pair, r: IntervalArray, mount: Mounted, *, own_axes: bool = True) -> Pair:
-    """U and v of the body origin [m/s] from those at the sensor, each of shape (n,).
+    """Velocities u and v of the body origin [m/s] from those at the sensor, each of shape (n,).
 
     Args:
         reading: intervals of the true velocity at the sensor, in its axes [m/s].

@@ -244,7 +244,7 @@ def test_rov30k(sets):
 def test_rov30k_thrusters_give_the_logged_demand(real):
     """The rpm columns, at the places of the vehicle file, reproduce the demanded forces and moment."""
     from ivsid.log import open_source
-    from ivsid.propulsion.thrust import combine
+    from ivsid.propulsion.configuration import combine
     from ivsid.vehicle import parse_vehicle
 
     vehicle = parse_vehicle(embedded("rov30k.toml"), "rov30k.toml")

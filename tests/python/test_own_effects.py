@@ -113,9 +113,9 @@ def test_a_registered_term_stands_in_a_model(clean):
         terms_of(vehicle)
 
 
-def effect(id_="drag.own", unit="kg/m", acts=None, typical=1.0, cause="a cause"):
+def effect(id_="drag.own", unit="kg/m", acts=None, typical=1.0, cause="a cause", **described):
     acts = acts or Force(lambda s, p: {"surge": -p[0] * s.u})
-    return Effect(id_, cause, (Parameter("", "", unit, typical),), acts)
+    return Effect(id_, cause, (Parameter("", "", unit, typical),), acts, **described)
 
 
 @pytest.mark.parametrize(
@@ -133,6 +133,7 @@ def effect(id_="drag.own", unit="kg/m", acts=None, typical=1.0, cause="a cause")
         (effect(acts=Force(lambda s, p: {"surge": s.speed})), "fails where it is tried"),
         (effect(acts=Force(lambda s, p: {"surge": float("nan")})), "finite number"),
         (effect(acts=Terms((Term("drag.other", "", "kg/m", lambda s: {"surge": s.u}),))), "ask for drag.own"),
+        (effect(equivalents=("drag.surge.linear",), equivalent_odds=(1.0, 0.3)), "2 equivalent_odds and 1 equivalents"),
     ],
 )
 def test_what_is_wrong_with_an_effect_is_said_and_nothing_is_registered(wrong, words, clean):

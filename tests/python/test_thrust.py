@@ -7,7 +7,8 @@ import pytest
 
 from ivsid import IvsidError
 from ivsid.propulsion.bollard import TABLE_III, examine
-from ivsid.propulsion.thrust import ThrustCurve, combine
+from ivsid.propulsion.configuration import combine
+from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.simulation.true_thrust import scalar_curve
 from ivsid.vehicle import Thruster, Vehicle, parse_vehicle
 

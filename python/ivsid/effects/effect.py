@@ -64,7 +64,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Terms:
-    """Linear in each parameter: their columns on the left of the equations of motion, one ``Term`` a parameter."""
+    """Physics that is linear in each parameter: columns on the left of the equations of motion, one ``Term`` a parameter."""
 
     terms: tuple[Term, ...]
 

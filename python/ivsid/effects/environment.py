@@ -12,7 +12,7 @@ from ivsid.effects.quantity import Quantity
 from ivsid.effects.terms import Columns, Place, State, Term
 from ivsid.errors import IvsidError
 
-# A tether above its anchor hangs straight down and has no horizontal pull: within this distance [m] the pull fades.
+# Above its anchor a tether hangs straight down and has no horizontal pull: within this distance [m] the pull fades.
 # Source: definition: the effect tether.tension of the catalogue.
 TETHER_RADIUS: Final = 0.05
 

@@ -123,6 +123,11 @@ def _check(effect: Effect, taken: Sequence[str]) -> None:
         froude_power(p.unit)
         if not math.isfinite(p.typical) or (p.draw == "size" and p.typical == p.none):
             raise IvsidError(f"{name} needs a typical size that does something; {p.typical:g} does not")
+    if effect.equivalent_odds and len(effect.equivalent_odds) != len(effect.equivalents):
+        raise IvsidError(
+            f"effect {effect.id} has {len(effect.equivalent_odds)} equivalent_odds and {len(effect.equivalents)} equivalents; give each "
+            "equivalent its odds, or none"
+        )
     if isinstance(effect.acts, Terms) and tuple(t.id for t in effect.acts.terms) != effect.parts:
         raise IvsidError(
             f"effect {effect.id} has the terms {', '.join(t.id for t in effect.acts.terms)}; its parameters ask for {', '.join(effect.parts)}"

@@ -53,14 +53,10 @@ class NoiseFit:
     Attributes:
         values: N [unit/sqrt(s)], B [unit], T [s], K [unit/s/sqrt(s)].
         bands: the 95 % band of each by its name in ``NAMES``; an end that the record leaves open is 0 or infinite.
-        misfit: chi^2 of the best fit.
-        freedom: its degrees of freedom.
     """
 
     values: tuple[float, float, float, float]
     bands: dict[str, tuple[float, float]]
-    misfit: float
-    freedom: int
 
 
 def octaves(samples: int) -> NDArray[np.int64]:
@@ -223,7 +219,7 @@ def _banded(
         reach = (low[j], ends[1]) if name == "bias_time" else (low[j] - np.log(1 / _NOTHING), low[j] + 12.0)
         down, up = (_end(residual, [top, best], j, others, least + LEVEL, sign, reach) for sign in (-1.0, 1.0))
         bands[name] = (min(down, values[j]), max(up, values[j]))
-    return NoiseFit(values, bands, own, len(tau) - (4 if with_k else 3))
+    return NoiseFit(values, bands)
 
 
 def _end(

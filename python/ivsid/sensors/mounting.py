@@ -7,16 +7,12 @@ sensor.velocity.misalignment and sensor.acceleration.lever_arm. This module inve
 
 from __future__ import annotations
 
-from typing import Any, Final, TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 
 from ivsid.intervals import IntervalArray
 from ivsid.vehicle.mount import Mounted
-
-# NumPy's types do not admit intervals, NumPy's functions do.
-_cos: Any = np.cos
-_sin: Any = np.sin
 
 Pair: TypeAlias = tuple[IntervalArray, IntervalArray]
 # Least and largest gravity at sea level [m/s^2]: 9.7803 at the equator and 9.8322 at the poles, with room for the anomalies of
@@ -26,7 +22,7 @@ GRAVITY: Final = (9.76, 9.84)
 
 
 def velocity_at_origin(reading: Pair, r: IntervalArray, mount: Mounted, *, own_axes: bool = True) -> Pair:
-    """U and v of the body origin [m/s] from those at the sensor, each of shape (n,).
+    """Velocities u and v of the body origin [m/s] from those at the sensor, each of shape (n,).
 
     Args:
         reading: intervals of the true velocity at the sensor, in its axes [m/s].
@@ -68,7 +64,7 @@ def without_gravity(reading: Pair, roll: IntervalArray, pitch: IntervalArray, gr
         gravity: its size [m/s^2].
     """
     fx, fy = reading
-    return fx - gravity * _sin(pitch), fy + gravity * (_cos(pitch) * _sin(roll))
+    return fx - gravity * np.sin(pitch), fy + gravity * (np.cos(pitch) * np.sin(roll))
 
 
 def _arm(mount: Mounted) -> Pair:
@@ -82,5 +78,5 @@ def _turned_back(reading: Pair, mount: Mounted) -> Pair:
     first, second = reading
     reach = mount.rotation_accuracy
     angle = IntervalArray.around(mount.rotation, reach + np.spacing(abs(mount.rotation) + reach))
-    cosine, sine = _cos(angle), _sin(angle)
+    cosine, sine = np.cos(angle), np.sin(angle)
     return first * cosine - second * sine, first * sine + second * cosine

@@ -72,7 +72,7 @@ def settle(
     start: Pose,
     outside: NDArray[np.float64],
 ) -> Path:
-    """Integrates with one step per sample, then with twice as many, until halving the step moves no velocity noticeably.
+    """Integrates with one step per sample, then with twice as many, until halving the step moves no velocity by more than is allowed.
 
     Args:
         rates: the compiled equations.

@@ -1,5 +1,5 @@
-"""What a user can do wrong, said in one sentence: what was given, what is needed, what to do."""
+"""Errors of use, each in one sentence: the input that was given, the input that is needed, the remedy."""
 
 
 class IvsidError(ValueError):
-    """Unusable input. Its text is one sentence for the user; the command line prints it and exits with 2."""
+    """Unusable input. The text is one sentence for the user; the command line prints it and exits with 2."""

@@ -10,7 +10,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from ivsid.diagnosis import Diagnosis, diagnose
+    from ivsid.diagnosis import Diagnosis
+    from ivsid.diagnosis.stages import diagnose  # in the import cycle mypy takes the re-export for a second definition
     from ivsid.errors import IvsidError
     from ivsid.identification import Identification, Parameter, identify
     from ivsid.intervals import EndpointPair, Interval, IntervalArray

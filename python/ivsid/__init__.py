@@ -10,8 +10,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    # mypy meets the decorated function twice in the circle that the lazy names close.
-    from ivsid.diagnosis import Diagnosis, diagnose  # type: ignore[no-redef]
+    from ivsid.diagnosis import Diagnosis
+    from ivsid.diagnosis.stages import diagnose  # in the import cycle mypy takes the re-export for a second definition
     from ivsid.errors import IvsidError
     from ivsid.identification import Identification, Parameter, identify
     from ivsid.intervals import EndpointPair, Interval, IntervalArray

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ivsid.files.records import envelope
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ivsid.validation import Validation
 
 
-def validation_record(result: Validation) -> dict[str, Any]:
+def validation_record(result: Validation) -> dict[str, object]:
     """The record of a validation."""
     fit = result.fit
     inputs = {fit.log_name: fit.log_sha256, result.log_name: result.log_sha256}
@@ -48,7 +48,7 @@ def validation_record(result: Validation) -> dict[str, Any]:
     }
 
 
-def allan_record(curves: dict[str, AllanDeviation]) -> dict[str, Any]:
+def allan_record(curves: dict[str, AllanDeviation]) -> dict[str, object]:
     """The record of an Allan analysis: noise coefficients and curve of each channel."""
     return {
         name: {
@@ -71,7 +71,7 @@ def allan_record(curves: dict[str, AllanDeviation]) -> dict[str, Any]:
     }
 
 
-def bollard_record(table: Bollard) -> dict[str, Any]:
+def bollard_record(table: Bollard) -> dict[str, object]:
     """The record of a bollard-pull table: candidates for the thrust curve with their residuals [N]."""
     return {
         "points": table.demand.size,
@@ -95,6 +95,6 @@ def bollard_record(table: Bollard) -> dict[str, Any]:
     }
 
 
-def quality_record(quality: Mapping[str, Quality]) -> dict[str, Any]:
+def quality_record(quality: Mapping[str, Quality]) -> dict[str, object]:
     """The record of a log's quality, by channel."""
     return {name: asdict(q) for name, q in quality.items()}

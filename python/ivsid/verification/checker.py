@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import isfinite
-from typing import Any, Final
+from typing import Final
 
 from ivsid.log import Log
 from ivsid.verification.cells import Cell
@@ -16,7 +16,7 @@ from ivsid.verification.errors import UncheckedError, UnprovedError
 from ivsid.verification.multipliers import HalfSpace, Vector, contradict, half_space, least
 from ivsid.verification.outliers import Proof, named
 from ivsid.verification.rational import Range
-from ivsid.verification.result import Result
+from ivsid.verification.result import Result, Stored
 from ivsid.verification.rows import Rows
 from ivsid.verification.signs import Line, proved_signs
 from ivsid.verification.statements import Block, check_statements, integer
@@ -48,8 +48,8 @@ class Checker:
     unknown: list[str] = field(default_factory=list)
     certificates: int = 0
     wrong: int = 0
-    rows_used: set[tuple[Any, ...]] = field(default_factory=set)
-    _spaces: dict[tuple[Any, ...], HalfSpace] = field(default_factory=dict)
+    rows_used: set[tuple[object, ...]] = field(default_factory=set)
+    _spaces: dict[tuple[object, ...], HalfSpace] = field(default_factory=dict)
 
     def run(self) -> None:
         """Checks the files, the status, each certificate, and the statements that rest on them."""
@@ -83,7 +83,7 @@ class Checker:
             check_statements(self.record, self.result.vehicle, self.rows.terms, blocks, self.wrong)
 
     @property
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Stored:
         """The content of result.json."""
         return self.result.record
 
@@ -122,7 +122,7 @@ class Checker:
             rule = "with velocities by splines nothing is guaranteed" if guessed else rule
             self.failures.append(f"guaranteed: {record['guaranteed']} is claimed, but {rule}")
 
-    def _certificate(self, certificate: Mapping[str, Any], blocks: dict[int, Block]) -> None:
+    def _certificate(self, certificate: Stored, blocks: dict[int, Block]) -> None:
         ids = tuple(certificate["orthant"])
         cell = tuple(certificate["orthant"].values())
         if any(s not in (-1, 0, 1) or isinstance(s, bool) for s in cell):
@@ -159,9 +159,7 @@ class Checker:
         else:
             raise UnprovedError(f"it proves '{certificate['proves']}', which is not known")
 
-    def _bound(
-        self, certificate: Mapping[str, Any], block: Block, cell: Cell, rows: list[HalfSpace]
-    ) -> tuple[Fraction, set[int]]:
+    def _bound(self, certificate: Stored, block: Block, cell: Cell, rows: list[HalfSpace]) -> tuple[Fraction, set[int]]:
         """The stored bound, if the certificate proves it, and the rows that the proof needs."""
         end, id_ = certificate["end"], certificate["parameter"]
         if end not in ("lower", "upper"):
@@ -182,7 +180,7 @@ class Checker:
             )
         return bound, proved[1]
 
-    def _signs(self, certificate: Mapping[str, Any], ids: Sequence[str], decided: Cell) -> tuple[Cell, int | None]:
+    def _signs(self, certificate: Stored, ids: Sequence[str], decided: Cell) -> tuple[Cell, int | None]:
         """The region that is left where the signs ``decided`` hold, and the unknown whose two signs are examined apart."""
         home = tuple(certificate["home"][id_] for id_ in ids)
         if any(s not in (-1, 0, 1) or (d and d != s) for d, s in zip(decided, home, strict=True)):
@@ -203,7 +201,7 @@ class Checker:
             region = tuple(home[k] if k in listed else s for k, s in enumerate(decided))
         return region, branch
 
-    def _half_space(self, stored: Mapping[str, Any], ids: Sequence[str]) -> HalfSpace:
+    def _half_space(self, stored: Stored, ids: Sequence[str]) -> HalfSpace:
         """The half-space of a stored row, once the row is recomputed; certificates share rows, so that it is kept."""
         ends = (tuple(stored[k]) for k in ("lower", "upper", "right"))
         key = (*named(stored), stored["side"], *ends, tuple(ids))
@@ -211,7 +209,7 @@ class Checker:
             self._spaces[key] = self._recomputed(stored, ids)
         return self._spaces[key]
 
-    def _recomputed(self, stored: Mapping[str, Any], ids: Sequence[str]) -> HalfSpace:
+    def _recomputed(self, stored: Stored, ids: Sequence[str]) -> HalfSpace:
         channel, time, duration = stored["channel"], float(stored["time"]), float(stored["duration"])
         lower, upper, right = ([Fraction(float.fromhex(x)) for x in stored[k]] for k in ("lower", "upper", "right"))
         if not len(lower) == len(upper) == len(ids) or len(right) != 2:
@@ -244,7 +242,7 @@ def _inside(range_: Range, lower: Fraction, upper: Fraction, what: str) -> None:
         raise UnprovedError(f"{what}: recomputed as {range_}, which is not inside [{float(lower)!r}, {float(upper)!r}]")
 
 
-def _multipliers(certificate: Mapping[str, Any]) -> list[float]:
+def _multipliers(certificate: Stored) -> list[float]:
     """The stored multipliers, rounded; none if one of them is no number. They are a proposal: exact ones are found and checked."""
     try:
         return [float(r["multiplier"]) for r in certificate["rows"]]
@@ -252,7 +250,7 @@ def _multipliers(certificate: Mapping[str, Any]) -> list[float]:
         return []
 
 
-def _widths(stored: Mapping[str, Any]) -> Vector:
+def _widths(stored: Stored) -> Vector:
     lower, upper = ([Fraction(float.fromhex(x)) for x in stored[k]] for k in ("lower", "upper"))
     return [b - a for a, b in zip(lower, upper, strict=True)]
 

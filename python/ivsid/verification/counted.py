@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from ivsid.verification.errors import UnprovedError
 from ivsid.verification.outliers import RowName
 from ivsid.verification.physics import Meaning, State
 from ivsid.verification.rational import Range
+from ivsid.verification.result import Stored
 
 if TYPE_CHECKING:
     from ivsid.verification.rows import Rows
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 _OWN: Final = {"surge": ("udot", "ax"), "sway": ("vdot", "ay"), "yaw": ("rdot",)}
 
 
-def counted(rows: Rows, options: Mapping[str, Any], name: RowName) -> None:
+def counted(rows: Rows, options: Stored, name: RowName) -> None:
     """Checks that the options of a result make a row.
 
     Raises:

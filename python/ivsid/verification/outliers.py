@@ -6,12 +6,13 @@ together touch every proof of it. The proofs alone are examined; the search that
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, Final, TypeAlias
+from typing import Final, TypeAlias
 
 from ivsid.verification.errors import UnprovedError
+from ivsid.verification.result import Stored
 
 # Kind, channel, time [s], duration [s].
 RowName: TypeAlias = tuple[str, str, float, float]
@@ -28,7 +29,7 @@ DEEPEST: Final = 100
 
 @dataclass(frozen=True)
 class Proof:
-    """Of one cell of signs: that it is empty, or a bound of one end.
+    """A proof on one cell of signs: that it is empty, or a bound of one end.
 
     Attributes:
         end: parameter, and ``lower`` or ``upper``; None for an empty cell.
@@ -43,7 +44,7 @@ class Proof:
     meant: Chosen = NOTHING
 
 
-def named(row: Mapping[str, Any]) -> RowName:
+def named(row: Stored) -> RowName:
     """The name of a row of a result: kind, channel, time and duration."""
     return str(row["kind"]), str(row["channel"]), float(row["time"]), float(row["duration"])
 
@@ -84,7 +85,7 @@ def left_open(
     return look(NOTHING)
 
 
-def check_choices(listed: Mapping[str, Any], cells: Sequence[Sequence[Proof]], wrong: int) -> None:
+def check_choices(listed: Stored, cells: Sequence[Sequence[Proof]], wrong: int) -> None:
     """Checks the fewest rows that have to be wrong, and every choice of that many, against the proofs that cells are empty.
 
     Args:

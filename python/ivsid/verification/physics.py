@@ -18,6 +18,8 @@ from ivsid.verification.rational import Range, cosine, sided, sine, tanh, to_ran
 CHANNELS: Final = ("surge", "sway", "yaw")
 
 Operand: TypeAlias = "Motion | Range | Fraction | int"
+# A Range, a Motion or an Unknown: the columns are written once for all of them, by the operators that they share.
+Quantity: TypeAlias = Any
 
 
 @dataclass(frozen=True)
@@ -76,39 +78,39 @@ class State:
     Each is a ``Range`` or a ``Motion``; an acceleration may be a ``columns.Unknown``.
     """
 
-    u: Any
-    v: Any
-    r: Any
-    udot: Any
-    vdot: Any
-    rdot: Any
-    measured_ax: Any = None
-    measured_ay: Any = None
-    psi: Any = None
+    u: Quantity
+    v: Quantity
+    r: Quantity
+    udot: Quantity
+    vdot: Quantity
+    rdot: Quantity
+    measured_ax: Quantity = None
+    measured_ay: Quantity = None
+    psi: Quantity = None
 
     @property
-    def ax(self) -> Any:
+    def ax(self) -> Quantity:
         """``udot - v r``."""
         return self.udot - self.v * self.r if self.measured_ax is None else self.measured_ax
 
     @property
-    def ay(self) -> Any:
+    def ay(self) -> Quantity:
         """``vdot + u r``."""
         return self.vdot + self.u * self.r if self.measured_ay is None else self.measured_ay
 
 
-Columns = dict[str, Any]
+Columns = dict[str, Quantity]
 Column = Callable[[State], Columns]
 
 
-def _astern(u: Any) -> Any:
+def _astern(u: Quantity) -> Quantity:
     negative = u.negative_part()
     if isinstance(u, Motion):
         return Motion(negative.value.signed_square(), abs(negative.value) * u.rate * 2)
     return negative.signed_square()
 
 
-def _friction(u: Any) -> Any:
+def _friction(u: Quantity) -> Quantity:
     scaled = u * 50
     if isinstance(scaled, Motion):
         value = tanh(scaled.value)
@@ -116,11 +118,11 @@ def _friction(u: Any) -> Any:
     return tanh(scaled)
 
 
-def _cos(x: Any) -> Any:
+def _cos(x: Quantity) -> Quantity:
     return Motion(cosine(x.value), -(sine(x.value) * x.rate)) if isinstance(x, Motion) else cosine(x)
 
 
-def _sin(x: Any) -> Any:
+def _sin(x: Quantity) -> Quantity:
     return Motion(sine(x.value), cosine(x.value) * x.rate) if isinstance(x, Motion) else sine(x)
 
 

@@ -22,8 +22,9 @@ from ivsid.verification.rational import Range, sided
 # Lengths of windows, as shares of the length at which reading and jerk contribute equally.
 # Source: definition: the windows that the rows of a result try
 SHARES: Final = (0.5, 0.7, 1.0, 1.4)
-# All lengths within this factor of those are tried: the best length is estimated from a few rows, and one left out may prove less.
-# Source: none
+# All lengths within this factor of those are tried, since the best length is estimated from a few rows. The factor exceeds the square
+# root of the ratio of neighbouring shares, 1.2, so that no length between two shares is left out.
+# Source: geometry/physics: overlap of the neighbourhoods of ``SHARES``
 AROUND: Final = 1.25
 # Rows from which the usual width of a velocity is estimated, which only chooses the windows.
 # Source: resource: time of exact ranges

@@ -15,7 +15,8 @@ from typing import Final, TypeAlias
 # Ends are whole numbers of 2^-1200: the smallest double is 2^-1074, and what rounding loses stays far below its half.
 # Source: definition: IEEE 754 binary64
 SCALE: Final = 1200
-# Source: definition: 1 in units of 2^-SCALE
+# One in whole numbers of 2^-SCALE.
+# Source: definition: 2^SCALE
 ONE: Final = 1 << SCALE
 # Binary places of the cosine's own whole numbers; ``_cosine_at`` bounds their roundings.
 # Source: theorem: error bound in the docstring of ``_cosine_at``

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from ivsid.errors import IvsidError
 from ivsid.files.seal import KEY, seal_of
 from ivsid.vehicle import Vehicle, parse_vehicle
 from ivsid.verification.decimals import decimal
+
+# An object of result.json as it was read: nothing is known of its values before they are checked.
+Stored: TypeAlias = Mapping[str, Any]
 
 
 class DamagedError(Exception):
@@ -27,7 +31,7 @@ class Result:
         sealed: whether the seal is that of the content.
     """
 
-    record: dict[str, Any]
+    record: Stored
     vehicle: Vehicle
     sealed: bool
 
@@ -82,7 +86,7 @@ def parse_result(text: str, source: str) -> Result:
     return Result(record, vehicle, record.get(KEY) == seal)
 
 
-def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
     found = dict(pairs)
     if len(found) < len(pairs):
         raise ValueError("a key stands twice")

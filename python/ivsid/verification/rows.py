@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -141,7 +141,7 @@ class Rows:
         matrix |= {id_: Range(-1) for id_, (_, c) in self.unknowns.items() if c == channel}
         return Row(matrix, force - value(self.known, state, channel) + self._ambient(channel))
 
-    def _derivative(self, name: str, i: int, otherwise: Range | None) -> Any:
+    def _derivative(self, name: str, i: int, otherwise: Range | None) -> Range | Unknown:
         """A measured acceleration, or ``otherwise``; an ``Unknown`` without either, which must not be used."""
         x = self.readings.channel(name, i) if self.readings.has(name) else otherwise
         return Unknown(name) if x is None else x

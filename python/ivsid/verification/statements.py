@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any
 
 from ivsid.vehicle import Vehicle
 from ivsid.verification.cells import Cell, covers
@@ -13,6 +12,7 @@ from ivsid.verification.counted import linked
 from ivsid.verification.errors import UnprovedError
 from ivsid.verification.outliers import Proof, check_choices, left_open, shown
 from ivsid.verification.physics import Meaning
+from ivsid.verification.result import Stored
 
 Terms = Mapping[str, Meaning]
 Blocks = Mapping[int, "Block"]
@@ -36,7 +36,7 @@ class Block:
         return covers(closed, len(self.ids), self.signs)
 
 
-def check_statements(record: Mapping[str, Any], vehicle: Vehicle, terms: Terms, blocks: Blocks, wrong: int) -> None:
+def check_statements(record: Stored, vehicle: Vehicle, terms: Terms, blocks: Blocks, wrong: int) -> None:
     """Checks status, contradictions, wrong rows, intervals, and the comparison with the numbers of the vehicle file.
 
     Args:
@@ -69,7 +69,7 @@ def check_statements(record: Mapping[str, Any], vehicle: Vehicle, terms: Terms, 
     _intervals(record, vehicle, terms, blocks, wrong)
 
 
-def _intervals(record: Mapping[str, Any], vehicle: Vehicle, terms: Terms, blocks: Blocks, wrong: int) -> None:
+def _intervals(record: Stored, vehicle: Vehicle, terms: Terms, blocks: Blocks, wrong: int) -> None:
     """Checks the ends of every parameter of a set that is not empty."""
     if set(record["parameters"]) != set(terms):
         raise UnprovedError(f"the parameters of the model are {', '.join(terms)}")
@@ -93,7 +93,7 @@ def _intervals(record: Mapping[str, Any], vehicle: Vehicle, terms: Terms, blocks
         raise UnprovedError(f"status {record['status']} does not go with {open_ends} open ends")
 
 
-def _wrong_rows(record: Mapping[str, Any], terms: Terms, blocks: Blocks, wrong: int) -> None:
+def _wrong_rows(record: Stored, terms: Terms, blocks: Blocks, wrong: int) -> None:
     """Checks the rows that have to be wrong, which a result lists if some may be."""
     listed = record["outliers"]
     if [integer(c["block"]) for c in listed] != (sorted(blocks) if wrong else []):
@@ -106,7 +106,7 @@ def _wrong_rows(record: Mapping[str, Any], terms: Terms, blocks: Blocks, wrong: 
         check_choices(c, [block.empties(cell) for cell in block.proofs], wrong)
 
 
-def _model_values(record: Mapping[str, Any], vehicle: Vehicle) -> None:
+def _model_values(record: Stored, vehicle: Vehicle) -> None:
     """Checks one statement for each number of the vehicle file's model: whether the interval contradicts it."""
     values = vehicle.model.values
     stated = {id_: value for id_, value in values.items() if id_ in record["parameters"]}

@@ -1,7 +1,8 @@
 """Figures: each function returns one drawing with its caption.
 
 - ``canvas``: colours, sizes, and a figure as files; the same input gives the same bytes.
-- ``general``: logs, Allan deviations, thrust curves, parameter intervals, validations.
+- ``measurements``: logs, Allan deviations, bollard-pull tables, towing runs.
+- ``fits``: parameter intervals, predicted forces, simulated motion.
 - ``diagnosis``: signatures of findings, and force and motion before and after.
 
 The chapter may use the values that the stages return, for their types, and the curve of a thrust table.
@@ -9,16 +10,8 @@ The chapter may use the values that the stages return, for their types, and the 
 
 from ivsid.report.figures.canvas import COLOURS, FORCE_LABEL, Drawing
 from ivsid.report.figures.diagnosis import force_residual, gain, net_force, ratios, separation, signature
-from ivsid.report.figures.general import (
-    allan_curves,
-    channels,
-    drag_curve,
-    force_bounds,
-    force_mid,
-    intervals,
-    motion,
-    thrust_curve,
-)
+from ivsid.report.figures.fits import force_bounds, force_mid, intervals, motion
+from ivsid.report.figures.measurements import allan_curves, channels, drag_curve, thrust_curve
 
 __all__ = [
     "COLOURS",

@@ -1,4 +1,4 @@
-"""What must happen to the findings when the log is turned, rescaled, cut or shuffled."""
+"""Findings when the log is turned, rescaled, cut or shuffled."""
 
 import numpy as np
 import pytest

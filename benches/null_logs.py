@@ -65,7 +65,7 @@ def drawn(style: str, rate: float):
 
 
 def fitted(vehicle, log):
-    """The fit of a log, its test, and the largest strength of what it tests."""
+    """The fit of a log, its test, and the largest strength over the tested families."""
     fit = plain_fit(vehicle, channels(log, vehicle), everything)
     visible = visibility(fit)
     seen = frozenset(i for i, v in visible.items() if v.tested)

@@ -1,4 +1,4 @@
-"""Whether two checkouts give the same results: ``python benches/same_results.py make DATA OUT`` in each, then ``... compare A B``.
+"""Comparison of the results of two checkouts: ``python benches/same_results.py make DATA OUT`` in each, then ``... compare A B``.
 
 A fixed set of logs (simulated from built-in vehicles, and public data where DATA holds them) goes through the command line of the
 installed package. ``compare`` holds every result.json, vehicle file and certificate of one folder against those of the other, value by

@@ -1,4 +1,4 @@
-"""What a diagnosis is worth on TEST beside the true model: (before / after) over the same ratio of the truth."""
+"""Gain of a diagnosis on TEST beside the true model: (before / after) over the same ratio of the truth."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the tests share: the embedded vehicle, simulated trials, and where the real data stand."""
+"""Shared by the tests: the embedded vehicle, simulated trials, and where the real data stand."""
 
 import fcntl
 import os

@@ -115,7 +115,7 @@ def test_a_hidden_effect_is_named_with_an_interval_that_holds_it(effect, values)
     for name, value in values.items():
         assert bounds[name].lower <= value <= bounds[name].upper, name
         assert not bounds[name].guaranteed
-    # Ambient force dominates over ten seconds, so a right finding may gain little (EFFECTS.md 4, stage 11); channels that
+    # Ambient force dominates over ten seconds, so a right finding may gain little (docs/theory.md, "Diagnosis"); channels that
     # it does not concern change within what a median over thirty windows scatters.
     worth = [*result.gain.simulation_rms.values(), *result.gain.force_rms.values()]
     assert all(after <= 1.2 * before for before, after in worth), worth

@@ -1,4 +1,4 @@
-"""What a result says beside its findings: of claimed numbers, of causes that are none, and of the extended model."""
+"""Statements of a result beside its findings: claimed numbers, causes that are none, the extended model."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What must happen to the findings when the log is turned, rescaled, cut or shuffled.
+"""Findings when the log is turned, rescaled, cut or shuffled.
 
 Nightly, as two or three whole diagnoses each; the gate has the same relations of the scores in test_diagnosis_stages.py.
 """

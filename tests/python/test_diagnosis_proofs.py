@@ -1,4 +1,4 @@
-"""What a diagnosis proves: guaranteed intervals hold the truth of bounded twins, and a refuted model has a certificate that ``verify`` checks."""
+"""Proofs of a diagnosis: guaranteed intervals hold the truth of bounded twins, and a refuted model has a certificate that ``verify`` checks."""
 
 import json
 

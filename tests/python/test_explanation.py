@@ -1,4 +1,4 @@
-"""What a user reads of a diagnosis: paragraphs made from its numbers, figures that show them, ranked rejections, losses as losses."""
+"""A diagnosis for its reader: paragraphs made from its numbers, figures that show them, ranked rejections, losses as losses."""
 
 import json
 import re

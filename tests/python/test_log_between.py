@@ -1,4 +1,4 @@
-"""What stands in a log between two rows is in the range of the step."""
+"""Samples between two rows are in the range of the step."""
 
 from fractions import Fraction
 

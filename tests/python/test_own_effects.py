@@ -183,7 +183,7 @@ def test_null_logs_are_kept_under_the_content_of_the_files(tmp_path, clean):
 
 
 def test_sizes_scale_after_froude_from_the_unit_alone():
-    """The powers of EFFECTS.md: forces L^3, moments L^4, speeds and times L^0.5."""
+    """The powers of docs/theory.md, "The catalogue of effects": forces L^3, moments L^4, speeds and times L^0.5."""
     known = {
         "kg": 3, "kg m": 4, "kg m^2": 5, "kg/m": 2, "kg/m^2": 1, "kg/s": 2.5, "kg m/s": 3.5, "N": 3, "N m s": 4.5, "N m s^2": 5,
         "N/(m/s)^2": 2, "N/(m/s)^3": 1.5, "m": 1, "s": 0.5, "1/s": -0.5, "m/s": 0.5, "s/m": -0.5, "rad/s": -0.5, "m/s^2": 0,

@@ -1,4 +1,4 @@
-"""What ``identify`` would never write: rows that no log supports, and readings that say something else, prove nothing."""
+"""Forged results: rows that no log supports, and readings that say something else, prove nothing."""
 
 import json
 from dataclasses import replace

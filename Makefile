@@ -11,7 +11,7 @@ GATE := --profile gate --locked
 ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 FIXED := PROPTEST_RNG_SEED=1
 
-.PHONY: demo test test-rust test-python test-build check rustfmt clippy lint types imports docs docs-rust docs-python nightly \
+.PHONY: demo test test-rust test-python test-build check rustfmt clippy lint types stubs imports docs docs-rust docs-python nightly \
 	bench vessels peers inverse-peers throughput exhaustive twins itf1788 differential fuzz exam handbook build release venv format clean
 
 demo: release
@@ -30,7 +30,7 @@ test-rust:
 test-python: build
 	$(ONE_THREAD) $(BIN)/pytest -n auto --dist loadgroup -m "not nightly"
 
-check: rustfmt clippy lint types imports docs
+check: rustfmt clippy lint types stubs imports docs
 
 rustfmt:
 	cargo fmt --all --check
@@ -42,8 +42,10 @@ lint: venv
 	$(BIN)/ruff format --check python tests examples benches docs/*.py
 	$(BIN)/ruff check python tests examples benches docs/*.py
 
-types: build
+types: venv
 	$(BIN)/mypy
+
+stubs: build
 	$(BIN)/stubtest ivsid._core --mypy-config-file pyproject.toml
 
 imports: build

@@ -4,11 +4,8 @@ import pytest
 
 from twins import twin
 
-# Each vehicle with each kind of rows once in the gate, the others nightly.
-SEEDS = [*range(6), *(pytest.param(seed, marks=pytest.mark.nightly) for seed in range(6, 12))]
 
-
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", range(12))
 def test_the_truth_is_inside_under_noise_at_the_bounds(seed):
     found = twin(seed, "uniform")
     assert found["guaranteed"] and found["inside"], found

@@ -152,7 +152,7 @@ def test_several_windows_are_an_intersection(swan, twin):
 
 def test_what_is_determined_in_words():
     from ivsid.identification import in_words
-    from ivsid.identification.freedom import determined
+    from ivsid.identification.combinations import determined
 
     (combination,) = determined(2, [np.array([0.3, -1.0])])
     assert combination == pytest.approx([1.0, 0.3])

@@ -1,4 +1,4 @@
-"""What the data leave free, put the other way round: the combinations of parameters that they do determine."""
+"""Combinations of parameters that the data determine where single parameters stay unbounded."""
 
 from __future__ import annotations
 
@@ -9,16 +9,26 @@ import numpy as np
 
 from ivsid.intervals import FloatArray
 
-# Coefficients and singular values below these shares of the largest are taken for 0: directions are floats.
+# Coefficients below this share of the largest count as 0; the directions are floats of linear programs.
+# Source: none
 SMALL: Final = 1e-6
+# Singular values below this share of the largest count as 0.
+# Source: none
 RANK: Final = 1e-9
 
 
 def determined(n: int, directions: Sequence[FloatArray]) -> list[FloatArray]:
-    """Combinations c of n parameters that stay bounded: c d = 0 for every direction d in which the set goes on for ever.
+    """Combinations c of n parameters that stay bounded: c d = 0 for every direction d in which the set is unbounded.
 
-    Each is reduced against the others, so that it names as few parameters as may be; its leading coefficient is 1. An estimate,
-    as the directions are.
+    Gauss-Jordan elimination with full pivoting makes each combination name few parameters; its leading coefficient is 1. The result
+    is an estimate, as the directions are.
+
+    Args:
+        n: number of parameters.
+        directions: shape (n,) each.
+
+    Returns:
+        Combinations, shape (n,) each; the single parameters where no direction is given.
     """
     if not directions:
         return list(np.eye(n))
@@ -43,7 +53,7 @@ def determined(n: int, directions: Sequence[FloatArray]) -> list[FloatArray]:
 
 
 def in_words(combination: dict[str, float]) -> str:
-    """As ``mass.surge + 0.3 drag.surge.quadratic``."""
+    """A combination as text, such as ``mass.surge + 0.3 drag.surge.quadratic``."""
     text = ""
     for id_, c in combination.items():
         sign = " - " if c < 0 else " + "

@@ -1,10 +1,9 @@
-"""Which columns of a log each parameter needs, found by asking the terms themselves."""
+"""The columns of a log that each parameter needs, found by evaluating its term on names in place of numbers."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from ivsid.effects import CHANNELS, Place, State, Term
 from ivsid.log import Log
@@ -13,11 +12,11 @@ from ivsid.vehicle import Vehicle
 
 @dataclass(frozen=True)
 class Uses:
-    """The names of the quantities that an expression is made of; every operator unites them."""
+    """The names of the quantities in an expression; every operator unites them."""
 
     names: frozenset[str]
 
-    def _with(self, other: Any) -> Uses:
+    def _with(self, other: object) -> Uses:
         return Uses(self.names | other.names) if isinstance(other, Uses) else self
 
     __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = _with
@@ -40,13 +39,13 @@ class Uses:
 
 
 def needed_by(terms: Sequence[Term], vehicle: Vehicle) -> dict[str, tuple[str, ...]]:
-    """The velocity, demand and force columns that are needed, each with the ids of the parameters that cannot do without.
+    """The velocity, demand and force columns that a model needs, each with the ids of the parameters that need it.
 
     Args:
         terms: the model.
-        vehicle: whose thrusters act.
+        vehicle: with its thrusters.
     """
-    quantity: dict[str, Any] = {n: Uses(frozenset({n})) for n in ("u", "v", "r", "udot", "vdot", "rdot")}
+    quantity = {n: Uses(frozenset({n})) for n in ("u", "v", "r", "udot", "vdot", "rdot")}
     named = {n: Uses(frozenset({n})) for n in ("psi", "x", "y", "t")}
     state = State(**quantity, place=Place(**named))
     wanted: dict[str, dict[str, None]] = {}
@@ -60,7 +59,7 @@ def needed_by(terms: Sequence[Term], vehicle: Vehicle) -> dict[str, tuple[str, .
             if channel not in columns:
                 continue
             for name in sorted(getattr(columns[channel], "names", ())):
-                # An acceleration may be measured, or follow from its velocity.
+                # An acceleration may be measured or follow from its velocity.
                 add(name.removesuffix("dot"), term.id)
             for column in _forces(vehicle, channel):
                 add(column, term.id)
@@ -76,7 +75,7 @@ def _forces(vehicle: Vehicle, channel: str) -> list[str]:
 
 
 def lacking(log: Log, terms: Sequence[Term], vehicle: Vehicle) -> str | None:
-    """One sentence about the columns that a log lacks and the parameters that need them; None where it has all."""
+    """One sentence about missing columns of a log and the parameters that need them; None where the log has all."""
     wanted = needed_by(terms, vehicle)
     missing = {c: ids for c, ids in wanted.items() if c not in log.columns}
     if not missing:
@@ -90,7 +89,7 @@ def lacking(log: Log, terms: Sequence[Term], vehicle: Vehicle) -> str | None:
 
 
 def _pose(missing: Iterable[str]) -> str:
-    """What else would do for a velocity."""
+    """The way to velocities from the pose, for a log that lacks one."""
     if not {"u", "v", "r"} & set(missing):
         return ""
     return (

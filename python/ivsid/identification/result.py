@@ -1,11 +1,11 @@
-"""What an identification is, as a value and as a file (INTERFACE.md, result.json)."""
+"""The result of an identification, as a value and as the file result.json."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 
@@ -17,9 +17,13 @@ from ivsid.vehicle import Vehicle, parse_vehicle
 
 @dataclass(frozen=True)
 class Parameter:
-    """An interval of one parameter. ``improper`` marks bounds that the published method left reversed.
+    """The interval of one parameter.
 
-    ``lower`` and ``upper`` are infinite where no bound was proved.
+    Attributes:
+        lower: -inf where no lower bound was proved; above ``upper`` where the published method left the bounds reversed.
+        upper: inf where no upper bound was proved.
+        unit: of the parameter.
+        symbol: in SNAME notation.
     """
 
     lower: float
@@ -35,41 +39,49 @@ class Parameter:
 
     @property
     def width(self) -> float:
-        """Upper - lower."""
+        """``upper`` less ``lower``."""
         return self.upper - self.lower
 
     def record(self) -> dict[str, Any]:
-        """As in result.json, bounds rounded outward."""
+        """The record of result.json, with bounds rounded outward."""
         return {"lower": Lower(self.lower), "upper": Upper(self.upper), "unit": self.unit, "symbol": self.symbol}
+
+
+class ClaimCheck(TypedDict):
+    """A claim, a number that the vehicle file states for a parameter, and whether its interval contradicts it."""
+
+    parameter: str
+    value: float
+    contradicted: bool
 
 
 @dataclass(frozen=True)
 class Identification:
-    """What a method says of the parameters.
+    """The result of a method for all parameters of a model.
 
     Attributes:
         method: its name.
         status: ``enclosed``, ``empty``, ``unbounded``, ``not_applicable`` or, for the published methods, ``not_proved``.
         guaranteed: true only where every step is proved.
-        assumes: what the guarantee rests on.
+        assumes: sentences that the guarantee relies on.
         parameters: by id; empty where no interval exists.
-        estimate: a point for simulation: midpoints, or the parameter of least inflation.
+        estimate: a point for simulation, the midpoints or the parameter of least inflation, by id.
         inflation: the smallest factor on all row radii at which a parameter is consistent (an estimate), or None.
-        improper: entries of published inverses that came out reversed.
-        reason: why there is no (proved) result.
-        directions: by parameter id, in which the data leave the set open.
-        certificates: per bound, the rows that prove it; ``block`` numbers sets of parameters that share no row.
-        contradictions: the blocks without a consistent parameter.
-        rows: how many rows each channel has.
-        notes: what was found in the log.
-        ignored: columns of the log that nothing used.
-        options: method options, to repeat the run.
+        improper: number of entries of published inverses with reversed bounds.
+        reason: obstacle to a proved result, or None.
+        directions: by parameter id, in which the set is unbounded.
+        certificates: for each bound, the rows that prove it; ``block`` numbers sets of parameters that share no row.
+        contradictions: numbers of the blocks without a consistent parameter.
+        rows: number of rows of each channel.
+        notes: sentences about the log and its outliers.
+        ignored: columns of the log that no channel uses.
+        options: of the method, to repeat the run.
         vehicle: the vehicle file.
-        log_name: the log's file name.
-        log_sha256: hash of the log.
+        log_name: file name of the log.
+        log_sha256: SHA-256 of the log.
         determined: combinations of parameters, by id, that stay bounded where some directions are open (an estimate).
-        claims: what the vehicle file's ``model.values`` claims, and whether its interval contradicts it.
-        outliers: by block, with ``options.outliers``: the fewest rows that must be wrong, and every choice of so many.
+        claims: numbers that the vehicle file states in ``[model] values``, and whether their intervals contradict them.
+        outliers: for each block, with ``options.outliers``, the least number of rows that must be wrong, and every choice of that many.
     """
 
     method: str
@@ -92,16 +104,16 @@ class Identification:
     log_name: str
     log_sha256: str
     determined: tuple[dict[str, float], ...] = ()
-    claims: tuple[dict[str, Any], ...] = ()
+    claims: tuple[ClaimCheck, ...] = ()
     outliers: tuple[dict[str, Any], ...] = ()
 
     @property
     def falsifying(self) -> list[dict[str, Any]]:
-        """The certificates of the blocks that hold no parameter: the few rows that prove the model wrong."""
+        """The certificates of the blocks without a consistent parameter: the few rows that prove the model wrong."""
         return [c for c in self.certificates if c["proves"] == "empty" and c["block"] in self.contradictions]
 
     def record(self) -> dict[str, Any]:
-        """An identification as in INTERFACE.md, with what is needed to use it again."""
+        """The record of result.json, from which ``read_identification`` makes the identification again."""
         inputs = [
             (Path(self.vehicle.source or "vehicle.toml").name, self.vehicle.sha256),
             (self.log_name, self.log_sha256),

@@ -20,7 +20,8 @@ from ivsid.diagnosis.null.feedback import feedback_of
 from ivsid.diagnosis.null.null_logs import Programme, null_logs, thinned
 from ivsid.diagnosis.null.visibility import Threshold
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.innovations import Ambient, Predictor
+from ivsid.diagnosis.prediction.axes import Ambient
+from ivsid.diagnosis.prediction.innovations import Predictor
 
 Array = NDArray[np.float64]
 # Null logs of the first look, and those that the noise is learnt from.

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from ivsid.diagnosis.data.channels import Channels
-from ivsid.diagnosis.prediction.innovations import FilteredStates
+from ivsid.diagnosis.prediction.states import FilteredStates
 
 Array = NDArray[np.float64]
 # Increments over this time [s], blocks of this length [s], and what of a block's increments a feedback has to explain.

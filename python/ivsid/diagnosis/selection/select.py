@@ -24,7 +24,8 @@ from ivsid.diagnosis.estimation.fit import (
 )
 from ivsid.diagnosis.estimation.noise import quick_enough
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.innovations import FilteredStates, Predictor
+from ivsid.diagnosis.prediction.innovations import Predictor
+from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.parallel import side_by_side
 from ivsid.effects import EFFECTS

@@ -64,7 +64,7 @@ def feasible_certificates(rows: RegressionRows, found: regression.FeasibleSet) -
             "right": [float(right.lower).hex(), float(right.upper).hex()],
         }
 
-    certificates = []
+    certificates: list[dict[str, object]] = []
     for proof in found.sign_proofs:
         home = dict(zip(ids, proof["home"], strict=True))
         reach = zip((c[0] for c in proof["columns"]), proof["reach"], strict=True)
@@ -90,8 +90,8 @@ def feasible_certificates(rows: RegressionRows, found: regression.FeasibleSet) -
         signs = dict(zip(ids, orthant["signs"], strict=True))
         left_out = {"dropped": [_row_name(rows, k) for k in orthant["dropped"]]} if orthant["dropped"] else {}
         if orthant["empty"]:
-            proof = {"proves": "empty", "orthant": signs, "rows": [row(e) for e in orthant["rows"]]}
-            certificates.append({**proof, **left_out})
+            contradiction = [row(e) for e in orthant["rows"]]
+            certificates.append({"proves": "empty", "orthant": signs, "rows": contradiction, **left_out})
             continue
         for bound in orthant["bounds"]:
             certificates.append(

@@ -16,7 +16,7 @@ from ivsid.diagnosis.estimation.fit import DeclaredColumns, Noise, crossed
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.signatures import BENT
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.innovations import FilteredStates
+from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import Given
 
 LIMITED: Final = "thruster.saturation"

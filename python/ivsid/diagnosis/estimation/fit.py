@@ -24,7 +24,8 @@ from ivsid.diagnosis.estimation.noise import (
 from ivsid.diagnosis.estimation.projection import Gram, Projection, gram
 from ivsid.diagnosis.estimation.signatures import BENT, Columns, Family, Signatures, free_parameters
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.innovations import FilteredStates, Predictor, replaced
+from ivsid.diagnosis.prediction.innovations import Predictor, replaced
+from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import terms_of
 from ivsid.errors import IvsidError
 from ivsid.vehicle import Vehicle

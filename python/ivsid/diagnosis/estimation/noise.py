@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from ivsid.diagnosis.prediction.innovations import Ambient, Predictor
+from ivsid.diagnosis.prediction.axes import Ambient
+from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.linear.filters import whiten as whitened
 from ivsid.vehicle import Vehicle
 

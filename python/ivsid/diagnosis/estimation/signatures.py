@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration
-from ivsid.diagnosis.prediction.innovations import FilteredStates, Predictor
+from ivsid.diagnosis.prediction.innovations import Predictor
+from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import (
     CATALOGUE,
     EFFECTS,

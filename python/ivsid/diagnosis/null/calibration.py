@@ -28,7 +28,8 @@ from ivsid.diagnosis.null.feedback import feedback_of
 from ivsid.diagnosis.null.simulated_logs import null_logs, thinned
 from ivsid.diagnosis.null.thresholds import TAIL, TAIL_SLOPE
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.innovations import Ambient, Predictor
+from ivsid.diagnosis.prediction.axes import Ambient
+from ivsid.diagnosis.prediction.innovations import Predictor
 
 Array = NDArray[np.float64]
 # Null logs of the first look: all of them are simulated only where these leave doubt.

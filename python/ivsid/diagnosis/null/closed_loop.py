@@ -18,7 +18,7 @@ from ivsid.diagnosis.null.feedback import Feedback
 from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration
 from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.propulsion import Propulsion
-from ivsid.diagnosis.prediction.innovations import Ambient
+from ivsid.diagnosis.prediction.axes import Ambient
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from ivsid.diagnosis.data.channels import Channels
-from ivsid.diagnosis.prediction.innovations import FilteredStates
+from ivsid.diagnosis.prediction.states import FilteredStates
 
 Array = NDArray[np.float64]
 # Time over which increments are taken [s].

@@ -21,7 +21,7 @@ from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.null.closed_loop import TABLE, Programme, simulated
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.propulsion import Propulsion
-from ivsid.diagnosis.prediction.innovations import Ambient
+from ivsid.diagnosis.prediction.axes import Ambient
 
 Array = NDArray[np.float64]
 # Clock rate of null logs [Hz], at most: ambient force, feedback and errors of the states all change within seconds.

@@ -16,7 +16,8 @@ from ivsid.diagnosis.estimation.noise import Whitening, usable_rows
 from ivsid.diagnosis.estimation.projection import Gram
 from ivsid.diagnosis.null.visibility import VISIBLE, Visibility, excitation, visibility
 from ivsid.diagnosis.planning.isolability import APART, Advice, Choice, Isolability, separability
-from ivsid.diagnosis.prediction.innovations import Ambient, Predictor
+from ivsid.diagnosis.prediction.axes import Ambient
+from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.errors import IvsidError
 from ivsid.log import Log
 from ivsid.vehicle import Vehicle

@@ -1,8 +1,9 @@
-"""One-step prediction errors: a steady Kalman filter an axis, which is linear and so serves data and signatures alike.
+"""A steady Kalman filter of one axis, and its one-step prediction errors.
 
-Its states are a position (heading), a velocity, and the ambient acceleration, a Gauss-Markov process. The model's acceleration drives it. What
-is predicted depends on the past alone: under a true model no signature made of the past can correlate with the errors, with or
-without feedback.
+Its states are a position (heading), a velocity and the ambient acceleration, a Gauss-Markov process. The model's acceleration drives it. It
+is linear, so that data and signatures pass through the same recursion.
+
+Source: Anderson and Moore 1979 (steady filter, innovations form).
 """
 
 from __future__ import annotations
@@ -21,10 +22,15 @@ from ivsid.linear.filters import respond
 
 Array = NDArray[np.float64]
 KINDS: Final = ("position", "velocity", "acceleration")
-# Samples of an impulse's answer.
+# Samples of an impulse response that are summed for the memory of a filter.
+# Source: resource: time of one recursion; 80 s at the highest rate of the clock
 LONGEST: Final = 2000
-# Coefficients of a polynomial of three states.
+# Coefficients of a polynomial in the delay.
+# Source: definition: three states make polynomials of degree three
 TAPS: Final = 4
+# Process noise of the velocity, as a share of the velocity that the ambient acceleration gives in a step.
+# Source: theorem: the Riccati equation has a stabilising solution if process noise reaches every state (Anderson and Moore 1979)
+VELOCITY_NOISE: Final = 1e-3
 
 
 @dataclass(frozen=True)
@@ -32,12 +38,12 @@ class Axis:
     """The filter of one axis.
 
     Attributes:
-        outputs: which of position, velocity and acceleration are measured.
-        kalman_gain: Kalman gain of the states on the errors, shape (3, outputs).
-        spread: standard deviation of the filtered velocity's error, as the filter believes.
-        numerators: by input (an output's name, or "process") and output.
-        denominator: common to all.
-        decay: of the ambient acceleration over a step.
+        outputs: those of position, velocity and acceleration that are measured.
+        kalman_gain: Kalman gain, from errors to states, shape (3, outputs).
+        spread: standard deviation of the filtered velocity's error, by the filter's own covariance [m/s, rad/s].
+        numerators: transfer functions' numerators in powers of the delay, by input (an output's name, or "process") and output.
+        denominator: their common denominator.
+        decay: factor of the ambient acceleration over a step.
     """
 
     outputs: tuple[str, ...]
@@ -48,7 +54,7 @@ class Axis:
     decay: float
 
     def errors(self, inputs: Mapping[str, Array]) -> Array:
-        """Prediction errors of what is put in, shape (..., outputs, n) for inputs of shape (..., n)."""
+        """Prediction errors of inputs of shape (..., n), by input, shape (..., outputs, n)."""
         arrays = list(inputs.values())
         shape, count = arrays[0].shape, len(self.outputs)
         top = np.stack([self.numerator(name) for name in inputs], axis=1)
@@ -58,17 +64,17 @@ class Axis:
         return np.stack(found).reshape(*shape[:-1], count, shape[-1])
 
     def ambient(self, errors: Array) -> Array:
-        """The ambient acceleration that the past lets expect at each sample, from the errors, shape (outputs, n) -> (n,)."""
+        """The ambient acceleration that the past lets expect at each sample, shape (n,), from errors of shape (outputs, n)."""
         found: Array = lfilter([0.0, self.decay], [1.0, -self.decay], self.kalman_gain[2] @ errors)
         return found
 
     def numerator(self, name: str) -> Array:
-        """Of each output's answer to an input, in powers of the delay, shape (outputs, TAPS)."""
+        """Numerators of each output's transfer function from one input, shape (outputs, TAPS)."""
         return np.stack([_padded(self.numerators[name, output]) for output in self.outputs])
 
     @cached_property
     def memory(self) -> float:
-        """How long an acceleration is remembered: the most by which one that is bounded by 1 moves the filtered velocity [s]."""
+        """Memory of an acceleration [s]: the largest shift of the filtered velocity under one that is bounded by 1."""
         impulse = np.zeros(LONGEST)
         impulse[0] = 1.0
         errors = self.errors({"process": impulse})
@@ -76,7 +82,7 @@ class Axis:
 
 
 class Filters:
-    """The filters of several axes, which answer together."""
+    """The filters of several axes, applied together."""
 
     def __init__(self, axes: Sequence[Axis]) -> None:
         self.axes = tuple(axes)
@@ -84,7 +90,7 @@ class Filters:
         self._tops: dict[tuple[tuple[int, str], ...], Array] = {}
 
     def errors(self, inputs: Mapping[tuple[int, str], Array]) -> Array:
-        """Prediction errors of inputs, each of shape (n,), by axis and name, shape (rows, n)."""
+        """Prediction errors of inputs of shape (n,) each, by axis and name, shape (rows, n)."""
         key = tuple(inputs)
         top = self._tops.get(key)
         if top is None:
@@ -107,13 +113,16 @@ def _padded(polynomial: Array) -> Array:
 
 
 def axis(h: float, noise: Mapping[str, float], ambient: float, time: float) -> Axis:
-    """The filter.
+    """The steady Kalman filter of one axis.
 
     Args:
         h: step [s].
-        noise: standard deviation of each measured output.
-        ambient: standard deviation of the ambient acceleration.
+        noise: standard deviation of each measured output's white noise, by output.
+        ambient: standard deviation of the ambient acceleration [m/s^2, rad/s^2].
         time: its correlation time [s].
+
+    Raises:
+        numpy.linalg.LinAlgError: the Riccati equation has no stabilising solution.
     """
     outputs = tuple(k for k in KINDS if k in noise)
     decay = float(np.exp(-h / time))
@@ -121,12 +130,12 @@ def axis(h: float, noise: Mapping[str, float], ambient: float, time: float) -> A
     B = np.array([0.5 * h * h, h, 0.0])
     C = np.array([[float(KINDS.index(o) == j) for j in range(3)] for o in outputs])
     if "position" not in noise:
-        # Nothing sees the position: it is left out of the filter.
+        # No sensor sees the position: it is left out of the filter.
         A, B, C = A[1:, 1:], B[1:], C[:, 1:]
     scale = np.zeros(len(B))
     scale[-1] = ambient**2 * (1 - decay**2)
-    # A trace of noise on the velocity keeps the equation solvable where the ambient force is almost none.
-    scale[-2] = (1e-3 * ambient * h) ** 2
+    # A trace of noise on the velocity keeps the Riccati equation solvable if there is almost no ambient force.
+    scale[-2] = (VELOCITY_NOISE * ambient * h) ** 2
     R = np.diag([noise[o] ** 2 for o in outputs])
     X = solve_discrete_are(A.T, C.T, np.diag(scale), R)
     S = C @ X @ C.T + R

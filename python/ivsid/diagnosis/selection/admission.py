@@ -12,7 +12,8 @@ from ivsid.diagnosis.candidates.profile import LIMITED, moved, refined, sought
 from ivsid.diagnosis.estimation.fit import DeclaredColumns, Fit, Noise, chi2_of, declared_columns, improve, learn
 from ivsid.diagnosis.estimation.noise import quick_enough
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.innovations import FilteredStates, Predictor
+from ivsid.diagnosis.prediction.innovations import Predictor
+from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.diagnosis.selection.parallel import side_by_side
 from ivsid.diagnosis.selection.rivals import (
     FAR,

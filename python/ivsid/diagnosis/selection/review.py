@@ -15,7 +15,7 @@ import numpy as np
 from ivsid.diagnosis.candidates.families import score
 from ivsid.diagnosis.estimation.fit import Noise, chi2_of, declared_columns, improve, survey
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.innovations import FilteredStates
+from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.diagnosis.selection.parallel import side_by_side
 from ivsid.diagnosis.selection.rivals import FINALISTS, MARGIN, Found, Rival, Test, contenders, fitted
 

@@ -17,7 +17,8 @@ from ivsid.diagnosis.candidates.families import Scored, adopted
 from ivsid.diagnosis.candidates.profile import refined, sought
 from ivsid.diagnosis.estimation.fit import DeclaredColumns, Fit, Noise, chi2_of, improve
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.innovations import FilteredStates, Predictor
+from ivsid.diagnosis.prediction.innovations import Predictor
+from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import EFFECTS
 
 # Price of each parameter beyond the first, in chi-squared: dearer than the 2 of Akaike's criterion.

@@ -12,7 +12,8 @@ from scipy.signal import butter, sosfiltfilt
 
 from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration
 from ivsid.diagnosis.plant.points import Points
-from ivsid.diagnosis.prediction.innovations import FilteredStates, Predictor
+from ivsid.diagnosis.prediction.innovations import Predictor
+from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import Change
 
 Array = NDArray[np.float64]

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.fit import Fit, improve
-from ivsid.diagnosis.prediction.innovations import FilteredStates, Predictor
+from ivsid.diagnosis.prediction.innovations import Predictor
+from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.diagnosis.statements.binning import Binned, binned, ordered_by
 from ivsid.diagnosis.statements.comparison import missing
 from ivsid.diagnosis.statements.diagnosis import Diagnosis

@@ -1,0 +1,245 @@
+"""Filtered states of a hypothesis on a log, and its prediction errors there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.data.channels import Channels
+from ivsid.diagnosis.plant.driving import Driving
+from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration, changed
+from ivsid.diagnosis.plant.points import Points
+from ivsid.diagnosis.plant.readings import added_readings
+from ivsid.diagnosis.prediction.axes import AXES, Ambient, labels_of, motion_axes, track_axes
+from ivsid.diagnosis.prediction.kalman import Axis, Filters
+from ivsid.effects import Given
+from ivsid.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+# Shapes in time of a slow sensor bias: a constant, and cosines of half a period and of one over the log.
+# Source: none
+SLOW_WAVES: Final = 3
+# Farthest distance of a state beyond the readings, in ranges of the readings: a hypothesis that goes further runs away.
+# Source: none
+REACH: Final = 1.0
+
+
+@dataclass(frozen=True)
+class FilteredStates:
+    """The states at which a hypothesis is evaluated: first at each sample, then in the middle of each step, of length 2 n.
+
+    Each depends on the past alone: a state at a sample is predicted without its readings, a state in a step is filtered with them.
+
+    Attributes:
+        points: the states.
+        nudot: the model's accelerations there, shape (3, 2 n).
+        ambient: rdot of the ambient moment that the past lets expect at each sample [rad/s^2], shape (n,); a sensor off the origin reads it.
+    """
+
+    points: Points
+    nudot: Array
+    ambient: Array | float = 0.0
+
+    @cached_property
+    def turn(self) -> tuple[Array, Array]:
+        """Cosine and sine of the heading over the steps, shape (n,) each; every signature is made at one heading."""
+        psi = self.points.psi[self.points.psi.size // 2 :]
+        return np.cos(psi), np.sin(psi)
+
+
+class StateFilter:
+    """A vehicle's log with its filters: the states of a hypothesis, and its prediction errors.
+
+    Args:
+        vehicle: whose log it is.
+        log: on its clock.
+        ambient: random acceleration that the filters expect.
+        driving: thrusts of this log that another predictor has worked out already.
+        tracks: its filters of the position, which do not depend on the ambient acceleration.
+
+    Attributes:
+        propulsion: the thrusters.
+        slow: shapes in time of a slow sensor bias, shape (n,) each.
+        reach: lowest and highest states, shape (3, 1) each.
+        axes: filters of surge, sway, yaw, and of north and east if the log has its position.
+        labels: axis and channel of each row of errors.
+        filters: all filters together.
+    """
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        log: Channels,
+        ambient: Ambient,
+        *,
+        driving: Driving | None = None,
+        tracks: Sequence[Axis] | None = None,
+    ) -> None:
+        self.vehicle, self.log, self.ambient = vehicle, log, ambient
+        self.driving = driving or Driving(vehicle, log)
+        self.propulsion = self.driving.propulsion
+        t = (np.arange(log.n) + 0.5) / log.n
+        self.slow = [np.cos(np.pi * j * t) for j in range(SLOW_WAVES)]
+        low, high = log.nu.min(axis=1), log.nu.max(axis=1)
+        margin = REACH * (high - low)
+        self.reach = ((low - margin)[:, None], (high + margin)[:, None])
+        self.axes: list[Axis] = motion_axes(log, ambient) + list(track_axes(log) if tracks is None else tracks)
+        self.labels: list[tuple[int, str]] = labels_of(self.axes)
+        self.filters = Filters(self.axes)
+
+    @property
+    def channels(self) -> list[str]:
+        """The axis of each row of errors."""
+        return [AXES[k] for k, _ in self.labels]
+
+    def start(self, h: Hypothesis) -> FilteredStates:
+        """The states as they are read, without any filter: a start for ``settle``."""
+        log = self.log
+        nu = log.nu.copy()
+        psi = np.zeros(log.n) if log.psi is None else log.psi
+        return self._evaluated(h, nu, psi, None)
+
+    def settle(self, h: Hypothesis, states: FilteredStates, times: int = 1) -> FilteredStates:
+        """The filtered states under a hypothesis.
+
+        Args:
+            h: the hypothesis.
+            states: filtered under another hypothesis, or a start.
+            times: passes of the filters; each evaluates the model at the states of the pass before.
+        """
+        for _ in range(times):
+            readings = self.readings(h, states)
+            errors = self._errors(readings, states)
+            nu = np.empty((3, self.log.n))
+            before = np.empty_like(nu)
+            psi = states.points.psi[: self.log.n].copy()
+            row = 0
+            for k in range(3):
+                here = self.axes[k]
+                e = errors[row : row + len(here.outputs)]
+                row += len(here.outputs)
+                at = here.outputs.index("velocity")
+                before[k] = readings[k]["velocity"] - e[at]
+                nu[k] = before[k] + here.kalman_gain[1] @ e
+                if "position" in here.outputs:
+                    psi = readings[k]["position"] - e[0] + here.kalman_gain[0] @ e
+                if k == 2:
+                    ambient = here.ambient(e)
+            states = replace(self._evaluated(h, nu, psi, states.nudot, before), ambient=ambient)
+        return states
+
+    def _evaluated(
+        self, h: Hypothesis, nu: Array, psi: Array, nudot: Array | None, before: Array | None = None
+    ) -> FilteredStates:
+        log, n = self.log, self.log.n
+        half = 0.5 * log.h
+        rate = np.zeros((3, n)) if nudot is None else nudot[:, n:]
+        # A hypothesis is evaluated near measured states alone: elsewhere its states would run away.
+        nu = np.clip(nu, *self.reach)
+        before = None if before is None else np.clip(before, *self.reach)
+        place = np.zeros((2, n)) if log.place is None else log.place
+        thrusts, bollard, early = self.driving.whole(h)
+        if early is not None and nudot is not None:
+            # The mean velocity of a step counts: an early push carries it further than a late one.
+            rate = rate + Mass(self.vehicle, h.terms, changed(h, np.asarray(log.t))).solve(early)
+        points = Points(
+            np.concatenate([nu if before is None else before, np.clip(nu + half * rate, *self.reach)], axis=1),
+            np.r_[psi, psi + half * nu[2]],
+            twice(place),
+            np.r_[log.t, log.t + half],
+            thrusts,
+            self.driving.turned,
+            self.driving.sent,
+            None if log.wind is None else twice(log.wind),
+            self.driving.steered,
+            bollard,
+        )
+        return FilteredStates(points, acceleration(self.vehicle, h, points))
+
+    def readings(self, h: Hypothesis, states: FilteredStates) -> list[dict[str, Array]]:
+        """The readings without the hypothesis's sensor effects and declared sensor errors, shape (n,) each, by axis and output."""
+        log = self.log
+        wrong = self.sensed(h.given, states)
+        scale = h.declared_errors.get("~scale.velocity", 0.0)
+        nu = [
+            log.nu[k] - wrong[q] - (scale * states.points.nu[k, : log.n] if k < 2 else self._bias(h, "r"))
+            for k, q in enumerate(("u", "v", "r"))
+        ]
+        out: list[dict[str, Array]] = []
+        for k in range(3):
+            here = {"velocity": nu[k]}
+            if (a := log.acceleration[k]) is not None:
+                name = ("ax", "ay", "rdot")[k]
+                here["acceleration"] = a - wrong[name] - self._bias(h, name)
+            out.append(here)
+        if log.psi is not None:
+            out[2]["position"] = log.psi
+        return out
+
+    def _bias(self, h: Hypothesis, name: str) -> Array | float:
+        """The slow bias of a channel that the hypothesis holds, shape (n,)."""
+        parts = [h.declared_errors.get(f"~bias.{name}.{j}", 0.0) * wave for j, wave in enumerate(self.slow)]
+        return sum(parts)
+
+    def _errors(self, readings: list[dict[str, Array]], states: FilteredStates) -> Array:
+        """Prediction errors of readings at these states, shape (rows, n)."""
+        log, n = self.log, self.log.n
+        inputs: dict[tuple[int, str], Array] = {}
+        specific = specific_force(states.points.nu, states.nudot)
+        for k in range(3):
+            here = readings[k]
+            first = here["velocity"][0]
+            inputs[k, "velocity"] = here["velocity"] - first
+            inputs[k, "process"] = states.nudot[k, n:]
+            if "position" in self.axes[k].outputs:
+                inputs[k, "position"] = here["position"] - here["position"][0] - first * (np.arange(n) * log.h)
+            if "acceleration" in self.axes[k].outputs:
+                inputs[k, "acceleration"] = here["acceleration"] - self.at_samples(specific[k])
+        if len(self.axes) > 3 and log.place is not None:
+            over = over_ground(states.points, states.turn)
+            for k in range(2):
+                x = log.place[k]
+                inputs[3 + k, "velocity"], inputs[3 + k, "process"] = x - x[0], over[k]
+        return self.filters.errors(inputs)
+
+    def errors(self, h: Hypothesis, states: FilteredStates) -> Array:
+        """Prediction errors of a hypothesis at these states, shape (rows, n)."""
+        return self._errors(self.readings(h, states), states)
+
+    def at_samples(self, x: Array) -> Array:
+        """An accelerometer's view of a quantity at samples and over steps, shape (..., 2 n) to (..., n).
+
+        It reads the value at a sample, or, if it averages, the mean over the step before.
+        """
+        n = self.log.n
+        if not self.log.averaged:
+            return x[..., :n]
+        return np.concatenate([x[..., :1], x[..., n:-1]], axis=-1)
+
+    def sensed(self, given: tuple[Given, ...], states: FilteredStates) -> dict[str, Array]:
+        """The numbers that sensor effects add to the readings at these states, shape (n,) each, by channel."""
+        specific = self.at_samples(specific_force(states.points.nu, states.nudot))
+        return added_readings(given, states.points, states.nudot, specific, states.ambient, self.log.h)
+
+
+def twice(x: Array) -> Array:
+    """The same at samples and over steps."""
+    return np.concatenate([x, x], axis=-1)
+
+
+def specific_force(nu: Array, nudot: Array) -> Array:
+    """Specific forces udot - v r, vdot + u r [m/s^2] as an accelerometer at the origin reads them, and rdot [rad/s^2], shape (3, n)."""
+    return np.stack([nudot[0] - nu[1] * nu[2], nudot[1] + nu[0] * nu[2], nudot[2]])
+
+
+def over_ground(p: Points, turn: tuple[Array, Array]) -> Array:
+    """Velocity north and east over the steps [m/s], shape (2, n)."""
+    n = p.psi.size // 2
+    u, v = p.nu[0, n:], p.nu[1, n:]
+    c, s = turn
+    return np.stack([u * c - v * s, u * s + v * c])

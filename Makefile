@@ -11,8 +11,8 @@ GATE := --profile gate --locked
 ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 FIXED := PROPTEST_RNG_SEED=1
 
-.PHONY: demo test test-rust test-python test-build check rustfmt clippy lint types stubs imports docs docs-rust docs-python nightly \
-	bench vessels peers inverse-peers throughput exhaustive twins itf1788 differential fuzz exam handbook build release venv format clean
+.PHONY: demo test test-rust test-python test-build check rustfmt clippy lint rules constants constants-page types stubs imports docs docs-rust docs-python nightly \
+	bench same vessels peers inverse-peers throughput exhaustive twins itf1788 differential fuzz exam handbook build release venv format clean
 
 demo: release
 	$(BIN)/ivsid demo --out $(OUT)
@@ -55,6 +55,14 @@ imports: build
 handbook: build
 	$(BIN)/python docs/handbook.py
 
+# The page of all numbers that the package decides by, from the comments beside them.
+constants-page: venv
+	$(BIN)/python docs/constants.py
+
+# Each measured number of the diagnosis halved and doubled on a fixed set of logs, a minute of processor time each; NAMES takes some of them.
+constants: release
+	$(BIN)/python benches/constants.py docs/constants_measured.md $(NAMES)
+
 docs: docs-rust docs-python
 
 docs-rust:
@@ -70,6 +78,11 @@ nightly: build
 bench: release
 	cargo bench --locked
 	$(BIN)/python benches/ratios.py
+
+# Whether this tree gives the results of another one: make it in both, then compare the two folders.
+SAME ?= out/same
+same: release
+	$(BIN)/python benches/same_results.py make $(DATA) $(SAME)
 
 # Every command on every real set; the sets are not part of this repository.
 DATA ?= ../shared/data

@@ -11,7 +11,7 @@ GATE := --profile gate --locked
 ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 FIXED := PROPTEST_RNG_SEED=1
 
-.PHONY: demo test test-rust test-python test-build check rustfmt clippy lint rules constants constants-page types stubs imports docs docs-rust docs-python nightly \
+.PHONY: demo test test-rust test-python test-build check rustfmt clippy lint rules null-logs constants constants-page types stubs imports docs docs-rust docs-python nightly \
 	bench same vessels peers inverse-peers throughput exhaustive twins itf1788 differential fuzz exam handbook build release venv format clean
 
 demo: release
@@ -58,6 +58,10 @@ handbook: build
 # The page of all numbers that the package decides by, from the comments beside them.
 constants-page: venv
 	$(BIN)/python docs/constants.py
+
+# Largest scores without an effect: Gaussian draws, simulated null logs and fresh logs side by side.
+null-logs: release
+	$(BIN)/python benches/null_logs.py
 
 # Each measured number of the diagnosis halved and doubled on a fixed set of logs, a minute of processor time each; NAMES takes some of them.
 constants: release

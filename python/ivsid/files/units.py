@@ -5,11 +5,18 @@ from typing import Final
 
 from ivsid.errors import IvsidError
 
+# Units of forces [N].
+# Source: definition: the standard gravity 9.80665 m/s^2, the international pound 0.45359237 kg
 FORCE: Final = {"N": 1.0, "kN": 1e3, "kgf": 9.80665, "gf": 9.80665e-3, "lbf": 4.4482216152605}
+# Units of times [s].
+# Source: definition: SI
 TIME: Final = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
+# Units of angles [rad].
+# Source: definition: SI
 ANGLE: Final = {"rad": 1.0, "deg": math.pi / 180.0}
 
-# Units that a foreign log's columns may have.
+# Units that a foreign log's columns may have, in SI.
+# Source: definition: SI, the standard gravity, the international nautical mile of 1852 m
 COLUMN: Final = {
     **FORCE,
     **ANGLE,

@@ -34,6 +34,9 @@ CHOICES: Final = ("auto", "sample", "log")
 # The bias is one unknown by default where that narrows the median reading to at most this share.
 # Source: none
 WORTHWHILE: Final = 0.75
+# Relative slack that holds the roundings of bounds, their square roots and exponentials: about ten of 2^-53 each.
+# Source: theorem: standard model of floating-point arithmetic, Higham 2002, section 2.2
+ROUNDING: Final = 1e-9
 AXES: Final = ("x", "y")
 _NAMES: Final = (("ax", "udot"), ("ay", "vdot"))
 
@@ -82,13 +85,13 @@ def separate_bias(bounded: BoundedLog, vehicle: Vehicle, choice: str) -> tuple[B
     for name, x in channels.items():
         if name not in found.values() and name in ("r", "rdot"):
             channels[name] = _grown(x, growth)
-    reach = {a: rule.sigmas * sensor.axis(AXES.index(a))[0] * (1 + 1e-9) for a in found}
-    force, moment = (q * growth * (1 + 1e-9) for q in bounded.ambient)
+    reach = {a: rule.sigmas * sensor.axis(AXES.index(a))[0] * (1 + ROUNDING) for a in found}
+    force, moment = (q * growth * (1 + ROUNDING) for q in bounded.ambient)
     return replace(bounded, channels=channels, rule=rule, ambient=(force, moment)), reach
 
 
 def _grown(x: IntervalArray, growth: float) -> IntervalArray:
-    extra = np.where(np.isfinite(x.width), 0.5 * x.width * (growth - 1) * (1 + 1e-9), 0.0)
+    extra = np.where(np.isfinite(x.width), 0.5 * x.width * (growth - 1) * (1 + ROUNDING), 0.0)
     return x + IntervalArray(-extra, extra)
 
 
@@ -104,11 +107,11 @@ def _narrowed(bounded: BoundedLog, name: str, sensor: AccelerationSensor, axis: 
         moved = sigmas * deviation * np.sqrt(-2 * np.expm1(-away / time))
         own = bounded.channels[name][rows]
         # The old interval has k B of bias on either side; the change of the bias takes its place.
-        change = moved * (1 + 1e-9) - sigmas * deviation * (1 - 1e-9)
+        change = moved * (1 + ROUNDING) - sigmas * deviation * (1 - ROUNDING)
         there = bounded.present[name][rows]
         middle = np.where(there, own.midpoint, 0.0)
         radius = np.where(there, 0.5 * _grown(own, growth).width + change, 0.0)
-        radius = np.nextafter(np.maximum(radius, 0.0) * (1 + 1e-9), np.inf)
+        radius = np.nextafter(np.maximum(radius, 0.0) * (1 + ROUNDING), np.inf)
         around = IntervalArray.around(middle, radius + 4 * np.spacing(np.abs(middle)))
         return IntervalArray(np.where(there, around.lower, -np.inf), np.where(there, around.upper, np.inf))
 

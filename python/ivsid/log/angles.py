@@ -64,4 +64,5 @@ def certain_below(values: Array, t: Array, rate: float, longest: float, jitter: 
     steps = np.diff(t)
     room = 0.5 * (TURN - rate * (steps + 2 * jitter) - np.abs(np.diff(values)))
     near = steps <= longest
+    # The factor and the last term hold the roundings above.
     return float(room[near].min()) * (1 - 1e-9) - 1e-9 if near.any() else np.inf

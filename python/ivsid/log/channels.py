@@ -29,6 +29,9 @@ _FLU_ANGLES: Final = ("psi", "wind_direction")
 # A heading is used only above this cosine of the pitch: its error is that of the attitude divided by the cosine.
 # Source: geometry: the horizontal part of the forward axis has the length cos(pitch)
 UPRIGHT: Final = 0.1
+# Largest deviation of the squared norm of a quaternion from 1: components of two decimals, 0.005 off each, deviate by at most this.
+# Source: geometry: the components of a unit quaternion sum to at most 2
+NORM_TOLERANCE: Final = 0.02
 # Bound on the rounding of a heading [rad] from a quaternion of norm 1: ten roundings of 2^-53 divided by UPRIGHT make 1.1e-14.
 # Source: theorem: standard model of floating-point arithmetic, Higham 2002, section 2.2
 HEADING_ROUNDING: Final = 1e-13
@@ -219,7 +222,7 @@ def with_heading(channels: Mapping[str, Channel], source: str) -> tuple[dict[str
     w, x, y, z = (channels[q].values for q in QUATERNION)
     norm = w * w + x * x + y * y + z * z
     east, north = 2 * (w * z + x * y), w * w + x * x - y * y - z * z
-    usable = (np.abs(norm - 1) < 0.02) & (np.hypot(east, north) > UPRIGHT * norm)
+    usable = (np.abs(norm - 1) < NORM_TOLERANCE) & (np.hypot(east, north) > UPRIGHT * norm)
     psi = np.where(usable, np.arctan2(east, north), np.nan)
     lost = sum((c for c in (channels[q].lost for q in QUATERNION) if c is not None), np.zeros_like(w))
     result["psi"] = Channel(psi, channels["qw"].clock, HEADING_ROUNDING + 4 / UPRIGHT * np.nan_to_num(lost))

@@ -25,6 +25,8 @@ _TEXT: Final = (1, 2, 3, 4, 16, 17, 18)
 # Classes of variables.
 # Source: definition: MathWorks, MAT-File Format
 _CELL, _STRUCT, _OBJECT, _CHAR, _SPARSE, _FUNCTION, _OPAQUE = 1, 2, 3, 4, 5, 16, 17
+# Classes of numeric variables.
+# Source: definition: MathWorks, MAT-File Format
 _NUMERIC: Final = range(6, 16)
 # The flag of a variable with an imaginary part.
 # Source: definition: MathWorks, MAT-File Format

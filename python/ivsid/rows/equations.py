@@ -20,7 +20,8 @@ from ivsid.rows.required_columns import lacking, needed_by
 from ivsid.sensors.bounds import BoundedLog
 from ivsid.vehicle import Vehicle
 
-# Holds the rounding of the decimals of the mass and the centre of gravity, and of their products.
+# Holds the rounding of the decimals of the mass and the centre of gravity, and of their products: four roundings of 2^-53 are less.
+# Source: theorem: standard model of floating-point arithmetic, Higham 2002, section 2.2
 PRODUCT: Final = Interval(1 - 2.0**-50, 1 + 2.0**-50)
 # Largest distance between two readings of a heading [rad], errors included, that leaves no doubt about the direction of a turn.
 # Source: geometry: below half a turn the shorter way round is the only one

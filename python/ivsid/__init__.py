@@ -3,11 +3,14 @@
 From logged demands, accelerations, velocities and yaw rates to parameter intervals that are proved under stated bounds on
 sensors and thrust. See the README for the commands, and ``docs/`` for the user's guide.
 
-Names are loaded when they are first used: ``import ivsid`` itself loads none of the libraries that the stages rest on.
+Names are loaded when they are first used: ``import ivsid`` itself loads the compiled core alone, and none of the libraries that the stages
+rest on. A processor that does not round to nearest is refused here, before anything is computed.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Final
+
+from ivsid import _core
 
 if TYPE_CHECKING:
     from ivsid.diagnosis import Diagnosis
@@ -22,6 +25,12 @@ if TYPE_CHECKING:
     from ivsid.verification import Verification, verify
 
     __version__: str
+
+if not _core.environment_is_default():
+    raise ImportError(
+        "the processor does not round to nearest or flushes subnormal numbers to zero; ivsid cannot prove anything "
+        "here: undo the change of the floating-point mode before importing it"
+    )
 
 _HOMES: Final = {
     "Diagnosis": "ivsid.diagnosis",

@@ -14,12 +14,6 @@ from ivsid.errors import IvsidError
 from ivsid.intervals.floats import FloatArray, exact_floats
 from ivsid.intervals.operators import Operators
 
-if not _core.environment_is_default():
-    raise ImportError(
-        "the processor does not round to nearest or flushes subnormal numbers to zero; ivsid cannot prove anything "
-        "here: undo the change of the floating-point mode before importing it"
-    )
-
 Interval = _core.Interval
 
 

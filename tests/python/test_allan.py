@@ -77,14 +77,14 @@ def recording(seed, samples, h, n, b, t, k):
     ids=["N B", "N B K"],
 )
 def test_the_truth_lies_in_most_of_the_stated_bands(n, b, t, k):
-    """Six records of 600 s: at least four hold each number (fewer in one of four hundred draws)."""
+    """Three records of 600 s: at least two hold each number (fewer in one of a hundred draws)."""
     held = np.zeros(4)
-    for seed in range(6):
+    for seed in range(3):
         curve = allan_deviation("x", recording(seed, 6_000, 0.1, n, b, t, k), 0.1)
         for j, (name, true) in enumerate(zip(NAMES, (n, b, t, k), strict=True)):
             low, high = curve.bands[name]
             held[j] += low <= true <= high
-    assert (held[np.array([n, b, t, k]) > 0] >= 4).all(), held
+    assert (held[np.array([n, b, t, k]) > 0] >= 2).all(), held
 
 
 # Nightly: the gate has a few shorter records.

@@ -12,7 +12,7 @@ from ivsid.diagnosis.estimation.noise import Whitening, declared
 from ivsid.diagnosis.plant.physics import ADDED, Hypothesis, acceleration, added_force, still_force, thruster_force
 from ivsid.diagnosis.prediction.innovations import Bench
 from ivsid.diagnosis.selection.parallel import at_once, side_by_side
-from ivsid.diagnosis.statements.comparison import _windows
+from ivsid.diagnosis.statements.windows import windows
 from ivsid.effects import EFFECTS, Given, Reading, terms_of
 from ivsid.linear.filters import respond, whiten
 from ivsid.log import Log
@@ -138,9 +138,9 @@ def test_thrusts_that_are_remembered_are_those_that_are_asked_for(bench, plain):
 
 def test_windows_sail_together_as_they_do_alone(bench, plain):
     anchor = bench.settle(plain, bench.start(plain))
-    together = _windows(bench, plain, anchor, (10.0, 30.0))
+    together = windows(bench, plain, anchor, (10.0, 30.0))
     for found, length in zip(together, (10.0, 30.0), strict=True):
-        (alone,) = _windows(bench, plain, anchor, (length,))
+        (alone,) = windows(bench, plain, anchor, (length,))
         for a, b in zip(found, alone, strict=True):
             assert np.allclose(a, b, rtol=1e-12, atol=1e-12, equal_nan=True)
 

@@ -112,8 +112,8 @@ def calibrate(fit: Fit, visible: frozenset[str], level: float, seed: int, draws:
     smallest = np.sort(np.min(chances, axis=0))
     strength = -np.log(np.maximum(smallest, 1e-300))
     start = float(np.quantile(strength, 1 - TAIL))
-    slope = max(float(np.mean(strength[strength >= start] - start)), 1e-6)
-    threshold = float(np.exp(-(start + max(slope, TAIL_SLOPE) * np.log(TAIL / level))))
+    slope = max(float(np.mean(strength[strength >= start] - start)), TAIL_SLOPE)
+    threshold = float(np.exp(-(start + slope * np.log(TAIL / level))))
     return Calibration(level, threshold, draws, seed, smallest)
 
 

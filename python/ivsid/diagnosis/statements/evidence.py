@@ -21,21 +21,6 @@ Array = NDArray[np.float64]
 # Length of the stretch of time that a figure shows [s].
 # Source: resource: the width of a figure
 STRETCH: Final = 90.0
-UNITS: Final = {
-    "u": "m/s",
-    "v": "m/s",
-    "r": "rad/s",
-    "heading": "rad",
-    "thrust ahead": "N",
-    "turning thrust": "N m",
-    "udot": "m/s²",
-    "rdot": "rad/s²",
-    "u v": "m²/s²",
-    "u r": "m/s²",
-    "north": "m",
-    "east": "m",
-    "time": "s",
-}
 
 
 @dataclass(frozen=True)

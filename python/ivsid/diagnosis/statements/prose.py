@@ -47,6 +47,7 @@ def _outward(x: float, rounding: str) -> str:
 
 
 def _paragraphs(result: Diagnosis, f: Finding, seen: Evidence | None) -> list[str]:
+    """Paragraphs of a named finding."""
     effect = EFFECTS[f.effect]
     return [
         f"{f.effect}: {effect.cause}.",
@@ -58,6 +59,7 @@ def _paragraphs(result: Diagnosis, f: Finding, seen: Evidence | None) -> list[st
 
 
 def _sizes(result: Diagnosis, f: Finding, effect: Effect) -> list[str]:
+    """Sentences on the intervals of a finding."""
     if not f.parameters:
         return ["no interval of its numbers could be made."]
     forms = (effect,) if effect.measured is None else (effect, effect.measured)
@@ -79,6 +81,7 @@ def _sizes(result: Diagnosis, f: Finding, effect: Effect) -> list[str]:
 
 
 def _explained(seen: Evidence | None) -> list[str]:
+    """Sentences on the force that a finding explains."""
     if seen is None:
         return []
     before, after, own = seen.rms
@@ -89,6 +92,7 @@ def _explained(seen: Evidence | None) -> list[str]:
 
 
 def _sure(result: Diagnosis, f: Finding) -> str:
+    """Sentence on the certainty of a finding."""
     z = f.evidence.get("z", 0.0)
     words = [f"it stands out by {z:.0f} standard deviations, most in {f.evidence.get('channel') or 'several channels'}"]
     chance = f.evidence.get("chance")
@@ -100,6 +104,7 @@ def _sure(result: Diagnosis, f: Finding) -> str:
 
 
 def _else(result: Diagnosis, f: Finding) -> str:
+    """Sentence on the alternatives of a finding, or on the next best cause."""
     if f.alternatives:
         return (
             f"the log does not tell it from {', '.join(f.alternatives)}; among them it has the weight {f.confidence:.2f}. Take the set for the finding, "
@@ -116,10 +121,12 @@ def _else(result: Diagnosis, f: Finding) -> str:
 
 
 def _share(full: tuple[float, float] | None) -> float:
+    """Share of a finding's fall of chi-squared that a candidate reaches in its place."""
     return 0.0 if full is None or full[1] <= 0 else max(full[0], 0.0) / full[1]
 
 
 def _next(f: Finding, effect: Effect) -> str:
+    """Sentences on the next step after a finding."""
     words = []
     if f.alternatives:
         words.append(
@@ -135,6 +142,7 @@ def _next(f: Finding, effect: Effect) -> str:
 
 
 def _unknown(f: Finding, seen: Evidence | None) -> list[str]:
+    """Paragraphs of an ``unknown``."""
     words = [f"Unknown: {f.description}."]
     if seen is not None:
         words.append(
@@ -169,6 +177,7 @@ def worth(gain: Gain) -> list[tuple[str, str, float, float, tuple[float, float] 
 
 
 def _verdict(before: float, after: float, interval: tuple[float, float] | None) -> str:
+    """Change of an error in words."""
     if before == after:
         return "unchanged"
     if interval is None:

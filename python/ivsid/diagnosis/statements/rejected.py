@@ -124,4 +124,5 @@ def _why(
 
 
 def _chance(s: Scored, fall: float) -> float:
+    """Chance of another fall of chi-squared of the same candidate."""
     return replace(s, fall=fall).chance

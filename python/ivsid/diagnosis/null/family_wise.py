@@ -43,7 +43,7 @@ NEGLIGIBLE: Final = 0.01
 # Source: none
 IMPOSSIBLE: Final = 50.0
 # Singular values below this share of the largest belong to dependent directions.
-# Source: definition: square root of the rounding unit of doubles, 1.5e-8, with a margin
+# Source: none
 DEPENDENT: Final = 1e-9
 
 

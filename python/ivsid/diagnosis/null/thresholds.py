@@ -28,7 +28,7 @@ LEVEL: Final = 0.005
 # Source: resource: a tenth of a second for all families
 DRAWS: Final = 400
 # Share of the scores in the tail whose mean excess extrapolates to the level.
-# Source: Pickands 1975
+# Source: definition: forty of 400 draws, whose mean excess is known to 16 %
 TAIL: Final = 0.1
 # Least slope of the tail: minus the logarithm of a uniform chance is exponential with slope 1.
 # Source: definition: logarithm of a uniform variable
@@ -37,7 +37,7 @@ TAIL_SLOPE: Final = 1.0
 # Source: measured: make null-logs
 HIGH_SIDE: Final = 1.15
 # Share of its own signature that a step must keep beside the base to be scored.
-# Source: definition: cross-products of doubles are known to 1e-10 of themselves
+# Source: none
 LEAST_SHARE: Final = 1e-6
 # Eigenvalues of the information below this share of the largest belong to directions that the base explains.
 # Source: definition: square root of the rounding unit of doubles

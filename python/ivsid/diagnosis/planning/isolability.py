@@ -37,7 +37,7 @@ NONE: Final = 0.5
 # Source: none
 BETTER: Final = 1.05
 # Eigenvalues of the information below this share of the largest belong to directions that the base explains.
-# Source: definition: square root of the rounding unit of doubles, 1.5e-8, with a margin
+# Source: none
 DEPENDENT: Final = 1e-9
 
 

@@ -33,7 +33,7 @@ BAND: Final = 0.35
 # Source: none
 ORDER: Final = 4
 # Bootstrap draws: ten lie beyond each end of a 95 % interval.
-# Source: resource: a tenth of a second
+# Source: resource: the time of the bootstrap grows with the draws
 DRAWS: Final = 400
 # Ends of a 95 % interval.
 # Source: definition: equal tails of 2.5 %

@@ -153,6 +153,7 @@ class Trial:
         ]
 
     def _one(self, log: Channels, h: Hypothesis) -> tuple[float, bool]:
+        """Strength of one null log, and whether a family of it passed the test; NaN if it cannot be fitted."""
         try:
             fit = surveyed(self, log, h, self.whitening)
         except (np.linalg.LinAlgError, ValueError):

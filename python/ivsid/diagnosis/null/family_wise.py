@@ -43,7 +43,7 @@ NEGLIGIBLE: Final = 0.01
 # Source: none
 IMPOSSIBLE: Final = 50.0
 # Singular values below this share of the largest belong to dependent directions.
-# Source: definition: square root of the rounding unit of doubles, 1.5e-8, with a margin
+# Source: none
 DEPENDENT: Final = 1e-9
 
 
@@ -92,7 +92,7 @@ def second_opinion(fit: Fit, s: Scored) -> float:
 
 
 def _beside(fit: Fit, s: Scored, other: Scored) -> float:
-    """Fall of chi-squared of one family beside another; infinite if the two share columns or one is a step in time."""
+    """Fall of chi-squared of one family beside another; infinite if the other is not physical, shares columns, or either is a step in time."""
     if not other.physical or "step" in (s.family.kind, other.family.kind) or set(s.columns) & set(other.columns):
         return float(np.inf)
     return Projection(fit.gram, [*fit.base, *other.columns]).solve(s.columns)[1]

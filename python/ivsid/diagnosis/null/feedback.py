@@ -117,7 +117,9 @@ def feedback_of(log: Channels, states: FilteredStates, spread: float) -> Feedbac
         if explained:
             rows = _rows(explained, good)
             feedback_gains[k, 2] = _robust(change[[2]][:, rows], moved[rows])[0][0]
-        explained += _faint(log, x, [b for b in blocks if b not in explained], feedback_gains[k], spread, span)
+        rest = [b for b in blocks if b not in explained]
+        straight, feedback_gains[k, 2] = _faint(log, x, rest, float(feedback_gains[k, 2]), spread, span)
+        explained += straight
         if not explained:
             explained = [b for b in blocks if _explained(change[usable][:, b], moved[b], good[b])]
             if not explained:
@@ -165,12 +167,12 @@ def _explained(x: Array, y: Array, good: NDArray[np.bool_]) -> bool:
 
 
 def _faint(
-    log: Channels, sent: Array, blocks: list[slice], feedback_gain: Array, spread: float, span: int
-) -> list[slice]:
-    """Blocks under feedback on straight courses.
+    log: Channels, sent: Array, blocks: list[slice], known: float, spread: float, span: int
+) -> tuple[list[slice], float]:
+    """Blocks under feedback on straight courses, and the gain of the yaw rate.
 
     The yaw rate is mostly noise there and the demand is not, so the yaw rate is regressed on the demand. Its residual must not exceed the
-    noise of the sensor and the filter. The gain of the yaw rate is written into ``feedback_gain`` if it was zero.
+    noise of the sensor and the filter. The ``known`` gain is kept if it is not zero.
     """
     long = LONGER * span
     mean = uniform_filter1d(log.nu[2], span)
@@ -179,18 +181,19 @@ def _faint(
     noise = SIGMAS * float(np.hypot(spread, log.noise["r"] / np.sqrt(span)))
     blocks = [b for b in blocks if b.stop <= y.size and _moving(y[b], good[b])]
     if not blocks:
-        return []
+        return [], known
     rows = _rows(blocks, good)
     # A jump of the programme would outweigh all other increments.
     calm = np.abs(y) <= JUMP * _size(y[rows])
     rows = rows[calm[rows]]
-    if not feedback_gain[2]:
+    feedback_gain = known
+    if not feedback_gain:
         back = _robust(y[None, rows], x[rows])[0][0]
         one = _robust(x[None, rows], y[rows])[0][0]
         if one * back * rows.size / long < SIGMAS**2 or _size(x[rows] - back * y[rows]) > noise:
-            return []
-        feedback_gain[2] = 1.0 / back
-    return [b for b in blocks if _size((x[b] - y[b] / feedback_gain[2])[good[b] & calm[b]]) <= noise]
+            return [], known
+        feedback_gain = float(1.0 / back)
+    return [b for b in blocks if _size((x[b] - y[b] / feedback_gain)[good[b] & calm[b]]) <= noise], feedback_gain
 
 
 def _size(x: Array) -> float:

@@ -28,7 +28,7 @@ LEVEL: Final = 0.005
 # Source: resource: a tenth of a second for all families
 DRAWS: Final = 400
 # Share of the scores in the tail whose mean excess extrapolates to the level.
-# Source: Pickands 1975
+# Source: definition: forty of 400 draws, whose mean excess is known to 16 %
 TAIL: Final = 0.1
 # Least slope of the tail: minus the logarithm of a uniform chance is exponential with slope 1.
 # Source: definition: logarithm of a uniform variable
@@ -37,7 +37,7 @@ TAIL_SLOPE: Final = 1.0
 # Source: measured: make null-logs
 HIGH_SIDE: Final = 1.15
 # Share of its own signature that a step must keep beside the base to be scored.
-# Source: definition: cross-products of doubles are known to 1e-10 of themselves
+# Source: none
 LEAST_SHARE: Final = 1e-6
 # Eigenvalues of the information below this share of the largest belong to directions that the base explains.
 # Source: definition: square root of the rounding unit of doubles
@@ -112,8 +112,8 @@ def calibrate(fit: Fit, visible: frozenset[str], level: float, seed: int, draws:
     smallest = np.sort(np.min(chances, axis=0))
     strength = -np.log(np.maximum(smallest, 1e-300))
     start = float(np.quantile(strength, 1 - TAIL))
-    slope = max(float(np.mean(strength[strength >= start] - start)), 1e-6)
-    threshold = float(np.exp(-(start + max(slope, TAIL_SLOPE) * np.log(TAIL / level))))
+    slope = max(float(np.mean(strength[strength >= start] - start)), TAIL_SLOPE)
+    threshold = float(np.exp(-(start + slope * np.log(TAIL / level))))
     return Calibration(level, threshold, draws, seed, smallest)
 
 

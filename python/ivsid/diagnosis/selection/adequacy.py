@@ -29,7 +29,7 @@ RISK: Final = 1e-3
 # Source: none
 REST: Final = 0.02
 # Information of a regressor in unit length below which the model explains it.
-# Source: definition: cross-products of doubles are known to 1e-10 of themselves
+# Source: none
 EXPLAINED: Final = 1e-6
 # Eigenvalues of the correlation matrix below this belong to directions that other regressors explain to one per cent of their length.
 # Source: none

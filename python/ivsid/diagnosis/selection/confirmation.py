@@ -64,6 +64,7 @@ class Confirmation:
 
 
 def _told(progress: Callable[[str], None], start: int, count: int, done: int) -> None:
+    """Tells the number of null logs that are done."""
     progress(f"null logs {start + done} of {count}")
 
 

@@ -31,7 +31,7 @@ TIE: Final = 1.0
 # Source: definition: 0.3 % of normal errors lie beyond
 MARGIN: Final = 9.0
 # Candidates that are fitted in full.
-# Source: resource: a full fit takes as long as the scores of all causes
+# Source: resource: the time of a round grows with its full fits
 FINALISTS: Final = 6
 # A candidate whose merit is this far behind the best is not fitted in full.
 # Source: none

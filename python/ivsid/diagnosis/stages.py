@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.fit import Fit, plain_fit
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.thresholds import calibrate
 from ivsid.diagnosis.null.visibility import VISIBLE, Threshold, Visibility, visibility
 from ivsid.diagnosis.prediction.innovations import Predictor

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from ivsid.diagnosis.estimation.candidate_columns import Family
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.estimation.signatures import Family
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.effects import PAPER_TERMS, PLAIN_TERMS, Given, Terms
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.candidates.families import Scored
 from ivsid.diagnosis.candidates.profile import bent, ends, first_step, profile, rise, slack
-from ivsid.diagnosis.estimation.fit import Fit, declared_columns
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.gauss_newton import declared_columns
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.effects import EFFECTS, Parameter
 from ivsid.files.records import Lower, Upper

@@ -12,7 +12,8 @@ from typing import Final
 
 import numpy as np
 
-from ivsid.diagnosis.estimation.fit import DeclaredColumns, Noise, crossed
+from ivsid.diagnosis.estimation.fit import Noise, crossed
+from ivsid.diagnosis.estimation.gauss_newton import DeclaredColumns
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.signatures import BENT
 from ivsid.diagnosis.plant.physics import Hypothesis

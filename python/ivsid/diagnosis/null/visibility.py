@@ -13,9 +13,10 @@ from scipy.signal import lfilter
 from scipy.stats import f as fisher
 
 from ivsid.diagnosis.candidates.families import Scored
+from ivsid.diagnosis.estimation.candidate_columns import Family
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.estimation.signatures import Family, Signatures
+from ivsid.diagnosis.estimation.signatures import Signatures
 from ivsid.diagnosis.null.thresholds import HIGH_SIDE, Calibration
 from ivsid.diagnosis.plant.physics import acceleration
 from ivsid.effects import Reading, Terms

@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.fit import Fit, Noise, plain_fit, survey
-from ivsid.diagnosis.estimation.noise import Whitening, usable_rows
+from ivsid.diagnosis.estimation.fit import Fit, Noise, survey
+from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.estimation.noise import usable_rows
 from ivsid.diagnosis.estimation.projection import Gram
+from ivsid.diagnosis.estimation.whitening import Whitening
 from ivsid.diagnosis.null.visibility import VISIBLE, Visibility, excitation, visibility
 from ivsid.diagnosis.planning.isolability import APART, Advice, Choice, Isolability, separability
 from ivsid.diagnosis.prediction.axes import Ambient

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import Channels, channels
-from ivsid.diagnosis.estimation.fit import Fit, plain_fit
-from ivsid.diagnosis.estimation.signatures import Family
+from ivsid.diagnosis.estimation.candidate_columns import Family
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.visibility import VISIBLE, Visibility, visibility
 from ivsid.effects import EFFECTS
 from ivsid.files.records import envelope

@@ -12,16 +12,9 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.candidates.families import Scored, adopted, everything, score
 from ivsid.diagnosis.candidates.profile import LIMITED, moved, refined, sought
-from ivsid.diagnosis.estimation.fit import (
-    DeclaredColumns,
-    Fit,
-    Noise,
-    chi2_of,
-    declared_columns,
-    improve,
-    learn,
-    survey,
-)
+from ivsid.diagnosis.estimation.fit import Fit, Noise, chi2_of, survey
+from ivsid.diagnosis.estimation.gauss_newton import DeclaredColumns, declared_columns, improve
+from ivsid.diagnosis.estimation.learning import learn
 from ivsid.diagnosis.estimation.noise import quick_enough
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor

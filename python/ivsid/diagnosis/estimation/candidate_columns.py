@@ -14,7 +14,7 @@ from ivsid.effects import EFFECTS, Effect, Given, Terms
 
 Kind: TypeAlias = Literal["linear", "claim", "secant", "step", "wave", "tether"]
 # Lags and delays that are tried [s].
-# Source: geometry: neighbours differ by at most 2.5, and the column of one explains nearly all that a value between them leaves
+# Source: geometry: neighbours differ by a factor of 2.5 at most, less than the factor that a coefficient corrects (candidates.families.SECANT)
 DELAYS: Final = (0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0)
 # Least lag or delay that is tried, in steps of the clock.
 # Source: geometry: a tenth of a sample stands for all delays below one sample, whose columns are proportional to each other

@@ -63,9 +63,10 @@ QUICKER: Final = 2.0
 # The memory of a filter is below the inverse of this rate [1/s].
 # Source: none
 LEAST_RATE: Final = 0.3
-# Factor of the ambient acceleration by which a filter is made quicker, and the most steps of it.
+# Factor of the ambient acceleration by which a filter is made quicker.
 # Source: none
 QUICKENING: Final = 1.6
+# Most times that a filter is made quicker.
 # Source: resource: time of designing filters
 MOST_QUICKENINGS: Final = 8
 # A vehicle turns if its yaw rate varies by this multiple of its filter's error.

@@ -17,9 +17,10 @@ Array = NDArray[np.float64]
 # Memory of the whitening [s].
 # Source: none
 MEMORY: Final = 0.6
-# Fewest and most lags of the whitening.
+# Fewest lags of the whitening.
 # Source: none
 FEWEST_LAGS: Final = 3
+# Most lags of the whitening.
 # Source: resource: time of the whitening of every column
 MOST_LAGS: Final = 12
 # Threshold of the likelihood ratio for coupled axes, in standard deviations of chi-squared above its mean.

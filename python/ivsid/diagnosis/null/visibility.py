@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 from scipy.stats import f as fisher
 
-from ivsid.diagnosis.candidates.families import Scored
+from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.candidate_columns import Family
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection

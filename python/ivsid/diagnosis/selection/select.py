@@ -10,8 +10,9 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.candidates.families import Scored, adopted, everything, score
+from ivsid.diagnosis.candidates.families import adopted, everything, score
 from ivsid.diagnosis.candidates.profile import LIMITED, moved, refined, sought
+from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.fit import Fit, Noise, chi2_of, survey
 from ivsid.diagnosis.estimation.gauss_newton import DeclaredColumns, declared_columns, improve
 from ivsid.diagnosis.estimation.learning import learn

@@ -23,7 +23,7 @@ from tests.exam.draw import programme, vehicle_of
 
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.fit import plain_fit
+from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.calibration import examined, trial_of
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.thresholds import calibrate

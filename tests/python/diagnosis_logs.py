@@ -5,11 +5,14 @@ from functools import cache
 
 import numpy as np
 
-from ivsid.diagnosis.candidates.families import Scored, everything, score
+from ivsid.diagnosis.candidates.families import everything, score
+from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.fit import Fit, plain_fit
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.thresholds import calibrate
-from ivsid.diagnosis.null.visibility import Threshold, visibility
+from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.effects import EFFECTS
 from ivsid.log import Log

@@ -10,7 +10,7 @@ from ivsid import IvsidError, diagnose
 from ivsid.diagnosis import extended_vehicle, isolability
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.fit import plain_fit
+from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.noise import declared_ambient, usable_rows
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor

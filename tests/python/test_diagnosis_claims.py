@@ -9,7 +9,7 @@ from ivsid.diagnosis import extended_vehicle
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.candidates.intervals import intervals
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.fit import plain_fit
+from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.statements.extended import extended_text, stated
 from ivsid.diagnosis.statements.proved import extended_proof

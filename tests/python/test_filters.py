@@ -8,7 +8,8 @@ from scipy.signal import lfilter
 
 from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.noise import Whitening, declared_ambient
+from ivsid.diagnosis.estimation.noise import declared_ambient
+from ivsid.diagnosis.estimation.whitening import Whitening
 from ivsid.diagnosis.plant.physics import ADDED, Hypothesis, acceleration, added_force
 from ivsid.diagnosis.plant.thruster_forces import bollard_force, thruster_force
 from ivsid.diagnosis.prediction.innovations import Predictor

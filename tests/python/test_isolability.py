@@ -6,7 +6,7 @@ import pytest
 from diagnosis_logs import RUDDER, STEERED, TRUTH, TWIN, ZIGZAGS, logs_of, vehicle_of
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.fit import plain_fit
+from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.planning.advice import advise
 from ivsid.diagnosis.planning.isolability import APART, separability
 from ivsid.log import Log

@@ -10,7 +10,7 @@ from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS
 from ivsid.diagnosis import cache_folder
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.fit import plain_fit
+from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.cache import keep, kept, key_of
 from ivsid.diagnosis.null.calibration import NullTest, examined, trial_of
 from ivsid.diagnosis.null.family_wise import Threshold

@@ -205,7 +205,7 @@ def runge_kutta(rates, t, h, state, tails, inside):
 def test_a_step_that_is_written_out_is_the_method_to_the_bit(swan, programme, turning):
     """Steady and varied steps; operations whose operands did not change within the step are not done again."""
     from ivsid.simulation.equations import equations, plant, steps
-    from ivsid.simulation.integrate import INSIDE
+    from ivsid.simulation.propulsion import INSIDE
 
     effects = {
         "drag.cross_flow": 20.0,
@@ -238,8 +238,8 @@ def test_a_step_that_is_written_out_is_the_method_to_the_bit(swan, programme, tu
 def test_a_coarse_run_that_ends_early_changes_nothing(swan, programme):
     """The first run is only looked at until it is too far off; what is accepted, and its error, are those of whole runs."""
     from ivsid.simulation.equations import equations, plant, steps
-    from ivsid.simulation.integrate import INSIDE, TOLERANCE, run, settle
-    from ivsid.simulation.propulsion import Propulsion
+    from ivsid.simulation.integrate import TOLERANCE, run, settle
+    from ivsid.simulation.propulsion import INSIDE, Propulsion
     from ivsid.simulation.true_thrust import TrueThrust
 
     # A quick heave of the moment: one step a sample is too coarse.

@@ -12,7 +12,7 @@ import numpy as np
 
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.fit import plain_fit
+from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.thresholds import LEVEL, calibrate
 from ivsid.diagnosis.null.visibility import visibility

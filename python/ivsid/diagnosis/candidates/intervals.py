@@ -1,37 +1,53 @@
-"""The intervals of a cause's numbers: by the noise model, by the scatter of half-minutes, by what is not found, and by profiles."""
+"""Intervals of a cause's numbers: by the noise model, by the scatter of half-minutes, by causes that were not found, and by profiles."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.candidates.families import Scored
 from ivsid.diagnosis.candidates.profile import bent, ends, first_step, profile, rise, slack
-from ivsid.diagnosis.estimation.fit import Fit, declared_columns
+from ivsid.diagnosis.candidates.scored import Scored
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.gauss_newton import declared_columns
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.effects import EFFECTS, Parameter
 from ivsid.files.records import Lower, Upper
 
 Array = NDArray[np.float64]
-# Half-widths of the intervals in standard deviations.
+# Half-width of an interval in standard deviations.
+# Source: theorem: two-sided 99.9 % quantile of the standard normal distribution, 3.29
 SIGMAS: Final = 3.3
-# From this fall of chi^2 on a cause that is not found may still be there.
+# Fall of chi-squared from which on a cause that was not found may still be there.
+# Source: none
 DOUBTFUL: Final = 6.0
-# A cause that was not found is at most so many standard deviations larger than its score.
+# Size that a cause may have beyond its score without being found, in standard deviations.
+# Source: theorem: one-sided 97.7 % quantile of the standard normal distribution
 HIDDEN: Final = 2.0
-# With so small a share of its signature left beside the others a cause is no other than they.
+# A cause is no other than those that were found if their columns leave this share of its signature's squared length.
+# Source: none
 SAME: Final = 1e-3
+# Blocks that are summed for the scatter of coefficients.
+# Source: geometry: half a minute, longer than the ambient force and the memory of the filters last
+TOGETHER: Final = 3
 
 
 @dataclass(frozen=True)
 class Bound:
-    """An interval of one number of an effect: statistical, or guaranteed, with the other kind beside it where there is one.
+    """An interval of one number of an effect.
 
-    ``within`` is what it would be if nothing unknown were left.
+    Attributes:
+        lower: end, in ``unit``.
+        upper: end, in ``unit``.
+        unit: of the number.
+        symbol: of the number.
+        guaranteed: whether it is proved; else it is statistical.
+        statistical: the statistical interval beside a proved one.
+        proved: the proved interval beside a statistical one.
+        within: the interval as it would be if nothing unknown were left.
     """
 
     lower: float
@@ -43,9 +59,9 @@ class Bound:
     proved: tuple[float, float] | None = None
     within: tuple[float, float] | None = None
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> dict[str, object]:
         """As in result.json."""
-        beside: dict[str, Any] = {}
+        beside: dict[str, object] = {}
         for key, found in (("statistical", self.statistical), ("proved", self.proved)):
             if found is not None:
                 beside[key] = {"lower": Lower(found[0]), "upper": Upper(found[1])}
@@ -62,14 +78,21 @@ class Bound:
 def intervals(
     fit: Fit, id_: str, fixed: Mapping[str, float], left: Sequence[Scored] = (), *, unknown: bool = False
 ) -> dict[str, Bound]:
-    """Intervals of an effect's numbers: the larger of the errors by the noise model and by the blocks' own scatter.
+    """Intervals of an effect's numbers, by name.
 
-    Each interval holds the number also where one of the causes that are ``left`` is there, too small to be found: how far it would move
-    the number is added. Where something ``unknown`` is left, any of them may hide in it, at up to two standard deviations more than it is
-    scored. Numbers in which the errors bend or jump are profiled.
+    The standard deviation of a number is the larger of two: by the noise model, and by the scatter of half-minutes. An interval is widened by
+    the shift of the number beside each cause that may be there without being found. Numbers in which the errors bend or jump are profiled.
+
+    Args:
+        fit: of the last model.
+        id_: of the effect.
+        fixed: values of parameters that are not fitted, by id.
+        left: scores of the causes that were not found.
+        unknown: whether something unknown is left; then each of these causes may hide in it, at up to ``HIDDEN`` standard deviations beyond
+            its score.
     """
     p, g = fit.projection, fit.gram
-    covariance = np.linalg.inv(p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9))
+    covariance: Array = np.asarray(np.linalg.inv(p.normal), dtype=np.float64)
     robust = scatter(p, covariance)
     out: dict[str, Bound] = {}
     worse = 1.0
@@ -82,7 +105,7 @@ def intervals(
             continue
         sigma = float(np.sqrt(max(covariance[i, i], robust[i]))) / float(g.unit[k])
         value, parameter = _number(fit, name)
-        # The last step of the fit is not taken: it belongs into the interval.
+        # The last step of the fit is not taken, so that the interval has to hold it.
         rest = abs(float(p.coefficients[i])) / float(g.unit[k])
         reach = SIGMAS * sigma + rest
         worse = max(worse, robust[i] / covariance[i, i])
@@ -105,7 +128,7 @@ def intervals(
             lower, upper = max(lower - around, 0.0), upper + around
             parameter = given.effect.parameters[j]
             if parameter.unit == "N":
-                # The limit is of the true thrust, which the curve gives within its accuracy alone.
+                # A limit is one of the true thrust, which the curve gives within its accuracy.
                 error = max(
                     t.accuracy.absolute + t.accuracy.relative * upper for t in fit.noise.predictor.vehicle.thrusters
                 )
@@ -115,7 +138,7 @@ def intervals(
 
 
 def _turned(out: dict[str, Bound], id_: str) -> None:
-    """One of the ways to say the same: a wave, or a tide, half a turn later in the opposite direction is the same."""
+    """Chooses one of two equal descriptions: a wave or a tide half a turn later, in the opposite direction, is the same."""
     phase, direction = out.get(f"{id_}.phase"), out.get(f"{id_}.direction")
     if phase is None:
         return
@@ -140,11 +163,11 @@ def _turned(out: dict[str, Bound], id_: str) -> None:
 
 
 def _moved(fit: Fit, left: Sequence[Scored]) -> Array:
-    """How far down and up each fitted coefficient goes when one of the causes that are left is fitted beside it, shape (2, base)."""
+    """Largest shifts down and up of each fitted coefficient if one of the causes that are left is fitted beside it, shape (2, base)."""
     p = fit.projection
     span = np.zeros((2, len(p.base)))
     for s in left:
-        # A step in time has its column from its start on alone, which stands in no Gram.
+        # The column of a step in time begins at its start, and no cross-products hold it.
         if s.fall < DOUBTFUL or not s.physical or not s.columns or s.family.kind == "step":
             continue
         wide = Projection(fit.gram, [*p.base, *s.columns])
@@ -154,10 +177,10 @@ def _moved(fit: Fit, left: Sequence[Scored]) -> Array:
 
 
 def _hidden(fit: Fit, left: Sequence[Scored]) -> Array:
-    """How far causes that were not found may move the coefficients, each at up to two standard deviations beyond its score, shape (2, base)."""
+    """Largest shifts down and up of the coefficients by causes that were not found, shape (2, base)."""
     p = fit.projection
     base = list(p.base)
-    inner = p.total[np.ix_(base, base)] + np.diag(p.g.prior[base] + 1e-9)
+    inner = p.normal
     span = np.zeros((2, len(base)))
     for s in left:
         if len(s.columns) != 1 or s.family.kind == "step":
@@ -165,7 +188,7 @@ def _hidden(fit: Fit, left: Sequence[Scored]) -> Array:
         k = s.columns[0]
         seen = float(p.information([k])[0, 0])
         if seen <= SAME * float(p.total[k, k]):
-            # What no log tells from the causes that were found stands among their alternatives.
+            # A cause that no log tells from those that were found stands among their alternatives.
             continue
         theta, _ = p.solve([k])
         spread = HIDDEN / np.sqrt(seen)
@@ -178,17 +201,25 @@ def _hidden(fit: Fit, left: Sequence[Scored]) -> Array:
 
 
 def scatter(p: Projection, covariance: Array) -> Array:
-    """Variances of the coefficients from the scores of half-minutes."""
+    """Variances of the coefficients by the scatter of the scores of half-minutes, shape (base,).
+
+    Source: the sandwich estimator (White 1982), with sums over half-minutes as its independent terms.
+
+    Args:
+        p: least squares on the base.
+        covariance: inverse of its normal matrix, shape (base, base).
+    """
     g = p.g
     score = g.score[:, p.base] - g.blocks[:, p.base][:, :, p.base] @ p.coefficients
-    blocks = score.shape[0] // 3 * 3
-    side = score[:blocks].reshape(-1, 3, score.shape[1]).sum(axis=1)
+    blocks = score.shape[0] // TOGETHER * TOGETHER
+    side = score[:blocks].reshape(-1, TOGETHER, score.shape[1]).sum(axis=1)
     n = side.shape[0]
     middle = side.T @ side * n / max(n - 1, 1)
     return np.asarray(np.diag(covariance @ middle @ covariance))
 
 
 def _number(fit: Fit, name: str) -> tuple[float, Parameter]:
+    """The value of a number in the fit, and its parameter in the catalogue."""
     for effect in EFFECTS.values():
         for form in (effect, effect.measured):
             if form is not None and name in form.parts:

@@ -1,7 +1,7 @@
-"""Numbers in which the errors bend or jump: a limit, a dead band, a delay, the start of something. Chi^2 itself says how far they go.
+"""Profiles of chi-squared: numbers in which the errors bend or jump, as a limit, a dead band, a delay or a start.
 
-A slope at the best value says little of them: between two demands that were sent a dead band may stand anywhere. So chi^2 is worked out
-at other values of the one number, everything else fitted beside it, and the interval ends where it has risen too far.
+A slope at the best value says little of such a number: a dead band may stand anywhere between two demands that were sent. So chi-squared is
+worked out at other values of the one number, with everything else fitted beside it. The interval ends where it has risen too far.
 """
 
 from __future__ import annotations
@@ -12,7 +12,8 @@ from typing import Final
 
 import numpy as np
 
-from ivsid.diagnosis.estimation.fit import DeclaredColumns, Noise, crossed
+from ivsid.diagnosis.estimation.fit import Noise, crossed
+from ivsid.diagnosis.estimation.gauss_newton import DeclaredColumns
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.signatures import BENT
 from ivsid.diagnosis.plant.physics import Hypothesis
@@ -20,38 +21,72 @@ from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import Given
 
 LIMITED: Final = "thruster.saturation"
-# The place of its anchor is searched on a grid; a hull that sails around it has no slope that leads there.
+# The effect whose anchor is searched: a hull that sails around it has no slope that leads there.
 MOORED: Final = "tether.tension"
+# Directions of the search for an anchor, north and east.
+# Source: geometry: eight directions of the compass
 COMPASS: Final = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (0.7, 0.7), (0.7, -0.7), (-0.7, 0.7), (-0.7, -0.7))
-# The first step of a search for an anchor, in extents of the track, and how often it is halved.
+# First step of a search for an anchor, in extents of the track.
+# Source: geometry: one and three quarters of the distance between two anchors of the grid (tethers.GRID)
 ANCHOR_STEP: Final = 0.25
+# Halvings of that step.
+# Source: geometry: the last step is a sixty-fourth of the extent
 ANCHOR_HALVINGS: Final = 5
+# Least extent of a track in that step [m].
+# Source: geometry: the step of a vehicle that stays where it is
+LEAST_EXTENT: Final = 1.0
 # Shares of the first value that are tried before it is refined: its score came from a column of another value.
+# Source: none
 SHARES: Final = tuple(np.geomspace(0.2, 2.5, 16).tolist())
-# Bisections of an end, and doublings of the first step until chi^2 has risen.
+# Bisections of an end of an interval.
+# Source: geometry: the end is known to a 128th of the last step
 HALVINGS: Final = 7
+# Most doublings of the first step until chi-squared has risen.
+# Source: geometry: the last of them is 2048 first steps, 40 times the number itself or an hour
 DOUBLINGS: Final = 12
-# A start is looked for within this many first steps.
+# First steps on either side within which the best value is looked for.
+# Source: none
 AROUND: Final = 6
+# Passes of that search, each with steps that are ``AROUND`` times as small.
+# Source: none
+PASSES: Final = 2
+# Least first step of a starting time [s].
+# Source: none
+TIME_STEP: Final = 2.0
+# Least first step of a starting time, in steps of the clock.
+# Source: none
+TIME_STEPS: Final = 4
+# First step of another number, as a share of it.
+# Source: none
+NUMBER_STEP: Final = 0.02
+# Factor of the rise of chi-squared that ends the interval of a starting time: the size of the effect, which is off as well, goes with it.
+# Source: none
+START_RISE: Final = 2.0
+# Least distance by which the ends of a starting time's interval are moved apart [s]: the memory of the filters blurs a start.
+# Source: none
+START_SLACK: Final = 1.0
+# The same in steps of the clock.
+# Source: none
+START_SLACK_STEPS: Final = 3
 
 
 def bent(given: Given) -> list[int]:
-    """The places of an effect's numbers that are to be profiled."""
+    """Indices of an effect's numbers that are profiled."""
     if given.effect.id in BENT:
         return [0]
     return [j for j, p in enumerate(given.effect.parameters) if p.draw == "time"]
 
 
 def sought(given: Given) -> bool:
-    """Whether an effect has numbers whose first values come from a coarse search, and are to be refined before slopes are followed."""
+    """Whether an effect has numbers that a coarse search found, and that are refined before slopes are followed."""
     return bool(bent(given)) or given.effect.id == MOORED
 
 
 def first_step(noise: Noise, given: Given, j: int) -> float:
-    """A small change of the number: two seconds, or a fiftieth."""
+    """A small change of an effect's j-th number: two seconds, or a fiftieth."""
     if given.effect.parameters[j].draw == "time":
-        return max(2.0, 4 * noise.predictor.log.h)
-    return 0.02 * max(abs(given.values[j]), 1e-9)
+        return max(TIME_STEP, TIME_STEPS * noise.predictor.log.h)
+    return NUMBER_STEP * max(abs(given.values[j]), 1e-9)
 
 
 def profile(
@@ -63,16 +98,16 @@ def profile(
     given: Given,
     *places: int,
 ) -> Callable[..., float]:
-    """Chi^2 as a function of one number of an effect that the hypothesis has, or of several.
+    """Chi-squared as a function of one number of an effect of the hypothesis, or of several.
 
     Args:
         noise: filters and whitening.
         h: the hypothesis.
         states: its states.
-        fixed: parameters that are not fitted.
-        known: signatures of what is declared.
+        fixed: values of parameters that are not fitted, by id.
+        known: signatures of the declared errors.
         given: the effect as it stands in the hypothesis.
-        places: of the numbers among the effect's.
+        places: indices of the numbers among the effect's.
     """
     g = crossed(noise, h, states, fixed, known)
     own = {given.effect.parts[j] if given.thruster is None else next(iter(given.named)) for j in places}
@@ -92,7 +127,7 @@ def profile(
 def moved(h: Hypothesis, fixed: Mapping[str, float], given: Given, values: Sequence[float]) -> Hypothesis:
     """The hypothesis with other numbers of an effect.
 
-    Masses and drags that are fitted follow a limit: where most thrusts stand at it, little else tells it from their scale.
+    Masses and drags that are fitted change with a limit: if most thrusts stand at it, little else tells it from their scale.
     """
     other = h.with_effect(replace(given, values=tuple(values)))
     if given.effect.id != LIMITED:
@@ -111,7 +146,17 @@ def refined(
     *,
     wide: bool,
 ) -> Hypothesis:
-    """The hypothesis with the numbers of an effect that are to be profiled where chi^2 is least nearby, or with ``wide`` anywhere."""
+    """The hypothesis with the profiled numbers of an effect at the least chi-squared nearby.
+
+    Args:
+        noise: filters and whitening.
+        h: the hypothesis.
+        states: its states.
+        fixed: values of parameters that are not fitted, by id.
+        known: signatures of the declared errors.
+        given: the effect as it stands in the hypothesis.
+        wide: whether ``SHARES`` of the first value are tried before.
+    """
     if given.effect.id == MOORED:
         return _moored(noise, h, states, fixed, known, given)
     for j in bent(given):
@@ -121,7 +166,7 @@ def refined(
         if wide and given.effect.id in BENT:
             tried |= {best * share: chi2(best * share) for share in SHARES}
             best = min(tried, key=lambda q: tried[q])
-        for _ in range(2):
+        for _ in range(PASSES):
             for k in range(-AROUND, AROUND + 1):
                 value = best + k * step
                 if value > 0 and value not in tried:
@@ -143,14 +188,14 @@ def _moored(
     known: DeclaredColumns,
     given: Given,
 ) -> Hypothesis:
-    """The hypothesis with a tether's anchor where chi^2 is least, by a search in eight directions."""
+    """The hypothesis with a tether's anchor at the least chi-squared, by a search in eight directions."""
     log = noise.predictor.log
     if log.place is None:
         return h
     chi2 = profile(noise, h, states, fixed, known, given, 1, 2)
     here = (float(given.values[1]), float(given.values[2]))
     least = chi2(*here)
-    step = ANCHOR_STEP * max(float(np.ptp(log.place[0])), float(np.ptp(log.place[1])), 1.0)
+    step = ANCHOR_STEP * max(float(np.ptp(log.place[0])), float(np.ptp(log.place[1])), LEAST_EXTENT)
     for _ in range(ANCHOR_HALVINGS):
         for _ in range(DOUBLINGS):
             tried = {(here[0] + a * step, here[1] + b * step) for a, b in COMPASS}
@@ -163,17 +208,35 @@ def _moored(
 
 
 def rise(given: Given, j: int, sigmas: float, worse: float) -> float:
-    """How far chi^2 may rise inside the interval: a start carries along what the size of its effect is off."""
-    return sigmas**2 * worse * (2.0 if given.effect.parameters[j].draw == "time" else 1.0)
+    """Rise of chi-squared at the ends of an interval.
+
+    Args:
+        given: the effect.
+        j: index of its number.
+        sigmas: half-width in standard deviations.
+        worse: variance by the scatter of half-minutes over the variance by the noise model.
+    """
+    return sigmas**2 * worse * (START_RISE if given.effect.parameters[j].draw == "time" else 1.0)
 
 
 def slack(noise: Noise, given: Given, j: int) -> float:
-    """What a number is off beside its errors: a start cannot be told within a few samples, nor within the memory of the filters."""
-    return max(1.0, 3 * noise.predictor.log.h) if given.effect.parameters[j].draw == "time" else 0.0
+    """Distance by which the ends of an interval are moved apart: a start is not known within a few samples, nor within a filter's memory."""
+    return (
+        max(START_SLACK, START_SLACK_STEPS * noise.predictor.log.h)
+        if given.effect.parameters[j].draw == "time"
+        else 0.0
+    )
 
 
 def ends(chi2: Callable[[float], float], best: float, step: float, most: float) -> tuple[float, float]:
-    """The interval around the best value outside of which chi^2 has risen by more than ``most``."""
+    """The interval around the best value outside of which chi-squared has risen by more than ``most``.
+
+    Args:
+        chi2: as a function of the number, which is positive.
+        best: value.
+        step: first step to either side.
+        most: rise.
+    """
     least = chi2(best)
     found = []
     for sign in (-1.0, 1.0):

@@ -24,7 +24,7 @@ CLOCK_TOLERANCE: Final = 1.01
 # Source: geometry: halfway between a sample in every step and a sample in every second step
 RARE: Final = 1.5
 # The usual step and the mean step of the whole log are the same clock if they differ by less than this share.
-# Source: geometry: stamps rounded to 0.1 ms are off by this share of a step of 0.1 s; a single lost sample of a shorter log exceeds it
+# Source: geometry: stamps rounded to 0.1 ms are off by this share of a step of 0.1 s
 SAME_STEP: Final = 1e-3
 # Shortest log [s].
 # Source: geometry: two half-minutes, the fewest between which coefficients can scatter (candidates.intervals.scatter)

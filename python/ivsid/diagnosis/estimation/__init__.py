@@ -1,10 +1,17 @@
-"""Numbers of a hypothesis from a log, with what is declared beside them.
+"""Numbers of a hypothesis from a log, with the declared errors beside them.
 
-- ``noise``: the ambient force and the whitening filters learnt from a log.
-- ``projection``: cross-products of whitened columns, and least squares with soft priors on them.
-- ``signatures``: the column of each parameter and each candidate.
-- ``declared_errors``: columns of the errors that a vehicle file declares.
-- ``first_values``: where a fit starts; ``fit``: Gauss-Newton steps, and all signatures around the result.
+A hypothesis is fitted by generalised least squares of its prediction errors. Every parameter, every declared error and every candidate has a
+column: the prediction errors that one unit of it would leave, its *signature*. Errors and columns are whitened by the same causal filter and
+crossed in blocks of ten seconds; fits, falls of chi-squared and their scatter are small linear algebra from there.
+
+- ``signatures``: the columns of the parameters of a model, of sensor effects and of forces; ``columns`` collects them by name.
+- ``declared_errors``: the columns of sensor biases, thrust errors and rudder errors that the vehicle file declares, with their priors.
+- ``candidate_columns``: the columns of every effect that a log can show, by family.
+- ``projection``: cross-products of columns, and least squares with soft priors on them.
+- ``noise``: the ambient force, the samples that count, and filters that forget quickly; ``whitening``: the whitening filter.
+- ``first_values``: numbers to start from. ``gauss_newton``: steps from there. ``fit``: the result, with all signatures around it.
+- ``learning``: the order of all this for a log. The noise is learnt from errors from which every candidate was taken out, so that no effect is
+  taken for noise.
 
 The chapter may use ``data``, ``plant`` and ``prediction``.
 """

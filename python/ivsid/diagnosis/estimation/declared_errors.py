@@ -1,4 +1,4 @@
-"""What the vehicle file declares, as signatures: sensor biases and scale, smooth thrust errors, the rudders' accuracy."""
+"""Signatures of the errors that a vehicle file declares: sensor biases and scale, smooth thrust errors, the rudders' accuracy."""
 
 from __future__ import annotations
 
@@ -7,19 +7,28 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.estimation.signatures import Columns, Signatures
+from ivsid.diagnosis.estimation.columns import Columns
+from ivsid.diagnosis.estimation.signatures import Signatures
 from ivsid.diagnosis.plant.physics import water
 from ivsid.diagnosis.plant.thruster_forces import blade_force
 
 Array = NDArray[np.float64]
-# Thrust errors are one wave or a sum of a few: the standard deviation of each, in units of the bound.
-SHARE: Final = 0.6
-# A step of a thrust error, in units of its bound.
-SLIGHT: Final = 0.05
+# Standard deviation of an error of which only a bound is known, in units of the bound.
+# Source: theorem: a uniform distribution within the bound has 1/sqrt(3) = 0.577
+BOUNDED: Final = 0.6
+# Standard deviation of the scale of the velocity, in units of its bound.
+# Source: none
+SCALE: Final = 0.7
+# Difference of a thrust error from which its effect on a rudder is taken, in units of its bound.
+# Source: geometry: a rudder's force is nearly linear in the stream's speed over this much of a thrust error
+BLADE_STEP: Final = 0.05
+# Difference of a yaw rate from which the signature of its bias is taken [rad/s].
+# Source: geometry: below the noise of a gyro; the model is smooth over it
+YAW_RATE_STEP: Final = 1e-3
 
 
 def nuisances(s: Signatures) -> Columns:
-    """The errors that one unit of each declared error would leave, with its standard deviation as ``prior``."""
+    """Signatures of one unit of each declared error, with its standard deviation as ``prior``."""
     out = Columns()
     _sensors(s, out)
     p = s.states.points
@@ -31,45 +40,53 @@ def nuisances(s: Signatures) -> Columns:
 
 
 def _sensors(s: Signatures, out: Columns) -> None:
+    """Slow biases of accelerometer and gyro, and the scale of the velocity."""
     predictor, log = s.predictor, s.predictor.log
     sensors = predictor.vehicle.sensors
     none = np.zeros_like(s.states.nudot)
     if sensors.acceleration is not None:
         for k, name in enumerate(("ax", "ay")):
-            size = sensors.acceleration.axis(k)[0] + 0.6 * sensors.acceleration.accuracy
+            size = sensors.acceleration.axis(k)[0] + BOUNDED * sensors.acceleration.accuracy
             if log.acceleration[k] is not None and size:
                 for j, wave in enumerate(predictor.slow):
                     out.add(f"~bias.{name}.{j}", predictor.answer(none, reading={name: wave}), size)
     if sensors.yaw_rate is not None and log.psi is not None:
-        size = sensors.yaw_rate.axis(0)[0] + 0.6 * sensors.yaw_rate.accuracy
+        size = sensors.yaw_rate.axis(0)[0] + BOUNDED * sensors.yaw_rate.accuracy
         if size:
             for j, wave in enumerate(predictor.slow):
-                out.add(f"~bias.r.{j}", predictor.misread(s.h, s.states, {"r": wave * 1e-3}, mass=s.mass) / 1e-3, size)
+                out.add(
+                    f"~bias.r.{j}",
+                    predictor.misread(s.h, s.states, {"r": wave * YAW_RATE_STEP}, mass=s.mass) / YAW_RATE_STEP,
+                    size,
+                )
     if sensors.velocity is not None and sensors.velocity.scale_factor_error:
-        out.add("~scale.velocity", s.reading("sensor.velocity.scale")[0], 0.7 * sensors.velocity.scale_factor_error)
+        out.add("~scale.velocity", s.reading("sensor.velocity.scale")[0], SCALE * sensors.velocity.scale_factor_error)
 
 
 def _blades(s: Signatures, out: Columns, relative: tuple[Array, Array, Array]) -> None:
-    """The same share of all of a blade's force."""
+    """An error of each rudder's force, the same share of all of it."""
     predictor, p = s.predictor, s.states.points
     for k, thruster in enumerate(predictor.vehicle.thrusters):
         if thruster.rudder is not None and thruster.rudder.accuracy:
             force = blade_force(predictor.vehicle, k, p, p.thrusts[k], relative)
-            out.add(f"~rudder.{thruster.name}", predictor.answer(s.mass.solve(force)), SHARE * thruster.rudder.accuracy)
+            out.add(
+                f"~rudder.{thruster.name}", predictor.answer(s.mass.solve(force)), BOUNDED * thruster.rudder.accuracy
+            )
 
 
 def _thrusts(s: Signatures, out: Columns, relative: tuple[Array, Array, Array]) -> None:
+    """Smooth errors of each thruster's curve."""
     predictor, p = s.predictor, s.states.points
     for k, thruster in enumerate(predictor.vehicle.thrusters):
         angle, (x, y) = predictor.driving.turned[k], thruster.position
         c, sine = np.cos(angle), np.sin(angle)
-        # A loss by inflow takes the same share of the error as of the thrust, which is small.
+        # The loss by inflow of an error is small: it takes the same share of the error as of the thrust.
         shares = np.stack([c, sine, x * sine - y * c])
         blade = blade_force(predictor.vehicle, k, p, p.thrusts[k], relative)
         for j, shape in enumerate(predictor.driving.shapes(s.h, k)):
             force = shares * shape
             if thruster.rudder is not None:
-                # The stream on the blade has the error, too.
-                pushed = p.thrusts[k] + SLIGHT * shape
-                force = force + (blade_force(predictor.vehicle, k, p, pushed, relative) - blade) / SLIGHT
-            out.add(f"~thrust.{thruster.name}.{j}", predictor.answer(s.mass.solve(force)), SHARE)
+                # The stream on the blade changes with the thrust, and with it the blade's force.
+                pushed = p.thrusts[k] + BLADE_STEP * shape
+                force = force + (blade_force(predictor.vehicle, k, p, pushed, relative) - blade) / BLADE_STEP
+            out.add(f"~thrust.{thruster.name}.{j}", predictor.answer(s.mass.solve(force)), BOUNDED)

@@ -1,4 +1,4 @@
-"""First numbers for a model: means of the equations of motion over short windows, by least squares."""
+"""First values of a model's parameters: least squares on means of the equations of motion over short windows."""
 
 from __future__ import annotations
 
@@ -14,22 +14,39 @@ from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.diagnosis.plant.thruster_forces import thruster_force
+from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.effects import CHANNELS, EFFECTS, Place, State, Term, rigid_body
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
-# Length of the windows [s]: longer than the sensors' noise matters, shorter than a manoeuvre.
+# Length of the windows [s]: long enough to average the noise of accelerations, shorter than a manoeuvre.
+# Source: none
 WINDOW: Final = 1.0
+# Least share of good samples in a window.
+# Source: geometry: all of them, up to rounding of a mean
+ALL_GOOD: Final = 0.999
+# Rounds of weighting the equations by the residuals of the round before.
+# Source: none
+ROUNDS: Final = 3
+# Least singular value that counts, in the largest.
+# Source: geometry: half the digits of a double
+RCOND: Final = 1e-8
+# Least mass, sum of dry and added mass, in the dry mass.
+# Source: none
+LEAST_MASS: Final = 0.3
+# Least inertia in yaw, in mass times squared length.
+# Source: none
+LEAST_INERTIA: Final = 0.01
 
 
 def first_values(vehicle: Vehicle, log: Channels, terms: Sequence[Term], claimed: dict[str, float]) -> Hypothesis:
-    """A hypothesis with values that are good enough to improve.
+    """A hypothesis whose values are good enough for Gauss-Newton steps.
 
     Args:
         vehicle: whose terms these are.
         log: on its clock.
         terms: of the model.
-        claimed: values that are not fitted.
+        claimed: values of parameters that are not fitted, by id.
     """
     free = [t for t in terms if t.id not in claimed]
     q = max(2, round(WINDOW / log.h))
@@ -53,26 +70,26 @@ def first_values(vehicle: Vehicle, log: Channels, terms: Sequence[Term], claimed
                 force[CHANNELS.index(channel)] -= claimed[term.id] * column
             else:
                 design[free.index(term), CHANNELS.index(channel)] = column
-    good = np.flatnonzero(_mean(log.good.astype(float)[None], q)[0] > 0.999)[::q]
+    good = np.flatnonzero(_mean(log.good.astype(float)[None], q)[0] > ALL_GOOD)[::q]
     A = _mean(design.reshape(-1, log.n), q).reshape(len(free), 3, log.n)[:, :, good]
     y = _mean(force, q)[:, good]
     weights = _weights(y)
     found = np.zeros(len(free))
-    for _ in range(3):
+    for _ in range(ROUNDS):
         rows = (A * weights[:, None]).reshape(len(free), -1).T
         scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-30)
         right = (y * weights[:, None]).ravel()
-        found = np.linalg.lstsq(rows / scale, right, rcond=1e-8)[0] / scale
+        found = np.linalg.lstsq(rows / scale, right, rcond=RCOND)[0] / scale
         if any(_drives(term, value) for term, value in zip(free, found, strict=True)):
-            # A drag that drives lets the states run away before anything is improved.
+            # A drag that drives lets the states run away before the first step.
             least = np.array([-np.inf if _signed(term) else 0.0 for term in free])
             found = lsq_linear(rows / scale, right, (least, np.inf)).x / scale
         weights = _weights(y - np.einsum("j,jcn->cn", found, A))
     values = dict(claimed)
     for term, value in zip(free, found, strict=True):
         values[term.id] = float(value)
-    length = vehicle.hull.length or (m / 60.0) ** (1 / 3)
-    floors = {"mass.surge": 0.3 * m, "mass.sway": 0.3 * m, "inertia.yaw": 0.01 * m * length**2}
+    inertia = LEAST_INERTIA * m * hull_length(vehicle) ** 2
+    floors = {"mass.surge": LEAST_MASS * m, "mass.sway": LEAST_MASS * m, "inertia.yaw": inertia}
     for id_, floor in floors.items():
         if id_ in values and id_ not in claimed:
             values[id_] = max(values[id_], floor)
@@ -85,11 +102,15 @@ def _signed(term: Term) -> bool:
 
 
 def _drives(term: Term, value: float) -> bool:
+    """Whether a parameter has a sign that its physics rules out."""
     return not _signed(term) and value < 0
 
 
 def _weights(x: Array) -> Array:
-    """One weight for both forces: without thrust to the side the sway equation alone is solved by no mass at all."""
+    """Weights of the three equations, shape (3,): one for both forces.
+
+    Without a thrust to the side the sway equation by itself has the solution of no mass at all.
+    """
     force = max(float(np.sqrt(np.mean(x[:2] ** 2))), 1e-9)
     return np.array([1 / force, 1 / force, 1 / max(float(np.sqrt(np.mean(x[2] ** 2))), 1e-9)])
 

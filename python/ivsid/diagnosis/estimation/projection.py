@@ -1,4 +1,7 @@
-"""Signatures, whitened, as cross-products by block of time: fits, gains and their errors are small linear algebra from there."""
+"""Cross-products of whitened signatures by block of time, and least squares with soft priors on them.
+
+Fits, falls of chi-squared and their errors are small linear algebra from there.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +13,21 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
-from ivsid.diagnosis.estimation.noise import Whitening
+from ivsid.diagnosis.estimation.whitening import Whitening
 
 Array = NDArray[np.float64]
 # Length of a block [s].
+# Source: geometry: longer than the memory of a filter (3.3 s at most) and of the whitening, so that the errors of two blocks are nearly independent
 BLOCK: Final = 10.0
+# Precision that every coefficient of a base has beforehand, in its column's unit length.
+# Source: geometry: a billionth of a column that nothing else explains; keeps the normal matrix regular where columns are dependent
+RIDGE: Final = 1e-9
+# A column whose part outside the base is less than this share of its squared length is explained by the base.
+# Source: geometry: above the rounding of cross-products, 1e-16 times their number
+NOTHING_LEFT: Final = 1e-10
+# Least eigenvalue of the correlation matrix of further columns along which coefficients are solved for.
+# Source: geometry: half the digits of a double
+LEAST_EIGENVALUE: Final = 1e-8
 
 
 @dataclass(frozen=True)
@@ -23,18 +36,18 @@ class Gram:
 
     Attributes:
         names: of the columns.
-        parts: the columns in unit length, in the order of the names, each part of shape (columns, blocks, numbers).
+        parts: the columns in unit length, in the order of the names, each part of shape (columns, blocks, numbers); empty if only sums are kept.
         y: the errors, shape (blocks, numbers).
         blocks: shape (blocks, columns, columns).
         score: columns times errors, shape (blocks, columns).
         energy: squared errors, shape (blocks,).
         rows: numbers in each block.
         prior: precision of each column's coefficient before the data, shape (columns,).
-        centre: how far each coefficient is from what was expected of it already, in the columns' units.
-        unit: what each column was divided by.
+        centre: the part of each coefficient that the hypothesis holds already, in the columns' units, shape (columns,).
+        unit: length of each column before it was brought to unit length, shape (columns,).
         good: samples that count, shape (n,).
         length: samples in a block.
-        white: what whitened columns and errors.
+        white: the whitening of columns and errors.
     """
 
     names: tuple[str, ...]
@@ -67,7 +80,7 @@ class Gram:
         return np.stack([rows[k] for k in at]) if at else np.zeros((0, *self.y.shape))
 
     def explained(self, at: Sequence[int], theta: Array) -> Array:
-        """What columns explain of the errors with these coefficients, shape (blocks, numbers)."""
+        """The sum of columns with these coefficients, shape (blocks, numbers)."""
         weight = np.zeros(len(self.names))
         weight[list(at)] = theta
         out = np.zeros_like(self.y)
@@ -80,15 +93,15 @@ class Gram:
         return out
 
     def of(self, errors: Array) -> Gram:
-        """With other errors, shape (rows, n)."""
+        """The same columns with other errors, shape (rows, n)."""
         y = self.white.blocks([errors], self.good, self.length, unit=False)[0].reshape(self.y.shape)
         score = np.concatenate([_times(part, y) for part in self.parts], axis=1)
         return replace(self, y=y, score=score, energy=np.einsum("bi,bi->b", y, y))
 
     def only(self, columns: Sequence[int]) -> Gram:
-        """With some of the columns alone."""
+        """Some of the columns alone, by index."""
         at = list(columns)
-        # The first of them need not be copied.
+        # Leading columns need no copy.
         leading = at == list(range(len(at))) and len(at) <= len(self.parts[0])
         return replace(
             self,
@@ -165,7 +178,7 @@ def gram(
     prior: Mapping[str, float],
     centre: Mapping[str, float],
 ) -> Gram:
-    """Cross-products.
+    """Cross-products of signatures and errors, whitened.
 
     Args:
         names: of the columns.
@@ -175,7 +188,7 @@ def gram(
         good: samples that count, shape (n,).
         h: step [s].
         prior: standard deviation of the coefficients that are known beforehand, by name; infinite for the others.
-        centre: how much of each is in the hypothesis already.
+        centre: the part of each coefficient that the hypothesis holds already, by name.
     """
     length = max(1, round(BLOCK / h))
     y = white.blocks([errors], good, length, unit=False)[0][0]
@@ -202,7 +215,15 @@ def gram(
 
 
 class Projection:
-    """The fit of a base set of columns, and what further columns gain beyond it."""
+    """Least squares on a base of columns, and the fall of chi-squared that further columns bring.
+
+    Attributes:
+        g: the cross-products.
+        base: indices of the columns that are fitted.
+        coefficients: of the base, in unit lengths of the columns, shape (base,).
+        chi2: that the fit leaves, deviations of declared errors from their priors included.
+        left_score: every column times the errors that the fit leaves, shape (columns,).
+    """
 
     def __init__(self, g: Gram, base: Sequence[int], blocks: NDArray[np.bool_] | None = None) -> None:
         self.g, self.base = g, list(base)
@@ -210,29 +231,32 @@ class Projection:
         self.total = g.blocks[use].sum(axis=0)
         self.score = g.score[use].sum(axis=0) - g.prior * g.centre
         self.energy = float(g.energy[use].sum()) + float(g.prior @ g.centre**2)
-        G = self.total[np.ix_(self.base, self.base)] + np.diag(g.prior[self.base] + 1e-9)
-        self._factor = cho_factor(G)
+        self._factor = cho_factor(self.normal)
         self.coefficients: Array = cho_solve(self._factor, self.score[self.base])
-        # What of every column the base leaves, in cross-products.
+        # Cross-products of the residualised columns follow from this.
         self._solved: Array = cho_solve(self._factor, self.total[self.base])
         self.left_score = self.score - self.total[:, self.base] @ self.coefficients
         self.chi2 = self.energy - float(self.score[self.base] @ self.coefficients)
 
+    @property
+    def normal(self) -> Array:
+        """The normal matrix of the base, priors included, shape (base, base)."""
+        return np.asarray(self.total[np.ix_(self.base, self.base)] + np.diag(self.g.prior[self.base] + RIDGE))
+
     def left(self, i: Sequence[int], j: Sequence[int]) -> Array:
-        """Cross-products of projected columns."""
+        """Cross-products of the residualised columns."""
         return np.asarray(self.total[np.ix_(i, j)] - self.total[np.ix_(i, self.base)] @ self._solved[:, j])
 
     def information(self, columns: Sequence[int]) -> Array:
-        """Of the columns' coefficients with the base free, their own priors included."""
+        """Information on the coefficients of further columns with the base free, their own priors included, shape (columns, columns)."""
         return self.left(columns, columns) + np.diag(self.g.prior[list(columns)])
 
     def solve(self, columns: Sequence[int]) -> tuple[Array, float]:
-        """Coefficients of further columns (in the Gram's units) and the fall of chi^2."""
+        """Coefficients of further columns, in their unit lengths, and the fall of chi-squared that they bring beside the base."""
         columns = list(columns)
         H = self.information(columns)
         own = np.diag(self.total)[columns]
-        # A direction that the base explains to twelve digits is none.
-        keep = np.diag(H) > 1e-10 * np.maximum(own, 1e-300)
+        keep = np.diag(H) > NOTHING_LEFT * np.maximum(own, 1e-300)
         theta = np.zeros(len(columns))
         if not keep.any():
             return theta, 0.0
@@ -240,7 +264,7 @@ class Projection:
         s = self.left_score[np.array(columns)[at]]
         d = np.sqrt(np.diag(H)[at])
         values, vectors = np.linalg.eigh(H[np.ix_(at, at)] / np.outer(d, d))
-        good = values > 1e-8
+        good = values > LEAST_EIGENVALUE
         w = (vectors[:, good] / values[good]) @ (vectors[:, good].T @ (s / d))
         theta[at] = w / d
         return theta, float(s @ theta[at])

@@ -20,8 +20,10 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.candidates.families import score
 from ivsid.diagnosis.data.channels import Channels
-from ivsid.diagnosis.estimation.fit import Fit, Noise, plain_scale, remaining, survey
-from ivsid.diagnosis.estimation.noise import Whitening, ambient_of, usable_rows, whiten
+from ivsid.diagnosis.estimation.fit import Fit, Noise, survey
+from ivsid.diagnosis.estimation.learning import remaining
+from ivsid.diagnosis.estimation.noise import ambient_of, usable_rows
+from ivsid.diagnosis.estimation.whitening import Whitening, plain_scale, whiten
 from ivsid.diagnosis.null.closed_loop import Programme
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.feedback import feedback_of

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 from scipy.stats import f as fisher
 
-from ivsid.diagnosis.candidates.families import Scored
+from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.thresholds import HIGH_SIDE, Calibration

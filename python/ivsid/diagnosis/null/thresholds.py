@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from ivsid.diagnosis.candidates.families import EDGE
+from ivsid.diagnosis.estimation.candidate_columns import Family
 from ivsid.diagnosis.estimation.fit import Fit
-from ivsid.diagnosis.estimation.signatures import Family
 
 Array = NDArray[np.float64]
 # Probability of a false finding in a round: half of the 1 % of a diagnosis, since waves and tethers are searched beside it.

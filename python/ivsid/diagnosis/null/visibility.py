@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from ivsid.diagnosis.estimation.candidate_columns import Family
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.estimation.signatures import Family, Signatures
+from ivsid.diagnosis.estimation.signatures import Signatures
 from ivsid.diagnosis.plant.physics import acceleration
 from ivsid.effects import Reading, Terms
 

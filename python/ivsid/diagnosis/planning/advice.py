@@ -10,7 +10,8 @@ import numpy as np
 
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.fit import Fit, plain_fit
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.visibility import VISIBLE, Visibility, excitation, visibility
 from ivsid.diagnosis.planning.isolability import APART, Advice, Choice, Isolability, separability
 from ivsid.diagnosis.planning.joint_information import joined, manoeuvre_fit, turning_fit

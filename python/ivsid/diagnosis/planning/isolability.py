@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import Channels, channels
-from ivsid.diagnosis.estimation.fit import Fit, plain_fit
-from ivsid.diagnosis.estimation.signatures import Family
+from ivsid.diagnosis.estimation.candidate_columns import Family
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.visibility import Visibility, visibility
 from ivsid.diagnosis.statements.diagnosis import inputs_of
 from ivsid.effects import EFFECTS

@@ -16,10 +16,12 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.fit import Fit, Noise, plain_fit, survey
-from ivsid.diagnosis.estimation.noise import Whitening, usable_rows
+from ivsid.diagnosis.estimation.candidate_columns import Family
+from ivsid.diagnosis.estimation.fit import Fit, Noise, survey
+from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.estimation.noise import usable_rows
 from ivsid.diagnosis.estimation.projection import Gram
-from ivsid.diagnosis.estimation.signatures import Family
+from ivsid.diagnosis.estimation.whitening import Whitening
 from ivsid.diagnosis.prediction.axes import Ambient
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.errors import IvsidError

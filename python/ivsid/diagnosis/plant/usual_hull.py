@@ -9,8 +9,8 @@ from ivsid.vehicle import Vehicle
 # Mass over length cubed [kg/m^3].
 # Source: definition: the catalogue's typical sizes belong to a hull of 60 kg and 1 m
 MASS_PER_CUBE: Final = 60.0
-# Sway mass over dry mass.
-# Source: physics: the added mass of a hull to the side is some tenths to all of its displacement (Fossen 2011)
+# Sway mass over dry mass: the mass of the water that moves along comes on top of the hull's.
+# Source: none
 SWAY_MASS: Final = 1.4
 # Inertia in yaw over mass and squared length.
 # Source: physics: 1/12 is a uniform rod's, and the added inertia comes on top

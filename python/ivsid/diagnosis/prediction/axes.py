@@ -9,9 +9,10 @@ from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.prediction.kalman import Axis, axis
 
 AXES: Final = ("surge", "sway", "yaw", "north", "east")
-# Error of the velocity over ground that heading and velocities give [m/s], and its correlation time [s].
+# Error of the velocity over ground that heading and velocities give [m/s].
 # Source: none
 TRACK: Final = 2e-3
+# Correlation time of that error [s].
 # Source: none
 TRACK_TIME: Final = 20.0
 # The channel of each output of the filters of surge, sway and yaw.

@@ -7,9 +7,12 @@ from dataclasses import replace
 from functools import partial
 from typing import Final
 
-from ivsid.diagnosis.candidates.families import Scored, everything
+from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.candidates.profile import LIMITED, moved, refined, sought
-from ivsid.diagnosis.estimation.fit import DeclaredColumns, Fit, Noise, chi2_of, declared_columns, improve, learn
+from ivsid.diagnosis.candidates.scored import Scored
+from ivsid.diagnosis.estimation.fit import Fit, Noise, chi2_of
+from ivsid.diagnosis.estimation.gauss_newton import DeclaredColumns, declared_columns, improve
+from ivsid.diagnosis.estimation.learning import learn
 from ivsid.diagnosis.estimation.noise import quick_enough
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor

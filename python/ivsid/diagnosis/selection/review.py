@@ -13,7 +13,8 @@ from typing import Final
 import numpy as np
 
 from ivsid.diagnosis.candidates.families import score
-from ivsid.diagnosis.estimation.fit import Noise, chi2_of, declared_columns, improve, survey
+from ivsid.diagnosis.estimation.fit import Noise, chi2_of, survey
+from ivsid.diagnosis.estimation.gauss_newton import declared_columns, improve
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.diagnosis.selection.parallel import side_by_side

@@ -13,9 +13,11 @@ from typing import Final, Protocol
 
 import numpy as np
 
-from ivsid.diagnosis.candidates.families import Scored, adopted
+from ivsid.diagnosis.candidates.families import adopted
 from ivsid.diagnosis.candidates.profile import refined, sought
-from ivsid.diagnosis.estimation.fit import DeclaredColumns, Fit, Noise, chi2_of, improve
+from ivsid.diagnosis.candidates.scored import Scored
+from ivsid.diagnosis.estimation.fit import Fit, Noise, chi2_of
+from ivsid.diagnosis.estimation.gauss_newton import DeclaredColumns, improve
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates

@@ -9,8 +9,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
-from ivsid.diagnosis.candidates.families import Scored, score
-from ivsid.diagnosis.estimation.fit import Fit, improve, survey
+from ivsid.diagnosis.candidates.families import score
+from ivsid.diagnosis.candidates.scored import Scored
+from ivsid.diagnosis.estimation.fit import Fit, survey
+from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.admission import admit
 from ivsid.diagnosis.selection.review import reviewed

@@ -8,8 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from ivsid.diagnosis.candidates.families import Scored
 from ivsid.diagnosis.candidates.intervals import Bound, intervals
+from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.statements.findings import Finding

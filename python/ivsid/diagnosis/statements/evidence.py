@@ -8,7 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.estimation.fit import Fit, improve
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.diagnosis.selection.rivals import FULL_STEPS

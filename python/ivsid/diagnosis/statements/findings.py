@@ -13,8 +13,8 @@ from typing import Final
 
 import numpy as np
 
-from ivsid.diagnosis.candidates.families import Scored
 from ivsid.diagnosis.candidates.intervals import Bound, intervals
+from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.selection.adequacy import Adequacy, energy_of
 from ivsid.diagnosis.selection.rivals import Found

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from ivsid.diagnosis.candidates.families import Scored
+from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.null.family_wise import FAINT
 from ivsid.diagnosis.null.thresholds import HIGH_SIDE
 from ivsid.diagnosis.null.visibility import VISIBLE, Visibility

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.channels import Channels
-from ivsid.diagnosis.estimation.fit import Fit, Noise, fitted_gram, improve, survey
+from ivsid.diagnosis.estimation.fit import Fit, Noise, fitted_gram, survey
+from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.noise import usable_rows
 from ivsid.diagnosis.estimation.projection import Gram, Projection
 from ivsid.diagnosis.plant.physics import Hypothesis

@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from ivsid.diagnosis.candidates.families import Scored
 from ivsid.diagnosis.candidates.intervals import SAME, SIGMAS, Bound, intervals, scatter
+from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.effects import Terms

@@ -1,0 +1,107 @@
+"""Periods of a swell or a tide, by one Fourier transform of the errors taken back through the filters."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.estimation.candidate_columns import Family
+from ivsid.diagnosis.estimation.fit import Fit
+
+Array = NDArray[np.float64]
+# Fewest samples in a period of a swell.
+# Source: geometry: the forces of a step are evaluated at one moment, and a fifth of a period turns a wave by 72 degrees
+SAMPLES_A_PERIOD: Final = 5.0
+# Longest period of a swell, and shortest of a tide [s].
+# Source: physics: gravity waves have periods up to 30 s, infragravity waves longer ones (Munk 1951)
+LONGEST_SWELL: Final = 30.0
+# Fewest periods of a swell in a log.
+# Source: none
+PERIODS_A_LOG: Final = 20
+# Longest period of a tide, in logs.
+# Source: geometry: half a period of it passes in the log
+LOGS_A_TIDE: Final = 2
+# Periods that get exact columns.
+# Source: resource: each costs four columns
+PEAKS: Final = 3
+# Factor by which the transform is padded with zeros.
+# Source: geometry: the best of the padded frequencies is within an eighth of the log's own resolution of any frequency
+PADDING: Final = 4
+# Frequencies on either side of a peak that belong to it.
+# Source: geometry: the main lobe of a log reaches PADDING of the padded frequencies to either side, and one more is none of its own
+LOBE: Final = 5
+
+
+def periods(fit: Fit, family: Family, back: Array) -> tuple[list[tuple[float, ...]], float]:
+    """The periods [s] at which a wave or a tide would explain most, and the number of independent ones.
+
+    Args:
+        fit: of the model.
+        family: swell, or an oscillating current.
+        back: accelerations that would explain the errors, shape (3, n).
+    """
+    log = fit.noise.predictor.log
+    p = fit.states.points
+    n, h = log.n, log.h
+    c, s = np.cos(p.psi[:n]), np.sin(p.psi[:n])
+    duration = n * h
+    if family.id == "wave.force":
+        force = fit.signatures.mass.solve
+        unit = np.stack([force(np.stack([c, -s, 0 * c])), force(np.stack([s, c, 0 * c]))])
+        low, high = SAMPLES_A_PERIOD * h, min(LONGEST_SWELL, duration / PERIODS_A_LOG)
+    else:
+        unit = fit.signatures.flow_columns()
+        low, high = LONGEST_SWELL, LOGS_A_TIDE * duration
+    if high <= low:
+        return [], 1.0
+    padded = PADDING * n
+    spectrum = np.zeros(padded // 2 + 1)
+    for k in range(2):
+        q = np.einsum("in,in->n", unit[k], back)
+        spectrum += np.abs(np.fft.rfft(q, padded)) ** 2
+    frequency = np.fft.rfftfreq(padded, h)
+    inside = (frequency >= 1 / high) & (frequency <= 1 / low)
+    weight = spectrum / np.maximum(_sensitivity(fit, padded, unit), 1e-300)
+    weight = np.where(inside, weight, 0.0)
+    found: list[tuple[float, ...]] = []
+    for _ in range(PEAKS):
+        k = int(np.argmax(weight))
+        if weight[k] <= 0:
+            break
+        found.append((float(1 / frequency[k]),))
+        weight[max(0, k - LOBE) : k + LOBE + 1] = 0.0
+    return found, float(max(1.0, inside.sum() / PADDING))
+
+
+def _sensitivity(fit: Fit, padded: int, unit: Array) -> Array:
+    """Squared whitened errors that an acceleration of each frequency leaves, over the axes that the cause moves."""
+    predictor = fit.noise.predictor
+    n = predictor.log.n
+    impulse = np.zeros((3, 2 * n))
+    total = np.zeros(padded // 2 + 1)
+    for k in range(2):
+        impulse[:] = 0.0
+        impulse[k, 0] = impulse[k, n] = 1.0
+        response = fit.noise.whitening(predictor.answer(impulse)[None])[0]
+        total += np.mean(unit[:, k] ** 2) * (np.abs(np.fft.rfft(response, padded, axis=1)) ** 2).sum(axis=0)
+    return total
+
+
+def wave_numbers(family: Family, period: float, theta: tuple[float, ...]) -> tuple[float, ...]:
+    """The numbers of the one wave closest to four coefficients: sine north, sine east, cosine north, cosine east.
+
+    Args:
+        family: swell (amplitude, period, phase, direction) or tide (north, east, period, phase).
+        period: [s].
+        theta: the coefficients.
+    """
+    matrix = np.array([[theta[0], theta[2]], [theta[1], theta[3]]])
+    left, size, right = np.linalg.svd(matrix)
+    phase = math.atan2(right[0, 1], right[0, 0])
+    along = left[:, 0] * size[0]
+    if family.id == "wave.force":
+        return float(size[0]), period, phase, math.atan2(left[1, 0], left[0, 0])
+    return float(along[0]), float(along[1]), period, phase

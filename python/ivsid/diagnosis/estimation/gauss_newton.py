@@ -1,0 +1,206 @@
+"""Gauss-Newton steps of a hypothesis, with the declared errors beside its free parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.estimation.declared_errors import nuisances
+from ivsid.diagnosis.estimation.projection import Gram, Projection, gram
+from ivsid.diagnosis.estimation.signatures import BENT, Signatures, free_parameters
+from ivsid.diagnosis.estimation.whitening import Whitening
+from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.prediction.innovations import Predictor, replaced
+from ivsid.diagnosis.prediction.states import FilteredStates
+from ivsid.effects import Parameter
+
+Array = NDArray[np.float64]
+# Most steps of a fit.
+# Source: none
+STEPS: Final = 3
+# Shares of a step that are tried, one after the other, until chi-squared does not rise.
+# Source: resource: each costs two passes of the filters
+SHORTER: Final = (1.0, 0.4, 0.1)
+# Rise of chi-squared that is no worsening.
+# Source: geometry: a number one standard deviation off its best value costs 1
+WORSE: Final = 1.0
+# A fit has converged if no parameter moves by more than this share of its standard deviation.
+# Source: geometry: such a move changes chi-squared by a hundredth
+CONVERGED: Final = 0.1
+# Largest factor by which a step changes a mass.
+# Source: none
+MASS_FACTOR: Final = 3
+# Largest step of an effect's number, as a share of it.
+# Source: none
+MOST_STEP: Final = 0.5
+# Least size of an effect's number in such a step, in its usual size.
+# Source: none
+LEAST_SIZE: Final = 0.2
+# Distance of a number from a limit that its physics excludes, in its unit.
+# Source: geometry: above rounding, and below any size that matters
+EXCLUDED: Final = 1e-6
+
+
+@dataclass(frozen=True)
+class DeclaredColumns:
+    """Whitened signatures of the declared errors; they hardly depend on the hypothesis, and are made once for many."""
+
+    gram: Gram
+
+    @property
+    def count(self) -> int:
+        """Their number; they stand first among the columns of a fit."""
+        return len(self.gram.names)
+
+
+def declared_columns(
+    predictor: Predictor, h: Hypothesis, states: FilteredStates, white: Whitening, good: NDArray[np.bool_]
+) -> DeclaredColumns:
+    """The signatures of the declared errors at a hypothesis, whitened."""
+    c = nuisances(Signatures(predictor, h, states))
+    none = np.zeros((len(predictor.labels), predictor.log.n))
+    return DeclaredColumns(
+        gram(c.names, c.arrays, none, white, good, predictor.log.h, c.prior, h.declared_errors).whole()
+    )
+
+
+def improve(
+    predictor: Predictor,
+    h: Hypothesis,
+    states: FilteredStates,
+    white: Whitening,
+    good: NDArray[np.bool_],
+    fixed: Mapping[str, float],
+    steps: int = STEPS,
+    known: DeclaredColumns | None = None,
+) -> tuple[Hypothesis, FilteredStates]:
+    """Gauss-Newton steps of all free parameters, with the declared errors beside them; a step that raises chi-squared is made shorter.
+
+    Args:
+        predictor: of the log.
+        h: the hypothesis to start from.
+        states: its states.
+        white: the whitening.
+        good: samples that count, shape (n,).
+        fixed: parameters that are not fitted, by id.
+        steps: at most.
+        known: signatures of the declared errors under the same whitening, if they are made already.
+
+    Returns:
+        The best hypothesis found, and its states.
+    """
+    known = known or declared_columns(predictor, h, states, white, good)
+
+    def cost(h: Hypothesis, errors: Array) -> tuple[float, Gram]:
+        g = _expected(known.gram.of(errors), h)
+        # A step that goes much too far leaves states that run away.
+        finite = bool(np.isfinite(errors).all())
+        return Projection(g, range(known.count)).chi2 if finite else float(np.inf), g
+
+    # Chi-squared belongs to a hypothesis only at its own states.
+    states = predictor.settle(h, states, 2)
+    errors = predictor.errors(h, states)
+    here, base = cost(h, errors)
+    for _ in range(steps):
+        g = _beside(base, predictor, h, states, fixed)
+        for p in _movable(g, h):
+            at = np.array(p.base)
+            moves = dict(zip((g.names[k] for k in at), (p.coefficients / g.unit[at]).tolist(), strict=True))
+            for share in SHORTER:
+                other = stepped(h, {k: share * m for k, m in moves.items()}, predictor)
+                there = predictor.settle(other, states, 2)
+                errors = predictor.errors(other, there)
+                now, there_base = cost(other, errors)
+                if now < here + WORSE:
+                    break
+            else:
+                continue
+            break
+        else:
+            return h, states
+        h, states, here, base = other, there, now, there_base
+        sigma = np.sqrt(np.diag(np.linalg.inv(p.normal)))
+        if (np.abs(p.coefficients) < CONVERGED * sigma)[known.count :].all():
+            break
+    return h, states
+
+
+def _movable(g: Gram, h: Hypothesis) -> Iterator[Projection]:
+    """Steps of all numbers, then of all but those in which the errors may jump: chi-squared can be a wall beside one, and stop the others."""
+    yield Projection(g, range(len(g.names)))
+    jumps = {name for given in h.given if given.effect.id in BENT for name, _, _ in free_parameters(given)}
+    if jumps:
+        yield Projection(g, [k for k, name in enumerate(g.names) if name not in jumps])
+
+
+def small_gram(
+    predictor: Predictor,
+    h: Hypothesis,
+    states: FilteredStates,
+    fixed: Mapping[str, float],
+    known: DeclaredColumns,
+    errors: Array,
+    *,
+    sums: bool = True,
+) -> Gram:
+    """Cross-products of the declared errors, then of the fitted parameters."""
+    return _beside(_expected(known.gram.of(errors), h), predictor, h, states, fixed, sums=sums)
+
+
+def _beside(
+    g: Gram,
+    predictor: Predictor,
+    h: Hypothesis,
+    states: FilteredStates,
+    fixed: Mapping[str, float],
+    *,
+    sums: bool = True,
+) -> Gram:
+    """With the signatures of the fitted parameters."""
+    fitted = Signatures(predictor, h, states).fitted(fixed)
+    return g.extended(fitted.names, fitted.arrays, sums=sums) if fitted.names else g
+
+
+def _expected(g: Gram, h: Hypothesis) -> Gram:
+    """With the part of each declared error that the hypothesis holds."""
+    return replace(g, centre=np.array([h.declared_errors.get(n, 0.0) for n in g.names]) * g.unit)
+
+
+def within(value: float, p: Parameter) -> float:
+    """A number at the lower limit of its physics, or above."""
+    return value if p.lowest is None else max(value, p.lowest + (EXCLUDED if p.exclusive else 0.0))
+
+
+def stepped(h: Hypothesis, moves: Mapping[str, float], predictor: Predictor) -> Hypothesis:
+    """The hypothesis with its parameters moved: masses within a factor, and every number inside the limits of its physics.
+
+    Args:
+        h: the hypothesis.
+        moves: changes of its parameters and declared errors, by name.
+        predictor: of the log.
+    """
+    values = {}
+    for term in h.terms:
+        if term.id in moves:
+            new = h.values[term.id] + moves[term.id]
+            if term.id in ("mass.surge", "mass.sway", "inertia.yaw"):
+                new = float(np.clip(new, h.values[term.id] / MASS_FACTOR, h.values[term.id] * MASS_FACTOR))
+            values[term.id] = float(new)
+    h = replaced(h, values)
+    known = {n: h.declared_errors.get(n, 0.0) + m for n, m in moves.items() if n.startswith("~")}
+    h = replace(h, declared_errors={**h.declared_errors, **known})
+    for g in h.given:
+        numbers = list(g.values)
+        for name, p, j in free_parameters(g):
+            step = moves.get(name, 0.0)
+            most = MOST_STEP * max(abs(numbers[j]), LEAST_SIZE * abs(p.scaled(predictor.vehicle.hull.mass)), 1e-9)
+            if p.unit != "rad":
+                step = float(np.clip(step, -most, most))
+            new = numbers[j] + step
+            numbers[j] = float(within(new, p))
+        h = h.with_effect(replace(g, values=tuple(numbers)))
+    return h

@@ -1,0 +1,144 @@
+"""The noise of a log, learnt from what no cause explains, and the first fit of a model on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Final, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.data.channels import Channels
+from ivsid.diagnosis.estimation.first_values import first_values
+from ivsid.diagnosis.estimation.fit import Fit, Noise, survey
+from ivsid.diagnosis.estimation.gauss_newton import improve
+from ivsid.diagnosis.estimation.noise import ambient_of, axes_left_out, declared_ambient, quick_enough, usable_rows
+from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.estimation.whitening import plain_scale, whiten
+from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.plant.usual_hull import usual_numbers
+from ivsid.diagnosis.prediction.innovations import Predictor, replaced
+from ivsid.diagnosis.prediction.states import FilteredStates
+from ivsid.effects import terms_of
+from ivsid.errors import IvsidError
+from ivsid.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+# Least time that counts, between gaps and the settling of the filters [s].
+# Source: none
+LEAST: Final = 40.0
+# A search adds the columns of waves, tethers and steps that explain most.
+Search: TypeAlias = "Callable[[Fit], Fit]"
+
+
+def learn(
+    predictor: Predictor,
+    h: Hypothesis,
+    states: FilteredStates,
+    search: Search,
+    fixed: Mapping[str, float],
+    left_out: frozenset[int],
+    rounds: int = 2,
+) -> tuple[Noise, Hypothesis, FilteredStates]:
+    """The noise of a log from the errors that the whole catalogue leaves, and the hypothesis fitted on the way.
+
+    An effect that is taken for noise would hide itself. So every cause of the catalogue is taken out of the errors first, whether it is
+    there or not.
+
+    Args:
+        predictor: of the log, with first filters.
+        h: the hypothesis to start from.
+        states: its states.
+        search: adds the columns of searched causes.
+        fixed: values of parameters that are not fitted, by id.
+        left_out: indices of the axes that are left out.
+        rounds: of fitting and learning; the last one learns the whitening alone.
+
+    Returns:
+        The noise, the fitted hypothesis and its states.
+
+    Raises:
+        IvsidError: the log has too few samples that count.
+    """
+    good = usable_rows(predictor)
+    if good.sum() * predictor.log.h < LEAST:
+        raise IvsidError(
+            f"{predictor.log.name}: between its gaps {good.sum() * predictor.log.h:.0f} s can be used, and a diagnosis needs {LEAST:.0f} s; give a "
+            "log with fewer missing samples"
+        )
+    for turn in range(rounds):
+        scale = plain_scale(predictor.errors(h, states), good, predictor, left_out)
+        h, states = improve(predictor, h, states, scale, good, fixed)
+        scale = plain_scale(predictor.errors(h, states), good, predictor, left_out)
+        fit = search(survey(Noise(predictor, scale, good, left_out), h, states, fixed))
+        left = remaining(fit)
+        if turn == rounds - 1:
+            return Noise(predictor, whiten(predictor, left, good, left_out), good, left_out), h, states
+        predictor = predictor.adopt(ambient_of(predictor, left, good, left_out))
+        predictor = quick_enough(predictor, predictor.damping(h, states))
+        states = predictor.settle(h, states)
+    raise AssertionError("rounds must be positive")
+
+
+def remaining(fit: Fit) -> Array:
+    """The errors in their own units without all that any column explains, shape (rows, n)."""
+    g = fit.gram
+    theta, _ = Projection(g, []).solve(range(len(g.names)))
+    left = g.y - g.explained(range(len(g.names)), theta)
+    rows = len(fit.noise.predictor.labels)
+    count = left.shape[0] * g.length
+    out = np.zeros((rows, fit.noise.good.size))
+    out[:, :count] = left.reshape(-1, rows, g.length).transpose(1, 0, 2).reshape(rows, count)
+    for group, taps in zip(fit.noise.whitening.groups, fit.noise.whitening.taps, strict=True):
+        scale = np.diag(taps[0])[:, None]
+        out[list(group)] /= np.where(scale > 0, scale, 1.0)
+    return out
+
+
+def plain_fit(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
+    """The vehicle file's model, fitted to a log.
+
+    Args:
+        vehicle: whose model it is.
+        log: on its clock.
+        search: adds the columns of searched causes.
+
+    Raises:
+        IvsidError: the log has too little between its gaps, or no numbers of the model follow it at all.
+    """
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            return _plain(vehicle, log, search)
+    except (np.linalg.LinAlgError, ValueError, FloatingPointError) as error:
+        if isinstance(error, IvsidError):
+            raise
+        raise IvsidError(
+            f"{log.name}: no numbers of the model follow this log; check the units, signs and clock of its columns, and whether its "
+            "velocities are good enough to show the motion"
+        ) from None
+
+
+def _plain(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
+    claimed = dict(vehicle.model.values)
+    h = first_values(vehicle, log, terms_of(vehicle), claimed)
+    predictor = Predictor(vehicle, log, declared_ambient(vehicle))
+    left_out = axes_left_out(predictor)
+    usual = _usual(h, vehicle, left_out)
+    h = replaced(h, usual)
+    predictor = quick_enough(predictor, predictor.damping(h, predictor.start(h)))
+    # The sway mass still acts in surge, through turning.
+    fixed = {**claimed, **{i: x for i, x in usual.items() if i != "mass.sway"}}
+    noise, h, states = learn(predictor, h, predictor.settle(h, predictor.start(h), 2), search, fixed, left_out)
+    h, states = improve(noise.predictor, h, states, noise.whitening, noise.good, fixed)
+    return survey(noise, h, states, fixed)
+
+
+def _usual(h: Hypothesis, vehicle: Vehicle, left_out: frozenset[int]) -> dict[str, float]:
+    """Values of the parameters of axes that are left out: those of a usual hull, since the log does not determine them."""
+    if not left_out:
+        return {}
+    return {
+        i: x
+        for i, x in usual_numbers(vehicle).items()
+        if any(t.id == i for t in h.terms) and i not in vehicle.model.values
+    }

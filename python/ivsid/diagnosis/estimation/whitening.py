@@ -1,0 +1,157 @@
+"""A causal whitening of prediction errors, learnt from a log."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.data.sensor_noise import NORMAL_MEDIAN
+from ivsid.diagnosis.prediction.innovations import Predictor
+from ivsid.linear.filters import whiten as whitened
+
+Array = NDArray[np.float64]
+# Memory of the whitening [s].
+# Source: none
+MEMORY: Final = 0.6
+# Fewest lags of the whitening.
+# Source: none
+FEWEST_LAGS: Final = 3
+# Most lags of the whitening.
+# Source: resource: time of the whitening of every column
+MOST_LAGS: Final = 12
+# Threshold of the likelihood ratio for coupled axes, in standard deviations of chi-squared above its mean.
+# Source: theorem: without coupling the ratio is chi-squared, of mean k and variance 2 k (Wilks 1938)
+COUPLED: Final = 6.0
+
+
+@dataclass(frozen=True)
+class Whitening:
+    """A causal filter of prediction errors, after which they are uncorrelated and of unit variance.
+
+    Attributes:
+        groups: rows of errors that are filtered together: those of an axis, or of coupled axes.
+        taps: coefficients of each group, shape (lags + 1, rows, rows).
+    """
+
+    groups: tuple[tuple[int, ...], ...]
+    taps: tuple[Array, ...]
+
+    def __call__(self, x: Array) -> Array:
+        """Whitens errors or signatures, shape (..., rows, n)."""
+        n = x.shape[-1]
+        flat = list(x.reshape(-1, *x.shape[-2:]))
+        return whitened(flat, self.groups, self.taps, n)[0].reshape(x.shape) if flat and n else np.zeros_like(x)
+
+    def blocks(
+        self, columns: Sequence[Array], good: NDArray[np.bool_], length: int, *, unit: bool = True
+    ) -> tuple[Array, Array]:
+        """Whitened rows of each block side by side, with zeros in place of samples that do not count, and the length of each column.
+
+        Args:
+            columns: each of shape (rows, n).
+            good: samples that count, shape (n,).
+            length: samples in a block.
+            unit: whether columns are divided by their length.
+
+        Returns:
+            Shape (columns, blocks, rows length), and (columns,).
+        """
+        return whitened(columns, self.groups, self.taps, length, good.astype(np.float64), unit=unit)
+
+
+def whiten(
+    predictor: Predictor, residual: Array, good: NDArray[np.bool_], left_out: frozenset[int] = frozenset()
+) -> Whitening:
+    """A whitening by an autoregression of errors, which least squares gives; axes that are left out become zero.
+
+    Each axis is whitened by itself, unless the past of another foretells it. A rudder or a fast turn couples two axes: the error of one
+    axis's state pushes the other, and a signature at that state would not be new to it.
+
+    Args:
+        predictor: whose filters made the errors.
+        residual: prediction errors without all that any column explains, shape (rows, n).
+        good: samples that count, shape (n,).
+        left_out: indices of the axes that are left out.
+    """
+    rows_of: dict[int, list[int]] = {}
+    for i, (k, _) in enumerate(predictor.labels):
+        rows_of.setdefault(k, []).append(i)
+    lags = int(np.clip(round(MEMORY / predictor.log.h), FEWEST_LAGS, MOST_LAGS))
+    usable = good.copy()
+    for lag in range(1, lags + 1):
+        usable[lag:] &= good[:-lag]
+    usable[:lags] = False
+    at = np.flatnonzero(usable)
+    groups = [[k] for k in rows_of]
+    for first, second in _coupled(residual, rows_of, [k for k in rows_of if k not in left_out], at, lags):
+        one, other = (next(g for g in groups if k in g) for k in (first, second))
+        if one is not other:
+            one += other
+            groups.remove(other)
+    taps = []
+    found = []
+    for axes in groups:
+        rows = [i for k in sorted(axes) for i in rows_of[k]]
+        found.append(tuple(rows))
+        if axes[0] in left_out:
+            taps.append(np.zeros((1, len(rows), len(rows))))
+            continue
+        past = np.concatenate([residual[rows][:, at - lag] for lag in range(1, lags + 1)])
+        now = residual[rows][:, at]
+        scale = np.maximum(np.abs(past).max(axis=1), 1e-300)
+        A = np.linalg.lstsq((past / scale[:, None]).T, now.T, rcond=1e-10)[0].T / scale
+        left = now - A @ past
+        root = np.linalg.inv(np.linalg.cholesky(left @ left.T / at.size + 1e-24 * np.eye(len(rows))))
+        each = [root] + [-root @ A[:, lag * len(rows) : (lag + 1) * len(rows)] for lag in range(lags)]
+        taps.append(np.stack(each))
+    return Whitening(tuple(found), tuple(taps))
+
+
+def _coupled(
+    x: Array, rows_of: dict[int, list[int]], moving: list[int], at: NDArray[np.int64], lags: int
+) -> list[tuple[int, int]]:
+    """Pairs of axes of which either one's past foretells the other's errors, by a likelihood ratio of autoregressions with and without it."""
+    own = {k: rows_of[k] for k in moving if k <= 2}
+    rows = [i for k in own for i in own[k]]
+    place = {i: j for j, i in enumerate(rows)}
+    past = np.concatenate([x[rows][:, at - lag] for lag in range(1, lags + 1)])
+    size = np.maximum(np.sqrt(np.mean(past**2, axis=1)), 1e-300)
+    past /= size[:, None]
+    now = x[rows][:, at]
+    inner, cross, total = past @ past.T, past @ now.T, now @ now.T
+
+    def left(of: list[int], by: list[int]) -> float:
+        """Log determinant of the covariance of rows that the pasts of others leave."""
+        p = [place[i] for i in of]
+        q = [lag * len(rows) + place[i] for lag in range(lags) for i in by]
+        c = cross[np.ix_(q, p)]
+        trace = 1e-12 * at.size * np.eye(len(q))
+        return float(np.linalg.slogdet(total[np.ix_(p, p)] - c.T @ np.linalg.solve(inner[np.ix_(q, q)] + trace, c))[1])
+
+    found = []
+    for j, first in enumerate(own):
+        for second in list(own)[j + 1 :]:
+            both = [*own[first], *own[second]]
+            more = len(own[first]) * len(own[second]) * lags
+            least = more + COUPLED * np.sqrt(2 * more)
+            if any(at.size * (left(own[k], own[k]) - left(own[k], both)) > least for k in (first, second)):
+                found.append((first, second))
+    return found
+
+
+def plain_scale(
+    errors: Array, good: NDArray[np.bool_], predictor: Predictor, left_out: frozenset[int] = frozenset()
+) -> Whitening:
+    """A first whitening: each row is divided by its usual size, and axes that are left out become zero."""
+    size = np.maximum(np.median(np.abs(errors[:, good]), axis=1) / NORMAL_MEDIAN, 1e-12)
+    groups: dict[int, list[int]] = {}
+    for i, (k, _) in enumerate(predictor.labels):
+        groups.setdefault(k, []).append(i)
+    return Whitening(
+        tuple(tuple(r) for r in groups.values()),
+        tuple(np.diag((0.0 if k in left_out else 1.0) / size[r])[None] for k, r in groups.items()),
+    )

@@ -28,10 +28,10 @@ from diagnosis_logs import (
     with_columns,
 )
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.noise import declared
+from ivsid.diagnosis.estimation.noise import declared_ambient
 from ivsid.diagnosis.null.visibility import VISIBLE, visibility
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.innovations import Bench
+from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.statements.comparison import compare
 from ivsid.effects import EFFECTS, Given, register, terms_of, unregister
 from ivsid.log import Log
@@ -166,7 +166,7 @@ def tried(vehicle, log, effect, *values):
     """The true model and the same with an effect, on a log."""
     plain = Hypothesis(terms_of(vehicle), dict(TRUTH))
     return compare(
-        Bench(vehicle, channels(log, vehicle), declared(vehicle)),
+        Predictor(vehicle, channels(log, vehicle), declared_ambient(vehicle)),
         plain,
         plain.with_effect(Given(EFFECTS[effect], values)),
     )

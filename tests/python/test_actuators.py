@@ -8,7 +8,7 @@ import pytest
 from conftest import as_log, embedded
 from ivsid import IntervalArray, IvsidError, identify, validate
 from ivsid.effects import terms_of
-from ivsid.log import Log, Sweep
+from ivsid.log import Log, StepRange
 from ivsid.programme.scenario import parse_scenario
 from ivsid.propulsion.actuation import nominal_force, pushed
 from ivsid.propulsion.thrust import ThrustCurve
@@ -183,7 +183,7 @@ def test_a_shaft_is_not_followed_to_a_demand_outside_its_curve():
 
 
 def azimuth_log(t, angle, over=None, demand=10.0):
-    sweeps = {} if over is None else {"azimuth_a": Sweep(*over, "azimuth_a never changes faster than 0.5 a second")}
+    sweeps = {} if over is None else {"azimuth_a": StepRange(*over, "azimuth_a never changes faster than 0.5 a second")}
     return Log("x", "", t, {"demand_a": np.full(t.size, demand), "azimuth_a": angle}, over=sweeps)
 
 
@@ -348,7 +348,7 @@ def test_a_lagging_thrust_that_turns_within_a_step_is_bounded_by_all_its_values(
     unit = 'name = "p"\ngain = 1.0\ndemand_range = [-10, 10]\ntime_constant = 0.4\nsteering = "azimuth"\n'
     vehicle = parse_vehicle(f'name = "a"\n[hull]\nmass = 3\n[[thrusters]]\n{unit}', "a.toml")
     demand, t = np.array([10.0, -10.0, 10.0, -10.0, 10.0]), np.arange(5.0)
-    turning = Sweep(np.zeros(4), np.full(4, np.pi), "it turns")
+    turning = StepRange(np.zeros(4), np.full(4, np.pi), "it turns")
     columns = {"demand_p": demand, "azimuth_p": np.zeros(5)}
     log = Log("a.csv", "", t, columns, over={"azimuth_p": turning})
     found = pushed(vehicle.thrusters[0], log, held=True).over_steps[0]

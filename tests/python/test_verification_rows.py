@@ -11,7 +11,7 @@ import pytest
 from conftest import as_log
 from ivsid import identify, verify
 from ivsid.effects import CHANNELS, terms_of
-from ivsid.log import Log, Sweep
+from ivsid.log import Log, StepRange
 from ivsid.rows import ROW_KINDS, build_rows
 from ivsid.sensors.bounds import bound_log
 from ivsid.simulation import simulate
@@ -237,7 +237,7 @@ def test_angles_are_followed_between_rows(demand):
     assert outside(vehicle, log, kind="integral", window=0.5) == []
     angle = log.columns["azimuth_pod"]
     near = np.minimum(angle[1:], angle[:-1]) - 0.01, np.maximum(angle[1:], angle[:-1]) + 0.02
-    swept = replace(log, over={"azimuth_pod": Sweep(*near, "in between")})
+    swept = replace(log, over={"azimuth_pod": StepRange(*near, "in between")})
     assert outside(vehicle, swept, kind="integral", window=0.5) == []
     # The checker takes the sweep, not the row: under the core's rows without it nothing is proved.
     made = build_rows(bound_log(log, vehicle), vehicle, terms_of(vehicle), kind="integral", window=0.5)
@@ -253,11 +253,11 @@ def test_forces_between_rows_demands_beyond_curves_and_gyros_that_average(swan, 
     for width in (0.02, 1.0):
         force = log.columns["force_X"]
         between = np.minimum(force[1:], force[:-1]) - width, np.maximum(force[1:], force[:-1]) + width
-        over = {"force_X": Sweep(*between, "in between")}
+        over = {"force_X": StepRange(*between, "in between")}
         assert outside(plain, replace(log, over=over), kind="integral") == []
     gap = between[0].copy()
     gap[n // 2] = np.nan
-    assert outside(plain, replace(log, over={"force_X": Sweep(gap, between[1], "gap")}), kind="integral") == []
+    assert outside(plain, replace(log, over={"force_X": StepRange(gap, between[1], "gap")}), kind="integral") == []
     gyro = changed(swan, ("bias_time = 270.0", 'bias_time = 270.0\nsampling = "averaged"'))
     assert outside(gyro, as_log(twin), kind="both") == []
     held = changed(swan, ("azimuth = 0.0", 'azimuth = 0.0\noutside = "hold"'))

@@ -5,40 +5,92 @@ BIN := $(VENV)/bin
 OUT ?= out/demo
 RUST_SOURCES := $(shell find crates -name '*.rs' -o -name 'Cargo.toml') Cargo.toml Cargo.lock
 
-.PHONY: demo test check bench vessels peers inverse-peers throughput exhaustive twins itf1788 differential fuzz exam handbook docs build format clean
+# Cargo's profile of the gate: one build of the dependencies for the wheel and the Rust tests (Cargo.toml).
+GATE := --profile gate --locked
+# Two workers on two cores leave none for the threads of a matrix product. The draws of proptest are those of a fixed seed.
+ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
+FIXED := PROPTEST_RNG_SEED=1
 
-demo: build
+.PHONY: demo test test-rust test-python test-build check rustfmt clippy lint rules null-logs constants constants-page types stubs imports docs docs-rust docs-python nightly \
+	bench same vessels peers inverse-peers throughput exhaustive twins itf1788 differential fuzz exam handbook build release venv format clean
+
+demo: release
 	$(BIN)/ivsid demo --out $(OUT)
 
 test: build
-	cargo test --locked
-	$(BIN)/pytest -n auto
+	$(MAKE) --no-print-directory test-rust
+	$(MAKE) --no-print-directory test-python
 
-check: build
+test-build:
+	cargo test $(GATE) --no-run
+
+test-rust:
+	$(FIXED) cargo test $(GATE)
+
+test-python: build
+	$(ONE_THREAD) $(BIN)/pytest -n auto --dist loadgroup -m "not nightly"
+
+check: rustfmt clippy lint types stubs imports docs
+
+rustfmt:
 	cargo fmt --all --check
-	cargo clippy --locked --workspace --all-targets -- -D warnings
+
+clippy:
+	cargo clippy $(GATE) --workspace --all-targets -- -D warnings
+
+lint: venv
 	$(BIN)/ruff format --check python tests examples benches docs/*.py
 	$(BIN)/ruff check python tests examples benches docs/*.py
+
+types: venv
 	$(BIN)/mypy
+
+stubs: build
 	$(BIN)/stubtest ivsid._core --mypy-config-file pyproject.toml
+
+imports: build
 	$(BIN)/lint-imports
-	$(MAKE) docs
 
 # An entry and a figure for every effect, from the catalogue, docs/handbook_words.toml and the simulator.
 handbook: build
 	$(BIN)/python docs/handbook.py
 
-docs: build
-	RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps
+# The page of all numbers that the package decides by, from the comments beside them.
+constants-page: venv
+	$(BIN)/python docs/constants.py
+
+# Largest scores without an effect: Gaussian draws, simulated null logs and fresh logs side by side.
+null-logs: release
+	$(BIN)/python benches/null_logs.py
+
+# Each measured number of the diagnosis halved and doubled on a fixed set of logs, a minute of processor time each; NAMES takes some of them.
+constants: release
+	$(BIN)/python benches/constants.py docs/constants_measured.md $(NAMES)
+
+docs: docs-rust docs-python
+
+docs-rust:
+	RUSTDOCFLAGS="-D warnings" cargo doc $(GATE) --no-deps
+
+docs-python: build
 	$(BIN)/sphinx-build -q -W --keep-going docs docs/_build/html
 
-bench: build
+# Everything that left the gate, and fresh seeds; its last run becomes docs/nightly.md. PARTS names some of the parts.
+nightly: build
+	$(ONE_THREAD) $(BIN)/python -m tests.nightly $(PARTS)
+
+bench: release
 	cargo bench --locked
 	$(BIN)/python benches/ratios.py
 
+# Whether this tree gives the results of another one: make it in both, then compare the two folders.
+SAME ?= out/same
+same: release
+	$(BIN)/python benches/same_results.py make $(DATA) $(SAME)
+
 # Every command on every real set; the sets are not part of this repository.
 DATA ?= ../shared/data
-vessels: build
+vessels: release
 	$(BIN)/python benches/real_data.py $(DATA) out/vessels
 
 # inari beside this crate, built for two targets; GMP and MPFR are built from source (m4 is needed, some minutes).
@@ -52,13 +104,13 @@ itf1788:
 
 # Operands of every function that are compared with MPFR, and of every back end that are compared with the operators.
 CASES ?= 1e8
-differential: build
-	IVSID_CASES=$(CASES) $(BIN)/pytest -n auto tests/python/test_oracle.py
+differential: release
+	IVSID_CASES=$(CASES) $(ONE_THREAD) $(BIN)/pytest -n auto tests/python/test_oracle.py
 	IVSID_CASES=$(CASES) cargo test --locked --release --test slices
 
 # Twins with a known truth, several vehicles, both kinds of rows and noise: is it inside? VERIFY=--verify proves each result, too.
 TWINS ?= 500
-twins: build
+twins: release
 	$(BIN)/python tests/python/twins.py --twins $(TWINS) $(VERIFY)
 
 # Inverses: verdicts on regularity by exact determinants, members of every family inside every enclosure; some minutes.
@@ -67,10 +119,10 @@ exhaustive:
 	IVSID_CASES=$(MATRICES) cargo test --locked --release --test regularity --test hull --test systems --test range --test inverse
 
 # The sweep and the hulls beside peers that are installed; the figure of the sweep for the docs.
-inverse-peers: build
+inverse-peers: release
 	$(BIN)/python benches/inverse_peers.py
 
-throughput: build
+throughput: release
 	cargo bench --locked --bench inverse -- sweep
 	$(BIN)/python benches/throughput.py docs/throughput.png
 
@@ -79,7 +131,12 @@ SECONDS ?= 600
 fuzz:
 	IVSID_FUZZ_SECONDS=$(SECONDS) cargo test --locked --release --test fuzz_text -- --nocapture
 
+venv: $(VENV)/.ready
+
+# The compiled module of the gate serves whoever changes the code; that of a release replaces it, and serves the tests as well.
 build: $(VENV)/.built
+
+release: $(VENV)/.release
 
 format: build
 	cargo fmt --all
@@ -93,8 +150,13 @@ $(VENV)/.ready: requirements/lock.txt
 	touch $@
 
 $(VENV)/.built: $(VENV)/.ready $(RUST_SOURCES) pyproject.toml
-	VIRTUAL_ENV=$(abspath $(VENV)) $(BIN)/maturin develop --release --locked --quiet
+	VIRTUAL_ENV=$(abspath $(VENV)) $(BIN)/maturin develop $(GATE) --quiet
+	rm -f $(VENV)/.release
 	touch $@
+
+$(VENV)/.release: $(VENV)/.ready $(RUST_SOURCES) pyproject.toml
+	VIRTUAL_ENV=$(abspath $(VENV)) $(BIN)/maturin develop --release --locked --quiet
+	touch $(VENV)/.built $@
 
 clean:
 	rm -rf $(VENV) target out docs/_build python/ivsid/*.so
@@ -102,5 +164,5 @@ clean:
 # Drawn cases of the diagnosis, sealed, and their score, which becomes a page of the docs; an hour and a half for 1000 on two cores.
 SEED ?= $(shell date +%s)
 EXAM ?= 1000
-exam: build
+exam: release
 	$(BIN)/python -m tests.exam.run $(SEED) $(EXAM) out=out/exam.json table=docs/examination.md

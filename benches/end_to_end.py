@@ -1,4 +1,4 @@
-"""From a file of a million samples to proved intervals: seconds of each stage, beside what a user would write.
+"""From a file of a million samples to proved intervals: seconds of each stage, beside a user's own script.
 
 The log repeats one simulated run of ten minutes (the paper's SWAN) until it has a million samples; a gap stands between two runs. The
 peer reads the same CSV with Polars, makes the pointwise rows of surge and sway with NumPy in plain floats, and solves the four programs of the

@@ -1,4 +1,4 @@
-"""The feasible set beside what users would pick: HiGHS, a constraint generation in NumPy, intvalpy and codac where importable.
+"""The feasible set beside its alternatives: HiGHS, a constraint generation in NumPy, intvalpy and codac if they are importable.
 
 Times are the least of several runs in one process, ratios are of the same run. codac leaves the processor rounding upward when it is
 imported, so it has a process of its own; a folder of peers may be given in PYTHONPATH.
@@ -27,7 +27,7 @@ TRUTH = np.array([25.8, 0.7225, 1.3274])
 
 
 def surge(m: int, seed: int = 1) -> Rows:
-    """The surge model of PEERS W3, m u' + d1 u + d2 u|u| = X: velocities within 4 mm/s, accelerations 20 mm/s2, thrust 0.1 N."""
+    """A surge model of three parameters, m u' + d1 u + d2 u|u| = X: velocities within 4 mm/s, accelerations 20 mm/s2, thrust 0.1 N."""
     rng = np.random.default_rng(seed)
     u, rate = rng.uniform(-1, 1, m), rng.uniform(-0.3, 0.3, m)
     force = TRUTH[0] * rate + TRUTH[1] * u + TRUTH[2] * u * np.abs(u) + 0.099 * rng.uniform(-1, 1, m)
@@ -37,7 +37,7 @@ def surge(m: int, seed: int = 1) -> Rows:
     low, high = u - radius[1], u + radius[1]
     lower = np.stack([rate - radius[0], low, low * np.abs(low)], 1)
     upper = np.stack([rate + radius[0], high, high * np.abs(high)], 1)
-    # A few rounding errors of slack, so that the truth is inside whatever the order of these operations.
+    # A few rounding errors of slack keep the truth inside under any order of these operations.
     return lower - 1e-15, upper + 1e-15, force - 0.1, force + 0.1
 
 

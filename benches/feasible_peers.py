@@ -1,7 +1,7 @@
-"""The feasible set beside the interval packages that users would pick, on the same rows: times, widths, and whether the truth is inside.
+"""The feasible set beside other interval packages on the same rows: times, widths, and whether the truth is inside.
 
 Peers are no dependencies: each runs in a process of its own (importing codac leaves the processor rounding upward) and is skipped with its
-reason where it is missing, fails or takes longer than the limit. Times are the least of two runs within that process, its start left out.
+reason if it is missing, fails or takes longer than the limit. Times are the least of two runs within that process, its start left out.
 
 Run: python benches/feasible_peers.py [--python PEERS_PYTHON] [--limit SECONDS]
 PEERS_PYTHON is a Python that has intvalpy and codac; Octave with its interval package is found by its name.
@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-# Where a peer starts: a box that every one of them is given [-BOX, BOX].
+# The start of every peer is the box [-BOX, BOX].
 BOX = 100.0
 OCTAVE = """
 pkg load interval
@@ -101,7 +101,7 @@ def reason(text: str) -> str:
 
 
 def outcome(command: list[str], limit: float) -> dict[str, Any] | str:
-    """What a peer's process found, or why there is nothing."""
+    """The result of a peer's process, or the reason for none."""
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=limit, check=False)
     except subprocess.TimeoutExpired:

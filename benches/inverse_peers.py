@@ -1,4 +1,4 @@
-"""Inverses beside what users would pick instead, in one run: times as ratios, widths over the exact hull.
+"""Inverses beside their alternatives, in one run: times as ratios, widths over the exact hull.
 
 Run: python benches/inverse_peers.py; peers that are installed are measured (numpy always, numba, python-flint, codac).
 """
@@ -110,7 +110,7 @@ def both_sets(compiled: Callable[..., Any], a: IntervalArray, step: Any, partiti
 
 
 def sweeps() -> None:
-    """W1: inverses a second on one core."""
+    """The sweep: inverses a second on one core."""
     compiled = numba_sweep()
     for n, partitions in ((3, 1_000_000), (6, 100_000), (12, 20_000), (50, 1000)):
         a = dominant(n, 0.01)
@@ -141,7 +141,7 @@ def invert_all(matrices: list[Any]) -> list[Any]:
 
 
 def hulls() -> None:
-    """W2 at n = 3: exact hulls of a batch."""
+    """Exact hulls of a batch of order 3."""
     for radius in (0.001, 0.01):
         batch = dominant(3, radius, 10_000)
         ours = best(partial(linalg.inverse, batch)) / 10_000
@@ -157,7 +157,7 @@ def hulls() -> None:
 
 
 def enclosures() -> None:
-    """W2 at larger orders: time, and the width beside that of the exact hull where signs are fixed, else of its inner bound."""
+    """Enclosures at larger orders: time, and the width beside that of the exact hull if signs are fixed, else of its inner bound."""
     for n in (50, 100, 200):
         for radius in (1e-6, 0.01):
             a = dominant(n, radius)

@@ -27,7 +27,7 @@ def frame(rows: int, start: float = 0.0) -> pl.DataFrame:
 
 
 def main() -> None:
-    """Prints what was asked and what was reached."""
+    """Prints the required and the measured numbers."""
     if len(sys.argv) > 1 and sys.argv[1] == "--peak":
         ivsid.read_log(sys.argv[2])
         print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024)

@@ -25,8 +25,9 @@ from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.calibration import examined, trial_of
+from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.thresholds import calibrate
-from ivsid.diagnosis.null.visibility import Threshold, visibility
+from ivsid.diagnosis.null.visibility import visibility
 from ivsid.log import Log
 from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
@@ -64,7 +65,7 @@ def drawn(style: str, rate: float):
 
 
 def fitted(vehicle, log):
-    """The fit of a log, its test, and the largest strength of what it tests."""
+    """The fit of a log, its test, and the largest strength over the tested families."""
     fit = plain_fit(vehicle, channels(log, vehicle), everything)
     visible = visibility(fit)
     seen = frozenset(i for i, v in visible.items() if v.tested)

@@ -1,6 +1,6 @@
 """Every command on every real set: ``python benches/real_data.py DATA OUT`` (DATA holds cse1, rov_30k, t200, sim_truth_pvs).
 
-Leaves a folder with its report for each command in OUT, and prints one line a parameter: what docs/vessels.md is written from.
+Leaves a folder with its report for each command in OUT, and prints one line a parameter, the source of docs/vessels.md.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from ivsid.rows import build_rows
 from ivsid.sensors.bounds import bound_log
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
-# A tank that tows and pulls: what the captive tests of CyberShip say of the parameters of its free runs.
+# Parameters of CyberShip's free runs from its captive tests: towing and bollard pulls.
 TOWED = {"drag.surge.linear": 0.137, "drag.surge.quadratic": 3.088}
 
 
 def claim(vehicle: Path, log: Path, values: dict[str, float], kind: str, window: float) -> str:
-    """Whether parameters that are known from elsewhere are consistent with a log: the rest is found with these held."""
+    """Consistency of independently known parameters with a log: the rest is identified with these fixed."""
     checked = read_vehicle(vehicle)
     rows = build_rows(
         bound_log(read_log(log, checked.log), checked), checked, terms_of(checked), kind=kind, window=window

@@ -1,4 +1,4 @@
-"""How often does each method's interval hold the truth? 100 seeded twins, noise at the stated bounds.
+"""Share of 100 seeded twins whose truth lies in each method's interval, with noise at the stated bounds.
 
 Run: .venv/bin/python benches/twins.py [--twins 100] [--noise uniform|gaussian] [--sigmas 3]
 Prints a Markdown table: share of twins in which a method gave intervals for every parameter, in which all of them held the

@@ -1,7 +1,7 @@
 """Writes docs/effects_handbook.md and a figure of each effect's signature: python docs/handbook.py [FOLDER].
 
 Each figure is made by the simulator: the standard boat sails a standard programme with the effect at its typical size and without any noise, and the
-plain model is fitted to what its sensors read. Nothing of the diagnosis stands in it but how a force is ordered along a quantity.
+plain model is fitted to the readings of its sensors. Of the diagnosis it uses only the ordering of a force along a quantity.
 """
 
 from __future__ import annotations
@@ -102,7 +102,7 @@ def drawn(s: Signature) -> str:
 
 
 def traits(effect: Effect) -> list[str]:
-    """What the physics depends on, asked of the code: the sign of the motion, heading, place, clock, memory."""
+    """Dependences of the physics, asked of the code: the sign of the motion, heading, place, clock, memory."""
     acts, said = effect.acts, []
     numbers = tuple(p.typical or 1.0 for p in effect.parameters)
 
@@ -140,7 +140,7 @@ def traits(effect: Effect) -> list[str]:
 
 
 def forced(force: Callable[..., tuple[float, ...]]) -> list[str]:
-    """Of a force: what it does when the motion is reversed, and what else it depends on."""
+    """Symmetry of a force under a reversed motion, and its other dependences."""
     ahead, back = force(), force(-1.0)
     if not any(ahead) and not any(back):
         said = ["nothing without acceleration"]
@@ -169,12 +169,12 @@ def page(made: dict[str, Signature]) -> str:
         "",
         "Made by `make handbook` from the catalogue, `docs/handbook_words.toml` and the simulator; edit those, not this page.",
         "",
-        "Each figure: a boat of 50 kg with two thrusters sails one programme (speed steps, zigzag, coast, astern, two circles, a turn on the spot, PRBS) with the effect at its "
-        "typical size and no noise. Left, in time and below 0.35 Hz: in grey the force that the true plain model lacks, in blue what is left of it after the model's own five "
-        "parameters are fitted anew, which is all that a diagnosis can see. Right: the blue one along the quantity that orders it best. Terms of the plain model are shown as a claim "
-        f"that is {100 * CLAIM:.0f} % short. For sensors the kinematic residual is shown: K1 = ax - udot + v r, K2 = ay - vdot - u r, K3 = r - psidot, which no force can touch.",
+        "Each figure is of a boat of 50 kg with two thrusters. It sails one programme (speed steps, zigzag, coast, astern, two circles, a turn on the spot, PRBS) with the effect at its "
+        "typical size and no noise. The left panel is in time, below 0.35 Hz: grey is the force that the true plain model lacks, blue the remainder after the model's own five parameters "
+        "are fitted anew. A diagnosis sees the remainder alone. The right panel is the remainder along the quantity that orders it best. Terms of the plain model are shown as a claim "
+        f"that is {100 * CLAIM:.0f} % short. For sensors the kinematic residual is shown: K1 = ax - udot + v r, K2 = ay - vdot - u r, K3 = r - psidot. No force acts in it.",
         "",
-        "*Odd* and *even* say what the force does when all velocities change their sign.",
+        "An *odd* force changes its sign when all velocities do; an *even* force stays the same.",
         "",
     ]
     for family, heads in FAMILIES.items():

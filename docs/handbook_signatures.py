@@ -82,7 +82,7 @@ CLAIM = 0.1
 
 @dataclass(frozen=True)
 class Signature:
-    """What an effect leaves.
+    """The force or residual that an effect leaves.
 
     Attributes:
         channel: of the figure.
@@ -105,7 +105,7 @@ class Signature:
 
 
 def values_of(effect: Effect) -> dict[str, float]:
-    """Typical numbers, with what happens at a time in the middle of the programme."""
+    """Typical numbers; times stand in the middle of the programme."""
     return {
         name: 0.5 * SECONDS if p.draw == "time" else (0.6 if p.draw == "angle" else p.typical)
         for name, p in zip(effect.parts, effect.parameters, strict=True)
@@ -122,7 +122,7 @@ def sailed(effect: Effect | None) -> Simulated:
 
 
 def signature(effect: Effect) -> Signature:
-    """What the effect leaves in the standard programme."""
+    """The signature of the effect in the standard programme."""
     made = sailed(effect)
     c, t = made.columns, made.t
     state = State(
@@ -152,7 +152,7 @@ def signature(effect: Effect) -> Signature:
     }
     quantities = {k: low(x) if k not in ("heading", "time") else x for k, x in quantities.items()}
     if isinstance(effect.acts, Reading):
-        # What differencing makes of a jump of thrust stands in both, and goes.
+        # The error of differencing at a jump of thrust stands in both, and cancels.
         rows = low(kinematic(c, t) - kinematic(made.exact, t))
         k = int(np.argmax(rows.std(axis=1) + np.abs(rows.mean(axis=1))))
         return finished(f"K{k + 1}", ("m/s²", "m/s²", "rad/s")[k], t, rows[k], rows[k], quantities, None)
@@ -171,7 +171,7 @@ def signature(effect: Effect) -> Signature:
     left = whole - np.einsum("k,kcn->cn", moved, columns[free])
     energy = ((whole / SCALE[:, None]) ** 2).sum(axis=1)
     rest = ((left / SCALE[:, None]) ** 2).sum(axis=1)
-    # The channel in which most is left; where nothing is, that in which most was.
+    # The channel with the largest remainder; without any remainder, the one with the largest force.
     k = int(np.argmax(rest if rest.sum() > 1e-3 * energy.sum() else energy))
     share = float(rest.sum() / energy.sum())
     return finished(("X", "Y", "N")[k], "N m" if k == 2 else "N", t, whole[k], left[k], quantities, share)
@@ -186,19 +186,19 @@ def kinematic(c: Mapping[str, Array], t: Array) -> Array:
 def finished(
     channel: str, unit: str, t: Array, whole: Array, left: Array, quantities: dict[str, Array], share: float | None
 ) -> Signature:
-    """With the quantity that orders best what is left."""
+    """With the quantity that orders the remainder best."""
     size = float(np.abs(whole).max())
     shown = left if float(np.abs(left).max()) > 0.02 * size else whole
     if share is None and float(np.ptp(whole)) < 0.05 * size:
         name = "time"
     else:
-        # What is rounded does not depend on the last digit of a machine's sine.
+        # Rounded numbers do not depend on the last digit of a machine's sine.
         name = ordered_by(np.round(shown / size, 5), {k: np.round(x, 6) for k, x in quantities.items()})
     return Signature(channel, unit, t, whole, left, name, quantities[name], share)
 
 
 def thrusts(columns: dict[str, Array]) -> Array:
-    """What the demands ought to give: X, Y, N, shape (3, n)."""
+    """Nominal forces of the demands: X, Y, N, shape (3, n)."""
     total = np.zeros((3, columns["u"].size))
     for t in parse_vehicle(BOAT, "boat.toml").thrusters:
         push = ThrustCurve(t).value(columns[f"demand_{t.name}"])

@@ -3,15 +3,18 @@
 From logged demands, accelerations, velocities and yaw rates to parameter intervals that are proved under stated bounds on
 sensors and thrust. See the README for the commands, and ``docs/`` for the user's guide.
 
-Names are loaded when they are first used: ``import ivsid`` itself loads none of the libraries that the stages rest on.
+Names are loaded when they are first used: ``import ivsid`` itself loads the compiled core alone, and none of the libraries that the stages
+rest on. A processor that does not round to nearest is refused here, before anything is computed.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Final
 
+from ivsid import _core
+
 if TYPE_CHECKING:
-    # mypy meets the decorated function twice in the circle that the lazy names close.
-    from ivsid.diagnosis import Diagnosis, diagnose  # type: ignore[no-redef]
+    from ivsid.diagnosis import Diagnosis
+    from ivsid.diagnosis.stages import diagnose  # in the import cycle mypy takes the re-export for a second definition
     from ivsid.errors import IvsidError
     from ivsid.identification import Identification, Parameter, identify
     from ivsid.intervals import EndpointPair, Interval, IntervalArray
@@ -22,6 +25,12 @@ if TYPE_CHECKING:
     from ivsid.verification import Verification, verify
 
     __version__: str
+
+if not _core.environment_is_default():
+    raise ImportError(
+        "the processor does not round to nearest or flushes subnormal numbers to zero; ivsid cannot prove anything "
+        "here: undo the change of the floating-point mode before importing it"
+    )
 
 _HOMES: Final = {
     "Diagnosis": "ivsid.diagnosis",

@@ -1,15 +1,28 @@
 """The compiled core; every function borrows contiguous float64 arrays."""
 
 from collections.abc import Callable
-from typing import Any, Self, final
+from typing import Any, Final, Self, TypedDict, final
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ivsid.linear.certificates import Content
+from ivsid.linear.regression import OrthantProof, SignProof
 
 _Array = NDArray[np.float64]
 _Bounds = tuple[_Array, _Array]
 
 __all__ = [
+    "DEFAULT_CELLS",
+    "DEFAULT_PARTITIONS",
+    "FEASIBLE_STATUSES",
+    "INVERSE_METHODS",
+    "LEAST_SQUARES_METHODS",
+    "LEAST_SQUARES_STATUSES",
+    "SOLVE_METHODS",
+    "STATUSES",
+    "SWEEPS",
+    "VERDICTS",
     "Interval",
     "backend",
     "binary",
@@ -37,6 +50,49 @@ __all__ = [
     "unary",
     "whiten",
 ]
+
+INVERSE_METHODS: Final[tuple[str, ...]]
+SOLVE_METHODS: Final[tuple[str, ...]]
+LEAST_SQUARES_METHODS: Final[tuple[str, ...]]
+SWEEPS: Final[tuple[str, ...]]
+STATUSES: Final[tuple[str, ...]]
+VERDICTS: Final[tuple[str, ...]]
+FEASIBLE_STATUSES: Final[tuple[str, ...]]
+LEAST_SQUARES_STATUSES: Final[tuple[str, ...]]
+DEFAULT_PARTITIONS: Final[int]
+DEFAULT_CELLS: Final[int]
+
+class _Outcome(TypedDict):
+    status: str
+    value: _Bounds | None
+    proved: bool
+    gap: float | None
+    certificate: Content | None
+    reason: str | None
+
+class _NormalEquations(TypedDict):
+    status: str
+    parameters: _Bounds | None
+    improper: int
+    gram: _Bounds
+    inverse: _Outcome
+
+class _LeastSquares(TypedDict):
+    status: str
+    parameters: _Bounds | None
+    reason: str | None
+
+class _FeasibleSet(TypedDict):
+    status: str
+    parameters: _Bounds
+    inflation: float | None
+    centre: _Array | None
+    directions: list[list[float]]
+    orthants: list[OrthantProof]
+    sign_proofs: list[SignProof]
+    fewest_outliers: int | None
+    outliers: list[list[int]] | None
+    reason: str | None
 
 @final
 class Interval:
@@ -135,17 +191,17 @@ def inverse(
     partitions: int,
     sweep: str,
     progress: Callable[[int, int], object] | None = None,
-) -> dict[str, Any]: ...
+) -> _Outcome: ...
 def inverse_batch(
     lo: _Array, hi: _Array, method: str, partitions: int, sweep: str
 ) -> tuple[NDArray[np.uint8], _Bounds]: ...
 def solve_batch(lo: _Array, hi: _Array, right: _Bounds, method: str) -> tuple[NDArray[np.uint8], _Bounds]: ...
 def regularity_batch(lo: _Array, hi: _Array) -> NDArray[np.uint8]: ...
-def solve(lo: _Array, hi: _Array, right: _Bounds, method: str) -> dict[str, Any]: ...
-def regularity(lo: _Array, hi: _Array) -> tuple[str, dict[str, Any] | None]: ...
-def normal_equations(rows: _Bounds, right: _Bounds, method: str, partitions: int) -> dict[str, Any]: ...
-def least_squares(rows: _Bounds, right: _Bounds, method: str) -> dict[str, Any]: ...
-def feasible_set(rows: _Bounds, right: _Bounds, signs: list[int] | None, outliers: int) -> dict[str, Any]: ...
+def solve(lo: _Array, hi: _Array, right: _Bounds, method: str) -> _Outcome: ...
+def regularity(lo: _Array, hi: _Array) -> tuple[str, Content | None]: ...
+def normal_equations(rows: _Bounds, right: _Bounds, method: str, partitions: int) -> _NormalEquations: ...
+def least_squares(rows: _Bounds, right: _Bounds, method: str) -> _LeastSquares: ...
+def feasible_set(rows: _Bounds, right: _Bounds, signs: list[int] | None, outliers: int) -> _FeasibleSet: ...
 def respond(inputs: list[_Array], numerators: _Array, denominators: _Array) -> _Array: ...
 def whiten(
     columns: list[_Array], groups: list[list[int]], taps: list[_Array], length: int, weight: _Array | None, unit: bool

@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def examine(folder: Path) -> dict:
-    """What the diagnosis says of the files of a folder, what it took, and what others make of them."""
+    """The diagnosis of the files of a folder, its time, and the results of the peers."""
     from tests.exam.peers import PEERS, regression
 
     from ivsid.diagnosis import diagnose

@@ -1,4 +1,4 @@
-"""What others do with the same logs: sparse and stepwise regression on the derivatives, over the same physical columns.
+"""Other methods on the same logs: sparse and stepwise regression on the derivatives, over the same physical columns.
 
 All three see the accelerations (differences of the velocities, means over windows of a second) and the same library: how the
 model's acceleration changes with each cause of the catalogue that is a force and needs no search of its own. They name what stays in the model.
@@ -17,7 +17,7 @@ from ivsid.diagnosis.estimation.first_values import first_values
 from ivsid.diagnosis.estimation.noise import declared_ambient
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.effects import EFFECTS, Reading, Terms, terms_of
-from ivsid.effects.given import Given
+from ivsid.effects.values import Given
 from ivsid.log import Log
 from ivsid.vehicle import Vehicle
 
@@ -30,7 +30,7 @@ BLOCK = 20.0
 DRAWS = 200
 CHANCE = 0.01
 MOST = 4
-# What has to be searched for, changes in time, or has no direction of its own.
+# Effects that have to be searched for, change in time, or have no direction of their own.
 SEARCHED = (
     "wave.force",
     "tether.tension",

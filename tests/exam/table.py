@@ -8,7 +8,7 @@ from tests.exam.grade import hit
 
 
 def table(rows, first: int, count: int) -> str:
-    """Markdown: the acceptance table, what each stratum gave, and the peers on the same cases."""
+    """Markdown: the acceptance table, the results of each stratum, and the peers on the same cases."""
     crashes = sum("crash" in r for r in rows)
     done = [r for r in rows if "verdict" in r]
     of = {w: [r for r in done if r["stratum"]["what"] == w] for w in ("none", "one", "two", "outside")}
@@ -28,9 +28,9 @@ def table(rows, first: int, count: int) -> str:
         "# The examination",
         "",
         f"`make exam SEED={first} EXAM={count}`: {len(done)} cases, {crashes} crashes, {len(rows) - len(done) - crashes} that could not be drawn. Every case is a folder of files whose names say "
-        "nothing; the examined process is not given the truth. z is what the log itself predicts for the hidden size.",
+        "nothing; the examined process is not given the truth. z is the log's own prediction for the hidden size.",
         "",
-        "| what | must | reached |",
+        "| cases | required | reached |",
         "|---|---|---|",
         f"| nulls: verdict other than `adequate` | 1 % | {share(len(alarms), len(nulls))} |",
         f"| single effects with z >= 8: named, or in a set | 95 % | {share(sum(map(hit, seen)), len(seen))} |",

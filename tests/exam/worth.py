@@ -1,4 +1,4 @@
-"""What a diagnosis is worth on TEST beside the true model: (before / after) over the same ratio of the truth."""
+"""Gain of a diagnosis on TEST beside the true model: (before / after) over the same ratio of the truth."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.statements.comparison import compare
 from ivsid.effects import Terms, terms_of
-from ivsid.effects.given import sort_given
+from ivsid.effects.values import sort_given
 from ivsid.log import read_log
 from ivsid.vehicle import Vehicle, read_vehicle
 

@@ -1,22 +1,52 @@
-"""What the tests share: the embedded vehicle, simulated trials, and where the real data stand."""
+"""Shared by the tests: the embedded vehicle, simulated trials, and where the real data stand."""
 
+import fcntl
+import os
+import pickle
+from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import pytest
+from hypothesis import settings
 
 from ivsid import identify
 from ivsid.log import Log, read_log
 from ivsid.programme.scenario import Scenario, parse_scenario
 from ivsid.simulation import Simulated, simulate
 from ivsid.vehicle import Vehicle, parse_vehicle
-from ivsid.workflow.common import csv
+from ivsid.workflow.log_files import csv
 
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "data"
+# The gate draws the same cases every time; with IVSID_SEED, as in `make nightly`, draws are fresh.
+FRESH = os.environ.get("IVSID_SEED")
+settings.register_profile("fixed", derandomize=True)
+settings.register_profile("fresh", print_blob=True)
+settings.load_profile("fresh" if FRESH else "fixed")
 
 
 def embedded(name: str) -> str:
     return (files("ivsid") / "data" / name).read_text()
+
+
+@pytest.fixture(scope="session")
+def once(tmp_path_factory):
+    """``once(name, make)``: what ``make(folder)`` returns, made by the first process of the run that asks, read by the others."""
+    place = tmp_path_factory.getbasetemp()
+    shared = place.parent if "PYTEST_XDIST_WORKER" in os.environ else place
+
+    def get(name: str, make: Callable[[Path], Any]) -> Any:
+        folder, made = shared / f"once-{name}", shared / f"once-{name}.pickle"
+        with (shared / f"once-{name}.lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not made.exists():
+                folder.mkdir(exist_ok=True)
+                value = make(folder)
+                made.write_bytes(pickle.dumps(value))
+        return pickle.loads(made.read_bytes())
+
+    return get
 
 
 @pytest.fixture(scope="session")
@@ -41,9 +71,12 @@ def twin(swan: Vehicle, programme: Scenario) -> Simulated:
 
 
 @pytest.fixture(scope="session")
-def fits(tmp_path_factory, swan, twin):
+def fits(once, swan, twin):
     """Results of ``identify`` of several kinds, the log that they share, and the folder."""
-    place = tmp_path_factory.mktemp("verify")
+    return once("fits", lambda place: _fits(place, swan, twin))
+
+
+def _fits(place: Path, swan: Vehicle, twin: Simulated) -> tuple[dict[str, Path], Log, Path]:
     path = place / "log.csv"
     path.write_text(csv(twin.t, twin.columns))
     log = read_log(path, swan.log)

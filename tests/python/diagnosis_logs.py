@@ -1,7 +1,19 @@
 """A vehicle, its simulated logs and what can happen to a log, for the tests of the diagnosis."""
 
+from dataclasses import dataclass
+from functools import cache
+
 import numpy as np
 
+from ivsid.diagnosis.candidates.families import everything, score
+from ivsid.diagnosis.candidates.scored import Scored
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.null.thresholds import calibrate
+from ivsid.diagnosis.null.visibility import Threshold, visibility
+from ivsid.diagnosis.selection.adequacy import adequacy
+from ivsid.effects import EFFECTS
 from ivsid.log import Log
 from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
@@ -29,6 +41,7 @@ force = 0.15
 moment = 0.03
 time = 2.0
 """
+SHIPPED = frozenset(EFFECTS)
 HULL = 'name = "boat"\n[hull]\nmass = 50\nlength = 1.2\n'
 TWIN = HULL + "".join(
     f'[[thrusters]]\nname = "{name}"\nposition = [-0.35, {y}]\n{TABLE}\naccuracy = {{ absolute = 0.1, relative = 0.02 }}\n'
@@ -110,13 +123,27 @@ def vehicle_of(text=TWIN, extra=""):
 
 def logs_of(vehicle, effects=None, *, segments=ZIGZAGS, duration=240.0, rate=10.0, seed=21):
     """TRAIN and TEST."""
+    given = tuple((effects or {}).items())
+    # What was simulated once is not simulated again; effects of one's own may change between two tests.
+    known = SHIPPED.issuperset(EFFECTS) and vehicle == parse_vehicle(vehicle.text, vehicle.source)
     made = []
     for name, number in (("train", seed), ("test", seed + 1)):
-        head = f"duration = {duration}\nrate = {rate}\nseed = {number}\n[truth]\n"
-        head += "".join(f'"{k}" = {v}\n' for k, v in TRUTH.items())
-        done = simulate(vehicle, parse_scenario(head + segments, "s.toml"), number, effects or {})
-        made.append(Log(f"{name}.csv", "0" * 64, done.t, done.columns))
+        how = (given, segments, duration, rate, number)
+        t, columns = _remembered(vehicle.text, vehicle.source, *how) if known else _simulated(vehicle, *how)
+        made.append(Log(f"{name}.csv", "0" * 64, t.copy(), {k: x.copy() for k, x in columns.items()}))
     return made
+
+
+def _simulated(vehicle, effects, segments, duration, rate, number):
+    head = f"duration = {duration}\nrate = {rate}\nseed = {number}\n[truth]\n"
+    head += "".join(f'"{k}" = {v}\n' for k, v in TRUTH.items())
+    done = simulate(vehicle, parse_scenario(head + segments, "s.toml"), number, dict(effects))
+    return done.t, done.columns
+
+
+@cache
+def _remembered(text, source, *how):
+    return _simulated(parse_vehicle(text, source), *how)
 
 
 def with_columns(log, change):
@@ -166,3 +193,34 @@ def epochs(log, rng):
     """Times since 1970."""
     del rng
     return Log(log.name, log.sha256, log.t + 1.7e9, log.columns)
+
+
+@dataclass(frozen=True)
+class Screened:
+    """The stages before the selection: what is known of a log when the first cause is looked for.
+
+    Attributes:
+        fit: of the vehicle's own model, with the columns of every candidate.
+        scores: of every candidate, the best first.
+        passed: the ids of those that pass the calibrated threshold, the best first.
+        quiet: whether the dictionary of the adequacy test finds no more than chance in what the model leaves.
+    """
+
+    fit: Fit
+    scores: list[Scored]
+    passed: list[str]
+    quiet: bool
+
+    def of(self, id_):
+        """The score of a candidate."""
+        return next(s for s in self.scores if s.id == id_)
+
+
+def screened(vehicle, train):
+    """Data, plant, prediction, estimation, candidates and null in turn; about a third of a whole diagnosis."""
+    fit = plain_fit(vehicle, channels(train, vehicle), everything)
+    visible = visibility(fit)
+    seen = frozenset(i for i, v in visible.items() if v.tested)
+    passes = Threshold(calibrate(fit, seen, 0.005, 1), seen, frozenset(i for i, v in visible.items() if v.blind))
+    fit, scores = score(fit)
+    return Screened(fit, scores, [s.id for s in passes(fit, scores)], adequacy(fit).quiet)

@@ -16,7 +16,8 @@ from ivsid.rows import build_rows
 from ivsid.sensors.bounds import bound_log
 from ivsid.simulation import follow, simulate
 from ivsid.simulation.equations import Plant
-from ivsid.simulation.propulsion import Propulsion, TrueThrust
+from ivsid.simulation.propulsion import Propulsion
+from ivsid.simulation.true_thrust import TrueThrust
 from ivsid.vehicle import Thruster, parse_vehicle
 from test_rows import violated
 

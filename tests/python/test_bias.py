@@ -6,7 +6,7 @@ import pytest
 from conftest import as_log
 from ivsid import IntervalArray, IvsidError, identify
 from ivsid.effects import terms_of
-from ivsid.identification.bias import apart, with_unknowns
+from ivsid.identification.bias import separate_bias, with_unknowns
 from ivsid.rows import build_rows
 from ivsid.sensors.bounds import bound_log
 from ivsid.simulation import simulate
@@ -39,7 +39,7 @@ def test_rows_with_unknown_biases_hold_at_the_truth(swan, programme, seed, form)
     truth = VALUES if form == "total" else dict(programme.truth)
     made = simulate(vehicle, programme.model_copy(update={"truth": truth, "duration": 60.0}), seed)
     bounded = bound_log(as_log(made), vehicle)
-    narrow, reach = apart(bounded, vehicle, "log")
+    narrow, reach = separate_bias(bounded, vehicle, "log")
     terms = terms_of(vehicle, form)
     mass = vehicle.hull.mass if form == "added" else 0.0
     rows = build_rows(narrow, vehicle, terms, added_mass=form == "added")
@@ -85,7 +85,7 @@ def test_a_slow_large_bias_is_worth_an_unknown(swan, programme, seed):
 
 
 def test_by_default_a_small_bias_stays_in_its_box(swan, twin):
-    assert apart(bound_log(as_log(twin), swan), swan, "auto") is None
-    assert apart(bound_log(as_log(twin), swan), swan, "sample") is None
+    assert separate_bias(bound_log(as_log(twin), swan), swan, "auto") is None
+    assert separate_bias(bound_log(as_log(twin), swan), swan, "sample") is None
     with pytest.raises(IvsidError, match="bias 'never' is unknown; use auto, sample, log"):
         identify(swan, as_log(twin), bias="never")

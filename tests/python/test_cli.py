@@ -2,24 +2,14 @@
 
 import csv
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from command_line import run, run_process
 from conftest import as_log, embedded
-from ivsid.workflow.common import csv as as_csv
-
-COMMAND = [sys.executable, "-c", "from ivsid.cli import main; main()"]
-
-
-def run(*arguments, cwd=None):
-    return subprocess.run(
-        [*COMMAND, *map(str, arguments)], capture_output=True, text=True, cwd=cwd, timeout=300, check=False
-    )
+from ivsid.workflow.log_files import csv as as_csv
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +22,7 @@ def folder(tmp_path_factory, twin):
 
 
 def test_identify_and_validate_leave_their_files(folder, twin):
-    made = run("identify", folder / "swan.toml", folder / "log.csv", "--out", folder / "fit")
+    made = run_process("identify", folder / "swan.toml", folder / "log.csv", "--out", folder / "fit")
     assert made.returncode == 0, made.stderr
     assert "guaranteed" in made.stdout and "mass.surge" in made.stdout
     record = json.loads((folder / "fit" / "result.json").read_text())
@@ -44,7 +34,7 @@ def test_identify_and_validate_leave_their_files(folder, twin):
     page = (folder / "fit" / "report.html").read_text()
     assert "http://" not in page and "https://" not in page and "data:image/png;base64," in page
     assert {"parameters.png", "parameters.svg", "log.png", "log.svg"} <= {p.name for p in (folder / "fit").iterdir()}
-    checked = run("validate", folder / "fit", folder / "log.csv", "--out", folder / "check", "--json")
+    checked = run_process("validate", folder / "fit", folder / "log.csv", "--out", folder / "check", "--json")
     assert checked.returncode == 0, checked.stderr
     printed = json.loads(checked.stdout)
     assert printed == json.loads((folder / "check" / "result.json").read_text())
@@ -53,7 +43,7 @@ def test_identify_and_validate_leave_their_files(folder, twin):
 
 def test_the_same_input_gives_the_same_bytes(folder):
     for out in ("one", "two"):
-        assert run("identify", folder / "swan.toml", folder / "log.csv", "--out", folder / out).returncode == 0
+        assert run_process("identify", folder / "swan.toml", folder / "log.csv", "--out", folder / out).returncode == 0
     for path in sorted((folder / "one").iterdir()):
         assert path.read_bytes() == (folder / "two" / path.name).read_bytes(), path.name
 
@@ -92,7 +82,7 @@ def test_allan_and_thrust_on_small_files(folder):
 BAD_LOGS = {
     "empty.csv": b"",
     "row.csv": b"t,u\n0,1\n",
-    "binary.csv": os.urandom(3000),
+    "binary.csv": np.random.default_rng(0).bytes(3000),
     "backwards.csv": b"t,u,v,r\n0,1,1,1\n1,1,1,1\n0.5,1,1,1\n",
     "missing.csv": b"t,u,v,r\n0,1,1,1\n1,1,1,1\n",
     "words.csv": b"t,u\n0,1\n1,quick\n",
@@ -105,6 +95,14 @@ def test_bad_logs_get_one_sentence(folder, name, command):
     (folder / name).write_bytes(BAD_LOGS[name])
     arguments = [folder / "swan.toml", folder / name] if command == "identify" else [folder / name]
     refused(run(command, *arguments, "--out", folder / "bad"), folder / "bad")
+
+
+def test_a_process_refuses_as_this_one_does(folder):
+    (folder / "words.csv").write_bytes(BAD_LOGS["words.csv"])
+    arguments = ("identify", folder / "swan.toml", folder / "words.csv", "--out", folder / "bad")
+    own, here = run_process(*arguments), run(*arguments)
+    refused(own, folder / "bad")
+    assert (own.returncode, own.stdout, own.stderr) == (here.returncode, here.stdout, here.stderr)
 
 
 def refused(made, out: Path, *parts: str):
@@ -156,8 +154,8 @@ def test_json_prints_nothing_else_and_matches_the_file(folder):
 
 
 def test_version_and_help():
-    assert run("--version").stdout.startswith("ivsid 0.")
-    shown = run("--help")
+    assert run_process("--version").stdout.startswith("ivsid 0.")
+    shown = run_process("--help")
     assert shown.returncode == 0
     for name in ("demo", "simulate", "allan", "thrust", "identify", "validate"):
         assert name in shown.stdout

@@ -89,11 +89,20 @@ def test_nothing_hidden_is_adequate_and_the_parameters_come_out():
 @pytest.mark.parametrize(
     ("effect", "values"),
     [
-        ("drag.surge.linear", {"drag.surge.linear": 4.0}),
-        ("drag.yaw.linear", {"drag.yaw.linear": 1.0}),
-        ("current.steady", {"current.steady.north": 0.08, "current.steady.east": 0.05}),
+        # Nightly: the gate screens these in test_diagnosis_stages.py, and diagnoses the first in test_explanation.py.
+        pytest.param("drag.surge.linear", {"drag.surge.linear": 4.0}, marks=pytest.mark.nightly),
+        pytest.param("drag.yaw.linear", {"drag.yaw.linear": 1.0}, marks=pytest.mark.nightly),
+        pytest.param(
+            "current.steady",
+            {"current.steady.north": 0.08, "current.steady.east": 0.05},
+            marks=pytest.mark.nightly,
+        ),
         ("thruster.lag", {"thruster.lag": 0.25}),
-        ("sensor.velocity.lever_arm", {"sensor.velocity.lever_arm.x": 0.1, "sensor.velocity.lever_arm.y": 0.05}),
+        pytest.param(
+            "sensor.velocity.lever_arm",
+            {"sensor.velocity.lever_arm.x": 0.1, "sensor.velocity.lever_arm.y": 0.05},
+            marks=pytest.mark.nightly,
+        ),
         ("payload.step", {"payload.step.mass": 8.0, "payload.step.time": 150.0}),
     ],
 )
@@ -106,7 +115,7 @@ def test_a_hidden_effect_is_named_with_an_interval_that_holds_it(effect, values)
     for name, value in values.items():
         assert bounds[name].lower <= value <= bounds[name].upper, name
         assert not bounds[name].guaranteed
-    # Ambient force dominates over ten seconds, so a right finding may gain little (EFFECTS.md 4, stage 11); channels that
+    # Ambient force dominates over ten seconds, so a right finding may gain little (docs/theory.md, "Diagnosis"); channels that
     # it does not concern change within what a median over thirty windows scatters.
     worth = [*result.gain.simulation_rms.values(), *result.gain.force_rms.values()]
     assert all(after <= 1.2 * before for before, after in worth), worth
@@ -118,6 +127,8 @@ def test_a_hidden_effect_is_named_with_an_interval_that_holds_it(effect, values)
         assert extended.thrusters[0].time_constant == pytest.approx(0.25, rel=0.1)
 
 
+# Nightly: the gate mirrors the scores.
+@pytest.mark.nightly
 def test_port_and_starboard_mirrored_mirror_the_findings():
     """A mirrored log with a mirrored vehicle: the same cause, and a parameter that is odd in sway changes its sign."""
     values = {"coupling.cg_y": 1.5}
@@ -138,6 +149,8 @@ def test_port_and_starboard_mirrored_mirror_the_findings():
     assert a.lower == pytest.approx(-b.upper, rel=1e-3) and a.upper == pytest.approx(-b.lower, rel=1e-3)
 
 
+# Nightly: the gate asks the scores, and test_diagnosis_claims.py a whole diagnosis of other claims.
+@pytest.mark.nightly
 def test_a_wrong_claim_is_a_finding_and_a_true_one_is_not():
     for claim, verdict in ((28.0, "adequate"), (20.0, "wrong")):
         text = VEHICLE + f'[model]\nvalues = {{ "drag.surge.quadratic" = {claim} }}\n'

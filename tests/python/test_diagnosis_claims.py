@@ -1,6 +1,7 @@
-"""What a result says beside its findings: of claimed numbers, of causes that are none, and of the extended model."""
+"""Statements of a result beside its findings: claimed numbers, causes that are none, the extended model."""
 
 import numpy as np
+import pytest
 
 from diagnosis_logs import TRUTH, logs_of, vehicle_of
 from ivsid import diagnose
@@ -50,6 +51,8 @@ def test_a_wrong_claim_stands_far_from_the_log_and_bends_the_others():
         assert set(c) == {"parameter", "value", "unit", "contradicted", "z", "interval", "without_claims"}
 
 
+# Nightly: the gate has the claims of a diagnosis with some.
+@pytest.mark.nightly
 def test_without_claims_nothing_is_said_of_any():
     vehicle = vehicle_of()
     assert diagnose(vehicle, *logs_of(vehicle), null_logs=0).record()["claims"] == []
@@ -80,6 +83,8 @@ def test_a_cause_without_any_signature_hides_nothing():
     assert np.isfinite([bound.lower, bound.upper]).all() and bound.lower < bound.upper
 
 
+# Nightly: two whole diagnoses; the gate screens the wind, and has the text of its extended model below.
+@pytest.mark.nightly
 def test_a_wind_that_was_found_stands_in_the_extended_model():
     """Its two numbers are one entry of model.terms, which identify and simulate take."""
     vehicle = vehicle_of()

@@ -1,4 +1,7 @@
-"""Cases that the examination once drew and the diagnosis failed, each with the fault it showed."""
+"""Cases that the examination once drew and the diagnosis failed, each with the fault it showed.
+
+Whole diagnoses of long sails run nightly; the gate asks test_diagnosis_stages.py which causes pass the screening of the same cases.
+"""
 
 import sys
 from pathlib import Path
@@ -27,6 +30,7 @@ def holds(result, truth):
     return [k for k, value in truth.items() if k in found and found[k].lower <= value <= found[k].upper]
 
 
+@pytest.mark.nightly
 def test_a_delay_of_a_sample_is_no_lag_beside_it():
     """Chi^2 is a wall where a delay is a sample long: a fit that stops there left a lag of a millisecond at 40 sigma."""
     c, result = drawn(113018, what="one")
@@ -34,12 +38,14 @@ def test_a_delay_of_a_sample_is_no_lag_beside_it():
     assert holds(result, c.truth) == ["thruster.delay"]
 
 
+@pytest.mark.nightly
 def test_a_rudder_that_flips_makes_no_outlier_of_the_yaw_rate():
     c, result = drawn(113027, what="one")
     assert any("thruster.delay" in s for s in names(result)) and holds(result, c.truth) == ["thruster.delay"]
     assert not any("stand far out" in n for n in result.notes)
 
 
+@pytest.mark.nightly
 def test_a_tether_that_the_hull_sails_around_is_found_at_its_place():
     """Its anchor lies inside the track, where no slope leads from outside; a dead band was told beside it."""
     c, result = drawn(113002, what="one")
@@ -47,11 +53,13 @@ def test_a_tether_that_the_hull_sails_around_is_found_at_its_place():
     assert len(holds(result, c.truth)) == 4
 
 
+@pytest.mark.nightly
 def test_a_small_dead_band_is_found_among_larger_ones_that_are_tried():
     c, result = drawn(112004, what="one", effect="thruster.deadband", duration=300.0)
     assert names(result) == [{"thruster.deadband"}] and holds(result, c.truth)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("seed", [46502, 46503])
 def test_velocities_every_fourth_row_make_no_findings(seed):
     """Demands and rudders change between two velocities, and when in a step they do matters."""

@@ -1,4 +1,7 @@
-"""What must happen to the findings when the log is turned, rescaled, cut or shuffled."""
+"""Findings when the log is turned, rescaled, cut or shuffled.
+
+Nightly, as two or three whole diagnoses each; the gate has the same relations of the scores in test_diagnosis_stages.py.
+"""
 
 import numpy as np
 import pytest
@@ -6,6 +9,8 @@ import pytest
 from diagnosis_logs import TWIN, logs_of, names, rows, vehicle_of, with_columns
 from ivsid import diagnose
 from ivsid.log import Log
+
+pytestmark = pytest.mark.nightly
 
 
 def test_turning_the_earth_frame_turns_a_current():

@@ -1,4 +1,4 @@
-"""What a diagnosis proves: guaranteed intervals hold the truth of bounded twins, and a refuted model has a certificate that ``verify`` checks."""
+"""Proofs of a diagnosis: guaranteed intervals hold the truth of bounded twins, and a refuted model has a certificate that ``verify`` checks."""
 
 import json
 
@@ -15,7 +15,10 @@ from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 from ivsid.verification.verify import verify
-from ivsid.workflow.diagnose import diagnosis_report
+from ivsid.workflow.diagnosis import diagnosis_report
+
+# One worker makes what these tests share.
+pytestmark = pytest.mark.xdist_group("proofs")
 
 # Better sensors on a calmer day, so that a bounded-error set says something.
 FINE = (
@@ -95,6 +98,8 @@ def test_a_true_model_inside_its_bounds_is_not_refuted():
     assert result.record()["falsified"]["inflation"] < 1
 
 
+# Nightly: the gate has the proof of a refuted model and of one that is not.
+@pytest.mark.nightly
 def test_adequate_never_stands_beside_a_refutation_in_silence():
     """A few readings far outside of their bound: too few for the statistics, and the proof says where the bound does not hold."""
     vehicle, train, test = logs({}, noise="gaussian")

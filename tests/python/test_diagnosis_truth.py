@@ -117,6 +117,7 @@ def test_the_calm_log_tells_its_six_causes(real):
 
 
 @pytest.mark.slow
+@pytest.mark.nightly
 def test_the_current_is_found_with_all_the_others(real):
     path = real(CURRENT)
     vehicle = parse_vehicle(OTTER, "otter.toml")
@@ -127,6 +128,7 @@ def test_the_current_is_found_with_all_the_others(real):
 
 
 @pytest.mark.slow
+@pytest.mark.nightly
 def test_a_calm_fit_gains_less_where_a_current_runs(real):
     vehicle = parse_vehicle(OTTER, "otter.toml")
     result = diagnose(vehicle, part(real(CALM), 0, 3000, 1), part(real(CURRENT), 0, 3000, 2))
@@ -163,6 +165,7 @@ demand = "linear"
 
 
 @pytest.mark.slow
+@pytest.mark.nightly
 def test_a_tanker_of_which_the_rudder_alone_is_known_gets_no_wrong_name(real):
     """Its screw turns at one speed that the log does not tell, so no mass and no drag is known: an answer without a proved name."""
 

@@ -17,7 +17,7 @@ from ivsid.simulation import hidden_effect, simulate
 from ivsid.simulation.hidden import can_hide, draw
 from ivsid.vehicle import parse_vehicle
 
-# EFFECTS.md, section 2, in its order.
+# The catalogue (docs/theory.md, "The catalogue of effects"), family by family.
 PLAIN = ["mass.surge", "mass.sway", "inertia.yaw", "drag.surge.quadratic", "drag.sway.quadratic"]
 IDS = [
     "drag.surge.linear",

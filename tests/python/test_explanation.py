@@ -1,4 +1,4 @@
-"""What a user reads of a diagnosis: paragraphs made from its numbers, figures that show them, ranked rejections, losses as losses."""
+"""A diagnosis for its reader: paragraphs made from its numbers, figures that show them, ranked rejections, losses as losses."""
 
 import json
 import re
@@ -13,7 +13,10 @@ from ivsid.diagnosis.statements.binning import binned, ordered_by
 from ivsid.diagnosis.statements.prose import _verdict
 from ivsid.files.records import to_json
 from ivsid.report import figures
-from ivsid.workflow.diagnose import diagnosis_report
+from ivsid.workflow.diagnosis import diagnosis_report
+
+# One worker makes what these tests share.
+pytestmark = pytest.mark.xdist_group("explanation")
 
 LINEAR = 4.0
 
@@ -117,6 +120,8 @@ def test_gains_have_intervals_and_losses_are_said(result):
         assert size[k] == pytest.approx(gain.force_rms[name][1], rel=0.1)
 
 
+# Nightly: the gate compares two models of which one is wrong in test_diagnosis_stages.py.
+@pytest.mark.nightly
 def test_a_model_that_is_made_worse_is_reported_as_worse(result):
     """TEST without the effect: the extended model is wrong there, and the report says so."""
     vehicle = vehicle_of()

@@ -14,7 +14,7 @@ from ivsid.diagnosis.plant.physics import ADDED, Hypothesis, acceleration, added
 from ivsid.diagnosis.plant.thruster_forces import bollard_force, thruster_force
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.parallel import at_once, side_by_side
-from ivsid.diagnosis.statements.comparison import _windows
+from ivsid.diagnosis.statements.windows import windows
 from ivsid.effects import EFFECTS, Given, Reading, terms_of
 from ivsid.linear.filters import respond, whiten
 from ivsid.log import Log
@@ -142,9 +142,9 @@ def test_thrusts_that_are_remembered_are_those_that_are_asked_for(predictor, pla
 
 def test_windows_sail_together_as_they_do_alone(predictor, plain):
     states = predictor.settle(plain, predictor.start(plain))
-    together = _windows(predictor, plain, states, (10.0, 30.0))
+    together = windows(predictor, plain, states, (10.0, 30.0))
     for found, length in zip(together, (10.0, 30.0), strict=True):
-        (alone,) = _windows(predictor, plain, states, (length,))
+        (alone,) = windows(predictor, plain, states, (length,))
         for a, b in zip(found, alone, strict=True):
             assert np.allclose(a, b, rtol=1e-12, atol=1e-12, equal_nan=True)
 

@@ -152,7 +152,7 @@ def test_several_windows_are_an_intersection(swan, twin):
 
 def test_what_is_determined_in_words():
     from ivsid.identification import in_words
-    from ivsid.identification.freedom import determined
+    from ivsid.identification.combinations import determined
 
     (combination,) = determined(2, [np.array([0.3, -1.0])])
     assert combination == pytest.approx([1.0, 0.3])
@@ -174,7 +174,7 @@ def test_what_is_determined_in_words():
 def test_a_log_at_constant_speed_determines_one_combination(swan):
     """Steady motion ties linear to quadratic drag: only their sum at that speed is known."""
     from ivsid.log import Log
-    from ivsid.workflow.common import freedom_lines
+    from ivsid.workflow.parameters import freedom_lines
 
     text = swan.text[: swan.text.index("[[thrusters]]")] + "[sensors" + swan.text.split("[sensors", 1)[1]
     text = (

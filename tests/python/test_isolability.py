@@ -98,7 +98,9 @@ def test_coasting_separates_linear_drag_from_friction_best():
         assert one.best.groups == (("drag.surge.linear",), ("friction.coulomb",))
 
 
+# Nightly: the gate has the coast that separates drag from friction, and the command.
 @pytest.mark.slow
+@pytest.mark.nightly
 def test_headings_separate_current_from_wind_and_straight_runs_do_not():
     """On one heading at one speed a current and a wind are one thing; speed changes on several headings, or full turns, tell them apart."""
     vehicle, train, fit = fitted(ONE_LINE)
@@ -121,7 +123,9 @@ def test_algebra_is_broken_by_no_manoeuvre():
     assert one.record()["best"] is None
 
 
+# Nightly: the gate has the coast that separates drag from friction, and the command.
 @pytest.mark.slow
+@pytest.mark.nightly
 def test_the_advice_holds_when_it_is_followed():
     """The distance that a coast promises, against that of a real log of the programme with a coast behind it, sensors' noise and all."""
     vehicle, train, fit = fitted(LINE)
@@ -141,7 +145,7 @@ def test_the_advice_holds_when_it_is_followed():
 
 @pytest.mark.slow
 def test_the_command_advises_for_a_scenario_and_for_a_log(tmp_path):
-    from ivsid.workflow.common import csv
+    from ivsid.workflow.log_files import csv
 
     vehicle = vehicle_of()
     (tmp_path / "boat.toml").write_text(vehicle.text)

@@ -1,5 +1,6 @@
 """Inverses, regularity and systems from Python: batches, certificates, sweeps that report and stop."""
 
+import json
 import signal
 import threading
 import time
@@ -10,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ivsid import IntervalArray, IvsidError, linalg
+from ivsid import IntervalArray, IvsidError, linalg, regression
 from ivsid.linear.certificates import Certificate
 
 PROVING = ("exact", "partitioned", "hansen-bliek-rohn", "krawczyk", "cramer", "kuttler", "neumaier")
@@ -248,6 +249,39 @@ def test_an_error_of_the_callback_ends_the_sweep():
 
     with pytest.raises(RuntimeError, match="enough"):
         linalg.inverse(dominant(8), "published", 10**12, progress=fail)
+
+
+def test_statuses_are_those_of_the_core():
+    for kind, names in (
+        (linalg.Status, linalg.STATUSES),
+        (linalg.Verdict, linalg.VERDICTS),
+        (regression.FeasibleStatus, regression.FEASIBLE_STATUSES),
+        (regression.LeastSquaresStatus, regression.LEAST_SQUARES_STATUSES),
+    ):
+        assert tuple(kind) == names and all(type(name) is str for name in names)
+    result = linalg.inverse(dominant(3))
+    assert result.status is linalg.Status.ENCLOSED and json.dumps(result.status) == '"enclosed"'
+    assert f"{result.status}" == str(result.status) == "enclosed"
+
+
+def test_methods_are_those_of_the_core():
+    assert (*PROVING, "published", "published-hull") == linalg.INVERSE_METHODS
+    assert linalg.SOLVE_METHODS == ("hansen-bliek-rohn", "exact", "krawczyk", "gauss-seidel", "cramer")
+    assert linalg.SWEEPS == ("members", "extrema") and regression.LEAST_SQUARES_METHODS == ("qr", "augmented")
+    assert (linalg.DEFAULT_PARTITIONS, linalg.DEFAULT_CELLS) == (1000, 4096)
+
+
+def test_one_matrix_and_a_batch_have_doors_of_their_own():
+    one, batch, right = dominant(3), dominant(3, k=4), np.ones(3)
+    assert isinstance(linalg.inverse_one(one), linalg.Result)
+    assert isinstance(linalg.solve_one(one, right), linalg.Result)
+    assert isinstance(linalg.regularity_one(one), linalg.Regularity)
+    assert isinstance(linalg.inverse_batch(batch), linalg.ResultBatch) and len(linalg.inverse_batch(batch)) == 4
+    assert isinstance(linalg.solve_batch(batch, right), linalg.ResultBatch)
+    assert isinstance(linalg.regularity_batch(batch), linalg.Batch)
+    for door, matrix in ((linalg.inverse_one, batch), (linalg.inverse_batch, one), (linalg.regularity_batch, one)):
+        with pytest.raises(IvsidError, match="is needed"):
+            door(matrix)
 
 
 def test_bad_input_is_said_in_one_sentence():

@@ -1,4 +1,4 @@
-"""What stands in a log between two rows is in the range of the step."""
+"""Samples between two rows are in the range of the step."""
 
 from fractions import Fraction
 
@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ivsid import IvsidError, read_log
-from ivsid.log.sweep import swept
+from ivsid.log.step_ranges import step_range
 from ivsid.sensors.bounds import bound_log
 from ivsid.vehicle import parse_vehicle
 from log_files import log_map, rows_at, two_tables
@@ -44,7 +44,7 @@ def test_what_stands_between_the_rows_is_in_the_range_of_the_step(data):
         (straight, values, {"manner": "between"}),
         ([Fraction(x) for x in curve], at, {"manner": "hold", "rate": rate}),
     ):
-        lower, upper = swept(rows, t, samples, nothing, **how)
+        lower, upper = step_range(rows, t, samples, nothing, **how)
         for k in range(rows.size - 1):
             inside = (fine >= rows[k]) & (fine < rows[k + 1])
             covered = rows[k] >= t[0] and rows[k + 1] <= t[-1]
@@ -60,7 +60,7 @@ def test_a_step_that_reaches_into_a_hole_has_no_range():
     t = np.r_[np.arange(0, 2, 0.1), np.arange(4, 6, 0.1)]
     rows, values = np.arange(0, 5.95, 0.5), np.arange(t.size, dtype=float)
     for how in ({"manner": "between"}, {"manner": "hold"}, {"manner": "hold", "rate": 20.0}):
-        lower, _ = swept(rows, t, values, np.zeros(t.size), **how)
+        lower, _ = step_range(rows, t, values, np.zeros(t.size), **how)
         # Until 1.9 s there are samples, and a held value is good for 0.25 s more.
         assert (
             np.isnan(lower[4 if how == {"manner": "hold"} else 3 : 8]).all()

@@ -10,7 +10,7 @@ from scipy.io import savemat
 import log_files
 from ivsid import IvsidError, read_log
 from ivsid.log.matlab_structure import StructureError, check_structure
-from ivsid.log.panics import panics_unprinted
+from ivsid.log.polars_panics import panics_unprinted
 from test_log_formats import mapping, sentence
 
 ENDINGS = {

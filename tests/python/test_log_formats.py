@@ -262,8 +262,8 @@ def test_dataflash_instances_and_units_of_the_format(tmp_path):
 
 def test_a_bag_by_the_command_line(tmp_path):
     """The whole way: a bag, its map in the vehicle file, and one sentence where a topic is not there."""
+    from command_line import run
     from conftest import embedded
-    from test_cli import run
 
     path = log_files.bag(tmp_path / "bag", "mcap")
     columns = "".join(f'{k} = "{v}"\n' for k, v in log_files.BAG_MAP["columns"].items())

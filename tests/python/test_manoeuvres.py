@@ -8,7 +8,7 @@ from ivsid import IvsidError, read_log
 from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
-from ivsid.workflow.common import csv as as_csv
+from ivsid.workflow.log_files import csv as as_csv
 from test_actuators import HULL, PAIR, POD, SENSORS, TRUTH
 from test_rudders import RUDDER
 

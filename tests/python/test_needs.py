@@ -6,7 +6,7 @@ import pytest
 from ivsid import IvsidError, identify
 from ivsid.effects import CATALOGUE, CHANNELS, State, on_hull, terms_of
 from ivsid.log import Log
-from ivsid.rows.needs import needed_by
+from ivsid.rows.required_columns import needed_by
 from ivsid.vehicle import parse_vehicle
 
 HEAD = 'name = "a"\n[hull]\nmass = 3\n'

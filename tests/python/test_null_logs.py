@@ -13,11 +13,12 @@ from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.cache import keep, kept, key_of
 from ivsid.diagnosis.null.calibration import NullTest, examined, trial_of
-from ivsid.diagnosis.null.null_logs import FASTEST, null_logs, thinned
+from ivsid.diagnosis.null.family_wise import Threshold
+from ivsid.diagnosis.null.simulated_logs import FASTEST, null_logs, thinned
 from ivsid.diagnosis.null.thresholds import calibrate
-from ivsid.diagnosis.null.visibility import Threshold, visibility
+from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.selection.confirmation import CLOSE, confirmed, strength
-from ivsid.diagnosis.selection.select import Found
+from ivsid.diagnosis.selection.rivals import Found
 from ivsid.effects import sort_given
 from ivsid.log import Log
 from ivsid.programme.scenario import parse_scenario
@@ -25,6 +26,9 @@ from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.simulation import simulate
 from ivsid.simulation.equations import equations, plant
 from ivsid.vehicle import parse_vehicle
+
+# One worker makes what these tests share.
+pytestmark = pytest.mark.xdist_group("null logs")
 
 STRAIGHT = """
 [[segments]]
@@ -70,14 +74,16 @@ def zigzags():
 def test_the_feedback_of_a_log_is_found_with_its_gain(zigzags):
     back = zigzags[2].programme.feedback
     # Port first: it is given less when the yaw rate is asked for more; the segments have gains of 20 and 25.
-    assert back.gains[0, 2] == pytest.approx(-24, abs=2) and back.gains[1, 2] == pytest.approx(24, abs=2)
-    assert not back.gains[:, [0, 1, 3]].any() and not back.gains[2:].any()
+    assert back.feedback_gains[0, 2] == pytest.approx(-24, abs=2) and back.feedback_gains[1, 2] == pytest.approx(
+        24, abs=2
+    )
+    assert not back.feedback_gains[:, [0, 1, 3]].any() and not back.feedback_gains[2:].any()
     assert 0.5 < back.at[0].mean() < 1.0 and not back.reads
 
 
 def test_a_straight_course_shows_its_feedback_through_the_noise_and_an_open_loop_has_none():
     straight = trial(STRAIGHT)[2].programme.feedback
-    assert straight.gains[1, 2] == pytest.approx(25, rel=0.2) and straight.at[1].mean() > 0.8
+    assert straight.feedback_gains[1, 2] == pytest.approx(25, rel=0.2) and straight.at[1].mean() > 0.8
     assert not trial(OPEN)[2].programme.feedback.closed
 
 

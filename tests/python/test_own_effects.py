@@ -81,7 +81,9 @@ def test_the_guide_does_what_it_says(tmp_path):
     assert bare.returncode == 2 and "--own-effects" in bare.stderr and not (tmp_path / "bare").exists()
 
 
+# Nightly: the gate screens it in test_diagnosis_stages.py.
 @pytest.mark.slow
+@pytest.mark.nightly
 def test_a_force_with_two_channels_is_named(clean):
     """The guide's second example: no term, so no model lists it, but it is simulated and named."""
     names = {}
@@ -111,9 +113,9 @@ def test_a_registered_term_stands_in_a_model(clean):
         terms_of(vehicle)
 
 
-def effect(id_="drag.own", unit="kg/m", acts=None, typical=1.0, cause="a cause"):
+def effect(id_="drag.own", unit="kg/m", acts=None, typical=1.0, cause="a cause", **described):
     acts = acts or Force(lambda s, p: {"surge": -p[0] * s.u})
-    return Effect(id_, cause, (Parameter("", "", unit, typical),), acts)
+    return Effect(id_, cause, (Parameter("", "", unit, typical),), acts, **described)
 
 
 @pytest.mark.parametrize(
@@ -131,6 +133,7 @@ def effect(id_="drag.own", unit="kg/m", acts=None, typical=1.0, cause="a cause")
         (effect(acts=Force(lambda s, p: {"surge": s.speed})), "fails where it is tried"),
         (effect(acts=Force(lambda s, p: {"surge": float("nan")})), "finite number"),
         (effect(acts=Terms((Term("drag.other", "", "kg/m", lambda s: {"surge": s.u}),))), "ask for drag.own"),
+        (effect(equivalents=("drag.surge.linear",), equivalent_odds=(1.0, 0.3)), "2 equivalent_odds and 1 equivalents"),
     ],
 )
 def test_what_is_wrong_with_an_effect_is_said_and_nothing_is_registered(wrong, words, clean):
@@ -180,7 +183,7 @@ def test_null_logs_are_kept_under_the_content_of_the_files(tmp_path, clean):
 
 
 def test_sizes_scale_after_froude_from_the_unit_alone():
-    """The powers of EFFECTS.md: forces L^3, moments L^4, speeds and times L^0.5."""
+    """The powers of docs/theory.md, "The catalogue of effects": forces L^3, moments L^4, speeds and times L^0.5."""
     known = {
         "kg": 3, "kg m": 4, "kg m^2": 5, "kg/m": 2, "kg/m^2": 1, "kg/s": 2.5, "kg m/s": 3.5, "N": 3, "N m s": 4.5, "N m s^2": 5,
         "N/(m/s)^2": 2, "N/(m/s)^3": 1.5, "m": 1, "s": 0.5, "1/s": -0.5, "m/s": 0.5, "s/m": -0.5, "rad/s": -0.5, "m/s^2": 0,

@@ -6,7 +6,8 @@ import pytest
 from ivsid import Interval, IntervalArray, linalg
 from ivsid.files.units import random_walk_from_deg_per_sqrt_hour
 from ivsid.propulsion.bollard import PUBLISHED_CUBIC, TABLE_III, examine
-from ivsid.sensors.bounds import doppler_drift, doppler_paper, sigma_published
+from ivsid.sensors.doppler import doppler_drift, doppler_paper
+from ivsid.sensors.noise import sigma_published
 
 Q = IntervalArray([[2, -2], [-1.5, -2]], [[4, 2], [4.5, 3.5]])
 

@@ -45,7 +45,7 @@ def test_t200_tables(real, volts):
     low, high = record["dead_band"]
     assert low < 1500 < high
     if volts == 16:
-        # DATA.md: 5.245 / -4.069 kgf, no thrust from 1472 to 1528 us
+        # From the maker's table: 5.245 / -4.069 kgf, no thrust from 1472 to 1528 us
         assert record["thrust_range"] == pytest.approx([-4.069476 * 9.80665, 5.245 * 9.80665], rel=1e-3)
         assert (low, high) == (1472, 1528)
     assert record["recommended"] == "monotone table (PCHIP)"
@@ -73,7 +73,7 @@ def test_every_candidate_for_a_t200_holds_its_table(real, volts):
 def test_the_rov_on_deck(real):
     record = workflow.allan(real("rov_30k/20150518--1335_deck_imu.csv.gz")).record
     assert set(record["channels"]) == {"acc_x", "acc_y", "acc_z", "gyr_x", "gyr_y", "gyr_z"}
-    # DATA.md: gyro bias (-.00449, .00398, -.00110) rad/s
+    # Means of the deck recording: gyro bias (-.00449, .00398, -.00110) rad/s
     means = [record["channels"][f"gyr_{a}"]["mean"] for a in "xyz"]
     assert means == pytest.approx([-0.00449, 0.00398, -0.00110], abs=4e-4)
     assert any("uneven" in n for n in record["notes"])

@@ -44,7 +44,9 @@ def test_otter_with_rows_that_may_be_wrong(real, tmp_path, model, status):
     assert fit.status == status and any(c.get("dropped") for c in fit.certificates)
 
 
+# Nightly: the gate has weak rows of simulated poses in test_verification_weak.py.
 @pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("rows", ["weak", "both"])
 def test_cybership_straight_from_the_pose(real, tmp_path, rows):
     (tmp_path / "run.csv").write_text(read_cse1(real("cse1")).logs["random_run1"].text)
@@ -53,7 +55,9 @@ def test_cybership_straight_from_the_pose(real, tmp_path, rows):
     assert "weak" in {r["kind"] for c in fit.certificates for r in c.get("rows", ())}
 
 
+# Nightly: 780 certificates each; the gate proves the sets below and above.
 @pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("run", ["random_run1", "random_run3"])
 def test_cybership(real, tmp_path, run):
     """Velocities from camera poses, windows of a second, eight parameters: some 780 certificates."""
@@ -63,7 +67,9 @@ def test_cybership(real, tmp_path, run):
     assert proved(vehicle, tmp_path / f"{run}.csv", tmp_path).status == "unbounded"
 
 
+# Nightly: the gate has wrong rows of the Otter above.
 @pytest.mark.slow
+@pytest.mark.nightly
 def test_remotely_operated_vehicle_with_a_row_that_may_be_wrong(real, tmp_path):
     (tmp_path / "manual.csv").write_text(read_rov30k(real("rov_30k")).logs["manual"].text)
     vehicle = read_vehicle(str(files("ivsid") / "data" / "rov30k.toml"))

@@ -12,12 +12,14 @@ from conftest import as_log
 from ivsid.errors import IvsidError
 from ivsid.log import Log
 from ivsid.log.record import Clock
-from ivsid.sensors.bounds import bound_log, doppler, half_width, rule_for
+from ivsid.sensors.bounds import bound_log
+from ivsid.sensors.doppler import doppler
+from ivsid.sensors.noise import half_width, rule_for
 from ivsid.vehicle import InertialSensor, Sensors, VelocitySensor, parse_vehicle
 
 
 def test_sigmas_follow_from_confidence_by_the_union_bound():
-    # METHODS 5.1: 6000 samples at p = 0.999 give 5.2, three channels 5.4.
+    # docs/theory.md, "Sensor bounds": 6000 samples at p = 0.999 give 5.2, three channels 5.4.
     assert rule_for(Sensors(confidence=0.999), 6000).sigmas == pytest.approx(5.2, abs=0.05)
     assert rule_for(Sensors(confidence=0.999), 18000).sigmas == pytest.approx(5.4, abs=0.05)
     rule = rule_for(Sensors(confidence=0.99), 1000)

@@ -83,7 +83,7 @@ def test_what_the_file_claims_of_a_thruster_is_true_unless_an_effect_says_otherw
 
 
 def test_the_fast_curve_is_the_curve(swan):
-    from ivsid.simulation.propulsion import scalar_curve
+    from ivsid.simulation.true_thrust import scalar_curve
 
     rng = np.random.default_rng(0)
     table = {"demand": [-3.0, -1.0, 0.0, 2.0, 5.0], "thrust": [-4.0, -0.5, 0.0, 3.0, 3.5]}

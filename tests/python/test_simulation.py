@@ -239,7 +239,8 @@ def test_a_coarse_run_that_ends_early_changes_nothing(swan, programme):
     """The first run is only looked at until it is too far off; what is accepted, and its error, are those of whole runs."""
     from ivsid.simulation.equations import equations, plant, steps
     from ivsid.simulation.integrate import INSIDE, TOLERANCE, run, settle
-    from ivsid.simulation.propulsion import Propulsion, TrueThrust
+    from ivsid.simulation.propulsion import Propulsion
+    from ivsid.simulation.true_thrust import TrueThrust
 
     # A quick heave of the moment: one step a sample is too coarse.
     model = plant(swan, terms_of(swan), sort_given({**programme.truth, "drag.yaw.linear": 150.0}))
@@ -296,7 +297,7 @@ def test_the_catalogue_moves_as_the_dynamics_of_a_fit_does(swan, programme):
     model = Dynamics(terms_of(vehicle), values, mass * x_g, mass * y_g)
     e, thrust = made.exact, np.zeros((made.t.size, 3))
     for name, y in (("port", -0.3), ("starboard", 0.3)):
-        from ivsid.simulation.propulsion import TrueThrust
+        from ivsid.simulation.true_thrust import TrueThrust
 
         curve = TrueThrust(vehicle.thrusters[0 if name == "port" else 1], np.random.default_rng(0))
         curve.__dict__.update(made.truth["thrust_error"][name])

@@ -7,8 +7,9 @@ import pytest
 
 from ivsid import IvsidError
 from ivsid.propulsion.bollard import TABLE_III, examine
-from ivsid.propulsion.thrust import ThrustCurve, combine
-from ivsid.simulation.propulsion import scalar_curve
+from ivsid.propulsion.configuration import combine
+from ivsid.propulsion.thrust import ThrustCurve
+from ivsid.simulation.true_thrust import scalar_curve
 from ivsid.vehicle import Thruster, Vehicle, parse_vehicle
 
 
@@ -139,7 +140,7 @@ def held(text, demand, thrust):
 def test_every_candidate_with_its_band_holds_the_bollard_data():
     """Table III, a PWM table with a dead band, and a noisy one: each candidate's text encloses every point, and no half of it does."""
     from ivsid.propulsion.bollard import PUBLISHED_CUBIC
-    from ivsid.workflow.thrust import candidate_toml
+    from ivsid.workflow.thrust_curves import candidate_toml
 
     rng = np.random.default_rng(1)
     pwm = np.arange(1100.0, 1901.0, 20)

@@ -16,7 +16,7 @@ from ivsid.errors import IvsidError
 from ivsid.intervals import outward_decimal
 from ivsid.log import read_log
 from ivsid.vehicle import parse_vehicle
-from ivsid.workflow.common import csv as as_csv
+from ivsid.workflow.log_files import csv as as_csv
 
 
 def exact_end(record, certificate) -> Fraction:

@@ -1,4 +1,4 @@
-"""What ``identify`` would never write: rows that no log supports, and readings that say something else, prove nothing."""
+"""Forged results: rows that no log supports, and readings that say something else, prove nothing."""
 
 import json
 from dataclasses import replace
@@ -125,7 +125,7 @@ def test_stored_multipliers_are_a_proposal_and_nothing_else(fits, tmp_path):
 
 
 def test_the_verdict_says_how_many_rows_may_be_wrong(swan, programme, tmp_path):
-    from ivsid.workflow.verify import verdict_lines
+    from ivsid.workflow.verification import verdict_lines
 
     log = as_log(simulate(swan, programme.model_copy(update={"noise": "uniform", "duration": 30.0}), 3))
     identify(swan, log, outliers=2).save(tmp_path / "fit.json")

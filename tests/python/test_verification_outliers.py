@@ -20,6 +20,9 @@ from ivsid.verification.errors import UnprovedError
 from ivsid.verification.outliers import Proof, check_choices, left_open
 from test_verification_edits import exact_end, tightened
 
+# One worker makes what these tests share.
+pytestmark = pytest.mark.xdist_group("outliers")
+
 FIVE = (
     'terms = "paper"',
     'terms = ["mass.surge", "mass.sway", "inertia.yaw", "drag.surge.quadratic", "drag.sway.quadratic"]',

@@ -13,7 +13,7 @@ from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 from ivsid.verification.errors import UnprovedError
 from ivsid.verification.rows import Rows
-from ivsid.workflow.verify import verdict_lines
+from ivsid.workflow.verification import verdict_lines
 from test_pose import boat, motion
 from test_verification_rows import ends, outside
 from test_weak_form import towed as from_pose
@@ -59,7 +59,9 @@ def test_rows_straight_from_the_pose_are_proved_and_rougher_poses_or_limits_are_
         assert verify(written(tmp_path / "r.json", edited), log).status == "failed"
 
 
+# Nightly: a proof for every end; the gate moves rows and ends of other kinds in test_verification_edits.py.
 @pytest.mark.slow
+@pytest.mark.nightly
 def test_no_end_of_rows_straight_from_the_pose_can_be_moved(tmp_path):
     log, vehicle = from_pose(1, length=60.0)
     fit = identify(vehicle, log, rows="both", window=2.0)

@@ -9,7 +9,7 @@
 mod common;
 
 use common::{Random, invert, q};
-use interval_core::regression::{OrthantOutcome, feasible_set, normal_equations};
+use interval_core::regression::{FeasibleStatus, OrthantOutcome, feasible_set, normal_equations};
 use interval_core::{Interval, IntervalMatrix, Status, inverse};
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
@@ -123,12 +123,12 @@ fn the_exact_hull_is_inside_and_nearly_equal() {
         let found = feasible_set(&a, &y).expect("good rows");
         match oracle(&a, &y) {
             None => {
-                assert_eq!(found.status, Status::Empty, "trial {trial}");
+                assert_eq!(found.status, FeasibleStatus::Empty, "trial {trial}");
                 assert!(found.inflation.is_none_or(|k| k > 1.0 - 1e-9), "trial {trial}");
                 empty += 1;
             }
             Some(hull) => {
-                assert_eq!(found.status, Status::Enclosed, "trial {trial}");
+                assert_eq!(found.status, FeasibleStatus::Enclosed, "trial {trial}");
                 assert!(found.inflation.is_some_and(|k| k <= 1.0 + 1e-9), "trial {trial}: {:?}", found.inflation);
                 for (x, (least, most)) in found.parameters.iter().zip(&hull) {
                     assert!(q(x.lo()) <= *least && *most <= q(x.hi()), "trial {trial}: the hull sticks out");
@@ -152,7 +152,7 @@ fn three_unknowns_against_the_oracle() {
         let (a, y) = random_rows(&mut random, 5, 3, 0.05, 0.6);
         let found = feasible_set(&a, &y).expect("good rows");
         match oracle(&a, &y) {
-            None => assert_eq!(found.status, Status::Empty, "trial {trial}"),
+            None => assert_eq!(found.status, FeasibleStatus::Empty, "trial {trial}"),
             Some(hull) => {
                 for (x, (least, most)) in found.parameters.iter().zip(&hull) {
                     assert!(q(x.lo()) <= *least && *most <= q(x.hi()), "trial {trial}");
@@ -167,7 +167,7 @@ fn three_unknowns_against_the_oracle() {
 fn a_set_in_two_pieces_is_covered() {
     let a = rows(2, 1, &[-1.0, 1.0], &[1.0, 1.0]);
     let found = feasible_set(&a, &[at(1.0, 1.0), at(-2.0, 2.0)]).unwrap();
-    assert_eq!(found.status, Status::Enclosed);
+    assert_eq!(found.status, FeasibleStatus::Enclosed);
     assert!(
         found.parameters[0].contains(-2.0)
             && found.parameters[0].contains(2.0)
@@ -179,25 +179,25 @@ fn a_set_in_two_pieces_is_covered() {
 fn open_ends_are_infinite_and_their_directions_named() {
     let a = rows(1, 2, &[1.0, 1.0], &[1.0, 1.0]);
     let found = feasible_set(&a, &[at(1.0, 2.0)]).unwrap();
-    assert_eq!(found.status, Status::Unbounded);
+    assert_eq!(found.status, FeasibleStatus::Unbounded);
     assert!(found.parameters.iter().all(|x| *x == Interval::ENTIRE));
     assert!(found.directions.iter().any(|d| (d[0] + d[1]).abs() < 1e-12));
     // A column that stands in no row leaves its own unknown open, and only that.
     let a = rows(3, 2, &[1.0, 0.0, 2.0, 0.0, 3.0, 0.0], &[1.0, 0.0, 2.0, 0.0, 3.0, 0.0]);
     let found = feasible_set(&a, &[at(1.0, 1.1), at(2.0, 2.2), at(3.0, 3.3)]).unwrap();
-    assert_eq!(found.status, Status::Unbounded);
+    assert_eq!(found.status, FeasibleStatus::Unbounded);
     assert_eq!(found.parameters[1], Interval::ENTIRE);
     assert_eq!((found.parameters[0].lo(), found.parameters[0].hi()), (1.0, 1.1));
     // One half-line: x >= 1 only.
     let found = feasible_set(&rows(1, 1, &[1.0], &[1.0]), &[at(1.0, f64::INFINITY)]).unwrap();
     assert_eq!(found.parameters[0], at(1.0, f64::INFINITY));
-    assert_eq!(found.status, Status::Unbounded);
+    assert_eq!(found.status, FeasibleStatus::Unbounded);
 }
 
 #[test]
 fn regressors_that_may_vanish_leave_ends_open() {
     let found = feasible_set(&rows(1, 1, &[0.0], &[1.0]), &[at(1.0, 1.0)]).unwrap();
-    assert_eq!(found.status, Status::Unbounded);
+    assert_eq!(found.status, FeasibleStatus::Unbounded);
     assert_eq!(found.parameters[0], at(1.0, f64::INFINITY));
 }
 
@@ -206,14 +206,14 @@ fn empty_sets_are_proved_by_few_rows() {
     let a = rows(4, 1, &[1.0; 4], &[1.0; 4]);
     let y = [at(0.0, 1.0), at(0.5, 2.0), at(1.0 + f64::EPSILON, 3.0), at(-1.0, 4.0)];
     let found = feasible_set(&a, &y).unwrap();
-    assert_eq!(found.status, Status::Empty, "empty by one unit in the last place");
+    assert_eq!(found.status, FeasibleStatus::Empty, "empty by one unit in the last place");
     let OrthantOutcome::Empty { rows } = &found.orthants[0].outcome else { panic!("a proof") };
     let mut named: Vec<usize> = rows.iter().map(|r| r.0).collect();
     named.sort_unstable();
     assert_eq!(named, [0, 2]);
     let touching = [at(0.0, 1.0), at(0.5, 2.0), at(1.0, 3.0), at(-1.0, 4.0)];
     let found = feasible_set(&a, &touching).unwrap();
-    assert_eq!((found.status, found.parameters[0]), (Status::Enclosed, at(1.0, 1.0)));
+    assert_eq!((found.status, found.parameters[0]), (FeasibleStatus::Enclosed, at(1.0, 1.0)));
 }
 
 #[test]
@@ -221,9 +221,9 @@ fn degenerate_rows() {
     // Duplicate rows, equalities, a zero row that says nothing and one that says no.
     let a = rows(4, 2, &[1.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0], &[1.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
     let found = feasible_set(&a, &[at(2.0, 2.0), at(2.0, 2.0), at(3.0, 3.0), at(-1.0, 1.0)]).unwrap();
-    assert_eq!(found.parameters, [at(2.0, 2.0), at(3.0, 3.0)]);
+    assert_eq!(*found.parameters, [at(2.0, 2.0), at(3.0, 3.0)]);
     let found = feasible_set(&a, &[at(2.0, 2.0), at(2.0, 2.0), at(3.0, 3.0), at(0.5, 1.0)]).unwrap();
-    assert_eq!(found.status, Status::Empty);
+    assert_eq!(found.status, FeasibleStatus::Empty);
     // Of a row with an infinite bound only the finite side speaks: x >= 1 here.
     let a = rows(2, 1, &[1.0, f64::NEG_INFINITY], &[1.0, 1.0]);
     let found = feasible_set(&a, &[at(2.0, 3.0), at(1.0, 1.0)]).unwrap();
@@ -236,7 +236,7 @@ fn degenerate_rows() {
 fn hugely_different_scales() {
     let a = rows(3, 2, &[1e-150, 0.0, 0.0, 1e150, 1e-150, 1e150], &[1e-150, 0.0, 0.0, 1e150, 1e-150, 1e150]);
     let found = feasible_set(&a, &[at(1.0, 2.0), at(1.0, 2.0), at(2.5, 3.0)]).unwrap();
-    assert_eq!(found.status, Status::Enclosed);
+    assert_eq!(found.status, FeasibleStatus::Enclosed);
     for (x, (least, most)) in
         found.parameters.iter().zip(oracle(&a, &[at(1.0, 2.0), at(1.0, 2.0), at(2.5, 3.0)]).unwrap())
     {
@@ -267,7 +267,7 @@ fn a_set_that_is_open_in_many_orthants() {
         y.push(at(sum - 2.0, sum + 2.0));
     }
     let found = feasible_set(&rows(m, n, &lo, &hi), &y).unwrap();
-    assert_eq!(found.status, Status::Unbounded);
+    assert_eq!(found.status, FeasibleStatus::Unbounded);
     assert!(found.orthants.len() > 64, "{}", found.orthants.len());
     for (j, (x, truth)) in found.parameters.iter().zip(TRUTH).enumerate() {
         assert!(x.contains(truth), "{j}: {x}");
@@ -283,7 +283,7 @@ fn inflation_of_an_open_set_is_looked_for_far_out() {
     let a = rows(2, 1, &[-1.0, -1.0], &[3.0, 3.0]);
     let found = feasible_set(&a, &[at(9.0, 11.0), at(-11.0, -9.0)]).unwrap();
     let factor = found.inflation.unwrap();
-    assert_eq!(found.status, Status::Unbounded);
+    assert_eq!(found.status, FeasibleStatus::Unbounded);
     assert!((0.5..0.5 + 1e-5).contains(&factor), "{factor}");
 }
 
@@ -292,11 +292,11 @@ fn inflation_is_the_least_factor() {
     // |x - 0| <= 1 k and |x - 4| <= 1 k: k = 2 at x = 2.
     let a = rows(2, 1, &[1.0, 1.0], &[1.0, 1.0]);
     let found = feasible_set(&a, &[at(-1.0, 1.0), at(3.0, 5.0)]).unwrap();
-    assert_eq!(found.status, Status::Empty);
+    assert_eq!(found.status, FeasibleStatus::Empty);
     assert!((found.inflation.unwrap() - 2.0).abs() < 1e-9 && (found.centre.unwrap()[0] - 2.0).abs() < 1e-9);
     // Equalities that contradict each other: no factor helps.
     let found = feasible_set(&a, &[at(0.0, 0.0), at(1.0, 1.0)]).unwrap();
-    assert_eq!((found.status, found.inflation), (Status::Empty, None));
+    assert_eq!((found.status, found.inflation), (FeasibleStatus::Empty, None));
     // Against a fine search in one unknown with uncertain regressors.
     let a = rows(3, 1, &[0.9, 1.8, -1.2], &[1.1, 2.3, -0.7]);
     let y = [at(2.0, 2.2), at(3.0, 3.1), at(-4.0, -3.5)];
@@ -341,11 +341,15 @@ fn least_squares_holds_the_truth_where_it_is_proved() {
             let fit = normal_equations(&a, &y, method).unwrap();
             if fit.status == Status::Enclosed {
                 proved += 1;
-                assert!(fit.parameters.unwrap().iter().zip(&truth).all(|(x, t)| x.contains(*t)), "least squares");
+                assert!(
+                    fit.parameters.unwrap().certified().unwrap().iter().zip(&truth).all(|(x, t)| x.contains(*t)),
+                    "least squares"
+                );
             }
         }
         let sweep = normal_equations(&a, &y, |g| inverse::published(g, 100)).unwrap();
         assert_ne!(sweep.status, Status::Enclosed);
+        assert!(sweep.parameters.is_none_or(|x| x.certified().is_none()));
     }
     assert!(proved > 60, "{proved}");
 }
@@ -360,8 +364,8 @@ proptest! {
         let whole = feasible_set(&a, &y).unwrap();
         let fewer = rows(8, 2, &a.lo()[..16], &a.hi()[..16]);
         let less = feasible_set(&fewer, &y[..8]).unwrap();
-        if whole.status == Status::Enclosed {
-            for (x, w) in whole.parameters.iter().zip(&less.parameters) {
+        if whole.status == FeasibleStatus::Enclosed {
+            for (x, w) in whole.parameters.iter().zip(less.parameters.iter()) {
                 prop_assert!(x.lo() >= w.lo() - 1e-12 * (1.0 + w.magnitude()) && x.hi() <= w.hi() + 1e-12 * (1.0 + w.magnitude()));
             }
             let mut order: Vec<usize> = (0..9).collect();
@@ -372,7 +376,7 @@ proptest! {
             let hi: Vec<f64> = order.iter().flat_map(|&i| a.hi()[2 * i..2 * i + 2].to_vec()).collect();
             let shuffled: Vec<Interval> = order.iter().map(|&i| y[i]).collect();
             let again = feasible_set(&rows(9, 2, &lo, &hi), &shuffled).unwrap();
-            for (x, w) in whole.parameters.iter().zip(&again.parameters) {
+            for (x, w) in whole.parameters.iter().zip(again.parameters.iter()) {
                 prop_assert!((x.lo() - w.lo()).abs() <= 1e-12 * (1.0 + w.magnitude()) && (x.hi() - w.hi()).abs() <= 1e-12 * (1.0 + w.magnitude()));
             }
         }

@@ -4,8 +4,8 @@ mod common;
 
 use common::rows::{Data, data, plain};
 use common::{integer, invert, q};
-use interval_core::regression::{FeasibleOptions, FeasibleSet, SignProof};
-use interval_core::{Interval, Status};
+use interval_core::Interval;
+use interval_core::regression::{FeasibleOptions, FeasibleSet, FeasibleStatus, SignProof};
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 
@@ -140,7 +140,7 @@ fn proofs_of_signs_cover_what_is_not_looked_at() {
             data.truth[0] = 0.0;
         }
         let set = data.set(&plain());
-        assert_eq!(set.status, Status::Enclosed, "seed {seed}");
+        assert_eq!(set.status, FeasibleStatus::Enclosed, "seed {seed}");
         assert!(set.parameters.iter().zip(&data.truth).all(|(x, t)| x.contains(*t)));
         assert!(covered(&data, &set), "seed {seed}: the certificate does not cover every orthant");
         saved += (1 << n) - set.orthants.len();
@@ -149,7 +149,7 @@ fn proofs_of_signs_cover_what_is_not_looked_at() {
         for bits in 0..1_usize << n {
             let signs = (0..n).map(|j| if bits >> j & 1 == 0 { 1 } else { -1 }).collect();
             let part = data.set(&FeasibleOptions { signs: Some(signs), ..plain() });
-            whole.iter_mut().zip(part.parameters).for_each(|(w, x)| *w = w.hull(x));
+            whole.iter_mut().zip(part.parameters.iter()).for_each(|(w, x)| *w = w.hull(*x));
         }
         for (x, w) in set.parameters.iter().zip(&whole) {
             let slack = 1e-12 * (1.0 + w.magnitude());
@@ -170,7 +170,7 @@ fn proofs_of_signs_cover_what_is_not_looked_at() {
 fn twenty_parameters_with_uncertain_regressors() {
     let data = data(5, 4000, 20, 0.002, 0.2, 10.0);
     let set = data.set(&plain());
-    assert_eq!(set.status, Status::Enclosed, "{:?}", set.reason);
+    assert_eq!(set.status, FeasibleStatus::Enclosed, "{:?}", set.reason);
     assert!(set.parameters.iter().zip(&data.truth).all(|(x, t)| x.contains(*t) && x.width() < 2.0));
     assert!(set.orthants.len() < 64, "{}", set.orthants.len());
 }

@@ -157,7 +157,7 @@ fn regular_but_not_strongly_regular() {
     }
 }
 
-/// The closed form in rationals: `G = |P| Delta`, `M = (I - G)^-1`, METHODS 4.2 (H).
+/// The closed form in rationals: `G = |P| Delta`, `M = (I - G)^-1`, docs/theory.md, "Inverses".
 fn closed_form(a: &IntervalMatrix) -> Option<(Vec<(BigRational, BigRational)>, f64)> {
     let n = a.rows();
     let half = BigRational::new(1.into(), 2.into());

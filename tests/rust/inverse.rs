@@ -10,7 +10,10 @@ mod common;
 
 use common::matrices::extremes;
 use common::{Random, invert, is_down, is_up, q};
-use interval_core::inverse::{Outcome, cramer, exact, hansen_bliek_rohn, krawczyk, kuttler, published, published_hull};
+use interval_core::inverse::{
+    Method, Options, Outcome, Sweep, cramer, exact, hansen_bliek_rohn, krawczyk, kuttler, neumaier, partitioned,
+    published, published_hull,
+};
 use interval_core::regularity::{Regularity, SingularMember, regularity};
 use interval_core::{Interval, IntervalMatrix, Status, systems};
 use num_rational::BigRational;
@@ -313,6 +316,42 @@ fn numbers_of_the_paper() {
     let (low, high) = ends(published(&one, 1000).unwrap());
     let d = 0.0005;
     assert!((low - 1.0 / (1.5 - d)).abs() < 1e-12 && (high - 1.0 / (1.5 + d)).abs() < 1e-12 && low > high);
+}
+
+#[test]
+fn methods_have_names_and_do_what_they_are_called() {
+    let a = &families(3, 2)[0].1;
+    let options = Options { partitions: 20, cells: 50, sweep: Sweep::Members };
+    let by_function = [
+        exact(a),
+        partitioned(a, 50),
+        hansen_bliek_rohn(a),
+        krawczyk(a),
+        cramer(a),
+        kuttler(a),
+        neumaier(a),
+        published(a, 20),
+        published_hull(a, 20),
+    ];
+    assert_eq!(by_function.len(), Method::ALL.len());
+    for (k, (&method, outcome)) in Method::ALL.iter().zip(by_function).enumerate() {
+        assert_eq!((usize::from(method.code()), method.name().parse()), (k, Ok(method)));
+        assert_eq!(method.inverse(a, &options), outcome, "{method}");
+        let batch = method.inverse_batch(3, a.lo(), a.hi(), &options).unwrap();
+        let outcome = outcome.unwrap();
+        assert_eq!(batch.status, [outcome.status], "{method}");
+        if let Some(bounds) = outcome.bounds() {
+            assert_eq!(bounds, (&batch.lower[..], &batch.upper[..]), "{method}");
+        }
+    }
+    let b = vec![Interval::new(1.0, 1.5).unwrap(); 3];
+    for &method in systems::Method::ALL {
+        assert_eq!(method.name().parse(), Ok(method));
+        assert!(method.solve(a, &b).unwrap().enclosure().is_some(), "{method}");
+    }
+    let refused = "gauss".parse::<Method>().unwrap_err().to_string();
+    assert!(refused.starts_with("method 'gauss' is not available; choose one of exact, partitioned, "), "{refused}");
+    assert!("Members".parse::<Sweep>().is_err());
 }
 
 #[test]

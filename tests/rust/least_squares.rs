@@ -4,8 +4,7 @@
 mod common;
 
 use common::{Random, invert, q};
-use interval_core::Status;
-use interval_core::regression::{LeastSquares, Rows, augmented, least_squares};
+use interval_core::regression::{LeastSquares, LeastSquaresStatus, Rows, augmented, least_squares};
 use num_rational::BigRational;
 use num_traits::{ToPrimitive, Zero};
 
@@ -86,18 +85,18 @@ fn every_member_is_inside() {
         let fit = least_squares(&data.rows()).expect("the default rounding");
         let dense = augmented(&data.rows()).expect("the default rounding");
         for found in [&fit, &dense] {
-            if found.status != Status::Enclosed {
+            if found.status != LeastSquaresStatus::Enclosed {
                 assert!(found.parameters.is_none() && found.reason.is_some());
             }
         }
         for _ in 0..12 {
             let (a, y) = data.member(&mut random);
             let x = solution(&a, &y, n);
-            if fit.status == Status::Enclosed {
+            if fit.status == LeastSquaresStatus::Enclosed {
                 assert!(holds(&fit, &x), "trial {trial}, qr");
                 proved += 1;
             }
-            if dense.status == Status::Enclosed {
+            if dense.status == LeastSquaresStatus::Enclosed {
                 assert!(holds(&dense, &x), "trial {trial}, augmented");
                 wide += 1;
             }
@@ -119,7 +118,7 @@ fn points_are_enclosed_to_rounding_even_where_normal_equations_fail() {
         y.push(random.unit());
     }
     let fit = least_squares(&Rows::new(n, &a, &a, &y, &y).expect("good rows")).expect("the default rounding");
-    assert_eq!(fit.status, Status::Enclosed, "{:?}", fit.reason);
+    assert_eq!(fit.status, LeastSquaresStatus::Enclosed, "{:?}", fit.reason);
     let exact = solution(&a, &y, n);
     assert!(holds(&fit, &exact));
     let size = exact.iter().map(|x| x.to_f64().unwrap_or(0.0).abs()).fold(0.0, f64::max);
@@ -167,25 +166,25 @@ fn what_cannot_be_proved_says_why() {
     let twice = [1.0, 2.0, 2.0, 4.0, 3.0, 6.0];
     let y = [1.0, 2.0, 3.0];
     let fit = least_squares(&Rows::new(2, &twice, &twice, &y, &y).expect("good rows")).expect("the default rounding");
-    assert_eq!(fit.status, Status::NotProved);
+    assert_eq!(fit.status, LeastSquaresStatus::NotProved);
     assert!(fit.reason.is_some_and(|r| r.contains("dependent")));
     let few = Rows::new(2, &twice[..2], &twice[..2], &y[..1], &y[..1]).expect("good rows");
     for solve in [least_squares, augmented] {
         let fit = solve(&few).expect("the default rounding");
         assert_eq!(
             (fit.status, fit.reason.as_deref()),
-            (Status::NotApplicable, Some("1 rows leave 2 parameters undetermined"))
+            (LeastSquaresStatus::NotApplicable, Some("1 rows leave 2 parameters undetermined"))
         );
     }
     let (low, high) = ([f64::NEG_INFINITY, 1.0, 1.0], [1.0, 2.0, 2.0]);
     let fit = least_squares(&Rows::new(1, &y, &y, &low, &high).expect("good rows")).expect("the default rounding");
-    assert_eq!(fit.status, Status::NotApplicable);
+    assert_eq!(fit.status, LeastSquaresStatus::NotApplicable);
     // Regressors that may all vanish: some members have no full rank.
     let fit = least_squares(&Rows::new(1, &[-1.0, -1.0], &[1.0, 1.5], &[1.0, 1.0], &[1.0, 1.0]).expect("good rows"));
-    assert_eq!(fit.expect("the default rounding").status, Status::NotProved);
+    assert_eq!(fit.expect("the default rounding").status, LeastSquaresStatus::NotProved);
     let ones = vec![1.0; 1200];
     let fit = augmented(&Rows::new(1, &ones, &ones, &ones, &ones).expect("good rows")).expect("the default rounding");
-    assert_eq!(fit.status, Status::NotApplicable);
+    assert_eq!(fit.status, LeastSquaresStatus::NotApplicable);
 }
 
 #[test]
@@ -196,6 +195,6 @@ fn threads_do_not_change_the_bits() {
         pool.install(|| least_squares(&data.rows()).expect("the default rounding"))
     };
     let one = on(1);
-    assert_eq!(one.status, Status::Enclosed);
+    assert_eq!(one.status, LeastSquaresStatus::Enclosed);
     assert_eq!(one, on(3));
 }

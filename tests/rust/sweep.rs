@@ -4,9 +4,10 @@
 mod common;
 
 use common::Random;
-use interval_core::inverse::{Form, Monitor, Outcome, Sweep, published_with};
+use interval_core::inverse::{Form, Method, Monitor, Options, Outcome, Sweep, published_hull, published_with};
 use interval_core::rounding::slices::Backend;
 use interval_core::{IntervalMatrix, Status};
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 fn matrix(n: usize, relative: f64, seed: u64) -> IntervalMatrix {
@@ -203,6 +204,26 @@ fn a_sweep_ends_when_it_is_stopped() {
         });
         assert!(monitor.done() > 0);
     }
+}
+
+#[test]
+fn a_watched_sweep_reports_and_ends_when_the_watcher_says_so() {
+    let a = matrix(4, 0.01, 5);
+    let mut told = Vec::new();
+    let mut watch = |done: u64| {
+        told.push(done);
+        if told.len() < 3 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    };
+    let options = Options { partitions: 1 << 44, ..Options::default() };
+    let outcome = Method::Published.inverse_watched(&a, &options, Some(&mut watch)).expect("square");
+    assert!(outcome.value.is_none() && outcome.status == Status::NotProved);
+    assert!(outcome.reason.is_some_and(|r| r.starts_with("stopped after")));
+    assert!(told.len() >= 3 && told.is_sorted(), "{told:?}");
+    // A short one asks nobody, and gives the bits of the one that nobody watches.
+    let options = Options { partitions: 50, ..Options::default() };
+    let mut watch = |_| panic!("a sweep of some microseconds");
+    let watched = Method::PublishedHull.inverse_watched(&a, &options, Some(&mut watch)).expect("square");
+    assert_eq!(watched, published_hull(&a, 50).expect("square"));
 }
 
 #[test]

@@ -54,6 +54,16 @@ pub enum Error {
          floating-point mode"
     )]
     Environment,
+    /// A name that is not among those known.
+    #[error("{what} '{given}' is not available; choose one of {known}")]
+    Name {
+        /// The kind of the name.
+        what: &'static str,
+        /// The name given.
+        given: String,
+        /// The names known.
+        known: String,
+    },
     /// Text that is no interval literal.
     #[error("'{text}' is not an interval; write [lower, upper] or a number, for example [0.1, 0.2]")]
     Text {

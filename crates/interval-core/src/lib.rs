@@ -15,6 +15,7 @@
 //!   [`rounding::environment_is_default`] checks it.
 
 mod absolute_value;
+mod accumulator;
 mod approximate;
 pub mod certified;
 mod elementary;
@@ -25,6 +26,8 @@ pub mod inverse;
 mod lanes;
 pub mod linear_program;
 pub mod matrix;
+mod names;
+mod parallel;
 pub mod reductions;
 pub mod regression;
 pub mod regularity;
@@ -34,10 +37,9 @@ mod scaling;
 pub mod status;
 pub mod systems;
 mod verify;
+mod witness;
 
-mod parallel;
-
-pub use certified::{Certified, Unproved};
+pub use certified::{Certified, Claim, Unproved};
 pub use error::Error;
 pub use interval::{DecoratedInterval, Decoration, Interval};
 pub use matrix::IntervalMatrix;

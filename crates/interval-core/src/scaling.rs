@@ -2,7 +2,7 @@
 
 use crate::interval::Interval;
 use crate::matrix::IntervalMatrix;
-use crate::regularity::{SingularMember, Witness};
+use crate::witness::{SingularMember, Witness};
 
 /// A matrix with rows and columns scaled by powers of two, so that products neither overflow nor lose digits.
 pub(crate) struct Scaled {
@@ -123,7 +123,7 @@ impl Scaled {
             Witness::Contraction { approximate_inverse, .. } => self.contraction(&approximate_inverse, &vec![1.0; n]),
             // Signs do not change with positive factors.
             Witness::VertexDeterminants { sign } => Some(Witness::VertexDeterminants { sign }),
-            _ => None,
+            Witness::NonnegativeInverses | Witness::PositiveDefinite { .. } | Witness::Cells(_) => None,
         }
     }
 

@@ -1,33 +1,55 @@
-//! The outcome of a method, as a value.
+//! Outcomes as values: each kind of answer has its own statuses, and no others.
 
-/// What a method proved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Status {
-    /// The value encloses every result; proved.
-    Enclosed,
-    /// The matrix contains a singular member; proved.
-    Singular,
-    /// Neither an enclosure nor its impossibility was proved. A value that stands beside it claims nothing.
-    NotProved,
-    /// The method's own conditions of use do not hold.
-    NotApplicable,
-    /// No parameter is consistent with the rows; proved.
-    Empty,
-    /// At least one end has no finite bound. The finite ends that are given are proved.
-    Unbounded,
+use crate::names::named;
+
+named! {
+    /// The status of an inverse or of the solution of a square system.
+    Status, "status" {
+        /// The value encloses every result; proved.
+        Enclosed => "enclosed",
+        /// The matrix contains a singular member; proved.
+        Singular => "singular",
+        /// Neither an enclosure nor its impossibility was proved. A value that stands beside it claims nothing.
+        NotProved => "not_proved",
+        /// The method's own conditions of use do not hold.
+        NotApplicable => "not_applicable",
+    }
 }
 
-impl Status {
-    /// The word that users read.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Enclosed => "enclosed",
-            Self::Singular => "singular",
-            Self::NotProved => "not_proved",
-            Self::NotApplicable => "not_applicable",
-            Self::Empty => "empty",
-            Self::Unbounded => "unbounded",
-        }
+named! {
+    /// The verdict on the regularity of an interval matrix.
+    Verdict, "verdict" {
+        /// Every member is nonsingular; proved.
+        Regular => "regular",
+        /// Some member is singular; proved.
+        Singular => "singular",
+        /// Neither was proved.
+        NotProved => "not_proved",
+    }
+}
+
+named! {
+    /// The status of a feasible set.
+    FeasibleStatus, "status" {
+        /// Every parameter has two finite bounds; proved.
+        Enclosed => "enclosed",
+        /// No parameter is consistent with the rows; proved.
+        Empty => "empty",
+        /// At least one end has no finite bound. The finite ends that are given are proved.
+        Unbounded => "unbounded",
+        /// The method's own conditions of use do not hold.
+        NotApplicable => "not_applicable",
+    }
+}
+
+named! {
+    /// The status of an enclosure of all least-squares solutions.
+    LeastSquaresStatus, "status" {
+        /// The value encloses every solution; proved.
+        Enclosed => "enclosed",
+        /// No enclosure was proved.
+        NotProved => "not_proved",
+        /// The method's own conditions of use do not hold.
+        NotApplicable => "not_applicable",
     }
 }

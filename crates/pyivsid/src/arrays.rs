@@ -1,5 +1,6 @@
 //! Arrays in and out.
 
+use interval_core::rounding::slices::Bounds;
 use interval_core::{Error, Interval, IntervalMatrix};
 use numpy::{PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
@@ -37,17 +38,7 @@ pub fn vector<'a>(array: &'a PyReadonlyArray1<'_, f64>) -> PyResult<&'a [f64]> {
 
 /// Intervals from two arrays of bounds; reversed infinities are the empty interval.
 pub fn intervals(lo: &[f64], hi: &[f64]) -> Result<Vec<Interval>, Error> {
-    if lo.len() != hi.len() {
-        return Err(Error::Shape { what: "the upper bound", given: hi.len(), needed: lo.len() });
-    }
-    lo.iter()
-        .zip(hi)
-        .enumerate()
-        .map(|(index, (&l, &h))| match (l, h) {
-            (f64::INFINITY, f64::NEG_INFINITY) => Ok(Interval::EMPTY),
-            _ => Interval::at(l, h, index),
-        })
-        .collect()
+    Bounds::new(lo, hi)?.intervals()
 }
 
 /// Bounds of a matrix where they lie, and its number of columns. `as_slice` also accepts Fortran order, which would transpose

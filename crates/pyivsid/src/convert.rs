@@ -2,8 +2,8 @@
 
 use interval_core::inverse::{Certificate, Outcome, Value};
 use interval_core::regression::{BoundCertificate, FeasibleSet, LeastSquares, NormalEquations, OrthantOutcome};
-use interval_core::regularity::{Cell, SingularMember, Witness};
-use interval_core::{Interval, IntervalMatrix, Status};
+use interval_core::regularity::{Cell, Regularity, SingularMember, Witness};
+use interval_core::{Interval, IntervalMatrix};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -31,7 +31,7 @@ pub fn interval_vector<'py>(py: Python<'py>, x: &[Interval]) -> PyResult<Bound<'
     Ok((lower, upper).into_pyobject(py)?.into_any())
 }
 
-pub fn witness<'py>(py: Python<'py>, witness: &Witness, n: usize) -> PyResult<Bound<'py, PyDict>> {
+fn witness<'py>(py: Python<'py>, witness: &Witness, n: usize) -> PyResult<Bound<'py, PyDict>> {
     let found = PyDict::new(py);
     match witness {
         Witness::Contraction { approximate_inverse, norm } => {
@@ -77,7 +77,7 @@ fn cell<'py>(py: Python<'py>, tree: &Cell, n: usize) -> PyResult<Bound<'py, PyAn
     })
 }
 
-pub fn singular<'py>(py: Python<'py>, member: &SingularMember, n: usize) -> PyResult<Bound<'py, PyDict>> {
+fn singular<'py>(py: Python<'py>, member: &SingularMember, n: usize) -> PyResult<Bound<'py, PyDict>> {
     let found = PyDict::new(py);
     let square = |m: &[f64]| PyArray1::from_slice(py, m).reshape([n, n]);
     match member {
@@ -110,13 +110,12 @@ fn certificate<'py>(py: Python<'py>, certificate: &Certificate, n: usize) -> PyR
     }
 }
 
-/// The position of a status in the tuple of names that Python keeps.
-pub fn status_code(status: Status) -> u8 {
-    match status {
-        Status::Enclosed => 0,
-        Status::Singular => 1,
-        Status::NotProved => 2,
-        _ => 3,
+/// Why the verdict holds.
+pub fn regularity<'py>(py: Python<'py>, found: &Regularity, n: usize) -> PyResult<Option<Bound<'py, PyDict>>> {
+    match found {
+        Regularity::Regular(w) => witness(py, w, n).map(Some),
+        Regularity::Singular(member) => singular(py, member, n).map(Some),
+        Regularity::NotProved => Ok(None),
     }
 }
 
@@ -150,7 +149,7 @@ pub fn normal_equations<'py>(py: Python<'py>, result: &NormalEquations) -> PyRes
     found.set_item(
         "parameters",
         match &result.parameters {
-            Some(p) => Some(interval_vector(py, p)?),
+            Some(p) => Some(interval_vector(py, p.either())?),
             None => None,
         },
     )?;

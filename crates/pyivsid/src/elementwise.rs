@@ -2,6 +2,7 @@
 
 use crate::arrays::{intervals, refusal, results, vector};
 use crate::convert::interval_vector;
+use interval_core::interval::Measure;
 use interval_core::rounding::slices::{self, Binary, Bounds, BoundsMut, Unary};
 use interval_core::{Error, Interval, reductions, relaxation, rounding};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyUntypedArrayMethods};
@@ -133,16 +134,9 @@ pub fn measure<'py>(
     lo: PyReadonlyArray1<'py, f64>,
     hi: PyReadonlyArray1<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let f: fn(Interval) -> f64 = match op {
-        "midpoint" => Interval::midpoint,
-        "radius" => Interval::radius,
-        "width" => Interval::width,
-        "magnitude" => Interval::magnitude,
-        "mignitude" => Interval::mignitude,
-        _ => return Err(PyValueError::new_err(format!("unknown measure '{op}'"))),
-    };
+    let op: Measure = op.parse().map_err(|e| refusal(&e))?;
     let (lo, hi) = (vector(&lo)?, vector(&hi)?);
-    let result = py.detach(|| intervals(lo, hi).map(|x| x.into_iter().map(f).collect::<Vec<_>>()));
+    let result = py.detach(|| intervals(lo, hi).map(|x| x.into_iter().map(|x| op.of(x)).collect::<Vec<_>>()));
     Ok(PyArray1::from_vec(py, result.map_err(|e| refusal(&e))?))
 }
 

@@ -7,6 +7,7 @@ mod convert;
 mod elementwise;
 mod filters;
 mod linalg;
+mod names;
 mod regression;
 mod scalar;
 
@@ -28,4 +29,12 @@ mod core_module {
     use super::regression::{feasible_set, least_squares, normal_equations};
     #[pymodule_export]
     use super::scalar::Interval;
+
+    use pyo3::prelude::*;
+
+    /// Adds what is no function: the names and numbers that the core decides.
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        crate::names::add(module)
+    }
 }

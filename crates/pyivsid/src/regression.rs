@@ -2,10 +2,10 @@
 
 use crate::arrays::{intervals, matrix, refusal, row_major, vector};
 use crate::convert;
-use crate::linalg::inverse_method;
-use interval_core::regression::{self, FeasibleOptions, Rows, feasible_rows};
+use crate::linalg::{named, options};
+use interval_core::inverse::Method;
+use interval_core::regression::{self, FeasibleOptions, LeastSquaresMethod, Rows, feasible_rows};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -20,8 +20,10 @@ pub fn normal_equations<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let a = matrix(&rows.0, &rows.1)?;
     let y = intervals(vector(&right.0)?, vector(&right.1)?).map_err(|e| refusal(&e))?;
-    let invert = inverse_method(method, partitions, "members")?;
-    let result = py.detach(|| regression::normal_equations(&a, &y, invert)).map_err(|e| refusal(&e))?;
+    let (method, options) = (named::<Method>(method)?, options(partitions, "members")?);
+    let result = py
+        .detach(|| regression::normal_equations(&a, &y, |gram| method.inverse(gram, &options)))
+        .map_err(|e| refusal(&e))?;
     convert::normal_equations(py, &result)
 }
 
@@ -35,13 +37,9 @@ pub fn least_squares<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (lower, upper, columns) = row_major(&rows.0, &rows.1)?;
     let (low, high) = (vector(&right.0)?, vector(&right.1)?);
-    let solve = match method {
-        "qr" => regression::least_squares,
-        "augmented" => regression::augmented,
-        _ => return Err(PyValueError::new_err(format!("no method '{method}' of least squares"))),
-    };
+    let method: LeastSquaresMethod = named(method)?;
     let fit = py
-        .detach(|| Rows::new(columns, lower, upper, low, high).and_then(|rows| solve(&rows)))
+        .detach(|| Rows::new(columns, lower, upper, low, high).and_then(|rows| method.solve(&rows)))
         .map_err(|e| refusal(&e))?;
     convert::least_squares(py, &fit)
 }

@@ -1,4 +1,12 @@
-"""Public data sets, from a folder that the user has, as logs and tables of the contract. The data are never part of this package."""
+"""Public data sets, from a folder of the user's, as logs, thrust tables and a vehicle file.
+
+- ``cse1``: CyberShip Enterprise I, free runs and captive tests.
+- ``rov30k``: SUB-fighter 30k, an ROV at sea.
+- ``t200``: the Blue Robotics T200, bollard pulls.
+- ``imported``: the value that each of them gives.
+
+The chapter may use ``log``, ``files`` and ``errors``. The data are never part of this package.
+"""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -7,8 +7,9 @@ Origin: github.com/NTNU-MCS/CS_EnterpriseI_archive. Expected below the folder: `
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,37 +20,46 @@ from ivsid.log.matlab import matlab_variables
 
 Array = NDArray[np.float64]
 
-WHAT: Final = "CyberShip Enterprise I (freerun/ and captive/)"
-WHERE: Final = "github.com/NTNU-MCS/CS_EnterpriseI_archive"
-# Rows of the matrix cse1_data: set-points u1..u5 (surge and sway pitch of two Voith-Schneider propellers, bow thruster).
+TITLE: Final = "CyberShip Enterprise I (freerun/ and captive/)"
+ORIGIN: Final = "github.com/NTNU-MCS/CS_EnterpriseI_archive"
+# Rows of the matrix cse1_data. The demands are the set-points u1 to u5: surge and sway pitch of two Voith-Schneider propellers, and the
+# bow thruster.
+# Source: definition: the published set
 NORTH, EAST, PSI, DEMAND, SPEED = 1, 2, 6, 7, 13
+# Rows of the velocities that the set derives from its poses.
+# Source: definition: the published set
 RAW: Final = {"u": 14, "v": 15, "r": 19}
 THRUSTERS: Final = ("vsp1_surge", "vsp1_sway", "vsp2_surge", "vsp2_sway", "bow")
-# The propeller speed at which the bollard pulls were taken: at another one the demands mean another thrust.
+# The propeller speed of the bollard pulls; at another speed a demand gives another thrust.
+# Source: definition: the published set
 BOLLARD_SPEED: Final = 0.4
+# Towing speeds up to this one [m/s] give the slope of the slow runs, a number to compare with.
+# Source: none
 SLOW: Final = 0.2
-# Rows. In random_run1 the pose of such a glimpse at 264.75 s jumps by 0.19 m and 0.3 rad to the next one.
-GLIMPSE: Final = 10
+# Poses in a stretch shorter than this [rows] between two drop-outs are left out: in random_run1 such a pose, at 264.75 s, jumps by
+# 0.19 m and 0.3 rad to the next one.
+# Source: measured: make test (tests/python/test_import.py)
+ISOLATED: Final = 10
 
 
 def read_cse1(folder: Path) -> Imported:
     """Three free runs as logs, three bollard tables, and the towing runs with a least-squares fit of the hull's drag.
 
     Raises:
-        IvsidError: what is missing or damaged, in one sentence.
+        IvsidError: a file is missing or damaged; one sentence names it.
     """
     patterns = [
         "freerun/*.mat",
         *(f"captive/{d}/*.asc" for d in ("SurgeDamping", "VSPsurge", "VSPsway", "BowThruster")),
     ]
-    free, towing, surge, sway, bow = files_in(folder, patterns, WHAT, WHERE)
+    free, towing, surge, sway, bow = files_in(folder, patterns, TITLE, ORIGIN)
     logs, dropouts = {}, {}
     for path in free:
         name = path.stem.removeprefix("CSE1_data_")
         logs[name], dropouts[name] = _free_run(path)
     speed, force = _towing(towing)
     tables = {
-        # Both propellers push: half of what the two surge gauges carry, one against the other.
+        # Both propellers push: each gives half of the difference of the two surge gauges.
         "vsp_surge": _bollard(surge, r"_(\d\d)_t2_(pos|neg)", lambda m: 0.5 * (m["F8114"] - m["F8113"])),
         "vsp_sway": _bollard(sway, r"_u2_(\d\d)_(pos|neg)", lambda m: m["F8114"] + m["F8116"]),
         "bow_thruster": _bollard(bow, r"_u5_(\d\d)_(pos|neg)", lambda m: m["F8114"] + m["F8116"]),
@@ -74,7 +84,7 @@ def read_cse1(folder: Path) -> Imported:
     )
 
 
-def _free_run(path: Path) -> tuple[Part, dict[str, Any]]:
+def _free_run(path: Path) -> tuple[Part, dict[str, object]]:
     variables = matlab_variables(path, str(path))
     data = variables.get("cse1_data")
     if not isinstance(data, np.ndarray) or data.ndim != 2 or data.shape[0] <= SPEED or data.shape[1] < 2:
@@ -85,17 +95,17 @@ def _free_run(path: Path) -> tuple[Part, dict[str, Any]]:
     if not (np.isfinite(t).all() and (np.diff(t) > 0).all()):
         raise IvsidError(f"{path}: the times in row 0 of cse1_data do not increase; give the set as it is published")
     lost = (data[NORTH] == 0) & (data[EAST] == 0) & (data[PSI] == 0)
-    glimpses = _glimpses(lost)
-    gone = lost | glimpses
+    isolated = _isolated(lost)
+    gone = lost | isolated
     columns = {n: np.where(gone, np.nan, data[k]) for n, k in (("x", NORTH), ("y", EAST), ("psi", PSI))}
     notes = [f"{int(lost.sum())} poses in {runs(lost).size} drop-outs are missing"]
-    if glimpses.any():
+    if isolated.any():
         notes.append(
-            f"{int(glimpses.sum())} poses that stand alone between two drop-outs, for less than {GLIMPSE} rows, are left out: there the "
+            f"{int(isolated.sum())} poses that stand alone between two drop-outs, for less than {ISOLATED} rows, are left out: there the "
             "cameras can take something else for the model"
         )
     if data.shape[0] > max(RAW.values()):
-        # Each is a difference to the row before: wrong where either pose is missing.
+        # Each velocity is a difference to the row before: it is wrong where either pose is missing.
         touched = gone | np.r_[True, gone[:-1]]
         columns |= {f"raw_{n}": np.where(touched, np.nan, data[k]) for n, k in RAW.items()}
         notes.append(
@@ -118,11 +128,11 @@ def _free_run(path: Path) -> tuple[Part, dict[str, Any]]:
         )
     stretches = runs(lost)
     step = float(np.median(np.diff(t)))
-    facts = {
+    facts: dict[str, object] = {
         "samples": int(t.size),
         "period": step,
         "missing": int(lost.sum()),
-        "left_out": int(glimpses.sum()),
+        "left_out": int(isolated.sum()),
         "dropouts": int(stretches.size),
         "longest": float(stretches.max(initial=0) * step),
         "propeller_speed": float(np.median(data[SPEED])),
@@ -130,21 +140,21 @@ def _free_run(path: Path) -> tuple[Part, dict[str, Any]]:
     return Part(t, columns, tuple(notes)), facts
 
 
-def _glimpses(lost: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _isolated(lost: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Poses in short stretches with a drop-out on both sides."""
     edges = np.flatnonzero(np.diff(np.r_[0, (~lost).astype(np.int8), 0]))
     short = np.zeros(lost.shape, dtype=bool)
     for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
-        if begin > 0 and end < lost.size and end - begin < GLIMPSE:
+        if begin > 0 and end < lost.size and end - begin < ISOLATED:
             short[begin:end] = True
     return short
 
 
 def asc_means(path: Path) -> dict[str, float]:
-    """The mean of every channel of a recording (HBM Catman text: header lines, then rows separated by tabs).
+    """The mean of every channel of a Catman recording: header lines, then rows separated by tabs.
 
     Raises:
-        IvsidError: no channel names or no samples.
+        IvsidError: the file has no channel names or no samples.
     """
     lines = path.read_text(encoding="latin-1").splitlines()
     names = next((line.split("\t") for line in lines if line.startswith("Time")), None)
@@ -180,7 +190,7 @@ def _towing(files: list[Path]) -> tuple[Array, Array]:
 
 
 def _drag(u: Array, force: Array) -> dict[str, float]:
-    """Least squares of force = linear u + quadratic u|u|, and of a straight line through the slow runs."""
+    """Coefficients of force = linear u + quadratic u|u| by least squares, and the slope of a line through the slow runs."""
     matrix = np.c_[u, u * np.abs(u)]
     (linear, quadratic), *_ = np.linalg.lstsq(matrix, force, rcond=None)
     residual = force - matrix @ np.array([linear, quadratic])
@@ -195,8 +205,8 @@ def _drag(u: Array, force: Array) -> dict[str, float]:
     }
 
 
-def _bollard(files: list[Path], pattern: str, force: Any) -> Table:
-    """Demand from the file's name (tenths, with its sign), force from the means of its gauges."""
+def _bollard(files: list[Path], pattern: str, force: Callable[[dict[str, float]], float]) -> Table:
+    """A bollard table: each file's name gives the demand in tenths and its sign, the means of its gauges give the force."""
     points: dict[float, float] = {}
     for path in files:
         found = re.search(pattern, path.stem)

@@ -1,4 +1,4 @@
-"""What an adapter makes of a folder."""
+"""The content of a data set: logs, thrust tables, facts and notes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Part:
-    """A log in the contract's columns; NaN is a missing sample. ``notes`` say what was left out, and why."""
+    """A log of a data set.
+
+    Attributes:
+        t: times [s], shape (n,).
+        columns: channels by ivsid's names, shape (n,) each; NaN is a missing sample.
+        notes: samples that were left out, and why.
+    """
 
     t: Array
     columns: Mapping[str, Array]
@@ -27,14 +33,21 @@ class Part:
 
     @property
     def text(self) -> str:
-        """As CSV; the decimals read back as the same doubles, a missing sample is an empty cell."""
+        """The log as CSV; the decimals read back as the same doubles, and a missing sample is an empty cell."""
         frame = pl.DataFrame({"t": self.t, **self.columns})
         return frame.with_columns(pl.all().fill_nan(None)).write_csv()
 
 
 @dataclass(frozen=True)
 class Table:
-    """Thrust [N] by demand, averaged over each run of a bollard pull."""
+    """A bollard-pull table.
+
+    Attributes:
+        demand: shape (n,).
+        thrust: mean over the run of each demand [N], shape (n,).
+        demand_name: header of its column.
+        notes: points that were left out, and why.
+    """
 
     demand: Array
     thrust: Array
@@ -43,22 +56,22 @@ class Table:
 
     @property
     def text(self) -> str:
-        """As CSV, for ``ivsid thrust``."""
+        """The table as CSV, for ``ivsid thrust``."""
         return pl.DataFrame({self.demand_name: self.demand, "thrust (N)": self.thrust}).write_csv()
 
 
 @dataclass(frozen=True)
 class Imported:
-    """All that a data set gives.
+    """The content of a data set.
 
     Attributes:
         title: of the set.
         logs: by file name without ending.
         tables: bollard pulls, likewise.
         others: further CSV tables: columns by name.
-        vehicle: name of the vehicle file that goes with it, in the package; None where the set has no vehicle.
-        facts: numbers that were read off, for result.json; none of them is a bound.
-        notes: what a user has to know before using the files.
+        vehicle: name of its vehicle file in the package; None where the set has no vehicle.
+        facts: numbers read off the set, for result.json; none of them is a bound.
+        notes: facts that a user has to know before using the files.
         inputs: name and SHA-256 of every file that was read.
     """
 
@@ -72,18 +85,24 @@ class Imported:
     inputs: tuple[tuple[str, str], ...] = ()
 
 
-def files_in(folder: Path, patterns: Sequence[str], what: str, where: str) -> list[list[Path]]:
-    """The files of a folder, for each pattern at least one.
+def files_in(folder: Path, patterns: Sequence[str], title: str, origin: str) -> list[list[Path]]:
+    """The files of a folder by pattern, at least one for each.
+
+    Args:
+        folder: given by the user.
+        patterns: of file names below it.
+        title: of the set, for messages.
+        origin: source of the set, for messages.
 
     Raises:
-        IvsidError: the folder or a kind of file is not there; says what is expected, and where the set can be had.
+        IvsidError: the folder or a kind of file is missing.
     """
     if not folder.is_dir():
-        raise IvsidError(f"{folder} is not a folder; give the folder of {what}, which can be had from {where}")
+        raise IvsidError(f"{folder} is not a folder; give the folder of {title}, which can be had from {origin}")
     found = [sorted(folder.glob(p)) for p in patterns]
     for pattern, files in zip(patterns, found, strict=True):
         if not files:
-            raise IvsidError(f"{folder} has no {pattern}; give the folder of {what}, which can be had from {where}")
+            raise IvsidError(f"{folder} has no {pattern}; give the folder of {title}, which can be had from {origin}")
     return found
 
 

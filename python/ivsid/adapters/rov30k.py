@@ -6,7 +6,7 @@ Expected in the folder: ``*_decoded.csv.gz`` (one row a control cycle) and ``*_d
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +17,16 @@ from ivsid.log import open_source
 
 Array = NDArray[np.float64]
 
-WHAT: Final = "the SUB-fighter 30k logs (*_decoded.csv.gz and *_deck_imu.csv.gz)"
-WHERE: Final = "github.com/NTNU-MCS/CS_EnterpriseI_archive, decoded"
+TITLE: Final = "the SUB-fighter 30k logs (*_decoded.csv.gz and *_deck_imu.csv.gz)"
+ORIGIN: Final = "github.com/NTNU-MCS/CS_EnterpriseI_archive, decoded"
+# The Doppler log's marker of an invalid velocity [m/s]: the least 16-bit integer, in mm/s.
+# Source: definition: size of the data type
 INVALID: Final = -32.768
-# Judged from the demands: before 60 s the vehicle lies still, after 1930 s the Doppler log is lost and the demand saturates.
+# Begin and end of each usable segment [s], read off the demands: the vehicle is at rest before 60 s; after 1930 s the Doppler log is
+# lost and the demands saturate.
+# Source: definition: the published set
 SEGMENTS: Final = {"manual": (60.0, 690.0), "automatic": (700.0, 1930.0)}
-# The contract's column, the set's, and its sign: the gyro's z axis points up.
+# Channel, column of the set, and sign: the gyro's z axis points up.
 MAP: Final = (
     ("u", "u_dvl_mps", 1.0),
     ("v", "v_dvl_mps", 1.0),
@@ -41,9 +45,9 @@ def read_rov30k(folder: Path) -> Imported:
     """The two usable segments of the dive as logs, and the bias of the gyro on deck.
 
     Raises:
-        IvsidError: what is missing or damaged, in one sentence.
+        IvsidError: a file is missing or damaged; one sentence names it.
     """
-    (dives, decks) = files_in(folder, ["*_decoded.csv.gz", "*_deck_imu.csv.gz"], WHAT, WHERE)
+    (dives, decks) = files_in(folder, ["*_decoded.csv.gz", "*_deck_imu.csv.gz"], TITLE, ORIGIN)
     dive, deck = dives[0], decks[0]
     with open_source(dive) as source:
         cells = source.numeric(["t_s", *(c for _, c, _ in MAP)])
@@ -58,7 +62,7 @@ def read_rov30k(folder: Path) -> Imported:
     with open_source(deck) as source:
         gyro = source.numeric(["t_s", *GYRO])
     steps = np.diff(t)
-    facts: dict[str, Any] = {
+    facts: dict[str, object] = {
         "samples": int(t.size),
         "period": float(np.median(steps)),
         "longest_gap": float(steps.max()),

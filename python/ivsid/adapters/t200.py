@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -16,24 +16,24 @@ from ivsid.errors import IvsidError
 from ivsid.files import units
 from ivsid.log import open_source
 
-WHAT: Final = "the T200 tables (T200_10V.csv to T200_20V.csv)"
-WHERE: Final = "the maker's performance data, one CSV a sheet"
+TITLE: Final = "the T200 tables (T200_10V.csv to T200_20V.csv)"
+ORIGIN: Final = "the maker's performance data, one CSV a sheet"
 
 
 def read_t200(folder: Path) -> Imported:
-    """One bollard table a voltage, thrust in newton.
+    """One bollard table for each voltage, thrust [N] by pulse width [us].
 
     Raises:
-        IvsidError: what is missing or damaged, in one sentence.
+        IvsidError: a file is missing or damaged; one sentence names it.
     """
-    (files,) = files_in(folder, ["T200_*V.csv"], WHAT, WHERE)
+    (files,) = files_in(folder, ["T200_*V.csv"], TITLE, ORIGIN)
     tables, facts = {}, {}
     for path in sorted(files, key=_voltage):
         table = _table(path)
         name = f"t200_{_voltage(path)}V"
         tables[name] = table
         idle = table.demand[table.thrust == 0]
-        record: dict[str, Any] = {
+        record: dict[str, object] = {
             "points": int(table.demand.size),
             "forward": float(table.thrust.max()),
             "reverse": float(table.thrust.min()),

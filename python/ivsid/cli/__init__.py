@@ -1,5 +1,19 @@
-"""The command line: arguments, progress, exit codes. 0: did its job; 2: wrong usage or unusable input, in one sentence."""
+"""The command line: ``ivsid COMMAND`` or ``python -m ivsid.cli COMMAND``.
 
-from ivsid.cli.application import main
+- ``application``: the program, its commands in the order of ``ivsid --help``, and the options before a command.
+- ``preparation``: commands that make or examine data: demo, simulate, allan, thrust, import.
+- ``parameters``: commands about parameter intervals: identify, verify, validate.
+- ``causes``: commands about what the simulation gets wrong: diagnose, isolability.
+- ``arguments``: options that commands share, and values that they parse.
+- ``run``: one command from its folder to its written results.
+- ``entry``: exit codes, and one sentence in place of a traceback.
+
+Exit codes: 0, the command did its job; 1, an internal fault; 2, wrong usage or unusable input; 130, interrupted.
+
+The chapter may use every other; nothing uses it. Its modules load Typer only: what a command needs is imported when it runs, so
+that ``ivsid --help`` does not wait for NumPy, SciPy, Polars, Pydantic or Matplotlib.
+"""
+
+from ivsid.cli.entry import main
 
 __all__ = ["main"]

@@ -1,12 +1,23 @@
-"""The catalogue of EFFECTS.md: the physics of every cause, once, for models, simulation, identification and diagnosis.
+"""The catalogue of effects: the physics of every cause, once, for models, simulation, identification and diagnosis.
 
-A model is a set of ids, an effect is an id that the model lacks. Terms that are linear in one parameter give its column on the
-left-hand side of the three equations of motion, and the known forces stand on the right:
+A model is a set of ids; an effect is an id that the model lacks. A term that is linear in one parameter gives the parameter's column
+on the left-hand side of the three equations of motion (Fossen), and the known forces stand on the right:
 
     sum over terms of parameter * column = known force, in surge, sway and yaw.
 
-Other effects are forces, currents, changes of parameters, of thrusts or of readings (``effect``). One file a family: ``inertia``,
-``drag``, ``environment``, ``thrusters``, ``sensing``.
+Other effects are forces, currents, and changes of parameters, thrusts or readings.
+
+- ``effect``: the definition of an effect, its parameters, and the classes of physics; ``terms``: states, terms and their columns.
+- ``inertia``, ``drag``, ``environment``, ``thrusters``, ``sensing``: the effects, one file a family.
+- ``catalogue``: all of them by id, and the models that are sets of ids.
+- ``values``: effects with values, from numbers by id.
+- ``registration``: effects of a user, from a Python file or from code.
+- ``rigid_body``: the left-hand side that the vehicle file knows.
+- ``functions``, ``quantity``: the functions that columns are made of, for floats, arrays, intervals and symbols alike;
+  ``cross_flow``: the integrals along a hull, enclosed over boxes.
+- ``scaling``: typical sizes for vehicles of another size.
+
+The chapter may use ``vehicle`` and the chapters below it. It knows no log, no rows and no noise.
 """
 
 from ivsid.effects.catalogue import (
@@ -33,10 +44,10 @@ from ivsid.effects.effect import (
     Terms,
     Thrust,
 )
-from ivsid.effects.given import Given, for_thruster, of_kind, sort_given, spread
-from ivsid.effects.own import own_digest, own_files, own_ids, read_effects, register, unregister
+from ivsid.effects.registration import own_digest, own_files, own_ids, read_effects, register, unregister
 from ivsid.effects.rigid_body import rigid_body
 from ivsid.effects.terms import CHANNELS, Columns, Place, State, Term
+from ivsid.effects.values import Given, for_thruster, of_kind, sort_given, spread
 
 __all__ = [
     "ADDED_MASS_TERMS",

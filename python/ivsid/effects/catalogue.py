@@ -10,14 +10,14 @@ from ivsid.effects.terms import Term
 from ivsid.errors import IvsidError
 from ivsid.vehicle import Vehicle
 
-# Every cause that can be simulated, identified or named: the 5 terms of the plain model and the 42 effects of EFFECTS.md, family
-# by family. Users add their own with ``own.register``.
+# Every cause that can be simulated, identified or named: the 5 terms of the plain model and 42 effects, family by family. Users add
+# their own with ``registration.register``.
 EFFECTS: Final[dict[str, Effect]] = {
     e.id: e for e in (*inertia.FAMILY, *drag.FAMILY, *environment.FAMILY, *thrusters.FAMILY, *sensing.FAMILY)
 }
-# Those that are linear in one parameter and need velocities and accelerations alone: the terms that a model may list.
+# Terms that a model may list: linear in one parameter, and made of velocities and accelerations alone.
 CATALOGUE: Final[dict[str, Term]] = {t.id: t for t in (*inertia.TERMS, *drag.TERMS)}
-# Linear in several parameters, with the heading: a model may list these by the effect's id and gets a term a parameter.
+# Effects that are linear in several parameters and need the heading. A model lists the effect's id and gets a term a parameter.
 WITH_HEADING: Final[dict[str, tuple[Term, ...]]] = {"wind.steady": environment.WIND_TERMS}
 
 PLAIN_TERMS: Final = (
@@ -36,12 +36,12 @@ def terms_of(vehicle: Vehicle, form: str = "total") -> tuple[Term, ...]:
     """The terms of the vehicle file's model.
 
     Args:
-        vehicle: whose ``model.terms`` is "paper", a list of ids, or absent (the plain model).
-        form: ``total`` (parameters hold the whole mass) or ``added`` (the rigid-body mass is known and left out; paper,
-            second form of eq. 6).
+        vehicle: the vehicle file, whose ``model.terms`` is "paper", a list of ids, or absent (the plain model).
+        form: ``total`` (parameters hold the whole mass) or ``added`` (the rigid-body mass is known and left out; the second
+            form of the paper's eq. 6).
 
     Raises:
-        IvsidError: an unknown id, naming those that are known, or a term that needs a length which the file lacks.
+        IvsidError: an unknown id or form, an empty or repeating list, or a term that needs a length which the file lacks.
     """
     if form not in ("total", "added"):
         raise IvsidError(f"form '{form}' is unknown; use total or added")
@@ -71,7 +71,7 @@ def terms_of(vehicle: Vehicle, form: str = "total") -> tuple[Term, ...]:
 
 
 def on_hull(term: Term, vehicle: Vehicle) -> Term:
-    """The term with the hull's length filled in, where it needs one.
+    """The term with the hull's length filled in if it needs one; else the term itself.
 
     Raises:
         IvsidError: the vehicle file gives no length.

@@ -1,38 +1,39 @@
 """Cross-flow integrals over the length of a hull, enclosed by their extremes in closed form.
 
-With w = v + x r and x from -h to h the force is the integral of w |w|, the moment that of x w |w|. Where w has one sign along the hull,
-|v| >= |r| h, both are polynomials; else they are split at the zero of w (s = v / r):
+With w = v + x r and x from -h to h the force is the integral of w |w|, the moment that of x w |w|. Where w has one sign along the
+hull (|v| >= |r| h), both are polynomials. Elsewhere they are split at the zero of w, with s = v / r:
 
     force   sgn(v) (2 h v^2 + 2 h^3 r^2 / 3)      or  sgn(v) 2 |v| (h^2 |r| + v^2 / (3 |r|))
     moment  sgn(r) 4 h^3 |v| |r| / 3              or  sgn(r) (h^4 r^2 / 2 + v^2 (h^2 - s^2 / 6))
 
-The derivative of the force is 2 times the integral of |w| by v and of x |w| by r; that of the moment 2 times the integral of x |w| by v
-and of x^2 |w| by r. The integrals of |w| and of x^2 |w| are not negative, that of x |w| has the sign of v r. So the force grows with v, and
-with |r| where v > 0; the moment grows with r, and with |v| where r > 0: their extremes over a box stand at corners and at zeros of it.
-All three derivatives grow in size with |v| and with |r|.
+Derivatives of the force are twice the integral of |w| (by v) and of x |w| (by r). Derivatives of the moment are twice the integral
+of x |w| (by v) and of x^2 |w| (by r). The integrals of |w| and x^2 |w| are not negative, and that of x |w| has the sign of v r.
+Therefore the force grows with v, and with |r| where v > 0; the moment grows with r, and with |v| where r > 0. Their extremes over a
+box stand at its corners and at its zeros. All three integrals grow in size with |v| and with |r|.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ivsid.intervals import FloatArray, Interval, IntervalArray
 
-# Sizes |v|, |r| as points, half the length with its decimals' rounding, and |v / r|: what a formula is made of.
+# From the sizes |v| and |r| as points, and half the length with the rounding of its decimals, to an integral.
 Formula: TypeAlias = Callable[[IntervalArray, IntervalArray, Interval], IntervalArray]
 
 
 def cross_flow_over(v: IntervalArray, r: IntervalArray, half: float, power: int) -> IntervalArray:
-    """The force (``power`` 0, m^3/s^2) or the moment (1, m^4/s^2) over boxes of v [m/s] and r [rad/s]; every number where one is unbounded.
+    """The range of the cross-flow integral over boxes of v and r; [-inf, inf] where a box is unbounded.
 
     Args:
-        v: sideways velocity.
-        r: yaw rate, of the same shape.
+        v: sideways velocity [m/s].
+        r: yaw rate [rad/s], of the same shape.
         half: half the length of the hull [m], a decimal that was rounded.
-        power: of x.
+        power: of x: 0 for the force [m^3/s^2], 1 for the moment [m^4/s^2].
     """
     (v_low, v_high, r_low, r_high), known = _finite(v, r)
     least = [
@@ -43,7 +44,7 @@ def cross_flow_over(v: IntervalArray, r: IntervalArray, half: float, power: int)
     low, high = ((v_low, v_high), (r_low, r_high))[own]
     ends = []
     for end, outer in ((low, low < 0), (high, high > 0)):
-        # Away from zero the other velocity adds to the size, at the inner end it is as small as it can be.
+        # At the outer end the other velocity adds to the size; at the inner end its smallest value gives the extreme.
         pair = [abs(end), np.where(outer, most[other], least[other])]
         ends.append(_size(pair[own], pair[other], half, _FORCE if power == 0 else _MOMENT))
     below = np.where(low < 0, -ends[0].upper, ends[0].lower)
@@ -54,7 +55,10 @@ def cross_flow_over(v: IntervalArray, r: IntervalArray, half: float, power: int)
 def steepest_over(
     v: IntervalArray, r: IntervalArray, half: float
 ) -> tuple[IntervalArray, IntervalArray, IntervalArray]:
-    """Intervals around zero that hold the integrals of |w|, x |w| and x^2 |w| over boxes: half the derivatives."""
+    """Symmetric enclosures of the integrals of |w|, x |w| and x^2 |w| over boxes of v [m/s] and r [rad/s], half [m].
+
+    They are half the derivatives of force and moment.
+    """
     (v_low, v_high, r_low, r_high), known = _finite(v, r)
     speed, turn = np.maximum(abs(v_low), abs(v_high)), np.maximum(abs(r_low), abs(r_high))
     found = []
@@ -64,14 +68,17 @@ def steepest_over(
     return found[0], found[1], found[2]
 
 
-def _finite(v: IntervalArray, r: IntervalArray) -> tuple[list[FloatArray], Any]:
+def _finite(v: IntervalArray, r: IntervalArray) -> tuple[list[FloatArray], NDArray[np.bool_]]:
     bounds = [v.lower, v.upper, r.lower, r.upper]
-    known = np.isfinite(bounds).all(axis=0)
+    known: NDArray[np.bool_] = np.asarray(np.isfinite(bounds).all(axis=0))
     return [np.where(known, b, 0.0) for b in bounds], known
 
 
 def _size(v: FloatArray, r: FloatArray, half: float, formulas: tuple[Formula, Formula]) -> IntervalArray:
-    """A formula at |v| and |r|: that of one sign, that of two, or both where the length's rounding leaves it open."""
+    """An integral at |v| and |r|, ``formulas`` being those for one and for two signs of the flow along the hull.
+
+    Where the rounding of the length leaves the case open, the hull of both is taken.
+    """
     h = Interval(float(np.nextafter(half, 0.0)), float(np.nextafter(half, np.inf)))
     speed, turn = IntervalArray(v), IntervalArray(r)
     reach = turn * h
@@ -79,7 +86,7 @@ def _size(v: FloatArray, r: FloatArray, half: float, formulas: tuple[Formula, Fo
     simple = formulas[0](speed, turn, h)
     if not two.any():
         return simple
-    # Where the flow cannot have two signs there may be no rate to divide by.
+    # Where the flow has one sign the rate may be 0: any other value stands in for it there.
     split = formulas[1](IntervalArray(np.where(two, v, 0.0)), IntervalArray(np.where(two, r, 1.0)), h)
     lower = np.where(two, np.where(one, np.minimum(simple.lower, split.lower), split.lower), simple.lower)
     upper = np.where(two, np.where(one, np.maximum(simple.upper, split.upper), split.upper), simple.upper)

@@ -1,4 +1,4 @@
-"""Drag, lift, friction (EFFECTS.md 2.0, 2.1). Positive parameters oppose the motion."""
+"""Drag, lift and friction. A positive drag opposes the motion."""
 
 from __future__ import annotations
 
@@ -10,13 +10,15 @@ from ivsid.effects.functions import astern_square, cross_flow_force, cross_flow_
 from ivsid.effects.terms import Columns, State, Term
 from ivsid.errors import IvsidError
 
-# The speed [m/s] within which dry friction turns round.
+# The speed [m/s] at which dry friction has reached tanh(1) = 76 % of its size: the sign of u, made smooth for the integration.
+# Source: definition: the term friction.coulomb of the catalogue.
 FRICTION_SPEED: Final = 0.02
 
 SURGE_QUADRATIC: Final = Term("drag.surge.quadratic", "-X_|u|u", "kg/m", lambda s: {"surge": signed_square(s.u)})
 SWAY_QUADRATIC: Final = Term("drag.sway.quadratic", "-Y_|v|v", "kg/m", lambda s: {"sway": signed_square(s.v)})
 
-# Paper eq. 6: one drag column for surge and sway (READING_NOTES: they are different coefficients).
+# Paper eq. 6: one drag coefficient for surge and sway. On a real hull they differ (docs/theory.md, "The paper's equations, as
+# corrected").
 SHARED_QUADRATIC: Final = Term(
     "drag.surge.quadratic", "-X_|u|u", "kg/m", lambda s: {"surge": signed_square(s.u), "sway": signed_square(s.v)}
 )
@@ -137,6 +139,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         "lift that acts off the origin: an aft skeg steadies (negative), a bow area turns further",
         signed=True,
         equivalents=("added_mass.munk",),
+        equivalent_odds=(1.0,),
         confusable=("coupling.cg_x",),
         separate="sideways accelerations strong enough to give m_v: the Munk coefficient must equal m_v - m_u; a chirp in yaw",
     ),

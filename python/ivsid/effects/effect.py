@@ -1,16 +1,19 @@
-"""What an effect is: one definition for the terms of a model, for simulation, for identification and for diagnosis."""
+"""Effects: one definition of a cause for models, simulation, identification and diagnosis."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Literal, TypeAlias
+from typing import Final, Literal, TypeAlias, TypedDict, Unpack
 
+from ivsid.effects.quantity import Quantity
 from ivsid.effects.scaling import froude_power
 from ivsid.effects.terms import Columns, State, Term
 
-Numbers: TypeAlias = tuple[Any, ...]
+# An effect's parameters in their order: floats, or symbols and arrays where many values are tried at once.
+Numbers: TypeAlias = tuple[Quantity, ...]
 # The mass of the vehicle that typical sizes belong to [kg].
+# Source: definition: the catalogue's reference vehicle, 58 kg and 1 m.
 REFERENCE_MASS: Final = 58.0
 
 Draw: TypeAlias = Literal["size", "north", "east", "angle", "time", "thruster", "fixed"]
@@ -21,17 +24,18 @@ class Parameter:
     """One number of an effect.
 
     Attributes:
-        part: what follows the id, as ``north`` in ``current.steady.north``; empty for the only parameter.
+        part: the name after the effect's id, as ``north`` in ``current.steady.north``; empty for an only parameter.
         symbol: in SNAME notation, where there is one.
         unit: SI; ``demand`` is the thruster's own.
         typical: size for a vehicle of 58 kg and 1 m at about 1 m/s.
-        draw: how a hidden value is drawn: ``size`` (the typical size times a factor), ``north`` and ``east`` (components of such
-            a size in any direction), ``angle`` (any), ``time`` (within the log), ``thruster`` (an index), ``fixed`` (typical).
+        draw: the rule by which a hidden value is drawn: ``size`` (the typical size times a factor), ``north`` and ``east``
+            (components of such a size in any direction), ``angle`` (any), ``time`` (within the log), ``thruster`` (an index),
+            ``fixed`` (typical).
         signed: whether both signs occur.
-        inverse: a limit, which acts the more the smaller it is.
-        none: the value at which there is no effect: 1 for a factor.
+        inverse: whether the effect grows as the value falls, as for a limit.
+        none: the value at which the effect vanishes: 1 for a factor.
         lowest: the smallest value that the physics can take.
-        exclusive: that value itself is not possible: a period of 0.
+        exclusive: whether ``lowest`` itself is impossible, as for a period of 0.
     """
 
     part: str
@@ -46,11 +50,11 @@ class Parameter:
     exclusive: bool = False
 
     def scaled(self, mass: float) -> float:
-        """The typical size for a vehicle of another mass [kg], after Froude."""
+        """The typical size for a vehicle of another mass [kg], by Froude's law of similarity."""
         return float(self.typical * (mass / REFERENCE_MASS) ** (froude_power(self.unit) / 3.0))
 
     def fault(self, value: float) -> str | None:
-        """Why a value cannot be, or None."""
+        """The reason why a value is impossible, or None."""
         if self.draw == "thruster" and (value < 0 or value != round(value)):
             return "it is the thruster's place in the file, 0 for the first"
         if self.lowest is None or value > self.lowest or (value == self.lowest and not self.exclusive):
@@ -60,35 +64,35 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Terms:
-    """Linear in each parameter: their columns on the left of the equations of motion, one ``Term`` a parameter."""
+    """Physics that is linear in each parameter: columns on the left of the equations of motion, one ``Term`` a parameter."""
 
     terms: tuple[Term, ...]
 
 
 @dataclass(frozen=True)
 class Force:
-    """A force on the right: from a state with its place, and the parameters, to X, Y [N] and N [N m] by channel."""
+    """A force on the right-hand side: from a state with its place, and the parameters, to X, Y [N] and N [N m] by channel."""
 
     function: Callable[[State, Numbers], Columns]
 
 
 @dataclass(frozen=True)
 class Change:
-    """Other parameters change: from theirs by id, this effect's, and the time [s], to those that differ."""
+    """A change of other parameters: from their values by id, this effect's parameters and the time [s] to the new values."""
 
-    function: Callable[[Mapping[str, Any], Numbers, Any], dict[str, Any]]
+    function: Callable[[Mapping[str, Quantity], Numbers, Quantity], dict[str, Quantity]]
 
 
 @dataclass(frozen=True)
 class Current:
-    """The water moves: from the parameters and the time [s] to its velocity north, east [m/s] and the rates of both."""
+    """A current: from the parameters and the time [s] to the water's velocity north, east [m/s] and the rates of both."""
 
-    function: Callable[[Numbers, Any], tuple[Any, Any, Any, Any]]
+    function: Callable[[Numbers, Quantity], tuple[Quantity, Quantity, Quantity, Quantity]]
 
 
 @dataclass(frozen=True)
 class Drive:
-    """What a thrust depends on beside its demand.
+    """Everything but the thrust itself that a change of a thrust may depend on.
 
     Attributes:
         demand: from the neutral, in the thruster's own unit.
@@ -99,44 +103,49 @@ class Drive:
         voltage: the supply's, as a share of its first value; None where it is not logged.
     """
 
-    demand: Any
-    time: Any
+    demand: Quantity
+    time: Quantity
     index: int
     y: float
     reference: float
-    voltage: Any = None
+    voltage: Quantity = None
 
 
 @dataclass(frozen=True)
 class Thrust:
-    """A thrust at rest changes: from it [N], its drive and the parameters to the new one."""
+    """A change of a thrust at rest: from the thrust [N], its drive and the parameters to the new thrust [N]."""
 
-    function: Callable[[Any, Drive, Numbers], Any]
+    function: Callable[[Quantity, Drive, Numbers], Quantity]
 
 
 @dataclass(frozen=True)
 class Inflow:
-    """A thrust changes with the water's speed along its axis [m/s]: from thrust [N], inflow and the parameters."""
+    """A change of a thrust by inflow: from thrust [N], the water's speed along its axis [m/s] and the parameters to [N]."""
 
-    function: Callable[[Any, Any, Numbers], Any]
+    function: Callable[[Quantity, Quantity, Numbers], Quantity]
 
 
 @dataclass(frozen=True)
 class Response:
-    """A thrust comes late by its one parameter [s]: by a first-order lag, or by a pure delay."""
+    """A late thrust: a first-order lag or a pure delay, whose time [s] is the only parameter."""
 
     kind: Literal["lag", "delay"]
 
 
 @dataclass(frozen=True)
 class Reading:
-    """A sensor's reading changes: from the channels that it senses, and the parameters, to the channels that differ.
+    """A change of a sensor's reading: from the channels it senses and the parameters to the channels that differ.
 
-    The channels are arrays by the log's names, ``thrust`` [N] beside them; ``r_v`` is the yaw rate at the moment of the velocity
-    reading, and ``at`` gives u, v and r_v at an earlier time.
+    The channels are arrays by the log's names, and ``thrust`` [N]. Two more entries serve velocity sensors: ``r_v`` is the yaw
+    rate at the moment of the velocity reading, and ``at`` is a function that gives u, v and r_v a delay [s] earlier.
+
+    Attributes:
+        function: the change.
+        sensor: the section of the vehicle file's [sensors].
+        order: place among the changes of the same log, lowest first.
     """
 
-    function: Callable[[Mapping[str, Any], Numbers], dict[str, Any]]
+    function: Callable[[Mapping[str, Quantity], Numbers], dict[str, Quantity]]
     sensor: Literal["velocity", "acceleration", "yaw_rate"]
     order: int = 0
 
@@ -149,17 +158,19 @@ class Effect:
     """A cause that a diagnosis can name.
 
     Attributes:
-        id: as in EFFECTS.md.
+        id: stable name in files and results, as ``drag.surge.linear``.
         cause: in a sentence.
-        parameters: in EFFECTS.md's order.
+        parameters: in the order in which the command line takes them.
         acts: the physics: columns, a force, or a transformation.
-        needs: log channels without which the effect cannot be seen, beyond u, v, r and the demands; ``a|b`` is either.
-        equivalents: ids that no log tells apart from this one under the condition of EFFECTS.md 3.1.
-        confusable: ids that take a good log to tell apart.
-        separate: the manoeuvre that does.
-        plain: a term of the plain model, which counts as an effect only where a model lacks it.
-        per_thruster: ``id.NAME`` is the effect on one thruster alone.
-        measured: the form used where the log has the cause itself (wind columns), with parameters of its own.
+        needs: log channels without which the effect is invisible, beyond u, v, r and the demands; ``a|b`` is either.
+        equivalents: ids that no log tells apart from this one under the condition of docs/theory.md, "Equivalent effects".
+        equivalent_odds: for equivalents that no log whatever tells apart: the odds of each against this effect, in their order,
+            with which a finding lists them. Empty where the equivalence holds only in some logs.
+        confusable: ids that only an exciting log tells apart.
+        separate: the manoeuvre that tells them apart.
+        plain: whether it is a term of the plain model, which is an effect only for a model that lacks it.
+        per_thruster: whether ``id.NAME`` is the effect on one thruster alone.
+        measured: the form for logs that hold the cause itself (wind columns), with parameters of its own.
     """
 
     id: str
@@ -173,14 +184,32 @@ class Effect:
     plain: bool = False
     per_thruster: bool = False
     measured: Effect | None = None
+    equivalent_odds: tuple[float, ...] = ()
 
     @property
     def parts(self) -> tuple[str, ...]:
-        """The names of the parameters: the id, or id.part where there are several."""
+        """Names of the parameters: the id alone for an only parameter, else id.part."""
         return tuple(f"{self.id}.{p.part}" if p.part else self.id for p in self.parameters)
 
+    @property
+    def always_equivalent(self) -> dict[str, float]:
+        """Ids that no log whatever tells apart from this one, with their odds against it."""
+        return dict(zip(self.equivalents, self.equivalent_odds, strict=True)) if self.equivalent_odds else {}
 
-def term_effect(term: Term, typical: float, cause: str, *, signed: bool = False, **described: Any) -> Effect:
+
+class Described(TypedDict, total=False):
+    """Fields of ``Effect`` that describe it, for ``term_effect``."""
+
+    equivalents: tuple[str, ...]
+    equivalent_odds: tuple[float, ...]
+    confusable: tuple[str, ...]
+    separate: str
+    plain: bool
+
+
+def term_effect(
+    term: Term, typical: float, cause: str, *, signed: bool = False, **described: Unpack[Described]
+) -> Effect:
     """An effect that is one term, linear in its only parameter."""
     parameter = Parameter("", term.symbol, term.unit, typical, signed=signed)
     return Effect(term.id, cause, (parameter,), Terms((term,)), **described)

@@ -1,17 +1,19 @@
-"""Current, wind, waves, depth, tether, growth (EFFECTS.md 2.3)."""
+"""The environment: current, wind, waves, depth, tether, growth."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any, Final
+from collections.abc import Callable, Mapping
+from typing import Final
 
 from ivsid.effects.effect import Change, Current, Effect, Force, Numbers, Parameter, Terms
 from ivsid.effects.functions import cos, sin, sqrt, square
+from ivsid.effects.quantity import Quantity
 from ivsid.effects.terms import Columns, Place, State, Term
 from ivsid.errors import IvsidError
 
-# A tether that hangs straight down pulls no way: within this distance [m] of its anchor the pull fades.
+# Above its anchor a tether hangs straight down and has no horizontal pull: within this distance [m] the pull fades.
+# Source: definition: the effect tether.tension of the catalogue.
 TETHER_RADIUS: Final = 0.05
 
 
@@ -21,32 +23,32 @@ def _place(state: State) -> Place:
     return state.place
 
 
-def _body(place: Place, north: Any, east: Any) -> tuple[Any, Any]:
-    """A vector in earth axes, in body axes."""
+def earth_to_body(place: Place, north: Quantity, east: Quantity) -> tuple[Quantity, Quantity]:
+    """Surge and sway of a vector that is given north and east, in its unit."""
     c, s = cos(place.psi), sin(place.psi)
     return north * c + east * s, east * c - north * s
 
 
-def _steady(p: Numbers, _t: Any) -> tuple[Any, Any, Any, Any]:
+def _steady(p: Numbers, _t: Quantity) -> tuple[Quantity, Quantity, Quantity, Quantity]:
     return p[0], p[1], 0.0, 0.0
 
 
-def _oscillating(p: Numbers, t: Any) -> tuple[Any, Any, Any, Any]:
+def _oscillating(p: Numbers, t: Quantity) -> tuple[Quantity, Quantity, Quantity, Quantity]:
     north, east, period, phase = p
     w = 2 * math.pi / period
     wave, rate = sin(t * w + phase), cos(t * w + phase) * w
     return wave * north, wave * east, rate * north, rate * east
 
 
-def _wind_column(north: float, east: float) -> Any:
+def _wind_column(north: float, east: float) -> Callable[[State], Columns]:
     def columns(state: State) -> Columns:
-        surge, sway = _body(_place(state), north, east)
+        surge, sway = earth_to_body(_place(state), north, east)
         return {"surge": -surge, "sway": -sway}
 
     return columns
 
 
-def _apparent(state: State) -> tuple[Any, Any, Any]:
+def _apparent(state: State) -> tuple[Quantity, Quantity, Quantity]:
     place = _place(state)
     if place.wind_surge is None:
         raise IvsidError(
@@ -69,26 +71,26 @@ def _wave(state: State, p: Numbers) -> Columns:
     amplitude, period, phase, direction = p
     place = _place(state)
     size = sin(place.t * (2 * math.pi / period) + phase) * amplitude
-    surge, sway = _body(place, size * math.cos(direction), size * math.sin(direction))
+    surge, sway = earth_to_body(place, size * math.cos(direction), size * math.sin(direction))
     return {"surge": surge, "sway": sway}
 
 
 def _tether(state: State, p: Numbers) -> Columns:
     force, anchor_north, anchor_east, arm = p
     place = _place(state)
-    # The arm moves the point of attack; the direction is taken from the origin, the arm being short beside the tether.
+    # The arm is short beside the tether: the direction of the pull is taken at the origin.
     north, east = anchor_north - place.x, anchor_east - place.y
     distance = sqrt(square(north) + square(east) + TETHER_RADIUS**2)
-    surge, sway = _body(place, north / distance * force, east / distance * force)
+    surge, sway = earth_to_body(place, north / distance * force, east / distance * force)
     return {"surge": surge, "sway": sway, "yaw": sway * arm}
 
 
-def _shallow(plain: Mapping[str, Any], p: Numbers, _t: Any) -> dict[str, Any]:
+def _shallow(plain: Mapping[str, Quantity], p: Numbers, _t: Quantity) -> dict[str, Quantity]:
     scaled = ("mass.surge", "mass.sway", "drag.surge.quadratic", "drag.sway.quadratic")
     return {id_: plain[id_] * p[0] for id_ in scaled if id_ in plain}
 
 
-def _fouling(plain: Mapping[str, Any], p: Numbers, t: Any) -> dict[str, Any]:
+def _fouling(plain: Mapping[str, Quantity], p: Numbers, t: Quantity) -> dict[str, Quantity]:
     id_ = "drag.surge.quadratic"
     return {id_: plain[id_] * (t * p[0] + 1.0)} if id_ in plain else {}
 
@@ -197,8 +199,3 @@ FAMILY: Final[tuple[Effect, ...]] = (
         separate="the same programme at the start and the end; turns on the spot need thrust without drag",
     ),
 )
-
-
-def earth_to_body(place: Place, north: Any, east: Any) -> tuple[Any, Any]:
-    """Turns a vector from earth axes to body axes: surge, sway."""
-    return _body(place, north, east)

@@ -1,56 +1,59 @@
-"""Functions of the physics for floats, arrays, intervals, motions and the symbols of the simulator alike.
+"""Functions of the physics for every kind of ``Quantity``.
 
-What is no float or array brings its own method of the same name, or NumPy's function of it.
+Floats use the standard library. Intervals, values with rates and symbols bring a method of the function's name; arrays, and types
+without such a method, use NumPy's function.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 
 from ivsid.effects.cross_flow import cross_flow_over
+from ivsid.effects.quantity import Quantity
+from ivsid.intervals import FloatArray
 
 
-def _apply(name: str, x: Any, scalar: Any) -> Any:
+def _apply(name: str, x: Quantity, scalar: Callable[[float], float]) -> Quantity:
     if isinstance(x, float):
         return scalar(x)
     method = getattr(x, name, None)
     return getattr(np, name)(x) if method is None else method()
 
 
-def cos(x: Any) -> Any:
+def cos(x: Quantity) -> Quantity:
     """Cosine of an angle [rad]."""
     return _apply("cos", x, math.cos)
 
 
-def sin(x: Any) -> Any:
+def sin(x: Quantity) -> Quantity:
     """Sine of an angle [rad]."""
     return _apply("sin", x, math.sin)
 
 
-def tanh(x: Any) -> Any:
+def tanh(x: Quantity) -> Quantity:
     """Hyperbolic tangent."""
     return _apply("tanh", x, math.tanh)
 
 
-def sqrt(x: Any) -> Any:
+def sqrt(x: Quantity) -> Quantity:
     """Square root."""
     return _apply("sqrt", x, math.sqrt)
 
 
-def signed_square(x: Any) -> Any:
-    """``x |x|``; tight for intervals that hold both signs."""
+def signed_square(x: Quantity) -> Quantity:
+    """``x |x|``; for intervals the exact range, also where they hold both signs."""
     return x.signed_square() if hasattr(x, "signed_square") else x * abs(x)
 
 
-def square(x: Any) -> Any:
-    """``x^2``; tight for intervals that hold both signs."""
+def square(x: Quantity) -> Quantity:
+    """``x^2``; for intervals the exact range, also where they hold both signs."""
     return x.square() if hasattr(x, "square") else x * x
 
 
-def astern_square(x: Any) -> Any:
+def astern_square(x: Quantity) -> Quantity:
     """``x |x|`` where x is negative, else 0."""
     if isinstance(x, float):
         return x * abs(x) if x < 0 else 0.0
@@ -59,24 +62,24 @@ def astern_square(x: Any) -> Any:
     return signed_square(np.minimum(x, 0.0))
 
 
-def after(time: Any, start: float) -> Any:
-    """1 from ``start`` on, 0 before."""
+def after(time: Quantity, start: float) -> Quantity:
+    """The step function: 0 before ``start`` [s], 1 from then on."""
     if hasattr(time, "after"):
         return time.after(start)
     return np.where(time >= start, 1.0, 0.0) if isinstance(time, np.ndarray) else float(time >= start)
 
 
-def cross_flow_force(v: Any, r: Any, half: float) -> Any:
-    """The integral of (v + x r)|v + x r| over x from -half to half [m^3/s^2]."""
+def cross_flow_force(v: Quantity, r: Quantity, half: float) -> Quantity:
+    """The integral of (v + x r)|v + x r| over x from -half to half [m^3/s^2]; v [m/s], r [rad/s], half [m]."""
     return _cross_flow(v, r, half, 0)
 
 
-def cross_flow_moment(v: Any, r: Any, half: float) -> Any:
-    """The integral of x (v + x r)|v + x r| over x from -half to half [m^4/s^2]."""
+def cross_flow_moment(v: Quantity, r: Quantity, half: float) -> Quantity:
+    """The integral of x (v + x r)|v + x r| over x from -half to half [m^4/s^2]; v [m/s], r [rad/s], half [m]."""
     return _cross_flow(v, r, half, 1)
 
 
-def _cross_flow(v: Any, r: Any, half: float, power: int) -> Any:
+def _cross_flow(v: Quantity, r: Quantity, half: float, power: int) -> Quantity:
     if hasattr(v, "cross_flow"):
         return v.cross_flow(r, half, power)
     if isinstance(v, float):
@@ -87,12 +90,12 @@ def _cross_flow(v: Any, r: Any, half: float, power: int) -> Any:
 
 
 def cross_flow_value(v: float, r: float, half: float, power: int) -> float:
-    """The integral in closed form: a polynomial where the flow has one sign along the hull, else split at its zero."""
+    """The integral of x^power w|w|, w = v + x r, for floats: the moment where ``power`` is 1, else the force."""
     return cross_flow_both(v, r, half)[power]
 
 
 def cross_flow_both(v: float, r: float, half: float) -> tuple[float, float]:
-    """Force and moment at once."""
+    """Force and moment in closed form: polynomials where the flow has one sign along the hull, else split at its zero."""
     if abs(v) >= abs(r) * half:
         sign = math.copysign(1.0, v)
         return sign * (2 * half * v * v + 2 * half**3 * r * r / 3), sign * (4 * v * r * half**3 / 3)
@@ -103,7 +106,7 @@ def cross_flow_both(v: float, r: float, half: float) -> tuple[float, float]:
     return first, second - v * first / r
 
 
-def cross_flow_array(v: Any, r: Any, half: float, power: int) -> Any:
+def cross_flow_array(v: FloatArray, r: FloatArray, half: float, power: int) -> FloatArray:
     """``cross_flow_value`` for arrays that broadcast."""
     one_sign = np.abs(v) >= np.abs(r) * half
     rate = np.where(one_sign, 1.0, r)
@@ -112,6 +115,6 @@ def cross_flow_array(v: Any, r: Any, half: float, power: int) -> Any:
     if power == 0:
         smooth = np.sign(v) * (2 * half * v * v + 2 * half**3 * r * r / 3)
         return np.where(one_sign, smooth, first)
-    # Products: a power of an array is worked out by logarithms.
+    # Products, because NumPy takes powers of an array by logarithms.
     second = (high * high * high * np.abs(high) - low * low * low * np.abs(low)) / (4 * rate * rate)
     return np.where(one_sign, np.sign(v) * 4 * v * r * half**3 / 3, second - v * first / rate)

@@ -1,19 +1,20 @@
-"""Masses, inertia, and the coupling between channels (EFFECTS.md 2.0, 2.2)."""
+"""Inertia: masses, the moment of inertia, the coupling between channels, and a payload."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Final
 
 from ivsid.effects.effect import Change, Effect, Numbers, Parameter, term_effect
-from ivsid.effects.functions import after
-from ivsid.effects.terms import Term, square
+from ivsid.effects.functions import after, square
+from ivsid.effects.quantity import Quantity
+from ivsid.effects.terms import Term
 
 MASS_SURGE: Final = Term("mass.surge", "m - X_udot", "kg", lambda s: {"surge": s.udot, "sway": s.u * s.r})
 MASS_SWAY: Final = Term("mass.sway", "m - Y_vdot", "kg", lambda s: {"surge": -(s.v * s.r), "sway": s.vdot})
 INERTIA_YAW: Final = Term("inertia.yaw", "I_z - N_rdot", "kg m^2", lambda s: {"yaw": s.rdot})
 
-# Paper eq. 3-6: one mass for surge and sway. With the rigid-body mass known, the same columns belong to the added mass.
+# Paper eq. 3-6: one mass for surge and sway. Where the rigid-body mass is known, the same columns belong to the added mass.
 SHARED_MASS: Final = Term("mass.surge", "m - X_udot", "kg", lambda s: {"surge": s.ax, "sway": s.ay})
 ADDED_MASS: Final = Term("added_mass.surge", "-X_udot", "kg", lambda s: {"surge": s.ax, "sway": s.ay})
 ADDED_MASS_SURGE: Final = Term("added_mass.surge", "-X_udot", "kg", MASS_SURGE.columns)
@@ -26,13 +27,13 @@ COUPLING_CG_Y: Final = Term(
     "coupling.cg_y", "m y_G", "kg m", lambda s: {"surge": -s.rdot, "sway": -square(s.r), "yaw": -s.ax}
 )
 MUNK: Final = Term("added_mass.munk", "X_udot - Y_vdot", "kg", lambda s: {"yaw": s.u * s.v})
-# Where the model shares one mass, the coefficient is the sway mass beyond it, too (EFFECTS.md 2.2).
+# In a model with one mass for surge and sway the coefficient is also the sway mass beyond the shared one.
 SHARED_MUNK: Final = Term(
     "added_mass.munk", "X_udot - Y_vdot", "kg", lambda s: {"surge": -(s.v * s.r), "sway": s.vdot, "yaw": s.u * s.v}
 )
 
 
-def _payload(plain: Mapping[str, Any], p: Numbers, t: Any) -> dict[str, Any]:
+def _payload(plain: Mapping[str, Quantity], p: Numbers, t: Quantity) -> dict[str, Quantity]:
     extra = p[0] * after(t, p[1])
     return {id_: plain[id_] + extra for id_ in ("mass.surge", "mass.sway") if id_ in plain}
 
@@ -82,6 +83,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         6.0,
         "the moment of potential flow on a slender hull in sideslip, which turns it across the stream",
         equivalents=("drag.lift.yaw",),
+        equivalent_odds=(1.0,),
         confusable=("coupling.cg_x", "drag.yaw.linear"),
         separate="sideways accelerations strong enough to give m_v: this coefficient must equal m_v - m_u; a chirp in yaw",
     ),

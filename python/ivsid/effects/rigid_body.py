@@ -1,12 +1,17 @@
-"""What the vehicle file already knows of the rigid body: the coupling m x_G, m y_G, and in the added-mass form its mass."""
+"""The known rigid body of the vehicle file: the coupling m x_G, m y_G, and in the added-mass form its mass."""
 
 from __future__ import annotations
 
-from ivsid.effects.terms import Columns, State, square
+from ivsid.effects.functions import square
+from ivsid.effects.quantity import Quantity
+from ivsid.effects.terms import Columns, State
 
 
 def rigid_body(state: State, mx: float, my: float, mass: float = 0.0) -> Columns:
-    """Known left-hand side: m (udot - v r) and so on, with the coupling of a centre of gravity off the origin.
+    """The known part of the left-hand side: X, Y [N] and N [N m] by channel; channels without a known part are left out.
+
+    Fossen's rigid body in the plane with its centre of gravity off the origin: m (udot - v r - x_G r^2 - y_G rdot) in surge,
+    m (vdot + u r + x_G rdot - y_G r^2) in sway, m (x_G (vdot + u r) - y_G (udot - v r)) in yaw.
 
     Args:
         state: velocities and accelerations.
@@ -28,5 +33,5 @@ def rigid_body(state: State, mx: float, my: float, mass: float = 0.0) -> Columns
     return {k: c for k, c in (("surge", surge), ("sway", sway), ("yaw", yaw)) if c is not None}
 
 
-def _plus(a: object, b: object) -> object:
-    return b if a is None else a + b  # type: ignore[operator]
+def _plus(a: Quantity, b: Quantity) -> Quantity:
+    return b if a is None else a + b

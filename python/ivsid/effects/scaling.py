@@ -1,4 +1,4 @@
-"""How the size of a number grows with the length of a vehicle, after Froude, read off its unit."""
+"""Froude scaling: the power of a vehicle's length with which a number grows, from its unit."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from typing import Final
 
 from ivsid.errors import IvsidError
 
-# Powers of length: masses and forces as L^3, times as L^0.5; an angle, a share and a demand stay as they are.
+# Powers of the length L: at equal Froude number and density masses and forces grow as L^3, times as L^0.5; angles, shares and
+# demands do not grow.
+# Source: theorem: Froude's law of similarity.
 _BASE: Final = {"kg": 3.0, "N": 3.0, "m": 1.0, "s": 0.5, "rad": 0.0, "1": 0.0, "demand": 0.0}
 _TOKEN: Final = re.compile(r"\s*(per\b|[A-Za-z]+|1|\^-?\d+|[/()])")
 
@@ -18,8 +20,8 @@ def froude_power(unit: str) -> float:
     """The power of length that a unit scales with.
 
     Args:
-        unit: products with a space, powers with ``^``, quotients with ``/`` (of what follows it directly, or of a bracket) or ``per``
-            (of all that follows): ``kg/m``, ``N/(m/s)^2``, ``m/s^2 per N``.
+        unit: products with a space, powers with ``^``, quotients with ``/`` (of the next factor or bracket) or ``per`` (of all that
+            follows): ``kg/m``, ``N/(m/s)^2``, ``m/s^2 per N``.
 
     Raises:
         IvsidError: a unit that is not made of kg, N, m, s, rad, 1 and demand.
@@ -34,7 +36,7 @@ def froude_power(unit: str) -> float:
 
 
 def _sum(tokens: list[str], unit: str) -> float:
-    """Of a product of factors."""
+    """The power of a product of factors."""
     total, sign, at = 0.0, 1.0, 0
     if not tokens:
         raise _unknown(unit)

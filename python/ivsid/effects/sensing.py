@@ -1,43 +1,44 @@
-"""What a sensor makes of the truth before its noise (EFFECTS.md 2.5).
+"""Sensors: changes of a reading before its noise.
 
-The order in which they act: a late reading, the lever arm, the misalignment, then leak, scale and bias.
+They act in this order: delay, lever arm, misalignment, then leak, scale and bias.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Final, TypeAlias
 
 from ivsid.effects.effect import Effect, Numbers, Parameter, Reading
+from ivsid.effects.quantity import Quantity
 
-Channels = Mapping[str, Any]
+Channels: TypeAlias = Mapping[str, Quantity]
 
 
-def _delay(c: Channels, p: Numbers) -> dict[str, Any]:
+def _delay(c: Channels, p: Numbers) -> dict[str, Quantity]:
     u, v, r = c["at"](p[0])
     return {"u": u, "v": v, "r_v": r}
 
 
-def _velocity_arm(c: Channels, p: Numbers) -> dict[str, Any]:
+def _velocity_arm(c: Channels, p: Numbers) -> dict[str, Quantity]:
     return {"u": c["u"] - p[1] * c["r_v"], "v": c["v"] + p[0] * c["r_v"]}
 
 
-def _misalignment(c: Channels, p: Numbers) -> dict[str, Any]:
+def _misalignment(c: Channels, p: Numbers) -> dict[str, Quantity]:
     cosine, sine = math.cos(p[0]), math.sin(p[0])
     return {"u": c["u"] * cosine + c["v"] * sine, "v": c["v"] * cosine - c["u"] * sine}
 
 
-def _velocity_scale(c: Channels, p: Numbers) -> dict[str, Any]:
+def _velocity_scale(c: Channels, p: Numbers) -> dict[str, Quantity]:
     return {"u": c["u"] * (1.0 + p[0]), "v": c["v"] * (1.0 + p[0])}
 
 
-def _acceleration_arm(c: Channels, p: Numbers) -> dict[str, Any]:
+def _acceleration_arm(c: Channels, p: Numbers) -> dict[str, Quantity]:
     r, rdot = c["r_true"], c["rdot"]
     return {"ax": c["ax"] - p[0] * r * r - p[1] * rdot, "ay": c["ay"] + p[0] * rdot - p[1] * r * r}
 
 
-def _bias(c: Channels, p: Numbers) -> dict[str, Any]:
+def _bias(c: Channels, p: Numbers) -> dict[str, Quantity]:
     return {"ax": c["ax"] + p[0], "ay": c["ay"] + p[1]}
 
 

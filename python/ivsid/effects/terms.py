@@ -1,53 +1,70 @@
-"""What a term is. Columns are written with operators and ``functions`` alone, so floats, NumPy arrays and intervals all serve."""
+"""Terms: one parameter each, with its columns in the equations of motion.
+
+Columns are written with operators and ``functions`` alone, so that floats, NumPy arrays, intervals and symbols all serve.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Final, TypeAlias
+from typing import Final, TypeAlias
 
-from ivsid.effects.functions import signed_square, square
-
-__all__ = ["CHANNELS", "Columns", "Place", "State", "Term", "signed_square", "square"]
+from ivsid.effects.quantity import Quantity
 
 CHANNELS: Final = ("surge", "sway", "yaw")
-Columns: TypeAlias = dict[str, Any]
+# Forces [N], moments [N m] or columns by channel; a channel that is left out is 0.
+Columns: TypeAlias = dict[str, Quantity]
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where and when: heading [rad], position north and east [m], time of the log [s], and what blows.
+    """Pose, time and wind, for terms that depend on more than the velocities.
 
-    ``wind_surge`` and ``wind_sway`` are the apparent wind in body axes [m/s]: the air's velocity relative to the vehicle; None
-    where no wind is known.
+    Attributes:
+        psi: heading [rad].
+        x: position north [m].
+        y: position east [m].
+        t: time of the log [s].
+        wind_surge: apparent wind in body axes, ahead [m/s]: the air's velocity relative to the vehicle; None if unknown.
+        wind_sway: the same to starboard [m/s].
     """
 
-    psi: Any
-    x: Any
-    y: Any
-    t: Any
-    wind_surge: Any = None
-    wind_sway: Any = None
+    psi: Quantity
+    x: Quantity
+    y: Quantity
+    t: Quantity
+    wind_surge: Quantity = None
+    wind_sway: Quantity = None
 
 
 @dataclass(frozen=True)
 class State:
     """Velocities u, v [m/s], r [rad/s] and their time derivatives, all of one kind and shape.
 
-    In a current, velocities and derivatives are those relative to the water (Fossen's equations hold in them as they stand as
-    long as the current is steady). ``ax`` and ``ay`` are the specific forces udot - v r and vdot + u r [m/s^2]. Where an
-    accelerometer measures them they are given, else they follow; a term that means them asks for them and not for their parts.
-    ``place`` is given to the terms that depend on more than the velocities.
+    In a current, velocities and derivatives are those relative to the water: Fossen's equations hold in them unchanged as long as
+    the current is steady.
+
+    Attributes:
+        u: velocity ahead [m/s].
+        v: velocity to starboard [m/s].
+        r: yaw rate [rad/s].
+        udot: rate of u [m/s^2].
+        vdot: rate of v [m/s^2].
+        rdot: rate of r [rad/s^2].
+        ax: specific force udot - v r [m/s^2]. It is given where an accelerometer measures it and follows from the others
+            elsewhere; a term that means the specific force uses ax and not its parts.
+        ay: specific force vdot + u r [m/s^2], as ax.
+        place: for terms that depend on pose, time or wind.
     """
 
-    u: Any
-    v: Any
-    r: Any
-    udot: Any
-    vdot: Any
-    rdot: Any
-    ax: Any = field(default=None)
-    ay: Any = field(default=None)
+    u: Quantity
+    v: Quantity
+    r: Quantity
+    udot: Quantity
+    vdot: Quantity
+    rdot: Quantity
+    ax: Quantity = field(default=None)
+    ay: Quantity = field(default=None)
     place: Place | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
@@ -62,11 +79,11 @@ class Term:
     """One parameter and its column in each channel that it acts in.
 
     Attributes:
-        id: as in EFFECTS.md.
+        id: the catalogue's id, as ``drag.surge.linear``.
         symbol: in SNAME notation.
         unit: of the parameter.
         columns: from a state to the left-hand side columns by channel.
-        of_hull: for a term that needs the hull's length [m]: from the length to the columns.
+        of_hull: for a term along the hull: from the hull's length [m] to the columns; None for all others.
     """
 
     id: str

@@ -1,62 +1,71 @@
-"""What changes a thrust between its demand and the water (EFFECTS.md 2.4)."""
+"""Thrusters: changes of a thrust between its demand and the water."""
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from ivsid.effects.effect import Drive, Effect, Inflow, Numbers, Parameter, Response, Thrust
 from ivsid.effects.functions import after
+from ivsid.effects.quantity import Quantity
 
 
-def _asymmetry(thrust: Any, drive: Drive, p: Numbers) -> Any:
-    # The sign of the arm, and nothing for a thruster on the centre line.
+def _asymmetry(thrust: Quantity, drive: Drive, p: Numbers) -> Quantity:
+    # The side is the sign of the arm; a thruster on the centre line has none.
     side = (drive.y > 0) - (drive.y < 0)
     return thrust * (1.0 - side * p[0])
 
 
-def _failure(thrust: Any, drive: Drive, p: Numbers) -> Any:
+def _failure(thrust: Quantity, drive: Drive, p: Numbers) -> Quantity:
     index, loss, start = p
     return thrust * (1.0 - loss * after(drive.time, start)) if drive.index == round(index) else thrust
 
 
-def _deadband(thrust: Any, drive: Drive, p: Numbers) -> Any:
+def _deadband(thrust: Quantity, drive: Drive, p: Numbers) -> Quantity:
     return _where(abs(drive.demand) < p[0], 0.0, thrust)
 
 
-def _saturation(thrust: Any, _drive: Drive, p: Numbers) -> Any:
+def _saturation(thrust: Quantity, _drive: Drive, p: Numbers) -> Quantity:
     return min(max(thrust, -p[0]), p[0]) if isinstance(thrust, float) else np.clip(thrust, -p[0], p[0])
 
 
-def _reverse(thrust: Any, _drive: Drive, p: Numbers) -> Any:
+def _reverse(thrust: Quantity, _drive: Drive, p: Numbers) -> Quantity:
     return _where(thrust < 0, thrust * (1.0 - p[0]), thrust)
 
 
-def _sag(thrust: Any, drive: Drive, p: Numbers) -> Any:
-    # A battery that is empty gives nothing, and does not turn the thruster round.
+def _sag(thrust: Quantity, drive: Drive, p: Numbers) -> Quantity:
+    # An empty battery gives no thrust; without the bound at 0 the thrust would reverse.
     return thrust * np.maximum(1.0 - p[0] * drive.time, 0.0)
 
 
-def _sag_measured(thrust: Any, drive: Drive, p: Numbers) -> Any:
-    # With the supply's voltage logged: T falls with the power p of its share of the first value.
+def _sag_measured(thrust: Quantity, drive: Drive, p: Numbers) -> Quantity:
+    # Where the voltage is logged, T is multiplied by (voltage / first voltage) ^ p.
     return thrust if drive.voltage is None else thrust * drive.voltage ** p[0]
 
 
-def _curve(thrust: Any, drive: Drive, p: Numbers) -> Any:
+def _curve(thrust: Quantity, drive: Drive, p: Numbers) -> Quantity:
     return thrust + p[0] * thrust * (1.0 - abs(thrust) / drive.reference)
 
 
-def _advance(thrust: Any, inflow: Any, p: Numbers) -> Any:
+def _advance(thrust: Quantity, inflow: Quantity, p: Numbers) -> Quantity:
     return thrust - abs(thrust) * inflow * p[0]
 
 
-def _where(condition: Any, yes: Any, no: Any) -> Any:
+def _where(condition: Quantity, yes: Quantity, no: Quantity) -> Quantity:
     return np.where(condition, yes, no) if isinstance(condition, np.ndarray) else (yes if condition else no)
 
 
-def _one(unit: str, typical: float, **how: Any) -> tuple[Parameter, ...]:
-    return (Parameter("", "", unit, typical, **how),)
+def _one(
+    unit: str,
+    typical: float,
+    *,
+    signed: bool = False,
+    inverse: bool = False,
+    lowest: float | None = None,
+    exclusive: bool = False,
+) -> tuple[Parameter, ...]:
+    return (Parameter("", "", unit, typical, signed=signed, inverse=inverse, lowest=lowest, exclusive=exclusive),)
 
 
 FAMILY: Final[tuple[Effect, ...]] = (
@@ -75,6 +84,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         _one("1", 0.05, signed=True),
         Thrust(_asymmetry),
         equivalents=("thruster.failure",),
+        equivalent_odds=(0.3,),
         confusable=("coupling.cg_y",),
         separate="straight runs at several thrusts",
     ),

@@ -1,9 +1,10 @@
-"""Files at the edges: records of results, their seals, units, and the section ``[log]`` of a vehicle file.
+"""Files at the edges: records of results, their seals, units, sections of TOML files, and the section ``[log]``.
 
 - ``records``: JSON whose bounds are rounded outward; folders that are written whole or not at all.
 - ``seal``: the digest of a result, which shows an edit.
 - ``units``: factors from named units to SI.
-- ``log_map``: the section ``[log]``, which maps foreign columns.
+- ``section``: the base of a section of a TOML file, and the kinds of numbers that its keys take.
+- ``log_map``: the section ``[log]`` of a vehicle file, which maps foreign columns.
 
 The chapter may use ``intervals`` (the outward decimal digits of a bound) and ``errors``. Import its modules by name: the checker of
 ``ivsid verify`` takes ``seal`` and ``units`` and must not load the arithmetic that ``records`` rests on.

@@ -1,24 +1,17 @@
-"""The ``[log]`` section of a vehicle file: how a foreign log maps to the contract's columns (INTERFACE.md)."""
+"""The section ``[log]`` of a vehicle file: the map from a foreign log to the columns that ivsid knows (docs/guide.md)."""
 
 from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from ivsid.files import units
-
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+from ivsid.files.section import Finite, NonNegative, Positive, Section
 
 
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class TimeColumn(_Section):
-    """A column of stamps: ``from`` its name, in ``unit``."""
+class TimeColumn(Section):
+    """A column of stamps: its name ``from``, and its ``unit``."""
 
     from_: str = Field(default="t", alias="from")
     unit: str = "s"
@@ -29,11 +22,16 @@ class TimeColumn(_Section):
         return self
 
 
-class Column(_Section):
-    """A foreign column: ``from`` its name, in ``unit``, times ``scale`` plus ``offset``.
+class Column(Section):
+    """A foreign column: cells in ``unit``, times ``scale``, plus ``offset``.
 
-    Cells that equal ``missing`` are no samples. ``time`` names the column that holds this sensor's own stamps, where they
-    are not those of the rows.
+    Attributes:
+        from_: name of the column; the key of the file is ``from``.
+        scale: factor of a cell.
+        offset: added in SI units, after the scale.
+        unit: of a cell; None for SI.
+        missing: cells of this value are missing samples.
+        time: the column of the sensor's own stamps, where they differ from the stamps of the rows.
     """
 
     from_: str = Field(alias="from")
@@ -51,7 +49,7 @@ class Column(_Section):
 
     @property
     def factor(self) -> float:
-        """What a cell is multiplied by to be in SI units."""
+        """The factor from a cell to SI units."""
         return self.scale * (1.0 if self.unit is None else units.COLUMN[self.unit])
 
 
@@ -63,24 +61,24 @@ def _name_or_table(given: object) -> str:
 Given = Annotated[Annotated[str, Tag("name")] | Annotated[Column, Tag("table")], Discriminator(_name_or_table)]
 
 
-class LogMap(_Section):
-    """How a foreign log maps to the contract's columns, and what may be assumed between the samples of several clocks.
+class LogMap(Section):
+    """The map from a foreign log, and the assumptions between the samples of several clocks.
 
     Attributes:
-        columns: foreign names by the contract's names.
+        columns: foreign names by ivsid's names.
         frame: of body and earth axes; ``flu`` is REP 103.
         time: the clock of the rows, where it is not ``t`` in seconds.
-        demand: how a demand runs from one row to the next.
+        demand: the course of a demand from one row to the next.
         base: the channel or table whose samples become the rows, where there are several clocks.
         rates: the largest rate of change of a channel [its unit per second]. Only a channel with a stated rate is brought to
-            another clock, and its interval there is widened by all that it can move.
-        clock_error: how far two clocks may disagree [s].
+            another clock. Its interval there is widened by the largest change under that rate.
+        clock_error: the largest difference between two clocks [s].
     """
 
-    columns: dict[str, Given] = {}
+    columns: dict[str, Given] = Field(default_factory=dict)
     frame: Literal["frd", "flu"] = "frd"
     time: TimeColumn | None = None
     demand: Literal["hold", "linear"] = "hold"
     base: str | None = None
-    rates: dict[str, Positive] = {}
+    rates: dict[str, Positive] = Field(default_factory=dict)
     clock_error: NonNegative = 0.0

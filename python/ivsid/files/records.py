@@ -1,4 +1,4 @@
-"""Results on disk: JSON whose bounds are rounded outward, and folders that are written whole or not at all."""
+"""Results as files: JSON whose bounds are rounded outward, and folders that are written whole or not at all."""
 
 from __future__ import annotations
 
@@ -30,23 +30,37 @@ class Upper(float):
 def envelope(
     command: str, inputs: Mapping[str, str] | Sequence[tuple[str, str]], seed: int | None = None
 ) -> dict[str, Any]:
-    """What every result.json starts with; ``inputs`` maps names to SHA-256."""
+    """The keys that every result.json starts with.
+
+    Args:
+        command: the command of ``ivsid``.
+        inputs: names of the input files with their SHA-256.
+        seed: of the random numbers, where any were drawn.
+    """
     pairs = inputs.items() if isinstance(inputs, Mapping) else inputs
     listed = [{"name": name, "sha256": digest} for name, digest in pairs]
     return {"ivsid": version("ivsid"), "command": command, "inputs": listed, "seed": seed}
 
 
-def with_own_effects(record: dict[str, Any], files: Sequence[tuple[str, str]]) -> dict[str, Any]:
-    """The record with the files of its user's own effects, names and SHA-256; what was sealed is sealed again."""
+def with_own_effects(record: Mapping[str, object], files: Sequence[tuple[str, str]]) -> dict[str, object]:
+    """The record with the names and SHA-256 of its user's files of effects; a sealed record is sealed again."""
     if not files:
-        return record
+        return dict(record)
     made = {k: v for k, v in record.items() if k != KEY}
     made["own_effects"] = [{"name": name, "sha256": digest} for name, digest in files]
     return sealed(made) if KEY in record else made
 
 
-def to_json(value: Any, indent: int = 0) -> str:
-    """JSON text. Infinite and missing numbers become null: an unbounded end is never a large number."""
+def to_json(value: object, indent: int = 0) -> str:
+    """JSON text. Infinite and missing numbers become null: an unbounded end is never a large number.
+
+    Args:
+        value: mappings, sequences, NumPy arrays, numbers and text; ``Lower`` and ``Upper`` are rounded outward.
+        indent: of the first line, in spaces.
+
+    Raises:
+        TypeError: a value of another type.
+    """
     pad, inner = "\n" + " " * indent, "\n" + " " * (indent + 1)
     if isinstance(value, (Lower, Upper)):
         return outward_decimal(float(value), up=isinstance(value, Upper)) if math.isfinite(value) else "null"
@@ -69,13 +83,17 @@ def to_json(value: Any, indent: int = 0) -> str:
     raise TypeError(f"a value of type {type(value).__name__} has no place in a result")
 
 
-def sealed(record: Mapping[str, Any]) -> dict[str, Any]:
-    """The record with the seal of its content, which ``ivsid verify`` asks for."""
+def sealed(record: Mapping[str, object]) -> dict[str, object]:
+    """The record with the seal of its content, which ``ivsid verify`` compares."""
     return {**record, KEY: seal_of(to_json(record))}
 
 
 def write_whole(path: str | Path, data: str | bytes) -> None:
-    """Writes a file by renaming a finished one over it."""
+    """Writes a file by renaming a finished one over it, so that no reader sees half of it.
+
+    Raises:
+        IvsidError: the path cannot be written.
+    """
     path = Path(path)
     content = data.encode() if isinstance(data, str) else data
     try:
@@ -94,7 +112,11 @@ def write_whole(path: str | Path, data: str | bytes) -> None:
 
 
 def check_writable(folder: str | Path) -> None:
-    """Refuses an output folder that cannot be written, before any work is done. Leaves nothing behind."""
+    """Checks, before any work is done, that an output folder can be written; leaves nothing behind.
+
+    Raises:
+        IvsidError: the folder cannot be written.
+    """
     folder = Path(folder)
     existing = next(p for p in (folder, *folder.absolute().parents) if p.exists())
     if not existing.is_dir():
@@ -107,7 +129,15 @@ def check_writable(folder: str | Path) -> None:
 
 
 def write_folder(folder: str | Path, files: Mapping[str, str | bytes]) -> None:
-    """Writes all files of a result or, where one cannot be written, none."""
+    """Writes all files of a result or, where one cannot be written, none.
+
+    Args:
+        folder: made where it does not exist.
+        files: content by path below the folder.
+
+    Raises:
+        IvsidError: the folder or one of its files cannot be written.
+    """
     folder = Path(folder)
     check_writable(folder)
     made = next((p for p in reversed((folder, *folder.absolute().parents)) if not p.exists()), None)

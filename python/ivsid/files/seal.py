@@ -1,10 +1,10 @@
-"""A digest of all that a result says, so that whoever reads it notices what was edited after it was written."""
+"""The seal of a result: a digest of its content, which shows a later edit."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from typing import Any, Final
+from typing import Final
 
 KEY: Final = "seal"
 
@@ -12,8 +12,8 @@ KEY: Final = "seal"
 def seal_of(text: str) -> str:
     """SHA-256 of a JSON object without its seal; spaces and the order of keys do not count, every digit does.
 
-    It shows an accident or a careless edit. Who edits on purpose can make it anew: what a result claims is proved by its
-    certificates, not by this.
+    The seal shows an accident or a careless edit. Whoever edits on purpose can make it anew: the statements of a result are
+    proved by its certificates.
     """
     content = json.loads(text, parse_float=_Digits, parse_int=_Digits, parse_constant=_Digits)
     if isinstance(content, dict):
@@ -25,8 +25,8 @@ class _Digits(str):
     """A number as it is written."""
 
 
-def _plain(value: Any) -> Any:
-    """Text that tells a number from a string of the same digits."""
+def _plain(value: object) -> object:
+    """The value with each number marked, to tell it from a string of the same digits."""
     if isinstance(value, _Digits):
         return {"number": str(value)}
     if isinstance(value, dict):

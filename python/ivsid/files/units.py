@@ -1,15 +1,22 @@
-"""Units at the edge; everything inside is SI and radians."""
+"""Factors from named units to SI and radians; units occur only where files are read."""
 
 import math
 from typing import Final
 
 from ivsid.errors import IvsidError
 
+# Units of forces [N].
+# Source: definition: the standard gravity 9.80665 m/s^2, the international pound 0.45359237 kg
 FORCE: Final = {"N": 1.0, "kN": 1e3, "kgf": 9.80665, "gf": 9.80665e-3, "lbf": 4.4482216152605}
+# Units of times [s].
+# Source: definition: SI
 TIME: Final = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
+# Units of angles [rad].
+# Source: definition: SI
 ANGLE: Final = {"rad": 1.0, "deg": math.pi / 180.0}
 
-# Units of a foreign log's columns.
+# Units that a foreign log's columns may have, in SI.
+# Source: definition: SI, the standard gravity, the international nautical mile of 1852 m
 COLUMN: Final = {
     **FORCE,
     **ANGLE,
@@ -36,8 +43,13 @@ COLUMN: Final = {
 def factor(unit: str, table: dict[str, float], what: str) -> float:
     """The SI value of one ``unit``.
 
+    Args:
+        unit: name of the unit.
+        table: factors by unit, one of this module's.
+        what: the quantity, for messages.
+
     Raises:
-        IvsidError: where the unit is not in the table.
+        IvsidError: the unit is not in the table.
     """
     if unit not in table:
         raise IvsidError(f"unit '{unit}' of {what} is unknown; use one of {', '.join(table)}")
@@ -45,5 +57,5 @@ def factor(unit: str, table: dict[str, float], what: str) -> float:
 
 
 def random_walk_from_deg_per_sqrt_hour(value: float) -> float:
-    """Angle random walk from deg/sqrt(h), the unit of Table II (READING_NOTES), to rad/sqrt(s)."""
+    """Angle random walk from deg/sqrt(h), the unit of the paper's Table II, to rad/sqrt(s)."""
     return math.radians(value) / 60.0

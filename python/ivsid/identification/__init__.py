@@ -1,7 +1,20 @@
-"""Method by name -> parameter intervals with their status and assumptions."""
+"""Interval rows to parameter intervals, with their status, assumptions and certificates.
 
-from ivsid.identification.fit import Identification, Parameter, read_identification
-from ivsid.identification.freedom import in_words
+- ``method``: identification by the name of a method; it calls the others in order.
+- ``blocks``: parameters that share rows, solved block by block.
+- ``bias``: the bias of an accelerometer as one unknown of the whole log.
+- ``assumptions``: the sentences that the guarantee relies on.
+- ``certificates``: the rows and multipliers that prove each bound, as records.
+- ``combinations``: combinations of parameters that the data determine where single parameters stay open.
+- ``result``: the identification as a value and as a file.
+- ``constriction``: the paper's heuristic, which guarantees nothing.
+
+The chapter may use ``rows``, ``linear`` and the chapters below them. The mathematics is in the core; nothing here widens or narrows a
+proved bound.
+"""
+
+from ivsid.identification.combinations import in_words
 from ivsid.identification.method import METHODS, identify, identify_rows
+from ivsid.identification.result import Identification, Parameter, read_identification
 
 __all__ = ["METHODS", "Identification", "Parameter", "identify", "identify_rows", "in_words", "read_identification"]

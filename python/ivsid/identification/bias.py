@@ -1,53 +1,58 @@
-"""An accelerometer's slow bias as one unknown a log, where that is tighter than a box at every sample.
+"""The slow bias of an accelerometer as one unknown of the log, where that is tighter than a bound at every sample.
 
-A reading is the truth plus a bias b(t) plus white noise. A first-order Gauss-Markov bias of standard deviation B and time T leaves its
-value in the middle of the log by at most k B sqrt(2 (1 - exp(-|t - t_m| / T))) at each sample (one more union bound), which is far
-less than k B where T is long. So the accelerations enter narrow, and b = b(t_m) as an unknown of its own: with C the sum of
-the parameters that multiply the acceleration in a channel, each pointwise row gets the column -1 of the unknown beta = b C, and one more
-row states |b| <= k B:
+A reading is the truth plus a bias b(t) plus white noise. Let the bias be a first-order Gauss-Markov process of standard deviation B and
+time T, and let t_m be the middle of the log. Then |b(t) - b(t_m)| is at most k B sqrt(2 (1 - exp(-|t - t_m| / T))) at each sample,
+with one more term in the union bound. That is far less than k B where T is long. The accelerations therefore enter with this narrow
+bound, and b = b(t_m) is an unknown of its own. Let C be the sum of the parameters that multiply the acceleration in a channel. Each
+pointwise row gets the column -1 of the unknown beta = b C, and one more row states |b| <= k B:
 
     beta - [-k B, k B] C = 0.
 
-That row is linear in beta and the parameters; nothing is lost and nothing is assumed beside what the box assumes.
+That row is linear in beta and the parameters. The assumptions are those of a bound at every sample.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.effects import CHANNELS, State, Term, rigid_body
-from ivsid.identification.fit import Identification
+from ivsid.effects import CHANNELS, Columns, State, Term, rigid_body
+from ivsid.identification.result import Identification
 from ivsid.intervals import IntervalArray
 from ivsid.intervals.pieces import interval_pieces
 from ivsid.log import Log
 from ivsid.rows import ROW_KINDS, RegressionRows
-from ivsid.sensors.bounds import BoundedLog, rule_for
+from ivsid.sensors.bounds import BoundedLog
+from ivsid.sensors.noise import rule_for
 from ivsid.vehicle import AccelerationSensor, Vehicle
 
 CHOICES: Final = ("auto", "sample", "log")
-# By default the bias is taken apart where that narrows the median reading to at most this share.
+# The bias is one unknown by default where that narrows the median reading to at most this share.
+# Source: none
 WORTHWHILE: Final = 0.75
+# Relative slack that holds the roundings of bounds, their square roots and exponentials: about ten of 2^-53 each.
+# Source: theorem: standard model of floating-point arithmetic, Higham 2002, section 2.2
+ROUNDING: Final = 1e-9
 AXES: Final = ("x", "y")
 _NAMES: Final = (("ax", "udot"), ("ay", "vdot"))
 
 
-def apart(bounded: BoundedLog, vehicle: Vehicle, choice: str) -> tuple[BoundedLog, dict[str, float]] | None:
-    """The log with narrow accelerations, and the bound k B of each axis; None where the box stays.
+def separate_bias(bounded: BoundedLog, vehicle: Vehicle, choice: str) -> tuple[BoundedLog, dict[str, float]] | None:
+    """The log with narrow accelerations, and the bound k B [m/s^2] of each axis; None where the bound at every sample stays.
 
     Args:
-        bounded: with the box of every sample.
-        vehicle: whose accelerometer it is.
-        choice: ``sample`` keeps the box, ``log`` takes the bias apart wherever it can be, ``auto`` where it pays.
+        bounded: with the bound of the bias in the interval of every sample.
+        vehicle: with the accelerometer.
+        choice: ``sample`` keeps that bound, ``log`` takes the bias as one unknown wherever it can, ``auto`` where it pays.
     """
     sensor = vehicle.sensors.acceleration
     if choice == "sample" or sensor is None or bounded.rule.confidence is None:
         return None
-    # Readings that were moved by the yaw rate carry its errors; they keep the rule that they were made with.
+    # Readings that were moved to the origin by the yaw rate carry its errors, too; they keep the rule that they were made with.
     velocity = vehicle.sensors.velocity
     moved = (
         (velocity is not None and velocity.off_origin)
@@ -60,11 +65,11 @@ def apart(bounded: BoundedLog, vehicle: Vehicle, choice: str) -> tuple[BoundedLo
         a: n for k, a in enumerate(AXES) for n in _NAMES[k] if n in bounded.channels and n not in bounded.log.derived
     }
     both = sum(n in bounded.channels for pair in _NAMES for n in pair) > len(found)
-    # On another clock, or beside a rate made of windows, the growth below is not all that changes.
+    # The growth below does not cover readings of another clock, or yaw accelerations made from windows of yaw rates.
     elsewhere = {*found.values()} & {*bounded.log.clocks, *bounded.log.by_rate} or "rdot" in bounded.log.derived
     if moved or both or elsewhere or not found or not all(sensor.axis(AXES.index(a))[0] for a in found):
         return None
-    # The bias in the middle is one more error an axis; what it moves from there takes the place of itself at each sample.
+    # The bias in the middle is one more error of each axis; at each sample its change from there takes the place of itself.
     rule = rule_for(vehicle.sensors, bounded.rule.errors + len(found))
     channels = dict(bounded.channels)
     share = []
@@ -75,23 +80,23 @@ def apart(bounded: BoundedLog, vehicle: Vehicle, choice: str) -> tuple[BoundedLo
         channels[name] = narrow
     if choice == "auto" and max(share) > WORTHWHILE:
         return None
-    # All other bounds were made for a few errors less: they are widened as the rule asks.
+    # All other bounds were made for a few errors less, so they grow by the ratio of the two rules.
     growth = rule.sigmas / bounded.rule.sigmas
     for name, x in channels.items():
         if name not in found.values() and name in ("r", "rdot"):
             channels[name] = _grown(x, growth)
-    reach = {a: rule.sigmas * sensor.axis(AXES.index(a))[0] * (1 + 1e-9) for a in found}
-    force, moment = (q * growth * (1 + 1e-9) for q in bounded.ambient)
+    reach = {a: rule.sigmas * sensor.axis(AXES.index(a))[0] * (1 + ROUNDING) for a in found}
+    force, moment = (q * growth * (1 + ROUNDING) for q in bounded.ambient)
     return replace(bounded, channels=channels, rule=rule, ambient=(force, moment)), reach
 
 
 def _grown(x: IntervalArray, growth: float) -> IntervalArray:
-    extra = np.where(np.isfinite(x.width), 0.5 * x.width * (growth - 1) * (1 + 1e-9), 0.0)
+    extra = np.where(np.isfinite(x.width), 0.5 * x.width * (growth - 1) * (1 + ROUNDING), 0.0)
     return x + IntervalArray(-extra, extra)
 
 
 def _narrowed(bounded: BoundedLog, name: str, sensor: AccelerationSensor, axis: int, sigmas: float) -> IntervalArray:
-    """The reading with what is left around its own bias: never wider than the box grown to the new rule."""
+    """The reading with its noise and the change of its bias: never wider than the old interval under the new rule."""
     deviation, time = sensor.axis(axis)
     t = bounded.log.t
     middle_of_log, lost = 0.5 * (t[0] + t[-1]), 2 * bounded.log.time_error
@@ -101,12 +106,12 @@ def _narrowed(bounded: BoundedLog, name: str, sensor: AccelerationSensor, axis: 
         away = np.abs(t[rows] - middle_of_log) + lost
         moved = sigmas * deviation * np.sqrt(-2 * np.expm1(-away / time))
         own = bounded.channels[name][rows]
-        # The box holds k B of bias on either side; in its place comes what the bias moves.
-        change = moved * (1 + 1e-9) - sigmas * deviation * (1 - 1e-9)
+        # The old interval has k B of bias on either side; the change of the bias takes its place.
+        change = moved * (1 + ROUNDING) - sigmas * deviation * (1 - ROUNDING)
         there = bounded.present[name][rows]
         middle = np.where(there, own.midpoint, 0.0)
         radius = np.where(there, 0.5 * _grown(own, growth).width + change, 0.0)
-        radius = np.nextafter(np.maximum(radius, 0.0) * (1 + 1e-9), np.inf)
+        radius = np.nextafter(np.maximum(radius, 0.0) * (1 + ROUNDING), np.inf)
         around = IntervalArray.around(middle, radius + 4 * np.spacing(np.abs(middle)))
         return IntervalArray(np.where(there, around.lower, -np.inf), np.where(there, around.upper, np.inf))
 
@@ -116,7 +121,15 @@ def _narrowed(bounded: BoundedLog, name: str, sensor: AccelerationSensor, axis: 
 def with_unknowns(
     rows: RegressionRows, reach: dict[str, float], log: Log, vehicle: Vehicle, mass: float
 ) -> RegressionRows:
-    """The rows with a column for each bias in each channel, and the rows that bound them."""
+    """The rows with a column for each unknown bias in each channel, and with the rows that bound the biases.
+
+    Args:
+        rows: of the model.
+        reach: bound of the bias of each axis [m/s^2].
+        log: from which the rows were made.
+        vehicle: with the rigid body.
+        mass: known rigid-body mass, where the parameters leave it out [kg].
+    """
     n = rows.matrix.shape[1]
     x_g, y_g = vehicle.hull.centre_of_gravity
     unknown: list[tuple[Term, NDArray[np.float64], list[float], IntervalArray, int]] = []
@@ -159,15 +172,15 @@ def with_unknowns(
     )
 
 
-def _share(columns: Any, axis: str, channel: str) -> float:
-    """What one unit of acceleration adds to a column."""
-    still = State(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+def _share(columns: Callable[[State], Columns], axis: str, channel: str) -> float:
+    """The coefficient of the acceleration along an axis in a column."""
+    rest = State(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     moved = State(0.0, 0.0, 0.0, float(axis == "x"), float(axis == "y"), 0.0)
-    return float(columns(moved).get(channel, 0.0) - columns(still).get(channel, 0.0))
+    return float(columns(moved).get(channel, 0.0) - columns(rest).get(channel, 0.0))
 
 
 def without_unknowns(fit: Identification, terms: Sequence[Term]) -> Identification:
-    """The fit with the model's own parameters alone; the unknown biases stay in its certificates."""
+    """The identification with the parameters of the model alone; its certificates keep the unknown biases."""
     ids = [t.id for t in terms]
     return replace(
         fit,

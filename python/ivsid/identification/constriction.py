@@ -1,9 +1,9 @@
-"""The paper's heuristic: narrow a wide parameter box until its force bounds would lose the measurements (V.C).
+"""The paper's heuristic (V.C): a wide parameter box is narrowed until its force bounds would lose the measurements.
 
-The paper keeps "the interval with the minimum end-to-end absolute error" against the measured force and moment. Read here as
-a greedy search: halve one parameter's interval at a time, towards its lower, middle or upper part, taking the half whose bounds lie
-closest to the measurements, while they still hold a given share of them. The result is a guess in plain floats. It is never
-guaranteed: nothing keeps the true parameter inside.
+The paper keeps "the interval with the minimum end-to-end absolute error" against the measured force and moment. This module reads
+that as a greedy search. Each step halves the interval of one parameter, to its lower, middle or upper part. It takes the half whose
+force bounds are closest to the measurements among those whose bounds contain a given share of them. The result is a guess in plain
+floats and never guaranteed: nothing keeps the true parameter inside.
 """
 
 from __future__ import annotations
@@ -17,20 +17,24 @@ from numpy.typing import NDArray
 from ivsid.errors import IvsidError
 from ivsid.rows import RegressionRows
 
+# Share of the measured forces that the bounds of the narrowed box contain, where none is given.
+# Source: none
 COVERAGE: Final = 0.95
+# Largest number of halvings.
+# Source: resource: bounds the time of the search
 STEPS: Final = 60
 
 
 @dataclass(frozen=True)
 class Constriction:
-    """The narrowed box.
+    """A narrowed box of n parameters.
 
     Attributes:
         lower: shape (n,).
         upper: shape (n,).
-        coverage: share of measured forces inside the bounds at the end.
-        error: mean end-to-end absolute error at the end, over the rms of each channel's force.
-        steps: how many halvings were accepted.
+        coverage: share of measured forces inside the bounds of the box.
+        error: mean end-to-end absolute error, relative to the rms force of each channel.
+        steps: number of accepted halvings.
     """
 
     lower: NDArray[np.float64]
@@ -43,7 +47,17 @@ class Constriction:
 def constrict(
     rows: RegressionRows, lower: NDArray[np.float64], upper: NDArray[np.float64], coverage: float = COVERAGE
 ) -> Constriction:
-    """Narrows the box [lower, upper], shape (n,) each, on the rows it came from."""
+    """Narrows a box of parameters.
+
+    Args:
+        rows: from which the box was made, m rows of n columns.
+        lower: shape (n,).
+        upper: shape (n,).
+        coverage: share of measured forces that the bounds must contain.
+
+    Raises:
+        IvsidError: an unbounded box.
+    """
     if not (np.isfinite(lower).all() and np.isfinite(upper).all()):
         raise IvsidError("an unbounded parameter interval cannot be constricted; start from a bounded one")
     matrix = (rows.matrix.lower, rows.matrix.upper)
@@ -53,8 +67,8 @@ def constrict(
         here = rows.channel == channel
         scale[here] = max(float(np.sqrt(np.mean(measured[here] ** 2))), float(rows.right.radius[here].mean()), 1e-12)
     box = (np.array(lower), np.array(upper))
-    held, error = _judge(matrix, box, measured, scale)
-    needed = min(coverage, held)
+    inside, error = _judge(matrix, box, measured, scale)
+    needed = min(coverage, inside)
     accepted = 0
     for _ in range(STEPS):
         trials = [c for j in range(lower.size) for c in _halves(box, j)]
@@ -63,9 +77,9 @@ def constrict(
         ]
         if not judged:
             break
-        error, held, box = min(judged, key=lambda x: x[0])
+        error, inside, box = min(judged, key=lambda x: x[0])
         accepted += 1
-    return Constriction(box[0], box[1], held, error, accepted)
+    return Constriction(box[0], box[1], inside, error, accepted)
 
 
 _Box = tuple[NDArray[np.float64], NDArray[np.float64]]

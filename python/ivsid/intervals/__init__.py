@@ -1,10 +1,20 @@
-"""Intervals and arrays of intervals: two float64 bounds, every operation rounded outward by the core."""
+"""Intervals and arrays of intervals: two float64 bounds, every operation rounded outward by the core (IEEE 1788).
 
-from ivsid.intervals.array import FloatArray, Interval, IntervalArray, Operand, bound, follow, operate, outward_decimal
+- ``array``: ``IntervalArray`` over two NumPy arrays. ``Interval`` is the core's, which this module alone imports here.
+- ``floats``: numbers of a user as float64, without a rounding.
+- ``protocol``: NumPy's functions of interval arrays.
+- ``endpoints``: bounds that may be reversed, the result of the published method.
+- ``pieces``: work over many rows in pieces that stay in the cache, on all processors.
+
+The chapter may use ``errors`` and the compiled core. Every other chapter may use it, except the checker.
+"""
+
+from ivsid.intervals.array import Interval, IntervalArray, Operand, bound, follow, operate, outward_decimal
 from ivsid.intervals.endpoints import EndpointPair
+from ivsid.intervals.floats import FloatArray
 from ivsid.intervals.protocol import ufunc
 
-# What the core's Interval calls for operands that are neither intervals nor numbers.
+# The core's Interval calls these for operands that are neither intervals nor numbers.
 _bound, _operate, _ufunc = bound, operate, ufunc
 
 __all__ = ["EndpointPair", "FloatArray", "Interval", "IntervalArray", "Operand", "follow", "outward_decimal"]

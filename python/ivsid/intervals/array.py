@@ -1,4 +1,4 @@
-"""Arrays of intervals: two float64 bounds, every operation rounded outward by the core."""
+"""Arrays of intervals: two arrays of float64 bounds, every operation rounded outward by the core (IEEE 1788)."""
 
 from __future__ import annotations
 
@@ -11,38 +11,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from ivsid import _core
 from ivsid.errors import IvsidError
-
-FloatArray: TypeAlias = NDArray[np.float64]
-
-if not _core.environment_is_default():
-    raise ImportError(
-        "the processor does not round to nearest or flushes subnormal numbers to zero; ivsid cannot prove anything "
-        "here: undo the change of the floating-point mode before importing it"
-    )
+from ivsid.intervals.floats import FloatArray, exact_floats
+from ivsid.intervals.operators import Operators
 
 Interval = _core.Interval
 
 
-def _floats(values: ArrayLike, what: str) -> FloatArray:
-    """Float64 without a copy where possible; refuses what has no exact double."""
-    array = np.asarray(values)
-    if array.dtype == np.float64:
-        return cast(FloatArray, array)
-    if array.dtype.kind in "biu" or array.dtype in (np.float32, np.float16):
-        floats = array.astype(np.float64)
-        large = np.abs(floats) >= 2.0**53
-        if array.dtype.kind in "iu" and large.any():
-            exact = all(int(f) == int(i) for f, i in zip(floats[large], array[large], strict=True))
-            if not exact:
-                raise IvsidError(
-                    f"{what} has an integer beyond 2**53 without an exact double; enclose it by two bounds"
-                )
-        return floats
-    raise IvsidError(f"{what} is of type {array.dtype}; give float64 numbers")
-
-
-class IntervalArray:
+class IntervalArray(Operators):
     """An array of closed intervals.
+
+    Operators, matmul, and NumPy's arithmetic, elementary (exp, log, sin, arctan2, power, ...) and rounding functions give the
+    tightest intervals of IEEE 1788. Operands that are no intervals count as exact numbers. NumPy's functions that rearrange
+    entries (concatenate, stack, sum, where, reshape, ravel, transpose, broadcast_to, squeeze) take interval arrays, too.
 
     Args:
         lower: lower bounds, any shape; float64 arrays are kept without a copy.
@@ -50,18 +30,14 @@ class IntervalArray:
 
     Raises:
         IvsidError: NaN, reversed bounds, different shapes, or an interval without a finite point.
-
-    Operators, matmul, and NumPy's arithmetic, elementary (exp, log, sin, arctan2, power, ...) and rounding functions give
-    the tightest intervals of IEEE 1788; other operands are taken as exact numbers. The NumPy functions concatenate, stack,
-    sum, where, reshape, ravel, transpose, broadcast_to and squeeze understand interval arrays too.
     """
 
-    __slots__ = ("_lower", "_upper")
+    __slots__ = ()
     __hash__ = None  # type: ignore[assignment]  # == compares entrywise
 
     def __init__(self, lower: ArrayLike, upper: ArrayLike | None = None) -> None:
-        low = _floats(lower, "the lower bound")
-        high = low if upper is None else _floats(upper, "the upper bound")
+        low = exact_floats(lower, "the lower bound")
+        high = low if upper is None else exact_floats(upper, "the upper bound")
         if low.shape != high.shape:
             raise IvsidError(f"the lower bound has shape {low.shape}, the upper {high.shape}; they must be equal")
         _core.check_bounds(np.ascontiguousarray(low).ravel(), np.ascontiguousarray(high).ravel())
@@ -73,7 +49,7 @@ class IntervalArray:
 
     @classmethod
     def _raw(cls, bounds: tuple[FloatArray, FloatArray] | FloatArray, shape: tuple[int, ...]) -> Self:
-        # What comes here was made for this array, or is read-only already.
+        # The bounds were made for this array, or are read-only already.
         new = cls.__new__(cls)
         lower, upper = bounds[0], bounds[1]
         if lower.shape != shape:
@@ -84,47 +60,22 @@ class IntervalArray:
 
     @classmethod
     def around(cls, centre: ArrayLike, radius: ArrayLike) -> IntervalArray:
-        """The intervals ``centre`` +- ``radius``, rounded outward; shapes broadcast."""
+        """The intervals ``centre`` +- ``radius``, rounded outward; the shapes of the two broadcast."""
         r = np.asarray(radius, dtype=np.float64)
         return cls(centre) + cls(-r, r)
 
     @classmethod
     def concatenate(cls, parts: Sequence[IntervalArray], axis: int = 0) -> IntervalArray:
-        """Joins arrays along an axis."""
+        """The arrays joined along an axis."""
         lower, upper = ([np.asarray(getattr(p, end)) for p in parts] for end in ("lower", "upper"))
         joined = np.concatenate(lower, axis)
         return IntervalArray._raw((joined, np.concatenate(upper, axis)), joined.shape)
 
     @classmethod
     def stack(cls, parts: Sequence[IntervalArray], axis: int = 0) -> IntervalArray:
-        """Stacks arrays along a new axis."""
+        """The arrays stacked along a new axis."""
         joined = np.stack([p.lower for p in parts], axis)
         return IntervalArray._raw((joined, np.stack([p.upper for p in parts], axis)), joined.shape)
-
-    @property
-    def lower(self) -> FloatArray:
-        """Lower bounds (a read-only view)."""
-        return self._lower
-
-    @property
-    def upper(self) -> FloatArray:
-        """Upper bounds (a read-only view)."""
-        return self._upper
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape of either array of bounds."""
-        return self._lower.shape
-
-    @property
-    def ndim(self) -> int:
-        """Number of dimensions."""
-        return self._lower.ndim
-
-    @property
-    def size(self) -> int:
-        """Number of intervals."""
-        return self._lower.size
 
     @property
     def T(self) -> IntervalArray:  # noqa: N802 - NumPy's name
@@ -136,7 +87,7 @@ class IntervalArray:
 
     @property
     def midpoint(self) -> FloatArray:
-        """A double inside each interval, nearest to its centre."""
+        """The double nearest to the centre of each interval, inside it."""
         return self._measure("midpoint")
 
     @property
@@ -146,7 +97,7 @@ class IntervalArray:
 
     @property
     def width(self) -> FloatArray:
-        """Upper - lower, rounded up."""
+        """``upper`` less ``lower``, rounded up."""
         return self._measure("width")
 
     @property
@@ -160,32 +111,31 @@ class IntervalArray:
         """The smallest absolute value."""
         return self._measure("mignitude")
 
-    @property
-    def empty(self) -> NDArray[np.bool_]:
-        """Where nothing is inside, as after an intersection of disjoint intervals."""
-        return self._lower > self._upper
-
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
-        """Whether each number is inside."""
-        p = _floats(points, "the points")
+        """Whether each number is inside its interval; shapes broadcast.
+
+        Raises:
+            IvsidError: points that are no numbers.
+        """
+        p = exact_floats(points, "the points")
         return np.isfinite(p) & (self._lower <= p) & (p <= self._upper)
 
     def subset(self, other: IntervalArray | Interval) -> NDArray[np.bool_]:
-        """Whether each interval lies in the other's."""
+        """Whether each interval is a subset of the other's; the empty one is a subset of all."""
         o = interval_array(other)
         return self.empty | ((o.lower <= self._lower) & (self._upper <= o.upper))
 
     def intersection(self, other: Operand) -> IntervalArray:
-        """The common members; see ``empty``."""
+        """The intersection with another array; shapes broadcast. See ``empty``."""
         return binary("intersection", self, other)
 
     def hull(self, other: Operand) -> IntervalArray:
-        """The smallest intervals that hold both."""
+        """The convex hull with another array; shapes broadcast."""
         return binary("hull", self, other)
 
     def signed_square(self) -> IntervalArray:
         """``x |x|``, the quadratic drag law."""
-        # The square of the part above zero less that of the part below: vectorised, and each end rounded once as in one operation.
+        # The square of the part above zero less the square of the part below: each end is rounded once.
         above, below = binary("max", self, 0.0), binary("min", self, 0.0)
         return above.square() - below.square()
 
@@ -194,7 +144,7 @@ class IntervalArray:
         return self._unary("square")
 
     def sum(self, axis: int | None = None) -> Any:
-        """Sum along an axis, by halves, each step rounded outward; without an axis the sum of all, rounded once."""
+        """The sum along an axis, by halves, each step rounded outward; without an axis the sum of all entries, rounded once."""
         if axis is None:
             return Interval(*_core.exact_sum(*self._flat())) if not self.empty.any() else Interval.empty_set()
         lower, upper = np.moveaxis(self._lower, axis, 0), np.moveaxis(self._upper, axis, 0)
@@ -230,44 +180,17 @@ class IntervalArray:
     def __iter__(self) -> Iterator[Any]:
         return (self[i] for i in range(len(self)))
 
-    def __add__(self, other: Operand) -> IntervalArray:
-        return binary("add", self, other)
+    def _binary(self, op: str, other: Operand) -> IntervalArray:
+        return binary(op, self, other)
 
-    def __radd__(self, other: Operand) -> IntervalArray:
-        return binary("add", other, self)
-
-    def __sub__(self, other: Operand) -> IntervalArray:
-        return binary("sub", self, other)
-
-    def __rsub__(self, other: Operand) -> IntervalArray:
-        return binary("sub", other, self)
-
-    def __mul__(self, other: Operand) -> IntervalArray:
-        return binary("mul", self, other)
-
-    def __rmul__(self, other: Operand) -> IntervalArray:
-        return binary("mul", other, self)
-
-    def __truediv__(self, other: Operand) -> IntervalArray:
-        return binary("div", self, other)
-
-    def __rtruediv__(self, other: Operand) -> IntervalArray:
-        return binary("div", other, self)
+    def _reflected(self, op: str, other: Operand) -> IntervalArray:
+        return binary(op, other, self)
 
     def __pow__(self, exponent: Operand) -> IntervalArray:
         return power(self, exponent)
 
     def __rpow__(self, base: Operand) -> IntervalArray:
         return power(base, self)
-
-    def __pos__(self) -> IntervalArray:
-        return self
-
-    def __neg__(self) -> IntervalArray:
-        return self._unary("neg")
-
-    def __abs__(self) -> IntervalArray:
-        return self._unary("abs")
 
     def __matmul__(self, other: Operand) -> IntervalArray:
         return matmul(self, other)
@@ -280,16 +203,6 @@ class IntervalArray:
             return NotImplemented
         o = interval_array(other)
         return (self._lower == o.lower) & (self._upper == o.upper)
-
-    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
-        from ivsid.intervals.protocol import ufunc as apply  # noqa: PLC0415 - it stands on this class
-
-        return apply(ufunc, method, inputs, options)
-
-    def __array_function__(self, function: Any, types: Any, arguments: Any, options: Any) -> Any:
-        from ivsid.intervals.protocol import function as apply  # noqa: PLC0415 - it stands on this class
-
-        return apply(function, arguments, options)
 
     def __getstate__(self) -> tuple[FloatArray, FloatArray]:
         return np.array(self._lower), np.array(self._upper)
@@ -319,20 +232,28 @@ def _interval(lower: float, upper: float) -> Interval:
 
 
 def scalar(result: IntervalArray) -> Any:
-    """An interval from an array without dimensions; other arrays as they are."""
+    """An ``Interval`` from an array without dimensions; other arrays unchanged."""
     return result if result.shape else _interval(float(result.lower), float(result.upper))
 
 
-def bound(value: Any) -> float:
-    """A bound that is neither a float nor a small integer: a NumPy number, or refused."""
-    array = _floats(value, "the bound")
+def bound(value: ArrayLike) -> float:
+    """A bound of an ``Interval`` from a number that is neither a float nor a small integer, such as NumPy's.
+
+    Raises:
+        IvsidError: no number, an array, or an integer without an exact double.
+    """
+    array = exact_floats(value, "the bound")
     if array.ndim:
         raise IvsidError(f"a bound of shape {array.shape} was given; an Interval has one number a side")
     return float(array)
 
 
 def interval_array(value: Operand) -> IntervalArray:
-    """The operand as an array of intervals; numbers are points."""
+    """The operand as an array of intervals; a number is the interval of that point alone.
+
+    Raises:
+        IvsidError: no numbers, or NaN.
+    """
     if isinstance(value, IntervalArray):
         return value
     if isinstance(value, Interval):
@@ -350,7 +271,11 @@ def _contiguous(bounds: FloatArray, shape: tuple[int, ...]) -> FloatArray:
 
 
 def binary(op: str, a: Operand, b: Operand) -> IntervalArray:
-    """An operation of the core on two operands, broadcast against each other."""
+    """The operation ``op`` of the core on two operands, broadcast against each other.
+
+    Raises:
+        IvsidError: shapes that do not fit together.
+    """
     x, y = interval_array(a), interval_array(b)
     try:
         shape = x.shape if x.shape == y.shape else np.broadcast_shapes(x.shape, y.shape)
@@ -362,14 +287,14 @@ def binary(op: str, a: Operand, b: Operand) -> IntervalArray:
 
 
 def operate(op: str, a: Any, b: Any) -> Any:
-    """An operator of an Interval with something that is no interval and no number."""
+    """An operator of an ``Interval`` with an operand that is no interval and no float, such as an array."""
     if isinstance(a, str | bytes) or isinstance(b, str | bytes) or a is None or b is None:
         return NotImplemented
     return scalar(power(a, b) if op == "pow" else binary(op, a, b))
 
 
 def power(base: Operand, exponent: Operand) -> IntervalArray:
-    """``x^n`` for an integer ``n``, else ``x^y`` of the members ``x > 0``, and 0 to positive powers."""
+    """``x^n`` for an integer ``n``, else ``x^y`` of the members ``x > 0``, and of 0 for positive ``y`` (IEEE 1788, pown and pow)."""
     if isinstance(exponent, int | np.integer) and -(2**31) <= exponent < 2**31:
         x = interval_array(base)
         return IntervalArray._raw(_core.power(*x._flat(), int(exponent)), x.shape)
@@ -377,7 +302,11 @@ def power(base: Operand, exponent: Operand) -> IntervalArray:
 
 
 def matmul(a: Operand, b: Operand) -> IntervalArray:
-    """The tight product of matrices or vectors."""
+    """The product of matrices or vectors, each entry the tightest interval.
+
+    Raises:
+        IvsidError: operands of other dimensions, or inner sizes that differ.
+    """
     x, y = interval_array(a), interval_array(b)
     if not (x.ndim in (1, 2) and y.ndim in (1, 2)):
         raise IvsidError(f"a product of shapes {x.shape} and {y.shape} is not defined; give matrices or vectors")
@@ -398,19 +327,24 @@ def matmul(a: Operand, b: Operand) -> IntervalArray:
 def follow(
     start: tuple[float, float], goal: IntervalArray, decay: FloatArray, slack: FloatArray, whole: NDArray[np.bool_]
 ) -> IntervalArray:
-    """What follows held goals behind a first-order lag, x' = e x + (1 - e) g for a share e that is within ``slack`` of ``decay``.
+    """The output x of a first-order lag whose input g has a zero-order hold.
+
+    Over each step x becomes e x + (1 - e) g, for any e within ``slack`` of ``decay``.
 
     Args:
-        start: bounds at the first row, and again after a step that is not whole.
-        goal: of each row, shape (n,).
-        decay: shape (n - 1,).
-        slack: shape (n - 1,).
-        whole: shape (n - 1,).
+        start: bounds of x at the first row, and again after a step that is not whole.
+        goal: the input at each row, shape (n,).
+        decay: e of each step, shape (n - 1,).
+        slack: bound on the error of each e, shape (n - 1,).
+        whole: steps over which the input is known, shape (n - 1,).
+
+    Returns:
+        Intervals of x at the rows, shape (n,).
     """
     found = _core.follow(start, goal._flat(), _contiguous(decay, decay.shape), _contiguous(slack, slack.shape), whole)
     return IntervalArray._raw(found, goal.shape)
 
 
 def outward_decimal(x: float, *, up: bool) -> str:
-    """The shortest decimal that reads back as ``x`` and does not lie above it, or with ``up`` below it."""
+    """The shortest decimal that reads back as ``x`` and is at most ``x``, or with ``up`` at least ``x``."""
     return _core.outward_decimal(x, up)

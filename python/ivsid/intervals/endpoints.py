@@ -1,19 +1,22 @@
-"""Bounds that may be reversed: what the published method gives."""
+"""Bounds that may be reversed, the result of the published method."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.intervals.array import FloatArray, IntervalArray
+from ivsid.intervals.array import IntervalArray
+from ivsid.intervals.floats import FloatArray
 
 
 class EndpointPair:
-    """Two arrays of bounds that may be reversed: what the published method gives. It has no arithmetic and no claim.
+    """Two arrays of bounds that may be reversed, the result of the published method (paper, eq. 11-13).
+
+    A pair has no arithmetic, and it encloses nothing by itself.
 
     Attributes:
-        lower: what the method calls lower bounds.
-        upper: what the method calls upper bounds.
+        lower: the method's lower bounds, any shape.
+        upper: the method's upper bounds, of the same shape.
         improper: where the lower bound lies above the upper one.
     """
 
@@ -29,7 +32,7 @@ class EndpointPair:
         return self.lower.shape
 
     def holds(self, hull: IntervalArray) -> NDArray[np.bool_]:
-        """Where the pair holds the entry of an exact hull of the same shape; elsewhere it is not an enclosure."""
+        """Whether each pair contains the entry of an exact hull of the same shape; elsewhere the pair is no enclosure."""
         inside: NDArray[np.bool_] = (self.lower <= hull.lower) & (hull.upper <= self.upper)
         return inside
 

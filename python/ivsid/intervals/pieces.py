@@ -1,8 +1,8 @@
-"""Work over many rows, done in pieces that stay in the processor's cache and shared between threads.
+"""Work over many rows in pieces that stay in the processor's cache, shared between threads.
 
 An operation on a million intervals waits for memory: its operands and its result are 48 MB. On a piece of some thousand rows a whole chain
-of operations runs in the cache. The core and NumPy release the interpreter while they work, so pieces run on all processors. What a row
-becomes does not depend on its piece, so results depend neither on the pieces nor on the threads.
+of operations runs in the cache. The core and NumPy release the interpreter while they work, so pieces run on all processors. The result
+for a row does not depend on its piece, so results depend neither on the pieces nor on the threads.
 """
 
 from __future__ import annotations
@@ -17,13 +17,14 @@ import numpy as np
 
 from ivsid.intervals import IntervalArray
 
-# Rows of a piece: three intervals each of so many are 0.8 MB.
+# Rows of a piece: two operands and a result of this many intervals are 0.8 MB.
+# Source: resource: bounds the memory of an operation by a processor's cache
 PIECE: Final = 1 << 14
 _T = TypeVar("_T")
 
 
 def pieces(rows: int, size: int = PIECE) -> list[slice]:
-    """Slices of about equal length that cover so many rows, none longer than ``size``."""
+    """Slices of about equal length that cover the rows from 0 up to ``rows``, none longer than ``size``."""
     count = max(1, -(-rows // size))
     edges = [rows * k // count for k in range(count + 1)]
     return [slice(a, b) for a, b in pairwise(edges)]
@@ -35,7 +36,7 @@ def processors() -> int:
 
 
 def over_pieces(parts: list[slice], work: Callable[[slice], _T]) -> list[_T]:
-    """What ``work`` gives for each piece, in their order; the first piece that fails raises."""
+    """The result of ``work`` for each piece, in their order; an error in a piece is raised, the first in order."""
     threads = min(len(parts), processors())
     if threads == 1:
         return [work(part) for part in parts]
@@ -44,7 +45,7 @@ def over_pieces(parts: list[slice], work: Callable[[slice], _T]) -> list[_T]:
 
 
 def interval_pieces(rows: int, work: Callable[[slice], IntervalArray]) -> IntervalArray:
-    """The intervals of all rows, shape (rows,), of which ``work`` gives those of a piece."""
+    """The intervals of all rows, shape (rows,); ``work`` gives those of a piece."""
     parts = pieces(rows)
     if len(parts) == 1:
         return work(parts[0])

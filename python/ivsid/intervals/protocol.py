@@ -1,13 +1,15 @@
-"""NumPy's functions of interval arrays: which of the core's operations they are, and what only moves entries."""
+"""NumPy's functions of interval arrays: as operations of the core, or as rearrangements of entries."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ivsid.intervals.array import IntervalArray, Operand, binary, interval_array, matmul, power, scalar
+from ivsid.intervals.floats import FloatArray
 
 _BINARY: dict[np.ufunc, str] = {
     np.add: "add",
@@ -50,8 +52,12 @@ _UNARY: dict[np.ufunc, str] = {
 }
 
 
-def ufunc(ufunc: np.ufunc, method: str, inputs: tuple[Any, ...], options: dict[str, Any] | None) -> Any:
-    """What NumPy's function gives for intervals; arrays without dimensions come back as an Interval."""
+def ufunc(ufunc: np.ufunc, method: str, inputs: tuple[Any, ...], options: dict[str, object] | None) -> object:
+    """The result of a NumPy ufunc for intervals; an array without dimensions becomes an ``Interval``.
+
+    Raises:
+        TypeError: the ufunc, its method or an option is not defined for intervals.
+    """
     if method == "__call__" and not options:
         if ufunc in _BINARY:
             return scalar(binary(_BINARY[ufunc], *inputs))
@@ -74,8 +80,12 @@ def ufunc(ufunc: np.ufunc, method: str, inputs: tuple[Any, ...], options: dict[s
     raise TypeError(f"np.{shown} is not defined for intervals; there are {names}")
 
 
-def function(function: Any, arguments: tuple[Any, ...], options: dict[str, Any]) -> Any:
-    """What NumPy's function that is no ufunc gives for interval arrays."""
+def function(function: Callable[..., object], arguments: tuple[object, ...], options: dict[str, object]) -> object:
+    """The result of a NumPy function that is no ufunc, for interval arrays.
+
+    Raises:
+        TypeError: the function is not defined for intervals.
+    """
     handler = _FUNCTIONS.get(function)
     if handler is None:
         known = ", ".join(sorted(f.__name__ for f in _FUNCTIONS))
@@ -83,22 +93,22 @@ def function(function: Any, arguments: tuple[Any, ...], options: dict[str, Any])
     return handler(*arguments, **options)
 
 
-def _ends(function: Any, parts: Sequence[Any], *arguments: Any, **options: Any) -> IntervalArray:
+def _ends(function: Callable[..., FloatArray], parts: Sequence[Operand], **options: object) -> IntervalArray:
     """A rearrangement of entries, the same for both bounds."""
     arrays = [interval_array(p) for p in parts]
-    lower = function([a.lower for a in arrays], *arguments, **options)
-    return IntervalArray._raw((lower, function([a.upper for a in arrays], *arguments, **options)), lower.shape)
+    lower = function([a.lower for a in arrays], **options)
+    return IntervalArray._raw((lower, function([a.upper for a in arrays], **options)), lower.shape)
 
 
-def _each_end(function: Any) -> Any:
-    def apply(array: Any, *arguments: Any, **options: Any) -> Any:
+def _each_end(function: Callable[..., FloatArray]) -> Callable[..., object]:
+    def apply(array: IntervalArray, *arguments: object, **options: object) -> object:
         lower = function(array.lower, *arguments, **options)
         return scalar(IntervalArray._raw((lower, function(array.upper, *arguments, **options)), lower.shape))
 
     return apply
 
 
-def _where(condition: Any, x: Operand, y: Operand) -> IntervalArray:
+def _where(condition: ArrayLike, x: Operand, y: Operand) -> IntervalArray:
     a, b = interval_array(x), interval_array(y)
     lower = np.where(condition, a.lower, b.lower)
     return IntervalArray._raw((lower, np.where(condition, a.upper, b.upper)), lower.shape)

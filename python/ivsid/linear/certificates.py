@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import product
 from math import lcm
-from typing import Any, Final
+from typing import Any, Final, Literal, TypeAlias, TypedDict, cast
 
 import numpy as np
 
@@ -19,6 +19,97 @@ Rows = list[list[Fraction]]
 
 VERTEX_LIMIT: Final = 6
 """Vertex matrices of larger orders are too many to check one by one."""
+
+
+class Contraction(TypedDict):
+    """``||I - R A|| <= norm < 1``."""
+
+    kind: Literal["contraction"]
+    approximate_inverse: FloatArray
+    norm: float
+
+
+class ScaledContraction(TypedDict):
+    """``|I - R A| v < v`` for a positive v."""
+
+    kind: Literal["scaled_contraction"]
+    approximate_inverse: FloatArray
+    vector: FloatArray
+
+
+class PositiveDefinite(TypedDict):
+    """``m'm - s I`` is positive definite, and s bounds the squared spectral norm of the radii."""
+
+    kind: Literal["positive_definite"]
+    shift: float
+    vector: FloatArray
+    congruence: FloatArray
+
+
+Tree: TypeAlias = "tuple[Literal['regular'], FloatArray, FloatArray] | tuple[Literal['halved'], int, float, Tree, Tree]"
+"""A cell that contracts with R and v, or one that is halved: entry, value, the half below and the half above."""
+
+
+class Cells(TypedDict):
+    """A scaled contraction in every cell of a partition."""
+
+    kind: Literal["cells"]
+    tree: Tree
+
+
+class NonnegativeInverses(TypedDict):
+    """The two extreme members have non-negative inverses."""
+
+    kind: Literal["nonnegative_inverses"]
+
+
+class VertexDeterminants(TypedDict):
+    """The determinants of all vertex matrices have this sign."""
+
+    kind: Literal["vertex_determinants"]
+    sign: int
+
+
+class Determinant(TypedDict):
+    """Bounds of the interval determinant, which leave 0 out."""
+
+    kind: Literal["determinant"]
+    determinant: tuple[float, float]
+
+
+class NullVector(TypedDict):
+    """Every row of ``A x`` holds 0."""
+
+    kind: Literal["null_vector"]
+    vector: FloatArray
+
+
+class SingularMember(TypedDict):
+    """A member whose determinant is 0."""
+
+    kind: Literal["singular_member"]
+    member: FloatArray
+
+
+class OppositeDeterminants(TypedDict):
+    """Two members whose determinants have opposite signs."""
+
+    kind: Literal["opposite_determinants"]
+    members: tuple[FloatArray, FloatArray]
+
+
+Content: TypeAlias = (
+    Contraction
+    | ScaledContraction
+    | PositiveDefinite
+    | Cells
+    | NonnegativeInverses
+    | VertexDeterminants
+    | Determinant
+    | NullVector
+    | SingularMember
+    | OppositeDeterminants
+)
 
 
 class Certificate(Mapping[str, Any]):
@@ -35,7 +126,7 @@ class Certificate(Mapping[str, Any]):
         singular_member, opposite_determinants: members with a determinant of 0, or of opposite signs.
     """
 
-    def __init__(self, content: Mapping[str, Any], lower: FloatArray, upper: FloatArray) -> None:
+    def __init__(self, content: Mapping[str, object], lower: FloatArray, upper: FloatArray) -> None:
         self._content = dict(content)
         self._lower = lower
         self._upper = upper
@@ -49,6 +140,11 @@ class Certificate(Mapping[str, Any]):
     def __len__(self) -> int:
         return len(self._content)
 
+    @property
+    def content(self) -> Content:
+        """The same by kind; a certificate that does not come from the core may lack what its kind has."""
+        return cast(Content, self._content)
+
     def __repr__(self) -> str:
         return f"Certificate({self._content!r})"
 
@@ -59,9 +155,8 @@ class Certificate(Mapping[str, Any]):
         lower, upper = _rows(self._lower), _rows(self._upper)
         if any(a > b for p, q in zip(lower, upper, strict=True) for a, b in zip(p, q, strict=True)):
             return False
-        check = _CHECKS.get(self["kind"])
         try:
-            return check is not None and check(self, lower, upper)
+            return _holds(self.content, lower, upper)
         except (ArithmeticError, AttributeError, IndexError, KeyError, TypeError, ValueError):
             # Numbers that are missing, infinite or of the wrong shape prove nothing.
             return False
@@ -72,17 +167,18 @@ class Certificate(Mapping[str, Any]):
         Raises:
             ValueError: the certificate is of another kind or does not hold.
         """
-        if self["kind"] != "null_vector" or not self.verify():
+        content = self.content
+        if content["kind"] != "null_vector" or not self.verify():
             raise ValueError("only a null vector that holds names a singular member")
-        x = [Fraction(v) for v in self["vector"].tolist()]
+        x = _vector(content["vector"])
         return [_orthogonal(a, b, x) for a, b in zip(_rows(self._lower), _rows(self._upper), strict=True)]
 
 
-def _rows(matrix: Any) -> Rows:
+def _rows(matrix: FloatArray) -> Rows:
     return [[Fraction(v) for v in row] for row in matrix.tolist()]
 
 
-def _vector(values: Any) -> list[Fraction]:
+def _vector(values: FloatArray) -> list[Fraction]:
     return [Fraction(v) for v in values.tolist()]
 
 
@@ -116,7 +212,7 @@ def _contracts(lower: Rows, upper: Rows, inverse: Rows, vector: list[Fraction], 
     return all(x > 0 for x in v)
 
 
-def _contraction(c: Certificate, lower: Rows, upper: Rows) -> bool:
+def _contraction(c: Contraction | ScaledContraction, lower: Rows, upper: Rows) -> bool:
     inverse = _rows(c["approximate_inverse"])
     if c["kind"] == "scaled_contraction":
         return _contracts(lower, upper, inverse, _vector(c["vector"]))
@@ -124,7 +220,7 @@ def _contraction(c: Certificate, lower: Rows, upper: Rows) -> bool:
     return norm < 1 and _contracts(lower, upper, inverse, [Fraction(1)] * len(lower), norm)
 
 
-def _cells(c: Certificate, lower: Rows, upper: Rows) -> bool:
+def _cells(c: Cells, lower: Rows, upper: Rows) -> bool:
     open_cells = [(c["tree"], lower, upper)]
     while open_cells:
         tree, low, high = open_cells.pop()
@@ -182,11 +278,11 @@ def _nonnegative_inverse(rows: Rows) -> bool:
     return all(x >= 0 for row in m for x in row[n:])
 
 
-def _nonnegative_inverses(_: Certificate, lower: Rows, upper: Rows) -> bool:
+def _nonnegative_inverses(lower: Rows, upper: Rows) -> bool:
     return _nonnegative_inverse(lower) and _nonnegative_inverse(upper)
 
 
-def _vertex_determinants(c: Certificate, lower: Rows, upper: Rows) -> bool:
+def _vertex_determinants(c: VertexDeterminants, lower: Rows, upper: Rows) -> bool:
     n = len(lower)
     if n > VERTEX_LIMIT or c["sign"] not in (-1, 1):
         return False
@@ -204,7 +300,7 @@ def _times(a: Rows, b: Rows) -> Rows:
     return [[sum((x * y for x, y in zip(row, column, strict=True)), Fraction(0)) for column in columns] for row in a]
 
 
-def _positive_definite(c: Certificate, lower: Rows, upper: Rows) -> bool:
+def _positive_definite(c: PositiveDefinite, lower: Rows, upper: Rows) -> bool:
     n = len(lower)
     shift, w, x = Fraction(c["shift"]), _vector(c["vector"]), _rows(c["congruence"])
     # The certificate's shift leaves room for the rounding of the midpoints, which is checked with those in doubles.
@@ -225,7 +321,7 @@ def _positive_definite(c: Certificate, lower: Rows, upper: Rows) -> bool:
     return all(sum(abs(int(i == j) - image[i][j]) for j in range(n)) < 1 for i in range(n))
 
 
-def _determinant(c: Certificate, lower: Rows, upper: Rows) -> bool:
+def _determinant(c: Determinant, lower: Rows, upper: Rows) -> bool:
     """Laplace expansion by rows over sets of columns, in rational intervals."""
     n = len(lower)
     least, most = (Fraction(v) for v in c["determinant"])
@@ -259,7 +355,7 @@ def _orthogonal(a: list[Fraction], b: list[Fraction], x: list[Fraction]) -> list
     return [p + share * (q - p) for p, q in zip(down, up, strict=True)]
 
 
-def _null_vector(c: Certificate, lower: Rows, upper: Rows) -> bool:
+def _null_vector(c: NullVector, lower: Rows, upper: Rows) -> bool:
     x = _vector(c["vector"])
     if len(x) != len(lower):
         return False
@@ -273,26 +369,35 @@ def _belongs(member: Rows, lower: Rows, upper: Rows) -> bool:
     )
 
 
-def _singular_member(c: Certificate, lower: Rows, upper: Rows) -> bool:
+def _singular_member(c: SingularMember, lower: Rows, upper: Rows) -> bool:
     member = _rows(c["member"])
     return _belongs(member, lower, upper) and _determinant_of(member) == 0
 
 
-def _opposite_determinants(c: Certificate, lower: Rows, upper: Rows) -> bool:
+def _opposite_determinants(c: OppositeDeterminants, lower: Rows, upper: Rows) -> bool:
     first, second = (_rows(m) for m in c["members"])
     inside = _belongs(first, lower, upper) and _belongs(second, lower, upper)
     return inside and _determinant_of(first) * _determinant_of(second) < 0
 
 
-_CHECKS: Final = {
-    "contraction": _contraction,
-    "scaled_contraction": _contraction,
-    "cells": _cells,
-    "positive_definite": _positive_definite,
-    "nonnegative_inverses": _nonnegative_inverses,
-    "vertex_determinants": _vertex_determinants,
-    "determinant": _determinant,
-    "null_vector": _null_vector,
-    "singular_member": _singular_member,
-    "opposite_determinants": _opposite_determinants,
-}
+def _holds(c: Content, lower: Rows, upper: Rows) -> bool:
+    """The check of the certificate's kind; a kind that is none proves nothing."""
+    if c["kind"] == "contraction" or c["kind"] == "scaled_contraction":
+        return _contraction(c, lower, upper)
+    if c["kind"] == "cells":
+        return _cells(c, lower, upper)
+    if c["kind"] == "positive_definite":
+        return _positive_definite(c, lower, upper)
+    if c["kind"] == "nonnegative_inverses":
+        return _nonnegative_inverses(lower, upper)
+    if c["kind"] == "vertex_determinants":
+        return _vertex_determinants(c, lower, upper)
+    if c["kind"] == "determinant":
+        return _determinant(c, lower, upper)
+    if c["kind"] == "null_vector":
+        return _null_vector(c, lower, upper)
+    if c["kind"] == "singular_member":
+        return _singular_member(c, lower, upper)
+    if c["kind"] == "opposite_determinants":
+        return _opposite_determinants(c, lower, upper)
+    return False

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, TypeAlias, TypeVar, overload
+from enum import StrEnum
+from typing import Final, TypeAlias, TypeVar, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ivsid import _core
 from ivsid.errors import IvsidError
@@ -15,26 +17,37 @@ from ivsid.linear.certificates import Certificate
 
 Bounds: TypeAlias = tuple[FloatArray, FloatArray]
 
-INVERSE_METHODS: Final = (
-    "exact",
-    "partitioned",
-    "hansen-bliek-rohn",
-    "krawczyk",
-    "cramer",
-    "kuttler",
-    "neumaier",
-    "published",
-    "published-hull",
-)
-SOLVE_METHODS: Final = ("hansen-bliek-rohn", "exact", "krawczyk", "gauss-seidel", "cramer")
-SWEEPS: Final = ("members", "extrema")
-DEFAULT_PARTITIONS: Final = 1000
-DEFAULT_CELLS: Final = 4096
+INVERSE_METHODS: Final = _core.INVERSE_METHODS
+SOLVE_METHODS: Final = _core.SOLVE_METHODS
+SWEEPS: Final = _core.SWEEPS
+DEFAULT_PARTITIONS: Final = _core.DEFAULT_PARTITIONS
+DEFAULT_CELLS: Final = _core.DEFAULT_CELLS
 PARTITION_LIMIT: Final = 2**53
 """Beyond it the members of a sweep are no longer told apart by doubles."""
 
-STATUSES: Final = ("enclosed", "singular", "not_proved", "not_applicable")
-VERDICTS: Final = ("regular", "singular", "not_proved")
+STATUSES: Final = _core.STATUSES
+VERDICTS: Final = _core.VERDICTS
+
+
+class Status(StrEnum):
+    """The status of an inverse or of the solution of a square system: ``STATUSES`` of the core, by name."""
+
+    ENCLOSED = "enclosed"
+    SINGULAR = "singular"
+    NOT_PROVED = "not_proved"
+    NOT_APPLICABLE = "not_applicable"
+
+
+class Verdict(StrEnum):
+    """The verdict on the regularity of a matrix: ``VERDICTS`` of the core, by name."""
+
+    REGULAR = "regular"
+    SINGULAR = "singular"
+    NOT_PROVED = "not_proved"
+
+
+PROVED: Final = (Status.ENCLOSED, Status.SINGULAR)
+"""Statuses that a proof stands behind."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +64,7 @@ class Result:
     """
 
     method: str
-    status: str
+    status: Status
     value: IntervalArray | EndpointPair | None
     certificate: Certificate | None
     reason: str | None
@@ -60,14 +73,14 @@ class Result:
     @property
     def guaranteed(self) -> bool:
         """Whether every step was proved."""
-        return self.status in ("enclosed", "singular")
+        return self.status in PROVED
 
 
 @dataclass(frozen=True)
 class Regularity:
     """Whether every member is nonsingular: ``status`` is ``regular``, ``singular`` or ``not_proved``."""
 
-    status: str
+    status: Verdict
     certificate: Certificate | None
 
 
@@ -80,7 +93,7 @@ class Batch(Sequence[Answer]):
     An answer with its certificate is made when it is asked for.
     """
 
-    def __init__(self, status: np.ndarray[Any, np.dtype[np.str_]], single: Callable[[int], Answer]) -> None:
+    def __init__(self, status: NDArray[np.str_], single: Callable[[int], Answer]) -> None:
         self.status = status
         self._single = single
 
@@ -105,17 +118,15 @@ class ResultBatch(Batch[Result]):
         upper: the same from above.
     """
 
-    def __init__(
-        self, method: str, codes: np.ndarray[Any, np.dtype[np.uint8]], bounds: Bounds, single: Callable[[int], Result]
-    ) -> None:
+    def __init__(self, method: str, codes: NDArray[np.uint8], bounds: Bounds, single: Callable[[int], Result]) -> None:
         super().__init__(np.array(STATUSES)[codes], single)
         self.method = method
         self.lower, self.upper = bounds
 
     @property
-    def guaranteed(self) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    def guaranteed(self) -> NDArray[np.bool_]:
         """Which results are proved, shape (k,)."""
-        return np.isin(self.status, ("enclosed", "singular"))
+        return np.isin(self.status, PROVED)
 
 
 def inverse(
@@ -125,8 +136,8 @@ def inverse(
     *,
     sweep: str = "members",
     progress: Callable[[int, int], object] | None = None,
-) -> Any:
-    """The inverse of an interval matrix.
+) -> Result | ResultBatch:
+    """The inverse of an interval matrix, or the inverses of a batch.
 
     Args:
         A: shape (n, n), or a batch (k, n, n), which gives a ``ResultBatch``.
@@ -140,21 +151,40 @@ def inverse(
         progress: called with (partitions done, N) some times a second during a long sweep of one matrix.
 
     Returns:
-        A ``Result``, or a ``ResultBatch``. A failed proof is a status, never an exception.
+        A ``Result``, or a ``ResultBatch``: ``inverse_one`` and ``inverse_batch`` have one of them as their type. A failed proof is a
+        status, never an exception.
 
     Raises:
         IvsidError: wrong shape, NaN, reversed bounds, or an unknown method or sweep.
     """
-    check_method(method, INVERSE_METHODS)
-    if sweep not in SWEEPS:
-        raise IvsidError(f"sweep '{sweep}' is unknown; use {' or '.join(SWEEPS)}")
-    number = partition_count(partitions, method)
+    _check(method, partitions, sweep)
     matrix = _matrix(A)
     if matrix.ndim == 2:
-        lower, upper = _square(matrix)
-        found = _core.inverse(lower, upper, method, number, sweep, progress)
-        return make_result(method, found, (lower, upper), matrix.shape)
-    lower, upper = np.ascontiguousarray(matrix.lower), np.ascontiguousarray(matrix.upper)
+        return inverse_one(matrix, method, partitions, sweep=sweep, progress=progress)
+    return inverse_batch(matrix, method, partitions, sweep=sweep)
+
+
+def inverse_one(
+    A: Operand,
+    method: str = "exact",
+    partitions: int | None = None,
+    *,
+    sweep: str = "members",
+    progress: Callable[[int, int], object] | None = None,
+) -> Result:
+    """``inverse`` of one matrix, shape (n, n)."""
+    number = _check(method, partitions, sweep)
+    lower, upper = _bounds(_matrix(A), 2)
+    found = _core.inverse(lower, upper, method, number, sweep, progress)
+    return make_result(method, found, (lower, upper), lower.shape)
+
+
+def inverse_batch(
+    A: Operand, method: str = "exact", partitions: int | None = None, *, sweep: str = "members"
+) -> ResultBatch:
+    """``inverse`` of a batch, shape (k, n, n)."""
+    number = _check(method, partitions, sweep)
+    lower, upper = _bounds(_matrix(A), 3)
     codes, bounds = _core.inverse_batch(lower, upper, method, number, sweep)
 
     def single(k: int) -> Result:
@@ -164,7 +194,7 @@ def inverse(
     return ResultBatch(method, codes, bounds, single)
 
 
-def solve(A: Operand, b: Operand, method: str = "hansen-bliek-rohn") -> Any:
+def solve(A: Operand, b: Operand, method: str = "hansen-bliek-rohn") -> Result | ResultBatch:
     """Encloses every solution of ``A x = b``.
 
     Args:
@@ -174,20 +204,32 @@ def solve(A: Operand, b: Operand, method: str = "hansen-bliek-rohn") -> Any:
             accord, n <= 12), ``krawczyk`` (paper eq. 8-10, corrected), ``gauss-seidel``, or ``cramer`` (Nirmala-Ganesan).
 
     Returns:
-        A ``Result`` with bounds of shape (n,), or a ``ResultBatch`` with (k, n).
+        A ``Result`` with bounds of shape (n,), or a ``ResultBatch`` with (k, n): ``solve_one`` and ``solve_batch`` have one of them
+        as their type.
 
     Raises:
         IvsidError: wrong shapes, NaN, reversed bounds, or an unknown method.
     """
     check_method(method, SOLVE_METHODS)
     matrix = _matrix(A)
-    right = b if isinstance(b, IntervalArray) else IntervalArray(_points(b))
-    if right.shape not in (matrix.shape[-1:], matrix.shape[:-1]):
-        raise IvsidError(f"the right-hand side has shape {right.shape}; for this matrix it must be {matrix.shape[:-1]}")
-    lower, upper = (np.ascontiguousarray(np.broadcast_to(end, matrix.shape[:-1])) for end in (right.lower, right.upper))
-    low, high = np.ascontiguousarray(matrix.lower), np.ascontiguousarray(matrix.upper)
-    if matrix.ndim == 2:
-        return make_result(method, _core.solve(low, high, (lower, upper), method), (low, high), right.shape)
+    return solve_one(matrix, b, method) if matrix.ndim == 2 else solve_batch(matrix, b, method)
+
+
+def solve_one(A: Operand, b: Operand, method: str = "hansen-bliek-rohn") -> Result:
+    """``solve`` of one system: shapes (n, n) and (n,)."""
+    check_method(method, SOLVE_METHODS)
+    matrix = _matrix(A)
+    low, high = _bounds(matrix, 2)
+    right = _right(matrix, b)
+    return make_result(method, _core.solve(low, high, right, method), (low, high), right[0].shape)
+
+
+def solve_batch(A: Operand, b: Operand, method: str = "hansen-bliek-rohn") -> ResultBatch:
+    """``solve`` of a batch of systems: shapes (k, n, n), and (k, n) or (n,)."""
+    check_method(method, SOLVE_METHODS)
+    matrix = _matrix(A)
+    low, high = _bounds(matrix, 3)
+    lower, upper = _right(matrix, b)
     codes, bounds = _core.solve_batch(low, high, (lower.ravel(), upper.ravel()), method)
 
     def single(k: int) -> Result:
@@ -197,26 +239,34 @@ def solve(A: Operand, b: Operand, method: str = "hansen-bliek-rohn") -> Any:
     return ResultBatch(method, codes, bounds, single)
 
 
-def regularity(A: Operand) -> Any:
+def regularity(A: Operand) -> Regularity | Batch[Regularity]:
     """Decides whether every member of ``A`` is nonsingular, with a certificate.
 
     Args:
         A: shape (n, n), or a batch (k, n, n).
 
     Returns:
-        A ``Regularity``, or a ``Batch`` of them.
+        A ``Regularity``, or a ``Batch`` of them: ``regularity_one`` and ``regularity_batch`` have one of them as their type.
     """
     matrix = _matrix(A)
-    low, high = np.ascontiguousarray(matrix.lower), np.ascontiguousarray(matrix.upper)
+    return regularity_one(matrix) if matrix.ndim == 2 else regularity_batch(matrix)
 
-    def single(lower: FloatArray, upper: FloatArray) -> Regularity:
-        status, certificate = _core.regularity(lower, upper)
-        return Regularity(status, None if certificate is None else Certificate(certificate, lower, upper))
 
-    if matrix.ndim == 2:
-        return single(low, high)
+def regularity_one(A: Operand) -> Regularity:
+    """``regularity`` of one matrix, shape (n, n)."""
+    return _regularity(*_bounds(_matrix(A), 2))
+
+
+def regularity_batch(A: Operand) -> Batch[Regularity]:
+    """``regularity`` of a batch, shape (k, n, n)."""
+    low, high = _bounds(_matrix(A), 3)
     codes = _core.regularity_batch(low, high)
-    return Batch(np.array(VERDICTS)[codes], lambda k: single(low[k], high[k]))
+    return Batch(np.array(VERDICTS)[codes], lambda k: _regularity(low[k], high[k]))
+
+
+def _regularity(lower: FloatArray, upper: FloatArray) -> Regularity:
+    status, certificate = _core.regularity(lower, upper)
+    return Regularity(Verdict(status), None if certificate is None else Certificate(certificate, lower, upper))
 
 
 def norm(A: Operand) -> float:
@@ -240,7 +290,15 @@ def check_method(method: str, methods: tuple[str, ...]) -> None:
         raise IvsidError(f"method '{method}' is not available; choose one of {', '.join(methods)}")
 
 
-def _points(value: Any) -> FloatArray:
+def _check(method: str, partitions: int | None, sweep: str) -> int:
+    """The number of partitions or cells, once the names of the method and of the sweep are known."""
+    check_method(method, INVERSE_METHODS)
+    if sweep not in SWEEPS:
+        raise IvsidError(f"sweep '{sweep}' is unknown; use {' or '.join(SWEEPS)}")
+    return partition_count(partitions, method)
+
+
+def _points(value: Operand) -> FloatArray:
     if isinstance(value, Interval):
         raise IvsidError("one interval was given where an array is needed; use IntervalArray")
     return np.asarray(value, dtype=np.float64)
@@ -255,19 +313,28 @@ def _matrix(value: Operand, *, square: bool = True) -> IntervalArray:
     return matrix
 
 
-def _square(matrix: IntervalArray) -> tuple[FloatArray, FloatArray]:
-    if matrix.ndim != 2:
-        raise IvsidError(f"an array of shape {matrix.shape} was given; one matrix of shape (n, n) is needed")
+def _bounds(matrix: IntervalArray, dimensions: int) -> Bounds:
+    if matrix.ndim != dimensions:
+        needed = "one matrix of shape (n, n)" if dimensions == 2 else "a batch of shape (k, n, n)"
+        raise IvsidError(f"an array of shape {matrix.shape} was given; {needed} is needed")
     return np.ascontiguousarray(matrix.lower), np.ascontiguousarray(matrix.upper)
 
 
-def make_result(
-    method: str, found: dict[str, Any], matrix: tuple[FloatArray, FloatArray], shape: tuple[int, ...]
-) -> Result:
+def _right(matrix: IntervalArray, b: Operand) -> Bounds:
+    """Right-hand sides for every row of the matrix or of the batch."""
+    right = b if isinstance(b, IntervalArray) else IntervalArray(_points(b))
+    needed = matrix.shape[:-1]
+    if right.shape not in (matrix.shape[-1:], needed):
+        raise IvsidError(f"the right-hand side has shape {right.shape}; for this matrix it must be {needed}")
+    lower, upper = (np.ascontiguousarray(np.broadcast_to(end, needed)) for end in (right.lower, right.upper))
+    return lower, upper
+
+
+def make_result(method: str, found: _core._Outcome, matrix: Bounds, shape: tuple[int, ...]) -> Result:
     """The core's answer as a ``Result``; only a proved enclosure becomes an ``IntervalArray``."""
     value: IntervalArray | EndpointPair | None = None
     if found["value"] is not None:
         lower, upper = (end.reshape(shape) for end in found["value"])
         value = IntervalArray(lower, upper) if found["proved"] else EndpointPair(lower, upper)
     certificate = None if found["certificate"] is None else Certificate(found["certificate"], *matrix)
-    return Result(method, found["status"], value, certificate, found["reason"], found["gap"])
+    return Result(method, Status(found["status"]), value, certificate, found["reason"], found["gap"])

@@ -4,14 +4,84 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final
+from enum import StrEnum
+from typing import Final, Literal, TypeAlias, TypedDict
 
 import numpy as np
 
 from ivsid import _core
 from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray, IntervalArray, Operand
-from ivsid.linear.linalg import INVERSE_METHODS, Result, check_method, make_result, partition_count
+from ivsid.linear.linalg import INVERSE_METHODS, Bounds, Result, Status, check_method, make_result, partition_count
+
+FEASIBLE_STATUSES: Final = _core.FEASIBLE_STATUSES
+LEAST_SQUARES_STATUSES: Final = _core.LEAST_SQUARES_STATUSES
+
+
+class FeasibleStatus(StrEnum):
+    """The status of a feasible set: ``FEASIBLE_STATUSES`` of the core, by name."""
+
+    ENCLOSED = "enclosed"
+    EMPTY = "empty"
+    UNBOUNDED = "unbounded"
+    NOT_APPLICABLE = "not_applicable"
+
+
+class LeastSquaresStatus(StrEnum):
+    """The status of an enclosure of least-squares solutions: ``LEAST_SQUARES_STATUSES`` of the core, by name."""
+
+    ENCLOSED = "enclosed"
+    NOT_PROVED = "not_proved"
+    NOT_APPLICABLE = "not_applicable"
+
+
+DataRow: TypeAlias = tuple[int, bool, float]
+"""Row number, whether its lower right-hand side is meant, multiplier (an approximation)."""
+
+SignRow: TypeAlias = tuple[int, float]
+"""Parameter whose sign constraint is used, multiplier (an approximation)."""
+
+
+class BoundProof(TypedDict):
+    """One end of one parameter in one orthant, and the rows that prove it."""
+
+    column: int
+    end: Literal["lower", "upper"]
+    bound: float
+    rows: list[DataRow]
+    signs: list[SignRow]
+
+
+class EmptyOrthant(TypedDict):
+    """An orthant without a consistent parameter, and the rows that contradict each other."""
+
+    signs: list[int]
+    dropped: list[int]
+    empty: Literal[True]
+    rows: list[DataRow]
+
+
+class BoundedOrthant(TypedDict):
+    """An orthant that the set may meet, with two ends for each parameter."""
+
+    signs: list[int]
+    dropped: list[int]
+    empty: Literal[False]
+    bounds: list[BoundProof]
+
+
+OrthantProof: TypeAlias = EmptyOrthant | BoundedOrthant
+
+
+class SignProof(TypedDict):
+    """Why the set meets no orthant beside one: signs that are decided, those of the home, columns with their rows, what they reach."""
+
+    decided: list[int]
+    home: list[int]
+    columns: list[tuple[int, list[DataRow], list[SignRow]]]
+    vector: list[float]
+    reach: list[float]
+    branch: int | None
 
 
 @dataclass(frozen=True)
@@ -33,21 +103,21 @@ class FeasibleSet:
         outliers: with ``outliers``, the sets of that many rows, each a tuple of row numbers.
     """
 
-    status: str
+    status: FeasibleStatus
     value: IntervalArray | None
     inflation: float | None
     centre: FloatArray | None
     directions: list[FloatArray]
-    certificate: list[dict[str, Any]]
+    certificate: list[OrthantProof]
     reason: str | None
-    sign_proofs: list[dict[str, Any]] = field(default_factory=list)
+    sign_proofs: list[SignProof] = field(default_factory=list)
     fewest_outliers: int | None = None
     outliers: tuple[tuple[int, ...], ...] = ()
 
     @property
     def guaranteed(self) -> bool:
         """Whether every bound that is given was proved."""
-        return self.status in ("enclosed", "empty", "unbounded")
+        return self.status is not FeasibleStatus.NOT_APPLICABLE
 
 
 @dataclass(frozen=True)
@@ -62,7 +132,7 @@ class NormalEquations:
         inverse: the inverse that was used.
     """
 
-    status: str
+    status: Status
     value: IntervalArray | None
     improper: int
     gram: IntervalArray
@@ -71,10 +141,10 @@ class NormalEquations:
     @property
     def guaranteed(self) -> bool:
         """Whether every step was proved."""
-        return self.status == "enclosed"
+        return self.status is Status.ENCLOSED
 
 
-LEAST_SQUARES_METHODS: Final = ("qr", "augmented")
+LEAST_SQUARES_METHODS: Final = _core.LEAST_SQUARES_METHODS
 """Methods of ``least_squares``."""
 
 
@@ -90,14 +160,14 @@ class LeastSquares:
     """
 
     method: str
-    status: str
+    status: LeastSquaresStatus
     value: IntervalArray | None
     reason: str | None
 
     @property
     def guaranteed(self) -> bool:
         """Whether the enclosure was proved."""
-        return self.status == "enclosed"
+        return self.status is LeastSquaresStatus.ENCLOSED
 
 
 def feasible_set(A: Operand, y: Operand, outliers: int = 0, signs: Sequence[int] | None = None) -> FeasibleSet:
@@ -121,11 +191,11 @@ def feasible_set(A: Operand, y: Operand, outliers: int = 0, signs: Sequence[int]
         raise IvsidError(f"signs = {list(signs)} was given; {rows[0].shape[1]} of 1, -1 and 0 are needed")
     found = _core.feasible_set(rows, right, None if signs is None else list(signs), int(outliers))
     lower, upper = found["parameters"]
-    empty = found["status"] == "empty"
+    status = FeasibleStatus(found["status"])
     directions = [np.array(d) for d in found["directions"]]
     return FeasibleSet(
-        found["status"],
-        None if empty else IntervalArray(lower, upper),
+        status,
+        None if status is FeasibleStatus.EMPTY else IntervalArray(lower, upper),
         found["inflation"],
         found["centre"],
         directions,
@@ -146,7 +216,7 @@ def normal_equations(A: Operand, y: Operand, method: str = "exact", partitions: 
     gram = IntervalArray(*found["gram"])
     bounds = (np.ascontiguousarray(gram.lower), np.ascontiguousarray(gram.upper))
     inverse = make_result(method, found["inverse"], bounds, gram.shape)
-    return NormalEquations(found["status"], value, found["improper"], gram, inverse)
+    return NormalEquations(Status(found["status"]), value, found["improper"], gram, inverse)
 
 
 def least_squares(A: Operand, y: Operand, method: str = "qr") -> LeastSquares:
@@ -166,10 +236,10 @@ def least_squares(A: Operand, y: Operand, method: str = "qr") -> LeastSquares:
     rows, right = _rows(A, y)
     found = _core.least_squares(rows, right, method)
     value = None if found["parameters"] is None else IntervalArray(*found["parameters"])
-    return LeastSquares(method, found["status"], value, found["reason"])
+    return LeastSquares(method, LeastSquaresStatus(found["status"]), value, found["reason"])
 
 
-def _rows(A: Operand, y: Operand) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
+def _rows(A: Operand, y: Operand) -> tuple[Bounds, Bounds]:
     rows = A if isinstance(A, IntervalArray) else IntervalArray(np.asarray(A, dtype=np.float64))
     right = y if isinstance(y, IntervalArray) else IntervalArray(np.asarray(y, dtype=np.float64))
     if rows.ndim != 2 or 0 in rows.shape:
@@ -177,7 +247,7 @@ def _rows(A: Operand, y: Operand) -> tuple[tuple[FloatArray, FloatArray], tuple[
     if right.shape != rows.shape[:1]:
         raise IvsidError(f"right-hand sides of shape {right.shape} were given; {rows.shape[:1]} is needed")
 
-    def contiguous(v: IntervalArray) -> tuple[FloatArray, FloatArray]:
+    def contiguous(v: IntervalArray) -> Bounds:
         return np.ascontiguousarray(v.lower), np.ascontiguousarray(v.upper)
 
     return contiguous(rows), contiguous(right)

@@ -1,13 +1,27 @@
-"""Logs: files of many kinds to checked channels in SI units and the contract's axes (INTERFACE.md).
+"""Logs: files of many kinds to checked channels in SI units and the axes of the equations of motion.
 
-One file a format (``text``, ``matlab``, ``rosbag``, ``dataflash``; ``formats`` tells them apart), and one a step:
-``channels`` maps and turns, ``clocks`` and ``one_clock`` bring to one clock, ``sweep`` keeps what stands between rows, ``quality`` examines, ``reader`` calls them in order.
+Files to tables:
+
+- ``formats``: tells the kinds of files apart and opens them; ``source``: the tables that it opens.
+- ``text``, ``matlab``, ``rosbag``, ``dataflash``: one file a format. ``matlab_structure`` refuses damage that SciPy's reader does not
+  survive; ``polars_panics`` keeps reports of internal faults of Polars off the terminal.
+
+Tables to a log:
+
+- ``channels``: foreign columns to channels: names, units, missing markers, frames, heading from attitude.
+- ``clocks``: stamps to seconds; samples of one clock on the rows of another. ``one_clock`` does so for every channel.
+- ``step_ranges``: the range of a force or an angle over the step between two rows.
+- ``angles``, ``turning``: angles followed through whole turns; the angle of an azimuth thruster or a rudder.
+- ``quality``: held values, gaps, drop-outs and outliers are reported, and none is mended.
+- ``reader``: all steps in order; ``record``: the log that they give.
+
+The chapter may use ``files``, ``intervals`` and ``errors``. It knows no vehicle but the section ``[log]`` of its file.
 """
 
 from ivsid.log.channels import COLUMNS
 from ivsid.log.formats import open_source
 from ivsid.log.reader import read_log
-from ivsid.log.record import Clock, Log, Quality, Sweep
+from ivsid.log.record import Clock, Log, Quality, StepRange
 from ivsid.log.source import Source
 
-__all__ = ["COLUMNS", "Clock", "Log", "Quality", "Source", "Sweep", "open_source", "read_log"]
+__all__ = ["COLUMNS", "Clock", "Log", "Quality", "Source", "StepRange", "open_source", "read_log"]

@@ -1,4 +1,4 @@
-"""Angles that wrap: followed through whole turns, and how sure that is."""
+"""Angles that wrap: followed through whole turns, with the reading error below which the turns are certain."""
 
 from __future__ import annotations
 
@@ -9,20 +9,28 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+# A whole turn [rad].
+# Source: definition
 TURN: Final = 2 * np.pi
 PLAIN: Final = ("psi", "wind_direction")
 BY_THRUSTER: Final = ("azimuth_", "rudder_")
 
 
 def is_angle(name: str) -> bool:
-    """Whether a channel is an angle, which is the same after a whole turn."""
+    """Whether a channel is an angle: the same after a whole turn."""
     return name in PLAIN or name.startswith(BY_THRUSTER)
 
 
 def unwrapped(values: Array) -> tuple[Array, Array]:
-    """Angles [rad], none missing, with whole turns added so that no neighbours are more than half a turn apart, and what that lost.
+    """Angles with whole turns added, so that no neighbours are more than half a turn apart.
 
     Turns are counted as integers: sums of rounded turns would lose more with every wrap of a long log.
+
+    Args:
+        values: angles [rad], shape (n,), none missing.
+
+    Returns:
+        The angles and the bounds of their rounding [rad], shape (n,) each.
     """
     turns = -np.r_[0.0, np.cumsum(np.round(np.diff(values) / TURN))]
     whole = turns * TURN
@@ -33,24 +41,28 @@ def unwrapped(values: Array) -> tuple[Array, Array]:
 
 
 def wrapped(values: Array) -> tuple[Array, Array]:
-    """Angles between -pi and pi, and what that lost; NaN stays."""
+    """Angles [rad] between -pi and pi, and the bounds of their rounding; NaN stays NaN."""
     return np.arctan2(np.sin(values), np.cos(values)), 8 * np.spacing(np.abs(np.nan_to_num(values)) + np.pi)
 
 
 def certain_below(values: Array, t: Array, rate: float, longest: float, jitter: float) -> float:
-    """The error of a reading [rad] below which whole turns were surely followed right: the least over all neighbours.
+    """The bound on the error of a reading [rad] below which the whole turns are certain: the least over all neighbours.
 
-    A truth that turns by at most L h < pi in a step h gives unwrapped readings w apart with |w| <= L h + 2 e where the turns are right, and
-    |w| >= 2 pi - L h - 2 e where they are not.
+    Let the truth turn by at most L h < pi in a step h, and let each reading be off by at most e. Two unwrapped readings then differ
+    by at most L h + 2 e where the turns are right, and by at least 2 pi - L h - 2 e where they are wrong.
 
     Args:
         values: unwrapped angles.
         t: their times [s].
         rate: L, the largest rate of change [rad/s].
         longest: steps longer than this are gaps, which are not bridged.
-        jitter: how far each time may be off [s].
+        jitter: bound on the error of each time [s].
+
+    Returns:
+        The bound [rad]; infinite where no two samples are neighbours.
     """
     steps = np.diff(t)
     room = 0.5 * (TURN - rate * (steps + 2 * jitter) - np.abs(np.diff(values)))
     near = steps <= longest
+    # The factor and the last term hold the roundings above.
     return float(room[near].min()) * (1 - 1e-9) - 1e-9 if near.any() else np.inf

@@ -1,4 +1,4 @@
-"""Foreign columns to the contract's channels: names, scales, missing markers, frames, attitude."""
+"""Foreign columns to channels: names, scales, missing markers, frames, heading from attitude."""
 
 from __future__ import annotations
 
@@ -20,15 +20,20 @@ COLUMNS: Final = (
     *("roll", "pitch"),
 )
 QUATERNION: Final = ("qw", "qx", "qy", "qz")
-# One column a thruster: its demand, and where it points.
+# One column a thruster: its demand, its direction, its rudder angle.
 DEMAND: Final = "demand_"
 BY_THRUSTER: Final = (DEMAND, "azimuth_", "rudder_")
-# What a turn of the body axes from forward-left-up to forward-right-down does; earth axes are handled apart.
+# Channels whose sign changes from forward-left-up to forward-right-down body axes; earth axes are handled apart.
 _FLU_FLIPPED: Final = ("v", "r", "vdot", "rdot", "ay", "force_Y", "moment_N", "pitch")
 _FLU_ANGLES: Final = ("psi", "wind_direction")
-# Below this cosine of the pitch a heading means nothing.
+# A heading is used only above this cosine of the pitch: its error is that of the attitude divided by the cosine.
+# Source: geometry: the horizontal part of the forward axis has the length cos(pitch)
 UPRIGHT: Final = 0.1
-# Float evaluation of a heading from a quaternion of norm 1, with the pitch above: about 1e-15 / UPRIGHT.
+# Largest deviation of the squared norm of a quaternion from 1: components of two decimals, 0.005 off each, deviate by at most this.
+# Source: geometry: the components of a unit quaternion sum to at most 2
+NORM_TOLERANCE: Final = 0.02
+# Bound on the rounding of a heading [rad] from a quaternion of norm 1: ten roundings of 2^-53 divided by UPRIGHT make 1.1e-14.
+# Source: theorem: standard model of floating-point arithmetic, Higham 2002, section 2.2
 HEADING_ROUNDING: Final = 1e-13
 
 Array = NDArray[np.float64]
@@ -37,7 +42,7 @@ Clocked = tuple[str, str]
 
 @dataclass(frozen=True)
 class Rule:
-    """Where a channel comes from: table, column, and the stamps it stands on."""
+    """The origin of a channel: its table, its column, and the stamps of its samples."""
 
     column: Column
     table: str
@@ -48,7 +53,13 @@ class Rule:
 
 @dataclass(frozen=True)
 class Channel:
-    """Values on a clock, and what a conversion of each may have lost (None: nothing beside its decimals)."""
+    """Values on a clock.
+
+    Attributes:
+        values: shape (n,); NaN is a missing sample.
+        clock: table and column of the stamps.
+        lost: bound on the error of each conversion, shape (n,); None where there is none beside the rounding of decimals.
+    """
 
     values: Array
     clock: Clocked
@@ -56,10 +67,10 @@ class Channel:
 
 
 def rules_of(source: Source, mapping: LogMap) -> tuple[dict[str, Rule], tuple[str, ...]]:
-    """The rule of every channel that the source has, and the columns that nothing uses.
+    """The rule of every channel that the source has, and the names of the columns that no rule uses.
 
     Raises:
-        IvsidError: a map to or from something that does not exist.
+        IvsidError: the map names a column or a channel that does not exist.
     """
     _check_targets(mapping)
     several = len(source.tables) > 1
@@ -115,10 +126,10 @@ def _check_targets(mapping: LogMap) -> None:
 
 
 def row_clock(source: Source, mapping: LogMap, table: str) -> tuple[TimeColumn, Clocked]:
-    """The stamps of a table's rows.
+    """The column of the stamps of a table's rows, and the clock that it makes.
 
     Raises:
-        IvsidError: where the table has none.
+        IvsidError: the table has no such column.
     """
     return _clock(source, mapping, table, None)
 
@@ -144,13 +155,13 @@ def _clock(source: Source, mapping: LogMap, table: str, column: Column | None) -
 
 
 def converted(values: Array, column: Column, clock: Clocked) -> Channel:
-    """Missing markers, scale and offset."""
+    """A foreign column as a channel in SI units: without missing markers, scaled and shifted."""
     if column.missing is not None:
         values = np.where(values == column.missing, np.nan, values)
     if column.factor == 1.0 and column.offset == 0.0:
         return Channel(values, clock)
     with np.errstate(over="ignore"):
-        # What overflows is refused with the column's name.
+        # The reader refuses infinities with the name of the column.
         scaled = values * column.factor
         made = scaled + column.offset
         # Three roundings (factor, product, sum), each of half a unit of the larger operand.
@@ -162,7 +173,7 @@ def turned(channels: Mapping[str, Channel]) -> dict[str, Channel]:
     """Forward-left-up body and east-north-up earth axes (REP 103) to forward-right-down and north-east-down.
 
     The angles of azimuth thrusters and rudders turn with the body axes. Channels that name their direction, such as
-    ``velocity_north``, mean it in any frame.
+    ``velocity_north``, are the same in both frames.
     """
     flipped = (*_FLU_FLIPPED, *(c for c in channels if c.startswith(BY_THRUSTER[1:])))
     result: dict[str, Channel] = {}
@@ -190,10 +201,14 @@ def turned(channels: Mapping[str, Channel]) -> dict[str, Channel]:
 
 
 def with_heading(channels: Mapping[str, Channel], source: str) -> tuple[dict[str, Channel], list[str]]:
-    """Adds ``psi`` from the attitude, where only that is there.
+    """The channels with ``psi`` from the attitude, where a log has the attitude alone; and notes about it.
+
+    Args:
+        channels: by name.
+        source: name of the log, for messages.
 
     Raises:
-        IvsidError: a part of the quaternion is missing, or stands on another clock.
+        IvsidError: a part of the quaternion is missing, or has another clock.
     """
     result = dict(channels)
     has = [q for q in QUATERNION if q in channels]
@@ -207,7 +222,7 @@ def with_heading(channels: Mapping[str, Channel], source: str) -> tuple[dict[str
     w, x, y, z = (channels[q].values for q in QUATERNION)
     norm = w * w + x * x + y * y + z * z
     east, north = 2 * (w * z + x * y), w * w + x * x - y * y - z * z
-    usable = (np.abs(norm - 1) < 0.02) & (np.hypot(east, north) > UPRIGHT * norm)
+    usable = (np.abs(norm - 1) < NORM_TOLERANCE) & (np.hypot(east, north) > UPRIGHT * norm)
     psi = np.where(usable, np.arctan2(east, north), np.nan)
     lost = sum((c for c in (channels[q].lost for q in QUATERNION) if c is not None), np.zeros_like(w))
     result["psi"] = Channel(psi, channels["qw"].clock, HEADING_ROUNDING + 4 / UPRIGHT * np.nan_to_num(lost))

@@ -18,17 +18,30 @@ from ivsid.log.source import numbers, stamp_unit
 
 Array = NDArray[np.float64]
 
+# Stamps beyond this [s] count from their first one: a double there has a last place of 1.2e-10 s or more.
+# Source: definition: 53 bits of a double
 EPOCH: Final = 1e6
-# Decimals kept of a large stamp: 23 digits are left before the point.
+# Decimals kept of a large stamp; 23 digits are left before the point.
+# Source: definition: the 38 digits of a 128-bit decimal
 DECIMALS: Final = 15
-# Half units that rounding twice can lose: one, and another to the nearest double of an integer that is 1e9 times as large.
+# Half units in the last place that two roundings can lose: one for the quotient, and up to 2^30 / 1e9 = 1.07 for the double of the
+# integer of nanoseconds.
+# Source: theorem: standard model of floating-point arithmetic, Higham 2002, section 2.2
 TWICE: Final = 2.25
 _SECONDS: Final = {u: Decimal(repr(f)) for u, f in units.TIME.items()}
 
 
 @dataclass(frozen=True)
 class Times:
-    """Stamps in seconds; ``rows`` of the table that they stand for (None: all), what was lost, and the first stamp exactly."""
+    """Stamps in seconds.
+
+    Attributes:
+        t: times [s], shape (n,).
+        lost: bound on the error of each conversion [s].
+        first: the first stamp [s], exactly.
+        counted: whether the times count from the first stamp.
+        rows: rows of the table with these stamps; None for all.
+    """
 
     t: Array
     lost: float
@@ -38,15 +51,15 @@ class Times:
 
 
 def times_of(series: pl.Series, unit: str, source: str, name: str, first_row: int, *, own: bool) -> Times:
-    """Checks and converts one column of stamps. Large stamps (epochs) count from their first one: a double has too few digits.
+    """Checks and converts one column of stamps. Large stamps (epochs) count from their first one: a double has too few digits for them.
 
     Args:
         series: the stamps with every digit.
         unit: of the stamps; a column of dates knows its own.
-        source: what messages call the file.
+        source: name of the file, for messages.
         name: of the column.
-        first_row: what messages call the first sample.
-        own: a sensor's own stamps beside the rows: a repeated or missing one marks a row without a new sample.
+        first_row: number of the first sample, for messages.
+        own: these are a sensor's own stamps beside those of the rows; a repeated or missing one marks a row without a new sample.
 
     Raises:
         IvsidError: a missing stamp, one that is no number, or time that does not increase.
@@ -102,7 +115,7 @@ def _decimal(stamp: object) -> Decimal:
 
 
 def _since_first(series: pl.Series, stamps: Array, scale: float) -> tuple[Array, float]:
-    """Seconds since the first stamp, and how far each may be off: from decimals and integers exactly, from doubles as they are."""
+    """Seconds since the first stamp, and the bound on their error: decimals and integers are subtracted exactly, doubles are rounded already."""
     if series.dtype.is_float():
         # A double is a rounded instant, this one and the first; integers of nanoseconds that were divided have been rounded twice.
         difference, lost = stamps - stamps[0], 2 * TWICE * _half_unit(series, stamps)
@@ -125,15 +138,15 @@ def _half_unit(series: pl.Series, stamps: Array) -> float:
 
 
 def _own_rounding(series: pl.Series, stamps: Array) -> float:
-    """What short floats lost of stamps in seconds; the rounding of doubles is ``Log.time_error``'s own part."""
+    """Rounding of stamps stored as short floats [s]; ``Log.time_error`` adds the rounding of doubles itself."""
     return _half_unit(series, stamps) if series.dtype == pl.Float32 else 0.0
 
 
 def together(times: Mapping[tuple[str, str], Times], source: str) -> dict[tuple[str, str], Times]:
-    """All clocks from one common zero: that of the files, or the earliest stamp where any counts from its first.
+    """All clocks from one common zero: the files' own, or the earliest stamp where any clock counts from its first.
 
     Raises:
-        IvsidError: clocks that never run at the same time, so that they cannot count from the same zero.
+        IvsidError: two clocks never run at the same time, so that they count from different zeros.
     """
     shifted = dict(times)
     if len(times) > 1 and any(x.counted for x in times.values()):
@@ -163,9 +176,19 @@ def _shifted(x: Times, by: float) -> Times:
 
 
 def held(rows: Array, t: Array, values: Array, clock_error: float) -> tuple[Array, Array]:
-    """A demand on the rows: between which values it stood from each row to the next, as middle and half-width.
+    """A demand under a zero-order hold, as its range from each row to the next.
 
-    Missing before the first sample, after the last one, and in rows that reach into a hole of the samples: there it may have changed.
+    The demand is missing before its first sample, after its last one, and in rows that reach into a hole of its samples: it may have
+    changed there.
+
+    Args:
+        rows: times of the rows [s], shape (n,).
+        t: times of the samples [s], shape (m,).
+        values: samples, shape (m,).
+        clock_error: the largest difference between the two clocks [s].
+
+    Returns:
+        Middle and half-width of each range, shape (n,) each; NaN is missing.
     """
     until = np.r_[rows[1:], rows[-1]]
     first = np.searchsorted(t, rows - clock_error, side="right") - 1
@@ -184,7 +207,10 @@ def held(rows: Array, t: Array, values: Array, clock_error: float) -> tuple[Arra
 
 
 def next_hole(moments: Array, t: Array) -> tuple[Array, Array]:
-    """The first hole of the samples that ends after each moment: from when a sample is as old as a gap is long until the next one comes."""
+    """Begin and end [s] of the first hole of the samples that ends after each moment.
+
+    A hole begins when the last sample is as old as a gap is long, and ends with the next sample.
+    """
     longest = GAP * np.median(np.diff(t))
     long = np.r_[np.diff(t) > longest, True]
     begins, ends = t[long] + longest, np.r_[t[1:], np.inf][long]
@@ -193,7 +219,7 @@ def next_hole(moments: Array, t: Array) -> tuple[Array, Array]:
 
 
 def nearest(rows: Array, t: Array, within: float) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """The sample next to each row, and whether it stands at the same moment, to within what rounding may have moved it [s]."""
+    """The index of the sample next to each row, and whether their times agree within ``within`` [s], shape (n,) each."""
     after = np.clip(np.searchsorted(t, rows), 0, t.size - 1)
     before = np.maximum(after - 1, 0)
     place = np.where(np.abs(t[before] - rows) < np.abs(t[after] - rows), before, after)
@@ -203,19 +229,19 @@ def nearest(rows: Array, t: Array, within: float) -> tuple[NDArray[np.intp], NDA
 def between(
     rows: Array, t: Array, values: Array, lost: Array, rate: float, clock_error: float, jitter: float = 0.0
 ) -> tuple[Array, Array]:
-    """A channel on other times: linear between its two neighbours, with a bound on how far the truth can be from that.
+    """A channel on other times: linear between its two neighbours, with a bound on its distance from the truth.
 
-    A quantity that moves at most ``rate`` a second is, a time a after one sample and b before the next, at most
-    2 rate a b / (a + b) from the straight line between them. Missing outside the samples and inside gaps.
+    At a time a after one sample and b before the next, a quantity that moves at most ``rate`` a second is at most
+    2 rate a b / (a + b) from the straight line between them. The channel is missing outside its samples and inside gaps.
 
     Args:
         rows: times wanted [s], shape (n,).
         t: times of the samples [s], shape (m,).
         values: samples, shape (m,), none missing.
-        lost: what each may already be off, shape (m,).
+        lost: bound on the error of each, shape (m,).
         rate: bound on the rate of change.
-        clock_error: how far the two clocks may disagree, reading included [s].
-        jitter: how far each time may be off beyond the rounding of its decimals [s].
+        clock_error: the largest difference between the two clocks, rounding of stamps included [s].
+        jitter: bound on the error of each time beyond the rounding of its decimals [s].
 
     Returns:
         Values and half-widths, shape (n,); NaN is missing.
@@ -242,5 +268,5 @@ def between(
 
 
 def clock_of(t: Array) -> Clock:
-    """How many samples a channel has, and how close they stand."""
+    """The number of samples of a channel, and the shortest step between them."""
     return Clock(t.size, float(np.diff(t).min()) if t.size > 1 else 0.0)

@@ -19,7 +19,7 @@ from ivsid.log.source import Lossless, Table
 
 CLOCK: Final = "TimeUS"
 OWN: Final = TimeColumn.model_validate({"from": CLOCK, "unit": "us"})
-# What describes the log itself.
+# Types of messages that describe the log itself.
 DESCRIPTIVE: Final = ("FMT", "FMTU", "UNIT", "MULT", "PARM", "MSG", "FILE", "VER")
 
 
@@ -36,10 +36,10 @@ class Messages(Lossless):
     first_row: int = 1
 
     def read(self, names: Sequence[str]) -> dict[str, pl.Series]:
-        """The fields, scaled as the log itself says."""
-        found: dict[str, list[Any]] = {n: [] for n in names}
+        """The fields, scaled by the factors of the log."""
+        found: dict[str, list[float | int]] = {n: [] for n in names}
 
-        def take(message: Any) -> None:
+        def take(message: object) -> None:
             if self.instance is None or getattr(message, self.instance[0]) == self.instance[1]:
                 for n, values in found.items():
                     values.append(getattr(message, n))
@@ -89,16 +89,16 @@ def open_dataflash(path: Path, name: str, stack: ExitStack) -> Mapping[str, Tabl
 
 
 def _close(reader: Any) -> None:
-    """Releases the file, also where the reader gave up half-way."""
+    """Releases the file, also after a fault in the reader's construction."""
     for part in ("data_map", "filehandle"):
-        # A view that the reader's index still holds keeps the map open; it goes with the reader.
+        # A view in the reader's index keeps the map open; it goes with the reader.
         with contextlib.suppress(BufferError):
             if hasattr(reader, part):
                 getattr(reader, part).close()
 
 
-def _each(reader: Any, kind: str, name: str, take: Callable[[Any], None]) -> None:
-    """Hands over every message of a type."""
+def _each(reader: Any, kind: str, name: str, take: Callable[[object], None]) -> None:
+    """Calls ``take`` with every message of a type."""
     reader.rewind()
     try:
         with _silence():
@@ -110,7 +110,7 @@ def _each(reader: Any, kind: str, name: str, take: Callable[[Any], None]) -> Non
 
 @contextlib.contextmanager
 def _silence() -> Iterator[None]:
-    """The reader says on the terminal what it skips; a log that ends in the middle of a message is usual."""
+    """Drops the reader's remarks on skipped bytes: a log that ends in the middle of a message is usual."""
     with contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):
         yield
 

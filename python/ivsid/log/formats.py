@@ -1,4 +1,4 @@
-"""Which reader a file needs: told by its first bytes, or by its ending where the bytes say nothing."""
+"""The reader of a file: chosen by its first bytes, or by its ending where the bytes do not tell."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from ivsid.errors import IvsidError
 from ivsid.files.log_map import TimeColumn
 from ivsid.log.dataflash import open_dataflash
 from ivsid.log.matlab import open_matlab
-from ivsid.log.panics import panics_unprinted
+from ivsid.log.polars_panics import panics_unprinted
 from ivsid.log.rosbag import open_bag
 from ivsid.log.source import Lossless, Source, Table, head
 from ivsid.log.text import open_text
 
-# MATLAB v5 files begin with words; a v4 file is told by its ending.
+# A MATLAB v5 file begins with words; a v4 file is known by its ending.
 MATLAB_5: Final = b"MATLAB 5.0 MAT-file"
 MATLAB_73: Final = (b"MATLAB 7.3 MAT-file", b"\x89HDF\r\n\x1a\n")
 GZIP: Final = b"\x1f\x8b"
@@ -38,7 +38,7 @@ TABLES: Final = (".csv", ".csv.gz", ".parquet", ".parquet.gz")
 
 @contextmanager
 def open_source(path: str | Path) -> Iterator[Source]:
-    """Any log: CSV or Parquet (plain or gzip), MATLAB, a ROS bag, DataFlash, or a folder of CSV and Parquet files.
+    """Opens any log: CSV or Parquet (plain or gzip), MATLAB, a ROS bag, DataFlash, or a folder of CSV and Parquet files.
 
     Raises:
         IvsidError: an unreadable, empty, binary or unknown file, or a missing optional reader.
@@ -52,7 +52,7 @@ def open_source(path: str | Path) -> Iterator[Source]:
 
 
 def _regular(path: Path, stack: ExitStack) -> Path:
-    """The path itself, or a copy of what comes through a pipe, which can be read only once."""
+    """The path itself, or a copy of the content of a pipe, which can be read only once."""
     try:
         if path.is_file() or path.is_dir() or not path.exists():
             return path
@@ -95,7 +95,7 @@ def _files(path: Path, name: str) -> list[Path]:
 
 
 def _tables(path: Path, name: str, files: Sequence[Path], stack: ExitStack) -> Mapping[str, Table]:
-    """The tables of a log; what they need for reading is released with the stack."""
+    """The tables of a log; files and readers behind them are released with the stack."""
     if path.is_dir():
         if _is_bag(path):
             return open_bag(path, name, stack)
@@ -129,7 +129,7 @@ def _is_table(path: Path) -> bool:
 
 
 def _table(path: Path, name: str, stack: ExitStack) -> Table:
-    """CSV or Parquet, plain or gzip. What is packed is laid down once as a plain file: it need not fit in memory."""
+    """A table of CSV or Parquet, plain or gzip. A packed file is unpacked to disk, since it need not fit in memory."""
     if head(path).startswith(GZIP):
         plain = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="ivsid-"))) / "log"
         try:

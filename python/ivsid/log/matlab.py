@@ -15,12 +15,15 @@ from ivsid.errors import IvsidError
 from ivsid.log.matlab_structure import check_structure
 from ivsid.log.source import Frame, Table
 
-# A matrix with at most this many rows (or columns) is a set of channels, not a picture.
+# A matrix with at most this many rows, or columns, is a set of channels; a larger one is a picture.
+# Source: resource: bounds the columns of a table
 CHANNELS: Final = 512
+# Depth to which nested structs are searched for channels.
+# Source: resource: bounds the recursion
 DEPTH: Final = 4
 
 
-def matlab_variables(path: Path, name: str) -> dict[str, Any]:
+def matlab_variables(path: Path, name: str) -> dict[str, object]:
     """The variables of a MATLAB v4 or v5 file as SciPy gives them, structs as dictionaries.
 
     Raises:
@@ -58,8 +61,11 @@ def matlab_variables(path: Path, name: str) -> dict[str, Any]:
 def open_matlab(path: Path, name: str) -> Mapping[str, Table]:
     """The tables of a MATLAB file.
 
-    Vectors at the top level are one table under their own names; a struct is a table of its fields; a matrix gives a
-    column to each of its rows, or columns where it is taller than wide, counted from 1: ``data(1)``, ``data(2)``.
+    Vectors at the top level are one table under their own names. A struct is a table of its fields. A matrix gives a column to each
+    of its rows, or of its columns where it is taller than wide, counted from 1: ``data(1)``, ``data(2)``.
+
+    Raises:
+        IvsidError: a damaged file, one of MATLAB 7.3, or one without a numeric vector or matrix.
     """
     vectors: dict[str, dict[str, NDArray[Any]]] = {}
     for variable, value in matlab_variables(path, name).items():
@@ -75,14 +81,14 @@ def open_matlab(path: Path, name: str) -> Mapping[str, Table]:
         )
     tables: dict[str, Table] = {}
     for table, columns in vectors.items():
-        # Vectors of another length stand on another clock: a table of their own, which [log] columns reach by their names.
+        # Vectors of another length have another clock: they are a table of their own, which [log] columns reach by their names.
         for length in sorted({v.size for v in columns.values()}, reverse=True):
             frame = pl.DataFrame({c: v for c, v in columns.items() if v.size == length})
             tables[table if table not in tables else f"{table}[{length}]"] = Frame(frame, first_row=1)
     return tables if len(tables) > 1 else {"": next(iter(tables.values()))}
 
 
-def _fields(into: dict[str, NDArray[Any]], prefix: str, value: Mapping[str, Any], depth: int) -> None:
+def _fields(into: dict[str, NDArray[Any]], prefix: str, value: Mapping[str, object], depth: int) -> None:
     """Adds every numeric vector and matrix below a struct; scalars and words are no channels."""
     for key, inner in value.items():
         where = f"{prefix}.{key}" if prefix else key
@@ -100,7 +106,7 @@ def _fields(into: dict[str, NDArray[Any]], prefix: str, value: Mapping[str, Any]
 
 
 def _plain(values: NDArray[Any]) -> NDArray[Any]:
-    """In the machine's byte order; integers stay integers, for doubles are too short for stamps of nanoseconds."""
+    """The values in the machine's byte order; integers stay integers, since doubles are too short for stamps of nanoseconds."""
     if values.dtype.kind in "iu":
         return np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("="))
     return values.astype(np.float64)

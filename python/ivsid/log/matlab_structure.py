@@ -1,6 +1,7 @@
-"""The structure of a MATLAB v5 file, checked before SciPy reads it: its reader follows damaged tags and sizes out of memory.
+"""The structure of a MATLAB v5 file, checked before SciPy reads it.
 
-The format's elements are a tag (type, size) and as many bytes; a variable is an element of elements (MathWorks, MAT-File Format).
+SciPy's reader follows damaged tags and sizes out of memory. An element of the format is a tag of type and size, and the bytes of that
+size; a variable is an element of elements (MathWorks, MAT-File Format).
 """
 
 from __future__ import annotations
@@ -13,18 +14,33 @@ from pathlib import Path
 from typing import Final
 
 # Types of elements, and the bytes of one number of each.
+# Source: definition: MathWorks, MAT-File Format
 _BYTES: Final = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8}
+# Types of elements with a part of their own in a variable.
+# Source: definition: MathWorks, MAT-File Format
 _INT8, _INT32, _UINT32, _MATRIX, _COMPRESSED = 1, 5, 6, 14, 15
+# Types of elements that may hold characters.
+# Source: definition: MathWorks, MAT-File Format
 _TEXT: Final = (1, 2, 3, 4, 16, 17, 18)
+# Classes of variables.
+# Source: definition: MathWorks, MAT-File Format
 _CELL, _STRUCT, _OBJECT, _CHAR, _SPARSE, _FUNCTION, _OPAQUE = 1, 2, 3, 4, 5, 16, 17
+# Classes of numeric variables.
+# Source: definition: MathWorks, MAT-File Format
 _NUMERIC: Final = range(6, 16)
+# The flag of a variable with an imaginary part.
+# Source: definition: MathWorks, MAT-File Format
 _COMPLEX: Final = 0x800
+# Depth of nested structs and cells beyond which a file is refused.
+# Source: resource: bounds the recursion
 DEPTH: Final = 64
+# Bytes before the first element.
+# Source: definition: MathWorks, MAT-File Format
 HEADER: Final = 128
 
 
 class StructureError(ValueError):
-    """What is wrong with the structure, in a few words."""
+    """A fault of the structure, in a few words."""
 
 
 class _Elements:
@@ -34,7 +50,7 @@ class _Elements:
         self.data, self.order, self.at, self.end = data, order, at, end
 
     def next(self) -> tuple[int, int, int]:
-        """Type, and where the bytes of the next element begin and end."""
+        """Type of the next element, and the places where its bytes begin and end."""
         if self.at + 8 > self.end:
             raise StructureError("an element is cut off")
         kind, size = struct.unpack_from(f"{self.order}II", self.data, self.at)
@@ -64,7 +80,7 @@ def check_structure(path: Path) -> None:
     """Walks through all elements of a v5 file.
 
     Raises:
-        StructureError: the first thing that does not fit.
+        StructureError: the first fault.
     """
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
         if len(data) < HEADER or data[126:128] not in (b"IM", b"MI"):
@@ -115,7 +131,7 @@ def _matrix(elements: _Elements, depth: int) -> None:
 
 
 def _content(elements: _Elements, sort: int, shape: tuple[int, ...], depth: int, *, complex_: bool) -> None:
-    """What follows the name of a variable, by its class."""
+    """Checks the elements after the name of a variable, by its class."""
     size = math.prod(shape)
     if sort in _NUMERIC:
         for _ in range(2 if complex_ else 1):
@@ -151,7 +167,7 @@ def _numbers(elements: _Elements, size: int) -> None:
 
 
 def _fields(elements: _Elements) -> int:
-    """How many fields a struct has."""
+    """The number of fields of a struct."""
     _, begin, end = elements.wanted(_INT32)
     if end - begin != 4:
         raise StructureError("a struct has no length of names")
@@ -163,7 +179,7 @@ def _fields(elements: _Elements) -> int:
 
 
 def _sparse(elements: _Elements, shape: tuple[int, ...], *, complex_: bool) -> None:
-    """Rows, starts of columns, values: places must lie inside the matrix."""
+    """Checks rows, starts of columns and values: all places must lie inside the matrix."""
     order, data = elements.order, elements.data
     _, begin, end = elements.wanted(_INT32)
     rows = struct.unpack_from(f"{order}{(end - begin) // 4}i", data, begin)

@@ -1,4 +1,4 @@
-"""Channels of several clocks on the rows of one, and what the log has of forces and angles between those rows."""
+"""Channels of several clocks on the rows of one; forces and angles over the steps between those rows."""
 
 from __future__ import annotations
 
@@ -14,20 +14,33 @@ from ivsid.files.log_map import LogMap
 from ivsid.log.angles import certain_below, is_angle, unwrapped, wrapped
 from ivsid.log.channels import BY_THRUSTER, DEMAND, Channel, Clocked
 from ivsid.log.clocks import Times, between, clock_of, held, nearest
-from ivsid.log.record import GAP, Clock, Quality, Sweep
+from ivsid.log.record import GAP, Clock, Quality, StepRange
 from ivsid.log.source import Source
-from ivsid.log.sweep import Manner, swept
+from ivsid.log.step_ranges import Manner, step_range
 
 Array = NDArray[np.float64]
 
-# Whose clock becomes the rows' where nothing is said: where accelerations stand, rows need no interpolation of them.
+# The first of these channels gives its clock to the rows where none is chosen: accelerations then need no interpolation.
 _BASES: Final = ("ax", "udot", "ay", "vdot", "r", "u", "velocity_north", "psi", "x")
 FORCES: Final = ("force_X", "force_Y", "moment_N")
 
 
 @dataclass
 class Reading:
-    """A log while it is put together."""
+    """A log while it is put together.
+
+    Attributes:
+        source: the opened file.
+        mapping: the section ``[log]``.
+        channels: by name.
+        times: by clock.
+        notes: sentences for the user.
+        assumes: sentences that the values rely on.
+        quality: by channel.
+        over: ranges of forces and angles over the steps between rows.
+        by_rate: channels that were interpolated under a stated rate.
+        certain: of angles, the reading error [rad] below which whole turns are certain.
+    """
 
     source: Source
     mapping: LogMap
@@ -36,7 +49,7 @@ class Reading:
     notes: list[str] = field(default_factory=list)
     assumes: list[str] = field(default_factory=list)
     quality: dict[str, Quality] = field(default_factory=dict)
-    over: dict[str, Sweep] = field(default_factory=dict)
+    over: dict[str, StepRange] = field(default_factory=dict)
     by_rate: list[str] = field(default_factory=list)
     certain: dict[str, float] = field(default_factory=dict)
 
@@ -45,7 +58,19 @@ Columns = dict[str, Array]
 
 
 def on_one_clock(reading: Reading, stamps: Mapping[Clocked, Array]) -> tuple[Array, Columns, Columns, dict[str, Clock]]:
-    """Rows, columns, what each value may be off, and the clocks of the channels that were brought to the rows."""
+    """Every channel on the rows of one clock.
+
+    Args:
+        reading: the log so far; notes, assumptions and step ranges are added to it.
+        stamps: times by clock [s], all from one zero.
+
+    Returns:
+        Times of the rows [s], the columns on them, the bounds on their errors, and the clocks of the channels that came from
+        another one.
+
+    Raises:
+        IvsidError: a base that does not exist, linear demands on several clocks, or a channel without a sample on the rows.
+    """
     mapping, channels = reading.mapping, reading.channels
     if len(reading.times) == 1 and mapping.base is None and not mapping.rates:
         t = next(iter(stamps.values()))
@@ -103,7 +128,7 @@ def _rows(reading: Reading, stamps: Mapping[Clocked, Array]) -> tuple[Clocked, A
 def _brought(
     reading: Reading, name: str, c: Channel, own: Array, base: Clocked, t: Array
 ) -> tuple[Array, Array, Clock | None]:
-    """One channel on the rows."""
+    """One channel on the rows: its values, the bounds on their errors, and its own clock where that differs."""
     mapping = reading.mapping
     lost = np.zeros(c.values.shape) if c.lost is None else c.lost
     apart = rounded = 0.0
@@ -132,7 +157,7 @@ def _brought(
         values, more = unwrapped(values)
         off = off + more
     if name in FORCES or name.startswith(BY_THRUSTER[1:]):
-        _sweep(reading, name, c, base, t, times, values, off)
+        _keep_step_range(reading, name, c, base, t, times, values, off)
     if times.size < 2 or rate is None:
         # Clocks that may disagree have no common moment; between clocks that agree only rounding can stand.
         place, same = nearest(t, times, -1.0 if c.clock != base and mapping.clock_error else apart)
@@ -176,18 +201,18 @@ def _brought(
 
 
 def _jitter(reading: Reading, *clocks: Clocked) -> float:
-    """How far a stamp of these clocks may be off beyond the rounding of its decimals [s]."""
+    """Bound on the error of a stamp of these clocks beyond the rounding of its decimals [s]."""
     return max(reading.times[k].lost for k in clocks)
 
 
-def _sweep(
+def _keep_step_range(
     reading: Reading, name: str, c: Channel, base: Clocked, t: Array, times: Array, values: Array, off: Array
 ) -> None:
-    """Keeps between which values a force or an angle stood over each step, from every sample that the log has there."""
+    """Keeps the range of a force or an angle over each step between rows, from every sample of the log there."""
     mapping = reading.mapping
     rate = mapping.rates.get(name)
     if times.size < 2 or (rate is None and times.size == t.size and np.array_equal(times, t)):
-        # Nothing stands between the rows.
+        # The log has no sample between the rows.
         return
     manner: Manner = "between" if name in FORCES else "hold"
     if rate is not None:
@@ -199,7 +224,7 @@ def _sweep(
     # Stamps that differ by rounding alone are one moment.
     jitter = _jitter(reading, c.clock, base)
     row, same = nearest(times, t, 2 * jitter + 4 * float(np.spacing(t[-1])) if c.clock != base else 0.0)
-    lower, upper = swept(
+    lower, upper = step_range(
         t,
         np.where(same, t[row], times),
         values,
@@ -209,4 +234,4 @@ def _sweep(
         clock_error=mapping.clock_error if c.clock != base else 0.0,
         jitter=jitter,
     )
-    reading.over[name] = Sweep(lower, upper, assumes)
+    reading.over[name] = StepRange(lower, upper, assumes)

@@ -1,4 +1,4 @@
-"""What a log's channels are worth: held values, gaps, drop-outs and outliers are reported, and none is mended."""
+"""Quality of the channels of a log: held values, gaps, drop-outs and outliers are reported, and none is mended."""
 
 from __future__ import annotations
 
@@ -17,20 +17,33 @@ HOLDABLE: Final = (
     *("u", "v", "r", "udot", "vdot", "rdot", "ax", "ay", "x", "y", "psi"),
     *("velocity_north", "velocity_east"),
 )
-# A spike is this many times the usual change from sample to sample away from both neighbours, on the same side.
+# Outlier threshold, as a multiple of the median step between samples. Gaussian noise alone exceeds it with the probability 2e-41: its
+# median step is 0.95 standard deviations, and the step itself has 1.41.
+# Source: theorem: quantiles of the normal distribution
 SPIKE: Final = 20.0
+# Steps that the median of a channel is taken of.
+# Source: resource: bounds the time of the median on long logs
 SOME: Final = 100_000
-# Of a slower sensor this share of runs has two neighbouring lengths, and this share of repeats one of three neighbouring distances.
-# Chance repeats with the probability p give 1 - p^2 and at most 1 - (1 - p)^3: never both.
+# Smallest share of the runs of a slower sensor that have one of two neighbouring lengths. Repeats by chance, of probability p, give
+# 1 - p^2, and at most 1 - (1 - p)^3 for REGULAR: they never pass both.
+# Source: theorem: geometric distribution of the lengths of runs
 ALIKE: Final = 0.85
+# Smallest share of the repeats of a slower sensor that have one of three neighbouring distances.
+# Source: theorem: geometric distribution of the lengths of runs, with ALIKE
 REGULAR: Final = 0.9
 
 
 def without_held(name: str, values: Array) -> tuple[Array, int, str | None]:
-    """Held values are not measurements: where a channel repeats each value as a rule, repeats become missing samples.
+    """A channel without the repeats of a zero-order hold, which are no measurements.
+
+    Where a channel holds each value as a rule, as a slower sensor in a faster log does, the repeats become missing samples.
+
+    Args:
+        name: of the channel.
+        values: shape (n,); NaN is a missing sample.
 
     Returns:
-        The values, how many rows were repeats, and a note.
+        The values, the number of repeats, and a note for the user or None.
     """
     if name not in HOLDABLE:
         return values, 0, None
@@ -60,9 +73,9 @@ def without_held(name: str, values: Array) -> tuple[Array, int, str | None]:
 def _held(first: NDArray[np.intp]) -> bool:
     """Whether runs of equal values, which begin at these samples, are those of a slower sensor.
 
-    They are long as a rule; or of two neighbouring lengths only; or they would be, but for some lost readings and a rest: then most runs
-    have two neighbouring lengths, and repeats come at regular distances. A coarse but live channel repeats by chance, with runs of any
-    length or at any distance; one value for ever is a vehicle at rest.
+    Runs of a slower sensor are long as a rule, or have two neighbouring lengths only. With some lost readings and a time at rest, most
+    runs have two neighbouring lengths, and repeats come at regular distances. A coarse but live channel repeats by chance, with runs
+    of any length or at any distance. One value for ever is a vehicle at rest.
     """
     runs = np.diff(first)
     if runs.size < 4 or runs.max() < 2:
@@ -76,7 +89,7 @@ def _held(first: NDArray[np.intp]) -> bool:
 
 
 def _share(lengths: NDArray[np.intp], neighbours: int) -> float:
-    """The share of lengths that fall into the best so many neighbouring values."""
+    """The largest share of the lengths that lie in a window of ``neighbours`` successive values."""
     count = np.bincount(lengths)
     window = np.convolve(count, np.ones(neighbours, dtype=count.dtype))
     return float(window.max() / lengths.size)
@@ -91,7 +104,7 @@ class Steps:
 
     @staticmethod
     def of(t: Array) -> Steps:
-        """Those of a clock; 0 where it has one sample."""
+        """The steps of a clock [s]; 0 where it has one sample."""
         steps = np.diff(t)
         return Steps(float(np.median(steps)), float(steps.max())) if steps.size else Steps(0.0, 0.0)
 
@@ -99,14 +112,14 @@ class Steps:
 def examine(
     name: str, t: Array, values: Array, held: int, source: str, steps: Steps | None = None
 ) -> tuple[Quality, list[str]]:
-    """The quality of a channel on its clock, and the sentences that a user should read.
+    """The quality of a channel on its clock, and notes for the user.
 
     Args:
         name: of the channel.
         t: its clock [s].
         values: on it; NaN is a missing sample.
-        held: how many repeats are missing because they are no measurements.
-        source: what messages call the file.
+        held: number of repeats of a zero-order hold, which are missing samples by now.
+        source: name of the file, for messages.
         steps: of the clock, where they are known already.
 
     Raises:
@@ -146,14 +159,14 @@ def examine(
 
 
 def _spikes(name: str, values: Array) -> NDArray[np.intp]:
-    """Samples that stand out alone. A demand may jump as it likes; angles wrap."""
+    """Samples far from both neighbours on the same side. Demands, which may jump, and angles, which wrap, have none."""
     none = np.zeros(0, dtype=np.intp)
     if name.startswith(("demand_", "azimuth_", "rudder_")) or name in ("psi", "wind_direction") or values.size < 8:
         return none
     step = np.diff(values)
     size = np.abs(step)
-    # The usual change of a long channel is read off a part of it. One of few decimals often does not change at all: then it
-    # is that of the changes that there are.
+    # A part of a long channel gives its median step. A channel of few decimals often repeats its value: then the median is that of the
+    # steps that are not zero.
     usual = float(np.median(size[:: 1 + size.size // SOME]))
     if usual == 0.0:
         moved = size[size > 0]
@@ -165,7 +178,7 @@ def _spikes(name: str, values: Array) -> NDArray[np.intp]:
 
 
 def gaps(t: Array) -> list[str]:
-    """A note about steps of time that are much longer than the usual one."""
+    """A note about steps of time that are gaps, where there are any."""
     steps = np.diff(t)
     long = steps > GAP * np.median(steps)
     if not long.any():

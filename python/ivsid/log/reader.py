@@ -38,14 +38,15 @@ def read_log(path: str | Path, mapping: LogMap | None = None) -> Log:
 
     Args:
         path: of the file or folder.
-        mapping: the ``[log]`` section of a vehicle file.
+        mapping: the section ``[log]`` of a vehicle file.
 
     Returns:
-        The contract's channels on one clock. A channel of another clock is missing between its own samples unless
-        ``mapping.rates`` bounds how fast it moves; then it is interpolated and its ``rounding`` holds what that can miss.
+        The channels on one clock, in SI units and the axes of the equations of motion. A channel of another clock is missing between
+        its own samples unless ``mapping.rates`` bounds its rate of change. Then it is interpolated, and its ``rounding`` holds the
+        bound on the error of that.
 
     Raises:
-        IvsidError: what is wrong with the file, in one sentence.
+        IvsidError: the first fault of the file, in one sentence.
     """
     mapping = mapping or LogMap()
     with open_source(path) as source:
@@ -118,7 +119,7 @@ def _collect(reading: Reading, rules: Mapping[str, Rule]) -> None:
 
 
 def _examine(reading: Reading, stamps: Mapping[Clocked, Array]) -> None:
-    """Takes held repeats out and notes what every channel is worth, each on its own clock."""
+    """Removes the repeats of held values, and records the quality of every channel on its own clock."""
     steps = {clock: Steps.of(t) for clock, t in stamps.items()}
     for name, channel in list(reading.channels.items()):
         values, repeats, note = without_held(name, channel.values)
@@ -132,7 +133,10 @@ def _examine(reading: Reading, stamps: Mapping[Clocked, Array]) -> None:
 
 
 def _body_velocities(columns: Columns, rounding: Columns, reading: Reading) -> dict[str, tuple[str, ...]]:
-    """Adds u and v from the velocity in earth axes, where only that is there. Their bounds are made from the parts."""
+    """Adds u and v from the velocity in earth axes, where a log has that alone; returns the channels behind each.
+
+    Their bounds follow later from those of the parts.
+    """
     north, east = EARTH
     if "u" in columns or "v" in columns or not all(c in columns for c in EARTH):
         return {}

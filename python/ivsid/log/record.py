@@ -1,4 +1,4 @@
-"""The checked log, and what is known of the quality of its channels."""
+"""The checked log, and the quality of its channels."""
 
 from __future__ import annotations
 
@@ -11,28 +11,35 @@ from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
 
-# A needed channel may be slow or drop out, but not be away for most of the log.
+# Largest share of a log that a needed channel may be missing in a row.
+# Source: definition: a channel that is away longer is missing for most of the log
 LIMIT_MISSING: Final = 0.5
-# A step this much longer than the usual one is a gap.
+# Smallest gap, as a multiple of the usual step: one lost sample makes a step of 2, two lost samples make a step of 3.
+# Source: definition: one lost sample is bridged, two are not
 GAP: Final = 2.5
 
 
 @dataclass(frozen=True)
 class Clock:
-    """The samples behind a channel that came from another clock than the rows: how many, and the shortest step [s]."""
+    """The own clock of a channel that came from another clock than the rows.
+
+    Attributes:
+        samples: number of its samples.
+        interval: the shortest step between them [s].
+    """
 
     samples: int
     interval: float
 
 
 @dataclass(frozen=True)
-class Sweep:
-    """Between which readings a channel stood over each step from a row to the next, whatever the log has between the two.
+class StepRange:
+    """The range of a channel's readings over each step from a row to the next, samples between the two included.
 
     Attributes:
         lower: shape (n - 1,), rounding and decimals included; NaN where it is not known.
         upper: shape (n - 1,).
-        assumes: what that rests on.
+        assumes: a sentence that the range relies on.
     """
 
     lower: NDArray[np.float64]
@@ -42,15 +49,15 @@ class Sweep:
 
 @dataclass(frozen=True)
 class Quality:
-    """What is known of one channel; nothing here was changed in the data.
+    """Quality of one channel as the file has it.
 
     Attributes:
-        samples: measurements, without held repeats and missing cells.
+        samples: number of measurements, without the repeats of held values and missing cells.
         rate: the usual number of measurements a second [Hz].
-        missing: rows without a measurement, held repeats included.
+        missing: rows without a measurement, the repeats of held values included.
         longest: the longest time between two measurements [s].
-        held: rows that only repeat the measurement before.
-        outliers: measurements that stand out from both neighbours far more than the channel's usual step.
+        held: rows that repeat the measurement before them under a zero-order hold.
+        outliers: measurements further from both neighbours than ``quality.SPIKE`` times the usual step.
         first_outlier: time of the first of them [s], or None.
         lower: smallest value.
         upper: largest value.
@@ -73,21 +80,21 @@ class Log:
 
     Attributes:
         name: of the file.
-        sha256: hash of its bytes.
+        sha256: SHA-256 of its bytes.
         t: times [s], strictly increasing, shape (n,); from the first row where the file's are epochs or not in seconds.
-        columns: the contract's columns, shape (n,) each; NaN is a missing sample.
-        ignored: names of columns that were not understood.
-        notes: sentences about what is missing, held or uneven; never silently mended.
-        rounding: how far a value may be from the sensor's, beside the reading of its decimals: what a conversion lost, what
-            the channel can have moved between its samples, between which demands a demand changed within its row; shape (n,).
+        columns: channels by name, shape (n,) each; NaN is a missing sample.
+        ignored: names of columns that no channel uses.
+        notes: sentences about missing, held or uneven samples, none of which is mended.
+        rounding: bounds on the errors of values beside the rounding of their decimals, by channel, shape (n,). They hold the error of
+            a conversion, the change between samples under a stated rate, and the range of a demand within its row.
         time_rounding: the same for the times [s].
         assumes: sentences that the values rely on, where channels came from several clocks.
-        derived: channels that were computed, with those that they were computed from.
+        derived: computed channels, with the channels that they were computed from.
         clocks: of channels that came from another clock than the rows.
         quality: by channel, as the file has it.
-        over: forces and the angles of thrusters over the steps from row to row, where the log has more than the rows tell.
-        by_rate: channels whose ``rounding`` is what the quantity itself, not its reading, can have moved under a stated rate.
-        certain: of angles that were followed through whole turns, the error of a reading [rad] below which that is sure.
+        over: ranges of forces and of thrusters' angles over the steps from row to row, where the log has samples between the rows.
+        by_rate: channels whose ``rounding`` bounds the change of the quantity itself, not of its reading, under a stated rate.
+        certain: of angles that were followed through whole turns, the reading error [rad] below which the turns are certain.
     """
 
     name: str
@@ -102,7 +109,7 @@ class Log:
     derived: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     clocks: Mapping[str, Clock] = field(default_factory=dict)
     quality: Mapping[str, Quality] = field(default_factory=dict)
-    over: Mapping[str, Sweep] = field(default_factory=dict)
+    over: Mapping[str, StepRange] = field(default_factory=dict)
     by_rate: tuple[str, ...] = ()
     certain: Mapping[str, float] = field(default_factory=dict)
 
@@ -113,11 +120,19 @@ class Log:
 
     @property
     def time_error(self) -> float:
-        """How far a time may be from what its decimals say [s]."""
+        """Bound on the distance of a time from its decimals [s]."""
         return float(np.spacing(np.abs(self.t).max())) + self.time_rounding
 
     def error(self, name: str, rows: slice = slice(None)) -> NDArray[np.float64]:
-        """How far each value of a column may be from what its decimals say; 0 where it is missing. Of some rows, or of all."""
+        """Bound on the distance of each value of a column from its decimals and conversions.
+
+        Args:
+            name: of the column.
+            rows: all by default.
+
+        Returns:
+            In the unit of the column, one for each row; that of 0 where the value is missing.
+        """
         values = self.columns[name][rows]
         lost: NDArray[np.float64] = np.spacing(np.abs(np.where(np.isnan(values), 0.0, values)))
         if name in self.rounding:
@@ -125,7 +140,18 @@ class Log:
         return lost
 
     def column(self, name: str, why: str) -> NDArray[np.float64]:
-        """A column that is needed, or one sentence that says so."""
+        """A column that is needed.
+
+        Args:
+            name: of the column.
+            why: its purpose, for messages: "by the equations of motion".
+
+        Returns:
+            Shape (n,); NaN is a missing sample.
+
+        Raises:
+            IvsidError: the log has no such column, or it is missing for more than half of the log in a row.
+        """
         if name not in self.columns:
             has = ", ".join(self.columns) or "none that is known"
             raise IvsidError(

@@ -16,17 +16,18 @@ from ivsid.errors import IvsidError
 from ivsid.files.log_map import TimeColumn
 from ivsid.log.source import Lossless, Table
 
-# The two clocks of a message, in nanoseconds: when the sensor says that it measured, and when the recorder got it.
+# The two clocks of a message, in nanoseconds: the sensor's time of measurement, and the recorder's time of arrival.
 STAMP: Final = "stamp"
 RECEIVED: Final = "received"
 OWN: Final = TimeColumn.model_validate({"from": STAMP, "unit": "ns"})
-# Arrays up to this length (covariances are 36) are columns of their own; longer ones are pictures or clouds.
+# Longest array whose elements are columns of their own: a covariance has 36; pictures and clouds of points have thousands.
+# Source: resource: bounds the columns of a table
 LONGEST: Final = 64
 
 
 @dataclass(frozen=True)
 class Topic(Lossless):
-    """The messages of one topic; ``stamp`` is the header's time, or the recorder's where there is no header."""
+    """The messages of one topic; ``stamp`` is the time of the header, or the recorder's where there is no header."""
 
     reader: Any
     connections: tuple[Any, ...]
@@ -37,7 +38,7 @@ class Topic(Lossless):
 
     def read(self, names: Sequence[str]) -> dict[str, pl.Series]:
         """The fields of every message; a message without one has a missing sample."""
-        found: dict[str, list[Any]] = {n: [] for n in names}
+        found: dict[str, list[float | int | None]] = {n: [] for n in names}
         for fields in _messages(self.reader, self.connections, self.name):
             for n, values in found.items():
                 values.append(fields.get(n))
@@ -79,11 +80,11 @@ def open_bag(path: Path, name: str, stack: ExitStack) -> Mapping[str, Table]:
     return tables
 
 
-def _messages(reader: Any, connections: Sequence[Any], name: str) -> Iterator[dict[str, Any]]:
+def _messages(reader: Any, connections: Sequence[Any], name: str) -> Iterator[dict[str, float | int]]:
     try:
         for connection, received, data in reader.messages(connections=connections):
             message = reader.deserialize(data, connection.msgtype)
-            fields: dict[str, Any] = {STAMP: received, RECEIVED: received}
+            fields: dict[str, float | int] = {STAMP: received, RECEIVED: received}
             _flatten(fields, "", message)
             header = getattr(message, "header", None)
             stamp = 0 if header is None else int(header.stamp.sec) * 10**9 + int(header.stamp.nanosec)
@@ -97,7 +98,7 @@ def _messages(reader: Any, connections: Sequence[Any], name: str) -> Iterator[di
         ) from None
 
 
-def _flatten(into: dict[str, Any], prefix: str, value: Any) -> None:
+def _flatten(into: dict[str, float | int], prefix: str, value: object) -> None:
     """Numbers below a message by their dotted path; elements of a short array by their place, from 0."""
     if isinstance(value, (bool, int, float, np.number, np.bool_)):
         into[prefix] = float(value)

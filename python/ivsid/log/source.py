@@ -1,4 +1,4 @@
-"""Files of samples, opened: tables whose columns are read when they are asked for."""
+"""Opened files of samples: tables whose columns are read on demand."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ivsid.errors import IvsidError
 from ivsid.files.log_map import TimeColumn
 
 MISSING: Final = ("", "nan", "NaN", "NAN", "null")
-# Between a table and its column in the name of a foreign column, where a file holds several tables.
+# Separates a table from its column in the name of a foreign column, where a file holds several tables.
 SEPARATOR: Final = "/"
 _UNIT: Final = {"ns": "ns", "us": "us", "ms": "ms"}
 
@@ -32,15 +32,15 @@ class Table(Protocol):
 
     @property
     def columns(self) -> Sequence[str]:
-        """Their names."""
+        """The names of the columns."""
 
     @property
     def clock(self) -> TimeColumn | None:
-        """The stamps that the format itself defines; None where only a name can tell."""
+        """The column of stamps that the format itself defines; None where the format defines none."""
 
     @property
     def first_row(self) -> int:
-        """What a message calls the first sample."""
+        """The number of the first sample, for messages."""
 
     def read(self, names: Sequence[str]) -> dict[str, pl.Series]:
         """The columns as they are, or as numbers; a missing cell is null or NaN."""
@@ -50,7 +50,7 @@ class Table(Protocol):
 
 
 class Lossless:
-    """A table that ``read`` gives with every digit."""
+    """A table whose ``read`` keeps every digit."""
 
     def exact(self: Table, name: str) -> pl.Series:
         """One column with every digit."""
@@ -67,7 +67,7 @@ class Frame(Lossless):
 
     @property
     def columns(self) -> list[str]:
-        """Its names."""
+        """The names of the columns."""
         return self.frame.columns
 
     def read(self, names: Sequence[str]) -> dict[str, pl.Series]:
@@ -100,7 +100,11 @@ class Source:
         return [f"{t}{SEPARATOR}{c}" if t else c for t, table in self.tables.items() for c in table.columns]
 
     def find(self, name: str) -> tuple[str, str] | None:
-        """Table and column of a name; a bare column where only one table has it."""
+        """Table and column of a name, which may leave out the table where only one has the column; None where there is none.
+
+        Raises:
+            IvsidError: several tables have the column.
+        """
         for table, content in self.tables.items():
             if table and name.startswith(table + SEPARATOR) and name[len(table) + 1 :] in content.columns:
                 return table, name[len(table) + 1 :]
@@ -117,10 +121,10 @@ class Source:
         return f"{table}{SEPARATOR}{column}" if table else column
 
     def numeric(self, names: Iterable[str]) -> dict[str, NDArray[np.float64]]:
-        """Columns by their full names as float64, NaN where a cell is missing.
+        """Columns by their full names as float64, shape (n,) each; NaN is a missing cell.
 
         Raises:
-            IvsidError: an unknown column, or the first cell that is no finite number.
+            IvsidError: an unknown column, or a cell that is no finite number.
         """
         places: dict[str, tuple[str, str]] = {}
         for name in names:
@@ -138,10 +142,16 @@ class Source:
 
 
 def numbers(series: pl.Series, name: str, source: str, first_row: int) -> NDArray[np.float64]:
-    """A column as float64, NaN where a cell is missing.
+    """A column as float64, shape (n,); NaN is a missing cell.
+
+    Args:
+        series: numbers, or their text.
+        name: of the column, for messages.
+        source: name of the file, for messages.
+        first_row: number of the first cell, for messages.
 
     Raises:
-        IvsidError: the first cell that is no finite number.
+        IvsidError: a cell that is no finite number.
     """
     if series.dtype == pl.String:
         text = series.str.strip_chars()
@@ -165,7 +175,7 @@ def numbers(series: pl.Series, name: str, source: str, first_row: int) -> NDArra
 
 
 def stamp_unit(series: pl.Series) -> str | None:
-    """The unit that a column of dates, times of day or durations has of itself."""
+    """The unit of a column of dates, times of day or durations; None for other columns."""
     if series.dtype == pl.Time:
         return "ns"
     if series.dtype in (pl.Datetime, pl.Duration):

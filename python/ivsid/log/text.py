@@ -1,4 +1,4 @@
-"""CSV: comma, header row, decimal point; read column by column, so that a large file does not have to fit in memory twice."""
+"""CSV with commas, a header row and decimal points, read column by column: a large file need not fit in memory twice."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from ivsid.errors import IvsidError
 from ivsid.files.log_map import TimeColumn
 from ivsid.log.source import MISSING
 
+# Bytes at either end of a file that are examined before it is read.
+# Source: resource: bounds the time and memory of the examination
 HEAD: Final = 65536
 SEPARATORS: Final = (";", "\t", " ")
 
@@ -33,7 +35,7 @@ class Text:
         try:
             return self._typed(names, pl.Float64())
         except pl.exceptions.PolarsError:
-            # A cell is no number, or padded: as text, each column can say which.
+            # A cell is no number, or padded: text shows which one.
             return self._text(names)
 
     def exact(self, name: str) -> pl.Series:
@@ -49,7 +51,7 @@ class Text:
             ) from None
 
     def _why(self, error: BaseException) -> str:
-        """The fault in the words of a log: the reader speaks of the schema that it was given."""
+        """The fault in the words of a log, in place of the reader's words about its schema."""
         first = (str(error).splitlines() or ["damaged"])[0]
         return (
             f"a row has more cells than the {len(self.columns)} of the header" if "schema" in first.lower() else first
@@ -65,17 +67,21 @@ class Text:
             encoding="utf8-lossy",
             glob=False,
         )
-        # Counting the cells of the other columns makes the reader look at them: a row with too many is then found.
+        # Counting the cells of the other columns makes the reader examine them, so that it finds a row with too many cells.
         others = [pl.col(c).null_count() for c in self.columns if c not in names]
         frame = lazy.select(*[pl.col(n) for n in names], *others).collect(engine="streaming")
         return {n: frame[n] for n in names}
 
 
 def open_text(path: Path, name: str) -> Text:
-    """Checks the beginning of a file and reads its header; ``name`` is what messages call it.
+    """Checks both ends of a file and reads its header.
+
+    Args:
+        path: of the file.
+        name: of the file, for messages.
 
     Raises:
-        IvsidError: an empty or binary file, a wrong separator, a column that stands twice.
+        IvsidError: an empty or binary file, a wrong separator, a column that stands twice, or a last row that breaks off.
     """
     with path.open("rb") as file:
         head = file.read(HEAD)

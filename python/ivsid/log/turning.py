@@ -14,14 +14,14 @@ from ivsid.log.record import Log
 
 @dataclass(frozen=True)
 class Turned:
-    """The angle of a thruster or a rudder at the rows, shape (n,), and all that it passes over each step, shape (n - 1,).
+    """The angle of a thruster or a rudder at the rows and over the steps between them.
 
     Attributes:
-        at_rows: angles [rad].
-        over_steps: those of each step; not between -pi and pi where it crosses that end.
+        at_rows: angles [rad], shape (n,).
+        over_steps: range of the angle over each step [rad], shape (n - 1,); beyond pi where the angle crosses that end.
         present: where the log has the angle, shape (n,).
-        whole: steps over which it is known, shape (n - 1,).
-        assumes: what that rests on.
+        whole: steps over which the angle is known, shape (n - 1,).
+        assumes: a sentence that the ranges rely on.
     """
 
     at_rows: IntervalArray
@@ -32,30 +32,33 @@ class Turned:
 
 
 def angle_of(log: Log, column: str, why: str, *, held: bool) -> Turned:
-    """An angle of the log, from every sample that stands between its rows.
+    """An angle of the log, from every sample at its rows and between them.
 
     Args:
         log: with the column.
         column: ``azimuth_NAME`` or ``rudder_NAME``.
-        why: what needs it, for a message.
+        why: purpose of the column, for messages.
         held: the angle holds from row to row; else it turns the shorter way from one to the next.
+
+    Raises:
+        IvsidError: the log lacks the column.
     """
     angle = log.column(column, why)
     present = ~np.isnan(angle)
     filled, error = np.where(present, angle, 0.0), np.where(present, log.error(column), 0.0)
     rows = IntervalArray.around(filled, error)
-    sweep = log.over.get(column)
-    if sweep is not None:
-        whole = np.isfinite(sweep.lower) & np.isfinite(sweep.upper)
-        steps = IntervalArray(np.where(whole, sweep.lower, 0.0), np.where(whole, sweep.upper, 0.0))
-        return Turned(rows, steps, present, whole, sweep.assumes)
+    between_rows = log.over.get(column)
+    if between_rows is not None:
+        whole = np.isfinite(between_rows.lower) & np.isfinite(between_rows.upper)
+        steps = IntervalArray(np.where(whole, between_rows.lower, 0.0), np.where(whole, between_rows.upper, 0.0))
+        return Turned(rows, steps, present, whole, between_rows.assumes)
     whole = present[:-1] & present[1:]
     if held:
         return Turned(rows, rows[:-1], present, whole, f"{column} holds from each row to the next")
     followed, lost = unwrapped(filled)
     ends = IntervalArray.around(followed, error + lost)
     steps = ends[:-1].hull(ends[1:])
-    # Where half a turn is not excluded, either way is possible.
+    # Half a turn, where it is not excluded, may go either way.
     either = steps.upper - steps.lower > np.pi * (1 - 1e-12)
     steps = IntervalArray(np.where(either, -4.0, steps.lower), np.where(either, 4.0, steps.upper))
     return Turned(

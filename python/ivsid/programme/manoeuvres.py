@@ -1,10 +1,10 @@
-"""The manoeuvres of a scenario: what each segment asks of the thrusters, open loop or from the motion."""
+"""Manoeuvres of a scenario: the commands of each segment, open loop or by feedback of the motion."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import Annotated, Final, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -27,27 +27,33 @@ Manoeuvre = Literal[
     "free_decay",
     "station",
 ]
-# Manoeuvres that take a list of demands, and of differentials.
-_LISTS = {"demand": ("steps",), "differential": ("steps", "spiral"), "rudder": ("steps", "spiral")}
+# Manoeuvres that take a list of levels, by the key of the list.
+_LISTS: Final = {"demand": ("steps",), "differential": ("steps", "spiral"), "rudder": ("steps", "spiral")}
 Levels = Finite | Annotated[tuple[Finite, ...], Field(min_length=1)]
 
 
 class Segment(BaseModel):
     """One manoeuvre.
 
-    ``demand`` is common to all thrusters (steps: a list of levels, each for one ``period``); ``sway`` goes to those that push
-    sideways; ``differential`` adds to those that turn the vehicle to starboard and is taken from the others; ``rudder`` and ``azimuth``
-    [rad] set the angles of rudders and azimuth thrusters. A yaw-rate feedback adds ``yaw_gain`` [demand per rad/s] times
-    (``yaw_rate`` - r) to the differential, at most ``differential_limit``.
+    ``demand`` is common to all thrusters. ``sway`` goes to thrusters that push sideways. ``differential`` is added to thrusters that
+    turn the vehicle to starboard and subtracted from those that turn it to port. ``rudder`` and ``azimuth`` [rad] are the angles of
+    rudders and azimuth thrusters. ``duration``, ``period`` and ``period_end`` are in seconds. A feedback of the yaw rate adds
+    ``yaw_gain`` [demand per rad/s] times (``yaw_rate`` - r) to the differential, at most ``differential_limit``.
 
-    coast and free_decay stop every thruster. zigzag and circle hold the yaw rate at +-``yaw_rate``. prbs adds +-``amplitude`` to the
-    common and +-``differential`` to the differential demand, drawn every ``period``; rudder and azimuth take its sign. chirp sweeps a
-    differential sine (and one of the rudder) of ``amplitude`` from ``period`` to ``period_end``, sweep one of the common demand.
-    spiral steps the differential or the rudder through its levels, each for one ``period``. heading_zigzag puts differential, rudder
-    and azimuth over whenever the heading has come ``heading`` [rad] past the first one (Kempf). pull_out holds differential, rudder
-    and azimuth for one ``period``, then lets the turn decay. station holds ``position`` [m] and ``heading`` [rad] with
-    ``position_gain`` [demand/m], ``position_damping`` [demand/(m/s)], ``heading_gain`` [demand/rad] and ``yaw_gain``, each demand at
-    most ``differential_limit``.
+    - coast, free_decay: every thruster stops.
+    - steady: the demands hold.
+    - steps: ``demand`` is a list of levels, each for one ``period``.
+    - zigzag, circle: the yaw rate is +-``yaw_rate``; a zigzag changes its sign every ``period``.
+    - prbs: +-``amplitude`` is added to the common demand, and the differential gets a sign; both signs are drawn every ``period``.
+      Rudder and azimuth take the sign of the differential.
+    - chirp: a sine of ``amplitude`` from ``period`` to ``period_end`` is added to the differential, and the rudder follows the sine.
+    - sweep: the sine is added to the common demand.
+    - spiral: the differential or the rudder steps through its levels, each for one ``period``.
+    - heading_zigzag: differential, rudder and azimuth change their sign whenever the heading is ``heading`` [rad] past the first
+      one (Kempf).
+    - pull_out: differential, rudder and azimuth hold for one ``period`` and are then 0.
+    - station: ``position`` [m] and ``heading`` [rad] are kept by ``position_gain`` [demand/m], ``position_damping`` [demand/(m/s)],
+      ``heading_gain`` [demand/rad] and ``yaw_gain``, each demand at most ``differential_limit``.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -85,7 +91,16 @@ class Segment(BaseModel):
 
 
 class Command(NamedTuple):
-    """What is asked from one sample to the next: demands by direction, angles [rad], and the yaw rate [rad/s] to hold."""
+    """A command from one sample to the next.
+
+    Attributes:
+        surge: demand of thrusters ahead.
+        sway: demand of thrusters sideways.
+        turn: demand of thrusters that turn the vehicle, positive to starboard.
+        rudder: angle of the rudders [rad].
+        azimuth: angle of azimuth thrusters [rad].
+        yaw_rate: reference of the yaw-rate feedback [rad/s].
+    """
 
     surge: float
     sway: float
@@ -100,13 +115,13 @@ class Programme:
 
     Args:
         segments: the manoeuvres.
-        samples: how many there are.
+        samples: number of samples.
         rate: of the samples [Hz].
-        rng: draws the signs of every prbs.
+        rng: source of the signs of every prbs.
     """
 
     def __init__(self, segments: Sequence[Segment], samples: int, rate: float, rng: np.random.Generator) -> None:
-        # What does not depend on the motion is asked once: a command for either side of a heading zigzag, which others share.
+        # Open-loop commands are computed once: two for a heading zigzag, one for each side, and twice the same for the others.
         self._plan: list[tuple[Segment, float, Command, Command]] = []
         step = 1.0 / rate
         while len(self._plan) < samples:
@@ -127,19 +142,19 @@ class Programme:
                     self._plan.append((segment, time, one, other))
 
     def pilot(self) -> Pilot:
-        """One who follows the programme from its first sample."""
+        """A pilot at the first sample of the programme."""
         return Pilot(self._plan)
 
 
 class Pilot:
-    """Follows a programme, sample by sample in order; keeps what a manoeuvre has to remember."""
+    """A follower of a programme, sample by sample in order, with the memory of a manoeuvre."""
 
     def __init__(self, plan: Sequence[tuple[Segment, float, Command, Command]]) -> None:
         self._plan = plan
         self._side, self._first = 1.0, 0.0
 
     def command(self, k: int, state: tuple[float, ...]) -> Command:
-        """What is asked from sample k on, where the state is u, v, r, psi, x, y."""
+        """The command from sample k on, at the state u, v, r, psi, x, y."""
         segment, time, one, other = self._plan[k]
         if time == 0.0:
             self._side, self._first = 1.0, state[3]
@@ -199,7 +214,7 @@ def _station(s: Segment, state: tuple[float, ...]) -> Command:
     u, v, r, psi, x, y = state
     north, east = s.position[0] - x, s.position[1] - y
     c, sn = math.cos(psi), math.sin(psi)
-    # The shorter way round.
+    # The remainder gives the shorter way round.
     error = math.remainder(s.heading - psi, 2 * math.pi)
     wanted = (
         s.position_gain * (north * c + east * sn) - s.position_damping * u,

@@ -1,4 +1,4 @@
-"""A scenario file: what a simulated vehicle does, where, and what is true of it (INTERFACE.md)."""
+"""Scenario files: the programme, the surroundings and the true values of a simulation (docs/guide.md)."""
 
 from __future__ import annotations
 
@@ -20,11 +20,17 @@ class _Section(BaseModel):
 
 
 class Environment(_Section):
-    """Where the vehicle is.
+    """The surroundings of the vehicle. Wind, depth and voltage become columns of the log.
 
-    ``current`` [m/s] north and east, as ``current.steady`` in the truth; ``wind_speed`` [m/s] and ``wind_direction`` [rad], the true
-    wind and where it comes from, with gusts of rms ``wind_gust`` over ``wind_gust_time`` [s]; ``depth`` [m] under the keel; ``voltage``
-    [V] of the supply at the start, falling by ``voltage_fall`` [V/s]. Wind, depth and voltage become columns of the log.
+    Attributes:
+        current: velocity of the water north and east [m/s], as ``current.steady`` in the truth.
+        wind_speed: of the true wind [m/s].
+        wind_direction: the direction that the wind comes from [rad].
+        wind_gust: rms of the gusts [m/s].
+        wind_gust_time: their correlation time [s].
+        depth: of the water under the keel [m].
+        voltage: of the supply at the start [V].
+        voltage_fall: its fall [V/s].
     """
 
     current: tuple[Finite, Finite] | None = None
@@ -49,10 +55,15 @@ class Start(_Section):
 
 
 class Faults(_Section):
-    """What else a sensor's column shows.
+    """Faults in the columns of a sensor.
 
-    ``period`` [s] of a sensor slower than the log, whose value is held in between, or with ``hold = false`` missing; the share of samples lost in ``drop_outs`` of
-    mean length ``drop_out_time`` [s]; the share of ``outliers``, of rms ``outlier_size`` in the channel's unit.
+    Attributes:
+        period: of a sensor slower than the log [s].
+        hold: whether its value is repeated between its samples (zero-order hold); else it is missing there.
+        drop_outs: share of samples that are lost.
+        drop_out_time: mean length of a drop-out [s].
+        outliers: share of samples that are outliers.
+        outlier_size: their rms, in the channel's unit.
     """
 
     period: Positive | None = None
@@ -75,7 +86,19 @@ class Sensing(_Section):
 
 
 class Scenario(_Section):
-    """``duration`` [s], ``rate`` [Hz], ``seed``, ``noise``, true values by id, and the manoeuvres, repeated until the end."""
+    """A scenario.
+
+    Attributes:
+        duration: of the log [s].
+        rate: of its samples [Hz].
+        seed: of all draws.
+        noise: kind of the sensors' noise.
+        truth: true values by id or id.part.
+        segments: the manoeuvres in turn, repeated until the end.
+        environment: current, wind, depth and voltage.
+        start: the state at the first sample.
+        sensing: faults by sensor.
+    """
 
     duration: Positive
     rate: Positive
@@ -97,7 +120,11 @@ class Scenario(_Section):
 
 
 def read_scenario(path: str | Path) -> Scenario:
-    """Reads and checks a scenario file."""
+    """Reads and checks a scenario file.
+
+    Raises:
+        IvsidError: a file that cannot be read, or as ``parse_scenario``.
+    """
     try:
         text = Path(path).read_text()
     except OSError as error:
@@ -108,7 +135,15 @@ def read_scenario(path: str | Path) -> Scenario:
 
 
 def parse_scenario(text: str, source: str) -> Scenario:
-    """Checks the text of a scenario; ``source`` names it in messages."""
+    """Checks the text of a scenario.
+
+    Args:
+        text: in TOML.
+        source: name of the file, for messages.
+
+    Raises:
+        IvsidError: text that is not TOML, or an unknown key or unusable value, named by its path.
+    """
     try:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

@@ -1,29 +1,38 @@
-"""A small library of manoeuvres, sized for a vehicle: what a next trial could add."""
+"""Trials: a small library of manoeuvres for a next trial, sized for a vehicle."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.programme.manoeuvres import Segment
+from ivsid.programme.manoeuvres import Manoeuvre, Segment
 from ivsid.programme.scenario import Scenario
 from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.vehicle import Vehicle
 
-# Each lasts this long [s] for a hull of 1 m; longer hulls take longer, after Froude.
+# Length of a trial [s] for a hull of 1 m; other hulls scale it by Froude's law.
+# Source: none
 LENGTH: Final = 150.0
-# Samples of one, at most, where that leaves it as long.
+# Samples of a trial at most, as long as that leaves it ``LENGTH`` seconds.
+# Source: resource: bounds the time of an isolability study.
 MOST: Final = 6000.0
-# The yaw rate of a brisk turn of such a hull [rad/s], and how much of full demand an error of it calls for.
+# Yaw rate [rad/s] of a brisk turn of a hull of 1 m.
+# Source: none
 BRISK: Final = 0.4
+# Feedback of the yaw rate: the share of full demand for an error of ``BRISK``.
+# Source: none
 HOLD: Final = 0.6
-# No vehicle turns so many times faster.
+# A simulated yaw rate above this multiple of ``BRISK`` is not believed: the model lacks damping.
+# Source: none
 SPIN: Final = 6.0
+
+# Levels of a key of a segment: one, or one after the other.
+Levels: TypeAlias = float | tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -32,7 +41,7 @@ class Trial:
 
     Attributes:
         name: short, for tables.
-        words: how it is sailed, in a sentence.
+        words: description of the trial, in a sentence.
         segments: for a scenario, repeated until its end.
     """
 
@@ -42,11 +51,11 @@ class Trial:
 
 
 def library(vehicle: Vehicle, full: float | None = None) -> tuple[Trial, ...]:
-    """The manoeuvres that a vehicle with these thrusters can sail.
+    """The manoeuvres that the vehicle can sail; none without thrusters.
 
     Args:
-        vehicle: whose thrusters and length size them.
-        full: the largest demand from neutral; by default where the weakest curve ends.
+        vehicle: its thrusters and length.
+        full: the largest demand from neutral; by default the end of the shortest curve.
     """
     if not vehicle.thrusters:
         return ()
@@ -54,13 +63,21 @@ def library(vehicle: Vehicle, full: float | None = None) -> tuple[Trial, ...]:
 
 
 def full_demand(vehicle: Vehicle) -> float:
-    """The largest demand from neutral that every thruster can take; 0 for curves without an end."""
+    """The largest demand from neutral that every thruster can take; 0 if no curve has an end."""
     ends = [c.range[1] - t.neutral for t in vehicle.thrusters if math.isfinite((c := ThrustCurve(t)).range[1])]
     return min(ends, default=0.0)
 
 
 def scenario(trial: Trial, vehicle: Vehicle, rate: float, truth: Mapping[str, float], noise: str = "none") -> Scenario:
-    """The manoeuvre as a scenario, by default without the noise of the sensors."""
+    """The trial as a scenario.
+
+    Args:
+        trial: the manoeuvre.
+        vehicle: its size sets the duration.
+        rate: of the samples [Hz].
+        truth: true values by id or id.part.
+        noise: kind of the sensors' noise.
+    """
     seconds = min(LENGTH * max(_slower(vehicle), 0.8), max(LENGTH, MOST / rate))
     return Scenario.model_validate(
         {
@@ -75,7 +92,7 @@ def scenario(trial: Trial, vehicle: Vehicle, rate: float, truth: Mapping[str, fl
 
 
 def believable(vehicle: Vehicle, r: NDArray[np.float64]) -> bool:
-    """Whether a vehicle could turn like this [rad/s]: a model without damping may spin."""
+    """Whether the vehicle could turn at the simulated rates r [rad/s], shape (n,): a model without damping may spin."""
     return bool(np.isfinite(r).all() and np.abs(r).max() < SPIN * BRISK / _slower(vehicle))
 
 
@@ -84,7 +101,7 @@ def _slower(vehicle: Vehicle) -> float:
 
 
 class _Sizes:
-    """Demands, times and rates for one vehicle."""
+    """Demands, times and rates of trials for one vehicle."""
 
     def __init__(self, vehicle: Vehicle, full: float) -> None:
         self.full, self.slow = full, _slower(vehicle)
@@ -94,21 +111,24 @@ class _Sizes:
         )
         self.pushes_sideways = any(abs(math.sin(t.azimuth)) > 1e-9 for t in fixed)
 
-    def one(self, kind: str, seconds: float, demand: Any = 0.0, **how: Any) -> Segment:
-        """A segment: demands as shares of full, times and rates for a hull of 1 m.
+    def one(
+        self, kind: Manoeuvre, seconds: float, demand: Levels = 0.0, *, turned: float = 0.0, **how: float
+    ) -> Segment:
+        """A segment: demands as shares of full, times [s] and rates for a hull of 1 m.
 
-        Thrusters that turn the vehicle hold its yaw rate, 0 where none is asked for: a model without damping in yaw would spin else.
+        Except while coasting, the yaw rate is fed back to thrusters that turn the vehicle, with a reference of 0 by default: a model
+        without damping in yaw would spin otherwise.
         """
         levels = tuple(q * self.full for q in demand) if isinstance(demand, tuple) else demand * self.full
-        numbers: dict[str, Any] = {"manoeuvre": kind, "duration": seconds * self.slow, "demand": levels}
+        numbers: dict[str, object] = {"manoeuvre": kind, "duration": seconds * self.slow, "demand": levels}
         if kind != "coast":
             numbers |= {"yaw_gain": HOLD * self.full / (BRISK / self.slow), "differential_limit": 0.6 * self.full}
-        if share := how.pop("turned", None):
-            numbers |= self.turned(share)
+        if turned:
+            numbers |= self.turned(turned)
         for key, value in how.items():
             scaled = {"period": self.slow, "period_end": self.slow, "yaw_rate": 1 / self.slow}.get(key, 1.0)
             numbers[key] = value * (self.full if key in ("sway", "amplitude") else scaled)
-        return Segment(**numbers)
+        return Segment.model_validate(numbers)
 
     def turn(self, seconds: float, demand: float, share: float) -> Segment:
         """A steady turn at a share of a brisk one."""
@@ -116,8 +136,8 @@ class _Sizes:
             return self.one("circle", seconds, demand, yaw_rate=BRISK * share)
         return self.one("steady", seconds, demand, turned=share)
 
-    def turned(self, share: float) -> dict[str, Any]:
-        """Thrusters against each other, rudders and azimuths over, by a share of what is usual."""
+    def turned(self, share: float) -> dict[str, float]:
+        """Keys of a segment that turn the vehicle by thrusters, rudders and azimuths, as a share of the usual levels."""
         return {"differential": 0.4 * self.full * share, "rudder": 0.6 * share, "azimuth": 0.5 * share}
 
     def trials(self) -> tuple[Trial, ...]:
@@ -214,5 +234,5 @@ class _Sizes:
         return tuple(found)
 
     def random(self) -> Segment:
-        """Both signs of helm, drawn anew each time."""
+        """Random steps of speed and helm."""
         return self.one("prbs", LENGTH, 0.5, amplitude=0.3, period=2.5, turned=0.4)

@@ -1,6 +1,6 @@
 """Demands to forces, in intervals.
 
-- ``thrust``: the curve of one thruster, from demand to a force interval.
+- ``thrust``: the curve of one thruster, from demand to a force interval; ``configuration``: thrusts to forces on the hull.
 - ``bollard``: bollard-pull tables, and candidates for a curve.
 - ``foil``: lift and drag of a low-aspect-ratio foil; ``rudder``: the force of a rudder over boxes of speeds and angles.
 - ``lag``: forces behind a first-order lag.

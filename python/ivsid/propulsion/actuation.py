@@ -1,14 +1,13 @@
-"""From logged demands to thrusts in intervals and in numbers: lag, and thrusters that turn.
+"""Forces of a vehicle in time, from logged demands: in intervals and in numbers.
 
-The static curve with its accuracy is ``thrust``; here stands what happens between a demand and the water in time. Nothing that the
-vehicle file claims is left out in silence.
+``thrust`` holds the static curve with its accuracy. This module adds lag, azimuth angles, advance loss and rudders. Every key of a
+thruster in the vehicle file takes part, or the file is refused.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,25 +16,28 @@ from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
 from ivsid.log.turning import Turned, angle_of
+from ivsid.propulsion.configuration import directions
 from ivsid.propulsion.foil import rudder_force
 from ivsid.propulsion.lag import lagged
 from ivsid.propulsion.rudder import rudder_over
-from ivsid.propulsion.thrust import ThrustCurve, directions
+from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.vehicle import Thruster, Vehicle
-
-_cos: Any = np.cos  # NumPy's types know no intervals, its functions do.
-_sin: Any = np.sin
 
 
 @dataclass(frozen=True)
 class Flow:
-    """The vehicle's motion through the water, for what depends on it: u, v [m/s], r [rad/s] at rows and over all of each step."""
+    """The vehicle's motion through the water, u, v [m/s] and r [rad/s].
+
+    Attributes:
+        at_rows: at each row, each of shape (n,).
+        over_steps: ranges over each step to the next row, each of shape (n - 1,).
+    """
 
     at_rows: tuple[IntervalArray, IntervalArray, IntervalArray]
     over_steps: tuple[IntervalArray, IntervalArray, IntervalArray]
 
     def part(self, rows: slice, steps: slice) -> Flow:
-        """Of some rows and the steps between them."""
+        """The motion at some rows and over the steps between them."""
         (u, v, r), (du, dv, dr) = self.at_rows, self.over_steps
         return Flow((u[rows], v[rows], r[rows]), (du[steps], dv[steps], dr[steps]))
 
@@ -47,9 +49,9 @@ class Pushed:
     Attributes:
         at_rows: X, Y [N], N [N m] at each row.
         over_steps: their means over each step to the next row.
-        present: where demand and angle are known, shape (n,).
-        assumes: sentences that the intervals rely on.
-        whole: steps over which the angle is known, shape (n - 1,); None: wherever it is at both rows.
+        present: whether demand and angle are known at a row, shape (n,).
+        assumes: assumptions of the intervals, as sentences.
+        whole: whether the angle is known over a step, shape (n - 1,); None if it is known wherever it is at both rows.
     """
 
     at_rows: tuple[IntervalArray, IntervalArray, IntervalArray]
@@ -60,21 +62,21 @@ class Pushed:
 
 
 def pushed(thruster: Thruster, log: Log, *, held: bool, flow: Flow | None = None) -> Pushed:
-    """The forces of a thruster at all rows of a log; arguments and errors as those of ``Push``."""
+    """The forces of a thruster at all rows of a log; arguments and errors are those of ``Push``."""
     return Push(thruster, log, held=held, flow=flow).forces(0, log.t.size)
 
 
 class Push:
-    """A thruster and what happens to its demand in time, made ready once; its forces are worked out for the rows that are asked for.
+    """A thruster under the demands of a log. Preparations are done once, forces are computed for some rows at a time.
 
     Args:
-        thruster: with its claims.
+        thruster: with its curve, lag, steering and rudder.
         log: with its demand, and its angle where it turns.
-        held: demands hold from row to row; else they change on straight lines.
-        flow: needed where the thruster claims an advance loss or has a rudder.
+        held: whether demands hold from row to row (zero-order hold); else they change linearly.
+        flow: needed for a thruster with an advance loss or a rudder.
 
     Raises:
-        IvsidError: a column that is missing, a demand outside the curve, or a claim that the rows cannot follow.
+        IvsidError: a missing column, a demand outside the curve, or a lag under linear demands.
     """
 
     def __init__(self, thruster: Thruster, log: Log, *, held: bool, flow: Flow | None = None) -> None:
@@ -83,7 +85,7 @@ class Push:
         name = f"demand_{thruster.name}"
         demand, self.error = log.column(name, f"for thruster {thruster.name}"), log.error(name)
         self.there: NDArray[np.bool_] = ~np.isnan(demand)
-        # A missing demand is not used; any demand that is allowed stands in for it.
+        # Missing demands are filled by an allowed one, which is never used.
         self.demand = np.where(self.there, demand, demand[self.there][0])
         self.curve = ThrustCurve(thruster)
         self.whole: NDArray[np.bool_] | None = None
@@ -106,7 +108,7 @@ class Push:
             raise IvsidError(
                 f"thruster {thruster.name} claims advance_loss or has a rudder, which needs the motion; give u, v and r"
             )
-        # The mean of T cos a is the mean of T times cos a only where the angle holds still.
+        # The mean of T cos a over a step is the mean of T times cos a only for a constant angle.
         self.swept = f"azimuth_{thruster.name}" in log.over
         self.delta: Turned | None = None
         if thruster.rudder is not None and flow is not None:
@@ -121,7 +123,7 @@ class Push:
         self.assumes = assumes
 
     def forces(self, first: int, last: int) -> Pushed:
-        """At rows from ``first`` up to ``last``, and over the steps between them."""
+        """The forces at the rows from ``first`` up to ``last``, exclusive, and over the steps between them."""
         thruster, flow = self.thruster, self.flow
         here, between = slice(first, last), slice(first, last - 1)
         at, over = self._thrust(here, between)
@@ -129,7 +131,7 @@ class Push:
             rows, steps = (_shares(thruster, a) for a in (self.turned.at_rows[here], self.turned.over_steps[between]))
         else:
             rows = steps = directions(thruster)
-        # Behind a lag the thrust moves between its values at both rows, and its mean alone is no bound.
+        # A lagged thrust moves between its values at both rows, so that its mean alone is no bound.
         swept_thrust = at[:-1].hull(at[1:]) if thruster.time_constant and thruster.lag == "thrust" else over
         if self.swept:
             over = swept_thrust
@@ -139,7 +141,7 @@ class Push:
             lost = _advance_loss(thruster, swept_thrust, steps, motion.over_steps)
             over, swept_thrust = over - lost, swept_thrust - lost
         at_rows = [_share(at, s) for s in rows]
-        # A demand that holds pushes over the step as at its row.
+        # Under a held demand the force over a step is that at its first row.
         same = self.held and self.lagged is None and self.turned is None and motion is None
         over_steps = [force[:-1] for force in at_rows] if same else [_share(over, s) for s in steps]
         if self.delta is not None and thruster.rudder is not None and motion is not None:
@@ -159,7 +161,7 @@ class Push:
         )
 
     def _thrust(self, here: slice, between: slice) -> tuple[IntervalArray, IntervalArray]:
-        """The thrust at rows and over the steps between them, at no speed."""
+        """The thrust [N] at rows and over the steps between them, without advance loss."""
         if self.lagged is not None:
             return self.lagged[0][here], self.lagged[1][between]
         demand, error = self.demand[here], self.error[here]
@@ -178,7 +180,7 @@ def _followed(thruster: Thruster, *, held: bool) -> None:
 
 
 def _share(force: IntervalArray, share: IntervalArray) -> IntervalArray:
-    """``force * share``, without work where the share is 0 or 1."""
+    """``force * share``, with shortcuts for a share of 0 or 1."""
     if not share.ndim and share.lower == share.upper and share.lower in (0.0, 1.0):
         return force if share.lower else IntervalArray(np.zeros(force.shape))
     return force * share
@@ -186,7 +188,7 @@ def _share(force: IntervalArray, share: IntervalArray) -> IntervalArray:
 
 def _shares(thruster: Thruster, angle: IntervalArray) -> tuple[IntervalArray, IntervalArray, IntervalArray]:
     x, y = (IntervalArray.around(p, np.spacing(abs(p))) for p in thruster.position)
-    cosine, sine = _cos(angle), _sin(angle)
+    cosine, sine = np.cos(angle), np.sin(angle)
     return cosine, sine, sine * x - cosine * y
 
 
@@ -196,7 +198,7 @@ def _advance_loss(
     shares: tuple[IntervalArray, IntervalArray, IntervalArray],
     motion: tuple[IntervalArray, IntervalArray, IntervalArray],
 ) -> IntervalArray:
-    """What inflow takes of a thrust, k |T| w with w along the thruster's axis (EFFECTS.md, thruster.advance_loss)."""
+    """Loss of thrust by inflow, k |T| w [N] with w along the thruster's axis: the catalogue's thruster.advance_loss."""
     loss = thruster.advance_loss or 0.0
     x, y = (IntervalArray.around(p, np.spacing(abs(p))) for p in thruster.position)
     u, v, r = motion
@@ -205,10 +207,13 @@ def _advance_loss(
 
 
 def nominal_force(vehicle: Vehicle, log: Log) -> NDArray[np.float64]:
-    """X, Y [N], N [N m] from the demands without their error, as means over the step after each row, shape (n, 3).
+    """X, Y [N], N [N m] from the demands without errors, as means over the step after each row, shape (n, 3).
 
-    An advance loss and a rudder take the logged motion. NaN where a demand or an angle is missing, and behind a lag for the first five time constants: what it did before the log is
-    not known.
+    Advance losses and rudders use the logged motion. The result is NaN where a demand or an angle is missing, and behind a lag for
+    the first five time constants, because the thrust before the log is unknown.
+
+    Raises:
+        IvsidError: a missing column, a demand outside the curve, or a lag under linear demands.
     """
     if not vehicle.thrusters:
         return np.stack([log.columns[n] for n in ("force_X", "force_Y", "moment_N")], axis=1)
@@ -226,7 +231,11 @@ def nominal_force(vehicle: Vehicle, log: Log) -> NDArray[np.float64]:
         x, y = thruster.position
         if thruster.steering == "azimuth":
             angle = log.column(f"azimuth_{thruster.name}", f"for the direction of thruster {thruster.name}")
-            shares: list[Any] = [np.cos(angle), np.sin(angle), x * np.sin(angle) - y * np.cos(angle)]
+            shares: list[float | NDArray[np.float64]] = [
+                np.cos(angle),
+                np.sin(angle),
+                x * np.sin(angle) - y * np.cos(angle),
+            ]
         else:
             shares = [float(s.midpoint) for s in directions(thruster)]
         if thruster.advance_loss:

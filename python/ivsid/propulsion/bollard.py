@@ -1,4 +1,4 @@
-"""Bollard-pull tables: candidates for a thrust curve, and what each of them misses (paper eq. 18, Table III)."""
+"""Bollard-pull tables: candidates for a thrust curve, and the residuals of each (paper eq. 18, Table III)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from ivsid.errors import IvsidError
 from ivsid.propulsion.thrust import ROUNDING, table_curve
 
-# Table III of the paper: demand [%] and average thrust [N]; and the coefficients printed below eq. 18, highest first.
+# Demand [%] and average thrust [N] of the paper's bollard pull.
+# Source: paper: Table III.
 TABLE_III: Final = (
     (15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0, 85.0),
     (
@@ -32,6 +33,8 @@ TABLE_III: Final = (
         78.924,
     ),
 )
+# Coefficients printed for that table, highest power first; they do not fit it.
+# Source: paper: eq. 18.
 PUBLISHED_CUBIC: Final = (0.0003, -0.015, 0.6008, -1.0902)
 
 
@@ -41,11 +44,11 @@ class Fit:
 
     Attributes:
         name: for tables and reports.
-        coefficients: of a polynomial, highest first; empty for the table and the quadratic.
-        predicted: thrust [N] at the table's demands.
-        residual: model minus table [N].
-        quadratic: k ahead and astern of T = k n|n|, for that candidate.
-        neutral: the demand that the curve counts from.
+        coefficients: of a polynomial, highest power first; empty for the table and the quadratic.
+        predicted: thrust [N] at the table's demands, shape (n,).
+        residual: model minus table [N], shape (n,).
+        quadratic: k ahead and astern of T = k n|n|; None for other candidates.
+        neutral: the demand from which the curve counts.
     """
 
     name: str
@@ -57,7 +60,7 @@ class Fit:
 
     @property
     def band(self) -> float:
-        """The accuracy [N] that holds every point of the table, rounded up."""
+        """The least accuracy [N] that covers every point of the table, rounded up."""
         return float(np.nextafter(self.largest * (1 + ROUNDING), np.inf)) if self.largest else 0.0
 
     @property
@@ -73,7 +76,15 @@ class Fit:
 
 @dataclass(frozen=True)
 class Bollard:
-    """A bollard-pull table with its candidate models."""
+    """A bollard-pull table with its candidate models.
+
+    Attributes:
+        demand: in the thruster's unit, shape (n,).
+        thrust: at these demands [N], shape (n,).
+        fits: the candidates.
+        dead_band: first and last demand without thrust; None for at most one.
+        monotone: whether the thrust never falls with the demand.
+    """
 
     demand: NDArray[np.float64]
     thrust: NDArray[np.float64]
@@ -83,7 +94,7 @@ class Bollard:
 
     @property
     def recommended(self) -> Fit:
-        """The table itself; a polynomial only if it misses by less than 1 % of the largest thrust."""
+        """The least-squares polynomial of lowest degree that misses by at most 1 % of the largest thrust, else the table."""
         limit = 0.01 * float(np.abs(self.thrust).max())
         polynomials = sorted(
             (f for f in self.fits if f.coefficients and "least" in f.name), key=lambda f: len(f.coefficients)
@@ -93,7 +104,7 @@ class Bollard:
 
 
 def _quadratic(demand: NDArray[np.float64], thrust: NDArray[np.float64]) -> Fit:
-    """Least squares of T = k n|n| with one k ahead and one astern, counted from the middle of the dead band (or from 0)."""
+    """Least squares of T = k n|n| with one k ahead and one astern; n counts from the middle of the dead band, or from 0."""
     zero = demand[np.abs(thrust) <= 1e-9 * np.abs(thrust).max()]
     neutral = 0.5 * float(zero[0] + zero[-1]) if zero.size > 1 and not zero[0] <= 0 <= zero[-1] else 0.0
     n = demand - neutral
@@ -111,7 +122,15 @@ def examine(
 ) -> Bollard:
     """Fits the published cubic (if given), least-squares polynomials of degree 1 to 5, the quadratic n|n|, and the monotone table.
 
-    Residuals are model minus table: positive where the model promises too much.
+    Residuals are model minus table, positive where the model overstates the thrust.
+
+    Args:
+        demand: increasing, shape (n,).
+        thrust: at these demands [N], shape (n,).
+        published: coefficients of a published cubic, highest power first.
+
+    Raises:
+        IvsidError: a table without thrust.
     """
     if not np.abs(thrust).max() > 0:
         raise IvsidError("the table has no thrust at all; look at its thrust column and unit")

@@ -1,24 +1,32 @@
-"""Lift and drag of a rudder, in its own flow or behind a propeller."""
+"""Lift and drag of a rudder, in the free stream or behind a propeller."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ivsid.vehicle.actuator import Rudder
+from ivsid.vehicle import Rudder
+
+Number = TypeVar("Number", float, NDArray[np.float64])
 
 
 def lift_slope(aspect_ratio: float) -> float:
-    """dC_L/d alpha of a foil of small aspect ratio (Soeding): 2 pi L (L + 0.7) / (L + 1.7)^2."""
+    """dC_L/d alpha [1/rad] of a foil of small aspect ratio L: 2 pi L (L + 0.7) / (L + 1.7)^2 (Soeding)."""
     return 2 * math.pi * aspect_ratio * (aspect_ratio + 0.7) / (aspect_ratio + 1.7) ** 2
 
 
-def lift_coefficient(alpha: Any, slope: float, stall: float) -> Any:
-    """C_L at an angle of attack [rad]: slope sin(alpha) up to the stall, then falling like a cosine to none across the flow.
+def lift_coefficient(alpha: Number, slope: float, stall: float) -> Number:
+    """C_L: slope sin(alpha) up to the stall, then falling like a cosine to 0 across the flow.
 
-    In flow from behind the foil works alike, so angles count from the nearest multiple of pi.
+    The foil works alike in flow from behind, so that angles count from the nearest multiple of pi.
+
+    Args:
+        alpha: angle of attack [rad].
+        slope: dC_L/d alpha at 0 [1/rad].
+        stall: angle of attack beyond which lift falls [rad].
     """
     a = alpha - np.pi * np.round(alpha / np.pi)
     attached = slope * np.sin(a)
@@ -27,22 +35,38 @@ def lift_coefficient(alpha: Any, slope: float, stall: float) -> Any:
     return _value(np.where(np.abs(a) <= stall, attached, beyond), alpha)
 
 
-def drag_coefficient(alpha: Any, slope: float, stall: float, least: float, aspect_ratio: float) -> Any:
-    """C_D: friction, induced drag with a span efficiency of 0.9, and beyond the stall the drag of a plate."""
+def drag_coefficient(alpha: Number, slope: float, stall: float, least: float, aspect_ratio: float) -> Number:
+    """C_D: friction, induced drag with a span efficiency of 0.9, and beyond the stall the drag of a plate.
+
+    Args:
+        alpha: angle of attack [rad].
+        slope: dC_L/d alpha at 0 [1/rad].
+        stall: angle of attack beyond which lift falls [rad].
+        least: C_D at no angle of attack.
+        aspect_ratio: span squared over area.
+    """
     a = alpha - np.pi * np.round(alpha / np.pi)
     reached = np.minimum(np.abs(a), stall)
     induced = (slope * np.sin(reached)) ** 2 / (0.9 * math.pi * aspect_ratio)
     return _value(least + induced + 1.2 * (np.sin(a) ** 2 - np.sin(reached) ** 2), alpha)
 
 
-def _value(result: Any, like: Any) -> Any:
-    return float(result) if isinstance(like, float) else result
+def _value(result: Any, like: Number) -> Number:
+    if isinstance(like, float):
+        return float(result)
+    value: NDArray[np.float64] = result
+    return value
 
 
-def axial_speed(u: Any, thrust: Any, rudder: Rudder) -> Any:
-    """The water's speed along the hull at the blade [m/s]: the slipstream of a thrust ahead adds 2 T / (rho A) to its square.
+def axial_speed(u: Number, thrust: Number, rudder: Rudder) -> Number:
+    """The water's speed along the hull at the blade [m/s]: a thrust ahead adds 2 T / (rho A) to its square (momentum theory).
 
-    Momentum theory; a thrust astern sends its stream away from the rudder.
+    A thrust astern sends its stream away from the rudder and adds nothing.
+
+    Args:
+        u: velocity relative to the water [m/s].
+        thrust: of the propeller [N].
+        rudder: with the diameter of the propeller.
     """
     squared = u * np.abs(u)
     if rudder.propeller_diameter is not None:
@@ -51,13 +75,15 @@ def axial_speed(u: Any, thrust: Any, rudder: Rudder) -> Any:
     return _value(np.sign(squared) * np.sqrt(np.abs(squared)), u)
 
 
-def rudder_force(rudder: Rudder, delta: Any, thrust: Any, u: Any, v: Any, r: Any) -> tuple[Any, Any, Any]:
-    """X, Y [N] and N [N m] of the blade, for floats or arrays.
+def rudder_force(
+    rudder: Rudder, delta: Number, thrust: Number, u: Number, v: Number, r: Number
+) -> tuple[Number, Number, Number]:
+    """X, Y [N] and N [N m] of the blade, for floats or arrays of one shape.
 
     Args:
         rudder: the blade.
-        delta: its angle [rad], trailing edge to starboard positive: the vehicle turns to starboard.
-        thrust: of the propeller before it [N].
+        delta: its angle [rad], positive with the trailing edge to starboard, which turns the vehicle to starboard.
+        thrust: of the propeller ahead of it [N].
         u: velocity relative to the water ahead [m/s].
         v: to starboard [m/s].
         r: yaw rate [rad/s].
@@ -69,7 +95,7 @@ def rudder_force(rudder: Rudder, delta: Any, thrust: Any, u: Any, v: Any, r: Any
     slope = lift_slope(rudder.aspect_ratio)
     lift = lift_coefficient(alpha, slope, rudder.stall)
     drag = drag_coefficient(alpha, slope, rudder.stall, rudder.drag, rudder.aspect_ratio)
-    # Lift stands across the blade's way through the water, drag against it.
+    # Lift is perpendicular to the blade's motion through the water, drag opposes it.
     pressure = 0.5 * rudder.density * rudder.area * speed
     surge = pressure * (lift * across - drag * axial)
     sway = -pressure * (lift * axial + drag * across)

@@ -12,11 +12,14 @@ from ivsid.intervals import IntervalArray, follow
 from ivsid.log import Log
 from ivsid.propulsion.thrust import ThrustCurve
 
-# A mean over a step, p a + (1 - p) b with 0 <= p <= 1, is rounded four times, each by at most 2^-53 of |a| + |b|.
+# Slack for a mean over a step, p a + (1 - p) b with 0 <= p <= 1, as a share of |a| + |b|.
+# Source: theorem: four roundings of at most 2^-53 each, 4.4e-16.
 STEP_ROUNDING: Final = 1e-15
-# exp and the quotient before it are good to a few units in the last place.
+# Slack for a decay exp(-step / tau), and per unit of step / tau.
+# Source: definition: exp and the quotient before it are off by a few units of 2^-53, less than a tenth of this.
 DECAY_ROUNDING: Final = 1e-14
-# A step this much longer than the usual one has lost a row, and the row may have carried a new demand: demands in it are unknown.
+# A step longer than this multiple of the period has lost a row, which may have held a new demand: demands in it are unknown.
+# Source: geometry: the middle between a step of one period and of two.
 GAP: Final = 1.5
 
 
@@ -28,11 +31,22 @@ def lagged(
     there: NDArray[np.bool_],
     tau: float,
 ) -> tuple[IntervalArray, IntervalArray]:
-    """The thrust behind a first-order lag of held demands, at rows and as mean over steps.
+    """The thrust [N] behind a first-order lag of held demands: at rows, shape (n,), and as means over steps, shape (n - 1,).
 
-    Under a held demand with thrust G the lag is exact, T(t) = G + (T_0 - G) exp(-t / tau); T_0 is nothing or whatever the curve allows
-    before the first row, and again after a gap or a missing demand. On its way from rest to a curve that does not begin there a shaft
-    gives anything between no thrust and that of the curve's nearer end.
+    Under a held demand with thrust G the lag is exact, T(t) = G + (T_0 - G) exp(-t / tau). Before the first row, after a gap and
+    after a missing demand, T_0 is 0 or any thrust of the curve. A shaft on its way from rest to a curve that does not begin there
+    gives any thrust between 0 and that of the curve's nearer end. For a lag of the shaft the second result is the range over a step.
+
+    Args:
+        curve: the thruster's.
+        demand: shape (n,); any number where it is missing.
+        error: largest distance of a logged demand from the one that was sent, shape (n,).
+        log: its clock.
+        there: whether a demand is known, shape (n,).
+        tau: time constant [s].
+
+    Raises:
+        IvsidError: a curve without ends.
     """
     shaft = curve.thruster.lag == "demand"
     low, high = curve.range
@@ -44,7 +58,7 @@ def lagged(
     everything = curve.interval(np.array([low]), np.array([high]))
     rest = curve.thruster.neutral
     if shaft:
-        # A demand outside the curve is held at its end before the shaft follows it.
+        # A demand outside the curve becomes that of its end before the shaft follows it.
         goal = IntervalArray(*curve.inside(demand - error, demand + error))
         start = min(low, rest), max(high, rest)
     else:
@@ -64,7 +78,7 @@ def lagged(
 
 
 def _of_shaft(curve: ThrustCurve, speed: IntervalArray) -> IntervalArray:
-    """The thrust at a shaft's speed, from rest on."""
+    """The thrust [N] over a range of shaft speeds, those between rest and the curve included."""
     low, high = curve.range
     thrust = curve.interval(np.clip(speed.lower, low, high), np.clip(speed.upper, low, high))
     rest = curve.thruster.neutral
@@ -80,7 +94,7 @@ def _of_shaft(curve: ThrustCurve, speed: IntervalArray) -> IntervalArray:
 def _between(
     a: IntervalArray, b: IntervalArray, share: NDArray[np.float64], slack: NDArray[np.float64]
 ) -> IntervalArray:
-    """P a + (1 - p) b for a share p within its slack."""
+    """The range of p a + (1 - p) b for shares p within ``slack`` of ``share``."""
     least, most = np.clip(share - slack, 0.0, 1.0), np.clip(share + slack, 0.0, 1.0)
     ends = [(p * a.lower + (1 - p) * b.lower, p * a.upper + (1 - p) * b.upper) for p in (least, most)]
     low = np.minimum(ends[0][0], ends[1][0]) - STEP_ROUNDING * (np.abs(a.lower) + np.abs(b.lower))

@@ -1,34 +1,35 @@
-"""Demand to thrust: tables (monotone), polynomials, gains, each with a bound on its error (paper eq. 18-20)."""
+"""Thrust curves: monotone tables, polynomials, quadratics and gains, each with a bound of its error (paper eq. 18)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Final
+from typing import Final, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import PchipInterpolator
 
 from ivsid.errors import IvsidError
 from ivsid.files import units
-from ivsid.intervals import IntervalArray
-from ivsid.vehicle import Thruster, Vehicle
+from ivsid.intervals import IntervalArray, Operand
+from ivsid.vehicle import Thruster
 
-# Interpolation in floats is good to about 1e-14 of the table's largest thrust.
+# Slack for the interpolation in floats, as a share of the table's largest thrust, and for sums of rounded decimals.
+# Source: definition: a hundred times the rounding of a cubic in float64.
 ROUNDING: Final = 1e-12
 
-# NumPy's types know no intervals, its functions do.
-_maximum: Any = np.maximum
-_minimum: Any = np.minimum
+# NumPy's types admit no intervals as operands of these functions, its functions do.
+_Binary: TypeAlias = Callable[[IntervalArray, Operand], IntervalArray]
+_maximum = cast(_Binary, np.maximum)
+_minimum = cast(_Binary, np.minimum)
 
 Curve = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
 class ThrustCurve:
-    """The static curve of one thruster."""
+    """The static curve of one thruster: thrust [N] by demand in the thruster's unit."""
 
     thruster: Thruster
 
@@ -56,9 +57,9 @@ class ThrustCurve:
 
     @property
     def pieces(self) -> tuple[list[float], list[list[float]]] | None:
-        """Knots of the table's demands, and between them polynomials of the distance from the lower knot, highest power first.
+        """Knots of the table's demands, and the polynomial of each piece; None without a table.
 
-        None without a table. The simulator's own evaluation starts from these.
+        A polynomial takes the distance from the lower knot; its coefficients stand highest power first.
         """
         if self.thruster.table is None:
             return None
@@ -67,7 +68,7 @@ class ThrustCurve:
 
     @property
     def formula(self) -> Callable[[float], float]:
-        """The curve without a table, of a demand from its neutral, for one float."""
+        """The curve of a thruster without a table, as a function of one demand from its neutral."""
         t = self.thruster
         if t.quadratic is not None:
             ahead, astern = t.quadratic.forward, t.quadratic.astern
@@ -82,8 +83,8 @@ class ThrustCurve:
 
         return horner
 
-    def _claimed(self, demand: NDArray[np.float64], thrust: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The thrust with the file's further claims, in the catalogue's order: dead band, limit, weaker astern."""
+    def _modified(self, demand: NDArray[np.float64], thrust: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The thrust with the dead band, limit and reverse factor of the file, in the catalogue's order."""
         t = self.thruster
         if t.dead_band is not None:
             thrust = np.where(np.abs(demand) < t.dead_band, 0.0, thrust)
@@ -93,7 +94,7 @@ class ThrustCurve:
 
     @property
     def range(self) -> tuple[float, float]:
-        """The demands that the curve covers, neutral included."""
+        """The least and the largest demand that the curve covers, counted with the neutral."""
         t = self.thruster
         if t.table is None:
             low, high = t.demand_range or (-np.inf, np.inf)
@@ -103,14 +104,14 @@ class ThrustCurve:
 
     @cached_property
     def largest(self) -> float:
-        """The largest |thrust| of the table, or at the ends of ``demand_range`` [N]; 0 for a curve without end."""
+        """The largest |thrust| [N] of the table, or at the ends of ``demand_range``; 0 for a curve without ends."""
         if self.thruster.table is not None:
             return float(np.abs(self._table[1]).max())
         ends = self.thruster.demand_range
         return 0.0 if ends is None else float(np.abs(self._curve(np.array(ends))).max())
 
     def value(self, demand: ArrayLike) -> NDArray[np.float64]:
-        """Thrust [N] at each demand, in plain floats.
+        """Thrust [N] at each demand, in plain floats, of the shape of ``demand``.
 
         Raises:
             IvsidError: a demand outside the table, unless the thruster says ``outside = "hold"``.
@@ -119,7 +120,7 @@ class ThrustCurve:
         low, high = self.range
         self._refuse(d, (d < low) | (d > high))
         from_neutral = np.clip(d, low, high) - self.thruster.neutral
-        return self._claimed(from_neutral, self._curve(from_neutral))
+        return self._modified(from_neutral, self._curve(from_neutral))
 
     def _refuse(self, demand: NDArray[np.float64], outside: NDArray[np.bool_]) -> None:
         if self.thruster.outside != "hold" and outside.any():
@@ -133,7 +134,7 @@ class ThrustCurve:
     def inside(
         self, least: NDArray[np.float64], most: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Ranges of demands from ``least`` to ``most``, with what lies outside the curve held at its ends.
+        """The ranges from ``least`` to ``most``, with demands beyond the curve moved to its ends; all of one shape.
 
         Raises:
             IvsidError: a demand that may lie outside the curve by more than the rounding of decimals, unless ``outside = "hold"``.
@@ -152,12 +153,12 @@ class ThrustCurve:
         )
 
     def interval(self, demand: ArrayLike, to: ArrayLike | None = None, error: ArrayLike = 0.0) -> IntervalArray:
-        """Thrust [N] +- (absolute + relative |T|) at each demand, or over all demands from it ``to`` another one.
+        """Thrust +- (absolute + relative |T|) [N] at each demand, or over all demands from it to another, of their shape.
 
         Args:
             demand: demands, as logged.
-            to: the other ends of ranges of demands; none for single demands.
-            error: how far a logged demand may be from the one that was sent.
+            to: the other ends of ranges of demands; None for single demands.
+            error: largest distance of a logged demand from the one that was sent.
 
         Raises:
             IvsidError: a demand outside the table, as ``value``.
@@ -167,7 +168,7 @@ class ThrustCurve:
         reach = np.asarray(error, dtype=np.float64)
         least, most = self.inside(np.minimum(d, other) - reach, np.maximum(d, other) + reach)
         if least.ndim == 1 and least.size > 1:
-            # Demands are held for many rows: each is worked out once, with the same bits.
+            # A demand holds for many rows: each is computed once, which gives the same bits.
             new = np.r_[True, (least[1:] != least[:-1]) | (most[1:] != most[:-1])]
             first = np.flatnonzero(new)
             if 2 * first.size < least.size:
@@ -177,18 +178,18 @@ class ThrustCurve:
         return self._with_accuracy(least, most)
 
     def _with_accuracy(self, least: NDArray[np.float64], most: NDArray[np.float64]) -> IntervalArray:
-        thrust = self._claimed_over(least, most, self._over(least, most))
+        thrust = self._modified_over(least, most, self._over(least, most))
         accuracy = self.thruster.accuracy
         radius = (accuracy.absolute + accuracy.relative * thrust.magnitude) * (1 + ROUNDING)
         return thrust + IntervalArray(-radius, radius)
 
-    def _claimed_over(
+    def _modified_over(
         self, low: NDArray[np.float64], high: NDArray[np.float64], thrust: IntervalArray
     ) -> IntervalArray:
-        """What ``_claimed`` makes of the curve's range over demands from ``low`` to ``high``."""
+        """The range of ``_modified`` over demands from ``low`` to ``high``, from that of the curve."""
         t = self.thruster
         if t.dead_band is not None:
-            # Demands and band are decimals that were rounded: within this of the band's edge either side is possible.
+            # Demands and band are rounded decimals: within this distance of the band's edge both sides are possible.
             edge = ROUNDING * (t.dead_band + abs(t.neutral))
             a, b = low - t.neutral, high - t.neutral
             surely_in = (a > -t.dead_band + edge) & (b < t.dead_band - edge)
@@ -213,19 +214,18 @@ class ThrustCurve:
                 ahead, astern = (
                     IntervalArray.around(k, np.spacing(k)) for k in (t.quadratic.forward, t.quadratic.astern)
                 )
-                result: IntervalArray = _maximum(d, 0.0).square() * ahead - _minimum(d, 0.0).square() * astern
-                return result
+                return _maximum(d, 0.0).square() * ahead - _minimum(d, 0.0).square() * astern
             coefficients = t.polynomial if t.polynomial is not None else (t.gain or 0.0, 0.0)
             total = IntervalArray(np.zeros(d.shape))
             for c in coefficients:
-                # The decimals of the file are enclosed.
+                # The interval holds the decimal of the file, which was rounded.
                 total = total * d + IntervalArray.around(c, np.spacing(abs(c)))
             return total
-        # Between its knots the curve is monotone: its extremes stand at the ends of the range and at the knots inside.
+        # The curve is monotone between its knots: its extremes stand at the ends of the range and at the knots inside.
         first, last = self.range
         ends = [self._curve(np.clip(e, first, last) - t.neutral) for e in (low, high)]
         least, most = np.asarray(np.minimum(*ends)), np.asarray(np.maximum(*ends))
-        # Ranges are mostly far narrower than the table's steps: only those that hold a knot are looked at again.
+        # Most ranges are far narrower than the table's steps: only those that hold a knot need more work.
         knots, thrusts = self._table[0] + t.neutral, self._table[1]
         first_knot = np.asarray(np.searchsorted(knots, low, "left"))
         past = np.asarray(np.searchsorted(knots, high, "right"))
@@ -242,7 +242,15 @@ class ThrustCurve:
 
 
 def table_curve(demand: NDArray[np.float64], thrust: NDArray[np.float64], *, linear_start: bool = False) -> Curve:
-    """A monotone piecewise cubic (PCHIP; Fritsch and Carlson) through the points; the first piece straight if asked for."""
+    """A monotone piecewise cubic (PCHIP; Fritsch and Carlson 1980) through the points.
+
+    Args:
+        demand: increasing, shape (n,).
+        thrust: at these demands [N], shape (n,).
+        linear_start: whether the first piece is straight.
+    """
+    from scipy.interpolate import PchipInterpolator  # noqa: PLC0415 - slow to import, and only tables need it
+
     if len(demand) == 2:
         return lambda d: np.interp(d, demand, thrust)
     if not linear_start:
@@ -257,7 +265,9 @@ def table_curve(demand: NDArray[np.float64], thrust: NDArray[np.float64], *, lin
 def table_pieces(
     demand: NDArray[np.float64], thrust: NDArray[np.float64], *, linear_start: bool = False
 ) -> tuple[list[float], list[list[float]]]:
-    """The polynomials of ``table_curve``: its knots, and a list of coefficients, highest first, for each piece between them."""
+    """Knots of ``table_curve``, and for each piece between them the coefficients of its polynomial, highest power first."""
+    from scipy.interpolate import PchipInterpolator  # noqa: PLC0415 - slow to import, and only tables need it
+
     slopes = np.diff(thrust) / np.diff(demand)
     straight = [[float(s), float(t)] for s, t in zip(slopes, thrust[:-1], strict=True)]
     if len(demand) == 2 or (linear_start and len(demand) == 3):
@@ -265,37 +275,3 @@ def table_pieces(
     first = 1 if linear_start else 0
     curved = PchipInterpolator(demand[first:], thrust[first:])
     return demand.tolist(), [*straight[:first], *np.asarray(curved.c).T.tolist()]
-
-
-@dataclass(frozen=True)
-class GeneralisedForce:
-    """X, Y [N] and moment N [N m] on the hull, shape (n,) each (paper eq. 19-20 for any number of thrusters)."""
-
-    X: IntervalArray
-    Y: IntervalArray
-    N: IntervalArray
-
-
-def directions(thruster: Thruster) -> tuple[IntervalArray, IntervalArray, IntervalArray]:
-    """Shares of a thrust in X, Y and N: cos a, sin a, x sin a - y cos a."""
-    x, y = (IntervalArray.around(p, np.spacing(abs(p))) for p in thruster.position)
-    if thruster.azimuth == 0.0:
-        cosine, sine = IntervalArray(1.0), IntervalArray(0.0)
-    else:
-        cosine, sine = _enclosed(np.cos(thruster.azimuth)), _enclosed(np.sin(thruster.azimuth))
-    return cosine, sine, sine * x - cosine * y
-
-
-def _enclosed(value: float) -> IntervalArray:
-    """A cosine or sine: the C library is good to one unit in the last place, and the azimuth's decimals to half of one."""
-    return IntervalArray.around(value, 8 * np.spacing(1.0))
-
-
-def combine(vehicle: Vehicle, thrusts: Mapping[str, IntervalArray]) -> GeneralisedForce:
-    """Sums the thrusts [N] of all thrusters by name into X, Y, N."""
-    shape = next(iter(thrusts.values())).shape
-    total = [IntervalArray(np.zeros(shape)) for _ in range(3)]
-    for thruster in vehicle.thrusters:
-        for k, share in enumerate(directions(thruster)):
-            total[k] = total[k] + thrusts[thruster.name] * share
-    return GeneralisedForce(*total)

@@ -1,8 +1,8 @@
 """Results for a reader.
 
-- ``page``: sections to a self-contained HTML page, written with the results in one folder.
-- ``tables``: the tables of the page from what the stages return.
-- ``figures``: the only place that draws.
+- ``page``: sections of a report, written as a self-contained HTML page with result.json and the figures in one folder.
+- ``tables``: records for result.json from the values that the stages return.
+- ``figures``: drawings; the only chapter that loads Matplotlib.
 
-The chapter may use what every stage returns; no stage uses it.
+The chapter may use the values that every stage returns; no stage uses it.
 """

@@ -1,4 +1,4 @@
-"""A result as files: result.json, figures, and one self-contained HTML page."""
+"""Results as files: result.json, figures, and one self-contained HTML page."""
 
 from __future__ import annotations
 
@@ -8,34 +8,42 @@ from dataclasses import dataclass, field
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from jinja2 import Environment, StrictUndefined
 
 from ivsid.files.records import to_json, write_folder
-from ivsid.report.figures import Drawing
+
+if TYPE_CHECKING:
+    from ivsid.report.figures import Drawing
+
+
+# A paragraph, text to copy, a list, a figure or a table, as the template takes it.
+Part: TypeAlias = Mapping[str, object]
+# A row of a table.
+Cells: TypeAlias = Sequence[object]
 
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the page: text, lists, code, tables and figures in order."""
+    """A section of the page: text, lists, code, tables and figures in order."""
 
     title: str
-    parts: tuple[dict[str, Any], ...]
+    parts: tuple[Part, ...]
 
 
 @dataclass(frozen=True)
 class Report:
-    """All that a command leaves behind.
+    """The results of a command.
 
     Attributes:
-        title: of the page.
-        summary: one or two sentences: what was found and what it is worth.
+        title: title of the page.
+        summary: the finding and its reliability in one or two sentences.
         record: the content of result.json.
-        sections: of the page.
-        drawings: every figure; those that no section shows still become files.
+        sections: sections of the page.
+        drawings: all figures; each becomes two files, whether or not a section shows it.
         files: further files by name.
-        lines: what the terminal shows.
+        lines: text for the terminal.
     """
 
     title: str
@@ -47,28 +55,28 @@ class Report:
     lines: tuple[str, ...] = ()
 
 
-def text(words: str) -> dict[str, Any]:
+def text(words: str) -> Part:
     """A paragraph."""
     return {"kind": "text", "text": words}
 
 
-def code(words: str) -> dict[str, Any]:
+def code(words: str) -> Part:
     """Text to copy."""
     return {"kind": "code", "text": words}
 
 
-def bullets(items: Iterable[str]) -> dict[str, Any]:
+def bullets(items: Iterable[str]) -> Part:
     """A list."""
     return {"kind": "list", "items": list(items)}
 
 
-def drawing(d: Drawing) -> dict[str, Any]:
+def drawing(d: Drawing) -> Part:
     """A figure."""
     return {"kind": "figure", "title": d.title, "caption": d.caption, "png": base64.b64encode(d.png).decode()}
 
 
-def table(header: Sequence[str], rows: Iterable[Sequence[Any]], caption: str = "") -> dict[str, Any]:
-    """A table; numbers stand right, yes and no in colour."""
+def table(header: Sequence[str], rows: Iterable[Cells], caption: str = "") -> Part:
+    """A table; numbers are aligned to the right, yes and no are coloured."""
     return {
         "kind": "table",
         "caption": caption,
@@ -77,7 +85,7 @@ def table(header: Sequence[str], rows: Iterable[Sequence[Any]], caption: str = "
     }
 
 
-def _cell(value: Any) -> dict[str, str]:
+def _cell(value: object) -> dict[str, str]:
     if isinstance(value, bool):
         return {"text": "yes" if value else "no", "style": "yes" if value else "no"}
     if isinstance(value, float):
@@ -88,7 +96,7 @@ def _cell(value: Any) -> dict[str, str]:
 
 
 def html(report: Report) -> str:
-    """The page."""
+    """The page, with its figures inside."""
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     template = environment.from_string((files("ivsid") / "data" / "report.html.j2").read_text())
     inputs = "; ".join(f"{i['name']} (SHA-256 {i['sha256'][:16]}…)" for i in report.record.get("inputs", []))
@@ -97,7 +105,11 @@ def html(report: Report) -> str:
 
 
 def write(report: Report, folder: str | Path) -> None:
-    """Writes everything into a folder, whole or not at all."""
+    """Writes all files of a report into a folder, whole or not at all.
+
+    Raises:
+        IvsidError: a folder that cannot be written.
+    """
     content: dict[str, str | bytes] = {"result.json": to_json(report.record) + "\n", "report.html": html(report)}
     for d in report.drawings:
         content[f"{d.name}.png"], content[f"{d.name}.svg"] = d.png, d.svg

@@ -1,20 +1,22 @@
-"""Results as plain tables for JSON (INTERFACE.md, result.json); an identification makes its own."""
+"""Records for result.json (docs/guide.md) from the values that the stages return; an identification makes its own."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING
 
 from ivsid.files.records import envelope
-from ivsid.log import Quality
-from ivsid.propulsion.bollard import Bollard
-from ivsid.sensors.allan import AllanDeviation
-from ivsid.validation import Validation
+
+if TYPE_CHECKING:
+    from ivsid.log import Quality
+    from ivsid.propulsion.bollard import Bollard
+    from ivsid.sensors.allan import AllanDeviation
+    from ivsid.validation import Validation
 
 
-def validation_record(result: Validation) -> dict[str, Any]:
-    """A validation."""
+def validation_record(result: Validation) -> dict[str, object]:
+    """The record of a validation."""
     fit = result.fit
     inputs = {fit.log_name: fit.log_sha256, result.log_name: result.log_sha256}
     if fit.log_name == result.log_name:
@@ -46,8 +48,8 @@ def validation_record(result: Validation) -> dict[str, Any]:
     }
 
 
-def allan_record(curves: dict[str, AllanDeviation]) -> dict[str, Any]:
-    """The coefficients of each channel."""
+def allan_record(curves: dict[str, AllanDeviation]) -> dict[str, object]:
+    """The record of an Allan analysis: noise coefficients and curve of each channel."""
     return {
         name: {
             "random_walk": a.random_walk,
@@ -69,8 +71,8 @@ def allan_record(curves: dict[str, AllanDeviation]) -> dict[str, Any]:
     }
 
 
-def bollard_record(table: Bollard) -> dict[str, Any]:
-    """The candidates for a thrust curve."""
+def bollard_record(table: Bollard) -> dict[str, object]:
+    """The record of a bollard-pull table: candidates for the thrust curve with their residuals [N]."""
     return {
         "points": table.demand.size,
         "range": [float(table.demand[0]), float(table.demand[-1])],
@@ -93,6 +95,6 @@ def bollard_record(table: Bollard) -> dict[str, Any]:
     }
 
 
-def quality_record(quality: Mapping[str, Quality]) -> dict[str, Any]:
-    """What each channel of a log is worth."""
+def quality_record(quality: Mapping[str, Quality]) -> dict[str, object]:
+    """The record of a log's quality, by channel."""
     return {name: asdict(q) for name, q in quality.items()}

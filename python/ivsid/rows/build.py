@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -14,14 +14,18 @@ from ivsid.intervals.pieces import PIECE, over_pieces, pieces
 from ivsid.log import Log
 from ivsid.rows.equations import Equations
 from ivsid.rows.integral import integral
-from ivsid.rows.pointwise import explain, pointwise
+from ivsid.rows.pointwise import explain_absence, pointwise
 from ivsid.rows.record import RegressionRows, Space, joined
 from ivsid.rows.weak import weak
 from ivsid.sensors.bounds import BoundedLog
 from ivsid.vehicle import Vehicle
 
+# Length of the window of integral rows, where none is given [s].
+# Source: none
 WINDOW: Final = 1.0
 KINDS: Final = ("auto", "pointwise", "integral", "both", "weak")
+
+Maker: TypeAlias = Callable[[Equations], RegressionRows | None]
 
 
 def build_rows(
@@ -34,20 +38,20 @@ def build_rows(
     window: float | Sequence[float] = WINDOW,
     piece: int = PIECE,
 ) -> RegressionRows:
-    """All rows that the log supports.
+    """All rows that a log supports.
 
     Args:
         bounded: the log in intervals.
         vehicle: thrusters, rigid body and limits.
         terms: the model.
         added_mass: the parameters leave out the rigid-body mass, which is then known (second form of eq. 6).
-        kind: ``pointwise``, ``integral``, ``weak`` (hat-weighted over two windows, for velocities that come from a pose), ``both``
-            (every kind that there is), or ``auto`` (pointwise where accelerations are measured, else integral).
-        window: length of integral rows [s], or several: each row holds by itself, so what is consistent with all is an intersection.
+        kind: ``pointwise``, ``integral``, ``weak`` (weighted by a hat over two windows, for velocities that come from a pose),
+            ``both`` (every kind), or ``auto`` (pointwise where accelerations are measured, else integral).
+        window: length of integral rows [s], or several. Each row holds by itself, so rows of several windows narrow the set.
         piece: samples that are worked on at once; rows do not depend on it.
 
     Raises:
-        IvsidError: naming the channel, sensor section or limit that is missing.
+        IvsidError: the name of the channel, the section of sensors or the limit that is missing.
     """
     if kind not in KINDS:
         raise IvsidError(f"rows '{kind}' are unknown; use {', '.join(KINDS)}")
@@ -62,19 +66,21 @@ def build_rows(
     def work(rows: slice) -> None:
         part = equations.part(rows.start, rows.stop, further)
         for k, (_, _, make) in enumerate(own):
-            space.put(k, rows.start, make(part))
+            made = make(part)
+            if made is not None:
+                space.put(k, rows.start, made)
 
     if own:
         over_pieces(pieces(equations.t.size, max(piece, 4 * further)), work)
     for k, (channel, how, _) in enumerate(own):
         if how == "pointwise" and not space.rows(k):
-            explain(equations, channel)
+            explain_absence(equations, channel)
     if len(own) == len(plan):
-        parts = [space.done()]
+        parts: list[RegressionRows] = [space.done()]
     else:
         made = iter(range(len(own)))
-        parts = [make(equations) if how == "weak" else space.done(next(made)) for _, how, make in plan]
-        parts = [p for p in parts if p is not None]
+        found = [make(equations) if how == "weak" else space.done(next(made)) for _, how, make in plan]
+        parts = [p for p in found if p is not None]
     if kind == "weak" and not parts:
         raise IvsidError(
             f"rows 'weak' need velocities that are enclosed from the pose, and {bounded.log.name} measures them or its vehicle file has "
@@ -88,25 +94,26 @@ def build_rows(
     return joined(parts, equations.assumes)
 
 
-def _plan(equations: Equations, counts: Sequence[int], kind: str) -> list[tuple[str, str, Any]]:
-    """Channel, kind and maker of rows, in the order in which they stand."""
-    plan: list[tuple[str, str, Any]] = []
+def _plan(equations: Equations, counts: Sequence[int], kind: str) -> list[tuple[str, str, Maker]]:
+    """Channel, kind and maker of each group of rows, in the order of the result."""
+    plan: list[tuple[str, str, Maker]] = []
     for index, channel in enumerate(CHANNELS):
         if not equations.acts(channel):
             continue
-        of: dict[str, Any] = {"index": index, "channel": channel}
-        # An acceleration that only follows from velocities adds its rows to those over windows.
+        # Accelerations that follow from velocities give rows beside those over windows.
         if kind not in ("integral", "weak") and equations.known(channel):
-            plan.append((channel, "pointwise", partial(pointwise, **of)))
+            plan.append((channel, "pointwise", partial(pointwise, index=index, channel=channel)))
         if kind in ("integral", "both") or (kind == "auto" and not equations.measured(channel)):
-            plan += [(channel, "integral", partial(integral, **of, count=count)) for count in counts]
+            plan += [
+                (channel, "integral", partial(integral, index=index, channel=channel, count=count)) for count in counts
+            ]
         if kind in ("weak", "both"):
-            plan += [(channel, "weak", partial(weak, **of, half=count)) for count in counts]
+            plan += [(channel, "weak", partial(weak, index=index, channel=channel, half=count)) for count in counts]
     return plan
 
 
 def _counts(log: Log, windows: Sequence[float], kind: str) -> list[int]:
-    """Steps of each window; windows of as many steps count once."""
+    """Steps of each window; windows with the same number of steps count once."""
     if not windows:
         raise IvsidError("no window is given; give a length, such as 1.0, or several")
     length = log.t[-1] - log.t[0]

@@ -1,11 +1,11 @@
-"""The equations of motion of a log and a model: what every kind of row is made of."""
+"""The equations of motion of a log and a model, from which every kind of row is made."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
 from copy import copy
 from functools import cached_property, partial
-from typing import Any, Final
+from typing import Final, TypeAlias, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,29 +15,35 @@ from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray, Interval, IntervalArray
 from ivsid.propulsion.lag import GAP
 from ivsid.rows.forces import Forces, KnownForces
-from ivsid.rows.needs import lacking, needed_by
 from ivsid.rows.record import ROW_KINDS, RegressionRows
+from ivsid.rows.required_columns import lacking, needed_by
 from ivsid.sensors.bounds import BoundedLog
 from ivsid.vehicle import Vehicle
 
-# Decimals of the mass and the centre of gravity are rounded, and their products too: this factor holds what that can lose.
+# Holds the rounding of the decimals of the mass and the centre of gravity, and of their products: four roundings of 2^-53 are less.
+# Source: theorem: standard model of floating-point arithmetic, Higham 2002, section 2.2
 PRODUCT: Final = Interval(1 - 2.0**-50, 1 + 2.0**-50)
-# A truth that turns by less than pi has readings less than this apart, errors included, only the right way round.
+# Largest distance between two readings of a heading [rad], errors included, that leaves no doubt about the direction of a turn.
+# Source: geometry: below half a turn the shorter way round is the only one
 HALF_TURN: Final = np.pi * (1 - 1e-12)
-# A place for questions of which quantities stand in a term.
+# An arbitrary place, for finding the quantities of a term by numbers.
 SOMEWHERE: Final = Place(0.3, 0.0, 0.0, 0.0)
+
+ColumnsOf: TypeAlias = Callable[[State], Columns]
+_T = TypeVar("_T")
 
 
 class Equations:
-    """The log, the model and the forces, while rows are made of them; the whole log, or a part of it.
+    """The log, the model and the forces, from which rows are made; the whole log, or a part of it.
 
     Attributes:
         t: times [s], shape (n,).
-        clock: the same enclosed.
+        clock: intervals of the times [s], shape (n,).
         channels: intervals of each channel, shape (n,).
-        present: where each has a sample.
+        present: where each channel has a sample, shape (n,).
         period: the usual step of the whole log [s].
-        owned: rows that a part makes rows of the regression for; those after them complete its windows.
+        owned: number of first samples at which the rows of this part begin; the samples after them complete its windows.
+        turning: whether a term turns with the heading, which is then one more quantity that moves.
     """
 
     def __init__(self, bounded: BoundedLog, vehicle: Vehicle, terms: tuple[Term, ...], known_mass: float) -> None:
@@ -50,16 +56,15 @@ class Equations:
         self.period = bounded.log.period
         if (words := lacking(bounded.log, terms, vehicle)) is not None:
             raise IvsidError(words)
-        # The decimals of a time may round, and a difference of doubles too: steps are enclosed like everything else.
+        # Decimals of a time are rounded, and so are differences of doubles: steps are intervals, too.
         self.clock = IntervalArray.around(self.t, bounded.log.time_error)
         self.channels, self.present = bounded.channels, bounded.present
         self._first, self.owned = 0, self.t.size
         self._sources = KnownForces(bounded, vehicle)
-        self._asked: dict[Hashable, Any] = {}
-        self._made: dict[Hashable, Any] = {}
+        self._asked: dict[Hashable, object] = {}
+        self._made: dict[Hashable, object] = {}
         for name in ("u", "v", "r"):
             self.channel(name)
-        # Some terms turn with the vehicle; the heading is one more quantity that moves.
         self.turning = "psi" in needed_by(terms, vehicle)
         if self.turning:
             self.channel("psi")
@@ -70,7 +75,7 @@ class Equations:
         return self._sources.part(self._first, self._first + self.t.size)
 
     def part(self, first: int, last: int, further: int) -> Equations:
-        """Of rows from ``first`` up to ``last``, and of ``further`` rows after them that complete their windows."""
+        """The part of rows from ``first`` up to ``last``, with ``further`` rows after them that complete their windows."""
         end = min(last + further, self.t.size)
         if first == 0 and end == self.t.size and last == end:
             return self
@@ -85,39 +90,43 @@ class Equations:
 
     @property
     def assumes(self) -> tuple[str, ...]:
-        """What the known forces rest on."""
+        """Sentences that the known forces rely on."""
         return self._sources.assumes
 
-    def ask(self, question: Hashable, answer: Callable[[], Any]) -> Any:
-        """The answer to a question about the model alone, which is the same for all parts of a log."""
+    def ask(self, question: Hashable, answer: Callable[[], _T]) -> _T:
+        """The answer to a question about the model alone, found once for all parts of a log."""
         if question not in self._asked:
             self._asked[question] = answer()
-        return self._asked[question]
+        return cast(_T, self._asked[question])
 
-    def once(self, what: Hashable, make: Callable[[], Any]) -> Any:
-        """What several channels and kinds of rows need of the same rows, made once."""
-        if what not in self._made:
-            self._made[what] = make()
-        return self._made[what]
+    def once(self, key: Hashable, make: Callable[[], _T]) -> _T:
+        """A quantity of this part that several channels and kinds of rows share, made once."""
+        if key not in self._made:
+            self._made[key] = make()
+        return cast(_T, self._made[key])
 
     def acts(self, channel: str) -> bool:
-        """Whether a parameter stands in the channel's equation."""
+        """Whether the equation of a channel has a parameter."""
         probe = State(1.0, 1.0, 1.0, 1.0, 1.0, 1.0, place=SOMEWHERE)
         return any(channel in term.columns(probe) for term in self.terms)
 
     def measured(self, channel: str) -> bool:
-        """Whether the channel's own acceleration is logged and bounded."""
+        """Whether the acceleration of a channel is logged and bounded."""
         names = {"surge": ("udot", "ax"), "sway": ("vdot", "ay"), "yaw": ("rdot",)}[channel]
         derived = self.bounded.log.derived
         return any(n in self.bounded.channels and n not in derived for n in names)
 
     def known(self, channel: str) -> bool:
-        """Whether the channel's own acceleration is bounded at samples, measured or not."""
+        """Whether the acceleration of a channel is bounded at samples, measured or not."""
         own = {"surge": "udot", "sway": "vdot", "yaw": "rdot"}[channel]
         return self.measured(channel) or own in self.bounded.channels
 
     def channel(self, name: str) -> IntervalArray:
-        """The intervals of a channel that the equations cannot do without."""
+        """The intervals of a channel that the equations need.
+
+        Raises:
+            IvsidError: the log lacks the column, or the vehicle file lacks the section of its sensor.
+        """
         self.bounded.log.column(name, "by the equations of motion")
         if name not in self.bounded.channels:
             section = {"u": "velocity", "v": "velocity", "r": "yaw_rate", "psi": "heading"}[name]
@@ -127,40 +136,44 @@ class Equations:
         return self.bounded.channels[name]
 
     def known_part(self, state: State) -> Columns:
-        """The left-hand side that the vehicle file knows already."""
+        """The left-hand side of the rigid body, which the vehicle file knows."""
         return rigid_body(state, self.mx, self.my, self.mass)
 
-    def known_force(self, mean: Callable[[Callable[[State], Columns]], IntervalArray]) -> IntervalArray:
-        """The same in intervals, from what ``mean`` makes of columns: number by number, since rounded ones may cancel in a sum."""
+    def known_force(self, mean: Callable[[ColumnsOf], IntervalArray]) -> IntervalArray:
+        """The left-hand side of the rigid body as intervals, from the ``mean`` of its columns.
+
+        Each number of the vehicle file counts by itself, since rounded numbers may cancel in a sum.
+        """
         parts = [mean(columns) * PRODUCT for columns in self._known]
         return sum(parts[1:], parts[0]) if parts else IntervalArray(np.array(0.0))
 
     def needs_rdot(self, channel: str) -> bool:
-        """Whether the derivative of the yaw rate stands in the channel's equation."""
-        still, probe = (State(0.0, 0.0, 0.0, 0.0, 0.0, rdot, place=SOMEWHERE) for rdot in (0.0, 1.0))
-        return bool(
-            self.ask(
-                ("rdot", channel),
-                lambda: any(
-                    f(probe).get(channel, 0.0) != f(still).get(channel, 0.0)
-                    for f in (*(t.columns for t in self.terms), self.known_part)
-                ),
-            )
+        """Whether the equation of a channel has the derivative of the yaw rate."""
+        rest, probe = (State(0.0, 0.0, 0.0, 0.0, 0.0, rdot, place=SOMEWHERE) for rdot in (0.0, 1.0))
+        return self.ask(
+            ("rdot", channel),
+            lambda: any(
+                bool(f(probe).get(channel, 0.0) != f(rest).get(channel, 0.0))
+                for f in (*(t.columns for t in self.terms), self.known_part)
+            ),
         )
 
     def ambient(self, channel: str) -> IntervalArray:
-        """All that the force [N] or moment [N m] that nobody models may be."""
+        """The interval of the ambient force [N] or moment [N m], which the model leaves out."""
         force, moment = self.bounded.ambient
         reach = moment if channel == "yaw" else force
         return IntervalArray(-reach, reach)
 
     def whole_steps(self, there: NDArray[np.bool_], usual: float, *, heading: bool) -> NDArray[np.bool_]:
-        """Steps of no gap between rows that are both there, with known forces.
+        """Whether each step has no gap, complete rows at both ends and known forces.
 
         Args:
-            there: rows that have all that is needed.
+            there: rows with all needed channels, shape (n,).
             usual: length of the usual step [s].
-            heading: it is followed, and must not be able to have turned either way round.
+            heading: the heading is followed, and the direction of its turn must be certain.
+
+        Returns:
+            Shape (n - 1,).
         """
         whole: NDArray[np.bool_] = there[1:] & there[:-1] & (np.diff(self.t) <= GAP * usual)
         if heading:
@@ -184,13 +197,13 @@ class Equations:
 
 
 def unit(derivative: str) -> State:
-    """At rest, with one unit acceleration."""
+    """The state at rest with one unit acceleration, ``udot``, ``vdot`` or ``rdot``; with none for an empty name."""
     udot, vdot, rdot = (1.0 if derivative == name else 0.0 for name in ("udot", "vdot", "rdot"))
     return State(0.0, 0.0, 0.0, udot, vdot, rdot, place=SOMEWHERE)
 
 
 def complete(whole: NDArray[np.bool_], count: int) -> NDArray[np.int64]:
-    """Where ``count`` whole steps follow each other."""
+    """The starts of ``count`` successive whole steps."""
     if whole.size < count:
         return np.zeros(0, dtype=np.int64)
     total = np.r_[0, np.cumsum(whole)]

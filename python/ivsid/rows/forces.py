@@ -16,13 +16,21 @@ from ivsid.vehicle import Vehicle
 
 
 def above(limit: float) -> float:
-    """The decimals of a limit are rounded to a double, too: the next one up holds them."""
+    """The next double above a limit, which holds the rounding of its decimals."""
     return float(np.nextafter(limit, np.inf))
 
 
 @dataclass(frozen=True)
 class Forces:
-    """Known forces by channel: at each row, and over each step to the next one; and where they are known."""
+    """Known forces by channel, X [N], Y [N], N [N m].
+
+    Attributes:
+        values: at the rows, shape (n,) each.
+        steps: mean over each step to the next row, shape (n - 1,) each.
+        present: rows with known forces, shape (n,).
+        assumes: sentences that the forces rely on.
+        whole: steps with known forces, shape (n - 1,); None where all are known.
+    """
 
     values: tuple[IntervalArray, IntervalArray, IntervalArray]
     steps: tuple[IntervalArray, IntervalArray, IntervalArray]
@@ -32,7 +40,11 @@ class Forces:
 
 
 class KnownForces:
-    """The forces of all thrusters, or the logged ones where the vehicle file has none; worked out for the rows that are asked for."""
+    """The forces of all thrusters, or the logged forces of a vehicle file without thrusters.
+
+    Raises:
+        IvsidError: a column or a limit that the forces need is missing.
+    """
 
     def __init__(self, bounded: BoundedLog, vehicle: Vehicle) -> None:
         log, held = bounded.log, vehicle.log.demand == "hold"
@@ -51,7 +63,7 @@ class KnownForces:
         )
 
     def part(self, first: int, last: int) -> Forces:
-        """At rows from ``first`` up to ``last``, and over the steps between them."""
+        """The forces at rows from ``first`` up to ``last``, and over the steps between them."""
         here, between = slice(first, last), slice(first, last - 1)
         if self._logged is not None:
             known = self._logged
@@ -89,27 +101,27 @@ def _logged(bounded: BoundedLog, vehicle: Vehicle) -> Forces:
             raise IvsidError(
                 f"the vehicle file has no [sensors.{section}] accuracy; it is needed to bound column {name}"
             )
-        x, sweep = bounded.channels[name], log.over.get(name)
+        x, between_rows = bounded.channels[name], log.over.get(name)
         values.append(x)
         present &= bounded.present[name]
-        if sweep is None:
-            # Unlike a demand, a logged force need not be held to the next row: between two rows it lies between their values.
+        if between_rows is None:
+            # A logged force has no zero-order hold, unlike a demand: between two rows it lies between their values.
             between.append(x[:-1].hull(x[1:]))
             sentences.append(f"{name} lies between the values of neighbouring samples")
             continue
-        known = np.isfinite(sweep.lower) & np.isfinite(sweep.upper)
+        known = np.isfinite(between_rows.lower) & np.isfinite(between_rows.upper)
         whole &= known
         accuracy = np.nextafter(getattr(vehicle.sensors, section).accuracy, np.inf)
-        readings = IntervalArray(np.where(known, sweep.lower, 0.0), np.where(known, sweep.upper, 0.0))
+        readings = IntervalArray(np.where(known, between_rows.lower, 0.0), np.where(known, between_rows.upper, 0.0))
         between.append(readings + IntervalArray(-accuracy, accuracy))
-        sentences.append(sweep.assumes)
+        sentences.append(between_rows.assumes)
     return Forces(
         (values[0], values[1], values[2]), (between[0], between[1], between[2]), present, tuple(sentences), whole
     )
 
 
 def _flow(bounded: BoundedLog, vehicle: Vehicle) -> Flow:
-    """u, v, r at rows, and all that the stated limits allow over each step."""
+    """u, v, r at rows, and their ranges over each step under the stated limits."""
     limits = vehicle.sensors.limits
     if limits.acceleration is None or limits.yaw_acceleration is None:
         raise IvsidError(

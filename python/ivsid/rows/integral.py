@@ -1,9 +1,9 @@
-"""Rows over windows: the mean of the equations, by exact differences and a quadrature with its error."""
+"""Integral rows: the mean of the equations over a window, by exact differences and a quadrature with its error."""
 
 from __future__ import annotations
 
 from functools import partial
-from typing import Any, Final, cast
+from typing import Final, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,19 +11,32 @@ from numpy.typing import NDArray
 from ivsid.effects import Columns, Place, State
 from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray, IntervalArray
-from ivsid.rows.equations import SOMEWHERE, Equations, complete, unit
+from ivsid.rows.equations import SOMEWHERE, ColumnsOf, Equations, complete, unit
 from ivsid.rows.forces import above
 from ivsid.rows.motion import Motion
 from ivsid.rows.record import RegressionRows
 
-# Stands for an acceleration [m/s^2] that nobody knows, where an infinity would spoil the sum over a window.
+# Bound on an acceleration [m/s^2] that is not known; an infinity would make the sum over a window undefined.
+# Source: physics: 1e5 times the acceleration of gravity
 MOST: Final = 1e6
-# A step that differs from the usual one by this share may be more than one sample.
+# Largest deviation of a step from the usual one, as a share of it, at which an averaging sensor still averages over the step. A lost row
+# makes a deviation of 1.
+# Source: definition: a tenth of a lost row
 WHOLE_STEP: Final = 0.1
 
 
 def integral(equations: Equations, index: int, channel: str, count: int) -> RegressionRows:
-    """The mean of the channel's equation over sliding windows of ``count`` steps that begin at rows that the part owns."""
+    """The mean of a channel's equation over sliding windows.
+
+    Args:
+        equations: of the log, or of a part of it that owns the first sample of each window.
+        index: of the channel.
+        channel: its name.
+        count: steps of a window.
+
+    Raises:
+        IvsidError: the vehicle file lacks a limit, or an averaged acceleration contradicts the velocities.
+    """
     starts, spans = equations.once(("windows", count), lambda: _windows(equations, count))
     quadrature = Quadrature(equations, np.diff(equations.t), starts, count, spans)
     columns = [quadrature.mean(term.columns, channel) for term in equations.terms]
@@ -38,7 +51,7 @@ def integral(equations: Equations, index: int, channel: str, count: int) -> Regr
 
 
 def _windows(equations: Equations, count: int) -> tuple[NDArray[np.int64], IntervalArray]:
-    """Where whole windows begin, and their lengths [s]."""
+    """The starts of whole windows, and their lengths [s]."""
     there = equations.forces.present.copy()
     for n in ("u", "v", "r", "psi") if equations.turning else ("u", "v", "r"):
         there &= equations.present[n]
@@ -47,15 +60,15 @@ def _windows(equations: Equations, count: int) -> tuple[NDArray[np.int64], Inter
     return starts, _taken(equations.clock, starts, count) - _taken(equations.clock, starts, 0)
 
 
-def _taken(x: Any, starts: NDArray[np.int64], offset: int) -> Any:
-    """Entries ``starts + offset``: a view where they follow each other, as they do in a log without gaps."""
+def _taken(x: IntervalArray, starts: NDArray[np.int64], offset: int) -> IntervalArray:
+    """The entries at ``starts + offset``; a view where they follow each other, as they do in a log without gaps."""
     if starts.size and starts[-1] - starts[0] + 1 == starts.size:
-        return x[starts[0] + offset : starts[-1] + offset + 1]
-    return x[starts + offset]
+        return cast(IntervalArray, x[starts[0] + offset : starts[-1] + offset + 1])
+    return cast(IntervalArray, x[starts + offset])
 
 
 def window_sum(x: IntervalArray, starts: NDArray[np.int64], count: int) -> IntervalArray:
-    """The sum of ``count`` neighbours from each start, by sums of 1, 2, 4 ... neighbours: few additions, and few roundings."""
+    """The sum of ``count`` neighbours from each start, by sums of 1, 2, 4 ... neighbours: few additions and few roundings."""
     total, done = None, 0
     doubled, length = x, 1
     while True:
@@ -68,7 +81,15 @@ def window_sum(x: IntervalArray, starts: NDArray[np.int64], count: int) -> Inter
 
 
 class Quadrature:
-    """Means over windows of ``count`` steps."""
+    """Means over windows.
+
+    Args:
+        equations: of the log or a part of it, with n samples.
+        steps: lengths of the steps [s], shape (n - 1,).
+        starts: first sample of each window, shape (k,).
+        count: steps of a window.
+        spans: lengths of the windows [s], shape (k,).
+    """
 
     def __init__(
         self, equations: Equations, steps: FloatArray, starts: NDArray[np.int64], count: int, spans: IntervalArray
@@ -78,43 +99,43 @@ class Quadrature:
         self.assumes: list[str] = ["psi turns by less than half a turn from row to row"] if equations.turning else []
 
     def window_mean(self, per_step: IntervalArray) -> IntervalArray:
-        """The mean over each window of a quantity given by its mean over each step."""
+        """The mean over each window, shape (k,), of a quantity given by its mean over each step, shape (n - 1,)."""
         return window_sum(per_step * self.steps, self.starts, self.count) / self.spans
 
-    def mean(self, columns: Any, channel: str) -> IntervalArray:
-        """The mean of a column: exact differences for its accelerations, a bounded quadrature for the rest."""
-        total: Any = IntervalArray(np.zeros(self.starts.shape))
+    def mean(self, columns: ColumnsOf, channel: str) -> IntervalArray:
+        """The mean of a column over each window: exact differences for its accelerations, a bounded quadrature for the rest."""
+        total = IntervalArray(np.zeros(self.starts.shape))
         for name, coefficient in self._accelerations(columns, channel):
             difference = self.equations.once(("difference", name, self.count), partial(self._difference, name))
             total = total + self._narrowed(difference, name) * coefficient / self.spans
         if self.has_velocity_part(columns, channel):
             total = total + self.window_mean(self._step_mean(columns, channel))
-        return cast(IntervalArray, total)
+        return total
 
-    def _accelerations(self, columns: Any, channel: str) -> list[tuple[str, float]]:
-        """The velocities whose rates of change stand in a column, each with its coefficient."""
+    def _accelerations(self, columns: ColumnsOf, channel: str) -> list[tuple[str, float]]:
+        """The velocities whose rates of change a column has, each with its coefficient."""
 
         def found() -> list[tuple[str, float]]:
-            still = columns(unit("")).get(channel, 0.0)
+            rest = columns(unit("")).get(channel, 0.0)
             pairs = (
-                (name, columns(unit(rate)).get(channel, 0.0) - still)
+                (name, columns(unit(rate)).get(channel, 0.0) - rest)
                 for name, rate in (("u", "udot"), ("v", "vdot"), ("r", "rdot"))
             )
             return [(name, coefficient) for name, coefficient in pairs if coefficient]
 
-        return cast(list[tuple[str, float]], self.equations.ask(("accelerations", columns, channel), found))
+        return self.equations.ask(("accelerations", columns, channel), found)
 
     def _difference(self, name: str) -> IntervalArray:
         x = self.equations.channels[name]
-        return cast(IntervalArray, _taken(x, self.starts, self.count) - _taken(x, self.starts, 0))
+        return _taken(x, self.starts, self.count) - _taken(x, self.starts, 0)
 
     def _narrowed(self, difference: IntervalArray, name: str) -> IntervalArray:
-        """A difference of u or v, by what an averaging accelerometer says of it, too: its mean, and that of v r or u r."""
+        """A difference of u or v, narrowed by the readings of an averaging accelerometer and the mean of v r or u r."""
         own = {"u": "mean_ax", "v": "mean_ay"}.get(name)
         channels = self.equations.channels
         log = self.equations.bounded.log
         if own is None or own not in channels or own.removeprefix("mean_") in {*log.clocks, *log.by_rate}:
-            # Of another clock than the rows, a reading averages something else than the step before its row.
+            # A reading on another clock than the rows' does not average over the step before its row.
             return difference
         self.assumes.append(f"each reading of {own.removeprefix('mean_')} is the mean since the row before it")
 
@@ -122,7 +143,7 @@ class Quadrature:
             return {"surge": s.v * s.r if name == "u" else -(s.u * s.r)}
 
         reading = channels[own][1:]
-        # Where a row was lost the reading averages the last sample alone, not the step.
+        # After a lost row the reading averages over its last sample, a part of the step.
         usual = np.abs(np.diff(self.equations.t) - log.period) <= WHOLE_STEP * log.period
         there = np.isfinite(reading.lower) & usual
         known = IntervalArray(np.where(there, reading.lower, -MOST), np.where(there, reading.upper, MOST))
@@ -136,22 +157,23 @@ class Quadrature:
             )
         return IntervalArray(lower, upper)
 
-    def has_velocity_part(self, columns: Any, channel: str) -> bool:
-        """Whether more than accelerations stands in a column."""
+    def has_velocity_part(self, columns: ColumnsOf, channel: str) -> bool:
+        """Whether a column has more than accelerations."""
         probes = [State(*nu, 0.0, 0.0, 0.0, place=SOMEWHERE) for nu in ((0.3, 0.7, 1.1), (-0.9, 0.4, -0.2))]
-        return bool(
-            self.equations.ask(
-                ("velocity", columns, channel), lambda: any(columns(p).get(channel, 0.0) != 0.0 for p in probes)
-            )
+        return self.equations.ask(
+            ("velocity", columns, channel), lambda: any(bool(columns(p).get(channel, 0.0) != 0.0) for p in probes)
         )
 
-    def _step_mean(self, columns: Any, channel: str) -> IntervalArray:
+    def _step_mean(self, columns: ColumnsOf, channel: str) -> IntervalArray:
         return self.step_parts(columns, channel)[0]
 
-    def step_parts(self, columns: Any, channel: str) -> tuple[IntervalArray, IntervalArray]:
-        """A column's mean over each step, and all that it can be within.
+    def step_parts(self, columns: ColumnsOf, channel: str) -> tuple[IntervalArray, IntervalArray]:
+        """The mean of a column over each step, and its range over the step, shape (n - 1,) each.
 
-        Trapezoid with its error: a Lipschitz constant L over a step h leaves at most L h / 4 on the mean.
+        The mean is the trapezoidal rule with its error: for a Lipschitz constant L and a step h it is at most L h / 4.
+
+        Raises:
+            IvsidError: the vehicle file lacks a limit that bounds the error.
         """
         limits = self.equations.vehicle.sensors.limits
         if limits.acceleration is None or limits.yaw_acceleration is None:
@@ -171,7 +193,7 @@ class Quadrature:
 
     def _states(self) -> tuple[State, State]:
         """Velocities at the rows, and over each step with their rates of change."""
-        return cast(tuple[State, State], self.equations.once("states", self._made_states))
+        return self.equations.once("states", self._made_states)
 
     def _made_states(self) -> tuple[State, State]:
         limits = self.equations.vehicle.sensors.limits
@@ -191,12 +213,13 @@ class Quadrature:
         )
 
     def _places(self, r: IntervalArray, swept: IntervalArray) -> tuple[Place | None, Place | None]:
-        """The heading at rows and over steps, with the yaw rate as its rate, where a term turns with it."""
+        """The heading at rows, and over steps with the yaw rate as its rate; None where no term turns with it."""
         if not self.equations.turning:
             return None, None
         psi, there = self.equations.channels["psi"], self.equations.present["psi"]
         psi = IntervalArray(np.where(there, psi.lower, 0.0), np.where(there, psi.upper, 0.0))
-        # A turn in one direction alone moves the heading away from one row and towards the next.
+        # In the first half of a step the heading differs from the row before by a turn over at most half a step, in the second half from
+        # the row after.
         turned = IntervalArray(np.zeros(self.steps.shape), self.steps.upper) * 0.5 * swept
         over = (psi[:-1] + turned).hull(psi[1:] - turned)
         nowhere = 0.0

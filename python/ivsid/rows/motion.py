@@ -1,4 +1,4 @@
-"""Quantities that move in time: their interval at a moment or over a step, with an interval of their rate of change."""
+"""Quantities that move in time: an interval of the value over a step, and an interval of its rate of change."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from ivsid.effects.cross_flow import cross_flow_over, steepest_over
 from ivsid.intervals import IntervalArray
 
-# NumPy's types know no intervals, its functions do.
+# NumPy's functions take intervals, but its type stubs do not.
 _minimum: Any = np.minimum
 _tanh: Any = np.tanh
 _cos: Any = np.cos
@@ -23,7 +23,11 @@ Scalar: TypeAlias = "Motion | float"
 class Motion:
     """A value and its time derivative; the operators follow the rules of differentiation.
 
-    With the rates bounded by stated limits this gives the Lipschitz constant that a quadrature needs (METHODS 5.2).
+    Rates that are bounded by stated limits give the Lipschitz constant of a quadrature (docs/theory.md, "Rows").
+
+    Attributes:
+        value: its range, any shape.
+        rate: range of its time derivative, of a shape that broadcasts with the value's.
     """
 
     value: IntervalArray

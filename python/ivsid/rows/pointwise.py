@@ -1,32 +1,37 @@
-"""Rows at samples: the equations as they stand, for logs with accelerations."""
+"""Pointwise rows: the equations at a sample, for logs with accelerations."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.effects import Columns, Place, State
+from ivsid.effects import Place, State
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
-from ivsid.rows.equations import Equations
+from ivsid.rows.equations import ColumnsOf, Equations
 from ivsid.rows.forces import above
 from ivsid.rows.record import RegressionRows
 
 
 def pointwise(equations: Equations, index: int, channel: str) -> RegressionRows:
-    """The channel's equation at every complete sample that the part owns."""
+    """A channel's equation at every complete sample that the part owns.
+
+    Args:
+        equations: of the log, or of a part of it.
+        index: of the channel.
+        channel: its name.
+    """
     limits = equations.vehicle.sensors.limits
-    # A yaw acceleration that is not measured is bounded by its limit, where the channel has it.
+    # The stated limit bounds a yaw acceleration that is not measured, where the equation has one.
     limited = "rdot" not in equations.channels and limits.yaw_acceleration is not None and equations.needs_rdot(channel)
     assumes = [f"|rdot| never exceeds {limits.yaw_acceleration!r} rad/s^2"] if limited else []
     shape = equations.t.shape
 
-    def column(columns: Callable[[State], Columns]) -> IntervalArray:
+    def column(columns: ColumnsOf) -> IntervalArray:
         state = equations.once(("state", limited), lambda: _state(equations, limited=limited))
-        made: Columns = equations.once((columns, limited), lambda: columns(state))
+        made = equations.once((columns, limited), lambda: columns(state))
         return _array(made.get(channel), shape)
 
     columns = [column(term.columns) for term in equations.terms]
@@ -37,13 +42,13 @@ def pointwise(equations: Equations, index: int, channel: str) -> RegressionRows:
     usable[equations.owned :] = False
     time = equations.t
     if not usable.all():
-        rows: Any = slice(equations.owned) if usable[: equations.owned].all() else usable
+        rows = slice(equations.owned) if usable[: equations.owned].all() else usable
         matrix, right, time = matrix[rows], right[rows], time[rows]
     return equations.rows("pointwise", index, matrix, right, time, np.zeros(time.shape), assumes)
 
 
 def _state(equations: Equations, *, limited: bool) -> State:
-    """Velocities and accelerations at the samples; every number where an acceleration is not known."""
+    """Velocities and accelerations at the samples; an acceleration that is not known is the whole line."""
     channels = equations.channels
     u, v, r = (channels[n] for n in ("u", "v", "r"))
     shape = equations.t.shape
@@ -59,8 +64,8 @@ def _state(equations: Equations, *, limited: bool) -> State:
     return State(u, v, r, udot, vdot, rdot, ax, ay, place=place)
 
 
-def explain(equations: Equations, channel: str) -> None:
-    """Says why a channel has no row at all, where the log or the vehicle file could be completed.
+def explain_absence(equations: Equations, channel: str) -> None:
+    """Refuses a channel without rows where the log or the vehicle file can be completed.
 
     Raises:
         IvsidError: the yaw acceleration is missing.
@@ -72,13 +77,12 @@ def explain(equations: Equations, channel: str) -> None:
         )
 
 
-def _array(column: Any, shape: tuple[int, ...]) -> IntervalArray:
-    """A column of one entry a row."""
+def _array(column: IntervalArray | float | None, shape: tuple[int, ...]) -> IntervalArray:
+    """A column with one entry for each row."""
     if isinstance(column, IntervalArray) and column.shape == shape:
         return column
     zero = IntervalArray(np.zeros(shape))
-    result: IntervalArray = zero if column is None else column + zero
-    return result
+    return zero if column is None else zero + column
 
 
 def _finite(columns: Sequence[IntervalArray]) -> NDArray[np.bool_]:

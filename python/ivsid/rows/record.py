@@ -1,4 +1,4 @@
-"""What interval rows are, as a value."""
+"""Interval rows as a value."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ivsid.effects import Term
 from ivsid.intervals import FloatArray, IntervalArray
 
-# At a sample, over a window, over two windows weighted by a hat; and what bounds the bias of an accelerometer's axis.
+# Rows at a sample, over a window, over two windows weighted by a hat; and the rows that bound the bias of an accelerometer's axis.
 ROW_KINDS: Final = ("pointwise", "integral", "weak", "bias.x", "bias.y")
 _NAMED: Final = {"channel": np.int64, "time": np.float64, "duration": np.float64, "kind": np.int64}
 
@@ -27,7 +27,7 @@ class RegressionRows:
         right: known forces, shape (m,) [N or N m].
         channel: index into ("surge", "sway", "yaw"), shape (m,).
         time: start of each row [s], shape (m,).
-        duration: length of its window [s], 0 for a pointwise row, shape (m,).
+        duration: length of the window of each row [s], 0 for a pointwise row, shape (m,).
         kind: index into ``ROW_KINDS``, shape (m,).
         assumes: sentences that the rows rely on, beyond the sensor bounds.
     """
@@ -42,12 +42,17 @@ class RegressionRows:
     assumes: tuple[str, ...]
 
     def take(self, rows: NDArray[Any], columns: Sequence[int]) -> RegressionRows:
-        """Some of the rows, with some of the columns."""
+        """Some of the rows with some of the columns.
+
+        Args:
+            rows: flags of shape (m,), or indices.
+            columns: indices.
+        """
         terms = tuple(self.terms[j] for j in columns)
         if rows.dtype == bool:
             where = np.flatnonzero(rows)
             together = where.size and where[-1] - where[0] + 1 == where.size
-            # Rows that follow each other are a view; of scattered ones whole rows are copied, which is quicker than entries.
+            # Successive rows are a view; scattered rows are copied whole, which is quicker than entry by entry.
             rows = slice(where[0], where[-1] + 1) if together else where  # type: ignore[assignment]
         matrix = self.matrix[rows]
         if list(columns) != list(range(self.matrix.shape[1])):
@@ -65,11 +70,12 @@ class RegressionRows:
 
 
 class Space:
-    """Room for the rows of several makers, written where they will stand: memory is touched once.
+    """Memory for the rows of several makers, each row written once and in its place.
 
     Args:
         terms: one for each column.
-        makers: how many there are, each with at most ``most`` rows.
+        makers: number of makers of rows.
+        most: largest number of rows of each.
     """
 
     def __init__(self, terms: tuple[Term, ...], makers: int, most: int) -> None:
@@ -81,7 +87,7 @@ class Space:
         self._assumes: dict[tuple[int, int], tuple[str, ...]] = {}
 
     def put(self, maker: int, first: int, part: RegressionRows) -> None:
-        """The rows that a maker made of the samples from ``first`` on: at most one each."""
+        """Keeps the rows of a maker from the samples from ``first`` on, at most one for each sample."""
         low = maker * self.most + first
         high = low + part.time.size
         self._matrix[0, low:high], self._matrix[1, low:high] = part.matrix.lower, part.matrix.upper
@@ -92,11 +98,14 @@ class Space:
         self._assumes[maker, first] = part.assumes
 
     def rows(self, maker: int) -> int:
-        """How many rows a maker made."""
+        """The number of rows of a maker."""
         return sum(n for (k, _), n in self._filled.items() if k == maker)
 
     def done(self, maker: int | None = None) -> RegressionRows:
-        """All rows, maker by maker, or those of one maker; the rows are moved together, so each is asked for once and in order."""
+        """All rows, maker by maker, or those of one maker.
+
+        The rows are moved together in place, so ask for each maker once and in order.
+        """
         wanted = sorted(key for key in self._filled if maker in (None, key[0]))
         begin = m = 0 if maker is None else maker * self.most
         arrays = [*self._matrix, *self._right, *self._named.values()]
@@ -115,7 +124,7 @@ class Space:
 
 
 def joined(parts: Sequence[RegressionRows], assumes: Sequence[str]) -> RegressionRows:
-    """The rows of all parts, in their order, which rest on ``assumes`` and on what each part does."""
+    """The rows of all parts in their order, with ``assumes`` before the sentences of the parts."""
     sentences = tuple(dict.fromkeys((*assumes, *(s for p in parts for s in p.assumes))))
     if len(parts) == 1:
         return replace(parts[0], assumes=sentences)

@@ -1,24 +1,33 @@
-"""Rows weighted by a hat over two windows, with means of velocities straight from the pose (``weak_form``)."""
+"""Weak rows: the equations weighted by a hat over two windows, with means of velocities from the pose itself."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.intervals import IntervalArray
-from ivsid.rows.equations import Equations, complete, unit
+from ivsid.rows.equations import ColumnsOf, Equations, complete, unit
 from ivsid.rows.integral import Quadrature
 from ivsid.rows.record import RegressionRows
 from ivsid.sensors.weak_form import ROUNDING, pose_means
 
 
 def weak(equations: Equations, index: int, channel: str, half: int) -> RegressionRows | None:
-    """The channel's equation weighted by a hat of ``half`` steps on either side, with means of velocities from the pose itself; None without it."""
+    """A channel's equation weighted by a hat.
+
+    Args:
+        equations: of the whole log.
+        index: of the channel.
+        channel: its name.
+        half: steps of the hat on either side.
+
+    Returns:
+        The rows; None where the velocities do not come from the pose, an ambient force acts, or a lagging thrust depends on the flow,
+        a rudder or an azimuth angle.
+    """
     steps = equations.clock[1:] - equations.clock[:-1]
     means = pose_means(equations.bounded.log, equations.vehicle.sensors, dict(equations.bounded.channels), steps)
-    # Behind a lag these change the force at a row, so that its values at both rows do not enclose it between them.
+    # These change a lagging force within a step, so that its values at both rows do not enclose it between them.
     mixed = any(
         t.time_constant and (t.advance_loss or t.rudder is not None or t.steering == "azimuth")
         for t in equations.vehicle.thrusters
@@ -45,7 +54,7 @@ def weak(equations: Equations, index: int, channel: str, half: int) -> Regressio
 
 
 class _Hat:
-    """Means weighted by a hat over two halves of ``half`` steps each."""
+    """Means weighted by a hat over two halves of ``half`` steps each; ``rising`` holds the means of velocities of both halves."""
 
     def __init__(
         self, equations: Equations, starts: NDArray[np.int64], half: int, rising: dict[str, IntervalArray]
@@ -59,9 +68,10 @@ class _Hat:
         self.clock = clock
 
     def weighted(self, per_step: IntervalArray, within: IntervalArray) -> IntervalArray:
-        """The weighted mean of a quantity given by its mean over each step and by all that it can be within.
+        """The weighted mean of a quantity given by its mean and its range over each step.
 
-        Within a step the weight is off its mean by a line: what that can catch is at most a quarter of its rise times the radius.
+        Within a step the weight differs from its mean by a line. The line adds at most a quarter of its rise times the radius of the
+        range.
         """
         steps = self.quadrature.steps
         radius = within.radius * (1 + ROUNDING)
@@ -79,7 +89,7 @@ class _Hat:
         mean: IntervalArray = total / self.area
         return mean
 
-    def mean(self, columns: Any, channel: str) -> IntervalArray:
+    def mean(self, columns: ColumnsOf, channel: str) -> IntervalArray:
         """The weighted mean of a column: its accelerations through the means of both halves, the rest by a bounded quadrature."""
         total = IntervalArray(np.zeros(self.starts.shape))
         for name, derivative in (("u", "udot"), ("v", "vdot"), ("r", "rdot")):

@@ -1,10 +1,11 @@
 """Readings to intervals.
 
-- ``bounds``: an interval for every sample of a log, under the stated probability or number of sigmas.
+- ``bounds``: an interval for every sample of a log.
+- ``noise``: the number of sigmas that bounds a whole log, and half-widths of inertial channels; ``doppler``: velocity sensors.
 - ``allan``, ``allan_fit``: the Allan deviation of a static recording, and the noise coefficients read off it.
 - ``pose``, ``derivatives``: positions to velocities, velocities to accelerations.
-- ``origin``, ``mounting``: readings brought to the body origin by lever arms, rotations and gravity.
-- ``smoothing``: velocities by splines, an estimate; ``weak_form``: means of velocities straight from the pose.
+- ``mounting``, ``origin``: lever arms, rotations and gravity in intervals, and logs brought to the body origin by them.
+- ``smoothing``: velocities by splines, an estimate; ``weak_form``: means of velocities from the pose, without velocities at rows.
 
 The chapter may use ``log``, ``vehicle`` and what is below them.
 """

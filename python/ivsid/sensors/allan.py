@@ -1,8 +1,8 @@
-"""Allan deviation of a static recording -> random walk, bias instability, bounds (paper V.A, eq. 15, Figs 1-2).
+"""Allan deviation of a static recording: random walk, bias instability and rate random walk (paper V.A, eq. 15, Figs 1-2).
 
-The curve is the overlapping Allan deviation of allantools. Random walk N, a first-order Gauss-Markov bias (standard deviation
-B, time T) and a rate random walk K are fitted to it together (``allan_fit``). The bias makes a hump that peaks at 0.617 B near
-tau = 1.89 T. The lowest point of the curve over 0.664 is the classical flicker coefficient.
+The curve is the overlapping Allan deviation of allantools. ``allan_fit`` fits to it a random walk N, a first-order Gauss-Markov bias
+(standard deviation B, time T) and a rate random walk K together. The bias makes a hump that peaks at 0.617 B near tau = 1.89 T. The
+lowest point of the curve divided by 0.664 is the classical flicker coefficient.
 """
 
 from __future__ import annotations
@@ -18,31 +18,37 @@ from scipy.stats import chi2
 
 from ivsid.errors import IvsidError
 from ivsid.sensors.allan_fit import covariance, fit_noise, octaves, variance
-from ivsid.sensors.bounds import sigma_published
+from ivsid.sensors.noise import sigma_published
 
+# Allan deviation of flicker noise divided by its bias instability, sqrt(2 ln(2) / pi).
+# Source: definition: IEEE Std 952-1997, bias instability.
 FLICKER: Final = 0.664
+# Points of the drawn curve.
+# Source: resource: bounds the time of an analysis, one pass over the record a point.
 POINTS: Final = 40
+# Samples below which a recording is refused: five octaves for the four numbers of the fit need 96.
+# Source: theorem: a fit of four numbers has a degree of freedom only with five points.
 MINIMUM_SAMPLES: Final = 100
 
 
 @dataclass(frozen=True)
 class AllanDeviation:
-    """The curve of one channel and what was read off it.
+    """The Allan deviation of one channel and the numbers fitted to it.
 
     Attributes:
         channel: its name.
-        taus: averaging times [s].
-        deviation: overlapping Allan deviation, in the channel's unit.
-        error: standard error of each point, from the fitted noise.
+        taus: averaging times [s], shape (n,).
+        deviation: overlapping Allan deviation, in the channel's unit, shape (n,).
+        error: standard error of each point under the fitted noise, shape (n,).
         band: 95 % band of the deviation at each point (chi^2 with the degrees of freedom of the fitted noise), shape (2, n).
         random_walk: N [unit/sqrt(s)].
         bias_instability: B, the standard deviation of the Gauss-Markov bias [unit].
         bias_time: T [s].
-        resolved: whether the hump of the bias stands inside the record; else B is what the fit tolerates, not a measurement.
+        rate_random_walk: K [unit/s/sqrt(s)]; 0 if the record shows none.
+        bands: the 95 % band of each of these four numbers by its name here; ends that the record leaves open are 0 or infinite.
+        resolved: whether the hump of the bias is inside the record; else B is the largest that the fit tolerates, not a measurement.
         floor: lowest deviation over 0.664, the classical flicker coefficient [unit].
-        floor_time: where the curve is lowest [s].
-        rate_random_walk: K [unit/s/sqrt(s)]; 0 where the record shows none.
-        bands: the 95 % band of each number that was read off, by its name here; ends that the record leaves open are 0 or infinite.
+        floor_time: averaging time of the lowest deviation [s].
         sigma_c: eq. 15 with the record's period and T [unit].
         mean: mean reading [unit].
     """
@@ -64,12 +70,12 @@ class AllanDeviation:
     mean: float
 
     def model(self, taus: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The fitted deviation at averaging times [s]."""
+        """The fitted deviation at averaging times [s], in the channel's unit."""
         return np.sqrt(variance(taus, self.random_walk, self.bias_instability, self.bias_time, self.rate_random_walk))
 
 
 def allan_deviation(channel: str, values: NDArray[np.float64], period: float) -> AllanDeviation:
-    """Analyses one channel of a static recording.
+    """The Allan deviation of one channel of a static recording, with the noise fitted to it.
 
     Args:
         channel: its name, for messages.
@@ -77,7 +83,7 @@ def allan_deviation(channel: str, values: NDArray[np.float64], period: float) ->
         period: of the readings [s].
 
     Raises:
-        IvsidError: too few samples, missing ones, or a constant channel.
+        IvsidError: too few samples, missing samples, or a constant channel.
     """
     if values.size < MINIMUM_SAMPLES:
         raise IvsidError(

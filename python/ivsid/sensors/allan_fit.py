@@ -1,20 +1,20 @@
-"""N, B, T and K read off an Allan variance with their 95 % bands: generalised least squares on octaves of averaging time.
+"""N, B, T and K from an Allan variance, with 95 % bands: generalised least squares on octaves of averaging time.
 
 White noise N, a first-order Gauss-Markov bias (B, T) and a rate random walk K give at averaging time tau
 
     sigma^2 = N^2 / tau + (2 B^2 T / tau) (1 - T / (2 tau) (3 - 4 exp(-tau/T) + exp(-2 tau/T))) + K^2 tau / 3.
 
-Overlapping estimates at different tau share their samples, so the misfit is weighted by their covariance. For Gaussian noise of
-spectrum S it follows from Isserlis' theorem and Parseval's: cov = 2/M integral S^2 |H_j|^2 |H_k|^2 df, M the number of differences of
-the more plentiful one and H the filter of the Allan variance. Bands are profile likelihoods: all values of one number at which some
-choice of the others misfits by at most 3.84 (chi^2 of one degree of freedom, 95 %) more than the best.
+Overlapping estimates at different tau share their samples, so that the misfit is weighted by their covariance. For Gaussian noise of
+spectrum S the covariance follows from the theorems of Isserlis and Parseval: cov = 2/M integral S^2 |H_j|^2 |H_k|^2 df. H is the filter
+of the Allan variance, and M the larger of the two numbers of differences. Bands are profile likelihoods: all values of one number for
+which some choice of the others has a misfit at most 3.84 (chi^2 of one degree of freedom, 95 %) above the best.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,15 +24,23 @@ from scipy.special import digamma, polygamma
 from scipy.stats import chi2
 
 NAMES: Final = ("random_walk", "bias_instability", "bias_time", "rate_random_walk")
-# chi^2 of one degree of freedom holds 95 % below this.
+# Rise of the misfit at the ends of a 95 % band: the 95 % quantile of chi^2 with one degree of freedom.
+# Source: theorem: Wilks, likelihood ratio.
 LEVEL: Final = float(chi2.ppf(0.95, 1))
-# A rate random walk is taken into the fit only where it lowers the misfit by more than this (99.9 %): else K is 0.
+# A rate random walk enters the fit only if it lowers the misfit by more than this, the 99.9 % quantile; else K is 0.
+# Source: theorem: Wilks, likelihood ratio.
 SIGNIFICANT: Final = float(chi2.ppf(0.999, 1))
+# Frequencies of the integral for the covariance, spaced geometrically.
+# Source: none
 FREQUENCIES: Final = 4000
-# The longest averaging time of the fit leaves this many times itself in the record.
+# The record is at least as long as this multiple of the longest averaging time of the fit.
+# Source: none
 LEAST_AVERAGES: Final = 6
-# A number this far below the best fit's scale is nothing.
+# A number below this share of its scale in the record counts as 0.
+# Source: definition: its part of the variance is 1e-12.
 _NOTHING: Final = 1e-6
+# Half the range of the logarithm of a number in the fit.
+# Source: definition: exp(25) = 7e10, so that squares stay far from overflow.
 _RANGE: Final = 25.0
 
 Array = NDArray[np.float64]
@@ -40,38 +48,41 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class NoiseFit:
-    """What was read off.
+    """The fitted noise.
 
     Attributes:
         values: N [unit/sqrt(s)], B [unit], T [s], K [unit/s/sqrt(s)].
-        bands: the 95 % band of each by its name in ``NAMES``; 0 and infinity where the record leaves an end open.
-        misfit: chi^2 of the best fit.
-        freedom: its degrees of freedom.
+        bands: the 95 % band of each by its name in ``NAMES``; an end that the record leaves open is 0 or infinite.
     """
 
     values: tuple[float, float, float, float]
     bands: dict[str, tuple[float, float]]
-    misfit: float
-    freedom: int
 
 
 def octaves(samples: int) -> NDArray[np.int64]:
-    """Averaging times of the fit in samples: powers of two."""
+    """Averaging times of the fit in samples: powers of two, shape (m,)."""
     last = max(int(np.log2(max(samples / LEAST_AVERAGES, 1))), 3)
     return 2 ** np.arange(last + 1)
 
 
 def variance(tau: Array, n: float, b: float, t: float, k: float) -> Array:
-    """The Allan variance at averaging times [s]."""
+    """The Allan variance of N, B, T, K at averaging times [s], in the square of the channel's unit (formula above)."""
     x = tau / t
-    # 1 - (3 - 4 exp(-x) + exp(-2x)) / (2x) loses all digits for small x; its series is x^2/3 - x^3/4.
+    # 1 - (3 - 4 exp(-x) + exp(-2x)) / (2x) cancels for small x, where its series x^2/3 - x^3/4 is used.
     safe = np.maximum(x, 1e-3)
     hump = np.where(x > 1e-3, 1 - (3 - 4 * np.exp(-safe) + np.exp(-2 * safe)) / (2 * safe), x * x / 3 - x**3 / 4)
     return np.asarray(n * n / tau + 2 * b * b / x * hump + k * k * tau / 3, dtype=np.float64)
 
 
 def covariance(values: tuple[float, ...], m: NDArray[np.int64], samples: int, period: float) -> Array:
-    """Covariance of overlapping estimates of the variance at ``m`` samples each, for noise of these numbers, shape (q, q)."""
+    """Covariance of overlapping estimates of the Allan variance, shape (q, q), in the fourth power of the channel's unit.
+
+    Args:
+        values: N, B, T, K of the noise.
+        m: averaging times in samples, shape (q,).
+        samples: of the record.
+        period: of the samples [s].
+    """
     n, b, t, k = values
     f = np.geomspace(0.02 / samples, 0.5, FREQUENCIES)
     half = np.pi * f
@@ -82,29 +93,29 @@ def covariance(values: tuple[float, ...], m: NDArray[np.int64], samples: int, pe
         + b * b * (1 - decay**2) / ((1 - decay) ** 2 + 4 * decay * np.sin(half) ** 2)
         + k * k * period / (4 * np.sin(half) ** 2)
     )
-    gain = spectrum * np.stack([2 * np.sin(half * q) ** 4 / (q * np.sin(half)) ** 2 for q in m])
+    filtered = spectrum * np.stack([2 * np.sin(half * q) ** 4 / (q * np.sin(half)) ** 2 for q in m])
     weight = np.gradient(f)
-    shared = 2 * (gain * weight) @ gain.T
+    shared = 2 * (filtered * weight) @ filtered.T
     estimates = samples - 2 * m + 1
     return np.asarray(2 * shared / np.maximum.outer(estimates, estimates), dtype=np.float64)
 
 
 def fit_noise(m: NDArray[np.int64], observed: Array, samples: int, period: float) -> NoiseFit:
-    """Fits N, B, T, K to overlapping Allan variances.
+    """Fits N, B, T and K to overlapping Allan variances.
 
     Args:
-        m: averaging times in samples, increasing.
-        observed: variances there, positive.
+        m: averaging times in samples, increasing, shape (q,).
+        observed: Allan variances at these times, positive, shape (q,).
         samples: of the record.
         period: of the samples [s].
     """
     tau: Array = m.astype(np.float64) * period
     log_observed = np.log(observed)
     low: Array = np.log([observed[0] * period, observed.min(), tau[0] ** 2, 3 * observed.min() / tau[-1]]) / 2
-    # A bias slower than the record cannot be told from a walk.
+    # No record tells a bias slower than itself from a rate random walk.
     slowest = float(np.log(samples * period))
     start = _start(tau, observed)
-    # For a start: about samples / m independent averages.
+    # The first weights assume samples / m independent averages.
     whiten = _whitener(np.diag(2.0 * m / samples))
     bias: Array = np.zeros(m.shape)
     best = start
@@ -114,7 +125,7 @@ def fit_noise(m: NDArray[np.int64], observed: Array, samples: int, period: float
         spread = covariance(numbers, m, samples, period)
         model = variance(tau, *numbers)
         relative = spread / np.outer(model, model)
-        # An estimate is like chi^2 / nu: its logarithm is a little low, and its variance a little more than 2 / nu.
+        # An estimate is distributed like chi^2 / nu: its logarithm has a negative bias and a variance above 2 / nu.
         nu = 2 / np.diag(relative)
         bias = np.log(nu / 2) - digamma(nu / 2)
         wider = np.sqrt(polygamma(1, nu / 2) / np.diag(relative))
@@ -152,14 +163,14 @@ def _residual(
 
 
 def _minimum(residual: Callable[[Array], Array], start: Array, free: list[int]) -> tuple[float, Array]:
-    """The least misfit over the free numbers, the others as they start."""
+    """The least misfit over the free numbers and its place; the other numbers stay at ``start``."""
 
     def part(q: Array) -> Array:
         p = start.copy()
         p[free] = q
         return residual(p)
 
-    found: Any = least_squares(part, start[free], method="lm", max_nfev=400)
+    found = least_squares(part, start[free], method="lm", max_nfev=400)
     p = start.copy()
     p[free] = found.x
     return 2 * float(found.cost), p
@@ -168,7 +179,7 @@ def _minimum(residual: Callable[[Array], Array], start: Array, free: list[int]) 
 def _best(
     tau: Array, target: Array, whiten: Callable[[Array], Array], start: Array, ends: tuple[Array, float], *, starts: int
 ) -> tuple[Array, bool]:
-    """The best numbers, without a rate random walk unless the record shows one; and whether it does."""
+    """The best numbers, and whether the record shows a rate random walk; without one K is 0."""
     residual = _residual(tau, target, whiten, ends)
     low = ends[0]
     times = np.linspace(low[2] + 1.0, ends[1], starts + 2)[1:-1]
@@ -180,7 +191,7 @@ def _best(
     white = _minimum(residual, quiet, [0])
     only = _minimum(residual, np.r_[full[1][0], low[1] - _RANGE, start[2], low[3] - 1.0], [0, 3])
     if only[0] < white[0] - SIGNIFICANT and only[0] < min(without[0], full[0]) + SIGNIFICANT:
-        # A walk alone explains the slow part: the bias is nothing.
+        # A walk alone explains the slow part, and the bias is 0.
         return only[1], True
     if full[0] < without[0] - SIGNIFICANT:
         return full[1], True
@@ -208,7 +219,7 @@ def _banded(
         reach = (low[j], ends[1]) if name == "bias_time" else (low[j] - np.log(1 / _NOTHING), low[j] + 12.0)
         down, up = (_end(residual, [top, best], j, others, least + LEVEL, sign, reach) for sign in (-1.0, 1.0))
         bands[name] = (min(down, values[j]), max(up, values[j]))
-    return NoiseFit(values, bands, own, len(tau) - (4 if with_k else 3))
+    return NoiseFit(values, bands)
 
 
 def _end(
@@ -220,7 +231,7 @@ def _end(
     sign: float,
     reach: tuple[float, float],
 ) -> float:
-    """How far one number goes to one side before the misfit passes the limit; 0 or infinity beyond its reach."""
+    """The end of a number's band to one side, where the misfit passes the limit; 0 or infinity beyond its range."""
     warm = list(starts)
 
     def misfit(x: float) -> float:

@@ -1,8 +1,8 @@
-"""Accelerations enclosed from velocities, where the vehicle file bounds how fast an acceleration changes.
+"""Accelerations enclosed from velocities, where the vehicle file bounds the rate of change of an acceleration.
 
 The mean of udot over a window is an exact difference of two velocities. Where |d^2 u / dt^2| <= J, the acceleration at a moment t of
-the window [t_i, t_j] differs from it by at most J ((t - t_i)^2 + (t_j - t)^2) / (2 (t_j - t_i)). Several windows are intersected, and
-the stated limit of the acceleration itself.
+the window [t_i, t_j] differs from that mean by at most J ((t - t_i)^2 + (t_j - t)^2) / (2 (t_j - t_i)). The intervals of several
+windows, and the stated limit of the acceleration itself, are intersected.
 """
 
 from __future__ import annotations
@@ -19,7 +19,9 @@ from ivsid.intervals import IntervalArray
 from ivsid.log import Log
 from ivsid.vehicle import Sensors
 
-# Windows that are tried, as shares of the one where reading and jerk weigh the same.
+# Lengths of the windows, as shares of the length at which reading and jerk contribute the same width. The best length varies with
+# the motion; every window holds, so that their choice decides the width alone.
+# Source: none
 SHARES: Final = (0.5, 0.7, 1.0, 1.4)
 RATES: Final = {"udot": "u", "vdot": "v", "rdot": "r"}
 
@@ -27,17 +29,17 @@ RATES: Final = {"udot": "u", "vdot": "v", "rdot": "r"}
 def enclosed_rate(
     log: Log, channel: IntervalArray, limit: float | None, jerk: float | None, name: str
 ) -> IntervalArray | None:
-    """The rate of change of a channel at every row; None where neither limit is stated.
+    """Intervals of the rate of change of a channel at every row, shape (n,); None if neither limit is stated.
 
     Args:
         log: its clock.
-        channel: shape (n,); every number where it is missing.
-        limit: of the rate.
-        jerk: of the rate's own rate of change.
+        channel: shape (n,); a missing sample is [-inf, inf].
+        limit: bound of the rate [unit/s].
+        jerk: bound of the rate of change of the rate [unit/s^2].
         name: for messages.
 
     Raises:
-        IvsidError: no rate within the limits fits all windows.
+        IvsidError: no rate within the limits satisfies all windows.
     """
     if limit is None and jerk is None:
         return None
@@ -70,7 +72,13 @@ def enclosed_rate(
 def with_accelerations(
     log: Log, channels: Mapping[str, IntervalArray], sensors: Sensors
 ) -> tuple[Log, dict[str, IntervalArray]]:
-    """The log with the accelerations that it lacks, where the file states ``jerk`` or ``yaw_jerk``; else unchanged."""
+    """The log with the accelerations that it lacks, and their intervals, each of shape (n,).
+
+    They need the limit ``jerk`` (udot, vdot [m/s^2]) or ``yaw_jerk`` (rdot [rad/s^2]); without it the log is unchanged.
+
+    Raises:
+        IvsidError: as ``enclosed_rate``.
+    """
     limits = sensors.limits
     found: dict[str, IntervalArray] = {}
     for name, (source, measured, limit, jerk) in {
@@ -101,7 +109,7 @@ def with_accelerations(
 
 
 def _windows(log: Log, channel: IntervalArray, known: NDArray[np.bool_], jerk: float) -> Sequence[tuple[int, int]]:
-    """Rows before and after the moment: about where reading and jerk weigh the same, and one-sided ones for the ends."""
+    """Windows as rows before and after the moment: of about the best length, and one-sided ones for the ends of the log."""
     if not known.any():
         return ()
     width = float(np.median((channel.upper - channel.lower)[known]))

@@ -1,4 +1,4 @@
-"""A bounded log whose sensors stand off the origin, are turned or feel gravity, brought to the body origin (``mounting``)."""
+"""Bounded logs of mounted sensors, brought to the body origin by the formulas of ``mounting``."""
 
 from __future__ import annotations
 
@@ -15,18 +15,23 @@ from ivsid.sensors.derivatives import enclosed_rate
 from ivsid.sensors.mounting import GRAVITY, force_at_origin, velocity_at_origin, without_gravity
 from ivsid.vehicle import AccelerationSensor, Sensors
 
-# An attitude whose norm is off by more than this, or whose pitch is steeper [rad], says nothing of gravity.
+# A quaternion whose squared norm is off 1 by more than this is not used: it is no rotation.
+# Source: none
 MOST_OFF_UNIT: Final = 0.02
+# A pitch beyond this [rad] is not used: the error of the roll grows as 1 / cos(pitch), here by 2.8.
+# Source: geometry: roll is undefined at a pitch of pi / 2.
 STEEP: Final = 1.2
 
 
 def at_origin(
     log: Log, channels: dict[str, IntervalArray], present: dict[str, NDArray[np.bool_]], sensors: Sensors
 ) -> tuple[Log, dict[str, IntervalArray], dict[str, NDArray[np.bool_]]]:
-    """Velocities and specific forces of the body origin, where a sensor stands off it, is turned or feels gravity.
+    """The log, its channels and their presence with velocities and specific forces of the body origin.
+
+    Channels whose sensors stand at the origin, in body axes and without gravity, stay as they are.
 
     Raises:
-        IvsidError: what is needed for it is not logged or not bounded.
+        IvsidError: a needed channel is not logged or not bounded, or the log contradicts the mounting.
     """
     moved: dict[str, IntervalArray] = {}
     velocity, acceleration = sensors.velocity, sensors.acceleration
@@ -72,7 +77,7 @@ def at_origin(
 
 
 def _assumptions(sensors: Sensors, moved: set[str]) -> list[str]:
-    """What the readings at the origin rest on, beside the bounds of the readings themselves."""
+    """Assumptions of the readings at the origin, beside the bounds of the readings themselves."""
     words = []
     for name, sensor, own in (
         ("velocity", sensors.velocity, {"u", "v"}),
@@ -115,7 +120,7 @@ def _forces_at_origin(
     if sensor.gravity:
         roll, pitch = _tilt(log, sensors)
         g = IntervalArray(*GRAVITY) if sensor.gravity is True else IntervalArray.around(sensor.gravity, 1e-6)
-        # The tilt is the vehicle's: the reading is turned to its axes first.
+        # Roll and pitch are the vehicle's: the reading is turned to the vehicle's axes first.
         level = sensor.model_copy(update={"position": (0.0, 0.0), "position_accuracy": 0.0})
         pair = without_gravity(force_at_origin(pair, roll, roll, level), roll, pitch, g)
         sensor = sensor.model_copy(update={"rotation": 0.0, "rotation_accuracy": 0.0})
@@ -133,7 +138,7 @@ def _forces_at_origin(
 
 
 def _tilt(log: Log, sensors: Sensors) -> tuple[IntervalArray, IntervalArray]:
-    """Roll and pitch [rad] of every row; every angle where they are missing."""
+    """Roll and pitch [rad] of every row, each of shape (n,); [-pi, pi] where they are missing."""
     if sensors.attitude is None:
         raise IvsidError(
             "[sensors.acceleration] gravity takes gravity away by the attitude; give the vehicle file [sensors.attitude] accuracy [rad]"
@@ -149,7 +154,7 @@ def _tilt(log: Log, sensors: Sensors) -> tuple[IntervalArray, IntervalArray]:
         roll = np.arctan2(2 * (w * x + y * z), w * w - x * x - y * y + z * z)
         pitch = np.arcsin(np.clip(2 * (w * y - x * z) / norm, -1, 1))
         roll, pitch = (np.where(off, np.nan, q) for q in (roll, pitch))
-        # Errors of the parts turn the vertical by twice their size, divided by the cosine of the pitch in roll and pitch alike.
+        # Errors of the quaternion turn the vertical by at most twice their size; roll and pitch follow divided by cos(pitch).
         parts = sum(log.error(q) for q in ("qw", "qx", "qy", "qz"))
         steep = np.abs(pitch) > STEEP
         roll, pitch = (np.where(steep, np.nan, q) for q in (roll, pitch))
@@ -165,6 +170,6 @@ def _tilt(log: Log, sensors: Sensors) -> tuple[IntervalArray, IntervalArray]:
         around = IntervalArray.around(np.where(there, angle, 0.0), np.where(there, lost, 0.0)) + IntervalArray(
             -reach, reach
         )
-        # Where the attitude is missing the reading says nothing: gravity may stand anywhere in it.
+        # Without an attitude gravity may have any direction in the reading.
         tilted.append(IntervalArray(np.where(there, around.lower, -np.pi), np.where(there, around.upper, np.pi)))
     return tilted[0], tilted[1]

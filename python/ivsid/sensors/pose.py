@@ -1,11 +1,11 @@
-"""Velocities enclosed from the pose: where a log has x, y, psi and no velocity sensor (a camera, an acoustic net).
+"""Velocities enclosed from the pose, for logs with x, y, psi and no velocity sensor (a camera, an acoustic net).
 
-The mean of a velocity over a window is an exact difference of two positions. How far the velocity at a moment inside can be
-from that mean, the stated limits of the vessel bound: |V(t) - mean V| <= A ((t - t_i)^2 + (t_j - t)^2) / (2 T), where A bounds
-the acceleration in earth axes over the window. A turning vessel accelerates in earth axes without any acceleration in its own,
-so A = sqrt(2) a + R W, with a and the yaw acceleration from the limits, R and W bounds on |r| and the speed inside the window
-that follow from the same two poses. Several windows are intersected: short ones suffer from the sensor, long ones from A. What is left is
-narrowed by the limits once more: no velocity changes faster than they say.
+The mean of a velocity over a window is an exact difference of two positions. The stated limits of the vessel bound the distance of
+the velocity at a moment inside from that mean: |V(t) - mean V| <= A ((t - t_i)^2 + (t_j - t)^2) / (2 T), where A bounds the
+acceleration in earth axes over the window. A vessel that turns accelerates in earth axes without acceleration in its own. Therefore
+A = sqrt(2) a + R W, with a from the limits, and R and W bounds of |r| and the speed inside the window from the same two poses and the
+limit of the yaw acceleration. The intervals of several windows are intersected: short windows are widened by the sensor, long ones by
+A. The limits narrow the result once more, because no velocity changes faster than they state.
 """
 
 from __future__ import annotations
@@ -25,8 +25,11 @@ from ivsid.vehicle import Sensors
 
 POSE: Final = ("x", "y", "psi")
 # Just above the square root of 2: the largest norm of two components that are each at most 1.
+# Source: geometry: the diagonal of a square.
 DIAGONAL: Final = 1.4142135623730952
-# Windows that are tried, as shares of the one where sensor and acceleration weigh the same.
+# Lengths of the windows, as shares of the length at which sensor and acceleration contribute the same width. Every window holds, so
+# that their choice decides the width alone.
+# Source: none
 SHARES: Final = (0.35, 0.5, 0.7, 1.0, 1.4, 2.0)
 
 Array = NDArray[np.float64]
@@ -34,7 +37,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class _Pose:
-    """The pose in intervals, where it is there, and the clock."""
+    """The pose in intervals, the rows that have one, and the clock."""
 
     t: IntervalArray
     x: IntervalArray
@@ -42,18 +45,19 @@ class _Pose:
     psi: IntervalArray
     turns: NDArray[np.bool_]
     moves: NDArray[np.bool_]
-    # Counts the places where the way round from one heading to the next is not certain: windows stay between them.
+    # The number of uncertain turns before each row: between two headings the way round may be unknown. No window crosses one.
     piece: NDArray[np.intp]
 
 
 def with_velocities(log: Log, sensors: Sensors) -> tuple[Log, dict[str, IntervalArray]]:
-    """The log with the velocities that it lacks, and their intervals; unchanged where it lacks none or the pose is not bounded.
+    """The log with the velocities that it lacks, and their intervals, each of shape (n,): u, v [m/s], r [rad/s].
 
-    Needs ``psi``, [sensors.heading] and [sensors.limits] yaw_acceleration for ``r``; ``x``, ``y``, [sensors.position] and the
-    limit on the acceleration too for ``u`` and ``v``. Only rows that have a pose get a velocity.
+    ``r`` needs ``psi``, [sensors.heading] and [sensors.limits] yaw_acceleration. ``u`` and ``v`` also need ``x``, ``y``,
+    [sensors.position] and the limit of the acceleration. Only rows with a pose get a velocity. A log that lacks none, or whose pose
+    is not bounded, is unchanged.
 
     Raises:
-        IvsidError: the pose contradicts its own bounds: no velocity within the limits fits all windows.
+        IvsidError: the pose contradicts its bounds: no velocity within the limits satisfies all windows.
     """
     limits = sensors.limits
     turn = "psi" in log.columns and sensors.heading is not None and limits.yaw_acceleration is not None
@@ -110,7 +114,7 @@ def _pose(log: Log, sensors: Sensors, *, moving: bool) -> _Pose:
     turned, lost, piece = np.zeros(psi.shape), log.error("psi"), np.zeros(psi.shape, dtype=np.intp)
     turned[there], more = unwrapped(psi[there])
     lost[there] += more
-    # A truth that turns by less than pi gives readings less than pi - 2 e apart only the right way round.
+    # For a true turn below pi, two readings less than pi - 2 e apart have turned the short way.
     off = sensors.heading.accuracy + lost[there]
     most = np.pi - off[1:] - off[:-1] - 1e-9
     piece[np.flatnonzero(there)[1:]] = np.abs(np.diff(turned[there])) >= most
@@ -134,7 +138,7 @@ def _reach(accuracy: float) -> IntervalArray:
 
 
 def _windows(log: Log, sensors: Sensors, *, moving: bool) -> list[int]:
-    """Half-lengths in rows: about where sensor and acceleration weigh the same, for the heading and for the position."""
+    """Half-lengths of the windows in rows: shares of the best length for the heading and for the position."""
     best = []
     if sensors.heading is not None and sensors.limits.yaw_acceleration is not None:
         best.append(np.sqrt(8 * sensors.heading.accuracy / sensors.limits.yaw_acceleration))
@@ -145,12 +149,12 @@ def _windows(log: Log, sensors: Sensors, *, moving: bool) -> list[int]:
 
 
 def _enclosed(pose: _Pose, half: int, sensors: Sensors, *, moving: bool) -> Mapping[str, IntervalArray]:
-    """Velocities at every row from the poses ``half`` rows before and after it; every number where one is missing."""
+    """Velocities at every row from the poses ``half`` rows before and after it; [-inf, inf] where one is missing."""
     n = pose.t.shape[0]
     at = np.arange(half, n - half)
     i, j = at - half, at + half
     before, after, span = pose.t[at] - pose.t[i], pose.t[j] - pose.t[at], pose.t[j] - pose.t[i]
-    # Times on the mean that the moment can be off, per unit of acceleration: half the span at the ends, a quarter in the middle.
+    # Distance from the mean per unit of acceleration [s]: half the span at its ends, a quarter in the middle.
     weight = (before.square() + after.square()) / (span * 2.0)
     yaw = sensors.limits.yaw_acceleration
     assert yaw is not None
@@ -177,7 +181,7 @@ def _enclosed(pose: _Pose, half: int, sensors: Sensors, *, moving: bool) -> Mapp
 
 
 def _point(x: float) -> IntervalArray:
-    """A stated decimal, with the rounding of its double."""
+    """An interval that holds a stated decimal, which was rounded to a double."""
     return IntervalArray(np.nextafter(x, -np.inf), np.nextafter(x, np.inf))
 
 
@@ -186,10 +190,10 @@ def _sided(x: IntervalArray) -> IntervalArray:
 
 
 def _reached(x: IntervalArray, log: Log, limit: float) -> IntervalArray:
-    """What a velocity can still be, given all others: it changes by at most ``limit`` a second. Rows without one stay without."""
+    """Each velocity narrowed by all others, because it changes by at most ``limit`` a second; rows without one stay so."""
     t = log.t - log.t[0]
     far = limit * t
-    # Floats below: a product, a difference and a sum, each off by half a unit of the largest operand, and the stamps themselves.
+    # Slack for a product, a difference and a sum of floats, each off by half a unit of the largest operand, and for the stamps.
     size = (
         np.abs(np.where(np.isfinite(x.upper), x.upper, 0.0))
         + np.abs(np.where(np.isfinite(x.lower), x.lower, 0.0))

@@ -1,38 +1,46 @@
-"""Velocities from the pose by a smoothing spline: narrow, plausible, and no bound.
+"""Velocities from the pose by smoothing splines: a narrow estimate and no bound.
 
-Cubic splines whose stiffness cross-validation chooses follow x, y and psi between gaps. The band of their slopes comes from the
-residuals: for white errors of variance s^2 at step h, a smoothing spline acts like the kernel K(q) = exp(-q) sin(q + pi/4) / 2 with
-q = |t| / (b sqrt 2), b = (lambda h)^(1/4), so that the slope's variance is s^2 h / b^3 times the energy of K'. Its bias is taken to be no
-larger, which cross-validation aims at and nobody proves: a result that rests on this is never called guaranteed.
+Cubic splines follow x, y and psi between gaps; cross-validation chooses their stiffness. The band of the slopes comes from the
+residuals. For white errors of variance s^2 at step h, a smoothing spline acts like the kernel K(q) = exp(-q) sin(q + pi/4) / 2 with
+q = |t| / (b sqrt 2) and b = (lambda h)^(1/4) (Silverman 1984), so that the variance of the slope is s^2 h / b^3 times the energy of K'.
+The bias is taken to be no larger, which cross-validation aims at without proof. A result that uses these velocities is never
+guaranteed.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline, make_smoothing_spline
-from scipy.optimize import minimize_scalar
 
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
 from ivsid.sensors.pose import POSE
 from ivsid.vehicle import Sensors
 
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+
 # Energy of the kernel's slope, integral of K'^2 = 2^(-5/2) / 2.
+# Source: Silverman 1984, Spline smoothing: the equivalent variable kernel method.
 SLOPE_ENERGY: Final = 2.0**-3.5
+# Samples below which a stretch is left out: cross-validation needs residuals on both halves of it.
+# Source: none
 LEAST_SAMPLES: Final = 30
-# Sigmas of a whole log, as the rule for 1e4 errors gives at 0.999, and once more for the bias.
+# Sigmas of a whole log, counted once for the noise and once for the bias of the spline.
+# Source: theorem: union bound, 1e4 errors at a confidence of 0.999.
 SIGMAS: Final = 5.3
+# Missing time, in tens of periods, beyond which no spline crosses a gap.
+# Source: none
 _GAP: Final = 2.5
 
 Array = NDArray[np.float64]
 
 
 def splined(log: Log, sensors: Sensors) -> tuple[Log, dict[str, IntervalArray], tuple[str, ...]]:
-    """The log with the velocities that it lacks, their bands, and the sentence that says what they are."""
+    """The log with the velocities that it lacks (u, v [m/s], r [rad/s]), their bands of shape (n,), and a sentence on them."""
     has = {"r": "psi" in log.columns, "u": all(c in log.columns for c in POSE)}
     wanted = [n for n in ("u", "v", "r") if n not in log.columns and has["r" if n == "r" else "u"]]
     if not wanted:
@@ -73,7 +81,7 @@ def splined(log: Log, sensors: Sensors) -> tuple[Log, dict[str, IntervalArray], 
 
 
 def _stretches(t: Array, there: NDArray[np.bool_], period: float) -> list[NDArray[np.intp]]:
-    """Rows with a pose, apart where a gap stands between them; short ones are left out."""
+    """Stretches of rows with a pose and no gap between them; short ones are left out."""
     rows = np.flatnonzero(there)
     if not rows.size:
         return []
@@ -82,23 +90,28 @@ def _stretches(t: Array, there: NDArray[np.bool_], period: float) -> list[NDArra
 
 
 def _smoothed(t: Array, x: Array) -> tuple[Array, Array, Array]:
-    """A channel, its slope, and the band of the slope."""
+    """The smoothed channel, its slope, and the half-width of the slope's band, each of shape (n,)."""
+    from scipy.interpolate import make_smoothing_spline  # noqa: PLC0415 - slow to import, and only splines need it
+
     h = float(np.median(np.diff(t)))
     stiffness = _stiffness(t, x, h)
     spline: BSpline = make_smoothing_spline(t, x, lam=stiffness)
     value, slope = spline(t), spline.derivative()(t)
     bandwidth = (stiffness * h) ** 0.25
-    # What the spline follows of the noise is missing from its residuals.
+    # The part of the noise that the spline follows is missing from its residuals.
     used = min(0.5, h / (2 * np.sqrt(2.0) * bandwidth))
     spread = np.sqrt(np.mean((x - value) ** 2) / (1 - used))
     band = 2 * SIGMAS * spread * np.sqrt(h * SLOPE_ENERGY / bandwidth**3)
-    # At the ends one side is missing: the same spread from half the samples, at the end of a line instead of its middle.
+    # At the ends the slope rests on half the samples, and on the end of a line instead of its middle.
     edge = np.exp(-np.minimum(t - t[0], t[-1] - t) / (np.sqrt(2.0) * bandwidth))
     return value, slope, np.asarray(band * (1 + 3 * edge), dtype=np.float64)
 
 
 def _stiffness(t: Array, x: Array, h: float) -> float:
-    """The stiffness whose spline predicts left-out samples best: every other one, from those beside it."""
+    """The stiffness that predicts every other sample best from its neighbours (twofold cross-validation)."""
+    from scipy.interpolate import make_smoothing_spline  # noqa: PLC0415 - slow to import, and only splines need it
+    from scipy.optimize import minimize_scalar  # noqa: PLC0415 - slow to import, and only splines need it
+
     odd, even = slice(1, None, 2), slice(None, None, 2)
 
     def miss(log_bandwidth: float) -> float:

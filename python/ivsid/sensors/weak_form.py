@@ -1,22 +1,23 @@
 """Means of velocities over half windows from the pose alone, for the double-integral weak form.
 
-Weighted by the hat phi that rises from 0 at t_a to 1 at t_c and falls to 0 at t_b, the equation of surge holds udot only as
+The test function is the hat phi that rises from 0 at t_a to 1 at t_c and falls to 0 at t_b. Weighted by it, the equation of surge
+contains udot only as
 
     integral phi udot dt = (mean of u over [t_c, t_b]) - (mean of u over [t_a, t_c]),
 
-and these means are nearly exact from positions, where u itself is not (``pose``). With the heading psi,
+and positions give these means almost exactly, while u itself is wide (``pose``). With the heading psi,
 
     integral u dt = integral cos psi dx + integral sin psi dy.
 
-Let c and s be the lines between cos and sin of the measured headings at the rows. Integrated by parts, integral c dx takes x at the rows and
-the total variation TV of c; what is left is bounded:
+Let c and s be piecewise linear, with the values cos and sin of the measured headings at the rows. By parts, integral c dx needs x at the
+rows and the total variation TV of c. Bounds of the remaining errors:
 
     position errors e            e (|c_i| + |c_j| + TV(c)), and the same with y and s
     x between the rows           TV A h^2 / 12, A a bound of the acceleration in earth axes
-    heading errors q, and what the heading bends between the rows, W h^2 / 8:   q |v| + q^2 |u| / 2 a second
+    heading errors q, with the bend of the heading between the rows, W h^2 / 8:   q |v| + q^2 |u| / 2 a second
     chords of cos and sin        (largest step of the heading)^2 / 8 sqrt(2) (|u| + |v|) a second
 
-The double difference of the heading does the same for the yaw rate, exactly.
+The yaw rate follows in the same way from the double difference of the heading, exactly.
 """
 
 from __future__ import annotations
@@ -26,7 +27,6 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d
 
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
@@ -34,8 +34,11 @@ from ivsid.log.angles import unwrapped
 from ivsid.sensors.pose import DIAGONAL, POSE
 from ivsid.vehicle import Sensors
 
-# Relative slack for bounds of errors that are evaluated in floats, and slack for each term of a running sum.
+# Relative slack for bounds of errors, which are evaluated in floats.
+# Source: definition: far above the few units of 2^-53 by which a dozen operations are off.
 ROUNDING: Final = 1e-9
+# Slack for each term of a running sum, as a share of the sum of absolute values.
+# Source: theorem: Jeannerod and Rump 2013, 2^-53 a term, times 16 for the rounding of the terms themselves.
 SUM: Final = 2.0**-49
 
 Array = NDArray[np.float64]
@@ -48,10 +51,10 @@ class PoseMeans:
     Attributes:
         log: readings and clock.
         sensors: their accuracies, and the limits of the vessel.
-        channels: enclosures of u, v, r at rows.
-        steps: lengths of the steps in intervals.
-        turned: headings without jumps of whole turns.
-        there: rows with a pose and velocities.
+        channels: enclosures of u, v [m/s], r [rad/s] at the rows, each of shape (n,).
+        steps: lengths of the steps [s] in intervals, shape (n - 1,).
+        turned: headings [rad] without jumps of whole turns, shape (n,).
+        there: whether a row has a pose and velocities, shape (n,).
     """
 
     log: Log
@@ -62,7 +65,15 @@ class PoseMeans:
     there: NDArray[np.bool_]
 
     def rising(self, starts: NDArray[np.int64], half: int) -> dict[str, IntervalArray]:
-        """Mean over the second half minus mean over the first, of u and v [m/s] and r [rad/s], for windows of two halves."""
+        """Mean over the second half minus mean over the first half of windows, of u and v [m/s] and r [rad/s].
+
+        Args:
+            starts: first rows of the windows, shape (m,).
+            half: steps in each half.
+
+        Returns:
+            Intervals by channel, each of shape (m,).
+        """
         clock = IntervalArray.around(self.log.t, self.log.time_error)
         middle, end = starts + half, starts + 2 * half
         first, second = clock[middle] - clock[starts], clock[end] - clock[middle]
@@ -83,18 +94,18 @@ class PoseMeans:
         sensors, log = self.sensors, self.log
         assert sensors.position is not None and sensors.heading is not None
         assert sensors.limits.acceleration is not None and sensors.limits.yaw_acceleration is not None
-        # What stands in for missing poses is never used; on a line it does not spoil the sums.
+        # Missing poses are filled by straight lines, which keep the sums finite and are never used.
         filled = {n: _bridged(log.t, log.columns[n]) for n in ("x", "y")}
         error = {n: sensors.position.accuracy + float(log.error(n).max()) for n in ("x", "y")}
         c, s = np.cos(self.turned), np.sin(self.turned)
         h = self.steps.upper
         most = {n: self._largest(n, half) for n in ("u", "v", "r")}
         speed = most["u"] + most["v"]
-        longest = maximum_filter1d(np.r_[h, h[-1]], 2 * half + 1)
+        longest = _largest_near(np.r_[h, h[-1]], half)
         earth = DIAGONAL * sensors.limits.acceleration + most["r"] * speed
         lost = float((log.error("psi") + 4 * np.spacing(np.abs(self.turned) + 7.0)).max())
         off = sensors.heading.accuracy + lost + sensors.limits.yaw_acceleration * longest**2 / 8
-        turn = maximum_filter1d(np.r_[np.abs(np.diff(self.turned)), 0.0], 2 * half + 1)
+        turn = _largest_near(np.r_[np.abs(np.diff(self.turned)), 0.0], half)
         chord = turn**2 / 8 * DIAGONAL * speed
         ways = {}
         for name, along, across in (("u", {"x": c, "y": s}, "v"), ("v", {"x": -s, "y": c}, "u")):
@@ -111,7 +122,7 @@ class PoseMeans:
                 bend += moved
                 summed += float(np.abs(parts).sum() + np.abs(filled[axis]).max() + variation[-1] + bend[-1])
             bulge, time = earth * longest**2 / 12, np.r_[0.0, np.cumsum(h)]
-            # A running sum of n terms is off by at most n units of what is summed up.
+            # The rounding of a running sum of n terms is at most n units of the sum of absolute values.
             slack = SUM * log.t.size * (summed + bend[-1] * float(bulge.max()) + time[-1] * float(rate.max()))
             ways[name] = _Way(total, variation, ends, bend, bulge, rate, time, slack)
         return ways
@@ -122,12 +133,19 @@ class PoseMeans:
         limit = limits.yaw_acceleration if name == "r" else limits.acceleration
         known = np.where(self.there, x.magnitude, 0.0)
         between = 0.5 * (limit or 0.0) * float(self.steps.upper[self.there[1:] & self.there[:-1]].max(initial=0.0))
-        return np.asarray(maximum_filter1d(known, 2 * half + 1) + between, dtype=np.float64)
+        return _largest_near(known, half) + between
+
+
+def _largest_near(x: Array, half: int) -> Array:
+    """The largest value within ``half`` rows of each row."""
+    from scipy.ndimage import maximum_filter1d  # noqa: PLC0415 - slow to import, and only rows from a pose need it
+
+    return np.asarray(maximum_filter1d(x, 2 * half + 1), dtype=np.float64)
 
 
 @dataclass(frozen=True)
 class _Way:
-    """The integral of a velocity between two rows, by sums from the first row, and what bounds its error."""
+    """The integral [m] of a velocity between two rows, by sums from the first row, and bounds of its error."""
 
     total: Array
     variation: Array
@@ -156,7 +174,7 @@ class _Way:
 def pose_means(
     log: Log, sensors: Sensors, channels: dict[str, IntervalArray], steps: IntervalArray
 ) -> PoseMeans | None:
-    """What the weak form needs; None where the velocities do not come from the pose, or not as bounds."""
+    """The pose and the limits for the weak form; None if the velocities do not come from the pose, or not as bounds."""
     limits = sensors.limits
     stated = (sensors.position, sensors.heading, limits.acceleration, limits.yaw_acceleration)
     if log.derived.get("u") != POSE or "r" not in channels or sensors.from_pose != "enclosed" or None in stated:

@@ -1,7 +1,7 @@
 """The equations of motion of a vehicle with its true numbers, as one compiled function of time and state.
 
-M_RB nudot + C_RB(nu) nu + M_A nudot_r + C_A(nu_r) nu_r + D(nu_r) nu_r = tau (Fossen), with nu_r relative to the water. The rows of
-an identification share the formulas of ``effects`` with this and nothing else.
+M_RB nudot + C_RB(nu) nu + M_A nudot_r + C_A(nu_r) nu_r + D(nu_r) nu_r = tau (Fossen), with nu_r relative to the water. An
+identification shares with them the formulas of ``effects`` and nothing else.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -34,22 +34,33 @@ from ivsid.effects import (
 from ivsid.effects.environment import earth_to_body
 from ivsid.effects.functions import cos, sin
 from ivsid.effects.inertia import SHARED_MUNK
+from ivsid.effects.quantity import Quantity
 from ivsid.errors import IvsidError
 from ivsid.propulsion.foil import rudder_force
 from ivsid.propulsion.thrust import ThrustCurve
-from ivsid.simulation.symbols import Steps, Symbol, Tape, solve
+from ivsid.simulation.compiled import Steps, function, runge_kutta
+from ivsid.simulation.symbols import Symbol, Tape, solve
 from ivsid.vehicle import Vehicle
+from ivsid.vehicle.rudder import Rudder
 
 # (t, u, v, r, psi, x, y, X, Y, N, wind north, wind east, thrusts, angles) -> rates of u, v, r, psi, x, y
-Rates: TypeAlias = Callable[..., tuple[Any, ...]]
-# Later than any change [s].
+Rates: TypeAlias = Callable[..., tuple[Quantity, ...]]
+# A time [s] after every change, so that a mass matrix can be checked at the end of all changes.
+# Source: definition: close to the largest float64.
 AGE: Final = 1e300
 _STATE: Final = ("t", "u", "v", "r", "psi", "x", "y", "X", "Y", "N", "wind_north", "wind_east")
 
 
 @dataclass(frozen=True)
 class Plant:
-    """What moves: the vehicle, its terms with their true values, and the effects beside them."""
+    """A vehicle with its true physics.
+
+    Attributes:
+        vehicle: hull, thrusters and sensors.
+        terms: the terms of the motion.
+        values: their true values by id.
+        given: the effects beside the terms.
+    """
 
     vehicle: Vehicle
     terms: tuple[Term, ...]
@@ -58,12 +69,12 @@ class Plant:
 
 
 def plant(vehicle: Vehicle, wanted: Sequence[Term], given: Sequence[Given]) -> Plant:
-    """The model's terms and those that the given effects add, with a value for each.
+    """The plant whose terms are the model's and those that the given effects add.
 
     Args:
-        vehicle: whose model ``wanted`` is.
-        wanted: the model's terms.
-        given: every number by effect, the model's own terms among them.
+        vehicle: the vehicle.
+        wanted: the terms of its model.
+        given: all effects with values, the model's own terms among them.
 
     Raises:
         IvsidError: a term without a value, or an effect that the vehicle cannot have.
@@ -74,7 +85,7 @@ def plant(vehicle: Vehicle, wanted: Sequence[Term], given: Sequence[Given]) -> P
     plain = {t.id: t for t in PLAIN_TERMS}
     for id_, other in (("mass.sway", "mass.surge"), ("drag.sway.quadratic", "drag.surge.quadratic")):
         if shared and id_ in by_id:
-            # A value of its own ends the sharing of the paper's column.
+            # A separate value for sway ends the sharing of the paper's column.
             terms[other] = plain[other]
     values: dict[str, float] = {}
     for g in given:
@@ -114,48 +125,55 @@ def _check(vehicle: Vehicle, given: Sequence[Given]) -> None:
 def equations(plant: Plant, *, arrays: bool = False) -> Rates:
     """The compiled rates of u, v, r, psi, x and y.
 
-    Arguments of the function: time [s]; u, v, r over ground; heading, north, east; X, Y, N of what pushes from outside [N, N m];
-    the wind's velocity north and east [m/s]; then the thrust of each thruster at no speed [N] and the angle of each [rad] (of the
-    rudder, or of an azimuth thruster; unused for the others). Floats, or arrays of one shape with ``arrays``.
+    The function takes the time [s]; u, v [m/s], r [rad/s] over ground; heading [rad], north, east [m]; external X, Y [N] and
+    N [N m]; the wind's velocity north and east [m/s]; then the thrust of each thruster at no speed [N]; then the angle of each [rad]
+    (of the rudder, or of an azimuth thruster; unused for the others).
+
+    Args:
+        plant: the vehicle with its true physics.
+        arrays: whether the arguments are arrays of one shape; else floats.
 
     Raises:
         IvsidError: masses and inertia that do not make a regular mass matrix.
     """
     tape, names, results = _written(plant)
-    return tape.function(names, results, arrays=arrays)
+    return function(tape, names, results, arrays=arrays)
 
 
 def steps(plant: Plant, inside: float) -> Steps:
-    """A Runge-Kutta step of the same equations, for floats; held are X, Y, N, wind, thrusts and angles.
+    """A Runge-Kutta step of the same equations, for floats; X, Y, N, wind, thrusts and angles hold over it.
 
     Args:
-        plant: what moves.
-        inside: share of a step by which its ends are looked at from inside.
+        plant: the vehicle with its true physics.
+        inside: share of a step by which its ends are evaluated from inside.
+
+    Raises:
+        IvsidError: as ``equations``.
     """
     tape, names, results = _written(plant)
     moving = _STATE.index("X")
     thrusts = [f"T{k}" for k in range(len(plant.vehicle.thrusters))]
-    return tape.steps(names[1:moving], names[moving:], thrusts, results, inside)
+    return runge_kutta(tape, names[1:moving], names[moving:], thrusts, results, inside)
 
 
-def _written(plant: Plant) -> tuple[Tape, list[str], tuple[Any, ...]]:
-    """The equations noted down, with the names of their arguments and results."""
+def _written(plant: Plant) -> tuple[Tape, list[str], tuple[Quantity, ...]]:
+    """The equations on a tape, the names of their arguments, and their results."""
     tape = Tape()
     t, u, v, r, psi, x, y, X, Y, N, wn, we = (tape.symbol(n) for n in _STATE)
     thrusts = [tape.symbol(f"T{k}") for k in range(len(plant.vehicle.thrusters))]
     angles = [tape.symbol(f"A{k}") for k in range(len(plant.vehicle.thrusters))]
-    still = Place(psi, x, y, t)
+    heading = Place(psi, x, y, t)
     north, east, north_rate, east_rate = _current(plant.given, t)
-    u_c, v_c = earth_to_body(still, north, east)
+    u_c, v_c = earth_to_body(heading, north, east)
     u_r, v_r = u - u_c, v - v_c
-    blows = earth_to_body(still, wn, we)
+    blows = earth_to_body(heading, wn, we)
     place = Place(psi, x, y, t, blows[0] - u, blows[1] - v)
     values = _changed(plant, t)
     mass = plant.vehicle.hull.mass
     x_g, y_g = plant.vehicle.hull.centre_of_gravity
 
-    def left(state: State) -> list[Any]:
-        total: dict[str, Any] = rigid_body(state, mass * x_g, mass * y_g)
+    def left(state: State) -> list[Quantity]:
+        total: dict[str, Quantity] = rigid_body(state, mass * x_g, mass * y_g)
         for term in plant.terms:
             for channel, column in term.columns(state).items():
                 total[channel] = column * values[term.id] + total.get(channel, 0.0)
@@ -163,11 +181,11 @@ def _written(plant: Plant) -> tuple[Tape, list[str], tuple[Any, ...]]:
 
     at_rest = [State(0.0, 0.0, 0.0, *unit, place=place) for unit in ((0.0, 0.0, 0.0), *np.eye(3).tolist())]
 
-    def inertia() -> list[list[Any]]:
+    def inertia() -> list[list[Quantity]]:
         base, *columns = (left(s) for s in at_rest)
         return [[columns[j][i] - base[i] for j in range(3)] for i in range(3)]
 
-    # What changes in time changes at once or one way: the start and the end of all time hold its extremes.
+    # Every change in time is a step or monotone, so that its extremes stand at the start and at the end of all time.
     for moment in (0.0, AGE):
         values = _changed(plant, moment)
         _regular(inertia())
@@ -180,8 +198,8 @@ def _written(plant: Plant) -> tuple[Tape, list[str], tuple[Any, ...]]:
             moving = State(u_r, v_r, r, 0.0, 0.0, 0.0, place=place)
             for channel, value in g.effect.acts.function(moving, g.values).items():
                 force[CHANNELS.index(channel)] = force[CHANNELS.index(channel)] + value
-    # The water's own acceleration moves the rigid body with it only through the hull: M_RB stands on the velocity over ground.
-    a_u, a_v = earth_to_body(still, north_rate, east_rate)
+    # M_RB acts on the velocity over ground, so that the acceleration of the water counts as a force on the rigid body.
+    a_u, a_v = earth_to_body(heading, north_rate, east_rate)
     inertial = (a_u * mass, a_v * mass, a_v * (mass * x_g) - a_u * (mass * y_g))
     outside = (X, Y, N)
     right = [outside[k] + force[k] - free[k] - inertial[k] for k in range(3)]
@@ -194,24 +212,24 @@ def _written(plant: Plant) -> tuple[Tape, list[str], tuple[Any, ...]]:
     return tape, names, results
 
 
-def _current(given: Sequence[Given], t: Symbol) -> list[Any]:
-    total: list[Any] = [0.0, 0.0, 0.0, 0.0]
+def _current(given: Sequence[Given], t: Symbol) -> list[Quantity]:
+    total: list[Quantity] = [0.0, 0.0, 0.0, 0.0]
     for g in given:
         if isinstance(g.effect.acts, Current):
             total = [a + b for a, b in zip(total, g.effect.acts.function(g.values, t), strict=True)]
     return total
 
 
-def _changed(plant: Plant, t: Any) -> dict[str, Any]:
-    values: dict[str, Any] = dict(plant.values)
+def _changed(plant: Plant, t: Quantity) -> dict[str, Quantity]:
+    values: dict[str, Quantity] = dict(plant.values)
     for g in plant.given:
         if isinstance(g.effect.acts, Change):
             values.update(g.effect.acts.function(values, g.values, t))
     return values
 
 
-def _regular(matrix: list[list[Any]]) -> None:
-    # A term that turns with the heading leaves no number to check.
+def _regular(matrix: list[list[Quantity]]) -> None:
+    # A matrix that depends on the heading holds symbols and cannot be checked here.
     if any(isinstance(q, Symbol) for row in matrix for q in row):
         return
     numbers = np.array(matrix, dtype=np.float64)
@@ -227,21 +245,21 @@ def _regular(matrix: list[list[Any]]) -> None:
 
 
 def _thrust(
-    plant: Plant, thrusts: Sequence[Symbol], angles: Sequence[Symbol], relative: tuple[Any, Any, Any]
-) -> list[Any]:
-    """X, Y, N of all thrusters and rudders at a velocity relative to the water."""
+    plant: Plant, thrusts: Sequence[Symbol], angles: Sequence[Symbol], relative: tuple[Quantity, Quantity, Quantity]
+) -> list[Quantity]:
+    """X, Y [N], N [N m] of all thrusters and rudders at a velocity relative to the water."""
     u, v, r = relative
-    total: list[Any] = [0.0, 0.0, 0.0]
+    total: list[Quantity] = [0.0, 0.0, 0.0]
     for k, thruster in enumerate(plant.vehicle.thrusters):
         px, py = thruster.position
-        c: Any
-        s: Any
+        c: Quantity
+        s: Quantity
         if thruster.steering == "azimuth":
             c, s = cos(angles[k]), sin(angles[k])
         else:
             c, s = axis(thruster.azimuth)
         inflow = (u - r * py) * c + (v + r * px) * s
-        push: Any = thrusts[k]
+        push: Quantity = thrusts[k]
         losses = for_thruster(plant.given, Inflow, thruster.name)
         if not losses and thruster.advance_loss:
             losses = [Given(EFFECTS["thruster.advance_loss"], (thruster.advance_loss,))]
@@ -267,11 +285,11 @@ def _thrust(
     return total
 
 
-def _blade(rudder: Any) -> Callable[..., Any]:
+def _blade(rudder: Rudder) -> Callable[..., Quantity]:
     return lambda delta, thrust, u, v, r: rudder_force(rudder, delta, thrust, u, v, r)
 
 
 def axis(azimuth: float) -> tuple[float, float]:
-    """Cosine and sine of a fixed direction; a right angle is exact."""
+    """Cosine and sine of a fixed direction [rad]; for a right angle they are exactly 0 and +-1."""
     c, s = math.cos(azimuth), math.sin(azimuth)
     return (0.0 if abs(c) < 1e-15 else c), (0.0 if abs(s) < 1e-15 else s)

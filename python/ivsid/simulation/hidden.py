@@ -1,9 +1,10 @@
-"""Effects drawn from a seed, for tests that must find them."""
+"""Hidden effects: drawn from a seed, for tests that must find them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Final
 
 import numpy as np
 
@@ -14,14 +15,18 @@ from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.vehicle import Vehicle
 
 # Smallest and largest multiple of the typical size.
-SIZES = (0.1, 3.0)
+# Source: definition: the range of hidden effects that the user's guide states.
+SIZES: Final = (0.1, 3.0)
 
 
 def hidden_effect(vehicle: Vehicle, scenario: Scenario, seed: int) -> dict[str, float]:
-    """An effect drawn from the seed: none in one of three, else any of the catalogue that the model lacks.
+    """An effect drawn from the seed: none with probability 1/3, else any of the catalogue that the model lacks.
 
-    Its size is log-uniform from 0.1 to 3 times the typical one, scaled to the vehicle after Froude; sign, direction, phase and
-    moment are drawn, too. The numbers stand by id and part, as ``simulate`` takes them.
+    Its size is log-uniform from 0.1 to 3 times the typical one, scaled to the vehicle by Froude's law. Sign, direction, phase and
+    time are drawn, too.
+
+    Returns:
+        Numbers by id and part, as ``simulate`` takes them; empty for none.
     """
     rng = np.random.default_rng([seed, 0x1D])
     nothing = rng.uniform() < 1 / 3
@@ -36,10 +41,10 @@ def hidden_effect(vehicle: Vehicle, scenario: Scenario, seed: int) -> dict[str, 
 
 
 def hidden_effects(vehicle: Vehicle, scenario: Scenario, seed: int, count: int) -> dict[str, float]:
-    """Exactly this many different effects drawn from the seed, each as ``hidden_effect`` draws one.
+    """``count`` different effects drawn from the seed, each as ``hidden_effect`` draws one.
 
     Raises:
-        IvsidError: fewer effects can act on the vehicle.
+        IvsidError: fewer than ``count`` effects can act on the vehicle.
     """
     rng = np.random.default_rng([seed, 0x1D, count])
     possible = [e for e in EFFECTS.values() if can_hide(e, vehicle, scenario)]
@@ -58,13 +63,13 @@ def hidden_effects(vehicle: Vehicle, scenario: Scenario, seed: int, count: int) 
 
 
 def can_hide(effect: Effect, vehicle: Vehicle, scenario: Scenario) -> bool:
-    """Whether the effect can act on this vehicle without standing in its model or in the scenario's truth already."""
+    """Whether the effect can act on this vehicle and is neither in its model nor in the scenario's truth."""
     if any(key == effect.id or key.startswith(f"{effect.id}.") for key in scenario.truth):
         return False
     if effect.id == "current.steady" and scenario.environment.current is not None:
         return False
     if effect.plain:
-        # A term of the plain model is an effect only for the paper's model, which shares the surge column.
+        # A term of the plain model is an effect only for the paper's model, in which surge and sway share a column.
         return vehicle.model.terms == "paper" and effect.id in ("mass.sway", "drag.sway.quadratic")
     if isinstance(effect.acts, Terms) and {t.id for t in terms_of(vehicle)} & {effect.id, *effect.parts}:
         return False
@@ -81,7 +86,7 @@ def can_hide(effect: Effect, vehicle: Vehicle, scenario: Scenario) -> bool:
 def draw(
     effect: Effect, size: float, vehicle: Vehicle, scenario: Scenario, rng: np.random.Generator
 ) -> dict[str, float]:
-    """Numbers for an effect at a multiple of its typical size, with everything else drawn."""
+    """Numbers by id and part for an effect at a multiple of its typical size; direction, sign and time are drawn."""
     if effect.plain:
         return _own_sway(effect, size, scenario.truth)
     angle = float(rng.uniform(0, 2 * math.pi))
@@ -114,7 +119,7 @@ def draw(
 
 
 def _own_sway(effect: Effect, size: float, truth: Mapping[str, float]) -> dict[str, float]:
-    """A sway mass or drag apart from the shared one, by the ratio of their typical sizes."""
+    """A sway mass or drag that differs from the shared one by the ratio of their typical sizes."""
     other = effect.id.replace("sway", "surge")
     ratio = effect.parameters[0].typical / EFFECTS[other].parameters[0].typical
     return {effect.id: truth.get(other, EFFECTS[other].parameters[0].typical) * (1 + (ratio - 1) * size)}
@@ -126,7 +131,7 @@ def _measured(effect: Effect, scenario: Scenario) -> bool:
 
 
 def _span(vehicle: Vehicle, scenario: Scenario) -> float:
-    """The demand that counts as 100 %: the end of the tables, else the largest that the scenario asks for."""
+    """The demand that counts as 100 %: the largest of the tables, else the largest of the scenario."""
     ends = [max(map(abs, t.table.demand)) for t in vehicle.thrusters if t.table is not None]
     asked = [abs(q) for s in scenario.segments for q in np.atleast_1d(s.demand)]
     return float(max(ends or asked or [100.0])) or 100.0

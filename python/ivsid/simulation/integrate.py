@@ -1,4 +1,4 @@
-"""The classical Runge-Kutta method with fixed steps, and how far halving them moves the result."""
+"""Integration: the classical Runge-Kutta method with fixed steps, and its error estimated by halving them."""
 
 from __future__ import annotations
 
@@ -11,27 +11,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
+from ivsid.simulation.compiled import Steps
 from ivsid.simulation.equations import Rates
-from ivsid.simulation.propulsion import Propulsion
-from ivsid.simulation.symbols import Steps
+from ivsid.simulation.propulsion import INSIDE, Propulsion
 
-# The motion is taken as settled where halving the step moves no velocity by more than this share of its largest value.
+# The motion has settled if halving the step moves no velocity by more than this share of its largest value.
+# Source: none
 TOLERANCE: Final = 1e-5
-# ... or by less than this [m/s, rad/s]: far below any sensor.
+# A movement below this [m/s, rad/s] counts as none: velocities near 0 would never settle in relative terms.
+# Source: physics: far below the resolution of any velocity sensor or gyro.
 FLOOR: Final = 1e-9
+# Runge-Kutta steps a sample at which a motion that has not settled is refused.
+# Source: resource: bounds the time of a simulation at 64 times that of one step a sample.
 MOST_STEPS: Final = 64
-# A run is ended early only where it is further off than what is allowed by more than rounding.
+# A coarse run ends early only if it is off by more than the allowance and the rounding of the comparison.
+# Source: definition: far above the relative rounding of float64, 2^-53, far below 1.
 CERTAIN: Final = 1 + 1e-9
-# At the most steps, so many times the tolerance is enough.
+# At the most steps a thrust with kinks, which lowers the order of the method, may miss the tolerance by this factor.
+# Source: none
 KINKED: Final = 10.0
-# Times at which a jump may stand are looked at from inside the step.
-INSIDE: Final = 1e-9
 
 Pose = tuple[float, float, float, float, float, float]
 
 
 class Helm(Protocol):
-    """Who commands: demands and angles at a sample, from what is known then."""
+    """The source of the commands, sample by sample in order."""
 
     def __call__(self, k: int, state: Pose) -> tuple[list[float], list[float]]:
         """Demands of the thrusters and angles [rad] of rudders and azimuth thrusters from sample k on."""
@@ -44,10 +48,10 @@ class Path:
     Attributes:
         states: u, v, r, psi, x, y, shape (n, 6).
         rates: udot, vdot, rdot just after the sample, shape (n, 3).
-        demands: shape (n, thrusters).
-        angles: shape (n, thrusters).
+        demands: of the thrusters in their own units, shape (n, thrusters).
+        angles: of rudders and azimuth thrusters [rad], shape (n, thrusters).
         thrust: sum of the thrusts [N], shape (n,).
-        steps: Runge-Kutta steps a sample.
+        steps: Runge-Kutta steps per sample.
         error: estimated largest error of u, v [m/s], r [rad/s], by halving the step.
     """
 
@@ -68,14 +72,14 @@ def settle(
     start: Pose,
     outside: NDArray[np.float64],
 ) -> Path:
-    """Integrates with one step a sample, then with twice as many, until halving the step changes nothing that matters.
+    """Integrates with one step per sample, then with twice as many, until halving the step moves no velocity by more than is allowed.
 
     Args:
         rates: the compiled equations.
-        steps_of: the same as Runge-Kutta steps.
-        make: thrusters and helm in their state before the log, anew for each run.
-        times: of the samples [s], increasing.
-        start: u, v, r, psi, x, y at the first.
+        steps_of: the same equations as Runge-Kutta steps.
+        make: returns thrusters and helm in their state before the log; called once for each run.
+        times: of the samples [s], increasing, shape (n,).
+        start: u, v, r, psi, x, y at the first sample.
         outside: X, Y, N and wind north, east, each held from its sample to the next, shape (n, 5).
 
     Raises:
@@ -91,14 +95,14 @@ def settle(
         if fine is not None:
             allowed = np.maximum(TOLERANCE * np.abs(fine.states[:, :3]).max(axis=0), FLOOR)
             if steps == 1:
-                # Of the first run only the states are looked at, and only until it is too far off.
+                # Only the states of the first run are used, and only up to the first that is too far off.
                 coarse = run(rates, steps_of, *make(), times, start, outside, 1, (fine.states, 15 * allowed * CERTAIN))
         if coarse is not None and fine is not None:
-            # The method is of fourth order: the finer run is 15 times as close to the truth as the two are to each other.
+            # The method is of order 4, so that the error of the finer run is 1/15 of the difference (Richardson).
             size = len(coarse.states)
             moved = np.abs(fine.states[:size, :3] - coarse.states[:, :3]).max(axis=0) / 15
             if last and (moved > allowed).any():
-                # Where a thrust has kinks of its own the order is lost: the difference itself estimates what is left, and less is asked.
+                # Kinks of a thrust lower the order: the difference itself then estimates the error, and the allowance grows.
                 moved, allowed = 15 * moved, KINKED * allowed
             if (moved <= allowed).all():
                 u, v, r = (float(q) for q in moved)
@@ -125,13 +129,23 @@ def run(  # noqa: PLR0912 - one loop over the samples; its parts would pass a do
     steps: int,
     near: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
 ) -> Path | None:
-    """One run with ``steps`` Runge-Kutta steps a sample; None where it grows without bound.
+    """One run with ``steps`` Runge-Kutta steps per sample; None if it grows without bound.
 
-    With ``near``, states and how far u, v and r may be from them, the path is of states alone, up to the first that is further.
+    Args:
+        rates: as ``settle``, and so are steps_of, times, start and outside.
+        steps_of: see there.
+        propulsion: the thrusters in their state before the log.
+        helm: the source of the commands.
+        times: see there.
+        start: see there.
+        outside: see there.
+        steps: Runge-Kutta steps per sample.
+        near: states of another run and the allowed distances of u, v, r from them. The path then holds states alone, up to the
+            first that is further off.
     """
     state = start
     states, accelerations, demands, angles, totals = [], [], [], [], []
-    held = outside.tolist()
+    external = outside.tolist()
     last = len(times) - 1
     others = [] if near is None else near[0][:, :3].tolist()
     most_u, most_v, most_r = (np.inf,) * 3 if near is None else near[1].tolist()
@@ -141,7 +155,7 @@ def run(  # noqa: PLR0912 - one loop over the samples; its parts would pass a do
             demand, angle = helm(k, state)
             propulsion.demand(time, demand)
             end = times[k + 1] if k < last else time
-            fixed = held[k]
+            fixed = external[k]
             states.append(state)
             if near is None:
                 inside = INSIDE * (end - time)
@@ -157,9 +171,9 @@ def run(  # noqa: PLR0912 - one loop over the samples; its parts would pass a do
                     break
             if k == last:
                 break
-            # No jump is stepped over: the sample's time is cut where a delayed demand or an event arrives.
+            # Time is cut at delayed demands and events, so that no step crosses a jump.
             if propulsion.steady:
-                # Nothing changes between the samples but the state: thrusts are looked up once.
+                # Thrusts hold between the samples and are looked up once.
                 if near is not None:
                     thrust = propulsion.now(time)
                 tail = steps_of.held(*fixed, *thrust, *angle)

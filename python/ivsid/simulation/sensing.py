@@ -1,19 +1,20 @@
-"""What the sensors make of a motion: their geometry, delay, scale and bias, then their noise, then what is lost or held."""
+"""Sensors: geometry, delay, scale and bias of each, then noise, then lost and repeated samples."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.effects import Given, Reading
+from ivsid.effects.quantity import Quantity
 from ivsid.programme.scenario import Faults, Scenario
-from ivsid.sensors.bounds import count_errors, half_width, rule_for
+from ivsid.sensors.noise import count_errors, half_width, rule_for
 from ivsid.vehicle import InertialSensor, Vehicle
 
-# Columns of each section of [sensors].
+# Columns of the log by section of [sensors].
 _COLUMNS: Final = {
     "velocity": ("u", "v"),
     "acceleration": ("ax", "ay"),
@@ -25,7 +26,15 @@ _COLUMNS: Final = {
 
 
 def gauss_markov(n: int, h: float, deviation: float, time: float, rng: np.random.Generator) -> NDArray[np.float64]:
-    """A stationary first-order Gauss-Markov process, shape (n,)."""
+    """A stationary first-order Gauss-Markov process, shape (n,).
+
+    Args:
+        n: samples.
+        h: time between samples [s].
+        deviation: standard deviation, in the unit of the result.
+        time: correlation time [s].
+        rng: source of the draws.
+    """
     from scipy.signal import lfilter  # noqa: PLC0415 - slow to import, and only simulations need it
 
     decay = float(np.exp(-h / time))
@@ -37,8 +46,15 @@ def gauss_markov(n: int, h: float, deviation: float, time: float, rng: np.random
 def sensed(
     vehicle: Vehicle, t: NDArray[np.float64], exact: Mapping[str, NDArray[np.float64]], given: Sequence[Given]
 ) -> dict[str, NDArray[np.float64]]:
-    """The channels as faultless electronics would give them: averaged where the sensor averages, then changed by the effects."""
-    channels: dict[str, Any] = dict(exact)
+    """Readings without noise, by the names of ``exact``: averaged by sensors that average, then changed by the effects.
+
+    Args:
+        vehicle: its sensors and their mounting.
+        t: times [s], shape (n,).
+        exact: the true channels, each of shape (n,).
+        given: the effects; those that change readings act in their order.
+    """
+    channels: dict[str, Quantity] = dict(exact)
     acceleration = vehicle.sensors.acceleration
     if acceleration is not None and acceleration.sampling == "averaged":
         channels.update(_averaged(t, exact))
@@ -52,8 +68,8 @@ def sensed(
     return {name: channels[name] for name in exact}
 
 
-def _mounted(vehicle: Vehicle, channels: dict[str, Any]) -> None:
-    """Velocities and specific forces where the file says that their sensors stand, and in the sensors' axes."""
+def _mounted(vehicle: Vehicle, channels: dict[str, Quantity]) -> None:
+    """Turns velocities and specific forces into those at the sensors' positions and in their axes, as the file mounts them."""
     r, rdot = channels["r_true"], channels["rdot"]
     for sensor, names in ((vehicle.sensors.velocity, ("u", "v")), (vehicle.sensors.acceleration, ("ax", "ay"))):
         if sensor is None or not (sensor.off_origin or sensor.turned):
@@ -71,9 +87,10 @@ def _mounted(vehicle: Vehicle, channels: dict[str, Any]) -> None:
 def _earlier(
     t: NDArray[np.float64], exact: Mapping[str, NDArray[np.float64]]
 ) -> Callable[[float], tuple[NDArray[np.float64], ...]]:
-    """u, v, r at earlier moments: between samples the parabola through both with the rate just after the first.
+    """A function from a delay [s] to u, v, r at that earlier moment.
 
-    Rates jump at samples where demands do, so a smooth interpolation across them would be wrong. Before the log, its first value.
+    Between two samples it is the parabola through both with the rate just after the first: rates jump at samples where demands do,
+    so that a smooth interpolation across samples would be wrong. Before the log it is the first value.
     """
 
     def at(delay: float) -> tuple[NDArray[np.float64], ...]:
@@ -91,7 +108,7 @@ def _earlier(
 
 
 def _averaged(t: NDArray[np.float64], exact: Mapping[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
-    """The specific forces as means over the sample before each row; the first row has none before it and stays instantaneous."""
+    """Specific forces as means over the sample before each row; that of the first row is instantaneous."""
     u, v, r = exact["u"], exact["v"], exact["r"]
     h = np.diff(t)
     # The middle of each step on the parabola of ``_earlier``.
@@ -114,15 +131,22 @@ def noisy(
     t: NDArray[np.float64],
     exact: Mapping[str, NDArray[np.float64]],
     rng: np.random.Generator,
-) -> tuple[dict[str, NDArray[np.float64]], dict[str, Any]]:
-    """The columns with the vehicle file's noise, and what was drawn once for the log.
+) -> tuple[dict[str, NDArray[np.float64]], dict[str, float]]:
+    """The columns with the noise of the vehicle file, and the errors drawn once for the log, for the truth.
 
-    White noise, Gauss-Markov bias and rate random walk of the inertial sensors, scale and accuracy of the others.
+    Inertial sensors have white noise, a Gauss-Markov bias and a rate random walk; the others a scale error and an accuracy.
+
+    Args:
+        vehicle: its sensors.
+        scenario: rate and kind of noise.
+        t: times [s], shape (n,).
+        exact: readings without noise, each of shape (n,).
+        rng: source of the draws.
     """
     sensors, n, h = vehicle.sensors, t.size, 1.0 / scenario.rate
     quiet = scenario.noise == "none"
     columns: dict[str, NDArray[np.float64]] = {}
-    truth: dict[str, Any] = {}
+    truth: dict[str, float] = {}
     if sensors.velocity is not None:
         e, sign = sensors.velocity.scale_factor_error, sensors.velocity.scale_factor_sign
         scale = 0.0 if quiet else rng.uniform(0.0 if sign > 0 else -e, 0.0 if sign < 0 else e)
@@ -153,7 +177,7 @@ def noisy(
         ("rdot", sensors.yaw_acceleration),
     )
     if sensors.acceleration is not None and sensors.acceleration.gravity and sensors.attitude is not None:
-        # The simulated vehicle stays level.
+        # The simulated vehicle is level, so that roll and pitch read their errors.
         for name in ("roll", "pitch"):
             columns[name] = bounded(sensors.attitude.accuracy, n, scenario.noise, rng)
     for name, section in plain:
@@ -163,7 +187,7 @@ def noisy(
 
 
 def bounded(reach: float, n: int, noise: str, rng: np.random.Generator) -> NDArray[np.float64]:
-    """An error inside +-reach: uniform, or Gaussian with reach at three sigma and cut off there."""
+    """An error within +-reach, shape (n,): uniform, or Gaussian with ``reach`` at three sigma and clipped there, or none."""
     if noise == "none":
         return np.zeros(n)
     if noise == "uniform":
@@ -172,7 +196,7 @@ def bounded(reach: float, n: int, noise: str, rng: np.random.Generator) -> NDArr
 
 
 def faulty(columns: dict[str, NDArray[np.float64]], scenario: Scenario, rng: np.random.Generator) -> None:
-    """Puts the scenario's faults on the columns: slower sensors whose values are held, outliers, and samples that are lost."""
+    """Puts the scenario's faults on the columns, in place: repeated values of slower sensors, outliers, lost samples."""
     for sensor, names in _COLUMNS.items():
         faults: Faults | None = getattr(scenario.sensing, sensor)
         here = [n for n in names if n in columns]
@@ -192,7 +216,7 @@ def faulty(columns: dict[str, NDArray[np.float64]], scenario: Scenario, rng: np.
 
 
 def _lost(n: int, faults: Faults, rate: float, rng: np.random.Generator) -> NDArray[np.bool_]:
-    """Drop-outs in runs whose lengths, and the times between them, are geometric; the first sample is always there."""
+    """Drop-outs whose lengths and distances are drawn from geometric distributions; the first sample is never lost."""
     lost = np.zeros(n, dtype=bool)
     if not faults.drop_outs:
         return lost

@@ -1,4 +1,4 @@
-"""Logs from a known truth: the equations of motion, the thrust curves with an error inside their accuracy, the sensors."""
+"""Simulation: equations of motion, thrust curves with an error within their accuracy, and sensors give a log."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ from ivsid.errors import IvsidError
 from ivsid.programme.manoeuvres import Command, Programme
 from ivsid.programme.scenario import Scenario, Start
 from ivsid.simulation.equations import Plant, axis, equations, plant, steps
-from ivsid.simulation.integrate import INSIDE, Helm, Path, Pose, settle
-from ivsid.simulation.propulsion import Propulsion, TrueThrust
+from ivsid.simulation.integrate import Helm, Path, Pose, settle
+from ivsid.simulation.propulsion import INSIDE, Propulsion
 from ivsid.simulation.sensing import bounded, faulty, gauss_markov, noisy, sensed
+from ivsid.simulation.true_thrust import TrueThrust
 from ivsid.vehicle import Thruster, Vehicle
 
 
@@ -26,9 +27,9 @@ class Simulated:
 
     Attributes:
         t: times [s], shape (n,).
-        columns: the log as its sensors give it.
-        truth: what is true: parameters, effects, seed, noise, thrust and scale errors; for a file of its own.
-        exact: the true channels, for tests.
+        columns: the log by column, each of shape (n,).
+        truth: parameters, effects, seed, noise, thrust and scale errors, as in truth.json.
+        exact: the true channels, each of shape (n,).
     """
 
     t: NDArray[np.float64]
@@ -43,9 +44,9 @@ def simulate(
     """Runs a scenario.
 
     Args:
-        vehicle: whose thrusters, sensors and model are simulated.
+        vehicle: thrusters, sensors and model.
         scenario: manoeuvres and true values.
-        seed: in place of the scenario's.
+        seed: replaces the scenario's.
         effects: further numbers of the catalogue, by id, id.part, or id.NAME for one thruster.
 
     Raises:
@@ -63,7 +64,7 @@ def simulate(
     t = np.arange(samples, dtype=np.float64) * h
     ambient = _ambient(vehicle, samples, h, rng)
     programme = Programme(scenario.segments, samples, scenario.rate, rng)
-    # What this version added draws from generators of its own: the same seed keeps the same noise.
+    # Wind and faults draw from generators of their own, so that they do not change the noise that a seed gives.
     wind = _wind(scenario, samples, np.random.default_rng([number, 1]))
     voltage = _voltage(scenario, t)
 
@@ -96,19 +97,19 @@ def follow(
     angles: Mapping[str, NDArray[np.float64]] | None = None,
     force: NDArray[np.float64] | None = None,
 ) -> dict[str, NDArray[np.float64]]:
-    """The motion under demands that are known: those of a log, on its own clock, without noise or thrust error.
+    """The motion under known demands, such as those of a log on its own clock, without noise or thrust error.
 
     Args:
-        vehicle: whose thrusters and model are simulated.
-        values: the truth, by id or id.part.
-        t: times [s], increasing; clocks of effects count from the first, shape (n,).
+        vehicle: thrusters and model.
+        values: true values by id or id.part.
+        t: times [s], increasing, shape (n,); effects of time count from the first.
         demands: by thruster, each held from its row to the next, shape (n,).
         start: the state at the first row; at rest at the origin by default.
-        angles: of rudders and azimuth thrusters by name [rad]; 0 where they are not given.
-        force: X, Y [N], N [N m] that are known to act beside the thrusters, each held from its row to the next, shape (n, 3).
+        angles: of rudders and azimuth thrusters by name [rad], each of shape (n,); 0 by default.
+        force: known X, Y [N], N [N m] beside the thrusters, each held from its row to the next, shape (n, 3).
 
     Returns:
-        u, v, r, their rates, psi, x, y, ax, ay and the sum of the thrusts at each row.
+        u, v, r, udot, vdot, rdot, psi, x, y, ax, ay and thrust (the sum of the thrusts [N]), each of shape (n,).
 
     Raises:
         IvsidError: as ``simulate``, or a thruster without demands.
@@ -139,7 +140,7 @@ def follow(
 
 
 def channels(path: Path) -> dict[str, NDArray[np.float64]]:
-    """The channels of a motion by the log's names, and ``thrust`` [N]."""
+    """The channels of a motion by the log's names, and ``thrust`` [N], each of shape (n,)."""
     exact = {n: path.states[:, j] for j, n in enumerate(("u", "v", "r"))}
     exact |= {n: path.rates[:, j] for j, n in enumerate(("udot", "vdot", "rdot"))}
     exact |= {n: path.states[:, j] for j, n in enumerate(("psi", "x", "y"), start=3)}
@@ -150,7 +151,7 @@ def channels(path: Path) -> dict[str, NDArray[np.float64]]:
 
 
 class Steersman:
-    """Turns what a programme asks into the demands and angles of the thrusters, inside what they can do."""
+    """A helm that follows a programme within the ranges and rates of the thrusters."""
 
     def __init__(self, vehicle: Vehicle, curves: list[TrueThrust], programme: Programme, step: float) -> None:
         self._curves, self._pilot = curves, programme.pilot()
@@ -162,14 +163,14 @@ class Steersman:
         self._angles = [0.0 for _ in vehicle.thrusters]
 
     def __call__(self, k: int, state: Pose) -> tuple[list[float], list[float]]:
-        """Demands and angles from sample k on."""
+        """Demands of the thrusters and angles [rad] of rudders and azimuth thrusters from sample k on."""
         asked = self._pilot.command(k, state)
         surge, sway, turn = asked[:3]
         demands = [
             c.clip(a * surge + b * sway + t * turn) for c, (a, b, t) in zip(self._curves, self._shares, strict=True)
         ]
         if self._steers:
-            # A new list each time: the motion keeps it.
+            # The motion keeps the list, so that it must be a new one.
             self._angles = [self._turned(j, asked) if kind != "fixed" else 0.0 for j, kind in enumerate(self._kinds)]
         return demands, self._angles
 
@@ -180,7 +181,7 @@ class Steersman:
 
 
 def _shares(thruster: Thruster) -> tuple[float, float, float]:
-    """By sign: whether a thruster pushes ahead, to starboard, and turns the vehicle to starboard."""
+    """Signs of a thruster's force ahead and to starboard, and of its moment to starboard."""
     c, s = axis(0.0 if thruster.steering == "azimuth" else thruster.azimuth)
     x, y = thruster.position
     moment = x * s - y * c
@@ -202,7 +203,7 @@ def _numbers(scenario: Scenario, effects: Mapping[str, float]) -> dict[str, floa
 
 
 def _known_causes(scenario: Scenario, given: tuple[Given, ...]) -> None:
-    """An effect of a measured cause needs the cause."""
+    """Refuses an effect of a measured cause that the scenario lacks."""
     for g in given:
         if "wind_speed" in g.effect.needs and scenario.environment.wind_speed is None:
             raise IvsidError(
@@ -228,7 +229,7 @@ def _wind(scenario: Scenario, n: int, rng: np.random.Generator) -> NDArray[np.fl
     speed = np.full(n, where.wind_speed)
     if where.wind_gust:
         speed = np.maximum(speed + gauss_markov(n, 1 / scenario.rate, where.wind_gust, where.wind_gust_time, rng), 0.0)
-    # The direction is where the wind comes from.
+    # The stated direction is the one that the wind comes from.
     wind: NDArray[np.float64] = -np.outer(speed, [np.cos(where.wind_direction), np.sin(where.wind_direction)])
     return wind
 
@@ -276,7 +277,7 @@ def _truth(
     seed: int,
     effects: Mapping[str, float],
     curves: list[TrueThrust],
-    sensors: dict[str, Any],
+    sensors: dict[str, float],
     path: Path,
 ) -> dict[str, Any]:
     parameters = {term.id: model.values[term.id] for term in model.terms}

@@ -1,4 +1,4 @@
-"""A fit against another log: predicted force and moment against measured (paper Figs 4-7), simulated motion against measured."""
+"""A fit against another log: predicted force against measured (paper, Figs 4-7), simulated motion against measured."""
 
 from __future__ import annotations
 
@@ -19,22 +19,26 @@ from ivsid.rows import RegressionRows, build_rows
 from ivsid.sensors.bounds import bound_log
 from ivsid.validation.dynamics import Dynamics
 
+# Length of a window of simulated velocities [s].
+# Source: definition: the error measure of docs/guide.md
 VELOCITY_WINDOW: Final = 10.0
+# Length of a window of simulated positions [s].
+# Source: definition: the error measure of docs/guide.md
 POSITION_WINDOW: Final = 30.0
 
 
 @dataclass(frozen=True)
 class ForceCheck:
-    """One channel: predicted against measured force [N] or moment [N m].
+    """Predicted against measured force [N] or moment [N m] of one channel, over m rows.
 
     Attributes:
         channel: surge, sway or yaw.
-        time: of each row [s].
-        measured: the known force, intervals.
-        predicted: what the parameters and the motion give, intervals.
-        predicted_mid: from midpoints of both.
-        mean: of the error predicted_mid - measured.
-        sigma: its standard deviation.
+        time: of each row [s], shape (m,).
+        measured: intervals of the known force, shape (m,).
+        predicted: intervals of the force by parameters and motion, shape (m,).
+        predicted_mid: the force by the midpoints of both, shape (m,).
+        mean: of the error ``predicted_mid`` less the midpoint of ``measured``.
+        sigma: standard deviation of that error.
         mean_absolute: mean of its absolute value.
         coverage: share of rows whose measured value lies inside the predicted bounds.
         falsified: rows whose predicted and measured intervals do not meet: they contradict the parameters.
@@ -57,13 +61,13 @@ class MotionCheck:
     """Simulated motion over windows that restart from the measured state.
 
     Attributes:
-        window: {"velocity": 10, "position": 30} [s], as far as the log allows.
+        window: lengths [s] of windows of ``velocity`` and ``position``, as far as the log allows.
         rms: root mean square error of u, v [m/s], r [rad/s] over velocity windows, of position [m] over position windows.
         median: the same as the median over windows.
-        time: samples of the velocity windows [s].
+        time: samples of the velocity windows [s], shape (n,).
         simulated: u, v, r there, shape (n, 3).
-        measured: the same, measured.
-        reason: why nothing was simulated, or None.
+        measured: u, v, r of the log there, shape (n, 3).
+        reason: obstacle to a simulation, or None.
     """
 
     window: dict[str, float]
@@ -88,7 +92,7 @@ class Validation:
 
 
 def validate(fit: Identification, log: Log) -> Validation:
-    """Checks a fit on a log that it has not seen.
+    """Checks a fit on another log than its own.
 
     Raises:
         IvsidError: a fit without parameters, or a log without the channels of its model.
@@ -149,7 +153,12 @@ def _force_check(fit: Identification, rows: RegressionRows, index: int, channel:
 
 
 def simulate_windows(fit: Identification, log: Log) -> MotionCheck:
-    """Simulates the fit's estimate from the measured state, window by window, under the logged demands."""
+    """Simulates the estimate of a fit from the measured state, window by window, under the logged demands.
+
+    Args:
+        fit: an identification with an estimate of every parameter.
+        log: with u, v, r and the demands; positions are simulated where it has psi, x, y.
+    """
     nothing = np.zeros((0, 3))
     vehicle = fit.vehicle
     added = fit.options["form"] == "added"
@@ -189,7 +198,7 @@ def simulate_windows(fit: Identification, log: Log) -> MotionCheck:
 def _position_error(
     model: Dynamics, log: Log, nu: NDArray[np.float64], force: NDArray[np.float64], complete: NDArray[np.bool_]
 ) -> NDArray[np.float64] | None:
-    """Rms distance [m] over each position window, or None without pose."""
+    """Rms distance [m] over each position window, or None where the log has no pose."""
     if not all(n in log.columns for n in ("psi", "x", "y")):
         return None
     pose = np.stack([log.columns[n] for n in ("x", "y", "psi")], axis=1)

@@ -1,28 +1,22 @@
 """Vehicle files as checked, immutable values.
 
-- ``vehicle``: hull, thrusters, sensors, limits, ambient force and model, as a TOML file states them.
-- ``actuator``: azimuth thrusters, rudders and the rates at which they turn.
-- ``mount``: where a sensor stands and which way it looks.
+- ``vehicle``: the whole file: hull, ambient force, model, and the other parts.
+- ``thrusters``, ``rudder``: thrusters with their thrust curves, and rudders behind them.
+- ``voith_schneider``: a Voith-Schneider unit as two thrusters.
+- ``sensors``: bounds of readings, and limits of the motion.
+- ``mount``: position and orientation of a sensor.
+- ``reading``: a TOML table to a checked value, or one sentence about its first fault.
 
 The chapter may use ``files`` and ``errors``. It holds no physics: ``propulsion`` turns demands into forces, ``sensors`` turns
 readings into intervals, ``effects`` holds the equations of motion.
 """
 
-from ivsid.vehicle.vehicle import (
-    AccelerationSensor,
-    Finite,
-    InertialSensor,
-    Limits,
-    NonNegative,
-    Positive,
-    Sensors,
-    Thruster,
-    Vehicle,
-    VelocitySensor,
-    parse_vehicle,
-    read_vehicle,
-    validated,
-)
+from ivsid.files.section import Finite, NonNegative, Positive
+from ivsid.vehicle.reading import validated
+from ivsid.vehicle.rudder import Rudder
+from ivsid.vehicle.sensors import AccelerationSensor, InertialSensor, Limits, Sensors, VelocitySensor
+from ivsid.vehicle.thrusters import Thruster
+from ivsid.vehicle.vehicle import Vehicle, parse_vehicle, read_vehicle
 
 __all__ = [
     "AccelerationSensor",
@@ -31,6 +25,7 @@ __all__ = [
     "Limits",
     "NonNegative",
     "Positive",
+    "Rudder",
     "Sensors",
     "Thruster",
     "Vehicle",

@@ -1,12 +1,20 @@
-"""The checker of ``ivsid verify``: what an identification claims, proved once more in fractions.
+"""The checker of ``ivsid verify``: an identification proved a second time, in exact arithmetic.
 
-It shares no code with what made the result: not the core, not the intervals, not the rows, not the physics. From the log (as
-``ivsid.log`` reads it) and the vehicle file's text it recomputes every row that a certificate uses, proves that the row lies in the
-stored one, solves the multipliers exactly, and compares the bounds. ``rational`` and ``angles`` are its arithmetic, ``decimals`` and ``readings``
-what the files say, ``refused`` what no row can be made of, ``pose``, ``mounted``, ``gravity``, ``rates``, ``curves``, ``rudders``, ``thrusters``,
-``physics``, ``columns``, ``weak`` and ``rows`` the equations, ``multipliers`` and ``signs`` the linear programs, ``outliers`` and ``counted`` the rows that
-may be wrong, ``checker`` the certificates and ``claims`` what is claimed of them.
-What it does not recompute (``unchecked``) makes a verdict ``not_checked``, never ``proved``.
+From the log (as ``ivsid.log`` reads it) and the vehicle file's text, the checker recomputes every row that a certificate uses, proves
+that it lies in the stored row, solves the multipliers exactly, and compares the bounds. A part that it cannot recompute makes the
+verdict ``not_checked``, never ``proved``.
+
+- ``rational``, ``angles``: exact ranges, roots, angles, exponentials.
+- ``decimals``, ``readings``: decimals of the files, and readings with the errors of their sensors; ``refused`` names logs without rows.
+- ``pose``, ``rates``, ``lever_arms``, ``gravity``: velocities from a pose, accelerations from velocities, sensors off the origin.
+- ``curves``, ``rudders``, ``thrusters``: demands to forces.
+- ``physics``, ``columns``, ``rows``, ``weak``: the equations of motion and their rows; ``unchecked`` names rows that are not recomputed.
+- ``multipliers``, ``cells``, ``signs``: linear programs, and the orthants that they cover.
+- ``outliers``, ``counted``: rows that may be wrong.
+- ``result``, ``checker``, ``statements``, ``verify``: a result, its certificates, its statements, and the verdict.
+
+The chapter may use ``log``, ``vehicle``, ``files.seal``, ``files.units`` and ``errors``. It shares no code with what it checks: not the
+core, not the intervals, not the rows, not the physics.
 """
 
 from ivsid.verification.verify import NOT_PROVED, Verification, verify

@@ -1,4 +1,4 @@
-"""Angles of directions, as ranges: the arctangent by a series with its remainder, and what a box of directions spans."""
+"""Angles of directions, as ranges: the arctangent by a series with its remainder, and the span of a box of directions."""
 
 from __future__ import annotations
 
@@ -8,8 +8,11 @@ from typing import Final
 
 from ivsid.verification.rational import ONE, Range, pi, root, sided
 
-# Halvings of an angle of at most pi / 4, and terms of the series of what is left, below 1/10: the rest is below 10^-81.
+# Halvings of an angle of at most pi / 4: the tangent of the rest is below 1/10, so that the series converges fast.
+# Source: theorem: half-angle formula, tan(a / 2) = tan a / (1 + sqrt(1 + tan^2 a))
 HALVINGS: Final = 3
+# Terms of the alternating series of the rest: the first one left out is below 10^-81.
+# Source: theorem: Leibniz, remainder of an alternating series
 TERMS: Final = 40
 
 
@@ -26,15 +29,15 @@ def arctangent(x: Fraction) -> Range:
     square, total = y.square(), Range(0)
     for k in range(TERMS, -1, -1):
         total = Range(Fraction(1, 2 * k + 1)) - square * total
-    # The terms alternate and fall: what is left out is less than the next one.
+    # The terms alternate and fall: the remainder is less than the first term left out.
     total = y * total + sided(Range(Fraction(1, 10 ** (2 * TERMS))))
     return total * (1 << HALVINGS)
 
 
 def direction(y: Range, x: Range) -> Range:
-    """All angles of (x, y) over a box, on one way round; every angle where the box holds the origin inside.
+    """All angles of (x, y) over a box, without a jump of a turn; every angle where the box holds the origin inside.
 
-    Of the origin itself, where it only stands at the box's edge, no angle is meant.
+    The origin has no angle: one at the box's edge is left out.
     """
     if x.low >= 0:
         return _ahead(y, x)
@@ -48,7 +51,7 @@ def direction(y: Range, x: Range) -> Range:
 
 
 def _ahead(y: Range, x: Range) -> Range:
-    """Where x is not negative: the extremes stand at corners."""
+    """Angles over a box with x >= 0: the extremes stand at corners."""
     found = [_corner(a, b) for a in {y.low, y.high} for b in {x.low, x.high} if a or b]
     if not found:
         return Range(-1, 1) * pi()

@@ -1,4 +1,4 @@
-"""Cells of signs: do those that were closed, and the signs that are proved, leave none out?"""
+"""Cells of signs: whether the closed cells and the proved signs cover every combination of signs."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ def covers(cells: Sequence[Cell], n: int, proved: Mapping[Cell, tuple[Cell, int 
     """Whether every combination of n signs that a consistent parameter can have lies in a cell.
 
     Args:
-        cells: that were closed.
-        n: unknowns.
-        proved: for a region of signs, the smaller one that all of its consistent parameters lie in, and the unknown whose
-            two signs were looked at apart.
+        cells: the closed cells.
+        n: number of unknowns.
+        proved: for a region of signs, the smaller region that holds all of its consistent parameters, and the unknown
+            whose two signs were examined apart.
     """
     return _covered(list(cells), (0,) * n, proved or {})
 

@@ -1,30 +1,31 @@
-"""Every claim of an identification against its certificates, the log and the vehicle file (METHODS 5.3)."""
+"""Statements of an identification against its certificates, the log and the vehicle file (docs/theory.md, "Verification")."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import isfinite
-from typing import Any, Final
+from typing import Final
 
 from ivsid.log import Log
 from ivsid.verification.cells import Cell
-from ivsid.verification.claims import Block, check_claims, integer
 from ivsid.verification.counted import counted
 from ivsid.verification.errors import UncheckedError, UnprovedError
 from ivsid.verification.multipliers import HalfSpace, Vector, contradict, half_space, least
 from ivsid.verification.outliers import Proof, named
 from ivsid.verification.rational import Range
-from ivsid.verification.result import Result
+from ivsid.verification.result import Result, Stored
 from ivsid.verification.rows import Rows
 from ivsid.verification.signs import Line, proved_signs
+from ivsid.verification.statements import Block, check_statements, integer
 from ivsid.verification.unchecked import estimated
 
-CLAIMS: Final = ("enclosed", "empty", "unbounded")
+# Statuses that certificates can prove.
+PROVABLE: Final = ("enclosed", "empty", "unbounded")
 
-
+# Errors of Python that an edited result can cause: each becomes a failure of the check, in a sentence.
 READING_ERRORS: Final = (
     KeyError,
     TypeError,
@@ -39,7 +40,7 @@ READING_ERRORS: Final = (
 
 @dataclass
 class Checker:
-    """Collects what fails and what it does not know, and counts what holds."""
+    """The check of one result: failures, parts that cannot be recomputed, and the number of certificates that hold."""
 
     result: Result
     log: Log
@@ -47,11 +48,11 @@ class Checker:
     unknown: list[str] = field(default_factory=list)
     certificates: int = 0
     wrong: int = 0
-    rows_used: set[tuple[Any, ...]] = field(default_factory=set)
-    _spaces: dict[tuple[Any, ...], HalfSpace] = field(default_factory=dict)
+    rows_used: set[tuple[object, ...]] = field(default_factory=set)
+    _spaces: dict[tuple[object, ...], HalfSpace] = field(default_factory=dict)
 
     def run(self) -> None:
-        """Checks everything."""
+        """Checks the files, the status, each certificate, and the statements that rest on them."""
         self._files()
         self._kind()
         if self.failures:
@@ -79,11 +80,11 @@ class Checker:
                 self._certificate(certificate, blocks)
                 self.certificates += 1
         with self._trying("the claims"):
-            check_claims(self.record, self.result.vehicle, self.rows.terms, blocks, self.wrong)
+            check_statements(self.record, self.result.vehicle, self.rows.terms, blocks, self.wrong)
 
     @property
-    def record(self) -> dict[str, Any]:
-        """The result."""
+    def record(self) -> Stored:
+        """The content of result.json."""
         return self.result.record
 
     @contextmanager
@@ -113,7 +114,7 @@ class Checker:
             self.failures.append(
                 f"the method: {record['method']} leaves no certificates that could be checked; use feasible"
             )
-        if record["status"] not in CLAIMS:
+        if record["status"] not in PROVABLE:
             self.failures.append(f"the status: {record['status']} claims nothing that could be proved")
         ruled, guessed = self.result.vehicle.sensors.sigmas is None, estimated(self.log, self.result.vehicle)
         if record["guaranteed"] != (ruled and not guessed):
@@ -121,7 +122,7 @@ class Checker:
             rule = "with velocities by splines nothing is guaranteed" if guessed else rule
             self.failures.append(f"guaranteed: {record['guaranteed']} is claimed, but {rule}")
 
-    def _certificate(self, certificate: Mapping[str, Any], blocks: dict[int, Block]) -> None:
+    def _certificate(self, certificate: Stored, blocks: dict[int, Block]) -> None:
         ids = tuple(certificate["orthant"])
         cell = tuple(certificate["orthant"].values())
         if any(s not in (-1, 0, 1) or isinstance(s, bool) for s in cell):
@@ -158,10 +159,8 @@ class Checker:
         else:
             raise UnprovedError(f"it proves '{certificate['proves']}', which is not known")
 
-    def _bound(
-        self, certificate: Mapping[str, Any], block: Block, cell: Cell, rows: list[HalfSpace]
-    ) -> tuple[Fraction, set[int]]:
-        """The bound that it claims, if it proves it, and which of its rows that takes."""
+    def _bound(self, certificate: Stored, block: Block, cell: Cell, rows: list[HalfSpace]) -> tuple[Fraction, set[int]]:
+        """The stored bound, if the certificate proves it, and the rows that the proof needs."""
         end, id_ = certificate["end"], certificate["parameter"]
         if end not in ("lower", "upper"):
             raise UnprovedError(f"an end is lower or upper, not {end!r}")
@@ -171,25 +170,25 @@ class Checker:
         if id_ not in block.ids:
             raise UnprovedError(f"{id_} is no parameter of its block")
         proved = least(objective, rows, cell, slack)
-        claimed = Fraction(float.fromhex(certificate["bound"]))
+        bound = Fraction(float.fromhex(certificate["bound"]))
         if proved is None:
             raise UnprovedError("its rows bound nothing")
-        if direction * claimed > proved[0]:
-            beyond = float(direction * claimed - proved[0])
+        if direction * bound > proved[0]:
+            beyond = float(direction * bound - proved[0])
             raise UnprovedError(
                 f"its rows prove {float(direction * proved[0])!r}, which is {beyond:.3g} short of the bound"
             )
-        return claimed, proved[1]
+        return bound, proved[1]
 
-    def _signs(self, certificate: Mapping[str, Any], ids: Sequence[str], decided: Cell) -> tuple[Cell, int | None]:
-        """The region that is left where the signs ``decided`` hold, and the unknown whose signs are looked at apart."""
+    def _signs(self, certificate: Stored, ids: Sequence[str], decided: Cell) -> tuple[Cell, int | None]:
+        """The region that is left where the signs ``decided`` hold, and the unknown whose two signs are examined apart."""
         home = tuple(certificate["home"][id_] for id_ in ids)
         if any(s not in (-1, 0, 1) or (d and d != s) for d, s in zip(decided, home, strict=True)):
             raise UnprovedError("its signs are not 1, -1 or 0, or not those that were decided")
         branch = None if certificate["branch"] is None else ids.index(certificate["branch"])
-        claimed = {ids.index(id_) for id_ in certificate["proved"]}
+        listed = {ids.index(id_) for id_ in certificate["proved"]}
         region = decided
-        if claimed:
+        if listed:
             lines = []
             for column in certificate["columns"]:
                 rows = [self._half_space(r, ids) for r in column["rows"]]
@@ -197,20 +196,20 @@ class Checker:
                 lines.append(Line(ids.index(column["parameter"]), rows, [_widths(r) for r in column["rows"]], slack))
             vector = [Fraction(float.fromhex(x)) for x in certificate["vector"]]
             proved = proved_signs(decided, home, lines, vector)
-            if proved is None or not claimed <= set(proved):
+            if proved is None or not listed <= set(proved):
                 raise UnprovedError("its rows do not prove these signs")
-            region = tuple(home[k] if k in claimed else s for k, s in enumerate(decided))
+            region = tuple(home[k] if k in listed else s for k, s in enumerate(decided))
         return region, branch
 
-    def _half_space(self, stored: Mapping[str, Any], ids: Sequence[str]) -> HalfSpace:
-        """What a stored row says, once it is recomputed; many certificates share their rows."""
+    def _half_space(self, stored: Stored, ids: Sequence[str]) -> HalfSpace:
+        """The half-space of a stored row, once the row is recomputed; certificates share rows, so that it is kept."""
         ends = (tuple(stored[k]) for k in ("lower", "upper", "right"))
         key = (*named(stored), stored["side"], *ends, tuple(ids))
         if key not in self._spaces:
             self._spaces[key] = self._recomputed(stored, ids)
         return self._spaces[key]
 
-    def _recomputed(self, stored: Mapping[str, Any], ids: Sequence[str]) -> HalfSpace:
+    def _recomputed(self, stored: Stored, ids: Sequence[str]) -> HalfSpace:
         channel, time, duration = stored["channel"], float(stored["time"]), float(stored["duration"])
         lower, upper, right = ([Fraction(float.fromhex(x)) for x in stored[k]] for k in ("lower", "upper", "right"))
         if not len(lower) == len(upper) == len(ids) or len(right) != 2:
@@ -223,7 +222,7 @@ class Checker:
         try:
             made = self.rows.row(stored["kind"], channel, time, duration)
         except UncheckedError as error:
-            # The multipliers are checked all the same: what does not even follow from the stored rows has failed.
+            # The multipliers are checked against the stored rows all the same: a bound that those do not prove has failed.
             if str(error) not in self.unknown:
                 self.unknown.append(str(error))
             return here
@@ -243,20 +242,20 @@ def _inside(range_: Range, lower: Fraction, upper: Fraction, what: str) -> None:
         raise UnprovedError(f"{what}: recomputed as {range_}, which is not inside [{float(lower)!r}, {float(upper)!r}]")
 
 
-def _multipliers(certificate: Mapping[str, Any]) -> list[float]:
-    """Those that are stored, rounded; none where one of them is no number: a proposal and nothing else."""
+def _multipliers(certificate: Stored) -> list[float]:
+    """The stored multipliers, rounded; none if one of them is no number. They are a proposal: exact ones are found and checked."""
     try:
         return [float(r["multiplier"]) for r in certificate["rows"]]
     except (KeyError, TypeError, ValueError, OverflowError):
         return []
 
 
-def _widths(stored: Mapping[str, Any]) -> Vector:
+def _widths(stored: Stored) -> Vector:
     lower, upper = ([Fraction(float.fromhex(x)) for x in stored[k]] for k in ("lower", "upper"))
     return [b - a for a, b in zip(lower, upper, strict=True)]
 
 
-def _name(number: int, certificate: Any) -> str:
+def _name(number: int, certificate: object) -> str:
     what = ""
     if isinstance(certificate, dict) and certificate.get("proves") == "bound":
         what = f" ({certificate.get('end')} end of {certificate.get('parameter')})"

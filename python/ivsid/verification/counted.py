@@ -1,19 +1,20 @@
-"""Which rows and parameters are counted together where a few rows may be wrong.
+"""Rows and parameters that are counted together where a few rows may be wrong.
 
-The assumption is on all rows that the options make, of each set of parameters that share an equation. Rows of another kind or length were
-not counted, and parameters that share no equation have wrong rows of their own.
+The assumption covers all rows that the options make, for each set of parameters that share an equation. A row of another kind or
+length was not counted, and parameters that share no equation have wrong rows of their own.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from ivsid.verification.errors import UnprovedError
 from ivsid.verification.outliers import RowName
 from ivsid.verification.physics import Meaning, State
 from ivsid.verification.rational import Range
+from ivsid.verification.result import Stored
 
 if TYPE_CHECKING:
     from ivsid.verification.rows import Rows
@@ -21,11 +22,11 @@ if TYPE_CHECKING:
 _OWN: Final = {"surge": ("udot", "ax"), "sway": ("vdot", "ay"), "yaw": ("rdot",)}
 
 
-def counted(rows: Rows, options: Mapping[str, Any], name: RowName) -> None:
-    """Whether the options of a result make a row.
+def counted(rows: Rows, options: Stored, name: RowName) -> None:
+    """Checks that the options of a result make a row.
 
     Raises:
-        UnprovedError: they do not.
+        UnprovedError: the options make no such row.
     """
     kind, channel, time, duration = name
     chosen, window = options["rows"], options["window"]
@@ -51,10 +52,10 @@ def counted(rows: Rows, options: Mapping[str, Any], name: RowName) -> None:
 
 
 def linked(terms: Mapping[str, Meaning], ids: Iterable[str]) -> None:
-    """Whether parameters share equations, one with another.
+    """Checks that parameters share equations, one with another.
 
     Raises:
-        UnprovedError: some of them have equations of their own.
+        UnprovedError: some parameters have equations of their own.
     """
     u, v, r, udot, vdot, rdot, psi = (Range(Fraction(k + 2, 7)) for k in range(7))
     probe = State(u, v, r, udot, vdot, rdot, psi=psi)

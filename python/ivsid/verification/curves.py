@@ -1,4 +1,4 @@
-"""The static curve of a thruster in fractions: tables, polynomials, quadratics, and what the vehicle file claims beyond them."""
+"""The static curve of a thruster in fractions: tables, polynomials, quadratics; dead band, limit and reverse factor."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ from ivsid.verification.rational import Range, cosine, sided, sine
 from ivsid.verification.readings import Readings
 from ivsid.verification.rudders import Blade
 
-# Decimals of a demand and of the curve's end may round apart by this share of them.
+# A demand at the curve's end may lie beyond it by the roundings of both decimals, each half a unit in the last place; this share of
+# the demand is larger than all of them, and far below any accuracy.
+# Source: definition: rounding of IEEE 754 doubles, 2^-53
 EDGE: Final = Fraction(2, 10**12)
 
 Forces: TypeAlias = tuple[Range, Range, Range]
@@ -43,7 +45,7 @@ class Curve:
 
     @cached_property
     def shares(self) -> Forces:
-        """Of a thrust in X, Y and N, for a thruster that does not turn."""
+        """Shares of a thrust in X, Y [1] and N [m], for a thruster that does not turn."""
         x, y = self.exact.pair(self.thruster.position)
         if self.thruster.azimuth == 0.0:
             return Range(1), Range(0), -y
@@ -52,7 +54,7 @@ class Curve:
 
     @cached_property
     def slopes(self) -> list[Fraction]:
-        """PCHIP's slopes at the knots that its cubics join (Fritsch and Carlson, with their one-sided ends)."""
+        """Slopes at the knots of the cubics (PCHIP; Fritsch and Carlson 1980, with their one-sided ends)."""
         demand, thrust, straight = self.knots
         x, y = (demand[1:], thrust[1:]) if straight else (demand, thrust)
         h = [b - a for a, b in pairwise(x)]
@@ -100,10 +102,10 @@ class Curve:
         return self._known[key]
 
     def inside(self, demand: Range) -> Range:
-        """Demands with those outside of the curve held at its ends.
+        """Demands, with those outside of the curve moved to its ends.
 
         Raises:
-            UnprovedError: a demand may lie outside, and the vehicle file does not say that it is held there.
+            UnprovedError: a demand may lie outside, and the vehicle file does not state ``outside = "hold"``.
         """
         if (covered := self.range) is None:
             return demand
@@ -113,7 +115,7 @@ class Curve:
         return clipped(demand, covered)
 
     def of_shaft(self, speed: Range) -> Range:
-        """The thrust at a shaft's speed; on its way from rest to a curve that does not begin there, anything between none and the nearer end's."""
+        """Thrust [N] at a shaft's speed; between rest and a curve that does not begin there, anything from 0 to the nearer end."""
         covered, rest = self.range, self.neutral
         assert covered is not None
         thrust = self.thrust(clipped(speed, covered))
@@ -124,7 +126,7 @@ class Curve:
     def _thrust(self, demand: Range) -> Range:
         t = self.thruster
         demand = self.inside(demand)
-        force = self._claimed(demand - self.neutral, self._over(demand - self.neutral))
+        force = self._as_stated(demand - self.neutral, self._over(demand - self.neutral))
         accuracy = t.accuracy
         return force + sided(self.exact(accuracy.absolute) + self.exact(accuracy.relative) * force.largest())
 
@@ -133,7 +135,7 @@ class Curve:
         if t.table is not None:
             demand, thrust, _ = self.knots
             low, high = max(d.lower, demand[0]), min(d.upper, demand[-1])
-            # Monotone between its knots: the extremes stand at the ends and at the knots between.
+            # PCHIP is monotone between its knots: the extremes stand at the ends and at the knots between them.
             between = thrust[bisect_left(demand, low) : bisect_right(demand, high)]
             values = [self._at(low), self._at(high), *between]
             return Range(min(values), max(values))
@@ -145,7 +147,8 @@ class Curve:
             total = total * d + self.exact(c)
         return total
 
-    def _claimed(self, d: Range, force: Range) -> Range:
+    def _as_stated(self, d: Range, force: Range) -> Range:
+        """The force with the dead band, the limit and the reverse factor that the vehicle file states."""
         t = self.thruster
         if t.dead_band is not None:
             band = self.exact(t.dead_band)
@@ -162,7 +165,7 @@ class Curve:
 
 
 def clipped(x: Range, covered: Range) -> Range:
-    """Each end brought into another range."""
+    """A range with each end clipped to another range."""
     ends = [min(max(e, covered.low), covered.high) for e in (x.low, x.high)]
     return Range.raw(ends[0], ends[1])
 

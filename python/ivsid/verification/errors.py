@@ -1,11 +1,11 @@
-"""What the checker says no to."""
+"""Errors of the checker."""
 
 from __future__ import annotations
 
 
 class UnprovedError(Exception):
-    """What does not follow, in a sentence."""
+    """A statement does not follow; the text is one sentence."""
 
 
 class UncheckedError(Exception):
-    """What the checker does not know how to recompute, in a sentence: neither proved nor wrong."""
+    """A part that the checker cannot recompute, in one sentence: neither proved nor wrong."""

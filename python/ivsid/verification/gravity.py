@@ -1,4 +1,4 @@
-"""What an accelerometer feels of gravity, by the logged attitude, in fractions.
+"""Gravity in the readings of an accelerometer, by the logged attitude, in fractions.
 
 With roll a and pitch b the reading holds g sin b along the vehicle and -g cos b sin a across it. Roll and pitch are logged, or follow
 from the vertical that a quaternion turns to.
@@ -16,22 +16,28 @@ from ivsid.verification.rational import Range, cosine, pi, root, sided, sine
 
 Raw: TypeAlias = Callable[[str, int], Range | None]
 
+# Gravity [m/s^2] near sea level, from the equator to the poles (9.7803 to 9.8322), with room for mountains and seamounts.
+# Source: geometry/physics: normal gravity of the WGS 84 ellipsoid
 ANYWHERE: Final = Range(Fraction(976, 100), Fraction(984, 100))
+# Half-width [m/s^2] of a stated gravity, as the assumptions of a result give it.
+# Source: definition: "within 1e-6" in the assumptions of a result
 STATED: Final = Fraction(1, 10**6)
 QUATERNION: Final = ("qw", "qx", "qy", "qz")
-# A quaternion whose norm is off by more than this is no attitude.
+# A quaternion whose squared norm is off by more than this is no attitude: components logged with two decimals, each off by 0.005 at
+# most, change it by 0.01 times the sum of their sizes, which is 2 at most.
+# Source: geometry/physics: rounding of a unit quaternion to two decimals
 MOST_OFF_UNIT: Final = Fraction(2, 100)
 
 
 def size(exact: Decimals, stated: bool | float) -> Range:
-    """Gravity [m/s^2]: anywhere at sea level and about it, or as stated."""
+    """Gravity [m/s^2]: the range near sea level for ``True``, else the stated value."""
     return ANYWHERE if stated is True else exact(stated) + sided(STATED)
 
 
 def along_and_across(raw: Raw, i: int, accuracy: Range, g: Range) -> tuple[Range, Range]:
-    """What gravity adds to the readings ahead and to starboard at a row [m/s^2]."""
+    """Gravity in the readings ahead and to starboard at a row [m/s^2]."""
     tilt = _tilt(raw, i)
-    # Without an attitude gravity may stand anywhere in the reading.
+    # Without an attitude the angle may be any.
     roll, pitch = (Range(-1, 1) * pi() if t is None else t + sided(accuracy) for t in tilt)
     return g * sine(pitch), -(g * (cosine(pitch) * sine(roll)))
 

@@ -1,6 +1,6 @@
-"""What rows prove, in fractions: the bound of a parameter, or that none is consistent.
+"""Proofs by multipliers of rows, in fractions: a bound of a parameter, or that no parameter is consistent.
 
-A row with coefficients in [a, b] and a right-hand side in [c, d] says of a consistent x, in a cell of known signs,
+For a consistent x in a cell of known signs, a row with coefficients in [a, b] and a right-hand side in [c, d] gives
 ``sum of least a_j x_j <= d`` and ``sum of most a_j x_j >= c``. Multipliers l >= 0 of such half-spaces g x <= h with
 ``x_j (e_j + sum l_i g_ij) >= 0`` for every j and every x of the cell prove ``e x >= -sum l_i h_i``.
 """
@@ -14,7 +14,9 @@ from math import isfinite
 from typing import Final, TypeAlias
 
 ZERO: Final = Fraction(0)
-# A sum of products that is this much smaller than the largest of them may be 0 with exact multipliers.
+# A sum of rounded products that is smaller than this share of the largest may be 0 with exact multipliers. The multipliers that follow
+# are checked, so that a wrong guess costs time only.
+# Source: resource: time of the exact search that a good guess saves
 NEARLY: Final = 1e-9
 Vector: TypeAlias = list[Fraction]
 
@@ -29,7 +31,7 @@ class HalfSpace:
 
 
 def half_space(lower: Vector, upper: Vector, right: tuple[Fraction, Fraction], *, lower_side: bool) -> HalfSpace:
-    """What an interval row says with one end of its right-hand side."""
+    """The half-space of an interval row with one end of its right-hand side."""
     if lower_side:
         return HalfSpace([-b for b in upper], [-a for a in lower], -right[0])
     return HalfSpace(list(lower), list(upper), right[1])
@@ -38,13 +40,13 @@ def half_space(lower: Vector, upper: Vector, right: tuple[Fraction, Fraction], *
 def least(
     objective: Vector, rows: Sequence[HalfSpace], signs: Sequence[int], slack: set[int]
 ) -> tuple[Fraction, set[int]] | None:
-    """The largest lower bound of ``objective x`` that these rows prove in the cell, and which of them it takes; None where they prove none.
+    """The largest lower bound of ``objective x`` that the rows prove in the cell, and the rows that it needs; None without a bound.
 
     Args:
         objective: e, shape (n,).
         rows: half-spaces.
         signs: of the cell, 1 or -1, 0 for both.
-        slack: columns whose sign is in the basis; a proposal: whatever it is, the multipliers are checked.
+        slack: columns whose sign is in the basis; a proposal, since the multipliers are checked.
     """
     # One condition for each sign that an unknown may have: s (e_j + sum l_i g_ij) >= 0.
     conditions = [(j, s) for j, sign in enumerate(signs) for s in (1, -1) if sign in (0, s)]
@@ -61,7 +63,7 @@ def multipliers_of(
 ) -> Vector | None:
     """Multipliers that bound ``objective x`` from rows made with the signs ``home``, of which only those ``decided`` hold.
 
-    None where the basis gives none: in ``slack`` stand the decided signs that are in it.
+    None where the basis gives no such multipliers; ``slack`` holds the decided signs that are in the basis.
     """
     tight = [j for j in range(len(home)) if j not in slack]
     matrix = [[_coefficient(row, j, home[j] or 1) for row in rows] for j in tight]
@@ -80,12 +82,12 @@ def multipliers_of(
 
 
 def contradict(rows: Sequence[HalfSpace], signs: Sequence[int], near: Sequence[float] = ()) -> set[int] | None:
-    """The rows that multipliers take to make them say 0 <= something negative in the cell; None where there are no such multipliers.
+    """The rows of a Farkas certificate, multipliers that give 0 <= a negative number in the cell; None without one.
 
     Args:
         rows: half-spaces.
         signs: of the cell, 1 or -1, 0 for both.
-        near: a proposal of the multipliers, rounded; whatever it is, those that are found are checked.
+        near: rounded multipliers, a proposal; the multipliers that are found are checked.
     """
     n = len(signs)
     conditions = [(j, s) for j, sign in enumerate(signs) for s in (1, -1) if sign in (0, s)]
@@ -100,7 +102,7 @@ def contradict(rows: Sequence[HalfSpace], signs: Sequence[int], near: Sequence[f
 
 
 def _from_near(rows: Sequence[HalfSpace], signs: Sequence[int], near: Sequence[float]) -> Vector | None:
-    """The exact multipliers that make those columns 0 which rounded ones nearly do, the largest of them being 1."""
+    """Exact multipliers, the largest 1, that make 0 the columns that the rounded multipliers nearly make 0."""
     if len(near) != len(rows) or not all(isfinite(m) and m >= 0 for m in near) or not any(near):
         return None
     first = max(range(len(rows)), key=lambda i: near[i])
@@ -160,7 +162,7 @@ def _best(e: Vector, rows: Sequence[HalfSpace], conditions: list[tuple[int, int]
 
 
 def solve(matrix: list[Vector], right: Vector) -> Vector | None:
-    """The solution of a system with as many or more equations than unknowns; None where there is none, or not one alone."""
+    """The only solution of a system with at least as many equations as unknowns; None without a solution or with several."""
     n = len(matrix[0]) if matrix else 0
     table = [[*row, b] for row, b in zip(matrix, right, strict=True)]
     for k in range(n):
@@ -177,7 +179,7 @@ def solve(matrix: list[Vector], right: Vector) -> Vector | None:
 
 
 def _simplex(equations: list[tuple[Vector, Fraction]], cost: Vector) -> tuple[Fraction, Vector] | None:
-    """The least cost of x >= 0 under equations, with such an x, or None where there is no x or no least cost (Bland's rule, two phases)."""
+    """The least cost of x >= 0 under equations, with an x; None without an x or a least cost (two phases, Bland 1977)."""
     n, m = len(cost), len(equations)
     table: list[Vector] = []
     for k, (row, b) in enumerate(equations):
@@ -189,7 +191,7 @@ def _simplex(equations: list[tuple[Vector, Fraction]], cost: Vector) -> tuple[Fr
     if not _descend(table, basis, first, n + m) or first[-1] != 0:
         return None
     for i in range(m):
-        # An artificial unknown that is still in the basis stands at 0: any other can take its place.
+        # An artificial unknown that is left in the basis is 0: any other can take its place.
         if basis[i] >= n and (j := next((j for j in range(n) if table[i][j]), None)) is not None:
             _pivot(table, basis, first, i, j)
     kept = [i for i in range(m) if basis[i] < n]

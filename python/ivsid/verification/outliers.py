@@ -1,7 +1,7 @@
-"""What stands where a few rows may be wrong: for every choice of wrong rows a proof that uses none of them.
+"""Statements that hold where a few rows may be wrong: for every choice of wrong rows a proof uses none of them.
 
-A proof from the rows S holds whatever else is wrong. So a claim stands against q wrong rows exactly when no q rows together touch every
-proof of it. That is asked of the proofs themselves, in whatever order and by whatever search they were found.
+A proof from the rows S holds whichever other rows are wrong. A statement therefore stands against q wrong rows exactly when no q rows
+together touch every proof of it. The proofs alone are examined; the search that found them plays no part.
 """
 
 from __future__ import annotations
@@ -9,29 +9,33 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, Final, TypeAlias
+from typing import Final, TypeAlias
 
 from ivsid.verification.errors import UnprovedError
+from ivsid.verification.result import Stored
 
 # Kind, channel, time [s], duration [s].
 RowName: TypeAlias = tuple[str, str, float, float]
 Chosen: TypeAlias = frozenset[RowName]
 
 NOTHING: Final[Chosen] = frozenset()
-# Choices of wrong rows that one claim may cost.
+# Choices of wrong rows that are followed for one statement.
+# Source: resource: minutes of time, and memory of the choices seen
 MOST: Final = 50_000
+# Wrong rows that are followed one within another, each a level of recursion.
+# Source: resource: depth of Python's call stack
 DEEPEST: Final = 100
 
 
 @dataclass(frozen=True)
 class Proof:
-    """Of one cell of signs: that it is empty, or a bound of one end.
+    """A proof on one cell of signs: that it is empty, or a bound of one end.
 
     Attributes:
         end: parameter, and ``lower`` or ``upper``; None for an empty cell.
-        bound: that was proved; None for an empty cell.
-        rows: that it uses.
-        meant: the wrong rows that it was made for: where to look first, and nothing else.
+        bound: the proved bound; None for an empty cell.
+        rows: rows that it uses.
+        meant: wrong rows that it was made for, which order the search and prove nothing.
     """
 
     end: tuple[str, str] | None
@@ -40,20 +44,23 @@ class Proof:
     meant: Chosen = NOTHING
 
 
-def named(row: Any) -> RowName:
-    """A row of a result by what the log calls it."""
+def named(row: Stored) -> RowName:
+    """The name of a row of a result: kind, channel, time and duration."""
     return str(row["kind"]), str(row["channel"]), float(row["time"]), float(row["duration"])
 
 
 def left_open(
     proofs: Sequence[Proof], wrong: int, allowed: Callable[[Chosen], bool] = lambda _: False
 ) -> Chosen | None:
-    """At most ``wrong`` rows that touch every proof; None where there are none.
+    """At most ``wrong`` rows that touch every proof; None without such rows.
 
     Args:
-        proofs: of one claim.
-        wrong: rows that may be wrong.
-        allowed: choices of that many rows which need no proof.
+        proofs: of one statement.
+        wrong: number of rows that may be wrong.
+        allowed: whether a choice of that many rows needs no proof.
+
+    Raises:
+        UnprovedError: more choices than ``MOST``, or more wrong rows than ``DEEPEST``.
     """
     if wrong > DEEPEST:
         raise UnprovedError(f"{wrong} wrong rows are more than the {DEEPEST} that are followed")
@@ -78,21 +85,21 @@ def left_open(
     return look(NOTHING)
 
 
-def check_choices(claimed: Any, cells: Sequence[Sequence[Proof]], wrong: int) -> None:
-    """The fewest rows that have to be wrong, and every choice of so many, against the proofs that cells are empty.
+def check_choices(listed: Stored, cells: Sequence[Sequence[Proof]], wrong: int) -> None:
+    """Checks the fewest rows that have to be wrong, and every choice of that many, against the proofs that cells are empty.
 
     Args:
-        claimed: ``fewest`` and ``sets`` of a block.
+        listed: ``fewest`` and ``sets`` of a block.
         cells: for each cell of signs the proofs that it is empty.
-        wrong: rows that may be wrong.
+        wrong: number of rows that may be wrong.
 
     Raises:
         UnprovedError: fewer rows may do, a choice is left out, or a choice that is named is disproved.
     """
-    fewest = claimed["fewest"]
+    fewest = listed["fewest"]
     if fewest is not None and (not isinstance(fewest, int) or isinstance(fewest, bool) or not 0 <= fewest <= wrong):
         raise UnprovedError(f"the fewest wrong rows are {fewest!r}, and {wrong} may be")
-    sets = [frozenset(named(r) for r in chosen) for chosen in claimed["sets"]]
+    sets = [frozenset(named(r) for r in chosen) for chosen in listed["sets"]]
     if bool(sets) != bool(fewest) or len(set(sets)) < len(sets) or any(len(s) != fewest for s in sets):
         raise UnprovedError(f"the choices of wrong rows are not choices of {fewest!r}")
     if fewest is None:

@@ -1,4 +1,4 @@
-"""What a parameter's id means, written down once more: its column in each equation of motion (EFFECTS.md 2.0 to 2.2).
+"""Meaning of a parameter's id, written down a second time: its column in each equation of motion (docs/theory.md, "Rows").
 
 Columns are made of ``+``, ``-``, ``*`` and the methods that ``Range`` and ``Motion`` share.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 from ivsid.vehicle import Vehicle
 from ivsid.verification.decimals import stated
@@ -16,6 +16,10 @@ from ivsid.verification.errors import UncheckedError
 from ivsid.verification.rational import Range, cosine, sided, sine, tanh, to_range
 
 CHANNELS: Final = ("surge", "sway", "yaw")
+
+Operand: TypeAlias = "Motion | Range | Fraction | int"
+# A Range, a Motion or an Unknown: the columns are written once for all of them, by the operators that they share.
+Quantity: TypeAlias = Any
 
 
 @dataclass(frozen=True)
@@ -25,7 +29,7 @@ class Motion:
     value: Range
     rate: Range
 
-    def __add__(self, other: Any) -> Motion:
+    def __add__(self, other: Operand) -> Motion:
         o = moving(other)
         return Motion(self.value + o.value, self.rate + o.rate)
 
@@ -34,13 +38,13 @@ class Motion:
     def __neg__(self) -> Motion:
         return Motion(-self.value, -self.rate)
 
-    def __sub__(self, other: Any) -> Motion:
+    def __sub__(self, other: Operand) -> Motion:
         return self + (-moving(other))
 
-    def __rsub__(self, other: Any) -> Motion:
+    def __rsub__(self, other: Operand) -> Motion:
         return moving(other) - self
 
-    def __mul__(self, other: Any) -> Motion:
+    def __mul__(self, other: Operand) -> Motion:
         o = moving(other)
         return Motion(self.value * o.value, self.rate * o.value + self.value * o.rate)
 
@@ -58,52 +62,55 @@ class Motion:
         return Motion(self.value.signed_square(), abs(self.value) * self.rate * 2)
 
     def negative_part(self) -> Motion:
-        """``min(x, 0)``, which moves no quicker than x."""
+        """``min(x, 0)``, whose rate is that of x or 0."""
         return Motion(self.value.negative_part(), self.rate.hull(Range(0)))
 
 
-def moving(x: Any) -> Motion:
+def moving(x: Operand) -> Motion:
     """A constant as a motion."""
     return x if isinstance(x, Motion) else Motion(to_range(x), Range(0))
 
 
 @dataclass(frozen=True)
 class State:
-    """u, v [m/s], r [rad/s] and their derivatives; the specific forces where they are measured themselves; the heading [rad]."""
+    """u, v [m/s], r [rad/s] and their derivatives; specific forces [m/s^2] where they are measured; the heading [rad].
 
-    u: Any
-    v: Any
-    r: Any
-    udot: Any
-    vdot: Any
-    rdot: Any
-    measured_ax: Any = None
-    measured_ay: Any = None
-    psi: Any = None
+    Each is a ``Range`` or a ``Motion``; an acceleration may be a ``columns.Unknown``.
+    """
+
+    u: Quantity
+    v: Quantity
+    r: Quantity
+    udot: Quantity
+    vdot: Quantity
+    rdot: Quantity
+    measured_ax: Quantity = None
+    measured_ay: Quantity = None
+    psi: Quantity = None
 
     @property
-    def ax(self) -> Any:
+    def ax(self) -> Quantity:
         """``udot - v r``."""
         return self.udot - self.v * self.r if self.measured_ax is None else self.measured_ax
 
     @property
-    def ay(self) -> Any:
+    def ay(self) -> Quantity:
         """``vdot + u r``."""
         return self.vdot + self.u * self.r if self.measured_ay is None else self.measured_ay
 
 
-Columns = dict[str, Any]
+Columns = dict[str, Quantity]
 Column = Callable[[State], Columns]
 
 
-def _astern(u: Any) -> Any:
+def _astern(u: Quantity) -> Quantity:
     negative = u.negative_part()
     if isinstance(u, Motion):
         return Motion(negative.value.signed_square(), abs(negative.value) * u.rate * 2)
     return negative.signed_square()
 
 
-def _friction(u: Any) -> Any:
+def _friction(u: Quantity) -> Quantity:
     scaled = u * 50
     if isinstance(scaled, Motion):
         value = tanh(scaled.value)
@@ -111,16 +118,16 @@ def _friction(u: Any) -> Any:
     return tanh(scaled)
 
 
-def _cos(x: Any) -> Any:
+def _cos(x: Quantity) -> Quantity:
     return Motion(cosine(x.value), -(sine(x.value) * x.rate)) if isinstance(x, Motion) else cosine(x)
 
 
-def _sin(x: Any) -> Any:
+def _sin(x: Quantity) -> Quantity:
     return Motion(sine(x.value), cosine(x.value) * x.rate) if isinstance(x, Motion) else sine(x)
 
 
 def _north(s: State) -> Columns:
-    """A force of 1 N to the north pushes by (cos psi, -sin psi); on the left it stands with the other sign."""
+    """A force of 1 N to the north acts as (cos psi, -sin psi) on X, Y; on the left-hand side its sign is reversed."""
     return {} if s.psi is None else {"surge": -_cos(s.psi), "sway": _sin(s.psi)}
 
 
@@ -172,7 +179,11 @@ class Meaning:
 
 
 def model(vehicle: Vehicle, form: str) -> dict[str, Meaning]:
-    """The parameters of the vehicle file's model by id; UncheckedError for an id without a meaning here."""
+    """The parameters of the vehicle file's model by id.
+
+    Raises:
+        UncheckedError: an id without a meaning here, such as an effect of the user's own.
+    """
     terms = vehicle.model.terms
     if terms == "paper":
         id_, symbol = ("mass.surge", "m - X_udot") if form == "total" else _ADDED["mass.surge"]
@@ -200,7 +211,7 @@ def model(vehicle: Vehicle, form: str) -> dict[str, Meaning]:
 
 
 def rigid_body(s: State, mx: Range, my: Range, mass: Range | None) -> Columns:
-    """The known left-hand side: the coupling of a centre of gravity off the origin, and the mass that the form leaves out."""
+    """The known left-hand side: coupling by a centre of gravity off the origin, and the mass in the form ``added``."""
     known: Columns = {}
     if mass is not None:
         known = {"surge": s.ax * mass, "sway": s.ay * mass}
@@ -239,19 +250,19 @@ def _integral(v: Fraction, r: Fraction, half: Fraction, power: int) -> Fraction:
 
 
 def _flow_force(v: Range, r: Range, half: Fraction) -> Range:
-    """Grows with v; even in r, and with |r| it grows where v > 0 and falls where v < 0."""
+    """Force of the cross-flow, monotone in v and even in r: it grows with |r| where v > 0 and falls where v < 0."""
     low = _integral(v.lower, r.mignitude if v.lower >= 0 else r.magnitude, half, 0)
     return Range(low, _integral(v.upper, r.magnitude if v.upper >= 0 else r.mignitude, half, 0))
 
 
 def _flow_moment(v: Range, r: Range, half: Fraction) -> Range:
-    """Grows with r; even in v, and with |v| it grows where r > 0 and falls where r < 0."""
+    """Moment of the cross-flow, monotone in r and even in v: it grows with |v| where r > 0 and falls where r < 0."""
     low = _integral(v.mignitude if r.lower >= 0 else v.magnitude, r.lower, half, 1)
     return Range(low, _integral(v.magnitude if r.upper >= 0 else v.mignitude, r.upper, half, 1))
 
 
 def _flow_rate(v: Motion, r: Motion, half: Fraction) -> tuple[Range, Range]:
-    """Of both integrals: their derivatives are twice the integrals of x^k |v + x r|, k = 0 to 2, which grow with |v| and |r|."""
+    """Rates of force and moment: the derivatives are twice the integrals of x^k |v + x r|, k = 0 to 2, which grow with |v|, |r|."""
     speed, turn = v.value.magnitude, r.value.magnitude
     if speed >= turn * half:
         plain, first, second = 2 * half * speed, 2 * half**3 * turn / 3, 2 * half**3 * speed / 3

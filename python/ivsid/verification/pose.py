@@ -1,15 +1,15 @@
-"""Velocities from positions and headings, in fractions: the argument of METHODS for logs without a velocity sensor.
+"""Velocities from positions and headings, in fractions, for logs without a velocity sensor (docs/theory.md, "Sensor bounds").
 
-A mean over a window is an exact difference of two poses; a velocity is off it by at most A ((t - t_i)^2 + (t_j - t)^2) / (2 T), A
-bounding the acceleration in earth axes. Floats choose the window and the row whose bound, carried over at the stated limit, is
-the narrowest; what they choose is then computed exactly, and holds whichever was chosen.
+The mean of a velocity over a window is an exact difference of two poses. The velocity at t differs from it by at most
+A ((t - t_i)^2 + (t_j - t)^2) / (2 T), with A a bound of the acceleration in earth axes. Floats choose the window and the row whose
+bound, carried over at the stated limit, is the narrowest; the choice is then computed exactly, and any choice gives a valid bound.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,13 +20,17 @@ from ivsid.verification.decimals import Decimals
 from ivsid.verification.errors import UnprovedError
 from ivsid.verification.rational import Range, cosine, pi, root, sided, sine
 
+# Lengths of windows that are tried, as shares of the length at which sensor and acceleration contribute equally; every window is valid.
+# Source: definition: the windows that the rows of a result try
 SHARES: Final = (0.35, 0.5, 0.7, 1.0, 1.4, 2.0)
 Array = NDArray[np.float64]
+# The reading of a channel at a row; None where it is missing.
+Raw: TypeAlias = Callable[[str, int], Range | None]
 
 
 @dataclass(frozen=True)
 class _Proposal:
-    """For each row: the window and the row that a bound is carried over from."""
+    """For each row: the window, and the row whose bound is carried over."""
 
     half: NDArray[np.int64]
     row: NDArray[np.int64]
@@ -34,14 +38,14 @@ class _Proposal:
 
 
 class PoseVelocities:
-    """u, v, r at rows that have a pose."""
+    """u, v [m/s], r [rad/s] at rows with a pose."""
 
     def __init__(
         self,
         log: Log,
         sensors: Sensors,
         exact: Decimals,
-        raw: Any,
+        raw: Raw,
         time: Callable[[int], Range],
         wanted: tuple[str, ...],
     ) -> None:
@@ -57,7 +61,7 @@ class PoseVelocities:
         turned = np.full(psi.shape, np.nan)
         turned[there] = np.unwrap(psi[there])
         self.turns = np.where(there, np.round((turned - psi) / (2 * np.pi)), 0.0).astype(np.int64)
-        # A truth that turns by less than pi gives readings less than pi - 2 e apart only the right way round.
+        # Two readings less than pi - 2 e apart differ by the shorter way round, if the vehicle turned by less than pi.
         off = np.broadcast_to(sensors.heading.accuracy + log.rounding.get("psi", np.zeros(1)), psi.shape)[there]
         uncertain = np.zeros(psi.shape, dtype=np.int64)
         uncertain[np.flatnonzero(there)[1:]] = np.abs(np.diff(turned[there])) >= np.pi - off[1:] - off[:-1] - 1e-9
@@ -68,7 +72,7 @@ class PoseVelocities:
 
     @classmethod
     def of(
-        cls, log: Log, sensors: Sensors, exact: Decimals, raw: Any, time: Callable[[int], Range]
+        cls, log: Log, sensors: Sensors, exact: Decimals, raw: Raw, time: Callable[[int], Range]
     ) -> PoseVelocities | None:
         """The velocities that a log lacks and its pose gives; None where it lacks none, or the pose is not bounded."""
         limits, columns = sensors.limits, log.columns
@@ -86,7 +90,11 @@ class PoseVelocities:
         return cls(log, sensors, exact, raw, time, wanted)
 
     def velocity(self, name: str, i: int) -> Range | None:
-        """The range of a velocity at a row."""
+        """The range of a velocity at a row; None where no window covers it.
+
+        Raises:
+            UnprovedError: the bounds contradict each other.
+        """
         lower, upper = self._proposed[name]
         if not lower.known[i]:
             return None
@@ -111,9 +119,14 @@ class PoseVelocities:
         return sorted(h for h in halves if 2 * h < self.log.t.size)
 
     def turned(self, i: int) -> Range:
-        """The heading of a row, counted on over whole turns [rad]."""
-        psi: Range = self.raw("psi", i) + pi() * (2 * int(self.turns[i])) + sided(self.heading)
-        return psi
+        """The heading of a row [rad], unwrapped."""
+        return self._read("psi", i) + pi() * (2 * int(self.turns[i])) + sided(self.heading)
+
+    def _read(self, name: str, i: int) -> Range:
+        """A reading of a row that has a pose."""
+        reading = self.raw(name, i)
+        assert reading is not None
+        return reading
 
     def _from_window(self, at: int, half: int, name: str) -> Range:
         key = (at, half)
@@ -131,7 +144,7 @@ class PoseVelocities:
         found = {"r": mean + sided(weight * self.yaw)}
         if not moving:
             return found
-        x0, y0, x1, y1 = (self.raw(c, i) + sided(self.place) for i in (at - half, at + half) for c in ("x", "y"))
+        x0, y0, x1, y1 = (self._read(c, i) + sided(self.place) for i in (at - half, at + half) for c in ("x", "y"))
         own = root(Range(2)) * self.limit
         rate = (mean + sided(span * self.yaw / 2)).largest()
         north, east = (x1 - x0) / span, (y1 - y0) / span
@@ -144,7 +157,7 @@ class PoseVelocities:
         return {**found, "u": north * c + east * s + off, "v": east * c - north * s + off}
 
     def _propose(self, psi: Array) -> dict[str, tuple[_Proposal, _Proposal]]:
-        """In floats: which window, and which row's bound, is the narrowest at each row."""
+        """The window and the row whose bound is the narrowest at each row, in floats."""
         n, t = self.log.t.size, self.log.t
         low = {name: np.full(n, -np.inf) for name in self.wanted}
         high = {name: np.full(n, np.inf) for name in self.wanted}
@@ -168,7 +181,7 @@ class PoseVelocities:
         return made
 
     def _approximate(self, psi: Array, half: int) -> tuple[NDArray[np.int64], dict[str, tuple[Array, Array]]]:
-        """Middle and half-width of each velocity, in floats; NaN where it is not known."""
+        """Middle and half-width of each velocity, in floats; NaN where it has none."""
         t, n = self.log.t, self.log.t.size
         at = np.arange(half, n - half)
         i, j = at - half, at + half
@@ -189,7 +202,7 @@ class PoseVelocities:
         reach = (own + rate * fastest) * weight
         north_range = (north - off, north + off)
         east_range = (east - off, east + off)
-        c, s = _angles(np.cos, psi[at], error, 0.0), _angles(np.cos, psi[at] - np.pi / 2, error, 0.0)
+        c, s = _cosines(psi[at], error), _cosines(psi[at] - np.pi / 2, error)
         u = _sum(_product(north_range, c), _product(east_range, s))
         v = _sum(_product(east_range, c), _product((-north_range[1], -north_range[0]), s))
         for name, (least, most) in (("u", u), ("v", v)):
@@ -201,10 +214,11 @@ class PoseVelocities:
 Ends = tuple[Array, Array]
 
 
-def _angles(f: Any, x: Array, error: float, _: float) -> Ends:
+def _cosines(x: Array, error: float) -> Ends:
+    """Least and largest cosine of the angles within ``error`` of x."""
     k = np.ceil((x - error) / np.pi)
     inside = k * np.pi <= x + error
-    ends = f(x - error), f(x + error)
+    ends = np.cos(x - error), np.cos(x + error)
     low, high = np.minimum(*ends), np.maximum(*ends)
     return np.where(inside & (k % 2 == 1), -1.0, low), np.where(inside & (k % 2 == 0), 1.0, high)
 

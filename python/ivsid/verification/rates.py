@@ -1,7 +1,7 @@
 """Accelerations from velocities under a stated jerk, in fractions.
 
-The mean of an acceleration over a window is an exact difference of two velocities, and the acceleration at a moment is off it by at most
-J ((t - t_i)^2 + (t_j - t)^2) / (2 T). Every window holds, so it does not matter which are tried.
+The mean of an acceleration over a window is an exact difference of two velocities, and the acceleration at t differs from it by at
+most J ((t - t_i)^2 + (t_j - t)^2) / (2 T) (docs/theory.md, "Sensor bounds"). Every window gives a valid bound.
 """
 
 from __future__ import annotations
@@ -19,29 +19,35 @@ from ivsid.verification.decimals import Decimals
 from ivsid.verification.errors import UnprovedError
 from ivsid.verification.rational import Range, sided
 
+# Lengths of windows, as shares of the length at which reading and jerk contribute equally.
+# Source: definition: the windows that the rows of a result try
 SHARES: Final = (0.5, 0.7, 1.0, 1.4)
-# Around each length that is thought best, all within this factor.
+# All lengths within this factor of those are tried, since the best length is estimated from a few rows. The factor exceeds the square
+# root of the ratio of neighbouring shares, 1.2, so that no length between two shares is left out.
+# Source: geometry/physics: overlap of the neighbourhoods of ``SHARES``
 AROUND: Final = 1.25
+# Rows from which the usual width of a velocity is estimated, which only chooses the windows.
+# Source: resource: time of exact ranges
 SAMPLED: Final = 101
-# The velocity, and what is measured instead.
+# For each acceleration its velocity, and the channels that would measure it.
 _SOURCES: Final = {"udot": ("u", ("udot", "ax")), "vdot": ("v", ("vdot", "ay")), "rdot": ("r", ("rdot",))}
 
 
 class Source(Protocol):
-    """What gives velocities."""
+    """A source of velocities."""
 
     def time(self, i: int) -> Range:
-        """A time [s]."""
+        """The time of a row [s]."""
 
     def logged(self, name: str) -> bool:
-        """Whether a channel is there and bounded."""
+        """Whether a channel is logged and bounded."""
 
     def channel(self, name: str, i: int) -> Range | None:
-        """Its value at a row."""
+        """The value of a channel at a row."""
 
 
 class Rates:
-    """udot, vdot, rdot where they are not measured and the vehicle file states how fast they change."""
+    """udot, vdot [m/s^2], rdot [rad/s^2] where they are not measured and the vehicle file states their limits."""
 
     def __init__(self, log: Log, limits: Limits, exact: Decimals, source: Source) -> None:
         self.log, self.limits, self.exact, self.source = log, limits, exact, source
@@ -88,7 +94,7 @@ class Rates:
         return [int(k) for k in np.unique(np.linspace(0, self.log.t.size - 1, SAMPLED).astype(np.int64))]
 
     def _windows(self, velocity: str, jerk: float) -> Iterator[tuple[int, int]]:
-        """Rows before and after: where reading and jerk weigh the same, and near that; one-sided ones for the ends."""
+        """Rows before and after: where reading and jerk contribute equally, and near that; one-sided windows for the ends."""
         known = [x for k in self._rows if (x := self.source.channel(velocity, k)) is not None]
         if not known:
             return

@@ -1,4 +1,4 @@
-"""Exact ranges, and enclosures of what is irrational: roots, angles, exponentials, the normal distribution.
+"""Exact ranges, and enclosures of irrational numbers: roots, angles, exponentials, the normal distribution.
 
 Ends are whole multiples of 2^-1200: every double is one, half a unit in the last place of every double too, and sums are exact.
 Products and quotients are rounded outward to such a multiple. Nothing here is a float operation.
@@ -12,9 +12,14 @@ from math import isqrt
 from statistics import NormalDist
 from typing import Final, TypeAlias
 
+# Ends are whole numbers of 2^-1200: the smallest double is 2^-1074, and what rounding loses stays far below its half.
+# Source: definition: IEEE 754 binary64
 SCALE: Final = 1200
+# One in whole numbers of 2^-SCALE.
+# Source: definition: 2^SCALE
 ONE: Final = 1 << SCALE
-# Digits behind the binary point of what is worked out in whole numbers of its own.
+# Binary places of the cosine's own whole numbers; ``_cosine_at`` bounds their roundings.
+# Source: theorem: error bound in the docstring of ``_cosine_at``
 BITS: Final = 256
 
 Number: TypeAlias = "Range | Fraction | int"
@@ -47,7 +52,7 @@ class Range:
 
     @classmethod
     def around(cls, value: float, *reaches: float) -> Range:
-        """A double and all that is as far from it as these others together."""
+        """The numbers within the sum of ``reaches`` of a double."""
         n, d = value.as_integer_ratio()
         centre, reach = (n << SCALE) // d, 0
         for r in reaches:
@@ -143,7 +148,7 @@ class Range:
         return Range.raw(min(self.low, other.low), max(self.high, other.high))
 
     def largest(self) -> Range:
-        """The largest absolute value, as a range of it alone."""
+        """The largest absolute value, as a range."""
         top = max(-self.low, self.high)
         return Range.raw(top, top)
 
@@ -153,25 +158,25 @@ class Range:
 
 
 def to_range(x: Number) -> Range:
-    """A number as the range of it alone."""
+    """A number as a range; a range as it is."""
     return x if isinstance(x, Range) else Range(x)
 
 
 def sided(reach: Number) -> Range:
-    """All that is at most ``reach`` from 0."""
+    """The numbers within ``reach`` of 0."""
     top = to_range(reach).high
     return Range.raw(-top, top)
 
 
 def weighted(share: Range, a: Range, b: Range) -> Range:
-    """P a + (1 - p) b for a share p in [0, 1]: linear in it, so that its extremes stand at the ends."""
+    """The weighted mean p a + (1 - p) b for a share p in [0, 1]; it is linear in p, so that its extremes stand at the ends."""
     lows = [p * a.low + (ONE - p) * b.low for p in (share.low, share.high)]
     highs = [p * a.high + (ONE - p) * b.high for p in (share.low, share.high)]
     return Range.raw(min(lows) >> SCALE, -(-max(highs) >> SCALE))
 
 
 def root(x: Range) -> Range:
-    """Square root of what is not negative."""
+    """Square root of the numbers of a range that are not negative."""
     low, high = max(x.low, 0) << SCALE, max(x.high, 0) << SCALE
     top = isqrt(high)
     return Range.raw(isqrt(low), top + (top * top < high))
@@ -179,7 +184,7 @@ def root(x: Range) -> Range:
 
 @lru_cache(maxsize=1)
 def pi() -> Range:
-    """Machin's formula with the remainders of two alternating series."""
+    """Pi by Machin's formula, with the remainders of two alternating series."""
 
     def inverse_tangent(n: int) -> Range:
         terms = [Fraction((-1) ** k, (2 * k + 1) * n ** (2 * k + 1)) for k in range(120)]
@@ -197,7 +202,7 @@ def exponential(x: Range) -> Range:
     total = Range(1)
     for k in range(24, 0, -1):
         total = total * y / k + 1
-    # |y| <= 2^-8: what the polynomial leaves out is less than twice its next term.
+    # |y| <= 2^-8: the remainder of the polynomial is less than twice its next term.
     total = total + sided(2 * Fraction(1, 256) ** 25 / (1 << 80))
     for _ in range(halvings):
         total = total.square()
@@ -233,9 +238,9 @@ def sine(x: Range) -> Range:
 
 
 def _cosine_at(x: Fraction) -> Range:
-    """In whole numbers of 2^-BITS: a Taylor polynomial of degree 80 of what is left of whole turns, |y| < 4.
+    """Cosine of a number in whole numbers of 2^-BITS: a Taylor polynomial of degree 80 in the angle y less whole turns, |y| < 4.
 
-    The rest, at most 4^82/82!, is below 2^-240. With S the rounded square (off by at most 10 units) and partial sums below
+    The remainder, at most 4^82/82!, is below 2^-240. With S the rounded square (off by at most 10 units) and partial sums below
     cosh 4 < 28, an error e of one partial sum becomes at most (16 e + 280) / (2k (2k - 1)) + 3 in the next: below 650 at the end.
     """
     turns = round(x / (2 * pi().lower))
@@ -250,9 +255,9 @@ def _cosine_at(x: Fraction) -> Range:
 
 
 def upper_tail(x: Fraction) -> Fraction:
-    """A number that P(Z > x) of a standard normal Z does not exceed, for x > 0.
+    """An upper bound of P(Z > x) for a standard normal Z and x > 0.
 
-    P(0 < Z < x) is the density at x times x + x^3/3 + x^5/15 + ...; leaving terms out makes it smaller.
+    P(0 < Z < x) is the density at x times x + x^3/3 + x^5/15 + ...; a partial sum is a lower bound of it.
     """
     term, total = Range(x), Range(x)
     for k in range(1, 40 + 4 * round(x * x)):
@@ -263,7 +268,7 @@ def upper_tail(x: Fraction) -> Fraction:
 
 
 def normal_factor(tail: Fraction) -> Fraction:
-    """A factor k with P(Z > k) <= ``tail``, proved, and larger than need be by less than 2e-10 of itself.
+    """A factor k with P(Z > k) <= ``tail``, proved, and too large by less than 2e-10 of itself.
 
     Raises:
         ArithmeticError: no such factor was found.

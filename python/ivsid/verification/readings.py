@@ -1,7 +1,7 @@
-"""Readings to ranges: the sensors' half-widths once more, in fractions (METHODS 5.1).
+"""Readings to ranges: the half-widths of the sensors a second time, in fractions (docs/theory.md, "Sensor bounds").
 
-With the accelerometer's bias taken apart, a reading is the truth plus one number for the log within this range: what the bias moves
-away from its value in the middle of the log has k B sqrt(2 (1 - exp(-|t - t_m| / T))) at each sample.
+With the accelerometer's bias taken apart, a reading is the true value plus one constant of the log, within this range: the change of a
+Gauss-Markov bias since the middle of the log is bounded by k B sqrt(2 (1 - exp(-|t - t_m| / T))) at each sample.
 """
 
 from __future__ import annotations
@@ -19,23 +19,25 @@ from ivsid.vehicle.mount import Mounted
 from ivsid.verification.decimals import Decimals, around
 from ivsid.verification.errors import UnprovedError
 from ivsid.verification.gravity import along_and_across, size
-from ivsid.verification.mounted import arm_of, mounted, turned_back
+from ivsid.verification.lever_arms import arm_of, mounted, turned_back
 from ivsid.verification.pose import PoseVelocities
 from ivsid.verification.rates import Rates
 from ivsid.verification.rational import Range, cosine, exponential, normal_factor, pi, root, sided, sine
 from ivsid.verification.refused import refuse
 
+# Probability that all errors of a log keep their bounds, where the vehicle file states neither it nor ``sigmas``.
+# Source: definition: default of [sensors] confidence, docs/guide.md
 DEFAULT_CONFIDENCE: Final = 0.999
 _ACCELERATIONS: Final = {"udot": 0, "vdot": 1, "ax": 0, "ay": 1}
 _PLAIN: Final = {"force_X": "force", "force_Y": "force", "moment_N": "moment", "rdot": "yaw_acceleration"}
 EARTH: Final = ("velocity_north", "velocity_east", "psi")
-# What a velocity sensor with a scale factor error shows.
+# Readings of a velocity sensor, to which its scale factor error applies.
 _VELOCITIES: Final = ("u", "v", "velocity_north", "velocity_east")
 AXES: Final = ("x", "y")
 
 
 class Readings:
-    """Every channel of a log as ranges that hold the truth under the vehicle file's assumptions."""
+    """Channels of a log as ranges that hold the true values under the vehicle file's assumptions."""
 
     def __init__(self, log: Log, vehicle: Vehicle, *, apart: bool = False, windows: int = 1) -> None:
         self.log, self.vehicle, self.exact, self.windows = log, vehicle, Decimals(vehicle.text), windows
@@ -62,20 +64,20 @@ class Readings:
         return found
 
     def bias(self, axis: str) -> Range:
-        """All that an accelerometer's bias may be in the middle of the log [m/s^2]."""
+        """The range of an accelerometer's bias in the middle of the log [m/s^2]."""
         sensor = self.vehicle.sensors.acceleration
         assert sensor is not None
         return sided(self.factor * self.exact(_axis(sensor.bias_instability, AXES.index(axis))))
 
     def time(self, i: int) -> Range:
-        """A time [s]: its decimals, and what a conversion lost."""
+        """The time of a row [s], with the rounding of its decimals and of a conversion."""
         if i not in self._times:
             t = float(self.log.t[i])
             self._times[i] = around(t, self.log.time_rounding)
         return self._times[i]
 
     def raw(self, name: str, i: int) -> Range | None:
-        """A reading without its sensor's error: its decimals, and what a conversion lost; None where it is missing."""
+        """A reading with the rounding of its decimals and of a conversion, without its sensor's error; None where it is missing."""
         values = self.log.columns.get(name)
         if values is None or math.isnan(values[i]):
             return None
@@ -89,17 +91,17 @@ class Readings:
             and velocity is not None
             and velocity.scale_factor_sign >= 0
         ):
-            # What the velocity itself may have moved shows in a reading with the scale factor.
+            # A change of the velocity between samples appears in the reading times the scale factor.
             made = made + sided(self.exact(velocity.scale_factor_error).upper * Fraction(off))
         return made
 
     def heading(self, i: int) -> Range | None:
-        """The heading [rad] but for whole turns; None where it is missing or nothing bounds it."""
+        """The heading [rad] up to whole turns; None where it is missing or has no bound."""
         psi, heading = self.raw("psi", i), self.vehicle.sensors.heading
         return None if psi is None or heading is None else psi + sided(self.exact(heading.accuracy))
 
     def whole_turns(self, name: str, i: int) -> Range:
-        """The multiple of a turn to add to an angle at the next row: the shorter way from here."""
+        """The multiple of a turn [rad] to add to an angle at the next row, by the shorter way round."""
         values = self.log.columns[name]
         return pi() * (-2 * round(float(values[i + 1] - values[i]) / (2 * math.pi)))
 
@@ -108,7 +110,7 @@ class Readings:
         return self.logged(name) or self._rates.made(name)
 
     def logged(self, name: str) -> bool:
-        """The same but for accelerations that only follow from velocities."""
+        """Whether the channel is logged, or follows from the pose, and is bounded; accelerations from velocities do not count."""
         if self.pose is not None and name in self.pose.wanted:
             return True
         sensors = self.vehicle.sensors
@@ -117,7 +119,7 @@ class Readings:
         if name in self.log.derived:
             return sensors.velocity is not None and sensors.heading is not None
         if name in _ACCELERATIONS:
-            # The mean over a sample is no acceleration at a moment.
+            # A mean over a step is no acceleration at a row.
             return sensors.acceleration is not None and not (
                 sensors.acceleration.sampling == "averaged" and name in ("ax", "ay")
             )
@@ -126,7 +128,7 @@ class Readings:
         return {"r": sensors.yaw_rate, "u": sensors.velocity, "v": sensors.velocity}.get(name) is not None
 
     def channel(self, name: str, i: int) -> Range | None:
-        """The truth behind a reading; None where it is missing or nothing bounds it."""
+        """The range of the true value; None where the reading is missing or has no bound."""
         key = (name, i)
         if key not in self._made:
             self._made[key] = self._bounded(name, i) if self.has(name) else None
@@ -155,7 +157,7 @@ class Readings:
         return self._plain(name, i)
 
     def _plain(self, name: str, i: int) -> Range | None:
-        """A reading with its sensor's own error, wherever that sensor stands."""
+        """A reading with its sensor's own error, at the sensor's place."""
         sensors, reading = self.vehicle.sensors, self.raw(name, i)
         if reading is None:
             return None
@@ -166,7 +168,7 @@ class Readings:
         return self._doppler(reading)
 
     def _velocity_at_origin(self, mount: Mounted, name: str, i: int) -> Range | None:
-        """Velocity of the body origin, u or v, from what a sensor that stands elsewhere, or is turned, reads."""
+        """Velocity u or v of the body origin [m/s] from a sensor off the origin or turned."""
         pair = [self._plain(n, i) for n in ("u", "v")]
         return self._moved_by(mount, name, turned_back(self.exact, mount, pair[0], pair[1], first=name == "u"), i)
 
@@ -179,7 +181,7 @@ class Readings:
         return speed + y * r if name == "u" else speed - x * r
 
     def _force_at_origin(self, mount: Mounted, name: str, i: int) -> Range | None:
-        """Specific force a_x or a_y of the body origin likewise, without what it holds of gravity."""
+        """Specific force a_x or a_y of the body origin [m/s^2] likewise, less gravity."""
         force = turned_back(self.exact, mount, self._plain("ax", i), self._plain("ay", i), first=name == "ax")
         if force is not None and isinstance(mount, AccelerationSensor) and mount.gravity:
             force = force - self._gravity(mount.gravity, i)[name == "ay"]
@@ -226,7 +228,7 @@ class Readings:
 
     @cached_property
     def errors(self) -> int:
-        """Errors that the union bound covers."""
+        """Number of errors that the union bound covers."""
         log, vehicle = self.log, self.vehicle
         n = max([log.t.size, *(c.samples for c in log.clocks.values())])
         count = 0
@@ -238,7 +240,7 @@ class Readings:
             count += n * ((walk > 0) + (bias > 0)) + 4 * (sensor.rate_random_walk > 0)
         if vehicle.ambient is not None:
             count += (1 + self.windows) * n * (2 * (vehicle.ambient.force > 0) + (vehicle.ambient.moment > 0))
-        # The bias in the middle is one more error an axis.
+        # The bias in the middle of the log is one more error of each axis.
         return int(count) + len(self.apart)
 
     @cached_property
@@ -252,7 +254,7 @@ class Readings:
 
     @cached_property
     def ambient(self) -> tuple[Range, Range]:
-        """All that the force [N] and the moment [N m] that nobody models may be."""
+        """Ranges of the ambient force [N] and moment [N m]."""
         ambient = self.vehicle.ambient
         if ambient is None:
             return Range(0), Range(0)
@@ -271,12 +273,12 @@ class Readings:
         return k * walk / root(Range(self._interval(name, i))) + k * bias + drift + self.exact(sensor.accuracy)
 
     def _moved(self, time: Range, i: int) -> Range:
-        """Of a Gauss-Markov bias: what it moves from the middle of the log to a sample, in its own standard deviations."""
+        """Standard deviation of a Gauss-Markov bias's change from the middle of the log to a sample, in its own standard deviations."""
         away = abs(self.time(i) * 2 - self.time(0) - self.time(self.log.t.size - 1)) / 2
         return root((1 - exponential(-(away / time))) * 2)
 
     def _since_average(self, i: int) -> Range:
-        """How far the yaw rate may have moved from its mean over the step before."""
+        """Bound of the yaw rate's distance from its mean over the step before [rad/s]."""
         sensor, limit = self.vehicle.sensors.yaw_rate, self.vehicle.sensors.limits.yaw_acceleration
         if sensor is None or sensor.sampling != "averaged":
             return Range(0)

@@ -1,4 +1,4 @@
-"""Logs and vehicle files of which no rows can be made: what ``identify`` refuses, so that no result can rest on it."""
+"""Logs and vehicle files that make no rows: ``identify`` refuses them, so that no result can rest on them."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from ivsid.log import Log
 from ivsid.vehicle import Vehicle
 from ivsid.verification.decimals import Decimals
 from ivsid.verification.errors import UnprovedError
-from ivsid.verification.mounted import mounted
+from ivsid.verification.lever_arms import mounted
 
 
 def refuse(log: Log, vehicle: Vehicle, exact: Decimals) -> None:
-    """Looks for readings that say something else than a row would take them for.
+    """Refuses readings that mean another quantity than a row would take them for.
 
     Raises:
-        UnprovedError: which.
+        UnprovedError: the first such reading.
     """
     sensors, columns = vehicle.sensors, set(log.columns)
     most, heading = log.certain.get("psi"), sensors.heading

@@ -1,16 +1,20 @@
-"""A result.json of ``ivsid identify`` with every number as it is written, checked for its shape."""
+"""A result.json of ``ivsid identify``, its decimals as exact numbers, checked for its shape."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from ivsid.errors import IvsidError
 from ivsid.files.seal import KEY, seal_of
 from ivsid.vehicle import Vehicle, parse_vehicle
 from ivsid.verification.decimals import decimal
+
+# An object of result.json as it was read: nothing is known of its values before they are checked.
+Stored: TypeAlias = Mapping[str, Any]
 
 
 class DamagedError(Exception):
@@ -19,15 +23,15 @@ class DamagedError(Exception):
 
 @dataclass(frozen=True)
 class Result:
-    """What a result claims.
+    """A result with its vehicle.
 
     Attributes:
         record: the file, its decimals as fractions.
-        vehicle: from the text that it carries.
-        sealed: whether its seal is that of its content.
+        vehicle: parsed from the text in the record.
+        sealed: whether the seal is that of the content.
     """
 
-    record: dict[str, Any]
+    record: Stored
     vehicle: Vehicle
     sealed: bool
 
@@ -53,7 +57,7 @@ def read_result(path: str | Path) -> Result:
 
 
 def parse_result(text: str, source: str) -> Result:
-    """The same from the text of a result."""
+    """Reads a result from its text; errors as in ``read_result``."""
     try:
         record = json.loads(text, parse_float=decimal, object_pairs_hook=_unique)
         seal = seal_of(text)
@@ -82,7 +86,7 @@ def parse_result(text: str, source: str) -> Result:
     return Result(record, vehicle, record.get(KEY) == seal)
 
 
-def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
     found = dict(pairs)
     if len(found) < len(pairs):
         raise ValueError("a key stands twice")

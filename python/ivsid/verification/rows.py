@@ -1,11 +1,11 @@
-"""A certificate's row once more from the log and the vehicle file, in fractions (METHODS 5.2)."""
+"""Rows of certificates recomputed from the log and the vehicle file, in fractions (docs/theory.md, "Rows")."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -22,15 +22,16 @@ from ivsid.verification.weak import Weak
 
 HALF: Final = Range(Fraction(1, 2))
 QUARTER: Final = Range(Fraction(1, 4))
-# A step this much longer than the usual one is more than one sample.
+# A step is one sample if it differs from the period by less than this share of it; a lost row would add a whole period.
+# Source: geometry/physics: a step over a lost row is two periods long
 WHOLE_STEP: Final = 0.1
-_STILL: Final = moving(0)
+_NO_ACCELERATION: Final = moving(0)
 ACCELERATION: Final = {"x": "udot", "y": "vdot"}
 KINDS: Final = ("pointwise", "integral", "weak", *(f"bias.{axis}" for axis in AXES))
 
 
 class Rows:
-    """Rows of a model, made when they are asked for."""
+    """Rows of a model, made on demand and kept."""
 
     def __init__(self, log: Log, vehicle: Vehicle, form: str, *, apart: bool = False, windows: int = 1) -> None:
         self.log, self.vehicle, self.windows = log, vehicle, windows
@@ -57,7 +58,7 @@ class Rows:
 
         Raises:
             UnprovedError: no such row can be made, and why.
-            UncheckedError: it may hold, but the checker does not know how to make it.
+            UncheckedError: the checker cannot recompute rows of this log.
         """
         if channel not in CHANNELS:
             raise UnprovedError(f"there is no equation '{channel}'")
@@ -106,7 +107,7 @@ class Rows:
         return any(share(c, ACCELERATION[axis], channel).magnitude for c in columns)
 
     def _bias(self, axis: str, channel: str) -> Row:
-        """With C the sum of what multiplies the acceleration: the unknown is the bias times C, and the bias has a bound."""
+        """The row of an unknown bias: with C the sum of the coefficients of the acceleration, the unknown is the bias times C."""
         id_ = f"bias.{axis}.{channel}"
         if id_ not in self.unknowns:
             raise UnprovedError(f"no {id_} was taken apart")
@@ -124,7 +125,7 @@ class Rows:
         return self.readings.ambient[channel == "yaw"]
 
     def _pointwise(self, channel: str, i: int) -> Row:
-        """The equation at a sample."""
+        """The equation at a row of the log."""
         if not self.thrusters.present(i):
             raise UnprovedError(f"a demand or force is missing at t = {self.log.t[i]!r} s")
         u, v, r = (self._velocity(n, i) for n in ("u", "v", "r"))
@@ -140,8 +141,8 @@ class Rows:
         matrix |= {id_: Range(-1) for id_, (_, c) in self.unknowns.items() if c == channel}
         return Row(matrix, force - value(self.known, state, channel) + self._ambient(channel))
 
-    def _derivative(self, name: str, i: int, otherwise: Range | None) -> Any:
-        """A measured acceleration, or what follows from others; what is not known must not be used."""
+    def _derivative(self, name: str, i: int, otherwise: Range | None) -> Range | Unknown:
+        """A measured acceleration, or ``otherwise``; an ``Unknown`` without either, which must not be used."""
         x = self.readings.channel(name, i) if self.readings.has(name) else otherwise
         return Unknown(name) if x is None else x
 
@@ -152,7 +153,7 @@ class Rows:
         return psi
 
     def _integral(self, channel: str, first: int, last: int) -> Row:
-        """The mean of the equation over a window: exact differences, and a quadrature with its error."""
+        """The mean of the equation over a window: exact differences, and a quadrature with a bound of its error."""
         steps = np.diff(self.log.t[first : last + 1])
         if not (steps <= GAP * np.median(np.diff(self.log.t))).all():
             raise UnprovedError(f"the window from t = {self.log.t[first]!r} s has a gap")
@@ -188,7 +189,7 @@ class Rows:
         return total
 
     def _difference(self, name: str, first: int, last: int, lengths: list[Range]) -> Range:
-        """Of u, v or r over a window, by what an averaging accelerometer says of u and v, too: its mean, and that of v r or u r."""
+        """The difference of u, v or r over a window, also from the means of an averaging accelerometer and of v r or u r."""
         difference = self._velocity(name, last) - self._velocity(name, first)
         own = {"u": "ax", "v": "ay"}.get(name, "")
         if not self.readings.averages(own) or own in {*self.log.clocks, *self.log.by_rate}:
@@ -196,7 +197,7 @@ class Rows:
         total, t = Range(0), self.log.t
         for k, length in zip(range(first, last), lengths, strict=True):
             mean = self.readings.average(own, k + 1)
-            # Where a row was lost the reading averages the last sample alone, not the step.
+            # After a lost row the reading averages over the last sample alone, not over the step.
             if mean is None or abs(t[k + 1] - t[k] - self.log.period) > WHOLE_STEP * self.log.period:
                 return difference
             turning: Column = (lambda s: {own: s.v * s.r}) if name == "u" else (lambda s: {own: -(s.u * s.r)})
@@ -215,7 +216,7 @@ class Rows:
         return {"u": a, "v": a, "r": y}
 
     def step_mean(self, id_: str, columns: Column, channel: str, k: int) -> Range:
-        """Trapezoid +- L h / 4, L bounding the rate of change over the step."""
+        """The mean of a column over a step: trapezoid +- L h / 4, with L a bound of its rate of change over the step."""
         key = (id_, k)
         if key not in self._step:
             self._step[key] = {}
@@ -227,7 +228,7 @@ class Rows:
         return done[channel]
 
     def step_range(self, columns: Column, channel: str, k: int) -> Range:
-        """All that a column can be over a step."""
+        """The range of a column over a step."""
         return in_motion(columns, self._step_state(k), channel).value
 
     def motion(self, i: int) -> Callable[[], tuple[Range, Range, Range]]:
@@ -238,23 +239,23 @@ class Rows:
         if i not in self._node:
             u, v, r = (Motion(self._velocity(n, i), sided(self._limits[n])) for n in ("u", "v", "r"))
             psi = Motion(self._heading(i), r.value) if self.turning else None
-            self._node[i] = State(u, v, r, _STILL, _STILL, _STILL, psi=psi)
+            self._node[i] = State(u, v, r, _NO_ACCELERATION, _NO_ACCELERATION, _NO_ACCELERATION, psi=psi)
         return self._node[i]
 
     def _step_state(self, k: int) -> State:
         u, v, r = (Motion(x, sided(self._limits[n])) for n, x in zip(("u", "v", "r"), self.swept(k)(), strict=True))
         if not self.turning:
-            return State(u, v, r, _STILL, _STILL, _STILL)
-        # Away from one row, and towards the next.
+            return State(u, v, r, _NO_ACCELERATION, _NO_ACCELERATION, _NO_ACCELERATION)
+        # The heading lies within half the possible turn of each of the two rows, on the way between them.
         turned = Range(0).hull(self.step_length(k)) * HALF * r.value
         end = self._heading(k + 1) + self.readings.whole_turns("psi", k)
         if (end - self._heading(k)).largest().high >= pi().low:
             raise UnprovedError(f"the way round after t = {self.log.t[k]!r} s is not certain")
         psi = Motion((self._heading(k) + turned).hull(end - turned), r.value)
-        return State(u, v, r, _STILL, _STILL, _STILL, psi=psi)
+        return State(u, v, r, _NO_ACCELERATION, _NO_ACCELERATION, _NO_ACCELERATION, psi=psi)
 
     def swept(self, k: int) -> Callable[[], tuple[Range, Range, Range]]:
-        """All that u, v, r can be over a step."""
+        """The ranges of u, v, r over a step."""
 
         def ranges() -> tuple[Range, Range, Range]:
             made = [

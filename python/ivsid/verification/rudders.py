@@ -1,7 +1,7 @@
-"""The force of a rudder in fractions: lift and drag of a foil over all angles of attack, times what the water pushes with.
+"""The force of a rudder in fractions: lift and drag of a foil over all angles of attack, times the dynamic pressure.
 
-Over a turn of pi the lift rises from -stall to stall and falls from there to the next -stall; the drag is least along the flow and most
-across it. So over a range of angles the extremes stand at its ends, or at one of these places within it.
+Over half a turn the lift rises from -stall to stall and falls from there to the next -stall; the drag is least along the flow and most
+across it. Over a range of angles the extremes therefore stand at its ends, or at one of these angles within it.
 """
 
 from __future__ import annotations
@@ -9,18 +9,22 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Final, TypeAlias
 
-from ivsid.vehicle.actuator import Rudder
+from ivsid.vehicle import Rudder
 from ivsid.verification.angles import direction, nearest_turn
 from ivsid.verification.decimals import Decimals
 from ivsid.verification.rational import Range, cosine, pi, root, sided, sine
 
 Forces: TypeAlias = tuple[Range, Range, Range]
+# Induced drag is C_L^2 / (pi e L) with this e, a rectangular blade's loss against an elliptic lift of the same aspect ratio L.
+# Source: Bertram 2012
 SPAN_EFFICIENCY: Final = Fraction(9, 10)
+# Drag coefficient of a flat plate across the flow.
+# Source: Hoerner 1965
 PLATE: Final = Fraction(6, 5)
 
 
 class Blade:
-    """One rudder, with the numbers of the vehicle file as they stand there."""
+    """One rudder, with the decimals of the vehicle file."""
 
     def __init__(self, rudder: Rudder, exact: Decimals) -> None:
         self.area, self.place, self.density = (exact(x) for x in (rudder.area, rudder.position, rudder.density))
@@ -28,7 +32,7 @@ class Blade:
         self.within = sided(exact(rudder.accuracy)) + 1
         width = rudder.propeller_diameter
         self.disc = None if width is None else exact(width).square() * pi() / 4
-        # 2 pi L (L + 0.7) / (L + 1.7)^2 (Soeding).
+        # Slope of the lift of a low-aspect-ratio foil: 2 pi L (L + 0.7) / (L + 1.7)^2 (Soeding 1982).
         ratio = self.ratio
         self.slope = pi() * 2 * ratio * (ratio + Fraction(7, 10)) / (ratio + Fraction(17, 10)).square()
         self.most_lift = self.slope * sine(self.stall)
@@ -45,7 +49,7 @@ class Blade:
         return surge, sway, sway * self.place
 
     def axial(self, u: Range, thrust: Range) -> Range:
-        """The water's speed along the hull at the blade: what a thrust ahead sends there adds 2 T / (rho A) to its square."""
+        """The water's speed along the hull at the blade [m/s]: a thrust T ahead adds 2 T / (rho A) to its square (momentum theory)."""
         squared = u.signed_square()
         if self.disc is not None:
             squared = squared + thrust.positive_part() * 2 / (self.disc * self.density)
@@ -94,7 +98,7 @@ def _reduced(alpha: Fraction) -> Range:
 
 
 def _passes(alpha: Range, place: Range) -> bool:
-    """Whether a range of angles may hold a place, or it and a multiple of pi."""
+    """Whether a range of angles may hold ``place`` plus a multiple of pi."""
     after = (alpha - place) / pi()
     first = -(-after.lower.numerator // after.lower.denominator)
     return (place + pi() * first).low <= alpha.high

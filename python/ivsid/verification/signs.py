@@ -1,9 +1,9 @@
 """Signs that hold for every consistent parameter, proved from a few rows each, in fractions.
 
-With z a sign for each unknown, |x_k| = z_k x_k + 2 d_k where d_k >= 0 says how far x_k lies on the other side. So a row's half-space,
-made with the signs z, holds up to sum_k (b_k - a_k) d_k, and multipliers that prove z_j x_j >= b_j from such rows prove
-``z_j x_j >= b_j - (M d)_j``: d <= (M d - b)+. With v > 0 and M v < v this bounds d, and repeating it sharpens the bound. Where d_j
-comes out as 0, the sign of x_j is proved.
+With z a sign for each unknown, |x_k| = z_k x_k + 2 d_k, where d_k >= 0 is the distance of x_k beyond 0 on the other side. A row's
+half-space, made with the signs z, then holds up to sum_k (b_k - a_k) d_k, and multipliers that prove z_j x_j >= b_j from such rows prove
+``z_j x_j >= b_j - (M d)_j``, that is d <= (M d - b)+. With v > 0 and M v < v this bounds d, and each repetition sharpens the bound. The
+sign of x_j is proved if the bound of d_j is 0.
 """
 
 from __future__ import annotations
@@ -15,12 +15,14 @@ from typing import Final
 
 from ivsid.verification.multipliers import ZERO, HalfSpace, Vector, multipliers_of
 
+# Repetitions that sharpen the bound; each of them is valid, and later ones change little.
+# Source: resource: time of exact matrix products
 REPEATED: Final = 12
 
 
 @dataclass(frozen=True)
 class Line:
-    """What bounds one unknown: its place, half-spaces with the widths of their coefficients, and the signs in the basis."""
+    """The bound of one unknown: its place, half-spaces with the widths of their coefficients, and the signs in the basis."""
 
     column: int
     rows: Sequence[HalfSpace]
@@ -31,10 +33,10 @@ class Line:
 def proved_signs(
     decided: Sequence[int], home: Sequence[int], lines: Sequence[Line], vector: Sequence[Fraction]
 ) -> dict[int, int] | None:
-    """The signs that follow where those ``decided`` hold, by place; None where the multipliers prove nothing.
+    """The signs that follow from those ``decided``, by place; None if the multipliers prove nothing.
 
     Args:
-        decided: signs that hold in the region that is meant; 0 for none.
+        decided: signs that hold in the region; 0 for none.
         home: the signs z.
         lines: for each unknown whose sign is open.
         vector: v, for each of ``lines``; a proposal.

@@ -13,9 +13,11 @@ from ivsid.verification.errors import UnprovedError
 from ivsid.verification.rational import ONE, Range, cosine, exponential, pi, sided, sine, weighted
 from ivsid.verification.readings import Readings
 
-# A longer step has lost a row, and maybe a demand with it.
+# A step longer than this many periods has lost a row, and perhaps a demand with it: halfway between one period and two.
+# Source: geometry/physics: a step over a lost row is two periods long
 GAP: Final = 1.5
-# What is left of a thrust after so many steps of a lag is far below a double's last place.
+# A lag's start is forgotten when its weight falls below 2^-130, far below the last place of a double.
+# Source: definition: IEEE 754 binary64
 FORGOTTEN: Final = ONE >> 130
 
 Motion: TypeAlias = tuple[Range, Range, Range]
@@ -50,14 +52,14 @@ class Thrusters:
         return self._total([self._pushed(c, i, motion, over=False) for c in self.curves])
 
     def over_step(self, i: int, motion: Callable[[], Motion]) -> Forces:
-        """Their means from a row to the next one."""
+        """Means of X, Y [N], N [N m] from a row to the next one."""
         if not self.curves:
             x, y, n = (self._between(name, i) for name in ("force_X", "force_Y", "moment_N"))
             return x, y, n
         return self._total([self._pushed(c, i, motion, over=True) for c in self.curves])
 
     def _between(self, name: str, i: int) -> Range:
-        """A logged force over a step: from all samples that the log has there, else between the values of both rows."""
+        """A logged force over a step: from the samples of the log within it, else between the values of both rows."""
         swept = self._swept(name, i)
         if swept is None:
             return self._logged(name, i).hull(self._logged(name, i + 1))
@@ -67,7 +69,7 @@ class Thrusters:
         return swept + sided(self.readings.exact(sensor.accuracy))
 
     def _swept(self, name: str, i: int) -> Range | None:
-        """The readings of a channel over the step after a row; None where the rows are all that the log has."""
+        """The range of a channel's readings over the step after a row; None where the log has rows alone."""
         sweep = self.log.over.get(name)
         if sweep is None:
             return None
@@ -129,7 +131,7 @@ class Thrusters:
         return curve.shares
 
     def _angle(self, name: str, i: int, *, over: bool) -> Range:
-        """An angle at a row, or all that it passes over the step after it."""
+        """An angle at a row, or its range over the step after it."""
         here = self._demand(name, i)
         swept = self._swept(name, i) if over else None
         if swept is not None:
@@ -137,7 +139,7 @@ class Thrusters:
         if not over or self.held:
             return here
         both = here.hull(self._demand(name, i + 1) + self.readings.whole_turns(name, i))
-        # Where half a turn is not excluded, either way round is possible.
+        # A range of half a turn or more leaves both ways round possible.
         return both if (both.upper - both.lower) < pi().lower else Range(-4, 4)
 
     def _lagged(self, curve: Curve, i: int) -> tuple[Range, Range]:
@@ -178,12 +180,12 @@ class Thrusters:
         return self._decays[key]
 
     def _state(self, curve: Curve, i: int, covered: Range, *, shaft: bool) -> Range:
-        """The lag's state at a row: from rest or all that the curve allows, at the last gap or long enough ago."""
+        """The lag's state at a row, from a start at the last gap or long enough ago: rest, or any state that the curve allows."""
         start = covered.hull(curve.neutral) if shaft else curve.thrust(covered).hull(Range(0))
         key = (self.curves.index(curve), i)
         if key in self._states:
             return self._states[key]
-        # From a row whose state is known, a gap, or so long ago that what was then is forgotten.
+        # The start: a row whose state is known, a gap, or a row whose weight is forgotten.
         k, left = i, Range(1)
         while k > 0 and left.high > FORGOTTEN and self._whole(curve, k - 1):
             k -= 1

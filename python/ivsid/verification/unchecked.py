@@ -1,4 +1,4 @@
-"""What the checker does not recompute: sentences, each of which makes a verdict ``not_checked``."""
+"""Parts that the checker does not recompute: each sentence makes a verdict ``not_checked``."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from ivsid.vehicle import Vehicle
 
 
 def estimated(log: Log, vehicle: Vehicle) -> bool:
-    """Whether velocities are slopes of splines, which no bound holds for."""
+    """Whether velocities are slopes of splines, which have no bounds."""
     columns = log.columns
     turns, moves = "psi" in columns, {"x", "y", "psi"} <= set(columns)
     lacks = ("r" not in columns and turns) or (not {"u", "v"} <= set(columns) and moves)
@@ -15,7 +15,7 @@ def estimated(log: Log, vehicle: Vehicle) -> bool:
 
 
 def not_recomputed(log: Log, vehicle: Vehicle) -> str | None:
-    """Why the checker cannot make the rows of a log; None where it can."""
+    """The reason why the checker cannot recompute the rows of a log; None if it can."""
     if estimated(log, vehicle):
         return "velocities by splines are an estimate, which the checker cannot prove"
     return None

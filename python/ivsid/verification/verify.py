@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from ivsid.log import Log, read_log
 from ivsid.verification.checker import Checker
 from ivsid.verification.result import DamagedError, read_result
 
-# What a result says beside its claims; the seal covers it, no proof does.
+# Parts of a result beside its statements: the seal covers them, no proof does.
 NOT_PROVED: Final = (
     "inflation",
     "estimate",
@@ -34,15 +34,15 @@ class Verification:
 
     Attributes:
         status: ``proved``, ``failed``, or ``not_checked`` where nothing failed and part of it cannot be recomputed.
-        failures: which certificate or claim failed, and why; empty where all is proved.
-        not_checked: what the checker does not know how to recompute.
+        failures: certificates and statements that failed, with reasons; empty where all is proved.
+        not_checked: parts that the checker cannot recompute.
         claim: the status of the result that was checked, such as ``enclosed``.
-        certificates: how many hold.
-        rows: how many rows of the log they use.
-        wrong: how many rows of each set of parameters that share equations may be wrong: the claim holds if no more are.
-        result_name: of the file.
-        log_name: of the log.
-        inputs: name and SHA-256 of what was read.
+        certificates: number of certificates that hold.
+        rows: number of rows of the log that they use.
+        wrong: number of rows of each set of parameters that share equations that may be wrong; the status holds if no more are.
+        result_name: name of the result's file.
+        log_name: name of the log.
+        inputs: name and SHA-256 of the vehicle file and of the log.
     """
 
     status: str
@@ -58,11 +58,11 @@ class Verification:
 
     @property
     def proved(self) -> bool:
-        """Whether everything that the result claims was proved."""
+        """Whether every statement of the result was proved."""
         return self.status == "proved"
 
-    def record(self) -> dict[str, Any]:
-        """As in result.json."""
+    def record(self) -> dict[str, object]:
+        """The verdict as in result.json."""
         return {
             "status": self.status,
             "claim": self.claim,
@@ -76,14 +76,14 @@ class Verification:
 
 
 def verify(result: str | Path, log: str | Path | Log) -> Verification:
-    """Checks the certificates of an identification in exact rational arithmetic, without the core.
+    """Checks the certificates of an identification in exact rational arithmetic, without the core (docs/theory.md, "Verification").
 
     Args:
         result: the folder of ``ivsid identify`` or its result.json.
         log: the log that was identified.
 
     Returns:
-        A verdict; a failed proof is one, too.
+        A verdict; a failed proof is a verdict, not an error.
 
     Raises:
         IvsidError: a file that cannot be read, or that is no result of ``ivsid identify``.

@@ -1,14 +1,14 @@
 """Rows weighted by a hat over two windows, with means of velocities straight from the pose, in fractions.
 
-With the hat rising over the first window and falling over the second, the mean of an acceleration is (mean of the velocity over the
-second) - (mean over the first), over half the length of both. Along the vehicle u = cos(psi) x' + sin(psi) y'. For the lines c, s between
-the cosines and sines of the measured headings, the integral of c x' over a step is exactly
+The hat rises over the first window and falls over the second. The weighted mean of an acceleration is then (mean of the velocity over
+the second window) - (mean over the first), divided by half the length of both. Along the vehicle u = cos(psi) x' + sin(psi) y'. With
+c, s linear between the cosines and sines of the measured headings, the integral of c x' over a step is exactly
 
-    (c_k + c_k+1) / 2 (x_k+1 - x_k) - (c_k+1 - c_k) (what the mean of x over the step is off the mean of its ends),
+    (c_k + c_k+1) / 2 (x_k+1 - x_k) - (c_k+1 - c_k) (mean of x over the step - mean of its ends),
 
 and the last bracket is at most A h^2 / 12 for a bound A of the acceleration in earth axes. Summed over the steps, each position has one
-weight, and its error counts once. What c and s leave of the heading turns the velocity: an angle d moves u by at most
-|d v| + d^2 |u| / 2, and the chord of an arc D by at most D^2 / 8 of the speed. Everything is bounded step by step.
+weight, and its error counts once. The difference of c, s from the true heading's cosine and sine turns the velocity: an angle d changes
+u by at most |d v| + d^2 |u| / 2, and the chord of an arc D by at most D^2 / 8 of the speed. Each step is bounded by itself.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ POSE: Final = ("x", "y", "psi")
 
 
 class Weak:
-    """Weak rows of a log, from what its other rows are made of."""
+    """Weak rows of a log, from the readings and thrusters of its other rows."""
 
     def __init__(self, rows: Rows) -> None:
         self.rows, self.readings, self.log = rows, rows.readings, rows.log
@@ -79,7 +79,7 @@ class Weak:
                 raise UnprovedError(f"a demand, a force or the pose is missing at t = {self.log.t[i]!r} s")
 
     def _force(self, k: int, index: int) -> tuple[Range, Range]:
-        """The mean of a force over a step, and all that it can be within."""
+        """The mean of a force over a step, and its range within the step."""
         if k not in self._forces:
             thrusters = self.rows.thrusters
             mean = thrusters.over_step(k, self.rows.swept(k))
@@ -108,20 +108,20 @@ class Weak:
         return self._within[key]
 
     def heading(self, i: int) -> Range:
-        """The heading of a row, counted on over whole turns [rad]."""
+        """The heading of a row [rad], unwrapped."""
         assert self.readings.pose is not None
         return self.readings.pose.turned(i)
 
     def _measured(self, i: int) -> Range:
-        """The same without its error."""
+        """The measured heading of a row [rad], unwrapped, without its error."""
         assert self.readings.pose is not None
         return Range(Fraction(float(self.log.columns["psi"][i]))) + pi() * (2 * int(self.readings.pose.turns[i]))
 
     def way(self, name: str, first: int, last: int) -> Range:
-        """The integral of u or v from one row to another [m]: positions with one weight each, and what each step leaves open."""
+        """The integral of u or v from one row to another [m]: positions with one weight each, and the error of each step."""
         total = Range(0)
         for i in range(first, last + 1):
-            # Half the cosine and the sine of both neighbours; of the row itself where it has one alone.
+            # A position's weight: half the difference of the neighbours' cosines and sines, at an end that of the row and its neighbour.
             (c0, s0), (c1, s1) = self._direction(max(i - 1, first)), self._direction(min(i + 1, last))
             c, s = ((c0 - c1), (s0 - s1)) if first < i < last else self._ended(i, first)
             x, y = self._place(i)
@@ -151,7 +151,7 @@ class Weak:
         return self._unit[i]
 
     def _left(self, k: int) -> tuple[Range, Range]:
-        """What the integrals of u and v over a step can be off [m]."""
+        """Bounds of the errors of the integrals of u and v over a step [m]."""
         if k not in self._ways:
             pose, h = self.readings.pose, self.rows.step_length(k)
             assert pose is not None
@@ -172,7 +172,7 @@ class Weak:
 
 
 class _Hat:
-    """A hat over two windows of as many steps."""
+    """A hat over two windows of equal numbers of steps."""
 
     def __init__(self, weak: Weak, first: int, last: int) -> None:
         self.weak, self.first, self.last, self.middle = weak, first, last, (first + last) // 2
@@ -192,10 +192,10 @@ class _Hat:
         return self._rising[name]
 
     def mean(self, per_step: Sequence[Range], within: Sequence[Range]) -> Range:
-        """The weighted mean of a quantity by its mean over each step and all that it can be within.
+        """The weighted mean of a quantity from its mean over each step and its range within.
 
-        Within a step the weight leaves its own mean by at most half its rise, by a quarter of it on the mean; what it catches there is
-        what the quantity leaves its middle.
+        Within a step the weight differs from its own mean by at most half its rise, by a quarter of it in the mean; this difference
+        multiplies the distance of the quantity from the middle of its range.
         """
         total = Range(0)
         for (weight, quarter), mean, all_ in zip(self._weights, per_step, within, strict=True):
@@ -205,7 +205,7 @@ class _Hat:
 
     @cached_property
     def _weights(self) -> list[tuple[Range, Range]]:
-        """For each step what its mean counts, and what its radius does: of the whole."""
+        """For each step the weights of its mean and of its radius, as shares of the hat."""
         found, time = [], self.weak.readings.time
         for k in range(self.first, self.last):
             h, span = self.weak.rows.step_length(k), self.up if k < self.middle else self.down

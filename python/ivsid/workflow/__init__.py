@@ -1,15 +1,45 @@
-"""Each command as calls in order: read, bound, compute, and put into a report. No mathematics of its own."""
+"""Commands as calls in order: read, bound, compute, report. No mathematics of their own.
 
-from ivsid.workflow.allan import allan
-from ivsid.workflow.demo import demo
-from ivsid.workflow.diagnose import diagnose
-from ivsid.workflow.identify import identify
-from ivsid.workflow.importing import import_set
-from ivsid.workflow.isolability import isolability
-from ivsid.workflow.simulate import simulate
-from ivsid.workflow.thrust import thrust
-from ivsid.workflow.validate import validate
-from ivsid.workflow.verify import verify
+- ``allan_analysis``: noise coefficients of a static recording.
+- ``thrust_curves``: candidates for a thrust curve from a bollard-pull table.
+- ``data_sets``: a public data set as logs, thrust tables and a vehicle file.
+- ``simulation``: a log from a known truth.
+- ``identification``, ``verification``, ``validation``: parameter intervals, their proof, and another log against them.
+- ``diagnosis``, ``planning``: causes of what the simulation gets wrong, and manoeuvres that would separate them.
+- ``paper_trials``, ``paper_page``: the paper's experiment on a twin of its vehicle, and its page.
+- ``parameters``, ``log_files``, ``progress``: intervals in words, logs as files, and progress, which several commands share.
+
+Each command is a function of this package and returns a ``Report``. A function is loaded when it is first used, so that a
+command does not wait for the libraries of the others. The chapter may use every other but ``cli``.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from ivsid.workflow.allan_analysis import allan
+    from ivsid.workflow.data_sets import import_set
+    from ivsid.workflow.diagnosis import diagnose
+    from ivsid.workflow.identification import identify
+    from ivsid.workflow.paper_trials import demo
+    from ivsid.workflow.planning import isolability
+    from ivsid.workflow.simulation import simulate
+    from ivsid.workflow.thrust_curves import thrust
+    from ivsid.workflow.validation import validate
+    from ivsid.workflow.verification import verify
+
+_HOMES: Final = {
+    "allan": "allan_analysis",
+    "demo": "paper_trials",
+    "diagnose": "diagnosis",
+    "identify": "identification",
+    "import_set": "data_sets",
+    "isolability": "planning",
+    "simulate": "simulation",
+    "thrust": "thrust_curves",
+    "validate": "validation",
+    "verify": "verification",
+}
 
 __all__ = [
     "allan",
@@ -23,3 +53,15 @@ __all__ = [
     "validate",
     "verify",
 ]
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'ivsid.workflow' has no attribute '{name}'")
+    found: object = getattr(import_module(f"ivsid.workflow.{_HOMES[name]}"), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,7 +1,7 @@
 //! Sums undone: `cancelMinus` and `cancelPlus` of IEEE 1788, 10.5.6.
 
 use super::Interval;
-use crate::reductions;
+use crate::accumulator;
 use crate::rounding::{sub_down, sub_up};
 use std::cmp::Ordering;
 
@@ -24,7 +24,7 @@ impl Interval {
         if !x_common || !y_common {
             return Self::ENTIRE;
         }
-        let excess = reductions::sign_of_sum(&[self.hi, -self.lo, -y.hi, y.lo]);
+        let excess = accumulator::sign_of_sum(&[self.hi, -self.lo, -y.hi, y.lo]);
         if excess == Ordering::Less {
             return Self::ENTIRE;
         }

@@ -1,7 +1,38 @@
 //! Numbers that describe an interval. `width`, `radius` and `magnitude` are rounded up, `mignitude` is exact.
 
 use super::Interval;
+use crate::names::named;
 use crate::rounding::sub_up;
+
+named! {
+    /// A number that describes an interval.
+    Measure, "measure" {
+        /// [`Interval::midpoint`].
+        Midpoint => "midpoint",
+        /// [`Interval::radius`].
+        Radius => "radius",
+        /// [`Interval::width`].
+        Width => "width",
+        /// [`Interval::magnitude`].
+        Magnitude => "magnitude",
+        /// [`Interval::mignitude`].
+        Mignitude => "mignitude",
+    }
+}
+
+impl Measure {
+    /// The number for one interval.
+    #[must_use]
+    pub fn of(self, x: Interval) -> f64 {
+        match self {
+            Self::Midpoint => x.midpoint(),
+            Self::Radius => x.radius(),
+            Self::Width => x.width(),
+            Self::Magnitude => x.magnitude(),
+            Self::Mignitude => x.mignitude(),
+        }
+    }
+}
 
 impl Interval {
     /// A finite double inside the interval, the nearest to its centre (0 for everything, the largest double of a half

@@ -38,6 +38,7 @@ mod sets;
 mod text;
 
 pub use decorated::{DecoratedInterval, Decoration};
+pub use measures::Measure;
 pub use relations::Overlap;
 
 use crate::error::Error;

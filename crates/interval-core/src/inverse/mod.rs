@@ -6,6 +6,7 @@ mod exact;
 mod hansen_bliek_rohn;
 mod krawczyk;
 mod kuttler;
+mod method;
 mod neumaier;
 mod partitioned;
 mod published;
@@ -19,11 +20,14 @@ pub use hansen_bliek_rohn::hansen_bliek_rohn;
 pub(crate) use krawczyk::enclose_solution;
 pub use krawczyk::krawczyk;
 pub use kuttler::kuttler;
+pub use method::{Method, Options};
 pub use neumaier::neumaier;
 pub use partitioned::{DEFAULT_CELLS, partitioned};
-pub use published::{Form, Monitor, ORDER_LIMIT, Sweep, published, published_hull, published_with};
+pub use published::{
+    DEFAULT_PARTITIONS, Form, Monitor, ORDER_LIMIT, Sweep, Watch, published, published_hull, published_with,
+};
 
-use crate::certified::{Certified, Unproved};
+use crate::certified::{Certified, Claim, Unproved};
 use crate::matrix::IntervalMatrix;
 use crate::regularity::{SingularMember, Witness};
 use crate::status::Status;
@@ -52,14 +56,8 @@ impl Endpoints {
     }
 }
 
-/// What a method gives, with or without a proof.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Value {
-    /// Every member's inverse (or solution) lies in it.
-    Certified(Certified<IntervalMatrix>),
-    /// Nothing is claimed.
-    Unproved(Unproved<Endpoints>),
-}
+/// The bounds that a method gives: every member's inverse (or solution) lies in certified ones, and unproved ones claim nothing.
+pub type Value = Claim<IntervalMatrix, Endpoints>;
 
 /// Why a value holds.
 #[derive(Debug, Clone, PartialEq)]
@@ -114,10 +112,7 @@ impl Outcome {
     /// The proved enclosure.
     #[must_use]
     pub fn enclosure(&self) -> Option<&Certified<IntervalMatrix>> {
-        match &self.value {
-            Some(Value::Certified(value)) => Some(value),
-            _ => None,
-        }
+        self.value.as_ref().and_then(Value::certified)
     }
 
     /// Lower and upper bounds, row-major, proved or not.

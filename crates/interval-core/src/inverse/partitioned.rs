@@ -49,7 +49,7 @@ pub fn partitioned(a: &IntervalMatrix, cells: usize) -> Result<Outcome, Error> {
     };
     Ok(match (member, decide(a)) {
         (Some(member), _) | (None, Regularity::Singular(member)) => Outcome::singular(member),
-        _ => Outcome::without_value(
+        (None, Regularity::Regular(_) | Regularity::NotProved) => Outcome::without_value(
             Status::NotProved,
             None,
             format!("after {examined} cells some are neither proved regular nor singular; allow more cells"),

@@ -5,7 +5,7 @@ use super::least_squares::LeastSquares;
 use super::rows::Rows;
 use crate::interval::Interval;
 use crate::matrix::IntervalMatrix;
-use crate::status::Status;
+use crate::status::{LeastSquaresStatus, Status};
 use crate::systems::hansen_bliek_rohn;
 
 /// The largest order, `m + n`: the system is dense, and its cost grows with the cube.
@@ -20,12 +20,12 @@ pub fn augmented(rows: &Rows<'_>) -> Result<LeastSquares, crate::Error> {
     let (m, n) = (rows.count(), rows.columns());
     if m < n {
         let reason = format!("{m} rows leave {n} parameters undetermined");
-        return Ok(LeastSquares::without(Status::NotApplicable, reason));
+        return Ok(LeastSquares::without(LeastSquaresStatus::NotApplicable, reason));
     }
     let order = m + n;
     if order > ORDER_LIMIT {
         let reason = format!("the augmented system has order {order}; at most {ORDER_LIMIT} is possible");
-        return Ok(LeastSquares::without(Status::NotApplicable, reason));
+        return Ok(LeastSquares::without(LeastSquaresStatus::NotApplicable, reason));
     }
     let whole = IntervalMatrix::new(m, n, rows.slices(0, m)[0].to_vec(), rows.slices(0, m)[1].to_vec())?;
     let scale = 1e-4 * (whole.norm() * whole.norm_one()).sqrt();
@@ -42,6 +42,13 @@ pub fn augmented(rows: &Rows<'_>) -> Result<LeastSquares, crate::Error> {
         .map(|i| if i < m { Interval::raw(rows.right(i).0, rows.right(i).1) } else { Interval::ZERO })
         .collect();
     let found = hansen_bliek_rohn(&IntervalMatrix::from_entries(order, order, &entries), &right)?;
-    let parameters = found.enclosure().map(|x| (0..n).map(|j| x.get(j, 0)).collect());
-    Ok(LeastSquares { status: found.status, parameters, reason: found.reason })
+    if let Some(x) = found.enclosure() {
+        return Ok(LeastSquares::enclosed(x.map(|x| (0..n).map(|j| x.get(j, 0)).collect())));
+    }
+    let status = match found.status {
+        Status::NotApplicable => LeastSquaresStatus::NotApplicable,
+        // Regular or not, the system has no enclosure.
+        Status::Enclosed | Status::Singular | Status::NotProved => LeastSquaresStatus::NotProved,
+    };
+    Ok(LeastSquares { status, parameters: None, reason: found.reason })
 }

@@ -13,12 +13,13 @@ use super::prove::{Proof, prove};
 use super::rows::Rows;
 use super::search::{Asked, Piece, Pool, solve};
 use super::signs::{ORTHANT_LIMIT, SignProof, cover, every};
+use crate::certified::Certified;
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::matrix::IntervalMatrix;
 use crate::parallel;
 use crate::rounding::slices::Backend;
-use crate::status::Status;
+use crate::status::FeasibleStatus;
 
 /// What may be asked of [`feasible_rows`] beside the rows.
 #[derive(Debug, Clone, Default)]
@@ -72,10 +73,10 @@ pub struct OrthantResult {
 /// The hull of the consistent parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FeasibleSet {
-    /// `Enclosed`, `Empty`, `Unbounded` (some end infinite), or `NotApplicable`.
-    pub status: Status,
+    /// What was proved of the set as a whole.
+    pub status: FeasibleStatus,
     /// Bounds of each parameter, ends without a proved bound infinite; empty where the set is.
-    pub parameters: Vec<Interval>,
+    pub parameters: Certified<Vec<Interval>>,
     /// The smallest factor on all radii at which a parameter is consistent, an estimate; `None` where no factor helps.
     pub inflation: Option<f64>,
     /// Where that factor is attained.
@@ -100,11 +101,11 @@ pub struct FeasibleSet {
 ///
 /// # Example
 /// ```
-/// use interval_core::{Interval, IntervalMatrix, Status, regression::feasible_set};
+/// use interval_core::{Interval, IntervalMatrix, regression::{FeasibleStatus, feasible_set}};
 /// let a = IntervalMatrix::new(2, 1, vec![1.0, 2.0], vec![1.0, 2.0])?;
 /// let y = [Interval::new(0.9, 1.1)?, Interval::new(1.9, 2.1)?];
 /// let set = feasible_set(&a, &y)?;
-/// assert_eq!(set.status, Status::Enclosed);
+/// assert_eq!(set.status, FeasibleStatus::Enclosed);
 /// assert!(set.parameters[0].contains(1.0) && set.parameters[0].width() < 0.11);
 /// # Ok::<(), interval_core::Error>(())
 /// ```
@@ -121,7 +122,7 @@ pub fn feasible_set(a: &IntervalMatrix, y: &[Interval]) -> Result<FeasibleSet, E
 ///
 /// # Example
 /// ```
-/// use interval_core::{Status, regression::{FeasibleOptions, Rows, feasible_rows}};
+/// use interval_core::regression::{FeasibleOptions, Rows, feasible_rows};
 /// // |x| = 1, and x is known to be positive
 /// let rows = Rows::new(1, &[-1.0, 1.0], &[1.0, 1.0], &[1.0, -1.0], &[1.0, 1.0])?;
 /// let options = FeasibleOptions { signs: Some(vec![1]), ..FeasibleOptions::default() };
@@ -203,21 +204,23 @@ fn too_many(rows: &Rows<'_>, known: &[i8]) -> String {
 }
 
 impl FeasibleSet {
+    /// The set of these bounds, which the proofs of all orthants stand behind.
     fn new(rows: &Rows<'_>, parameters: Vec<Interval>, rays: &[Vec<f64>]) -> Self {
         let status = if parameters.iter().any(|x| x.is_empty()) {
-            Status::Empty
+            FeasibleStatus::Empty
         } else if parameters.iter().all(|x| x.is_bounded()) {
-            Status::Enclosed
+            FeasibleStatus::Enclosed
         } else {
-            Status::Unbounded
+            FeasibleStatus::Unbounded
         };
-        let directions = if status == Status::Unbounded { directions(rows, rays) } else { Vec::new() };
+        let directions = if status == FeasibleStatus::Unbounded { directions(rows, rays) } else { Vec::new() };
+        let parameters = Certified::proved(parameters);
         Self { status, parameters, directions, reason: None, ..Self::without_answer(0, String::new()) }
     }
 
     /// A factor of at most 1 is attained where the set is; only where it is nowhere do all orthants compete.
     fn with_inflation(mut self, rows: &Rows<'_>, pool: &Pool, dropped: &[usize]) -> Self {
-        let empty = self.status == Status::Empty;
+        let empty = self.status == FeasibleStatus::Empty;
         let mut met: Vec<&[i8]> = self
             .orthants
             .iter()
@@ -236,10 +239,11 @@ impl FeasibleSet {
         self
     }
 
+    /// No answer: every parameter lies between the infinities.
     fn without_answer(n: usize, reason: String) -> Self {
         Self {
-            status: Status::NotApplicable,
-            parameters: vec![Interval::ENTIRE; n],
+            status: FeasibleStatus::NotApplicable,
+            parameters: Certified::proved(vec![Interval::ENTIRE; n]),
             inflation: None,
             centre: None,
             directions: Vec::new(),

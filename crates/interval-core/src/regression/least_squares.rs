@@ -10,32 +10,62 @@
 //! Each row stands twice in its summand. About the midpoints `a_i = c + d`, `r_i = r_c + e - d u` the terms of first order are
 //! `(P c) e + sum_j d_j (P_j r_c - (P c) u_j)`: one bound of them together, not of each factor.
 
+use super::augmented;
 use super::rows::Rows;
 use super::scan::column_scale;
+use crate::certified::Certified;
 use crate::interval::Interval;
+use crate::names::named;
 use crate::parallel;
 use crate::regularity::{contracted_vector, slack, times};
 use crate::rounding::{add_up, div_up, mul_up};
-use crate::status::Status;
+use crate::status::LeastSquaresStatus;
 
 /// Rows of one piece of a pass.
 const PIECE: usize = 1 << 13;
 /// Steps that sharpen the bound of `z`.
 const SHARPENED: usize = 5;
 
+named! {
+    /// A method that encloses all least-squares solutions.
+    LeastSquaresMethod, "method" {
+        /// [`least_squares`](least_squares()): a verified QR factorisation.
+        Qr => "qr",
+        /// [`augmented`](augmented()): Rump's square system of order `m + n`.
+        Augmented => "augmented",
+    }
+}
+
+impl LeastSquaresMethod {
+    /// Encloses every least-squares solution of every member.
+    ///
+    /// # Errors
+    /// A changed rounding mode.
+    pub fn solve(self, rows: &Rows<'_>) -> Result<LeastSquares, crate::Error> {
+        match self {
+            Self::Qr => least_squares(rows),
+            Self::Augmented => augmented(rows),
+        }
+    }
+}
+
 /// An enclosure of all least-squares solutions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeastSquares {
-    /// `Enclosed`, `NotProved` or `NotApplicable`.
-    pub status: Status,
+    /// What was proved.
+    pub status: LeastSquaresStatus,
     /// Bounds of each parameter over all members of the rows and right-hand sides.
-    pub parameters: Option<Vec<Interval>>,
+    pub parameters: Option<Certified<Vec<Interval>>>,
     /// Why there is none.
     pub reason: Option<String>,
 }
 
 impl LeastSquares {
-    pub(super) fn without(status: Status, reason: impl Into<String>) -> Self {
+    pub(super) const fn enclosed(parameters: Certified<Vec<Interval>>) -> Self {
+        Self { status: LeastSquaresStatus::Enclosed, parameters: Some(parameters), reason: None }
+    }
+
+    pub(super) fn without(status: LeastSquaresStatus, reason: impl Into<String>) -> Self {
         Self { status, parameters: None, reason: Some(reason.into()) }
     }
 }
@@ -47,12 +77,12 @@ impl LeastSquares {
 ///
 /// # Example
 /// ```
-/// use interval_core::{Status, regression::{Rows, least_squares}};
+/// use interval_core::regression::{LeastSquaresStatus, Rows, least_squares};
 /// // a line through three points, the second of which is not on it
 /// let a = [1.0, 0.0, 1.0, 1.0, 1.0, 2.0];
 /// let y = [0.0, 2.0, 2.0];
 /// let fit = least_squares(&Rows::new(2, &a, &a, &y, &y)?)?;
-/// assert_eq!(fit.status, Status::Enclosed);
+/// assert_eq!(fit.status, LeastSquaresStatus::Enclosed);
 /// assert!(fit.parameters.is_some_and(|x| x[1].contains(1.0) && x[1].width() < 1e-14));
 /// # Ok::<(), interval_core::Error>(())
 /// ```
@@ -61,20 +91,23 @@ pub fn least_squares(rows: &Rows<'_>) -> Result<LeastSquares, crate::Error> {
     let (m, n) = (rows.count(), rows.columns());
     if m < n {
         let reason = format!("{m} rows leave {n} parameters undetermined");
-        return Ok(LeastSquares::without(Status::NotApplicable, reason));
+        return Ok(LeastSquares::without(LeastSquaresStatus::NotApplicable, reason));
     }
     if !rows.open().is_empty() || (0..m).any(|i| !(rows.right(i).0.is_finite() && rows.right(i).1.is_finite())) {
         return Ok(LeastSquares::without(
-            Status::NotApplicable,
+            LeastSquaresStatus::NotApplicable,
             "a row has an infinite bound; every bound has to be finite",
         ));
     }
     let Some((s, centre)) = factorise(rows) else {
-        return Ok(LeastSquares::without(Status::NotProved, "the columns of the midpoints are linearly dependent"));
+        return Ok(LeastSquares::without(
+            LeastSquaresStatus::NotProved,
+            "the columns of the midpoints are linearly dependent",
+        ));
     };
     Ok(enclose(rows, &s, &centre).unwrap_or_else(|| {
         let reason = "I - X'X does not contract: the columns are nearly dependent, or the regressors are too uncertain";
-        LeastSquares::without(Status::NotProved, reason)
+        LeastSquares::without(LeastSquaresStatus::NotProved, reason)
     }))
 }
 
@@ -219,7 +252,7 @@ fn enclose(rows: &Rows<'_>, s: &[f64], centre: &[f64]) -> Option<LeastSquares> {
         })
         .collect();
     let bounded = parameters.iter().all(|x| x.is_bounded());
-    bounded.then_some(LeastSquares { status: Status::Enclosed, parameters: Some(parameters), reason: None })
+    bounded.then(|| LeastSquares::enclosed(Certified::proved(parameters)))
 }
 
 /// What row `i` adds to the sums.

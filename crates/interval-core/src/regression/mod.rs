@@ -14,11 +14,12 @@ mod scan;
 mod search;
 mod signs;
 
+pub use crate::status::{FeasibleStatus, LeastSquaresStatus};
 pub use augmented::{ORDER_LIMIT, augmented};
 pub use feasible::{
     BoundCertificate, FeasibleOptions, FeasibleSet, OrthantOutcome, OrthantResult, feasible_rows, feasible_set,
 };
-pub use least_squares::{LeastSquares, least_squares};
+pub use least_squares::{LeastSquares, LeastSquaresMethod, least_squares};
 pub use normal_equations::{NormalEquations, normal_equations};
 pub use orthant::DataRow;
 pub use outliers::{NODE_LIMIT, Outliers};

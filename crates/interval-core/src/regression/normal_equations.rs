@@ -5,9 +5,10 @@
 //! smallest and the largest product of its ends.
 
 use super::check_rows;
+use crate::certified::{Claim, Unproved};
 use crate::error::Error;
 use crate::interval::Interval;
-use crate::inverse::Outcome;
+use crate::inverse::{Endpoints, Outcome, Value};
 use crate::matrix::IntervalMatrix;
 use crate::status::Status;
 
@@ -16,8 +17,8 @@ use crate::status::Status;
 pub struct NormalEquations {
     /// Proved only where the inverse was.
     pub status: Status,
-    /// Parameter intervals, `None` where the inverse has no value.
-    pub parameters: Option<Vec<Interval>>,
+    /// Parameter intervals, certified where the inverse is; `None` where the inverse has no value.
+    pub parameters: Option<Claim<Vec<Interval>>>,
     /// How many entries of the inverse were improper.
     pub improper: usize,
     /// `A'A`.
@@ -41,7 +42,12 @@ pub fn normal_equations(
     let right = a.transposed_product(y)?;
     let inverse = invert(&gram)?;
     let improper = inverse.bounds().map_or(0, |(lower, upper)| lower.iter().zip(upper).filter(|(l, u)| l > u).count());
-    let parameters = inverse.bounds().map(|bounds| apply(bounds, &right));
+    let parameters = inverse.value.as_ref().map(|value| match value {
+        Value::Certified(value) => Claim::Certified(value.map(|value| apply((value.lo(), value.hi()), &right))),
+        Value::Unproved(Unproved(Endpoints { lower, upper })) => {
+            Claim::Unproved(Unproved(apply((lower, upper), &right)))
+        }
+    });
     Ok(NormalEquations { status: inverse.status, parameters, improper, gram, inverse })
 }
 

@@ -4,27 +4,7 @@
 use super::singular::steps;
 use super::{Preconditioned, null_vector};
 use crate::matrix::IntervalMatrix;
-
-/// A cell of the partition: proved, or halved.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Cell {
-    /// `|I - R A| v < v` for every member of the cell.
-    Regular {
-        /// An approximate inverse of the cell's midpoint, row-major.
-        approximate_inverse: Vec<f64>,
-        /// The positive vector.
-        vector: Vec<f64>,
-    },
-    /// The cell halved at a value of one entry; both halves contain it.
-    Halved {
-        /// Flat position of the entry.
-        entry: usize,
-        /// Where it is cut.
-        value: f64,
-        /// The half below and the half above.
-        halves: Box<[Cell; 2]>,
-    },
-}
+use crate::witness::Cell;
 
 pub(crate) enum Verdict {
     Regular(Cell),

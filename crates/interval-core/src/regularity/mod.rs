@@ -5,7 +5,8 @@ mod positive_definite;
 mod preconditioned;
 mod singular;
 
-pub use cells::Cell;
+pub use crate::status::Verdict;
+pub use crate::witness::{Cell, SingularMember, Witness};
 pub(crate) use cells::{halves, largest_smear};
 pub(crate) use preconditioned::{Preconditioned, contracted_vector, interval_residual, slack, split, times};
 pub(crate) use singular::null_vector;
@@ -30,55 +31,16 @@ pub enum Regularity {
     NotProved,
 }
 
-/// Why an interval matrix is regular.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Witness {
-    /// `||I - R A|| <= norm < 1` in the maximum row sum norm for this `R` (row-major): `R A` and with it `A` is
-    /// nonsingular for every member.
-    Contraction {
-        /// An approximate inverse of the midpoint, row-major.
-        approximate_inverse: Vec<f64>,
-        /// Upper bound of the norm.
-        norm: f64,
-    },
-    /// `|I - R A| v < v` for this `R` (row-major) and `v > 0`: the same in a norm scaled by `v`.
-    ScaledContraction {
-        /// An approximate inverse of the midpoint, row-major.
-        approximate_inverse: Vec<f64>,
-        /// The positive vector.
-        vector: Vec<f64>,
-    },
-    /// The matrices of lower and of upper bounds have non-negative inverses (Kuttler 1971).
-    NonnegativeInverses,
-    /// `S = m'm - shift I` is positive definite for the midpoints `m`, and the radii have a spectral norm of at most the root
-    /// of the shift (Rex and Rohn, *SIAM J. Matrix Anal. Appl.* 20 (1998) 437-445): proved by `||I - X S X'|| < 1`.
-    PositiveDefinite {
-        /// Upper bound of the square of the radii's spectral norm.
-        shift: f64,
-        /// The non-negative vector `w` that shows it: `D'D w <= shift w` for the radii `D`.
-        vector: Vec<f64>,
-        /// The matrix `X`, row-major, approximately the inverse of a Cholesky factor.
-        congruence: Vec<f64>,
-    },
-    /// Every cell of a partition is regular by a scaled contraction.
-    Cells(Cell),
-    /// The determinants of all vertex matrices `A_c - T_y Delta T_z` have this strict sign (Baumann 1984).
-    VertexDeterminants {
-        /// -1 or 1.
-        sign: i8,
-    },
-}
-
-/// Why an interval matrix holds a singular member.
-#[derive(Debug, Clone, PartialEq)]
-pub enum SingularMember {
-    /// This member (row-major) has determinant zero, exactly.
-    Member(Vec<f64>),
-    /// For this vector (not zero) every row of `A x` contains 0, exactly: choosing in each row a member of it that gives 0 makes
-    /// a member `A` with `A x = 0`.
-    NullVector(Vec<f64>),
-    /// These two members (row-major) have determinants of opposite sign: on the segment between them one is zero.
-    OppositeSigns(Vec<f64>, Vec<f64>),
+impl Regularity {
+    /// The verdict without what proves it.
+    #[must_use]
+    pub const fn verdict(&self) -> Verdict {
+        match self {
+            Self::Regular(_) => Verdict::Regular,
+            Self::Singular(_) => Verdict::Singular,
+            Self::NotProved => Verdict::NotProved,
+        }
+    }
 }
 
 /// Proves regularity by contraction, plain or scaled, by the norm of the radii, or by a partition; proves singularity by a

@@ -192,7 +192,7 @@ pub fn fma_up(a: f64, b: f64, c: f64) -> f64 {
         let (g3, g2) = two_sum(q, h2);
         [g3, g2, g1, g0].into_iter().find(|&x| x != 0.0).is_some_and(|x| x > 0.0)
     } else {
-        crate::reductions::sign_of_fused(a, b, c, nearest) == std::cmp::Ordering::Greater
+        crate::accumulator::sign_of_fused(a, b, c, nearest) == std::cmp::Ordering::Greater
     };
     if too_low { nearest.next_up() } else { nearest }
 }

@@ -6,6 +6,7 @@ mod exact;
 mod gauss_seidel;
 mod hansen_bliek_rohn;
 mod krawczyk;
+mod method;
 
 pub use batch::batch;
 pub use cramer::cramer;
@@ -13,6 +14,7 @@ pub use exact::exact;
 pub use gauss_seidel::gauss_seidel;
 pub use hansen_bliek_rohn::hansen_bliek_rohn;
 pub use krawczyk::krawczyk;
+pub use method::Method;
 
 use crate::error::Error;
 use crate::interval::Interval;

@@ -1,9 +1,13 @@
-"""Logs with nothing hidden, and how large scores grow on them.
+"""Scores where nothing is hidden: the causes that a log can show, and the threshold that a finding has to pass.
 
-- ``visibility``: which causes this log can show, and the threshold of each score.
-- ``thresholds``: Gaussian draws of all scores at once.
-- ``null_logs``, ``feedback``: simulated logs of the same programme, with the controller's answer to their motion.
-- ``calibration``: the scores of those logs; ``cache``: scores that are kept.
+1. ``visibility``: the size at which each cause stands out in this log, and whether its signature is more than noise.
+2. ``thresholds``: Gaussian draws of all scores at once, from the Gram matrix of this log.
+3. ``family_wise``: the test of all families against one threshold, with a second opinion from half-minutes of the log.
+4. ``feedback``: the feedback behind the logged demands.
+5. ``simulated_logs``, with the motion in ``closed_loop``: logs of the same programme and feedback without an effect.
+6. ``calibration``: the parametric bootstrap, which examines simulated logs like the log and gives the stricter threshold.
+7. ``cache``: scores of simulated logs in the user's cache.
 
-The chapter may use ``candidates`` and what is below it.
+Gaussian draws come first because they cost a tenth of a second. Simulated logs cost about a minute, and are asked only where a finding is
+close to its threshold (``selection.confirmation``). The chapter may use ``candidates`` and the chapters below it.
 """

@@ -1,4 +1,4 @@
-"""Strengths of null logs on disk, by the content that they follow from: in the user's cache, whole or not at all."""
+"""Scores of null logs in the user's cache, under a digest of everything that they depend on; a file is written whole or not at all."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import os
 from dataclasses import fields
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Final
+from typing import Final, Protocol
 
 import numpy as np
 
@@ -23,26 +23,45 @@ from ivsid.vehicle import Vehicle
 FOLDER: Final = "null_logs"
 
 
+class _Digest(Protocol):
+    """A hash that takes bytes."""
+
+    def update(self, data: bytes, /) -> None:
+        """Adds bytes."""
+
+
 def cache_folder() -> Path:
-    """Where null logs are kept: ``ivsid/null_logs`` in ``XDG_CACHE_HOME``, or in ``~/.cache``."""
+    """Folder of the scores of null logs: ``ivsid/null_logs`` in ``XDG_CACHE_HOME``, or in ``~/.cache``."""
     base = os.environ.get("XDG_CACHE_HOME", "")
     return (Path(base) if Path(base).is_absolute() else Path.home() / ".cache") / "ivsid" / FOLDER
 
 
 def key_of(vehicle: Vehicle, log: Channels, seed: int, level: float, tested: frozenset[str], threshold: float) -> str:
-    """A name that changes with everything that null logs depend on: the vehicle file, the log's content, the seed, the test, the files of own effects, the version."""
+    """Digest of everything that null logs depend on, 64 hexadecimal digits.
+
+    Args:
+        vehicle: whose file counts by its text.
+        log: which counts by its content, without its name.
+        seed: of the draws.
+        level: probability of a false finding.
+        tested: ids of the families under test.
+        threshold: of the chance by the Gaussian draws.
+
+    The version of the package and the files of own effects count as well.
+    """
     digest = hashlib.sha256()
     said = [version("ivsid"), vehicle.text, seed, level.hex(), sorted(tested), threshold.hex(), own_digest()]
     digest.update(json.dumps(said).encode())
     for field in fields(Channels):
         value = getattr(log, field.name)
-        # The name of a log is none of its content.
+        # The name of a log and its notes are no content.
         if field.name not in ("name", "notes"):
             _feed(digest, field.name, value)
     return digest.hexdigest()
 
 
-def _feed(digest: Any, name: str, value: Any) -> None:
+def _feed(digest: _Digest, name: str, value: object) -> None:
+    """Adds a named value to a digest: arrays by type, shape and bytes, tuples member by member, other values by their text."""
     if isinstance(value, tuple):
         for k, one in enumerate(value):
             _feed(digest, f"{name}.{k}", one)
@@ -56,7 +75,13 @@ def _feed(digest: Any, name: str, value: Any) -> None:
 
 
 def kept(folder: Path, key: str, level: float) -> NullTest | None:
-    """The null logs of a key; None where there are none, or where the file is not as it was written."""
+    """Scores of the null logs under a key, or None if there is no file or its seal is broken.
+
+    Args:
+        folder: of the cache.
+        key: by ``key_of``.
+        level: probability of a false finding.
+    """
     try:
         record = json.loads((folder / f"{key}.json").read_text())
         seal = record.pop(KEY)
@@ -70,7 +95,7 @@ def kept(folder: Path, key: str, level: float) -> NullTest | None:
 
 
 def keep(folder: Path, key: str, test: NullTest) -> None:
-    """Writes null logs; a cache that cannot be written is none."""
+    """Writes the scores of null logs under a key. A folder that cannot be written is no error."""
     strengths = [float(s).hex() if np.isfinite(s) else None for s in test.strengths]
     record = sealed({"key": key, "strengths": strengths, "passed": [bool(p) for p in test.passed]})
     try:

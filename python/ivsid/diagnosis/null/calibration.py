@@ -1,4 +1,10 @@
-"""Stage 5 once more, for what is close: the largest score of every null log, refitted, and the threshold that follows."""
+"""Parametric bootstrap of the largest score: null logs are simulated, examined like the log, and give the threshold of a finding.
+
+Null logs are examined on all processors, in parts of forked processes.
+
+Source: Efron and Tibshirani, *An Introduction to the Bootstrap*, 1993, section 6.5; for the tail Pickands, "Statistical inference using
+extreme order statistics", Annals of Statistics 3, 1975.
+"""
 
 from __future__ import annotations
 
@@ -18,38 +24,58 @@ from ivsid.diagnosis.estimation.fit import Fit, Noise, survey
 from ivsid.diagnosis.estimation.learning import remaining
 from ivsid.diagnosis.estimation.noise import ambient_of, usable_rows
 from ivsid.diagnosis.estimation.whitening import Whitening, plain_scale, whiten
+from ivsid.diagnosis.null.closed_loop import Programme
+from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.feedback import feedback_of
-from ivsid.diagnosis.null.null_logs import Programme, null_logs, thinned
-from ivsid.diagnosis.null.visibility import Threshold
+from ivsid.diagnosis.null.simulated_logs import null_logs, thinned
+from ivsid.diagnosis.null.thresholds import TAIL, TAIL_SLOPE
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.axes import Ambient
 from ivsid.diagnosis.prediction.innovations import Predictor
 
 Array = NDArray[np.float64]
-# Null logs of the first look, and those that the noise is learnt from.
+# Null logs of the first look: all of them are simulated only where these leave doubt.
+# Source: resource: a twentieth of the time of 400 null logs
 FEW: Final = 20
+# Null logs from which the whitening is learnt.
+# Source: resource: each takes as long as a null log that is examined
 LEARN: Final = 2
+# First number of the null logs from which the whitening is learnt: none of them is examined.
+# Source: definition: beyond any number of an examined log
 APART: Final = 1_000_000
-# Logs that are stepped together: enough to share the steps, few enough for the memory.
+# Null logs that are simulated together share the steps of the integration.
+# Source: resource: 0.6 GB a process for logs of 600 s at 20 Hz
 TOGETHER: Final = 40
-# Of the few logs the tail starts at their middle, of many at their last tenth.
+# From this number of logs on the tail starts at the last tenth, whose mean excess is then known to a third.
+# Source: definition: standard error of the mean of ten exponential excesses
 MANY: Final = 100
-# Standard deviations that a threshold from few logs may be off.
+# Share of the scores that lie in the tail where there are fewer logs.
+# Source: none
+TAIL_OF_FEW: Final = 0.5
+# Fewest null logs that give a threshold.
+# Source: definition: standard error of the mean of ten exponential excesses
+FEWEST: Final = 10
+# Standard deviations by which a threshold from few logs may be too low.
+# Source: definition: 2.3 % of normal errors lie beyond on one side
 UNSURE: Final = 2.0
-# More than this share of lost motions, and null logs say nothing.
+# Share of null logs that leave the programme beyond which null logs give no threshold.
+# Source: none
 MOST_LOST: Final = 0.2
+# Rounds of filtering until the states are those of the hypothesis: after two rounds a delay seemed to be there, after four nothing changes.
+# Source: none
+SETTLED: Final = 6
 
 
 @dataclass(frozen=True)
 class NullTest:
-    """What null logs say of the test.
+    """Scores of null logs.
 
     Attributes:
-        strengths: minus the logarithm of the smallest chance over all families, of each null log; NaN where the motion was lost.
-        passed: whether a family of it passed the whole test, at the threshold of the Gaussian draws.
-        level: of the test.
-        cached: how many of them were made before.
-        first: the chance that the Gaussian draws allow.
+        strengths: minus the natural logarithm of the smallest chance over all families, by null log, shape (logs,); NaN for a lost motion.
+        passed: whether a family passed the whole test at the threshold of the Gaussian draws, by null log, shape (logs,).
+        level: probability of a false finding.
+        cached: number of these null logs that were read from the cache.
+        first: threshold of the chance by the Gaussian draws.
     """
 
     strengths: Array
@@ -59,35 +85,39 @@ class NullTest:
     first: float = 1.0
 
     def joined(self, more: NullTest) -> NullTest:
-        """With further logs."""
+        """These null logs and further ones."""
         return replace(self, strengths=np.r_[self.strengths, more.strengths], passed=np.r_[self.passed, more.passed])
 
     def first_of(self, count: int) -> NullTest:
-        """The first so many."""
+        """The first ``count`` null logs."""
         return replace(self, strengths=self.strengths[:count], passed=self.passed[:count])
 
     @property
     def kept(self) -> Array:
-        """Strengths of the logs that stayed near the programme."""
+        """Strengths of the logs that stayed near the programme, shape (kept,)."""
         return self.strengths[np.isfinite(self.strengths)]
 
     @property
     def usable(self) -> bool:
-        """Whether enough logs are left to say anything."""
-        return self.kept.size >= max(10, (1 - MOST_LOST) * self.strengths.size)
+        """Whether enough logs stayed near the programme for a threshold."""
+        return self.kept.size >= max(FEWEST, (1 - MOST_LOST) * self.strengths.size)
 
     def threshold(self, sigmas: float = 0.0) -> float:
-        """Strength that a null log passes with the probability of the level, by an exponential tail; ``sigmas`` to the safe side."""
+        """Strength that a null log exceeds with the probability ``level``, by an exponential tail.
+
+        Args:
+            sigmas: standard deviations of the tail's slope that are added, to the safe side.
+        """
         x = self.kept
-        share = 0.1 if x.size >= MANY else 0.5
+        share = TAIL if x.size >= MANY else TAIL_OF_FEW
         start = float(np.quantile(x, 1 - share))
         excess = x[x >= start] - start
-        slope = max(float(excess.mean()), 1.0)
+        slope = max(float(excess.mean()), TAIL_SLOPE)
         slope *= 1.0 + sigmas / np.sqrt(max(excess.size, 1))
         return float(start + slope * np.log(share / self.level))
 
     def record(self) -> dict[str, object]:
-        """As in result.json."""
+        """The entry ``calibration.simulated`` of result.json."""
         return {
             "logs": int(self.kept.size),
             "lost": int(self.strengths.size - self.kept.size),
@@ -97,13 +127,18 @@ class NullTest:
         }
 
 
-# Rounds of filtering until the states are those of the hypothesis: after two a delay seemed to be there, after four nothing changes.
-SETTLED: Final = 6
-
-
 @dataclass(frozen=True)
 class Trial:
-    """Null logs of a fit, and how each is examined."""
+    """The null logs of a fit, and their examination.
+
+    Attributes:
+        programme: from which they are simulated.
+        filters: the ambient acceleration of the filters, as of the log.
+        whitening: of their innovations.
+        left_out: indices of the axes that are left out.
+        fixed: parameters that are not fitted, with their values.
+        test: of the families.
+    """
 
     programme: Programme
     filters: Ambient
@@ -113,13 +148,14 @@ class Trial:
     test: Threshold
 
     def strengths(self, seed: int, numbers: Sequence[int]) -> list[tuple[float, bool]]:
-        """The largest strength of each null log, and whether it passed the test."""
+        """The largest strength of each null log, and whether a family of it passed the test."""
         return [
             (float("nan"), False) if made is None else self._one(*made)
             for made in null_logs(self.programme, seed, numbers)
         ]
 
     def _one(self, log: Channels, h: Hypothesis) -> tuple[float, bool]:
+        """Strength of one null log, and whether a family of it passed the test; NaN if it cannot be fitted."""
         try:
             fit = surveyed(self, log, h, self.whitening)
         except (np.linalg.LinAlgError, ValueError):
@@ -132,10 +168,19 @@ class Trial:
 
 
 def surveyed(trial: Trial, log: Channels, h: Hypothesis, whitening: Whitening | None) -> Fit:
-    """The plain model on a null log with the signatures of what is tested, about its true numbers: the fit is linear there."""
+    """The plain model on a null log, with the signatures of the tested families.
+
+    The fit is one linear step from the true parameters, which are known.
+
+    Args:
+        trial: of the null logs.
+        log: a null log.
+        h: the hypothesis that is true of it.
+        whitening: of the innovations; None takes the robust size of each.
+    """
     p = trial.programme
     predictor = Predictor(p.vehicle, log, trial.filters)
-    # States that start from noisy readings take some rounds to forget them.
+    # Filtered states forget the noisy readings from which they start within some rounds.
     states = predictor.settle(h, predictor.start(h), SETTLED)
     good = usable_rows(predictor)
     white = whitening or plain_scale(predictor.errors(h, states), good, predictor, trial.left_out)
@@ -143,7 +188,13 @@ def surveyed(trial: Trial, log: Channels, h: Hypothesis, whitening: Whitening | 
 
 
 def trial_of(fit: Fit, test: Threshold, seed: int) -> Trial:
-    """How null logs of a fitted model are made and examined; their noise is learnt from the first two as a log's is."""
+    """The null logs of a fitted model, with a whitening that is learnt from two of them as from a log.
+
+    Args:
+        fit: of the plain model to the log.
+        test: of the families.
+        seed: of the draws.
+    """
     predictor, log = fit.noise.predictor, fit.noise.predictor.log
     g = fit.gram
     declared_errors = {
@@ -156,7 +207,7 @@ def trial_of(fit: Fit, test: Threshold, seed: int) -> Trial:
     felt = np.concatenate([fit.states.points.nu[:, :n], heading[None]])
     if back.reads:
         felt = np.concatenate([log.nu, (heading if log.psi is None else log.psi)[None]])
-    # On a slower clock what is sent is a mean, and so is what it answers to.
+    # On a slower clock a command under a zero-order hold is a mean, and so is the motion to which it answers.
     reference = felt[:, : thin.n * q].reshape(4, thin.n, q).mean(axis=2) if log.held else felt[:, : thin.n * q : q]
     programme = Programme(
         predictor.vehicle,
@@ -182,7 +233,14 @@ def trial_of(fit: Fit, test: Threshold, seed: int) -> Trial:
 
 
 def examined(trial: Trial, seed: int, numbers: Sequence[int], told: Callable[[int], None] = lambda _: None) -> NullTest:
-    """Null logs by number, on all cores."""
+    """Scores of null logs by number, on all processors.
+
+    Args:
+        trial: of the null logs.
+        seed: of the draws.
+        numbers: of the null logs.
+        told: called with the number of null logs that are done.
+    """
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
     size = min(TOGETHER, max(1, -(-len(numbers) // cores)))
     parts = [numbers[k : k + size] for k in range(0, len(numbers), size)]
@@ -192,7 +250,7 @@ def examined(trial: Trial, seed: int, numbers: Sequence[int], told: Callable[[in
             found[k] = done
             told(sum(map(len, found.values())))
     for k, part in enumerate(parts):
-        # What no other process could do is done here.
+        # Parts that no other process has done are done here.
         if k not in found:
             found[k] = trial.strengths(seed, part)
             told(sum(map(len, found.values())))
@@ -204,7 +262,7 @@ def examined(trial: Trial, seed: int, numbers: Sequence[int], told: Callable[[in
 def _forked(
     trial: Trial, seed: int, parts: Sequence[Sequence[int]], cores: int
 ) -> Iterator[tuple[int, list[tuple[float, bool]]]]:
-    """Parts of the numbers on forked processes, as they are done; a term's function goes to a copy of this process, and to no other."""
+    """Scores of parts of the numbers, as forked processes finish them. A term's function cannot be pickled, so processes are copies of this one."""
     context = multiprocessing.get_context("fork")
     readers: list[Connection] = []
     workers = []
@@ -231,6 +289,7 @@ def _forked(
 
 
 def _work(trial: Trial, seed: int, parts: Sequence[Sequence[int]], mine: Sequence[int], writer: Connection) -> None:
+    """Work of one process: its parts in turn, each sent with its index."""
     for k in mine:
         writer.send((k, trial.strengths(seed, parts[k])))
     writer.close()

@@ -1,8 +1,10 @@
-"""Stage 5: how small the chance of the best family gets on this log's programme when no effect is there.
+"""Threshold of the smallest chance over all families without an effect, by Gaussian draws of all scores.
 
-The prediction errors of a true model are white, and signatures are made of the past alone, so under no effect the scores of all columns
-are jointly Gaussian with the Gram matrix of this very log as covariance. Drawing them costs next to nothing, and the largest of all
-families, over their grids and step times, comes with its own correlations.
+The innovations of a true model are white, and signatures depend on the past alone. Without an effect the scores of all columns are
+therefore jointly Gaussian, and their covariance is the Gram matrix of this log. A draw of all scores keeps the correlations between
+families, their grids and their step times, and costs no simulation.
+
+Source: docs/theory.md, "Diagnosis".
 """
 
 from __future__ import annotations
@@ -19,21 +21,39 @@ from ivsid.diagnosis.estimation.candidate_columns import Family
 from ivsid.diagnosis.estimation.fit import Fit
 
 Array = NDArray[np.float64]
+# Probability of a false finding in a round: half of the 1 % of a diagnosis, since waves and tethers are searched beside it.
+# Source: definition: at most 1 % of logs without an effect give a finding
+LEVEL: Final = 0.005
+# Gaussian draws of all scores.
+# Source: resource: a tenth of a second for all families
 DRAWS: Final = 400
-# Gains are divided by this before they are held against the threshold: the noise is estimated, not known.
+# Share of the scores in the tail whose mean excess extrapolates to the level.
+# Source: definition: forty of 400 draws, whose mean excess is known to 16 %
+TAIL: Final = 0.1
+# Least slope of the tail: minus the logarithm of a uniform chance is exponential with slope 1.
+# Source: definition: logarithm of a uniform variable
+TAIL_SLOPE: Final = 1.0
+# A fall of chi-squared is divided by this before the test: the noise is estimated, and fresh logs exceed the draws of a known noise.
+# Source: measured: make null-logs
 HIGH_SIDE: Final = 1.15
+# Share of its own signature that a step must keep beside the base to be scored.
+# Source: none
+LEAST_SHARE: Final = 1e-6
+# Eigenvalues of the information below this share of the largest belong to directions that the base explains.
+# Source: definition: square root of the rounding unit of doubles
+DEPENDENT: Final = 1e-8
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """The threshold of a round.
+    """Threshold of a round.
 
     Attributes:
         level: probability of any false finding.
-        chance: a family passes whose own chance is below this.
-        draws: null scores that it was made from.
+        chance: threshold below which the chance of a family passes.
+        draws: number of Gaussian draws.
         seed: of the draws.
-        smallest: the smallest chance over the families of each draw, sorted, for reports.
+        smallest: smallest chance over the families by draw, sorted, shape (draws,).
     """
 
     level: float
@@ -43,7 +63,7 @@ class Calibration:
     smallest: Array
 
     def record(self) -> dict[str, object]:
-        """As in result.json."""
+        """The entry ``calibration`` of result.json."""
         return {
             "family_wise": self.level,
             "method": "simulated null scores of this programme: Gaussian with the covariance of the log's own signatures, maximum over families",
@@ -56,13 +76,21 @@ class Calibration:
 
 
 def calibrate(fit: Fit, visible: frozenset[str], level: float, seed: int, draws: int = DRAWS) -> Calibration:
-    """Draws null scores of every visible family, and takes the quantile of the smallest chance with an exponential tail."""
+    """Threshold of the smallest chance from Gaussian draws of the scores, with an exponential tail.
+
+    Args:
+        fit: of the plain model.
+        visible: ids of the families that the log can show.
+        level: probability of any false finding.
+        seed: of the draws.
+        draws: their number.
+    """
     g, base = fit.gram, list(fit.base)
     rng = np.random.default_rng(seed)
     c = len(g.names)
     p = fit.projection
     inner = p.total[np.ix_(base, base)] + np.diag(g.prior[base] + 1e-9)
-    # What is declared scatters as its prior says: its own part of the score belongs to the draw.
+    # Declared errors scatter by their priors, and that scatter belongs to the draw of a score.
     spread = np.zeros((draws, len(base)))
     known = g.prior[base] > 0
     spread[:, known] = rng.standard_normal((draws, int(known.sum()))) / np.sqrt(g.prior[base][known])
@@ -83,15 +111,14 @@ def calibrate(fit: Fit, visible: frozenset[str], level: float, seed: int, draws:
         return Calibration(level, level, 0, seed, np.zeros(0))
     smallest = np.sort(np.min(chances, axis=0))
     strength = -np.log(np.maximum(smallest, 1e-300))
-    start = float(np.quantile(strength, 0.9))
-    slope = max(float(np.mean(strength[strength >= start] - start)), 1e-6)
-    # Waves and tethers are searched apart from this: one more share for them.
-    threshold = float(np.exp(-(start + max(slope, 1.0) * np.log(0.1 / level))))
+    start = float(np.quantile(strength, 1 - TAIL))
+    slope = max(float(np.mean(strength[strength >= start] - start)), TAIL_SLOPE)
+    threshold = float(np.exp(-(start + slope * np.log(TAIL / level))))
     return Calibration(level, threshold, draws, seed, smallest)
 
 
 def _family(fit: Fit, family: Family, scores: Array, left: Array, fitted: Array, inner: Array) -> Array:
-    """The chance of a family's gain in each draw, shape (draws,)."""
+    """Chance of a family's fall of chi-squared in each draw, shape (draws,)."""
     g, p = fit.gram, fit.projection
     parameters = family.effect.parameters
     if family.kind == "step":
@@ -100,7 +127,7 @@ def _family(fit: Fit, family: Family, scores: Array, left: Array, fitted: Array,
         cross = later[:, list(fit.base)]
         H = later[:, j] - np.einsum("bi,bi->b", cross, np.linalg.solve(inner, cross.T).T)
         s = np.cumsum(scores[:, ::-1, j], axis=1)[:, ::-1] - fitted @ cross.T
-        usable = H / max(float(later[0, j]), 1e-300) > 1e-6
+        usable = H / max(float(later[0, j]), 1e-300) > LEAST_SHARE
         usable[:EDGE] = usable[len(usable) - EDGE :] = False
         fall = np.where(usable, s**2 / np.where(usable, H, 1.0), 0.0).max(axis=1)
         return np.asarray(np.minimum(1.0, chi2.sf(fall, 2) * len(H) / 6.0))
@@ -109,7 +136,7 @@ def _family(fit: Fit, family: Family, scores: Array, left: Array, fitted: Array,
         at = g.at(names)
         H = p.information(at)
         values, vectors = np.linalg.eigh(H)
-        keep = values > 1e-8 * max(float(values.max()), 1e-300)
+        keep = values > DEPENDENT * max(float(values.max()), 1e-300)
         z = left[:, at] @ vectors[:, keep] / np.sqrt(values[keep])
         fall = (z**2).sum(axis=1)
         if len(at) == 1 and not parameters[0].signed and family.kind != "claim":

@@ -1,4 +1,10 @@
-"""Stage 5: what a log can show at all, and which gains are more than chance."""
+"""Visibility of causes: how far an effect of typical size stands out in a log, and whether its signature is more than noise.
+
+The size z of an effect is the square root of the fall of chi-squared that it makes at its typical size, beside the model and the declared
+errors.
+
+Source: docs/theory.md, "Isolability".
+"""
 
 from __future__ import annotations
 
@@ -10,22 +16,31 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
-from scipy.stats import f as fisher
 
-from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.candidate_columns import Family
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.signatures import Signatures
-from ivsid.diagnosis.null.thresholds import HIGH_SIDE, Calibration
 from ivsid.diagnosis.plant.physics import acceleration
 from ivsid.effects import Reading, Terms
 
 Array = NDArray[np.float64]
+# An effect is tested if it stands out by this many standard deviations at its typical size: at least 95 % of such effects are named.
+# Source: measured: make exam
 VISIBLE: Final = 8.0
-# A signature is used where it is so many times the part that the states' errors make of it.
+# A signature is used if it is larger than the part that errors of the filtered states make of it, by this factor.
+# Source: none
 EXCITED: Final = 4.0
-# Causes that nothing shows where the vehicle does not turn.
+# Below this energy a signature acts on axes that are left out, and has no excitation.
+# Source: definition: whitened signatures of such axes are zero up to rounding
+NOTHING: Final = 1e-12
+# Typical size of a step in one thruster, as a share of its thrust.
+# Source: none
+TYPICAL_STEP: Final = 0.15
+# Below this z no size of an effect is called detectable.
+# Source: definition: signatures of no effect are zero up to rounding
+NO_SIZE: Final = 1e-6
+# Causes without a signature of their own where the vehicle does not turn.
 TURNING: Final = (
     "drag.surge.sideslip",
     "drag.sway",
@@ -40,33 +55,17 @@ TURNING: Final = (
     "sensor.velocity.lever_arm",
     "sensor.acceleration.lever_arm",
 )
-# Blocks of the bootstrap: as many blocks of the Gram side by side as make half a minute.
-SIDE: Final = 3
-# The second opinion has few blocks: it is asked for less.
-SECOND: Final = 5e-3
-# A gain like this is none of the noise model's; its blocks may disagree only because the fit is not finished, or because they are few.
-# Without a hidden effect the largest gain of a hundred turning logs was 14; where axes are left out it was 90, and more is asked.
-BEYOND_DOUBT: Final = 40.0
-BEYOND_DOUBT_AXES_LEFT_OUT: Final = 60.0
-# An effect that would not show at its typical size needs this gain.
-STRONG: Final = 40.0
-# A smaller fall of chi^2 is no finding, whatever its chance: below five standard deviations the model of the noise is not to be trusted.
-FAINT: Final = 25.0
-# Below this share of its usual size a cause is nothing that the equations of a diagnosis are good for.
-NEGLIGIBLE: Final = 0.01
-# No cause is so many times its usual size.
-IMPOSSIBLE: Final = 50.0
 
 
 @dataclass(frozen=True)
 class Visibility:
-    """How far an effect of its typical size would stand out.
+    """Visibility of an effect in a log.
 
     Attributes:
-        z: in standard deviations.
-        typical: the size that this is for, by parameter.
-        detectable: the smallest size that would have shown, by parameter.
-        blind: the signature is mostly made of the states' own errors.
+        z: standard deviations by which the effect stands out at its typical size.
+        typical: the typical size, by parameter, in its unit.
+        detectable: the size at which z reaches ``VISIBLE``, by parameter, in its unit; empty if there is none.
+        blind: whether the signature is mostly made of the errors of the filtered states.
     """
 
     z: float
@@ -81,10 +80,14 @@ class Visibility:
 
 
 def excitation(fit: Fit, seed: int = 0) -> dict[str, float]:
-    """How much stronger a signature is than the part of it that only the states' own errors make, by column.
+    """Size of each signature over the size of its error, by column.
 
-    The columns are made again at states that differ from the filtered ones by an error of the size and memory that the filter believes.
-    Where a regressor is mostly its own noise, no test of it means anything.
+    The columns are made again at states that differ from the filtered ones by an error with the deviation and memory of the filter. A
+    regressor that is mostly noise cannot be tested.
+
+    Args:
+        fit: of the plain model.
+        seed: of the drawn error of the states.
     """
     predictor, n = fit.noise.predictor, fit.noise.predictor.log.n
     rng = np.random.default_rng(seed)
@@ -118,12 +121,17 @@ def excitation(fit: Fit, seed: int = 0) -> dict[str, float]:
     difference = np.einsum("cbi,cbi->c", d := x - g.columns(at) * g.unit[at][:, None, None], d)
     signal = np.diag(fit.projection.information(at)) * g.unit[at] ** 2
     ratio = np.sqrt(signal / np.maximum(difference, 1e-300))
-    # What acts on an axis that is left out has neither.
-    return {n: float(q) for n, q, s in zip(names, ratio, signal, strict=True) if s > 1e-12}
+    # Effects on axes that are left out have no signature and no error of one.
+    return {n: float(q) for n, q, s in zip(names, ratio, signal, strict=True) if s > NOTHING}
 
 
 def visibility(fit: Fit, excited: Mapping[str, float] | None = None) -> dict[str, Visibility]:
-    """For every family with columns of its own, by id; ``excited`` is the excitation where it is known already."""
+    """Visibility of every family with columns of its own, by id.
+
+    Args:
+        fit: of the plain model.
+        excited: the excitation by column, if it is known already.
+    """
     if excited is None:
         excited = excitation(fit)
     p = fit.projection
@@ -134,13 +142,12 @@ def visibility(fit: Fit, excited: Mapping[str, float] | None = None) -> dict[str
             continue
         z, sizes = _size(fit, p, family, mass)
         blind = min((excited[n] for n in family.variants[0] if n in excited), default=np.inf) < EXCITED
-        # Without turning, what is known of sway and yaw is the noise of their sensors.
+        # Without turning, sway and yaw hold the noise of their sensors and nothing else.
         blind = blind or (bool(fit.noise.left_out) and family.id.startswith(TURNING))
         if family.id in found and found[family.id].z >= z:
             continue
         if family.idle is None:
-            # Without any signature there is no size that would show.
-            least = {k: v * VISIBLE / z for k, v in sizes.items() if v} if z > 1e-6 else {}
+            least = {k: v * VISIBLE / z for k, v in sizes.items() if v} if z > NO_SIZE else {}
         else:
             least = _first(levels(fit, family), next(iter(sizes)))
         found[family.id] = Visibility(z, sizes, least, blind)
@@ -148,7 +155,15 @@ def visibility(fit: Fit, excited: Mapping[str, float] | None = None) -> dict[str
 
 
 def levels(fit: Fit, family: Family) -> list[tuple[float, float]]:
-    """Of a dead band or limit: the values tried and their z, from the one that does nothing on; z is not proportional to the value."""
+    """Values of a dead band or a limit with their z, which is not proportional to the value.
+
+    Args:
+        fit: of the plain model.
+        family: of the dead band or limit.
+
+    Returns:
+        Pairs of value and z, from the value without effect on.
+    """
     g = fit.gram
     found = [] if family.idle is None else [(family.idle, 0.0)]
     for names, (value,) in zip(family.variants, family.values, strict=True):
@@ -158,7 +173,7 @@ def levels(fit: Fit, family: Family) -> list[tuple[float, float]]:
 
 
 def _first(found: list[tuple[float, float]], name: str) -> dict[str, float]:
-    """Where z first reaches what a log must show, between two levels; empty where none does."""
+    """Value at which z first reaches ``VISIBLE``, by linear interpolation between levels; empty if no level reaches it."""
     for (a, low), (b, high) in pairwise(found):
         if low < VISIBLE <= high:
             return {name: a + (b - a) * (VISIBLE - low) / (high - low)}
@@ -166,6 +181,7 @@ def _first(found: list[tuple[float, float]], name: str) -> dict[str, float]:
 
 
 def _size(fit: Fit, p: Projection, family: Family, mass: float) -> tuple[float, dict[str, float]]:
+    """The z of a family at its typical size, and that size by parameter."""
     g = fit.gram
     parameters = family.effect.parameters
     if family.idle is not None:
@@ -184,7 +200,7 @@ def _size(fit: Fit, p: Projection, family: Family, mass: float) -> tuple[float, 
     at = g.at(family.variants[0])
     if family.kind == "step":
         j = at[0]
-        size = parameters[0].scaled(mass) if family.thruster is None else 0.15
+        size = parameters[0].scaled(mass) if family.thruster is None else TYPICAL_STEP
         half = len(g.blocks) // 2
         later = g.blocks[half:, j, :].sum(axis=0)
         cross = later[p.base]
@@ -197,92 +213,3 @@ def _size(fit: Fit, p: Projection, family: Family, mass: float) -> tuple[float, 
     theta = sizes * g.unit[at]
     named = dict(zip(family.effect.parts, sizes.tolist(), strict=True))
     return float(np.sqrt(max(float(theta @ information @ theta), 0.0))), named
-
-
-def second_opinion(fit: Fit, s: Scored) -> float:
-    """The probability of a gain without the effect, from how much the blocks of the log agree on it: no noise model stands in it."""
-    p = fit.projection
-    g = fit.gram
-    at = list(s.columns)
-    if s.family.kind == "step":
-        first = round((s.values[-1] - float(fit.noise.predictor.log.t[0])) / (g.length * fit.noise.predictor.log.h))
-        keep = np.arange(len(g.blocks)) >= first
-    else:
-        keep = np.ones(len(g.blocks), dtype=bool)
-    solved = np.linalg.solve(
-        p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9), p.total[np.ix_(p.base, at)]
-    )
-    # Scores of the projected columns block by block, at the fit of the base.
-    own = g.blocks[:, at][:, :, at] * keep[:, None, None]
-    cross = g.blocks[:, at][:, :, p.base] * keep[:, None, None]
-    score = (g.score[:, at] - cross @ p.coefficients) * keep[:, None]
-    base_score = g.score[:, p.base] - g.blocks[:, p.base][:, :, p.base] @ p.coefficients
-    score = score - base_score @ solved
-    H = own - cross @ solved
-    theta = np.linalg.lstsq(H.sum(axis=0), score.sum(axis=0), rcond=1e-9)[0]
-    left = score - H @ theta
-    blocks = left.shape[0] // SIDE * SIDE
-    left = left[:blocks].reshape(-1, SIDE, len(at)).sum(axis=1)
-    whole = score.sum(axis=0)
-    n, k = left.shape[0], len(at)
-    if n <= k + 1:
-        return 1.0
-    V = left.T @ left
-    wald = float(whole @ np.linalg.pinv(V, rcond=1e-9) @ whole)
-    return float(fisher.sf(wald * (n - k) / (n * k), k, n - k))
-
-
-def _beside(fit: Fit, s: Scored, other: Scored) -> float:
-    """The fall of chi^2 that is left of one family's beside another; infinite where they cannot stand side by side."""
-    if not other.physical or "step" in (s.family.kind, other.family.kind) or set(s.columns) & set(other.columns):
-        return float(np.inf)
-    return Projection(fit.gram, [*fit.base, *other.columns]).solve(s.columns)[1]
-
-
-@dataclass(frozen=True)
-class Threshold:
-    """The test of a round: every family's chance is held against one threshold.
-
-    Attributes:
-        calibration: the threshold of this programme.
-        visible: ids that the log can show.
-        blind: ids whose signature is made of the states' own errors.
-    """
-
-    calibration: Calibration
-    visible: frozenset[str]
-    blind: frozenset[str] = frozenset()
-
-    def __call__(self, fit: Fit, scored: list[Scored]) -> list[Scored]:
-        """Those that pass both the calibrated test and the second opinion, best first."""
-        found = []
-        for s in scored:
-            # Far larger than typical: what is hidden in the noise that a very wrong model leaves may still stand out.
-            strong = s.id not in self.blind and s.fall >= STRONG
-            if s.id not in self.visible and s.family.kind not in ("wave", "tether") and not strong:
-                continue
-            if not s.physical or s.fall < FAINT or self.chance(s) > self.calibration.chance:
-                continue
-            share = s.share(fit.noise.predictor.vehicle.hull.mass)
-            if (s.fall < STRONG and share < NEGLIGIBLE) or share > IMPOSSIBLE:
-                continue
-            if any(_beside(fit, s, q) < FAINT for q in scored if q.id in self.blind and q.fall > s.fall):
-                # A cause that cannot be named here explains it as well, and more beside.
-                continue
-            doubtful = s.fall < (BEYOND_DOUBT_AXES_LEFT_OUT if fit.noise.left_out else BEYOND_DOUBT)
-            if doubtful and second_opinion(fit, s) > SECOND:
-                continue
-            found.append(s)
-        return found
-
-    def eligible(self, s: Scored) -> bool:
-        """Whether a family may stand in a set: all but those that the log is blind to."""
-        return s.id not in self.blind
-
-    def stands(self, s: Scored, fall: float) -> bool:
-        """Whether a gain in a full fit is more than chance for the family."""
-        return self.chance(replace(s, fall=fall)) <= self.calibration.chance
-
-    def chance(self, s: Scored) -> float:
-        """Of one family's gain."""
-        return replace(s, fall=s.fall / HIGH_SIDE).chance

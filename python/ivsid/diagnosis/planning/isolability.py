@@ -1,4 +1,9 @@
-"""Before any diagnosis: what a programme can show (z), what it can tell apart (d), and which manoeuvre would help."""
+"""Isolability of a programme: the effects that it can show (z), those that it can tell apart (d), and the manoeuvres that would help.
+
+The distance d of two causes is the square root of the fall of chi-squared that is lost if one is taken for the other.
+
+Source: docs/theory.md, "Isolability".
+"""
 
 from __future__ import annotations
 
@@ -14,27 +19,37 @@ from ivsid.diagnosis.data.channels import Channels, channels
 from ivsid.diagnosis.estimation.candidate_columns import Family
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.null.visibility import VISIBLE, Visibility, visibility
+from ivsid.diagnosis.null.visibility import Visibility, visibility
+from ivsid.diagnosis.statements.diagnosis import inputs_of
 from ivsid.effects import EFFECTS
 from ivsid.files.records import envelope
 from ivsid.log import Log
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
-# Below this distance two causes of typical size are not told apart.
+# Below this distance two causes of typical size are not told apart. Their difference in chi-squared is normal with mean d² and standard
+# deviation 2 d, so at d = 5 it exceeds the margin of 9 in 95 % of logs.
+# Source: definition: normal distribution, and the margin between rivals
 APART: Final = 5.0
-# Distances below this are none: algebra, which no manoeuvre breaks.
+# Below this distance two causes are the same column up to noise, and no manoeuvre separates them.
+# Source: none
 NONE: Final = 0.5
+# Factor by which a manoeuvre has to raise the smallest distance to be advised.
+# Source: none
+BETTER: Final = 1.05
+# Eigenvalues of the information below this share of the largest belong to directions that the base explains.
+# Source: none
+DEPENDENT: Final = 1e-9
 
 
 @dataclass(frozen=True)
 class Choice:
-    """What one manoeuvre would do for one set of causes.
+    """Effect of one manoeuvre on one set of causes.
 
     Attributes:
-        trial: its name.
-        d: the smallest distance of any two of the set, with the log and the manoeuvre together.
-        groups: the sets that are still together then.
+        trial: name of the manoeuvre.
+        d: smallest distance of any two causes of the set, by the log and the manoeuvre together.
+        groups: causes that are not told apart then, group by group.
     """
 
     trial: str
@@ -44,12 +59,12 @@ class Choice:
 
 @dataclass(frozen=True)
 class Advice:
-    """For a set of causes, the manoeuvres of the library, the best first.
+    """Manoeuvres for a set of causes.
 
     Attributes:
-        ids: the set.
-        d: its smallest distance in the log alone.
-        choices: one a manoeuvre.
+        ids: of the causes.
+        d: smallest distance of any two causes by the log alone.
+        choices: one for each manoeuvre, the best first.
     """
 
     ids: tuple[str, ...]
@@ -58,14 +73,14 @@ class Advice:
 
     @property
     def best(self) -> Choice | None:
-        """The manoeuvre that does most; None where none does anything."""
+        """Best manoeuvre; None if none separates the causes or raises their distance."""
         if not self.choices:
             return None
         first = self.choices[0]
-        return first if len(first.groups) > 1 or first.d >= max(1.05 * self.d, NONE) else None
+        return first if len(first.groups) > 1 or first.d >= max(BETTER * self.d, NONE) else None
 
-    def record(self) -> dict[str, Any]:
-        """As in result.json."""
+    def record(self) -> dict[str, object]:
+        """An entry of ``advice`` in result.json."""
         best = self.best
         return {
             "effects": list(self.ids),
@@ -79,18 +94,18 @@ class Advice:
 
 @dataclass(frozen=True)
 class Isolability:
-    """What a log can show.
+    """Isolability of the causes by a log.
 
     Attributes:
-        visible: z at the typical size, by id.
-        ids: those that are tested, in the order of the matrices.
-        rho: |cosine| of projected signatures (of the closest directions, where there are several numbers), shape (k, k).
-        distance: expected loss of fit when the column's cause is taken for the row's, as d, shape (k, k).
-        classes: causes of typical size that the log does not tell apart, with the manoeuvre that would.
-        refused: ids that cannot be tested at all, and why.
-        inputs: names and hashes.
-        advice: for each class, and for pairs that are barely told apart, what a manoeuvre more would do.
-        shown: for causes that are not tested, the manoeuvre that would show them best, with z.
+        visible: visibility at the typical size, by id.
+        ids: of the tested causes, in the order of the matrices, k of them.
+        rho: absolute cosine of the projected signatures, of the closest directions for causes with several parameters, shape (k, k).
+        distance: distance d if the column's cause is taken for the row's, shape (k, k).
+        classes: sets of causes that the log does not tell apart, each with the manoeuvre that separates them, in words.
+        refused: reason by id, for causes that cannot be tested at all.
+        inputs: names and SHA-256 hashes of the files.
+        advice: for each class, and for pairs that are barely told apart.
+        shown: by id of a cause that is not tested, the manoeuvre that shows it best, with z.
     """
 
     visible: Mapping[str, Visibility]
@@ -104,7 +119,7 @@ class Isolability:
     shown: Mapping[str, tuple[str, float]] = field(default_factory=dict)
 
     def record(self) -> dict[str, Any]:
-        """As in result.json."""
+        """The content of result.json."""
         nearest = {}
         for i, id_ in enumerate(self.ids):
             others = [(float(self.rho[i, j]), other) for j, other in enumerate(self.ids) if j != i]
@@ -135,16 +150,20 @@ class Isolability:
 
 
 def isolability(vehicle: Vehicle, log: Log, *, progress: Callable[[str], None] = lambda _: None) -> Isolability:
-    """What this log's programme can detect and tell apart.
+    """Isolability of a log's programme.
+
+    Args:
+        vehicle: with the model.
+        log: of the programme.
+        progress: told of each step.
 
     Raises:
-        IvsidError: a log that the model cannot be held against.
+        IvsidError: a log that the model cannot be diagnosed with.
     """
     progress("fitting the model")
     data: Channels = channels(log, vehicle)
     fit = plain_fit(vehicle, data, everything)
-    inputs = ((vehicle.source.rsplit("/", 1)[-1] or vehicle.name, vehicle.sha256), (log.name, log.sha256))
-    return separability(fit, inputs)
+    return separability(fit, inputs_of(vehicle, log))
 
 
 def separability(
@@ -153,7 +172,14 @@ def separability(
     visible: Mapping[str, Visibility] | None = None,
     wanted: Collection[str] | None = None,
 ) -> Isolability:
-    """The same from a fit; of the ``wanted`` causes alone, tested or not, where they are given."""
+    """Isolability of the causes by a fit.
+
+    Args:
+        fit: of the plain model.
+        inputs: names and SHA-256 hashes of the files.
+        visible: visibility by id, if it is known already.
+        wanted: ids of the causes, tested or not; None takes all tested causes.
+    """
     if visible is None:
         visible = visibility(fit)
     chosen: dict[str, tuple[Family, tuple[str, ...], float]] = {}
@@ -171,7 +197,7 @@ def separability(
     for id_ in ids:
         at = fit.gram.at(chosen[id_][1])
         values, vectors = np.linalg.eigh(p.information(at))
-        keep = values > 1e-9 * max(float(values.max()), 1e-300)
+        keep = values > DEPENDENT * max(float(values.max()), 1e-300)
         bases.append((at, vectors[:, keep] / np.sqrt(values[keep])))
     for i in range(k):
         for j in range(i + 1, k):
@@ -185,7 +211,7 @@ def separability(
 
 
 def _classes(ids: tuple[str, ...], distance: Array) -> list[tuple[str, ...]]:
-    """Sets of causes that are linked by a distance below the limit."""
+    """Sets of causes that are linked by distances below ``APART``, the largest first."""
     left = set(range(len(ids)))
     found = []
     while left:
@@ -198,6 +224,3 @@ def _classes(ids: tuple[str, ...], distance: Array) -> list[tuple[str, ...]]:
             left -= near
         found.append(tuple(ids[i] for i in sorted(group)))
     return sorted(found, key=lambda g: -len(g))
-
-
-__all__ = ["VISIBLE", "Isolability", "isolability", "separability"]

@@ -1,9 +1,14 @@
 """Selection of the causes that a log needs.
 
-- ``adequacy``: structure that a generic dictionary of regressors finds in the residual.
-- ``select``: causes are added while one stands, rivals are fitted side by side.
-- ``parallel``: rivals on all processors.
-- ``confirmation``: findings close to their threshold have to pass simulated null logs.
+1. ``adequacy``: the structure that a generic dictionary of regressors finds in the innovations.
+2. ``rivals``: causes that are fitted in full in the place of one another, and compared by their merit.
+3. ``admission``: the best of the causes that pass the test, fitted under a noise that is learnt beside it.
+4. ``review``: earlier causes taken out again, and dropped or swapped.
+5. ``select``: the loop over the causes.
+6. ``confirmation``: findings close to their threshold have to pass simulated null logs.
+7. ``parallel``: threads for rivals.
 
-The chapter may use ``null`` and what is below it.
+Scores are linear in a cause and find candidates. A full fit decides between them, because lags, delays and limits are not linear, and
+because the other parameters move with the cause. Causes whose merits cannot be told apart stay together as one finding. The chapter may
+use ``null`` and the chapters below it.
 """

@@ -1,4 +1,9 @@
-"""Stage 9: is anything left that a generic dictionary of motions, thrusts, heading and time can see?"""
+"""Adequacy of a model: the structure that a generic dictionary of regressors finds in its innovations.
+
+The dictionary holds powers and products of velocities, thrusts, heading, place and time in every channel.
+
+Source: docs/theory.md, "Diagnosis".
+"""
 
 from __future__ import annotations
 
@@ -13,26 +18,41 @@ from scipy.stats import chi2
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.effects import CHANNELS
 
 Array = NDArray[np.float64]
 SYMBOLS: Final = re.compile(r"[a-z]+")
-AXES: Final = ("surge", "sway", "yaw")
-# Probability of calling a true model insufficient, and the share of the excess that a right cause may leave.
-LEVEL: Final = 1e-3
+# Probability with which a true model is called insufficient.
+# Source: definition: a tenth of the 1 % of logs without an effect that may give a finding
+RISK: Final = 1e-3
+# Share of the excess of the plain model that the right causes may leave.
+# Source: none
 REST: Final = 0.02
+# Information of a regressor in unit length below which the model explains it.
+# Source: none
+EXPLAINED: Final = 1e-6
+# Eigenvalues of the correlation matrix below this belong to directions that other regressors explain to one per cent of their length.
+# Source: none
+DEPENDENT: Final = 1e-4
+# Thrusters that have regressors of their own.
+# Source: resource: each adds three columns
+THRUSTERS: Final = 4
+# Least ambient acceleration by which regressors are scaled [m/s^2, rad/s^2].
+# Source: definition: keeps the columns from zero where the ambient force is zero
+LEAST_AMBIENT: Final = 1e-6
 
 
 @dataclass(frozen=True)
 class Adequacy:
-    """What a dictionary finds in the errors that a hypothesis leaves.
+    """Structure in the innovations of a model.
 
     Attributes:
-        fall: fall of chi^2 by the whole dictionary.
-        freedom: its directions that are not in the model.
-        chance: of such a gain without anything left.
-        strongest: single regressors with their channel and gain, the best first.
-        chance_of_one: of the best single gain, over the whole dictionary.
-        excess: what each channel's part of the dictionary gains beyond chance.
+        fall: fall of chi-squared by the whole dictionary.
+        freedom: number of its directions that the model lacks.
+        chance: probability of such a fall in white innovations.
+        strongest: the three best single regressors with their channels and falls, the best first.
+        chance_of_one: probability of the best single fall, over the whole dictionary.
+        excess: fall beyond the number of directions, by channel.
     """
 
     fall: float
@@ -44,22 +64,32 @@ class Adequacy:
 
     @property
     def statistic(self) -> float:
-        """Gain over its degrees of freedom; about 1 where nothing is left."""
+        """Fall over its degrees of freedom; about 1 in white innovations."""
         return self.fall / max(self.freedom, 1)
 
     @property
     def quiet(self) -> bool:
-        """Whether no more than chance is left."""
-        return self.chance > LEVEL or self.chance_of_one > LEVEL
+        """Whether the innovations hold no more structure than chance."""
+        return self.chance > RISK or self.chance_of_one > RISK
 
     def sufficient(self, before: Adequacy, findings: int) -> bool:
-        """Whether nothing that counts is left: no more than chance, or at most two parts in a hundred of what there was."""
+        """Whether the structure is chance, or less than the share ``REST`` of the structure before.
+
+        Args:
+            before: adequacy of the plain model.
+            findings: number of causes that were found.
+        """
         if self.quiet:
             return True
         return findings > 0 and self.fall - self.freedom < REST * max(before.fall - before.freedom, 0.0)
 
     def beside(self, fit: Fit, columns: Sequence[int]) -> float:
-        """What is left unexplained in the channels where a cause acts, by the share of its signature in each."""
+        """Excess in the channels where a cause acts, weighted by the energy of its signature in each.
+
+        Args:
+            fit: of the model.
+            columns: of the cause.
+        """
         whole = max(self.fall - self.freedom, 0.0)
         energy = energy_of(fit, columns)
         if not energy.sum() > 0:
@@ -69,16 +99,16 @@ class Adequacy:
 
 
 def energy_of(fit: Fit, columns: Sequence[int]) -> Array:
-    """Of signatures, by row of the errors."""
+    """Energy of signatures by row of the innovations, shape (rows,)."""
     rows = len(fit.noise.predictor.labels)
     x = fit.gram.columns(columns)
     return np.asarray((x.reshape(-1, rows, fit.gram.length) ** 2).sum(axis=(0, 2)))
 
 
 def adequacy(fit: Fit) -> Adequacy:
-    """The errors of a fit against powers and products of the states, thrusts and their changes, heading and time, in every channel."""
+    """Adequacy of a fitted model."""
     names, arrays = _dictionary(fit)
-    # Nothing but the model's own columns stands beside the dictionary.
+    # The model's own columns stand beside the dictionary, and those of the causes do not.
     g = fit.gram.only(fit.base)
     first = len(g.names)
     wide = g.extended(names, [fit.noise.predictor.answer(a) for a in arrays])
@@ -86,19 +116,19 @@ def adequacy(fit: Fit) -> Adequacy:
     columns = list(range(first, len(wide.names)))
     H = p.information(columns)
     d = np.sqrt(np.maximum(np.diag(H), 1e-300))
-    real = np.diag(H) > 1e-6
+    real = np.diag(H) > EXPLAINED
     single = np.where(real, p.left_score[columns] ** 2 / np.maximum(np.diag(H), 1e-300), 0.0)
     scores = p.left_score[columns] / d
 
     def gained(which: NDArray[np.bool_]) -> tuple[float, int]:
         values, vectors = np.linalg.eigh(H[np.ix_(which, which)] / np.outer(d[which], d[which]))
-        keep = values > 1e-4
+        keep = values > DEPENDENT
         s = vectors[:, keep].T @ scores[which]
         return float(np.sum(s**2 / values[keep])), int(keep.sum())
 
     fall, freedom = gained(real)
     excess = {}
-    for axis in AXES:
+    for axis in CHANNELS:
         own, directions = gained(real & np.array([n.startswith(axis) for n in names]))
         excess[axis] = max(own - directions, 0.0)
     order = np.argsort(-single)[:3]
@@ -108,6 +138,7 @@ def adequacy(fit: Fit) -> Adequacy:
 
 
 def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
+    """Names ``channel|function`` of the regressors and their accelerations, each of shape (3, 2 n)."""
     p = fit.states.points
     u, v, r = p.nu
     predictor = fit.noise.predictor
@@ -150,7 +181,7 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
             "change of thrust": force - before,
             "t thrust": t * force,
         }
-        for k, thruster in enumerate(predictor.vehicle.thrusters[:4]):
+        for k, thruster in enumerate(predictor.vehicle.thrusters[:THRUSTERS]):
             functions[f"thrust of {thruster.name}"] = p.thrusts[k] / size
     if predictor.log.psi is not None:
         cosine, sine = np.cos(p.psi), np.sin(p.psi)
@@ -160,11 +191,11 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
         reach = max(float(np.abs(x).max()), float(np.abs(y).max()), 1e-9)
         functions |= {"x": x / reach, "y": y / reach, "x u": x / reach * a, "y u": y / reach * a}
     if fit.noise.left_out:
-        # Where sway and yaw are left out, nothing that is made of their velocities says anything of a cause.
+        # Axes that are left out have no fitted model, so functions of their velocities show no cause.
         functions = {k: f for k, f in functions.items() if not {"v", "r"} & set(SYMBOLS.findall(k))}
     names, arrays = [], []
-    sizes = [max(d, 1e-6) for d in predictor.ambient.deviation]
-    for k, axis in enumerate(AXES):
+    sizes = [max(d, LEAST_AMBIENT) for d in predictor.ambient.deviation]
+    for k, axis in enumerate(CHANNELS):
         for name, f in functions.items():
             process = np.zeros((3, 2 * n))
             process[k] = sizes[k] * f

@@ -1,4 +1,8 @@
-"""A finding close to its threshold has to pass null logs as well: a few first, all of them only where those leave doubt."""
+"""Confirmation of findings that are close to their threshold, by simulated null logs.
+
+Few null logs are simulated first, and all of them only if a finding is not clear of their threshold. Null logs make the threshold stricter,
+and never looser.
+"""
 
 from __future__ import annotations
 
@@ -6,31 +10,34 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.null.cache import keep, kept, key_of
 from ivsid.diagnosis.null.calibration import FEW, UNSURE, NullTest, examined, trial_of
-from ivsid.diagnosis.null.visibility import Threshold
-from ivsid.diagnosis.selection.select import Found
+from ivsid.diagnosis.null.family_wise import Threshold
+from ivsid.diagnosis.selection.rivals import Found
 from ivsid.effects import own_digest
 
-# Null logs at most, by default.
+# Null logs at most, by default: two of them exceed a threshold of 0.5 %.
+# Source: resource: a minute on two processors
 NULL_LOGS: Final = 400
-# A finding this many times as strong as the threshold asks for is not close to it: no null log has a say.
+# A finding is close if it is less strong than this multiple of its threshold, in minus the logarithm of the chance. The null logs of a
+# stronger finding would follow a plain model that is far from the motion.
+# Source: none
 CLOSE: Final = 3.0
 
 
 @dataclass(frozen=True)
 class Confirmation:
-    """What null logs made of the findings.
+    """Outcome of the confirmation.
 
     Attributes:
-        test: with the threshold that holds now.
-        nulls: the null logs, or None where no finding was close or none could be made.
-        note: what is to be said beside the result, or nothing.
+        test: the test with the stricter threshold.
+        nulls: scores of the null logs, or None if no finding was close.
+        note: sentence for the notes of the result, or an empty string.
     """
 
     test: Threshold
@@ -39,11 +46,11 @@ class Confirmation:
 
     @property
     def stricter(self) -> bool:
-        """Whether the threshold has moved beyond that of the Gaussian draws."""
+        """Whether null logs made the threshold stricter than the Gaussian draws did."""
         return self.nulls is not None and self.nulls.usable and self.test.calibration.chance < self.nulls.first
 
-    def record(self) -> dict[str, Any]:
-        """The calibration as in result.json."""
+    def record(self) -> dict[str, object]:
+        """The entry ``calibration`` of result.json."""
         out = self.test.calibration.record()
         if self.nulls is None:
             return out
@@ -57,11 +64,12 @@ class Confirmation:
 
 
 def _told(progress: Callable[[str], None], start: int, count: int, done: int) -> None:
+    """Tells the number of null logs that are done."""
     progress(f"null logs {start + done} of {count}")
 
 
 def strength(test: Threshold, found: Found) -> float:
-    """Minus the logarithm of the chance of a finding's gain."""
+    """Minus the natural logarithm of the chance of a finding's fall of chi-squared."""
     return -float(np.log(max(test.chance(replace(found.first, fall=found.fall)), 1e-300)))
 
 
@@ -74,23 +82,23 @@ def confirmed(
     folder: Path | None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Confirmation:
-    """The test after the null logs that the findings ask for.
+    """Confirms the findings that are close to the threshold.
 
     Args:
         fit: of the plain model.
         test: with the threshold of the Gaussian draws.
-        found: what passed it.
+        found: causes that passed the test.
         seed: of the null logs.
-        most: null logs; with 0 the Gaussian draws stand alone.
-        folder: cache, or None.
-        progress: told how far it is.
+        most: null logs at most; 0 leaves the threshold of the Gaussian draws.
+        folder: of the cache, or None.
+        progress: told of the null logs that are done.
     """
     asked = -float(np.log(test.calibration.chance))
     near = [s for s in (strength(test, f) for f in found) if s < CLOSE * asked]
     if not near or most <= 0:
         return Confirmation(test)
     if own_digest() is None:
-        # An effect that no file brought may be another one tomorrow, under the same id.
+        # An effect that was registered without a file has no digest: the cache could not tell it from another of the same id.
         folder = None
     key = (
         ""

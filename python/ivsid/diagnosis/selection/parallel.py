@@ -1,4 +1,4 @@
-"""Work on several hypotheses side by side: the core and NumPy release the interpreter while they work."""
+"""Threads for work on several hypotheses: the core and NumPy release the interpreter while they work."""
 
 from __future__ import annotations
 
@@ -15,9 +15,12 @@ _B = TypeVar("_B")
 
 
 def side_by_side(tasks: Sequence[Callable[[], _T]]) -> list[_T]:
-    """What each task gives, in their order; the first that fails raises.
+    """Results of the tasks, in their order.
 
-    No task sees what another does, so results do not depend on the number of threads. What NumPy ignores here it ignores there.
+    The tasks share no state, so results do not depend on the number of threads. The floating-point settings of NumPy hold in every thread.
+
+    Raises:
+        Exception: that of the first task that fails.
     """
     threads = min(len(tasks), processors())
     if threads < 2:
@@ -28,7 +31,7 @@ def side_by_side(tasks: Sequence[Callable[[], _T]]) -> list[_T]:
 
 
 def at_once(one: Callable[[], _A], other: Callable[[], _B]) -> tuple[_A, _B]:
-    """Both, of which neither needs the other."""
+    """Results of two tasks that do not depend on each other."""
     if processors() < 2:
         return one(), other()
     with ThreadPoolExecutor(1) as pool:

@@ -1,11 +1,29 @@
 """Statements of a diagnosis, with their evidence.
 
-- ``findings``, ``rejected``, ``hints``: causes that are named, those that are not, and structure inside declared errors.
-- ``claims``, ``upper_limits``: numbers that the vehicle file claims, and how large causes that were not found may be.
-- ``shallow_water``: a change of depth between the two logs.
-- ``falsified``, ``proved``: contradictions and intervals with certificates.
-- ``comparison``, ``extended``: what the extended model is worth on TEST, and its vehicle file.
-- ``evidence``, ``binning``, ``prose``: figures' data and a paragraph for each finding.
+About the causes:
 
-The chapter may use ``selection`` and what is below it.
+- ``findings``: causes that are named, with intervals and alternatives, and ``unknown`` for structure that no cause explains.
+- ``rejected``: candidates that are no findings, each with the reason.
+- ``hints``: structure that declared errors explain.
+- ``not_tested``: effects that the log cannot test.
+- ``claims``: numbers that the vehicle file states, against the log.
+- ``upper_limits``: how large causes that are no findings may be.
+- ``shallow_water``: masses and drags that change by one factor between the two logs.
+
+About the model:
+
+- ``residuals``: unexplained energy, missing force and falsified rows, before and after.
+- ``falsified``: rows that a hypothesis contradicts.
+- ``proved``: contradictions and intervals with certificates.
+- ``comparison``, with the simulations in ``windows``: the gain of the extended model on TEST.
+- ``extended``: the extended model as a vehicle file.
+
+For the reader:
+
+- ``diagnosis``: the result as one value.
+- ``evidence``, with the means in ``binning``: the data of a figure for each finding.
+- ``prose``: a paragraph for each finding.
+
+Statistical statements and proofs stand beside each other, and neither is derived from the other. The chapter may use ``selection`` and the
+chapters below it.
 """

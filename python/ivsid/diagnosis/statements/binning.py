@@ -1,4 +1,4 @@
-"""Of what a residual is a function: the quantity of the motion that orders it best, and its means along it."""
+"""Means of a residual along the quantity of the motion that orders it best."""
 
 from __future__ import annotations
 
@@ -10,11 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+# Bins along a quantity.
+# Source: none
 BINS: Final = 14
-# A quantity that comes first in the list is preferred to a later one that is hardly better.
-HARDLY: Final = 0.95
-# Samples of a low-passed force are as many as there are spans of this length [s].
+# An earlier quantity is preferred to a later one if it orders at least this share of what the best orders.
+# Source: none
+PREFERRED: Final = 0.95
+# Time between independent samples of a force that is low-passed at 0.35 Hz [s].
+# Source: theorem: sampling theorem, Shannon 1949; 1 / (2 * 0.35 Hz) = 1.43 s
 MEMORY: Final = 1.5
+# A quantity whose range is below this share of its size is constant.
+# Source: definition: rounding of doubles, with a margin
+CONSTANT: Final = 1e-12
 
 
 @dataclass(frozen=True)
@@ -23,8 +30,8 @@ class Binned:
 
     Attributes:
         centre: mean of the quantity in each bin, shape (k,).
-        mean: of the values, shape (k,).
-        error: standard error of each, shape (k,).
+        mean: mean of the values in each bin, shape (k,).
+        error: standard error of each mean, shape (k,).
     """
 
     centre: Array
@@ -33,24 +40,24 @@ class Binned:
 
 
 def ordered_by(values: Array, quantities: Mapping[str, Array]) -> str:
-    """The name of the quantity whose bins leave least of the values unexplained.
+    """Name of the quantity whose bins explain most of the values.
 
     Args:
         values: shape (n,).
-        quantities: candidates by name, each of shape (n,), the preferred ones first.
+        quantities: by name, each of shape (n,), the preferred ones first.
     """
     shares = {name: _share(values, x) for name, x in quantities.items()}
     best = max(shares.values())
-    return next(name for name, share in shares.items() if share >= HARDLY * best)
+    return next(name for name, share in shares.items() if share >= PREFERRED * best)
 
 
 def binned(values: Array, quantity: Array, step: float) -> Binned:
-    """Means in bins that hold equally many samples.
+    """Means in bins of equally many samples.
 
     Args:
         values: shape (n,).
-        quantity: along which, shape (n,).
-        step: between samples [s].
+        quantity: along which the values are binned, shape (n,).
+        step: time between samples [s].
     """
     groups = _bins(quantity)
     centre = np.array([quantity[g].mean() for g in groups])
@@ -60,13 +67,14 @@ def binned(values: Array, quantity: Array, step: float) -> Binned:
 
 
 def _bins(quantity: Array) -> list[NDArray[np.int64]]:
+    """Indices of the samples in each bin."""
     order = np.argsort(quantity, kind="stable")
     return [g for g in np.array_split(order, BINS) if g.size]
 
 
 def _share(values: Array, quantity: Array) -> float:
-    """How much of the values' spread the means of the bins hold."""
-    if np.ptp(quantity) <= 1e-12 * max(float(np.abs(quantity).max()), 1e-12):
+    """Share of the values' variance between the bins."""
+    if np.ptp(quantity) <= CONSTANT * max(float(np.abs(quantity).max()), CONSTANT):
         return 0.0
     total = float(np.sum((values - values.mean()) ** 2))
     between = sum(g.size * (values[g].mean() - values.mean()) ** 2 for g in _bins(quantity))

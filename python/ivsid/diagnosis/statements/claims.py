@@ -1,10 +1,10 @@
-"""What the vehicle file claims of its model, and what the log says of each of these numbers."""
+"""Claims of the vehicle file, the numbers that ``[model] values`` state, against a log."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -15,23 +15,24 @@ from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.statements.findings import Finding
 from ivsid.effects import EFFECTS
 
-# A column that is smaller than this has no signature at all: its axis is left out.
+# A column of less than this length has no signature: its axis is left out.
+# Source: definition: columns of zeros get the length 1e-150
 NOTHING: Final = 1e-100
 
 
 @dataclass(frozen=True)
 class Claim:
-    """A number that the vehicle file claims, held against a log.
+    """A claim of the vehicle file against a log.
 
     Attributes:
-        parameter: its id.
-        value: as claimed.
-        unit: of it.
-        contradicted: the log's findings say that it is wrong.
-        z: how many standard deviations the log stands away from it, the other claims held; None where nothing shows it.
-        beside: the log's own interval with the other claims as they stand.
-        alone: the log's own interval with no claim held at all.
-        reason: why there is no interval.
+        parameter: id of the parameter.
+        value: the claimed number.
+        unit: of the number.
+        contradicted: whether a finding says that the number is wrong.
+        z: distance of the log's own number from the claim in standard deviations, with the other claims fixed; None without a signature.
+        beside: the log's own interval with the other claims fixed.
+        alone: the log's own interval with all claims fitted.
+        reason: sentence if there is no interval.
     """
 
     parameter: str
@@ -43,9 +44,9 @@ class Claim:
     alone: Bound | None = None
     reason: str = ""
 
-    def record(self) -> dict[str, Any]:
-        """As in result.json."""
-        out: dict[str, Any] = {
+    def record(self) -> dict[str, object]:
+        """An entry of ``claims`` in result.json."""
+        out: dict[str, object] = {
             "parameter": self.parameter,
             "value": self.value,
             "unit": self.unit,
@@ -58,23 +59,23 @@ class Claim:
 
 
 def claims(last: Fit, left: Sequence[Scored], findings: Sequence[Finding], *, unknown: bool) -> tuple[Claim, ...]:
-    """Every claim of the vehicle file against the log that the last model was fitted to.
+    """Claims of the vehicle file against the log of a fit.
 
-    Each claim is taken back, by itself and with all others, in a linear step from the last model. Both intervals are statistical, and
-    hold what a cause that was not found may hide; where something ``unknown`` is left, all that may hide in it.
+    Each claim is fitted, by itself and with all others, in a linear step from the last model. Both intervals are statistical and allow for
+    causes that were not found.
 
     Args:
-        last: the model with all that was found.
-        left: scores of what was not found, in its columns.
-        findings: that stand.
-        unknown: whether something is left that nothing explains.
+        last: fit of the model with all causes that were found.
+        left: scores of the other causes beside them.
+        findings: of the diagnosis.
+        unknown: whether unexplained structure is left, in which a cause may hide.
     """
     values = last.noise.predictor.vehicle.model.values
     wrong = {f.effect for f in findings}
     by_id = {t.id: t for t in last.h.terms}
     terms = {i: by_id[i] for i in values if i in by_id}
     shown = [i for i in terms if i in EFFECTS and _acts(last, i)]
-    # The other claims are held in one interval and fitted in the other: in neither may one of them hide.
+    # The other claims are fixed in one interval and fitted in the other, so none of them can hide in either.
     hidden = [s for s in left if s.id not in terms]
     without = _freed(last, shown)
     out = []
@@ -91,11 +92,12 @@ def claims(last: Fit, left: Sequence[Scored], findings: Sequence[Finding], *, un
 
 
 def _acts(fit: Fit, id_: str) -> bool:
+    """Whether a parameter has a signature in the log."""
     return id_ in fit.gram.index and float(fit.gram.unit[fit.gram.index[id_]]) > NOTHING
 
 
 def _away(last: Fit, id_: str) -> float:
-    """How far the log's own number is from the claim, in standard deviations by the noise model."""
+    """Distance of the log's own number from the claim, in standard deviations by the noise model."""
     g = last.gram
     k = g.index[id_]
     p = Projection(g, [q for q in last.base if q != k])
@@ -105,7 +107,7 @@ def _away(last: Fit, id_: str) -> float:
 
 
 def _freed(last: Fit, ids: Collection[str]) -> Fit:
-    """The model without some claims, moved to the numbers that the log gives them."""
+    """The fit with some claims fitted, moved to the numbers that the log gives them."""
     g = last.gram
     columns = [g.index[i] for i in ids if g.index[i] not in last.base]
     base = (*last.base, *columns)

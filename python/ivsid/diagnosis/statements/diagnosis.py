@@ -1,4 +1,4 @@
-"""The result of a diagnosis, as one immutable value."""
+"""Result of a diagnosis as one immutable value, and its record."""
 
 from __future__ import annotations
 
@@ -17,31 +17,33 @@ from ivsid.diagnosis.statements.findings import Finding
 from ivsid.diagnosis.statements.proved import Proof
 from ivsid.diagnosis.statements.rejected import Rejected, rejected
 from ivsid.diagnosis.statements.upper_limits import allowed
-from ivsid.effects import EFFECTS
+from ivsid.effects import EFFECTS, Effect
 from ivsid.files.records import envelope
+from ivsid.log import Log
 from ivsid.vehicle import Vehicle
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What the simulation gets wrong.
+    """Diagnosis of a simulation: the causes of its errors, and the gain of a better model.
 
     Attributes:
-        verdict: adequate, wrong or unknown.
-        findings: the causes, strongest first.
-        hints: structure that declared errors can explain, in sentences.
-        not_tested: ids that this log cannot show, with the reason and what it would need.
-        visible: how far each effect of typical size would have stood out.
-        calibration: how the thresholds were made.
-        unexplained: share of the residual's energy above the noise, by channel.
-        gain: on TEST.
-        adequacy: what a generic dictionary sees, of the model as it was and with the findings.
-        selection: the steps behind it.
+        verdict: ``adequate``, ``wrong`` or ``unknown``.
+        findings: the causes, the strongest first.
+        hints: sentences on structure that declared errors explain.
+        not_tested: entries with the id of an effect that the log cannot test, the reason and the remedy.
+        visible: visibility of each effect at its typical size, by id.
+        calibration: method and numbers of the threshold, as in result.json.
+        unexplained: share of the innovations' energy above the noise, by channel.
+        gain: of the extended model on TEST.
+        adequacy: of the plain and of the extended model on TRAIN.
+        selection: the causes with their rivals and scores.
         vehicle: of the file.
-        inputs: names and hashes.
+        inputs: names and SHA-256 hashes of the files.
         seed: of every random draw.
-        proofs: of the model as it was on TRAIN, and of the extended one where a guarantee was asked for.
-        claims: what the log says of each number that the vehicle file claims.
+        proofs: on the plain model and TRAIN, and on the extended model if a guarantee was asked for.
+        notes: sentences on the logs and the proofs.
+        claims: of the vehicle file, each against the log.
     """
 
     verdict: str
@@ -63,19 +65,19 @@ class Diagnosis:
 
     @property
     def rejected(self) -> tuple[Rejected, ...]:
-        """The candidates that are no findings, the best first, and why each is none."""
+        """Candidates that are no findings, the best first, each with the reason."""
         return rejected(self.findings, self.selection, self.visible, float(self.calibration["threshold"]))
 
     @property
     def allowed(self) -> dict[str, Bound]:
-        """How large causes that are no findings may be, each alone beside the extended model, by the names of their numbers."""
-        # What the log says of claims stands with them.
+        """Intervals of causes that are no findings, each alone beside the extended model, by parameter."""
+        # Claims have intervals of their own.
         named = {*(i for f in self.findings for i in (f.effect, *f.alternatives)), *self.vehicle.model.values}
         unnamed = [f.id for f in self.selection.found if f.id not in named]
         return allowed(self.selection.last, [s for s in self.selection.leftover if s.id not in named], unnamed)
 
     def record(self) -> dict[str, Any]:
-        """As in result.json."""
+        """The content of result.json."""
         return {
             **envelope("diagnose", self.inputs, self.seed),
             "verdict": self.verdict,
@@ -97,12 +99,21 @@ class Diagnosis:
 
 
 def extended_vehicle(result: Diagnosis) -> str:
-    """The text of the vehicle file with the findings in its model; what a file cannot state stands in comments."""
+    """Text of the vehicle file with the findings in its model; numbers that a file cannot state stand in comments."""
     return extended_text(result.vehicle, result.selection.last.h)
 
 
-def _detectable(visible: Mapping[str, Visibility]) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+def inputs_of(vehicle: Vehicle, *logs: Log) -> tuple[tuple[str, str], ...]:
+    """Names and SHA-256 hashes of a vehicle file and of logs."""
+    return (
+        (vehicle.source.rsplit("/", 1)[-1] or vehicle.name, vehicle.sha256),
+        *((log.name, log.sha256) for log in logs),
+    )
+
+
+def _detectable(visible: Mapping[str, Visibility]) -> dict[str, dict[str, object]]:
+    """Smallest sizes that the log would have shown, with their units, by parameter."""
+    found: dict[str, dict[str, object]] = {}
     for id_, v in visible.items():
         if not v.tested:
             continue
@@ -112,6 +123,7 @@ def _detectable(visible: Mapping[str, Visibility]) -> dict[str, Any]:
     return found
 
 
-def _forms(id_: str) -> list[Any]:
+def _forms(id_: str) -> list[Effect]:
+    """An effect and its form by a measured quantity, if there is one."""
     effect = EFFECTS[id_]
     return [effect] if effect.measured is None else [effect, effect.measured]

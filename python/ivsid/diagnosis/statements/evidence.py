@@ -1,4 +1,4 @@
-"""What a finding looks like in TRAIN: the force that the model lacks without it, and what is left with it."""
+"""Evidence of the findings in TRAIN: the force that the model lacks without a finding, and the force that it lacks with it."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates
+from ivsid.diagnosis.selection.rivals import FULL_STEPS
 from ivsid.diagnosis.statements.binning import Binned, binned, ordered_by
 from ivsid.diagnosis.statements.comparison import missing
 from ivsid.diagnosis.statements.diagnosis import Diagnosis
@@ -19,24 +20,9 @@ from ivsid.diagnosis.statements.findings import Finding
 from ivsid.effects import CHANNELS
 
 Array = NDArray[np.float64]
-# Length of the stretch of time that is shown [s].
+# Length of the stretch of time that a figure shows [s].
+# Source: resource: the width of a figure
 STRETCH: Final = 90.0
-STEPS: Final = 6
-UNITS: Final = {
-    "u": "m/s",
-    "v": "m/s",
-    "r": "rad/s",
-    "heading": "rad",
-    "thrust ahead": "N",
-    "turning thrust": "N m",
-    "udot": "m/s²",
-    "rdot": "rad/s²",
-    "u v": "m²/s²",
-    "u r": "m/s²",
-    "north": "m",
-    "east": "m",
-    "time": "s",
-}
 
 
 @dataclass(frozen=True)
@@ -44,15 +30,15 @@ class Evidence:
     """One finding in the channel that shows it most.
 
     Attributes:
-        effect: the finding.
+        effect: id of the finding.
         channel: surge, sway or yaw.
-        time: [s], shape (n,).
-        before: the force that is missing without the finding, all else fitted anew, low-passed [N, N m], shape (n,).
-        after: what is missing with it, shape (n,); the same for an unknown.
-        window: first and last sample of the stretch in which it shows most.
-        quantity: of the motion, along which it is ordered best.
+        time: of the samples [s], shape (n,).
+        before: low-passed force that is missing without the finding, with all else fitted again [N, N m], shape (n,).
+        after: low-passed force that is missing with the finding [N, N m], shape (n,); equal to ``before`` for ``unknown``.
+        window: first sample of the stretch with most of the force, and the sample after its last.
+        quantity: name of the quantity of the motion that orders the force best.
         means: of before, after and their difference along that quantity.
-        rms: of before, after and their difference.
+        rms: of before, after and their difference [N, N m].
     """
 
     effect: str
@@ -67,12 +53,12 @@ class Evidence:
 
     @property
     def unit(self) -> str:
-        """Of the force."""
+        """Unit of the force."""
         return "N m" if self.channel == "yaw" else "N"
 
 
 def evidence(result: Diagnosis) -> tuple[Evidence, ...]:
-    """For each finding of TRAIN that can be drawn, in the findings' order."""
+    """Evidence of each finding that TRAIN shows, in the order of the findings."""
     last = result.selection.last
     predictor = last.noise.predictor
     after = missing(predictor, last.h, last.states)
@@ -88,21 +74,22 @@ def evidence(result: Diagnosis) -> tuple[Evidence, ...]:
 
 
 def _without(id_: str, result: Diagnosis) -> Array | None:
-    """The force that is missing where a finding is taken out and the rest fitted anew."""
+    """Force that is missing without a finding, with the rest fitted again, shape (3, n); None if the fit fails."""
     last, plain = result.selection.last, result.selection.plain
     noise = last.noise
     h = last.h.without(id_, plain.h)
-    # From the plain model's numbers: those beside the finding may be far from what fits without it.
+    # The fit starts from the plain model's numbers: those beside the finding may be far from the best ones without it.
     own = {t.id for t in h.terms}
     h = replace(h, values={**h.values, **{k: v for k, v in plain.h.values.items() if k in own}})
     try:
-        h, states = improve(noise.predictor, h, plain.states, noise.whitening, noise.good, last.fixed, STEPS)
+        h, states = improve(noise.predictor, h, plain.states, noise.whitening, noise.good, last.fixed, FULL_STEPS)
     except np.linalg.LinAlgError:
         return None
     return missing(noise.predictor, h, states)
 
 
 def _of(f: Finding, last: Fit, predictor: Predictor, before: Array, after: Array) -> Evidence:
+    """Evidence of a finding from the missing forces without and with it, each of shape (3, n)."""
     good = last.noise.good
     shown = before - after if f.effect != "unknown" else before
     k = _channel(f, shown[:, good], after[:, good])
@@ -126,14 +113,15 @@ def _of(f: Finding, last: Fit, predictor: Predictor, before: Array, after: Array
 
 
 def _channel(f: Finding, shown: Array, after: Array) -> int:
-    """Where the finding stands out most from what is left; an unknown has its own."""
-    if f.effect == "unknown" and f.evidence.get("channel") in CHANNELS:
-        return CHANNELS.index(f.evidence["channel"])
+    """Index of the channel where the finding stands out most from the rest; an ``unknown`` names its own."""
+    named = f.evidence.get("channel")
+    if f.effect == "unknown" and named in CHANNELS:
+        return CHANNELS.index(named)
     return int(np.argmax((shown**2).mean(axis=1) / np.maximum((after**2).mean(axis=1), 1e-300)))
 
 
 def _window(x: Array, step: float) -> tuple[int, int]:
-    """The stretch that holds most of a force."""
+    """First sample of the stretch with most of a force, and the sample after its last."""
     count = min(round(STRETCH / step), x.size)
     energy = np.cumsum(np.r_[0.0, x**2])
     first = int(np.argmax(energy[count:] - energy[: x.size - count + 1]))
@@ -141,7 +129,7 @@ def _window(x: Array, step: float) -> tuple[int, int]:
 
 
 def motion(predictor: Predictor, states: FilteredStates) -> dict[str, Array]:
-    """The quantities along which a force may be ordered, by name, at samples."""
+    """Quantities of the motion along which a force may be ordered, by name, each of shape (n,)."""
     n, p = predictor.log.n, states.points
     u, v, r = p.nu[:, :n]
     c, s = np.cos(p.angles[:, :n]), np.sin(p.angles[:, :n])

@@ -1,4 +1,4 @@
-"""Stage 10: the extended model as a vehicle file."""
+"""Extended model as a vehicle file."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.effects import CATALOGUE, PAPER_TERMS, WITH_HEADING, own_ids
 from ivsid.vehicle import Vehicle, parse_vehicle
 
-# Effects that a vehicle file can state of its thrusters.
-_CLAIMS: Final = {
+# Keys of a vehicle file's thruster, by the effect that they state.
+_THRUSTER_KEYS: Final = {
     "thruster.lag": "time_constant",
     "thruster.deadband": "dead_band",
     "thruster.saturation": "limit",
@@ -19,12 +19,17 @@ _CLAIMS: Final = {
 
 
 def extended_text(vehicle: Vehicle, h: Hypothesis) -> str:
-    """The same of a vehicle file and the hypothesis that it is extended to."""
+    """Text of a vehicle file with the model of a hypothesis; numbers that a file cannot state stand in comments.
+
+    Args:
+        vehicle: of the file that is extended.
+        h: the hypothesis.
+    """
     lines: list[str] = []
     given = {g.effect.id: g for g in h.given}
-    claims = {_CLAIMS[i]: g.values[0] for i, g in given.items() if i in _CLAIMS and g.thruster is None}
-    if "reverse_factor" in claims:
-        claims["reverse_factor"] = 1.0 - claims["reverse_factor"]
+    keys = {_THRUSTER_KEYS[i]: g.values[0] for i, g in given.items() if i in _THRUSTER_KEYS and g.thruster is None}
+    if "reverse_factor" in keys:
+        keys["reverse_factor"] = 1.0 - keys["reverse_factor"]
     inside = ""
     for line in vehicle.text.splitlines():
         head = line.strip()
@@ -32,11 +37,11 @@ def extended_text(vehicle: Vehicle, h: Hypothesis) -> str:
             inside = head.split("#")[0].strip()
         if inside == "[model]":
             continue
-        if inside == "[[thrusters]]" and any(head.startswith(k) and "=" in head for k in claims):
+        if inside == "[[thrusters]]" and any(head.startswith(k) and "=" in head for k in keys):
             continue
         lines.append(line)
         if head.split("#")[0].strip() == "[[thrusters]]":
-            lines += [f"{k} = {v!r}" for k, v in claims.items()]
+            lines += [f"{k} = {v!r}" for k, v in keys.items()]
     ids, unstated = stated(h)
     shared = any(t in PAPER_TERMS[:2] for t in h.terms)
     lines.append("")
@@ -45,7 +50,7 @@ def extended_text(vehicle: Vehicle, h: Hypothesis) -> str:
         lines.append('terms = "paper"')
     else:
         lines.append("terms = [" + ", ".join(f'"{i}"' for i in ids) + "]")
-    # A claim that the log contradicts is no claim of the extended model.
+    # The extended model does not repeat a claim that the log contradicts.
     claimed = {k: v for k, v in vehicle.model.values.items() if k not in h.freed}
     if claimed:
         pairs = ", ".join(f'"{k}" = {v!r}' for k, v in claimed.items())
@@ -53,7 +58,7 @@ def extended_text(vehicle: Vehicle, h: Hypothesis) -> str:
     for id_ in (i for i in ids if i in own_ids()):
         lines.append(f"# {id_} is an effect of your own: read this file with ivsid --own-effects FILE")
     lines += [f"# fitted: {t.id} = {float(h.values[t.id]):.6g} {t.unit}" for t in h.terms if t.id not in unstated]
-    unstated |= {n: value for i, g in given.items() if i not in _CLAIMS for n, value in g.named.items()}
+    unstated |= {n: value for i, g in given.items() if i not in _THRUSTER_KEYS for n, value in g.named.items()}
     if unstated:
         lines.append("# found, and not part of a vehicle file:")
         lines += [f"#   {name} = {value:.6g}" for name, value in unstated.items()]
@@ -63,7 +68,7 @@ def extended_text(vehicle: Vehicle, h: Hypothesis) -> str:
 
 
 def stated(h: Hypothesis) -> tuple[list[str], dict[str, float]]:
-    """The ids that ``model.terms`` takes for a hypothesis's terms, in their order, and the numbers of terms that it does not take."""
+    """Ids by which ``model.terms`` states the terms of a hypothesis, in their order, and the numbers of terms that it cannot state."""
     several = {t.id: id_ for id_, terms in WITH_HEADING.items() for t in terms if set(terms) <= set(h.terms)}
     shared = set(PAPER_TERMS) & set(h.terms)
     ids = [several.get(t.id, t.id) for t in h.terms if t.id in several or t.id in CATALOGUE]

@@ -1,4 +1,4 @@
-"""Stage 3: rows whose intervals no value of the fitted parameters can meet; they need no noise model."""
+"""Falsified rows: interval rows that a hypothesis contradicts at its fitted parameters, by the declared bounds and without a noise model."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.effects import CHANNELS
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
 from ivsid.log import Log
@@ -14,15 +15,23 @@ from ivsid.rows import build_rows
 from ivsid.sensors.bounds import bound_log
 from ivsid.vehicle import Vehicle
 
+# Length of the windows of integral rows [s].
+# Source: none
 WINDOW: Final = 2.0
-CHANNELS: Final = ("surge", "sway", "yaw")
 
 
 def falsified(vehicle: Vehicle, log: Log, h: Hypothesis) -> dict[str, int] | None:
-    """How many rows of each channel contradict a hypothesis at its fitted parameters.
+    """Number of rows in each channel that contradict a hypothesis at its fitted parameters.
 
-    Rows are means over two seconds, or samples where accelerations are measured, with the bounds of sensors, thrust and ambient force.
-    None where the hypothesis is more than terms, or the vehicle file does not bound what the rows need.
+    Rows are means over two seconds, or samples if accelerations are measured, within the bounds of sensors, thrust and ambient force.
+
+    Args:
+        vehicle: with the declared bounds.
+        log: of the rows.
+        h: the hypothesis.
+
+    Returns:
+        The number by channel; None if the hypothesis has effects that are no terms, or if the vehicle file lacks a bound.
     """
     if h.given:
         return None

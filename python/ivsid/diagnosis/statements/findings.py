@@ -1,10 +1,15 @@
-"""What is said of a cause that was found, and of what nobody explains."""
+"""Findings: the causes that are named, with intervals and evidence, and ``unknown`` for structure that no cause explains.
+
+Weights of alternatives are Akaike weights of their merits.
+
+Source: Akaike 1974; Burnham and Anderson, *Model Selection and Multimodel Inference*, 2002, section 2.9.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -12,33 +17,48 @@ from ivsid.diagnosis.candidates.intervals import Bound, intervals
 from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.selection.adequacy import Adequacy, energy_of
-from ivsid.diagnosis.selection.select import Found
+from ivsid.diagnosis.selection.rivals import Found
+from ivsid.diagnosis.selection.select import Selection
+from ivsid.diagnosis.statements.residuals import FindingEvidence
 from ivsid.diagnosis.statements.shallow_water import Change
 from ivsid.effects import EFFECTS
 
-# No log shows these by itself.
-_TWINS: Final = {
-    "added_mass.munk": ("drag.lift.yaw",),
-    "drag.lift.yaw": ("added_mass.munk",),
-    "thruster.asymmetry": ("thruster.failure",),
-}
+# A cause is named only if its fall exceeds this multiple of the unexplained chi-squared, where unexplained structure is left.
+# Source: none
+DOMINANT: Final = 9.0
+# Alternatives that a finding names.
+# Source: resource: the length of a list in the report
+ALTERNATIVES: Final = 4
+# Half-width of the interval of shallow water, in standard deviations.
+# Source: definition: 6e-5 of normal errors lie beyond
+WIDE: Final = 4.0
 
 
 @dataclass(frozen=True)
 class Finding:
-    """A cause, with those that could be taken for it."""
+    """A cause with the causes that could be taken for it.
+
+    Attributes:
+        effect: id of the effect, or ``unknown``.
+        confidence: weight of the cause among its alternatives, from 0 to 1.
+        alternatives: ids of the effects that the log does not tell from it.
+        separate_by: manoeuvre that separates them, in words.
+        parameters: intervals by parameter.
+        evidence: numbers of the log that show the cause.
+        description: of an ``unknown``, in a sentence.
+    """
 
     effect: str
     confidence: float
     alternatives: tuple[str, ...]
     separate_by: str
     parameters: dict[str, Bound]
-    evidence: dict[str, Any]
+    evidence: FindingEvidence
     description: str = ""
 
-    def record(self) -> dict[str, Any]:
-        """As in result.json."""
-        out: dict[str, Any] = {
+    def record(self) -> dict[str, object]:
+        """An entry of ``findings`` in result.json."""
+        out: dict[str, object] = {
             "effect": self.effect,
             "confidence": self.confidence,
             "alternatives": list(self.alternatives),
@@ -51,23 +71,52 @@ class Finding:
         return out
 
 
+def findings_of(
+    selection: Selection, evidence: Mapping[str, FindingEvidence], rest: Adequacy, *, complete: bool
+) -> tuple[Finding, ...]:
+    """Findings that are made of the selected causes.
+
+    Where unexplained structure is left, a cause needs a fall of chi-squared that dominates it, and an interval that excludes "no effect".
+
+    Args:
+        selection: with the causes.
+        evidence: residuals before and after, by channel.
+        rest: adequacy of the extended model.
+        complete: whether little enough structure is left.
+    """
+    last, named = selection.last, selection.found
+    if not rest.quiet:
+        factor = 1.0 if complete else DOMINANT
+        named = tuple(f for f in named if f.fall >= factor * rest.beside(last, own_columns(last, f.id)))
+    made = tuple(finding(f, last, selection.leftover, evidence, rest) for f in named)
+    return made if rest.quiet else tuple(f for f in made if not may_be_none(f))
+
+
 def finding(
     found: Found,
     last: Fit,
     left: Sequence[Scored],
-    evidence: Mapping[str, dict[str, Any]],
+    evidence: Mapping[str, FindingEvidence],
     rest: Adequacy,
 ) -> Finding:
-    """A cause with its set, its intervals and what speaks for it."""
+    """Finding that is made of one cause.
+
+    Args:
+        found: the cause with its rivals.
+        last: fit of the extended model.
+        left: scores of the other causes beside it.
+        evidence: residuals before and after, by channel.
+        rest: adequacy of the extended model.
+    """
     channel = _channel(last, found.id)
     weights = np.array([np.exp(-0.5 * (found.rivals[0].merit - r.merit)) for r in found.rivals])
     names = [r.id for r in found.rivals]
-    for twin in _TWINS.get(found.id, ()):
+    for twin, odds in EFFECTS[found.id].always_equivalent.items():
         if twin not in names:
             names.append(twin)
-            weights = np.r_[weights, 1.0 if twin in ("added_mass.munk", "drag.lift.yaw") else 0.3]
+            weights = np.r_[weights, odds]
     confidence = float(weights[0] / weights.sum())
-    alternatives = tuple(n for n in names if n != found.id)[:4]
+    alternatives = tuple(n for n in names if n != found.id)[:ALTERNATIVES]
     effect = EFFECTS[found.id]
     return Finding(
         found.id,
@@ -85,7 +134,7 @@ def finding(
 
 
 def may_be_none(finding: Finding) -> bool:
-    """Whether the interval of a cause's only number holds that at which it is none."""
+    """Whether the interval of a cause's only parameter holds the value of "no effect"."""
     parameters = EFFECTS[finding.effect].parameters
     bounds = list(finding.parameters.values())
     if not len(parameters) == len(bounds) == 1:
@@ -95,12 +144,16 @@ def may_be_none(finding: Finding) -> bool:
 
 
 def shallow(moved: Change) -> Finding:
-    """Masses and drags scale alike from one log to the other."""
+    """Finding of shallow water.
+
+    Args:
+        moved: change between the logs, with a common factor.
+    """
     assert moved.factor is not None
     factor, sigma = moved.factor
     p = EFFECTS["environment.shallow_water"].parameters[0]
-    bound = Bound(factor - 4 * sigma, factor + 4 * sigma, p.unit, p.symbol)
-    evidence = {
+    bound = Bound(factor - WIDE * sigma, factor + WIDE * sigma, p.unit, p.symbol)
+    evidence: FindingEvidence = {
         "channel": "surge",
         "z": abs(np.log(factor)) * factor / sigma,
         "ratio": {k: r for k, (r, _) in moved.ratio.items()},
@@ -111,7 +164,12 @@ def shallow(moved: Change) -> Finding:
 
 
 def unknown(left: Adequacy, near: Sequence[str]) -> Finding:
-    """A finding without a name: what the residual looks like."""
+    """Finding ``unknown``: structure that no cause of the catalogue explains.
+
+    Args:
+        left: adequacy of the extended model.
+        near: causes that the extended model holds and that are no findings.
+    """
     likely = ", ".join(f"{name} in {channel} ({np.sqrt(fall):.0f} sigma)" for name, channel, fall in left.strongest)
     channel = left.strongest[0][1]
     text = (
@@ -120,7 +178,7 @@ def unknown(left: Adequacy, near: Sequence[str]) -> Finding:
     )
     if near:
         text += f"; the nearest are {' and '.join(near)}, which the extended model holds and nothing proves"
-    evidence = {
+    evidence: FindingEvidence = {
         "channel": channel,
         "z": float(np.sqrt(left.strongest[0][2])),
         "statistic": left.statistic,
@@ -130,12 +188,17 @@ def unknown(left: Adequacy, near: Sequence[str]) -> Finding:
 
 
 def _channel(fit: Fit, id_: str) -> str:
-    """Where an effect shows most."""
+    """Channel with most of an effect's signature."""
     own = own_columns(fit, id_)
     return fit.noise.predictor.channels[int(np.argmax(energy_of(fit, own)))] if own else ""
 
 
 def own_columns(fit: Fit, id_: str) -> list[int]:
-    """An effect's columns in a fit that has it."""
+    """Indices of an effect's columns in a fit that has it."""
     g = fit.gram
     return [k for k in fit.base if g.names[k] == id_ or g.names[k].startswith(f"{id_}.")]
+
+
+def verdict_of(findings: Sequence[Finding]) -> str:
+    """Verdict on the model: ``adequate``, ``wrong`` or ``unknown``."""
+    return "adequate" if not findings else ("wrong" if any(f.effect != "unknown" for f in findings) else "unknown")

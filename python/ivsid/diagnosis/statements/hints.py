@@ -1,4 +1,4 @@
-"""What the declared errors explain: structure inside their bounds is worth a sentence, and no finding."""
+"""Hints: structure that declared errors explain inside their bounds, in sentences. A hint is no finding."""
 
 from __future__ import annotations
 
@@ -8,8 +8,12 @@ import numpy as np
 
 from ivsid.diagnosis.estimation.fit import Fit
 
-# A declared error is mentioned where it stands out by so many standard deviations of its estimate.
+# A declared error is mentioned if its size exceeds this multiple of the standard deviation of its estimate.
+# Source: definition: 6e-7 of normal errors lie beyond
 SHOWN: Final = 5.0
+# An ambient force is mentioned if its rms exceeds this multiple of the declared force.
+# Source: none
+STRONGER: Final = 2.0
 _BIAS: Final = {
     "ax": ("accelerometer's bias in x", "m/s^2"),
     "ay": ("accelerometer's bias in y", "m/s^2"),
@@ -18,7 +22,7 @@ _BIAS: Final = {
 
 
 def hints(fit: Fit) -> tuple[str, ...]:
-    """Sentences about biases, scale and thrust errors that the log shows inside their bounds, and about a strong ambient force."""
+    """Sentences on biases, scale factors and thrust errors that the log shows inside their bounds, and on a strong ambient force."""
     g, p = fit.gram, fit.projection
     bare = np.linalg.inv(p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9))
     out: list[str] = []
@@ -46,7 +50,7 @@ def hints(fit: Fit) -> tuple[str, ...]:
     if vehicle.ambient is not None and vehicle.ambient.force:
         mass = np.linalg.inv(fit.signatures.mass.inverse[0])
         force = [ambient.deviation[k] * mass[k, k] for k in range(2)]
-        if min(force) > 2 * vehicle.ambient.force:
+        if min(force) > STRONGER * vehicle.ambient.force:
             out.append(
                 f"the ambient force looks like {min(force):.2g} N rms, more than the {vehicle.ambient.force:g} N of the vehicle file"
             )

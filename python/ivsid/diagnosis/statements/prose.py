@@ -1,4 +1,4 @@
-"""A diagnosis in words, made from its numbers."""
+"""Prose: a diagnosis in sentences that are made from its numbers."""
 
 from __future__ import annotations
 
@@ -6,14 +6,16 @@ from collections.abc import Mapping, Sequence
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from typing import Final
 
-from ivsid.diagnosis.statements.comparison import POSITION_WINDOW, VELOCITY_WINDOW, Gain
+from ivsid.diagnosis.statements.comparison import BAND, POSITION_WINDOW, VELOCITY_WINDOW, Gain
 from ivsid.diagnosis.statements.diagnosis import Diagnosis
 from ivsid.diagnosis.statements.evidence import Evidence
 from ivsid.diagnosis.statements.findings import Finding
 from ivsid.effects import CATALOGUE, EFFECTS, Effect
 
-# Chances below this are not worth their digits.
+# Chances below this are printed as a bound.
+# Source: definition: a chance that no model of the noise is good for
 TINY: Final = 1e-12
+# Quantities of the gain in words, with their units.
 _WHAT: Final = {
     "u": (f"simulated u over {VELOCITY_WINDOW:g} s", "m/s"),
     "v": (f"simulated v over {VELOCITY_WINDOW:g} s", "m/s"),
@@ -26,11 +28,11 @@ _WHAT: Final = {
 
 
 def explain(result: Diagnosis, seen: Sequence[Evidence] = ()) -> list[list[str]]:
-    """For each finding, paragraphs: what, how much, how sure, what else, what next.
+    """Paragraphs for each finding: the cause, its size, its certainty, alternatives and the next step.
 
     Args:
         result: the diagnosis.
-        seen: what the findings look like, from which the share that each explains is told.
+        seen: evidence of the findings, from which their forces are told.
     """
     shown = {e.effect: e for e in seen}
     return [
@@ -40,11 +42,12 @@ def explain(result: Diagnosis, seen: Sequence[Evidence] = ()) -> list[list[str]]
 
 
 def _outward(x: float, rounding: str) -> str:
-    """Four digits that the interval does not lose anything by."""
+    """A bound with four digits, rounded outward."""
     return f"{float(Context(prec=4, rounding=rounding).create_decimal(Decimal(x))):g}"
 
 
 def _paragraphs(result: Diagnosis, f: Finding, seen: Evidence | None) -> list[str]:
+    """Paragraphs of a named finding."""
     effect = EFFECTS[f.effect]
     return [
         f"{f.effect}: {effect.cause}.",
@@ -56,6 +59,7 @@ def _paragraphs(result: Diagnosis, f: Finding, seen: Evidence | None) -> list[st
 
 
 def _sizes(result: Diagnosis, f: Finding, effect: Effect) -> list[str]:
+    """Sentences on the intervals of a finding."""
     if not f.parameters:
         return ["no interval of its numbers could be made."]
     forms = (effect,) if effect.measured is None else (effect, effect.measured)
@@ -77,16 +81,18 @@ def _sizes(result: Diagnosis, f: Finding, effect: Effect) -> list[str]:
 
 
 def _explained(seen: Evidence | None) -> list[str]:
+    """Sentences on the force that a finding explains."""
     if seen is None:
         return []
     before, after, own = seen.rms
     return [
-        f"In {seen.channel} it accounts for {own:.2g} {seen.unit} (rms below 0.35 Hz): without it {before:.3g} {seen.unit} are missing, with it {after:.3g}. "
+        f"In {seen.channel} it accounts for {own:.2g} {seen.unit} (rms below {BAND:g} Hz): without it {before:.3g} {seen.unit} are missing, with it {after:.3g}. "
         f"It goes with {seen.quantity}."
     ]
 
 
 def _sure(result: Diagnosis, f: Finding) -> str:
+    """Sentence on the certainty of a finding."""
     z = f.evidence.get("z", 0.0)
     words = [f"it stands out by {z:.0f} standard deviations, most in {f.evidence.get('channel') or 'several channels'}"]
     chance = f.evidence.get("chance")
@@ -98,6 +104,7 @@ def _sure(result: Diagnosis, f: Finding) -> str:
 
 
 def _else(result: Diagnosis, f: Finding) -> str:
+    """Sentence on the alternatives of a finding, or on the next best cause."""
     if f.alternatives:
         return (
             f"the log does not tell it from {', '.join(f.alternatives)}; among them it has the weight {f.confidence:.2f}. Take the set for the finding, "
@@ -114,10 +121,12 @@ def _else(result: Diagnosis, f: Finding) -> str:
 
 
 def _share(full: tuple[float, float] | None) -> float:
+    """Share of a finding's fall of chi-squared that a candidate reaches in its place."""
     return 0.0 if full is None or full[1] <= 0 else max(full[0], 0.0) / full[1]
 
 
 def _next(f: Finding, effect: Effect) -> str:
+    """Sentences on the next step after a finding."""
     words = []
     if f.alternatives:
         words.append(
@@ -133,10 +142,11 @@ def _next(f: Finding, effect: Effect) -> str:
 
 
 def _unknown(f: Finding, seen: Evidence | None) -> list[str]:
+    """Paragraphs of an ``unknown``."""
     words = [f"Unknown: {f.description}."]
     if seen is not None:
         words.append(
-            f"How much: in {seen.channel} {seen.rms[1]:.3g} {seen.unit} (rms below 0.35 Hz) are missing with everything that was found; "
+            f"How much: in {seen.channel} {seen.rms[1]:.3g} {seen.unit} (rms below {BAND:g} Hz) are missing with everything that was found; "
             f"they go with {seen.quantity}."
         )
     words.append(
@@ -147,7 +157,14 @@ def _unknown(f: Finding, seen: Evidence | None) -> list[str]:
 
 
 def worth(gain: Gain) -> list[tuple[str, str, float, float, tuple[float, float] | None, str]]:
-    """What the better model is worth on the other log: quantity, unit, before, after, 95 % of before over after, and that in words."""
+    """Gain of the extended model on the other log, quantity by quantity.
+
+    Args:
+        gain: of the diagnosis.
+
+    Returns:
+        Quantity, unit, error before, error after, 95 % interval of before over after (None without one), and the change in words.
+    """
     pairs: Mapping[str, tuple[float, float]] = {
         **gain.simulation_rms,
         **({} if gain.position_rms is None else {"position": gain.position_rms}),
@@ -160,6 +177,7 @@ def worth(gain: Gain) -> list[tuple[str, str, float, float, tuple[float, float] 
 
 
 def _verdict(before: float, after: float, interval: tuple[float, float] | None) -> str:
+    """Change of an error in words."""
     if before == after:
         return "unchanged"
     if interval is None:
@@ -168,6 +186,6 @@ def _verdict(before: float, after: float, interval: tuple[float, float] | None) 
     if low > 1:
         return f"better, by a factor of {low:.3g} to {high:.3g}"
     if high < 1:
-        # The reciprocal: how much larger the error has become.
+        # The reciprocal is the factor by which the error has grown.
         return f"WORSE, by a factor of {1 / high:.3g} to {1 / max(low, 1e-12):.3g}"
     return "no change that this log can tell"

@@ -1,7 +1,9 @@
-"""What is proved of a model on a log, without any noise model: that no numbers explain it, or within which they must lie.
+"""Proofs beside the statistics: that no parameters explain a log, or the intervals in which the parameters must lie.
 
-Rows over short and long windows, with the declared bounds of sensors, thrust and ambient force, go to the method ``feasible``; every statement
+Rows over short and long windows, with the declared bounds of sensors, thrust and ambient force, go to the method ``feasible``. Every proof
 has certificates that ``ivsid verify`` checks in exact arithmetic.
+
+Source: docs/theory.md, "The feasible set".
 """
 
 from __future__ import annotations
@@ -15,13 +17,15 @@ import numpy as np
 from ivsid.diagnosis.candidates.intervals import Bound
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.statements.extended import extended_text, stated
+from ivsid.diagnosis.statements.findings import Finding
 from ivsid.errors import IvsidError
 from ivsid.files.records import sealed, to_json
 from ivsid.identification import Identification, identify
 from ivsid.log import Log
 from ivsid.vehicle import Vehicle, parse_vehicle
 
-# Lengths of the windows of integral rows [s]; where accelerations are measured rows are samples.
+# Lengths of the windows of integral rows [s]: short ones show quick contradictions, long ones small and slow ones.
+# Source: none
 WINDOWS: Final = (0.5, 2.0, 10.0)
 REFUTED: Final = "falsified.json"
 GUARANTEED: Final = "guaranteed.json"
@@ -29,11 +33,11 @@ GUARANTEED: Final = "guaranteed.json"
 
 @dataclass(frozen=True)
 class Proof:
-    """What is proved of one model on one log.
+    """Proof on one model and one log.
 
     Attributes:
-        identification: by ``feasible``; None where the log or the file does not allow it.
-        reason: why not.
+        identification: by ``feasible``; None if the log or the vehicle file does not allow it.
+        reason: sentence if there is no identification.
     """
 
     identification: Identification | None
@@ -41,7 +45,7 @@ class Proof:
 
     @property
     def status(self) -> str:
-        """``refuted`` (no numbers explain the log inside its bounds), ``not_refuted``, or ``not_applicable``."""
+        """``refuted`` (no parameters explain the log inside the bounds), ``not_refuted``, or ``not_applicable``."""
         fit = self.identification
         if fit is None or not fit.guaranteed:
             return "not_applicable"
@@ -53,7 +57,7 @@ class Proof:
         return self.status == "refuted"
 
     def record(self) -> dict[str, Any]:
-        """As in result.json, under ``falsified``."""
+        """The entry ``falsified`` or ``guarantees`` of result.json."""
         fit = self.identification
         if fit is None or self.status == "not_applicable":
             reason = self.reason or (fit.reason if fit is not None else "") or "its bounds or its method prove nothing"
@@ -70,7 +74,7 @@ class Proof:
 
     @property
     def contradiction(self) -> list[dict[str, Any]]:
-        """The few rows that leave no numbers of the usual signs, and so show where the contradiction is; the others exclude the other signs."""
+        """The few rows that exclude all parameters of the usual signs; they show where the contradiction is."""
         if not self.refuted or self.identification is None:
             return []
         usual = min(
@@ -81,13 +85,21 @@ class Proof:
 
     @property
     def certificate(self) -> str:
-        """The identification's own result, for ``ivsid verify``."""
+        """Text of the identification's result, for ``ivsid verify``.
+
+        Raises:
+            ValueError: if there is no identification.
+        """
         if self.identification is None:
             raise ValueError("nothing is proved where nothing is identified")
         return to_json(sealed(self.identification.record())) + "\n"
 
     def sentence(self, verdict: str) -> str:
-        """What a reader has to know of a refuted model."""
+        """Sentence on a refuted model.
+
+        Args:
+            verdict: of the diagnosis.
+        """
         assert self.identification is not None
         rows = self.contradiction
         where = ", ".join(sorted({f"{r['channel']} at t = {r['time']:.6g} s" for r in rows})[:6])
@@ -108,7 +120,7 @@ class Proof:
 
 
 def proof_of(vehicle: Vehicle, log: Log) -> Proof:
-    """What the rows of a log prove of a vehicle file's model."""
+    """Proof on the model of a vehicle file, from the rows of a log."""
     try:
         return Proof(identify(vehicle, log, "feasible", window=WINDOWS))
     except IvsidError as error:
@@ -116,11 +128,11 @@ def proof_of(vehicle: Vehicle, log: Log) -> Proof:
 
 
 def extended_proof(vehicle: Vehicle, log: Log, h: Hypothesis) -> Proof:
-    """The same of the model that a diagnosis ended with, where it is made of linear terms alone."""
+    """Proof on the extended model, if all of its causes are linear terms that a vehicle file can state."""
     if h.given:
         return Proof(None, f"{', '.join(g.effect.id for g in h.given)} is no linear term")
     if left_out := stated(h)[1]:
-        # A model without a cause that was found is not the one that the findings are of.
+        # A model that lacks a cause is not the model of the findings.
         return Proof(None, f"{', '.join(left_out)} is no term that a vehicle file can state")
     return proof_of(parse_vehicle(extended_text(vehicle, h), "model.toml"), log)
 
@@ -128,9 +140,15 @@ def extended_proof(vehicle: Vehicle, log: Log, h: Hypothesis) -> Proof:
 def guaranteed(
     parameters: Mapping[str, Bound], proof: Proof, claimed: Mapping[str, float] | None = None
 ) -> dict[str, Bound]:
-    """The proved interval in place of the statistical one where it leaves no effect out, so that the effect is proved, and beside it elsewhere.
+    """Intervals with the proved ones among them.
 
-    No effect is zero, or the number that the vehicle file claims (``claimed``). A proved interval is never narrowed by what the statistics say, nor theirs called guaranteed.
+    A proved interval that excludes "no effect" proves the effect and takes the place of the statistical one. Any other proved interval
+    stands beside the statistical one. A proved interval is never narrowed by statistics, and a statistical one is never called guaranteed.
+
+    Args:
+        parameters: statistical intervals by parameter.
+        proof: on the extended model.
+        claimed: numbers of the vehicle file by parameter, which are "no effect" there; zero is elsewhere.
     """
     fit = proof.identification
     out = dict(parameters)
@@ -147,3 +165,25 @@ def guaranteed(
         beside = (bound.lower, bound.upper)
         out[id_] = replace(bound, lower=found.lower, upper=found.upper, guaranteed=True, statistical=beside)
     return out
+
+
+def proved_findings(
+    findings: tuple[Finding, ...], vehicle: Vehicle, log: Log, h: Hypothesis
+) -> tuple[tuple[Finding, ...], Proof | None]:
+    """Findings with proved intervals, and the proof on the extended model.
+
+    An interval rests on the model. Alternatives that would do as well end its guarantee, so there is no proof beside them.
+
+    Args:
+        findings: of a diagnosis that leaves no unexplained structure.
+        vehicle: of the file.
+        log: TRAIN.
+        h: the extended model.
+
+    Returns:
+        The findings, with proved intervals if there is a proof, and the proof or None.
+    """
+    if not findings or any(f.alternatives for f in findings):
+        return findings, None
+    proof = extended_proof(vehicle, log, h)
+    return tuple(replace(f, parameters=guaranteed(f.parameters, proof, vehicle.model.values)) for f in findings), proof

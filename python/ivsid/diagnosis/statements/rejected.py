@@ -1,18 +1,21 @@
-"""The candidates that are no findings, ranked, and why each is none."""
+"""Rejected candidates, ranked, each with the reason in a sentence."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Final
 
 from ivsid.diagnosis.candidates.scored import Scored
+from ivsid.diagnosis.null.family_wise import FAINT
 from ivsid.diagnosis.null.thresholds import HIGH_SIDE
-from ivsid.diagnosis.null.visibility import FAINT, VISIBLE, Visibility
-from ivsid.diagnosis.selection.select import MARGIN, Selection
+from ivsid.diagnosis.null.visibility import VISIBLE, Visibility
+from ivsid.diagnosis.selection.rivals import MARGIN
+from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.findings import Finding
 
-# A cause keeps less than this share of its gain beside what was found: it is explained.
+# A candidate that keeps less than this share of its fall of chi-squared beside the findings is explained by them.
+# Source: none
 EXPLAINED: Final = 0.2
 
 
@@ -21,13 +24,13 @@ class Rejected:
     """A candidate that is no finding.
 
     Attributes:
-        effect: its id.
-        fall: fall of chi^2 with it alone beside the model, by its signature.
-        numbers: that were fitted for it.
-        chance: of such a gain without it.
-        full: its fall of chi^2 in a full fit in a finding's place, and that finding's; None where it was not fitted in full.
-        beside: the fall that is left for it beside all findings; None where it was not looked for.
-        reason: in a sentence.
+        effect: id of the effect.
+        fall: fall of chi-squared by its signature, alone beside the plain model.
+        numbers: number of its parameters.
+        chance: probability of such a fall without the effect.
+        full: its fall in a full fit in the place of a finding, and the fall of that finding; None without a full fit.
+        beside: its fall beside all findings; None if it was not scored there.
+        reason: sentence.
     """
 
     effect: str
@@ -38,8 +41,8 @@ class Rejected:
     beside: float | None
     reason: str
 
-    def record(self) -> dict[str, Any]:
-        """As in result.json."""
+    def record(self) -> dict[str, object]:
+        """An entry of ``rejected`` in result.json."""
         return {
             "effect": self.effect,
             "gain": self.fall,
@@ -54,7 +57,14 @@ class Rejected:
 def rejected(
     findings: Sequence[Finding], selection: Selection, visible: Mapping[str, Visibility], threshold: float
 ) -> tuple[Rejected, ...]:
-    """Every candidate of the first round that no finding holds, best first."""
+    """Candidates of the first round that no finding names, the best first.
+
+    Args:
+        findings: of the diagnosis.
+        selection: behind them.
+        visible: visibility by id.
+        threshold: of the chance.
+    """
     named = {i for f in findings for i in (f.effect, *f.alternatives)}
     beside = {s.id: s.fall for s in selection.leftover}
     full: dict[str, tuple[float, float, str]] = {}
@@ -68,7 +78,7 @@ def rejected(
             continue
         tried = full.get(s.id)
         if tried is not None and tried[0] == s.fall:
-            # The score of the first round, which stands there for those that were not fitted in full.
+            # Candidates without a full fit are listed with their score of the first round.
             tried = None
         left = beside.get(s.id)
         made.append(
@@ -93,13 +103,14 @@ def _why(
     left: float | None,
     found: bool,
 ) -> str:
+    """Reason in a sentence: the first of the conditions of a finding that the candidate fails."""
     if seen is not None and seen.z < VISIBLE:
-        return f"this log does not test it: at its typical size it would stand out by {seen.z:.1f} standard deviations, and 8 are needed"
+        return f"this log does not test it: at its typical size it would stand out by {seen.z:.1f} standard deviations, and {VISIBLE:g} are needed"
     if seen is not None and seen.blind:
         return "this log does not test it: its signature is mostly made of the sensors' own errors"
     if not s.physical:
         return "its sign is one that the cause cannot have"
-    # As the test takes it: on the high side.
+    # The test divides the fall by the same factor.
     taken = s.fall / HIGH_SIDE
     if s.fall < FAINT:
         return f"no more than chance: a fall of chi² of {s.fall:.1f} is less than the {FAINT:.0f} that count"
@@ -113,4 +124,5 @@ def _why(
 
 
 def _chance(s: Scored, fall: float) -> float:
+    """Chance of another fall of chi-squared of the same candidate."""
     return replace(s, fall=fall).chance

@@ -1,4 +1,4 @@
-"""What the log allows of each cause that is no finding: how large it may be beside what was found."""
+"""Upper limits: intervals of causes that are no findings, each alone beside the extended model."""
 
 from __future__ import annotations
 
@@ -13,20 +13,21 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.effects import Terms
 
-# Of a tether's columns only the pull itself is a number of the catalogue.
+# Parameters of a tether that a column gives: the pull; the other columns give its place.
+# Source: definition: columns of ``tether.tension``
 _PULL: Final = 1
 
 
 def allowed(last: Fit, left: Sequence[Scored], unnamed: Sequence[str] = ()) -> dict[str, Bound]:
-    """Intervals of the numbers of causes that are no findings, by name, each cause alone beside the last model.
+    """Intervals of the parameters of causes that are no findings, by name, each cause alone beside the extended model.
 
-    They are linear and statistical: 3.3 times the larger of the standard deviation by the noise model and that from the scatter of
-    half-minutes. A tether counts at the place where it would explain most. Limits, dead bands, times, waves and claims have none here.
+    The intervals are linear and statistical: 3.3 times the larger of the standard deviation by the noise model and the one from the scatter
+    of half-minutes. A tether stands at the place where it explains most. Limits, dead bands, times, waves and claims have no interval here.
 
     Args:
-        last: the model with all that was found.
-        left: scores of what was not found, in its columns.
-        unnamed: causes that the model holds and nothing proves.
+        last: fit of the model with all causes that were found.
+        left: scores of the other causes beside them.
+        unnamed: causes of the model that are no findings.
     """
     found: dict[str, Bound] = {}
     for id_ in unnamed:
@@ -49,7 +50,7 @@ def allowed(last: Fit, left: Sequence[Scored], unnamed: Sequence[str] = ()) -> d
 
 
 def _seen(last: Fit, s: Scored) -> bool:
-    """Whether anything of its signature is left beside the model."""
+    """Whether the model leaves enough of a cause's signature."""
     at = list(s.columns)
     own = np.diag(last.projection.total)[at]
     return bool((np.diag(last.projection.information(at)) > SAME * own).all())

@@ -1,17 +1,17 @@
-"""Figures: the only place that draws. Each function returns one figure with its caption."""
+"""Figures: each function returns one drawing with its caption.
+
+- ``canvas``: colours, sizes, and a figure as files; the same input gives the same bytes.
+- ``measurements``: logs, Allan deviations, bollard-pull tables, towing runs.
+- ``fits``: parameter intervals, predicted forces, simulated motion.
+- ``diagnosis``: signatures of findings, and force and motion before and after.
+
+The chapter may use the values that the stages return, for their types, and the curve of a thrust table.
+"""
 
 from ivsid.report.figures.canvas import COLOURS, FORCE_LABEL, Drawing
 from ivsid.report.figures.diagnosis import force_residual, gain, net_force, ratios, separation, signature
-from ivsid.report.figures.general import (
-    allan_curves,
-    channels,
-    drag_curve,
-    force_bounds,
-    force_mid,
-    intervals,
-    motion,
-    thrust_curve,
-)
+from ivsid.report.figures.fits import force_bounds, force_mid, intervals, motion
+from ivsid.report.figures.measurements import allan_curves, channels, drag_curve, thrust_curve
 
 __all__ = [
     "COLOURS",

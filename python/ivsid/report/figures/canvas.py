@@ -1,10 +1,9 @@
-"""What all figures share: colours, sizes, and how a figure becomes files."""
+"""Colours, sizes and files of all figures."""
 
 from __future__ import annotations
 
 import io
 from dataclasses import dataclass
-from typing import Any
 
 import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -17,7 +16,7 @@ FORCE_LABEL = {"surge": "force X [N]", "sway": "force Y [N]", "yaw": "moment N [
 
 @dataclass(frozen=True)
 class Drawing:
-    """A finished figure: file name without ending, title, caption, and its two files."""
+    """A finished figure: file name without ending, title, caption, and the bytes of its two files."""
 
     name: str
     title: str
@@ -34,12 +33,12 @@ def finish(name: str, title: str, caption: str, figure: Figure) -> Drawing:
     with mpl.rc_context({"svg.hashsalt": "ivsid", "path.simplify_threshold": 0.5}):
         for kind in ("png", "svg"):
             buffer = io.BytesIO()
-            metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {"Software": None}
+            metadata: dict[str, str | None] = {"Date": None} if kind == "svg" else {"Software": None}
             figure.savefig(buffer, format=kind, dpi=110, metadata=metadata)
             files.append(buffer.getvalue())
     return Drawing(name, title, caption, files[0], files[1])
 
 
 def thin(n: int, most: int = 3000) -> slice:
-    """Every so many samples, so that a figure holds no more than ``most``."""
+    """A stride that leaves about ``most`` samples in a figure."""
     return slice(None, None, max(1, n // most))

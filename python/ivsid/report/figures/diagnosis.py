@@ -1,18 +1,22 @@
-"""What a diagnosis shows: force and motion before and after, signatures of the findings, and what would tell causes apart."""
+"""Figures of a diagnosis: signatures of findings, force and motion before and after, and distances between causes."""
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ivsid.diagnosis import Evidence, Finding, Isolability
-from ivsid.diagnosis.statements.comparison import Gain
 from ivsid.report.figures.canvas import COLOURS, Drawing, finish, thin
+
+if TYPE_CHECKING:
+    from ivsid.diagnosis import Evidence, Finding, Isolability
+    from ivsid.diagnosis.statements.comparison import Gain
 
 
 def separation(result: Isolability, name: str = "separation") -> Drawing | None:
-    """How far apart sets of causes are in a log, and with the manoeuvre that does most; None where nothing was tried."""
+    """Distances of causes in a log, and with the manoeuvre that increases them most; None if no manoeuvre was tried."""
     if not result.advice:
         return None
     figure = Figure(figsize=(8.5, 1.3 + 0.42 * len(result.advice)), layout="constrained")
@@ -65,7 +69,7 @@ LETTER = {"surge": "X", "sway": "Y", "yaw": "N"}
 
 
 def signature(e: Evidence, name: str) -> Drawing:
-    """The force that is missing without a finding, what the finding says, and what is left: in time, and along what orders it."""
+    """The force missing without a finding, the force of the finding, and the rest: in time, and against the quantity that orders it."""
     figure = Figure(figsize=(9.5, 4.0), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1.5, 1))
     first, end = e.window
@@ -101,7 +105,7 @@ def signature(e: Evidence, name: str) -> Drawing:
 
 
 def ratios(f: Finding, name: str = "ratios") -> Drawing:
-    """Each mass and drag on the other log over that on this one, and the factor that all share."""
+    """Ratios of masses and drags between the two logs, and the factor that all of them share."""
     each, deviation = f.evidence["ratio"], f.evidence["ratio_deviation"]
     (bound,) = f.parameters.values()
     figure = Figure(figsize=(8.5, 1.2 + 0.42 * len(each)), layout="constrained")
@@ -125,7 +129,7 @@ def ratios(f: Finding, name: str = "ratios") -> Drawing:
 
 
 def net_force(gain: Gain, name: str = "net_force") -> Drawing:
-    """Mass times acceleration on the other log: measured, of the model as it was, and with the findings."""
+    """Mass times acceleration on the other log: measured, of the plain model, and of the extended model."""
     figure = Figure(figsize=(8.5, 5.8), layout="constrained")
     s = _stretch(gain)
     for k, (label, axes) in enumerate(
@@ -154,7 +158,7 @@ _LINES = (
 
 
 def _stretch(gain: Gain, seconds: float = 60.0) -> slice:
-    """The stretch in which the models differ most, each channel by its own size."""
+    """The stretch in which the models differ most, each channel scaled by its standard deviation."""
     n = gain.time.size
     step = (gain.time[-1] - gain.time[0]) / max(n - 1, 1)
     count = min(max(round(seconds / step), 2), n)
@@ -165,7 +169,7 @@ def _stretch(gain: Gain, seconds: float = 60.0) -> slice:
 
 
 def force_residual(gain: Gain, name: str = "force_residual") -> Drawing:
-    """What is missing in the force on the other log, before and after, low-passed."""
+    """Missing force on the other log, before and after, low-passed."""
     figure = Figure(figsize=(8.5, 5.4), layout="constrained")
     n = gain.residual.shape[2]
     s = thin(n)
@@ -185,7 +189,7 @@ def force_residual(gain: Gain, name: str = "force_residual") -> Drawing:
 
 
 def gain(gain: Gain, name: str = "gain") -> Drawing:
-    """Simulated velocities on the other log: measured, of the model as it was, and with the findings."""
+    """Velocities on the other log: measured, simulated by the plain model, and by the extended model."""
     figure = Figure(figsize=(8.5, 5.8), layout="constrained")
     s = _stretch(gain, 120.0)
     for k, (label, axes) in enumerate(

@@ -95,7 +95,7 @@ pub fn exact(a: &IntervalMatrix) -> Result<Outcome, Error> {
 fn witness_of(a: &IntervalMatrix, scaled: &Scaled, witness: Witness) -> Option<Witness> {
     scaled.witness(witness).or_else(|| match decide(a) {
         Regularity::Regular(witness) => Some(witness),
-        _ => None,
+        Regularity::Singular(_) | Regularity::NotProved => None,
     })
 }
 

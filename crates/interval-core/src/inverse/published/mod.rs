@@ -13,16 +13,24 @@
 mod elimination;
 mod extrema;
 mod polynomial;
+mod watched;
+
+pub use watched::Watch;
+pub(super) use watched::watched;
 
 use super::{Endpoints, Outcome, UNBOUNDED, Value};
 use crate::certified::Unproved;
 use crate::error::Error;
 use crate::matrix::IntervalMatrix;
+use crate::names::named;
 use crate::parallel;
 use crate::rounding::slices::Backend;
 use crate::status::Status;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+/// N where the caller names no other number.
+pub const DEFAULT_PARTITIONS: u64 = 1000;
 
 /// The largest order of the sweep.
 pub const ORDER_LIMIT: usize = 64;
@@ -36,13 +44,14 @@ pub enum Form {
     Hull,
 }
 
-/// How the extremes are found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sweep {
-    /// Every member of both sets is inverted.
-    Members,
-    /// Only those at the ends and beside the stationary points of each entry, a rational function of one number.
-    Extrema,
+named! {
+    /// How the extremes are found.
+    Sweep, "sweep" {
+        /// Every member of both sets is inverted.
+        Members => "members",
+        /// Only those at the ends and beside the stationary points of each entry, a rational function of one number.
+        Extrema => "extrema",
+    }
 }
 
 /// Watches a sweep from another thread, and stops it.

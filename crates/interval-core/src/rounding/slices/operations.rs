@@ -35,6 +35,14 @@ impl<'a> Bounds<'a> {
         self.lo.is_empty()
     }
 
+    /// The intervals one by one.
+    ///
+    /// # Errors
+    /// Bounds that are none: NaN, reversed ones other than the empty interval's, no finite point.
+    pub fn intervals(self) -> Result<Vec<Interval>, Error> {
+        (0..self.len()).map(|i| self.get(i)).collect()
+    }
+
     pub(super) fn halves(self) -> (Self, Self) {
         let ((a, c), (b, d)) = (self.lo.split_at(self.len() / 2), self.hi.split_at(self.len() / 2));
         (Self { lo: a, hi: b }, Self { lo: c, hi: d })

@@ -1,0 +1,175 @@
+//! Sums of doubles and of products of two doubles without error.
+//!
+//! A fixed-point accumulator spans all products of two doubles (Kulisch): nothing is lost before the last rounding, so the
+//! result does not depend on the order of the operands.
+
+use crate::exact::{decode, dyadic_down};
+use num_bigint::{BigInt, Sign};
+use num_traits::Zero;
+use std::cmp::Ordering;
+
+/// The least exponent of a product of two doubles.
+const LEAST: i64 = -2 * 1074;
+const WIDTH: i64 = 32;
+/// 2 * 1024 + 2 * 1074 bits, and 64 more for the carries of 2^64 terms.
+const LIMBS: usize = 134;
+/// Additions of less than 2^32 to a limb before its 64 bits could overflow.
+const PATIENCE: u32 = 1 << 29;
+
+/// A sum of doubles and of products of two doubles, without error.
+struct Accumulator {
+    limbs: [i64; LIMBS],
+    pending: u32,
+}
+
+impl Accumulator {
+    const fn new() -> Self {
+        Self { limbs: [0; LIMBS], pending: 0 }
+    }
+
+    /// Adds `m 2^e`, `|m| < 2^108`.
+    fn add(&mut self, m: i128, e: i64) {
+        if m == 0 {
+            return;
+        }
+        let offset = (e - LEAST).unsigned_abs();
+        let (limb, shift) = ((offset / WIDTH.unsigned_abs()), offset % WIDTH.unsigned_abs());
+        let magnitude = m.unsigned_abs();
+        // Low and high halves, each shifted by less than a limb.
+        let low = (magnitude & u128::from(u64::MAX)) << shift;
+        let high = (magnitude >> 64) << shift;
+        let sign = if m < 0 { -1 } else { 1 };
+        let start = usize::try_from(limb).unwrap_or(LIMBS);
+        for (part, at) in [(low, start), (high, start + 2)] {
+            let mut rest = part;
+            let mut index = at;
+            while rest != 0 {
+                let digit = i64::try_from(rest & 0xffff_ffff).unwrap_or(0);
+                self.limbs[index] += sign * digit;
+                rest >>= WIDTH;
+                index += 1;
+            }
+        }
+        self.pending += 1;
+        if self.pending == PATIENCE {
+            self.carry();
+        }
+    }
+
+    fn carry(&mut self) {
+        let mut carry = 0;
+        for limb in &mut self.limbs[..LIMBS - 1] {
+            let value = *limb + carry;
+            *limb = value & 0xffff_ffff;
+            carry = value >> WIDTH;
+        }
+        self.limbs[LIMBS - 1] += carry;
+        self.pending = 0;
+    }
+
+    fn add_double(&mut self, x: f64) {
+        let (m, e) = decode(x);
+        self.add(m.into(), e);
+    }
+
+    fn add_product(&mut self, x: f64, y: f64) {
+        let ((m, e), (n, f)) = (decode(x), decode(y));
+        self.add(i128::from(m) * i128::from(n), e + f);
+    }
+
+    /// The sum as an integer multiple of `2^LEAST`.
+    fn value(mut self) -> BigInt {
+        self.carry();
+        let negative = self.limbs[LIMBS - 1] < 0;
+        if negative {
+            for limb in &mut self.limbs {
+                *limb = -*limb;
+            }
+            self.carry();
+        }
+        let digits: Vec<u32> = self.limbs.iter().map(|&limb| u32::try_from(limb).unwrap_or(u32::MAX)).collect();
+        BigInt::from_slice(if negative { Sign::Minus } else { Sign::Plus }, &digits)
+    }
+}
+
+/// What the infinite and undefined terms of a sum make of it.
+#[derive(Clone, Copy)]
+struct Special {
+    nan: bool,
+    positive: bool,
+    negative: bool,
+}
+
+impl Special {
+    const NONE: Self = Self { nan: false, positive: false, negative: false };
+
+    fn note(&mut self, x: f64) {
+        self.nan |= x.is_nan();
+        self.positive |= x == f64::INFINITY;
+        self.negative |= x == f64::NEG_INFINITY;
+    }
+
+    fn result(self) -> Option<f64> {
+        if self.nan || (self.positive && self.negative) {
+            Some(f64::NAN)
+        } else if self.positive {
+            Some(f64::INFINITY)
+        } else if self.negative {
+            Some(f64::NEG_INFINITY)
+        } else {
+            None
+        }
+    }
+}
+
+/// The exact sum of products as an integer multiple of `2^LEAST`, or what infinite and undefined terms make of it.
+pub(crate) fn accumulate(terms: impl Iterator<Item = (f64, f64)>) -> Result<BigInt, f64> {
+    let mut special = Special::NONE;
+    let mut sum = Accumulator::new();
+    for (x, y) in terms {
+        if x.is_finite() && y.is_finite() {
+            if y == 1.0 { sum.add_double(x) } else { sum.add_product(x, y) }
+        } else {
+            special.note(x * y);
+        }
+    }
+    special.result().map_or_else(|| Ok(sum.value()), Err)
+}
+
+/// The sum rounded down.
+pub(crate) fn down(value: &BigInt) -> f64 {
+    dyadic_down(value, LEAST)
+}
+
+/// The sum rounded to nearest, ties to even.
+pub(crate) fn nearest(value: &BigInt) -> f64 {
+    let (below, above) = (down(value), -down(&-value));
+    if below == above {
+        return below;
+    }
+    // Beyond the largest double the neighbour counts as 2^1024.
+    let scaled = |x: f64| {
+        let (m, e) = if x.is_finite() { decode(x) } else { (if x > 0.0 { 1 } else { -1 }, 1024) };
+        BigInt::from(m) << (e - LEAST).unsigned_abs()
+    };
+    match (value * 2_i32).cmp(&(scaled(below) + scaled(above))) {
+        Ordering::Less => below,
+        Ordering::Greater => above,
+        Ordering::Equal => {
+            let even = |x: f64| x.is_infinite() || x.to_bits() & 1 == 0;
+            if even(below) { below } else { above }
+        }
+    }
+}
+
+/// The sign of an exact sum of finite doubles.
+pub(crate) fn sign_of_sum(x: &[f64]) -> Ordering {
+    let value = accumulate(x.iter().map(|&v| (v, 1.0))).unwrap_or_else(|_| BigInt::zero());
+    value.cmp(&BigInt::zero())
+}
+
+/// The sign of `a b + c - x` for finite doubles.
+pub(crate) fn sign_of_fused(a: f64, b: f64, c: f64, x: f64) -> Ordering {
+    let value = accumulate([(a, b), (c, 1.0), (-x, 1.0)].into_iter()).unwrap_or_else(|_| BigInt::zero());
+    value.cmp(&BigInt::zero())
+}

@@ -1,0 +1,53 @@
+"""Commands about what the simulation gets wrong: diagnose, isolability."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ivsid import workflow
+from ivsid.cli.arguments import Json, Out, Seed
+from ivsid.cli.run import run
+
+
+def diagnose(
+    vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML) with the simulation's [model].")],
+    train: Annotated[Path, typer.Argument(help="Log in which causes are looked for.")],
+    test: Annotated[Path, typer.Argument(help="Another log, on which the better model is tried.")],
+    out: Out = None,
+    json: Json = False,
+    seed: Seed = None,
+    null_logs: Annotated[
+        int,
+        typer.Option(
+            "--null-logs",
+            min=0,
+            help="Simulated null logs that a finding close to its threshold has to pass, at most; 0: the Gaussian draws alone.",
+        ),
+    ] = 400,
+    no_cache: Annotated[bool, typer.Option("--no-cache", help="Neither read nor keep what null logs gave.")] = False,
+) -> None:
+    """What the simulation gets wrong, why, the extended model, and what it gains on the other log."""
+    run(
+        "diagnose",
+        out,
+        json,
+        lambda progress: workflow.diagnose(
+            vehicle, train, test, seed=seed, null_logs=null_logs, cache=not no_cache, progress=progress
+        ),
+    )
+
+
+def isolability(
+    vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML).")],
+    log: Annotated[
+        Path, typer.Argument(metavar="LOG_OR_SCENARIO", help="A log, or a scenario (TOML) that is simulated.")
+    ],
+    out: Out = None,
+    json: Json = False,
+    seed: Seed = None,
+) -> None:
+    """What a programme can detect and tell apart, and the manoeuvre that would help."""
+    run("isolability", out, json, lambda progress: workflow.isolability(vehicle, log, seed=seed, progress=progress))

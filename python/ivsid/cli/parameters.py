@@ -1,0 +1,90 @@
+"""Commands about parameter intervals: identify, verify, validate."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ivsid import workflow
+from ivsid.cli.arguments import Json, Out, window_lengths
+from ivsid.cli.run import run
+
+
+def identify(
+    vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML).")],
+    log: Annotated[
+        Path, typer.Argument(help="Log: CSV, Parquet, .mat, ROS bag, DataFlash .bin, or a folder of tables.")
+    ],
+    method: Annotated[
+        str,
+        typer.Option(
+            "--method",
+            help="feasible, qr, augmented, exact, partitioned, hansen-bliek-rohn, krawczyk, cramer, kuttler, published or published-hull.",
+        ),
+    ] = "feasible",
+    partitions: Annotated[
+        int | None, typer.Option("--partitions", min=1, help="N of the published methods, or cells of partitioned.")
+    ] = None,
+    form: Annotated[
+        str, typer.Option("--form", help="total, or added: the rigid-body mass is known and left out.")
+    ] = "total",
+    rows: Annotated[
+        str, typer.Option("--rows", help="auto, pointwise, integral, weak (from a pose) or both: every kind.")
+    ] = "auto",
+    window: Annotated[
+        str, typer.Option("--window", help="Length of integral rows [s], or several at once: 0.5,2,10.")
+    ] = "1.0",
+    bias: Annotated[
+        str,
+        typer.Option(
+            "--bias",
+            help="The accelerometer's bias: sample (a bound at every sample), log (one unknown a log) or auto (log where clearly tighter).",
+        ),
+    ] = "auto",
+    outliers: Annotated[
+        int, typer.Option("--outliers", min=0, help="How many rows of each set of parameters may be wrong.")
+    ] = 0,
+    out: Out = None,
+    json: Json = False,
+) -> None:
+    """Parameter intervals."""
+    windows = window_lengths(window)
+    run(
+        "identify",
+        out,
+        json,
+        lambda progress: workflow.identify(
+            vehicle,
+            log,
+            method,
+            partitions=partitions,
+            form=form,
+            rows=rows,
+            window=windows,
+            bias=bias,
+            outliers=outliers,
+            progress=progress,
+        ),
+    )
+
+
+def verify(
+    result: Annotated[Path, typer.Argument(help="Folder or result.json of ivsid identify.")],
+    log: Annotated[Path, typer.Argument(help="The log that was identified.")],
+    out: Out = None,
+    json: Json = False,
+) -> None:
+    """Check an identification's certificates in exact arithmetic, without the core."""
+    run("verify", out, json, lambda progress: workflow.verify(result, log, progress=progress))
+
+
+def validate(
+    fit: Annotated[Path, typer.Argument(help="Folder or result.json of ivsid identify.")],
+    log: Annotated[Path, typer.Argument(help="Another log, as for identify.")],
+    out: Out = None,
+    json: Json = False,
+) -> None:
+    """Predicted against measured force and moment, simulated against measured motion."""
+    run("validate", out, json, lambda progress: workflow.validate(fit, log, progress=progress))

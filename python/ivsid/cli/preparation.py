@@ -1,0 +1,101 @@
+"""Commands that make or examine data: demo, simulate, allan, thrust, import."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ivsid import workflow
+from ivsid.cli.arguments import Json, Out, Seed, effect_numbers
+from ivsid.cli.run import run
+
+
+def demo(out: Out = None, json: Json = False, seed: Seed = None) -> None:
+    """The paper's experiment end to end on a twin of its vehicle."""
+    run("demo", out, json, lambda progress: workflow.demo(seed=seed, progress=progress))
+
+
+def simulate(
+    vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML), or otter or vectored_rov.")],
+    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), or otter or vectored_rov.")],
+    out: Out = None,
+    json: Json = False,
+    seed: Seed = None,
+    effect: Annotated[
+        list[str] | None,
+        typer.Option("--effect", help="An effect of the catalogue with its numbers, ID=VALUE or ID=A,B; may repeat."),
+    ] = None,
+    hide: Annotated[
+        int | None, typer.Option("--hide", min=0, help="Draw a hidden effect from this seed; only truth.json names it.")
+    ] = None,
+    effects: Annotated[
+        int | None, typer.Option("--effects", min=1, max=5, help="Hide exactly so many effects at once, with --hide.")
+    ] = None,
+    table: Annotated[str, typer.Option("--format", help="Format of the log: csv or parquet.")] = "csv",
+    truth: Annotated[
+        Path | None,
+        typer.Option(
+            "--truth", help="Where the truth goes; with --hide OUT-truth/truth.json by default, else OUT/truth.json."
+        ),
+    ] = None,
+) -> None:
+    """A log with sensor noise from a known truth."""
+    given = dict(effect_numbers(e) for e in effect or [])
+    folder = out if out is not None else Path("ivsid-simulate")
+    if truth is None and hide is not None:
+        # Beside the log it would lie open before whoever is to find the effect.
+        truth = folder.with_name(f"{folder.name}-truth") / "truth.json"
+    run(
+        "simulate",
+        folder,
+        json,
+        lambda progress: workflow.simulate(
+            vehicle, scenario, seed=seed, effects=given, hide=hide, hidden=effects, table=table, progress=progress
+        ),
+        {} if truth is None else {"truth.json": truth},
+    )
+
+
+def allan(
+    log: Annotated[Path, typer.Argument(help="Static recording (CSV or Parquet).")],
+    out: Out = None,
+    json: Json = False,
+    columns: Annotated[
+        str, typer.Option("--columns", help="Channels, separated by commas; by default every inertial one.")
+    ] = "",
+    time: Annotated[str | None, typer.Option("--time", help="Name of the time column [s].")] = None,
+) -> None:
+    """Allan deviation per channel, noise coefficients, bounds, ready for a vehicle file."""
+    chosen = [c.strip() for c in columns.split(",") if c.strip()]
+    run("allan", out, json, lambda progress: workflow.allan(log, columns=chosen, time=time, progress=progress))
+
+
+def thrust(
+    table: Annotated[Path, typer.Argument(help="Bollard-pull table (CSV or Parquet).")],
+    out: Out = None,
+    json: Json = False,
+    demand_column: Annotated[str | None, typer.Option("--demand-column", help="Name of the demand column.")] = None,
+    thrust_column: Annotated[str | None, typer.Option("--thrust-column", help="Name of the thrust column.")] = None,
+    unit: Annotated[str | None, typer.Option("--unit", help="Unit of the thrust: N, kN, kgf, gf, lbf.")] = None,
+) -> None:
+    """Thrust models of a bollard-pull table: residuals, and which to use."""
+    run(
+        "thrust",
+        out,
+        json,
+        lambda progress: workflow.thrust(
+            table, demand_column=demand_column, thrust_column=thrust_column, unit=unit, progress=progress
+        ),
+    )
+
+
+def import_(
+    name: Annotated[str, typer.Argument(metavar="SET", help="cse1, rov30k or t200.")],
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder that holds the data set.")],
+    out: Out = None,
+    json: Json = False,
+) -> None:
+    """A public data set as logs, thrust tables and a vehicle file."""
+    run("import", out, json, lambda progress: workflow.import_set(name, folder, progress=progress))

@@ -1,0 +1,61 @@
+"""One command: its folder is checked, its work done, its results written whole and printed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+if TYPE_CHECKING:
+    from ivsid.report.page import Report
+    from ivsid.workflow.progress import Progress
+
+
+def run(
+    command: str,
+    out: Path | None,
+    json: bool,
+    work: Callable[[Progress], Report],
+    apart: Mapping[str, Path] | None = None,
+) -> None:
+    """Runs a command.
+
+    Args:
+        command: its name, which also names the folder where none is given.
+        out: the folder of the results; it is checked before any work.
+        json: print the JSON of result.json and nothing else.
+        work: makes the report, telling each step to its argument.
+        apart: files of the report that are written elsewhere, by name.
+
+    Raises:
+        IvsidError: a folder that cannot be written, or unusable input.
+    """
+    # Imports of a second or two wait until a command runs; the help needs none of them.
+    from rich.console import Console  # noqa: PLC0415
+
+    from ivsid import effects  # noqa: PLC0415
+    from ivsid.files import records  # noqa: PLC0415
+    from ivsid.report import page  # noqa: PLC0415
+
+    apart = apart or {}
+    folder = out if out is not None else Path(f"ivsid-{command}")
+    for place in (folder, *(p.parent for p in apart.values())):
+        records.check_writable(place)
+    console = Console(stderr=True, quiet=json)
+    with console.status(command) as status:
+        report = work(lambda step: status.update(f"{command}: {step}"))
+        report = replace(report, record=records.with_own_effects(report.record, effects.own_files()))
+        page.write(replace(report, files={n: c for n, c in report.files.items() if n not in apart}), folder)
+        for name, place in apart.items():
+            records.write_whole(place, report.files[name])
+    if json:
+        typer.echo(records.to_json(report.record))
+        return
+    for line in report.lines:
+        typer.echo(line)
+    for name, place in apart.items():
+        typer.echo(f"  {name} stands apart: {place}")
+    typer.echo(f"written to {folder}/ (report.html, result.json, {len(report.drawings)} figures)")

@@ -1,0 +1,220 @@
+"""Motion of null logs in closed loop: the fitted model under demands that answer to its own motion, all logs at once.
+
+The equations of motion are integrated by the Runge-Kutta method of fourth order in true states.
+
+Source: Hairer, Norsett and Wanner, *Solving Ordinary Differential Equations I*, 1993, section II.1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.data.channels import Channels
+from ivsid.diagnosis.null.feedback import Feedback
+from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration
+from ivsid.diagnosis.plant.points import Points
+from ivsid.diagnosis.plant.propulsion import Propulsion
+from ivsid.diagnosis.prediction.axes import Ambient
+from ivsid.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+# Longest step of the integration [s]: a slower clock is integrated as finely as the fastest clock of null logs.
+# Source: definition: one step at 10 Hz
+LONGEST: Final = 0.1
+# Entries of a thrust curve over the range of the demands.
+# Source: resource: 32 kB for each thruster and null log
+TABLE: Final = 4001
+# A thruster with a shorter lag [s] follows its demand at once.
+# Source: definition: far below any step of the clock
+NO_LAG: Final = 1e-6
+
+
+@dataclass(frozen=True)
+class Programme:
+    """The model, the demands and the disturbances that null logs are simulated from.
+
+    Attributes:
+        vehicle: of the file.
+        log: on the clock of the null logs.
+        h: the fitted model.
+        ambient: the estimated ambient acceleration.
+        declared_errors: standard deviation of each declared error, by name.
+        start: u, v, r at the first sample [m/s, rad/s], shape (3,).
+        feedback: regressed from the log.
+        reference: u, v, r, psi to which the logged demands answered, shape (4, n).
+    """
+
+    vehicle: Vehicle
+    log: Channels
+    h: Hypothesis
+    ambient: Ambient
+    declared_errors: dict[str, float]
+    start: Array
+    feedback: Feedback
+    reference: Array
+
+
+class _Thrusters:
+    """Thrusts of all logs at the demands that are sent, step by step, with the lags of the vehicle file."""
+
+    def __init__(self, vehicle: Vehicle, log: Channels, errors: list[Array | None], count: int) -> None:
+        self.vehicle, self.log, self.count = vehicle, log, count
+        self.behind: list[Array | None] = [None for _ in vehicle.thrusters]
+        propulsion = Propulsion(vehicle, log)
+        self.low = log.demands.min(axis=1)
+        self.pace = np.maximum(log.demands.max(axis=1) - self.low, 1e-9) / (TABLE - 1)
+        self.row = np.arange(count)
+        self.tables = []
+        for k in range(len(vehicle.thrusters)):
+            grid = self.low[k] + self.pace[k] * np.arange(TABLE)
+            off = errors[k]
+            rows = [None] * count if off is None else list(off)
+            self.tables.append(np.stack([propulsion.static(k, grid, row) for row in rows]))
+
+    def static(self, k: int, demand: Array) -> Array:
+        """Thrust of one thruster at its demands without any lag, shape (count,)."""
+        place = np.clip((demand - self.low[k]) / self.pace[k], 0.0, TABLE - 1.000001)
+        cell = place.astype(np.int64)
+        table, share = self.tables[k], place - cell
+        return np.asarray((1 - share) * table[self.row, cell] + share * table[self.row, cell + 1])
+
+    def step(self, now: Array, later: Array, share: float) -> tuple[Array, Array, Array]:
+        """Thrusts at the start, in the middle and at the end of a step of ``share`` samples, each of shape (thrusters, count)."""
+        out = np.empty((3, len(self.behind), self.count))
+        for k, thruster in enumerate(self.vehicle.thrusters):
+            middle = 0.5 * (now[k] + later[k]) if later is not now else now[k]
+            lag = thruster.time_constant or 0.0
+            if lag <= NO_LAG:
+                out[:, k] = self.static(k, now[k])
+                if later is not now:
+                    out[1, k], out[2, k] = self.static(k, middle), self.static(k, later[k])
+                continue
+            decay = [float(np.exp(-part * share * self.log.h / lag)) for part in (0.5, 1.0)]
+            of_demand = thruster.lag == "demand"
+            goal = middle if of_demand else self.static(k, middle)
+            known = self.behind[k]
+            first = goal if known is None else known
+            last = [goal + (first - goal) * d for d in decay]
+            self.behind[k] = last[1]
+            for part, x in enumerate((first, *last)):
+                out[part, k] = self.static(k, x) if of_demand else x
+        return out[0], out[1], out[2]
+
+
+class _Motion:
+    """Rates of change of all logs under the fitted model."""
+
+    def __init__(self, programme: Programme, drawn: dict[str, Array], count: int) -> None:
+        # Each log has its own size of an error: an array stands for the one number of a hypothesis.
+        declared_errors = cast("dict[str, float]", {k: x for k, x in drawn.items() if k.startswith("~rudder.")})
+        self.vehicle, self.log = programme.vehicle, programme.log
+        self.h = replace(programme.h, declared_errors=declared_errors)
+        self.mass = Mass(self.vehicle, self.h.terms, self.h.values)
+        self.wide = np.zeros(count)
+        self.thrusters = len(self.log.demands)
+
+    def start(self, at: Array) -> Array:
+        """u, v, r, psi, x, y of all logs at the first sample, shape (6, count)."""
+        log = self.log
+        x = np.zeros((6, self.wide.size))
+        x[:3] = at[:, None]
+        x[3] = 0.0 if log.psi is None else log.psi[0]
+        if log.place is not None:
+            x[4:] = log.place[:, :1]
+        return x
+
+    def rates(self, x: Array, push: Array, sent: Array, i: int, time: float) -> Array:
+        """Rates of u, v, r, psi, x, y under thrusts and commands during the step after sample i, shape (6, count)."""
+        log, m = self.log, self.thrusters
+        p = Points(
+            x[:3],
+            x[3],
+            x[4:],
+            self.wide + time,
+            push,
+            sent[2 * m :],
+            self.wide + log.force[:, i, None],
+            None if log.wind is None else self.wide + log.wind[:, i, None],
+            sent[m : 2 * m],
+        )
+        nudot = acceleration(self.vehicle, self.h, p, self.mass)
+        c, s = np.cos(x[3]), np.sin(x[3])
+        return np.concatenate([nudot, x[2:3], (x[0] * c - x[1] * s)[None], (x[0] * s + x[1] * c)[None]])
+
+
+class _Controller:
+    """Commands: those of the log, and the answer of the feedback to the difference from the log's motion."""
+
+    def __init__(self, programme: Programme, noise: dict[str, Array], count: int) -> None:
+        log = programme.log
+        self.logged = np.concatenate([log.demands, log.rudders, log.angles])
+        self.back, self.reference, self.held = programme.feedback, programme.reference, log.held
+        self.acting = self.back.at & np.any(self.back.feedback_gains != 0, axis=1, keepdims=True)
+        none = np.zeros((count, log.n))
+        self.noise = np.stack([noise.get(q, none) for q in ("u", "v", "r", "psi")])
+        self.wide = np.zeros(count)
+
+    def sent(self, x: Array, i: int) -> tuple[Array, Array]:
+        """Commands at sample i and at the end of its step, each of shape (sent, count); the same array under a zero-order hold."""
+        own = self.logged[:, i, None] + self.wide
+        now = own
+        if self.acting[:, i].any():
+            felt = x[:4] - self.reference[:, i, None]
+            if self.back.reads:
+                felt = felt + self.noise[:, :, i]
+            now = own + np.where(self.acting[:, i : i + 1], self.back.feedback_gains @ felt, 0.0)
+            now = np.clip(now, self.back.lowest[:, None], self.back.highest[:, None])
+        if self.held or i + 1 == self.logged.shape[1]:
+            return now, now
+        return now, self.logged[:, i + 1, None] + (now - own)
+
+
+def simulated(
+    programme: Programme, drawn: dict[str, Array], errors: list[Array | None], pushed: Array, noise: dict[str, Array]
+) -> tuple[Array, Array, Array]:
+    """Motion of all null logs.
+
+    Args:
+        programme: model, log and feedback.
+        drawn: sizes of the declared errors by name, each of shape (count,).
+        errors: thrust errors by thruster over a table of demands, each of shape (count, TABLE) or None.
+        pushed: ambient accelerations, shape (3, n, count).
+        noise: of the sensors by quantity, each of shape (count, n).
+
+    Returns:
+        States u, v, r, psi, x, y at samples, shape (6, n, count); rates of u, v, r, shape (3, n, count); commands, shape (sent, n, count).
+    """
+    log, n, count = programme.log, programme.log.n, pushed.shape[-1]
+    thrusters, motion = _Thrusters(programme.vehicle, log, errors, count), _Motion(programme, drawn, count)
+    controller = _Controller(programme, noise, count)
+    parts = max(1, int(np.ceil(log.h / LONGEST - 1e-6)))
+    step = log.h / parts
+    x = motion.start(programme.start)
+    states, rates = np.empty((6, n, count)), np.empty((3, n, count))
+    sent = np.empty((len(controller.logged), n, count))
+    ahead = np.zeros((6, count))
+    with np.errstate(over="ignore", invalid="ignore"):
+        for i in range(n):
+            states[:, i] = x
+            now, later = controller.sent(x, i)
+            sent[:, i] = now
+            ahead[:3] = pushed[:, i]
+            for part in range(parts):
+                first = last = middle = now
+                if later is not now:
+                    first, last = (now + (later - now) * (q / parts) for q in (part, part + 1))
+                    middle = 0.5 * (first + last)
+                push = thrusters.step(first, last, 1.0 / parts)
+                time = float(log.t[i]) + (part + 0.5) * step
+                k1 = motion.rates(x, push[0], middle, i, time) + ahead
+                if not part:
+                    rates[:, i] = k1[:3]
+                k2 = motion.rates(x + 0.5 * step * k1, push[1], middle, i, time) + ahead
+                k3 = motion.rates(x + 0.5 * step * k2, push[1], middle, i, time) + ahead
+                k4 = motion.rates(x + step * k3, push[2], middle, i, time) + ahead
+                x = x + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    return states, rates, sent

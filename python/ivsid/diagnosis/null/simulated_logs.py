@@ -1,0 +1,214 @@
+"""Null logs of the parametric bootstrap: the log's own programme, simulated without any effect.
+
+The fitted model runs forward in time under the logged demands and their feedback. The ambient force has the estimated strength and memory.
+Errors of thrusts and sensors are drawn inside the declared bounds, and the readings carry the noise of the log's sensors. The simulation
+shares the formulas of ``plant`` with the diagnosis, and neither its rows nor its filters.
+
+Source: Efron and Tibshirani, *An Introduction to the Bootstrap*, 1993, section 6.5 (parametric bootstrap).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from ivsid.diagnosis.data.channels import Channels
+from ivsid.diagnosis.null.closed_loop import TABLE, Programme, simulated
+from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.plant.propulsion import Propulsion
+from ivsid.diagnosis.prediction.axes import Ambient
+
+Array = NDArray[np.float64]
+# Clock rate of null logs [Hz], at most: ambient force, feedback and errors of the states all change within seconds.
+# Source: resource: the time of a null log grows with its samples.
+FASTEST: Final = 10.0
+# Half waves of a thrust error over the range of demands: a calibration error is smooth.
+# Source: geometry/physics: a measured thrust curve bends a few times over its range, and not more often.
+ORDERS: Final = (0.6, 3.0)
+# Amplitude of a thrust error, as a share of its declared bound.
+# Source: none
+SIZES: Final = (0.2, 1.0)
+# A motion that exceeds the log's largest speed by this factor has left the programme.
+# Source: none
+LOST: Final = 5.0
+# Largest speed that is granted to an axis that hardly moves in the log [m/s, rad/s].
+# Source: none
+LEAST_SPEED: Final = 0.1
+
+
+def thinned(log: Channels) -> tuple[Channels, int]:
+    """A log on the clock of its null logs.
+
+    Returns:
+        The log at ``FASTEST`` or slower, with the white noise of means over the samples that became one, and the number of these samples.
+    """
+    q = max(1, int(np.ceil(1.0 / (log.h * FASTEST) - 1e-6)))
+    if q == 1:
+        return log, 1
+    n = log.n // q
+
+    def means(x: Array) -> Array:
+        return np.asarray(x[..., : n * q].reshape(*x.shape[:-1], n, q).mean(axis=-1))
+
+    def firsts(x: Array) -> Array:
+        return x[..., : n * q : q]
+
+    def firsts_of(x: Array | None) -> Array | None:
+        return None if x is None else firsts(x)
+
+    sent: Callable[[Array], Array] = means if log.held else firsts
+    # The thinned readings carry the white noise of their means.
+    noise = {k: s / np.sqrt(q) for k, s in log.noise.items()}
+    ax, ay, rdot = (firsts_of(a) for a in log.acceleration)
+    made = replace(
+        log,
+        h=log.h * q,
+        t=firsts(log.t),
+        nu=firsts(log.nu),
+        acceleration=(ax, ay, rdot),
+        psi=firsts_of(log.psi),
+        place=firsts_of(log.place),
+        demands=sent(log.demands),
+        angles=sent(log.angles),
+        rudders=sent(log.rudders),
+        between=None,
+        force=sent(log.force),
+        wind=firsts_of(log.wind),
+        voltage=firsts_of(log.voltage),
+        depth=firsts_of(log.depth),
+        good=np.asarray(log.good[: n * q].reshape(n, q).all(axis=1)),
+        noise=noise,
+    )
+    return made, q
+
+
+def null_logs(programme: Programme, seed: int, numbers: Sequence[int]) -> list[tuple[Channels, Hypothesis] | None]:
+    """Null logs by number, each with the hypothesis that is true of it.
+
+    A log depends on its seed and its number alone, and not on the logs that are simulated with it.
+
+    Args:
+        programme: of the log, with the fitted model.
+        seed: of the draws.
+        numbers: of the null logs.
+
+    Returns:
+        One entry for each number: the null log and its true hypothesis, or None where the motion leaves the programme.
+    """
+    log, n, count = programme.log, programme.log.n, len(numbers)
+    rngs = [np.random.default_rng([seed, k]) for k in numbers]
+    drawn, errors = _declared_errors(programme, rngs)
+    pushed = np.stack([_ambient(programme.ambient, n, log.h, rng) for rng in rngs], axis=-1)
+    noise = {name: np.stack([rng.standard_normal(n) * size for rng in rngs]) for name, size in log.noise.items()}
+    states, rates, sent = simulated(programme, drawn, errors, pushed, noise)
+    fastest = LOST * np.maximum(np.abs(log.nu).max(axis=1), LEAST_SPEED)
+    made: list[tuple[Channels, Hypothesis] | None] = []
+    for j in range(count):
+        nu = states[:3, :, j]
+        if not np.isfinite(nu).all() or (np.abs(nu).max(axis=1) > fastest).any():
+            made.append(None)
+            continue
+        read = _readings(log, states[..., j], rates[..., j], {k: x[j] for k, x in noise.items()}, _at(drawn, j))
+        thrusters = len(log.demands)
+        parts = sent[..., j]
+        read = replace(
+            read,
+            demands=parts[:thrusters],
+            rudders=parts[thrusters : 2 * thrusters],
+            angles=parts[2 * thrusters :],
+            between=None
+            if log.between is None
+            else replace(log.between, demands=log.between.demands + (parts[:thrusters] - log.demands)[:, :, None]),
+        )
+        made.append((read, replace(programme.h, declared_errors=_at(drawn, j))))
+    return made
+
+
+def _declared_errors(
+    programme: Programme, rngs: Sequence[np.random.Generator]
+) -> tuple[dict[str, Array], list[Array | None]]:
+    """Declared errors of every null log.
+
+    Sizes are normal. A thrust error is any wave inside its bound, and the waves of the model of declared errors are fitted to it.
+
+    Returns:
+        Sizes by name, each of shape (count,), and thrust errors by thruster, each of shape (count, TABLE) or None.
+    """
+    drawn = {
+        name: np.array([rng.standard_normal() for rng in rngs]) * s for name, s in programme.declared_errors.items()
+    }
+    propulsion = Propulsion(programme.vehicle, programme.log)
+    curves: list[Array | None] = []
+    for k, thruster in enumerate(programme.vehicle.thrusters):
+        names = [f"~thrust.{thruster.name}.{j}" for j in range(len(propulsion.errors[k]))]
+        if not names or names[0] not in drawn:
+            curves.append(None)
+            continue
+        sent = propulsion.demands[k]
+        grid = np.linspace(sent.min(), sent.max() + 1e-9, TABLE)
+        low, high = (end - thruster.neutral for end in propulsion.curves[k].range)
+        if not np.isfinite(high - low):
+            low, high = float(grid[0]), float(grid[-1])
+        waves = np.stack([error(grid) for error in propulsion.errors[k]])
+        # The waves are fitted where demands were sent, weighted by how often.
+        weight = np.sqrt(np.histogram(sent, np.r_[grid, grid[-1] + 1e-9])[0] / sent.size)
+        inner = (waves * weight) @ (waves * weight).T
+        inner += 1e-6 * max(float(np.trace(inner)), 1e-300) * np.eye(len(names))
+        errors = np.empty((len(rngs), TABLE))
+        for i, rng in enumerate(rngs):
+            order, phase, size = rng.uniform(*ORDERS), rng.uniform(0, 2 * np.pi), rng.uniform(*SIZES)
+            errors[i] = size * waves[0] * np.sin(np.pi * order * (grid - low) / (high - low) + phase)
+        fitted = np.linalg.solve(inner, (waves * weight) @ (errors * weight).T)
+        drawn |= dict(zip(names, fitted, strict=True))
+        curves.append(errors)
+    return drawn, curves
+
+
+def _at(drawn: dict[str, Array], j: int) -> dict[str, float]:
+    """Sizes of the declared errors in one null log."""
+    return {k: float(x[j]) for k, x in drawn.items()}
+
+
+def _ambient(ambient: Ambient, n: int, h: float, rng: np.random.Generator) -> Array:
+    """Ambient accelerations over each step, a Gauss-Markov process in each axis, shape (3, n)."""
+    out = np.empty((3, n))
+    for k, (deviation, time) in enumerate(zip(ambient.deviation, ambient.time, strict=True)):
+        decay = float(np.exp(-h / time))
+        noise = rng.standard_normal(n) * deviation * np.sqrt(1 - decay**2)
+        noise[0] = rng.standard_normal() * deviation
+        out[k] = lfilter([1.0], [1.0, -decay], noise)
+    return out
+
+
+def _readings(log: Channels, x: Array, nudot: Array, noise: dict[str, Array], drawn: dict[str, float]) -> Channels:
+    """Readings of a simulated motion by the log's sensors, with their noise and their drawn errors."""
+    n = log.n
+    t = (np.arange(n) + 0.5) / n
+    u, v, r = x[:3]
+
+    def bias(name: str) -> Array | float:
+        return sum(drawn.get(f"~bias.{name}.{j}", 0.0) * np.cos(np.pi * j * t) for j in range(3))
+
+    scale = 1.0 + drawn.get("~scale.velocity", 0.0)
+    specific = np.stack([nudot[0] - v * r, nudot[1] + u * r, nudot[2]])
+    if log.averaged:
+        # Means over the step before the row: the change of velocity, and Coriolis' part at its middle.
+        cross = np.stack([-v * r, u * r, 0.0 * r])
+        mean = np.diff(x[:3], axis=1) / log.h + 0.5 * (cross[:, 1:] + cross[:, :-1])
+        specific = np.concatenate([specific[:, :1], mean], axis=1)
+    a = tuple(
+        None if log.acceleration[k] is None else specific[k] + bias(name) + noise[name]
+        for k, name in enumerate(("ax", "ay", "rdot"))
+    )
+    return replace(
+        log,
+        nu=np.stack([scale * u + noise["u"], scale * v + noise["v"], r + bias("r") + noise["r"]]),
+        acceleration=(a[0], a[1], a[2]),
+        psi=None if log.psi is None else x[3] + noise["psi"],
+        place=None if log.place is None else np.stack([x[4] + noise["x"], x[5] + noise["y"]]),
+    )

@@ -1,0 +1,193 @@
+"""Rivals: causes that are fitted in full in the place of one another, and compared by their merit.
+
+The merit is the fall of chi-squared less a price for each parameter beyond the first, as in an information criterion.
+
+Source: Akaike, "A new look at the statistical model identification", IEEE Transactions on Automatic Control 19, 1974.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+import numpy as np
+
+from ivsid.diagnosis.candidates.families import adopted
+from ivsid.diagnosis.candidates.profile import refined, sought
+from ivsid.diagnosis.candidates.scored import Scored
+from ivsid.diagnosis.estimation.fit import Fit, Noise, chi2_of
+from ivsid.diagnosis.estimation.gauss_newton import DeclaredColumns, improve
+from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.prediction.innovations import Predictor
+from ivsid.diagnosis.prediction.states import FilteredStates
+from ivsid.effects import EFFECTS
+
+# Price of each parameter beyond the first, in chi-squared: dearer than the 2 of Akaike's criterion.
+# Source: none
+PRICE: Final = 3.0
+# Price of the less simple of two causes that fit exactly alike.
+# Source: definition: any positive number breaks the tie
+TIE: Final = 1.0
+# Causes whose merits differ by less are not told apart: three standard deviations.
+# Source: definition: 0.3 % of normal errors lie beyond
+MARGIN: Final = 9.0
+# Candidates that are fitted in full.
+# Source: resource: the time of a round grows with its full fits
+FINALISTS: Final = 6
+# A candidate whose merit is this far behind the best is not fitted in full.
+# Source: none
+FAR: Final = 60.0
+# A candidate that is behind the best by less than this share of its merit is fitted in full in any case.
+# Source: none
+FAR_SHARE: Final = 0.5
+# A fall of chi-squared of two standard deviations or less makes no candidate.
+# Source: definition: 5 % of normal errors lie beyond
+WEAK: Final = 4.0
+# A full fit that reaches less than this share of the score's fall of chi-squared is given more steps.
+# Source: none
+SLOW: Final = 0.8
+# Gauss-Newton steps of a fit that has to be finished.
+# Source: resource: twice the steps of any other fit
+FULL_STEPS: Final = 6
+# A number this close to its bound, in typical sizes, stands at the bound.
+# Source: none
+AT_BOUND: Final = 1e-4
+# Longest period that a log can show, in lengths of the log.
+# Source: geometry/physics: less than a third of a sine hardly differs from a parabola in time
+PERIODS: Final = 3.0
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A cause that is fitted in full in the place of another.
+
+    Attributes:
+        id: of the effect.
+        h: the hypothesis with it.
+        states: filtered under the hypothesis.
+        chi2: of the log under the hypothesis, priors included.
+        count: number of its parameters.
+        fall: fall of chi-squared against the hypothesis without either.
+    """
+
+    id: str
+    h: Hypothesis
+    states: FilteredStates
+    chi2: float
+    count: int
+    fall: float
+
+    @property
+    def merit(self) -> float:
+        """Fall of chi-squared less a price for each parameter beyond the first."""
+        # A gain of all thrusts fits exactly as a single wrong claim does, by moving everything else: the claim is the simpler cause.
+        return self.fall - PRICE * (self.count - 1) - (TIE if self.id == "thruster.gain" else 0.0)
+
+
+@dataclass(frozen=True)
+class Found:
+    """A cause that was found.
+
+    Attributes:
+        id: of the effect.
+        rivals: the causes whose merit is within ``MARGIN`` of the best, the best first.
+        rejected: other causes with their falls of chi-squared, by a full fit or by their score.
+        fall: fall of chi-squared against the model without the cause.
+        chance: probability of such a fall without the cause, over all of its values that were searched.
+        first: the score by which the cause was found.
+    """
+
+    id: str
+    rivals: tuple[Rival, ...]
+    rejected: tuple[tuple[str, float], ...]
+    fall: float
+    chance: float
+    first: Scored
+
+
+class Test(Protocol):
+    """Test of the families: which pass, and which may be named in this log."""
+
+    def __call__(self, fit: Fit, scored: list[Scored]) -> list[Scored]:
+        """Families that pass, in the given order."""
+
+    def eligible(self, s: Scored) -> bool:
+        """Whether a family may be named in this log."""
+
+    def stands(self, s: Scored, fall: float) -> bool:
+        """Whether a family's fall of chi-squared in a full fit is more than chance."""
+
+
+def contenders(scored: Sequence[Scored], best: float) -> list[Scored]:
+    """Scored causes that a full fit may bring up to the best, in the given order.
+
+    Args:
+        scored: causes with their scores.
+        best: merit of the best cause.
+    """
+    return [s for s in scored if best - s.merit <= max(FAR, FAR_SHARE * best) and s.fall > WEAK]
+
+
+def fitted(fit: Fit, s: Scored, noise: Noise, fixed: Mapping[str, float], known: DeclaredColumns) -> Rival | None:
+    """A cause fitted in full by Gauss-Newton steps from the values of its score; None if the fit fails or its numbers are not possible.
+
+    Args:
+        fit: of the model without the cause.
+        s: the cause with its score.
+        noise: filters and whitening.
+        fixed: parameters that are not fitted.
+        known: signatures of the declared errors.
+    """
+    base = fit.projection.chi2
+    h = adopted(fit.h, s, fit)
+    try:
+        states = noise.predictor.settle(h, fit.states)
+        for turn in range(2):
+            own = [g for g in h.given if g.effect.id == s.id and sought(g)]
+            for given in own:
+                h = refined(noise, h, states, fixed, known, given, wide=not turn)
+                states = noise.predictor.settle(h, states, 2)
+            if turn and not own:
+                break
+            h, states = improve(noise.predictor, h, states, noise.whitening, noise.good, fixed, known=known)
+        chi2 = chi2_of(noise, h, states, fixed, known)
+        if chi2 > base - SLOW * s.fall:
+            # States that follow a hypothesis slowly hide the fall of chi-squared for some steps.
+            h, states = improve(noise.predictor, h, states, noise.whitening, noise.good, fixed, FULL_STEPS, known)
+            chi2 = chi2_of(noise, h, states, fixed, known)
+    except (np.linalg.LinAlgError, ValueError, FloatingPointError):
+        return None
+    if not np.isfinite(chi2) or not possible(h, s.id, noise.predictor):
+        return None
+    return Rival(s.id, h, states, chi2, s.count, base - chi2)
+
+
+def possible(h: Hypothesis, id_: str, predictor: Predictor) -> bool:
+    """Whether the fitted numbers of a cause are ones that it can have.
+
+    A drag that drives, a delay of zero and a tide whose period exceeds several logs are not possible.
+
+    Args:
+        h: the fitted hypothesis.
+        id_: of the effect.
+        predictor: of the log.
+    """
+    for term in h.terms:
+        if term.id == id_ and id_ in EFFECTS and id_ not in h.freed:
+            numbers = EFFECTS[id_].parameters
+            if len(numbers) == 1 and not numbers[0].signed and h.values[id_] <= 0:
+                return False
+    for g in h.given:
+        if g.effect.id == id_:
+            for p, value in zip(g.effect.parameters, g.values, strict=True):
+                if p.part == "period" and value > PERIODS * predictor.log.n * predictor.log.h:
+                    return False
+                if (
+                    p.draw == "size"
+                    and not p.inverse
+                    and p.lowest is not None
+                    and value <= p.lowest + AT_BOUND * p.typical
+                ):
+                    return False
+    return True

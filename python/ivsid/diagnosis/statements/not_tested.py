@@ -1,0 +1,41 @@
+"""Effects that a log cannot test, with the reason and the remedy, and the note on axes that are left out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.null.visibility import VISIBLE, Visibility
+from ivsid.effects import EFFECTS
+
+
+def not_tested(fit: Fit, visible: Mapping[str, Visibility]) -> tuple[dict[str, str], ...]:
+    """Effects that the log cannot test.
+
+    Args:
+        fit: of the plain model.
+        visible: visibility by id.
+
+    Returns:
+        Entries of ``not_tested`` in result.json: ``effect``, ``reason`` and ``needs``.
+    """
+    out = [{"effect": id_, "reason": why, "needs": ", ".join(EFFECTS[id_].needs)} for id_, why in fit.refused.items()]
+    for id_, v in visible.items():
+        if v.blind and v.z >= VISIBLE:
+            reason = "in this log its signature is mostly made of the sensors' own errors"
+            out.append({"effect": id_, "reason": reason, "needs": EFFECTS[id_].separate})
+        elif v.z < VISIBLE:
+            reason = f"an effect of typical size would stand out by {v.z:.1f} standard deviations, and {VISIBLE:g} are needed"
+            out.append({"effect": id_, "reason": reason, "needs": EFFECTS[id_].separate})
+    return tuple(out)
+
+
+def left_out_note(fit: Fit) -> list[str]:
+    """A sentence on the axes that are left out, or none."""
+    if not fit.noise.left_out:
+        return []
+    usual = [t.id for t in fit.h.terms if t.id in fit.fixed and t.id not in fit.noise.predictor.vehicle.model.values]
+    return [
+        "the vehicle hardly turns: sway and yaw are left out, and "
+        f"{', '.join(usual) or 'their parameters'} of the models are those of a usual hull of this mass and length, not of this log"
+    ]

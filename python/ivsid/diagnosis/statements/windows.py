@@ -1,0 +1,131 @@
+"""Simulated motion against measured motion, over windows that restart from the filtered states.
+
+All windows of all lengths are integrated together by the Runge-Kutta method of fourth order.
+
+Source: Hairer, Norsett and Wanner, *Solving Ordinary Differential Equations I*, 1993, section II.1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration
+from ivsid.diagnosis.plant.points import Points
+from ivsid.diagnosis.prediction.innovations import Predictor
+from ivsid.diagnosis.prediction.states import FilteredStates
+from ivsid.effects import Change
+
+Array = NDArray[np.float64]
+# Error that a simulation which runs away is given [m/s, rad/s, m].
+# Source: definition: beyond any error of a simulation that stays with the vehicle
+RUNAWAY: Final = 1e3
+
+
+def windows(
+    predictor: Predictor, h: Hypothesis, states: FilteredStates, lengths: Sequence[float]
+) -> list[tuple[Array, Array, Array]]:
+    """Simulations over windows of several lengths, from the filtered states and without feedback from the log.
+
+    Args:
+        predictor: of the log.
+        h: the hypothesis.
+        states: filtered under the hypothesis.
+        lengths: of the windows [s].
+
+    Returns:
+        For each length: simulated u, v, r [m/s, rad/s], shape (3, n), NaN outside windows; rms error of u, v, r by window, shape
+        (windows, 3); rms distance [m] by window, shape (windows,), empty without a position.
+    """
+    log, n = predictor.log, predictor.log.n
+    counts = [round(length / log.h) for length in lengths]
+    starts = [np.arange(0, n - count, count) for count in counts]
+    starts = [
+        some[[bool(log.good[s : s + count + 1].all()) for s in some]]
+        for some, count in zip(starts, counts, strict=True)
+    ]
+    out = _simulated(predictor, h, states, starts, counts)
+    readings = predictor.readings(h, states)
+    real = np.stack([readings[k]["velocity"] for k in range(3)])
+    return [_against(predictor, real, *w) for w in zip(out, starts, counts, strict=True)]
+
+
+def _simulated(
+    predictor: Predictor,
+    h: Hypothesis,
+    states: FilteredStates,
+    starts: Sequence[NDArray[np.int64]],
+    counts: Sequence[int],
+) -> list[Array]:
+    """Simulated u, v, r, psi, x, y from the states at each start, for each group of starts, each of shape (count + 1, 6, starts)."""
+    log, n = predictor.log, predictor.log.n
+    thrusts, bollard = (x[:, n:] for x in predictor.driving.force(h))
+    points = states.points
+    place = np.zeros((2, n)) if log.place is None else log.place
+    step = log.h
+    # Masses that change in time, as with a payload, are inverted again at each step.
+    steady = not any(isinstance(g.effect.acts, Change) for g in h.given)
+    mass = Mass(predictor.vehicle, h.terms, h.values) if steady else None
+
+    def rates(x: Array, t: Array, at: NDArray[np.int64]) -> Array:
+        p = Points(
+            x[:3],
+            x[3],
+            x[4:],
+            t,
+            thrusts[:, at],
+            predictor.driving.turned[:, n + at],
+            predictor.driving.sent[:, n + at],
+            None if log.wind is None else log.wind[:, at],
+            predictor.driving.steered[:, n + at],
+            bollard[:, at],
+        )
+        nudot = acceleration(predictor.vehicle, h, p, mass)
+        c, s = np.cos(x[3]), np.sin(x[3])
+        return np.concatenate([nudot, x[2:3], (x[0] * c - x[1] * s)[None], (x[0] * s + x[1] * c)[None]])
+
+    order = np.argsort([-c for c in counts], kind="stable")
+    begin = np.concatenate([starts[k] for k in order])
+    state = np.concatenate([points.nu[:, begin], points.psi[None, begin], place[:, begin]])
+    edges = np.cumsum([0, *(starts[k].size for k in order)])
+    out = [np.empty((count + 1, 6, some.size)) for some, count in zip(starts, counts, strict=True)]
+    with np.errstate(over="ignore", invalid="ignore"):
+        for i in range(max(counts) + 1):
+            for k, first, last in zip(order, edges, edges[1:], strict=False):
+                if i <= counts[k]:
+                    out[k][i] = state[:, first:last]
+            # Longer windows stand first, so those that go on are the leading columns.
+            left = int(max((e for k, e in zip(order, edges[1:], strict=True) if counts[k] > i), default=0))
+            state, at = state[:, :left], begin[:left] + i
+            if not left:
+                break
+            t = log.t[at]
+            k1 = rates(state, t, at)
+            k2 = rates(state + 0.5 * step * k1, t + 0.5 * step, at)
+            k3 = rates(state + 0.5 * step * k2, t + 0.5 * step, at)
+            k4 = rates(state + step * k3, t + step, at)
+            state = state + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    return out
+
+
+def _against(
+    predictor: Predictor, real: Array, out: Array, starts: NDArray[np.int64], count: int
+) -> tuple[Array, Array, Array]:
+    """Windows of one length against the measured motion: the simulated velocities, and the rms errors of velocities and position by window."""
+    log, n = predictor.log, predictor.log.n
+    where = starts[None, :] + np.arange(count + 1)[:, None]
+    error = np.nan_to_num(out[:, :3] - real[:, where].transpose(1, 0, 2), nan=RUNAWAY, posinf=RUNAWAY, neginf=-RUNAWAY)
+    each = np.sqrt(np.mean(np.clip(error, -RUNAWAY, RUNAWAY) ** 2, axis=0)).T
+    shown = np.full((3, n), np.nan)
+    shown[:, where.ravel()] = out[:, :3].transpose(1, 0, 2).reshape(3, -1)
+    far = np.zeros(0)
+    if log.place is not None:
+        off = np.nan_to_num(
+            out[:, 4:] - log.place[:, where].transpose(1, 0, 2), nan=RUNAWAY, posinf=RUNAWAY, neginf=-RUNAWAY
+        )
+        off = off - off[:1]
+        far = np.sqrt(np.mean(np.clip(off, -RUNAWAY, RUNAWAY) ** 2, axis=0).sum(axis=0))
+    return shown, each, far

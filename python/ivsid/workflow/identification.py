@@ -1,0 +1,122 @@
+"""``ivsid identify``: parameter intervals with their assumptions, and the rows that prove a contradiction."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from ivsid import identification
+from ivsid.files.records import sealed
+from ivsid.identification import Identification
+from ivsid.log import Log, read_log
+from ivsid.report import figures, page
+from ivsid.report.page import Part, Report, Section
+from ivsid.report.tables import quality_record
+from ivsid.rows import WINDOW
+from ivsid.vehicle import read_vehicle
+from ivsid.workflow.log_files import quality_table
+from ivsid.workflow.parameters import MEANING, claim_lines, freedom_lines, method_table, parameter_lines
+from ivsid.workflow.progress import Progress, silent
+
+
+def identify(
+    vehicle: str | Path,
+    log: str | Path,
+    method: str = "feasible",
+    *,
+    partitions: int | None = None,
+    form: str = "total",
+    rows: str = "auto",
+    window: float | Sequence[float] = WINDOW,
+    bias: str = "auto",
+    outliers: int = 0,
+    progress: Progress = silent,
+) -> Report:
+    """Reads a vehicle file and a log, identifies and reports; the options are those of ``ivsid.identify``.
+
+    Raises:
+        IvsidError: an unusable file or option, in one sentence.
+    """
+    progress("reading")
+    checked = read_vehicle(vehicle)
+    data = read_log(log, checked.log)
+    progress(f"identifying by {method} on {data.t.size} samples")
+    fit = identification.identify(
+        checked,
+        data,
+        method,
+        partitions=partitions,
+        form=form,
+        rows=rows,
+        window=window,
+        bias=bias,
+        outliers=outliers,
+    )
+    progress("drawing")
+    return identification_report(fit, data)
+
+
+def identification_report(fit: Identification, log: Log) -> Report:
+    """The report of one identification."""
+    drawings = (figures.intervals([fit]), figures.channels(log))
+    word = "guaranteed under the assumptions below" if fit.guaranteed else "not guaranteed"
+    summary = f"{fit.vehicle.name}, method {fit.method}: {fit.status} ({MEANING[fit.status]}); {word}."
+    inflation = "no factor on the bounds makes the rows consistent" if fit.inflation is None else f"{fit.inflation:.4g}"
+    facts = [f"rows: {', '.join(f'{n} {c}' for c, n in fit.rows.items())}"]
+    if fit.method == "feasible":
+        facts.append(f"inflation (smallest factor on all row radii with a consistent parameter): {inflation}")
+    if fit.improper:
+        facts.append(f"improper entries in the published inverse: {fit.improper}")
+    if fit.reason:
+        facts.append(fit.reason)
+    facts += [f"the data leave open: {' '.join(f'{v:+.3g} {k}' for k, v in d.items())}" for d in fit.directions]
+    facts += freedom_lines(fit)
+    facts += claim_lines(fit)
+    sections = [
+        Section("Parameters", (method_table([fit]), page.drawing(drawings[0]), page.bullets(facts))),
+        Section("What this rests on", (page.bullets(fit.assumes),)),
+        Section("The log", (page.drawing(drawings[1]), *_quality(log), *_notes(fit, log))),
+    ]
+    if fit.status == "empty":
+        sections.insert(1, _contradiction(fit))
+    lines = parameter_lines(fit) + [f"  note: {n}" for n in fit.notes]
+    return Report(
+        f"Identification of {fit.vehicle.name}",
+        summary,
+        sealed({**fit.record(), "quality": quality_record(log.quality)}),
+        tuple(sections),
+        drawings,
+        {},
+        tuple(lines),
+    )
+
+
+def _quality(log: Log) -> list[Part]:
+    return [quality_table(log.quality)] if log.quality else []
+
+
+def _notes(fit: Identification, log: Log) -> list[Part]:
+    notes = [*fit.notes]
+    if log.ignored:
+        notes.append(f"columns not used: {', '.join(log.ignored)}")
+    return [page.bullets(notes)] if notes else []
+
+
+def _contradiction(fit: Identification) -> Section:
+    """The rows that prove the model wrong."""
+    rows = [
+        [
+            ", ".join(f"{k} {'≥' if s > 0 else '≤'} 0" for k, s in c["orthant"].items() if s),
+            r["channel"],
+            r["time"],
+            r["duration"],
+            r["side"],
+        ]
+        for c in fit.falsifying
+        for r in c["rows"]
+    ]
+    table = page.table(["signs", "channel", "time [s]", "window [s]", "side"], rows[:60])
+    words = page.text(
+        "For each combination of signs, these rows contradict each other. They are the samples to look at."
+    )
+    return Section("Why no parameter fits", (words, table))

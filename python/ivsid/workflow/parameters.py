@@ -1,0 +1,121 @@
+"""Parameter intervals of an identification in words and tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+
+from ivsid.identification import Identification, in_words
+from ivsid.intervals import outward_decimal
+from ivsid.report import page
+from ivsid.report.page import Cells, Part
+
+# Statuses of an identification in words.
+MEANING = {
+    "enclosed": "every parameter that is consistent with the log lies in these intervals",
+    "empty": "no parameter is consistent with every row: the model, the thrust accuracy or a sensor bound is wrong",
+    "unbounded": "the log leaves some direction open; the ends that are given hold",
+    "not_proved": "numbers without a proof: they enclose nothing",
+    "not_applicable": "the method's own conditions do not hold on these data",
+}
+
+# Directions that the terminal shows; a log that bounds no parameter leaves dozens.
+# Source: resource: lines of a terminal
+MOST_DIRECTIONS = 6
+
+
+def shown(lower: float, upper: float, digits: int = 6) -> str:
+    """An interval in decimals, rounded outward; open ends as words."""
+    return f"[{_end(lower, digits, up=False)}, {_end(upper, digits, up=True)}]"
+
+
+def _end(x: float, digits: int, *, up: bool) -> str:
+    if not math.isfinite(x):
+        return "no bound"
+    if x == 0:
+        return "0"
+    places = digits - 1 - math.floor(math.log10(abs(x)))
+    scaled = float(f"{x:.{digits}g}")
+    if (scaled < x) if up else (scaled > x):
+        scaled += (1 if up else -1) * 10.0**-places
+    text = f"{scaled:.{digits}g}"
+    # The rounding above is done in floats: if it went inward, the exact decimal is shown.
+    safe = Fraction(text) >= Fraction(x) if up else Fraction(text) <= Fraction(x)
+    return text if safe else outward_decimal(x, up=up)
+
+
+def method_table(fits: Sequence[Identification]) -> Part:
+    """One row for each method and parameter."""
+    rows: list[Cells] = []
+    for fit in fits:
+        ids = list(fit.parameters) or ["–"]
+        for k, id_ in enumerate(ids):
+            p = fit.parameters.get(id_)
+            bounds = shown(p.lower, p.upper) if p else "–"
+            width = p.width if p and math.isfinite(p.width) else None
+            head = [fit.method, fit.status, fit.guaranteed] if k == 0 else ["", "", ""]
+            rows.append([*head, id_, p.unit if p else "", bounds, width])
+    return page.table(["method", "status", "guaranteed", "parameter", "unit", "interval", "width"], rows)
+
+
+def parameter_lines(fit: Identification) -> list[str]:
+    """Status and intervals of an identification, for the terminal."""
+    lines = [
+        f"method {fit.method}: {fit.status}, {'guaranteed' if fit.guaranteed else 'NOT guaranteed'}; {MEANING[fit.status]}"
+    ]
+    lines += [f"  {id_:<24} {shown(p.lower, p.upper):>32} {p.unit}" for id_, p in fit.parameters.items()]
+    if fit.status == "empty" and fit.estimate:
+        lines.append("  parameter of least inflation: " + ", ".join(f"{k} {v:.5g}" for k, v in fit.estimate.items()))
+    if fit.inflation is not None:
+        room = (
+            "the data agree with the model with room to spare"
+            if fit.inflation < 1
+            else "by this factor all bounds would have to grow"
+        )
+        lines.append(f"  inflation {fit.inflation:.3g}: {room}")
+    if fit.reason:
+        lines.append(f"  {fit.reason}")
+    for direction in fit.directions[:MOST_DIRECTIONS]:
+        lines.append("  left open along: " + " ".join(f"{v:+.3g} {k}" for k, v in direction.items()))
+    if len(fit.directions) > MOST_DIRECTIONS:
+        lines.append(f"  and along {len(fit.directions) - MOST_DIRECTIONS} more (result.json)")
+    lines += [f"  {line}" for line in (*freedom_lines(fit), *claim_lines(fit), *_culprits(fit))]
+    return lines
+
+
+def freedom_lines(fit: Identification) -> list[str]:
+    """The parameters and combinations that the data determine, if they leave some direction open."""
+    if fit.status != "unbounded" or not fit.directions:
+        return []
+    if not fit.determined:
+        return ["nothing is determined: every combination of the parameters that are left open is free"]
+    alone = [next(iter(c)) for c in fit.determined if len(c) == 1]
+    mixed = [in_words(c) for c in fit.determined if len(c) > 1]
+    words = (
+        [f"of what is left open, only {', '.join(mixed)} {'is' if len(mixed) == 1 else 'are'} determined"]
+        if mixed
+        else []
+    )
+    return words + ([f"determined by itself: {', '.join(alone)}"] if alone else [])
+
+
+def claim_lines(fit: Identification) -> list[str]:
+    """Numbers of the vehicle file's model against the intervals of their parameters."""
+    lines = []
+    for claim in fit.claims:
+        p = fit.parameters[claim["parameter"]]
+        verdict = "is contradicted by" if claim["contradicted"] else "is consistent with"
+        word = " (proved)" if claim["contradicted"] and fit.guaranteed else ""
+        lines.append(f"the claimed {claim['parameter']} = {claim['value']!r} {verdict} {shown(p.lower, p.upper)}{word}")
+    return lines
+
+
+def _culprits(fit: Identification) -> list[str]:
+    """The rows that contradict each other."""
+    places = dict.fromkeys((r["channel"], r["time"], r["duration"]) for c in fit.falsifying for r in c["rows"])
+    if not places:
+        return []
+    names = [f"{c} at {t:.6g} s" + (f" over {d:.4g} s" if d else "") for c, t, d in list(places)[:MOST_DIRECTIONS]]
+    more = f" and {len(places) - MOST_DIRECTIONS} more (report.html)" if len(places) > MOST_DIRECTIONS else ""
+    return [f"rows that contradict each other: {', '.join(names)}{more}"]

@@ -1,0 +1,137 @@
+"""``ivsid validate``: a fit against another log."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ivsid import validation
+from ivsid.identification import read_identification
+from ivsid.log import read_log
+from ivsid.report import figures, page
+from ivsid.report.figures import Drawing
+from ivsid.report.page import Part, Report, Section
+from ivsid.report.tables import validation_record
+from ivsid.validation import Validation
+from ivsid.workflow.progress import Progress, silent
+
+TITLES = {"surge": "force X", "sway": "force Y", "yaw": "moment N"}
+
+
+def validate(fit: str | Path, log: str | Path, *, progress: Progress = silent) -> Report:
+    """Reads a fit and a log, validates and reports.
+
+    Raises:
+        IvsidError: an unusable file, in one sentence.
+    """
+    progress("reading")
+    known = read_identification(fit)
+    data = read_log(log, known.vehicle.log)
+    progress(f"validating on {data.t.size} samples")
+    result = validation.validate(known, data)
+    progress("drawing")
+    drawings = validation_drawings(result)
+    summary = validation_summary(result)
+    parts = [page.drawing(d) for d in drawings]
+    sections = (
+        Section(
+            "Predicted against measured force and moment", (validation_table(result), *parts[: 2 * len(result.forces)])
+        ),
+        Section("Simulated against measured motion", (motion_table(result), *parts[2 * len(result.forces) :])),
+        Section("What this rests on", (page.bullets([*known.assumes, *result.notes]),)),
+    )
+    return Report(
+        f"Validation of {known.vehicle.name}",
+        summary,
+        validation_record(result),
+        sections,
+        drawings,
+        {},
+        tuple(validation_lines(result)),
+    )
+
+
+def validation_drawings(result: Validation, prefix: str = "") -> tuple[Drawing, ...]:
+    """Mid-values and bounds of each channel, and the motion if it was simulated."""
+    drawings = []
+    for f in result.forces:
+        title = TITLES[f.channel]
+        drawings.append(
+            figures.force_mid(f, f"{prefix}{f.channel}_mid", f"Predicted mid-values of {title} against measured")
+        )
+        guaranteed = result.fit.guaranteed and bool(result.fit.parameters)
+        drawings.append(
+            figures.force_bounds(
+                f, f"{prefix}{f.channel}_bounds", f"Predicted bounds of {title} against measured", guaranteed=guaranteed
+            )
+        )
+    if result.motion.reason is None:
+        drawings.append(figures.motion(result.motion, f"{prefix}motion"))
+    return tuple(drawings)
+
+
+def validation_summary(result: Validation) -> str:
+    """The verdict in one sentence."""
+    wrong = sum(f.falsified for f in result.forces)
+    total = sum(f.time.size for f in result.forces)
+    if wrong:
+        return f"{wrong} of {total} rows of {result.log_name} contradict the fit ({result.fit.method}, {result.fit.status})."
+    return f"No row of {result.log_name} contradicts the fit ({result.fit.method}, {result.fit.status}) within the stated bounds."
+
+
+def validation_lines(result: Validation) -> list[str]:
+    """The errors of each channel, for the terminal."""
+    lines = [validation_summary(result)]
+    for f in result.forces:
+        unit = "N m" if f.channel == "yaw" else "N"
+        lines.append(
+            f"  {TITLES[f.channel]:<9} error mean {f.mean:+.4g} {unit}, sigma {f.sigma:.4g} {unit}; "
+            f"{100 * f.coverage:.1f} % of measured values inside the bounds"
+        )
+    motion = result.motion
+    lines.append(
+        f"  motion: {motion.reason}"
+        if motion.reason
+        else "  motion rms: " + ", ".join(f"{k} {v:.4g}" for k, v in motion.rms.items())
+    )
+    return lines
+
+
+def validation_table(result: Validation) -> Part:
+    """Errors of the predicted force [N] and moment [N m] of each channel."""
+    rows = [
+        [
+            f.channel,
+            "N m" if f.channel == "yaw" else "N",
+            f.time.size,
+            f.mean,
+            f.sigma,
+            f.mean_absolute,
+            100 * f.coverage,
+            f.falsified,
+        ]
+        for f in result.forces
+    ]
+    header = [
+        "channel",
+        "unit",
+        "rows",
+        "mean error",
+        "sigma",
+        "mean |error|",
+        "inside bounds [%]",
+        "contradicting rows",
+    ]
+    return page.table(header, rows)
+
+
+def motion_table(result: Validation) -> Part:
+    """Errors of the simulated motion: rms and median over windows."""
+    motion = result.motion
+    if motion.reason:
+        return page.text(f"No simulated motion: {motion.reason}.")
+    units = {"u": "m/s", "v": "m/s", "r": "rad/s", "position": "m"}
+    rows = [
+        [k, units[k], motion.window["position" if k == "position" else "velocity"], motion.rms[k], motion.median[k]]
+        for k in motion.rms
+    ]
+    return page.table(["quantity", "unit", "window [s]", "rms error", "median over windows"], rows)

@@ -1,0 +1,82 @@
+"""``ivsid verify``: the certificates of an identification, checked in exact arithmetic."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ivsid import verification
+from ivsid.files.records import envelope
+from ivsid.report import page
+from ivsid.report.page import Report, Section
+from ivsid.verification import Verification
+from ivsid.workflow.progress import Progress, silent
+
+# Failures that the terminal shows; result.json holds all.
+# Source: resource: lines of a terminal
+MOST_FAILURES = 12
+
+
+def verify(result: str | Path, log: str | Path, *, progress: Progress = silent) -> Report:
+    """Checks the certificates of a result against its log, and reports the verdict.
+
+    Raises:
+        IvsidError: a file that cannot be read.
+    """
+    progress("recomputing rows and multipliers in fractions")
+    verdict = verification.verify(result, log)
+    lines = verdict_lines(verdict)
+    sections = [
+        Section(
+            "What was proved",
+            (
+                page.bullets(
+                    [
+                        f"certificates that hold: {verdict.certificates}",
+                        f"rows recomputed from the log in fractions: {verdict.rows}",
+                        "beyond the log and the vehicle file's assumptions the proof rests on nothing but this checker",
+                        f"in the result, but not part of the proof: {', '.join(verification.NOT_PROVED)}",
+                    ]
+                ),
+            ),
+        )
+    ]
+    if verdict.not_checked:
+        sections.insert(0, Section("What was not checked", (page.bullets(verdict.not_checked),)))
+    if verdict.failures:
+        sections.insert(0, Section("What failed", (page.bullets(verdict.failures),)))
+    return Report(
+        "Verification of an identification",
+        lines[0],
+        {**envelope("verify", verdict.inputs), **verdict.record()},
+        tuple(sections),
+        (),
+        {},
+        tuple(lines),
+    )
+
+
+def verdict_lines(verdict: Verification) -> list[str]:
+    """The verdict for the terminal."""
+    if verdict.proved:
+        rows = f"{verdict.wrong} row{'s' * (verdict.wrong > 1)}"
+        statement = (
+            f"{verdict.claim}, if at most {rows} of each set of parameters that share rows are wrong"
+            if verdict.wrong
+            else verdict.claim
+        )
+        return [
+            f"PROVED: {verdict.result_name} ({statement}) follows from {verdict.log_name}: {verdict.certificates} certificates "
+            f"over {verdict.rows} rows hold in exact arithmetic"
+        ]
+    if verdict.status == "not_checked":
+        return [
+            f"NOT CHECKED: {verdict.result_name} ({verdict.claim}) holds if its rows do, but not all of them can be recomputed from {verdict.log_name}",
+            *(f"  {sentence}" for sentence in verdict.not_checked),
+        ]
+    lines = [
+        f"NOT PROVED: {verdict.result_name} does not follow from {verdict.log_name}; {len(verdict.failures)} checks failed"
+    ]
+    lines += [f"  {f}" for f in verdict.failures[:MOST_FAILURES]]
+    if len(verdict.failures) > MOST_FAILURES:
+        lines.append(f"  and {len(verdict.failures) - MOST_FAILURES} more (result.json)")
+    return lines

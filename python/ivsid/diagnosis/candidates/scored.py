@@ -12,6 +12,9 @@ from ivsid.diagnosis.estimation.candidate_columns import Family
 # Fall of chi-squared that each number beyond the first has to bring.
 # Source: none
 PRICE: Final = 3.0
+# Values of a search that get exact columns.
+# Source: resource: a period costs four columns, an anchor two
+PEAKS: Final = 3
 
 
 @dataclass(frozen=True)
@@ -40,7 +43,7 @@ class Scored:
 
     @property
     def id(self) -> str:
-        """Of the effect."""
+        """The id of its effect."""
         return self.family.id
 
     def share(self, mass: float) -> float:

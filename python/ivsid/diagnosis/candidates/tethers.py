@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.diagnosis.candidates.scored import PEAKS
 from ivsid.diagnosis.estimation.fit import Fit
 
 Array = NDArray[np.float64]
@@ -22,9 +23,6 @@ SAMPLES: Final = 1500
 # Squared distance that is added to that of an anchor [m^2].
 # Source: geometry: the direction to an anchor below the hull stays a number
 NEAR: Final = 1e-4
-# Anchors that get exact columns.
-# Source: resource: each costs two columns
-PEAKS: Final = 3
 # Independent anchors in the grid.
 # Source: none
 LOOKS: Final = 20.0

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.diagnosis.candidates.scored import PEAKS
 from ivsid.diagnosis.estimation.candidate_columns import Family
 from ivsid.diagnosis.estimation.fit import Fit
 
@@ -24,9 +25,6 @@ PERIODS_A_LOG: Final = 20
 # Longest period of a tide, in logs.
 # Source: geometry: half a period of it passes in the log
 LOGS_A_TIDE: Final = 2
-# Periods that get exact columns.
-# Source: resource: each costs four columns
-PEAKS: Final = 3
 # Factor by which the transform is padded with zeros.
 # Source: geometry: the best of the padded frequencies is within an eighth of the log's own resolution of any frequency
 PADDING: Final = 4

@@ -101,7 +101,7 @@ class Channels:
 
     @property
     def n(self) -> int:
-        """Samples."""
+        """Number of samples."""
         return int(self.t.size)
 
     def has(self, need: str) -> bool:

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from ivsid.diagnosis.data.outliers import outliers
+from ivsid.diagnosis.data.outliers import USUAL, outliers
 from ivsid.errors import IvsidError
 from ivsid.log import Log
 
@@ -29,7 +29,7 @@ SAME_STEP: Final = 1e-3
 # Shortest log [s].
 # Source: geometry: two half-minutes, the fewest between which coefficients can scatter (candidates.intervals.scatter)
 SHORTEST: Final = 60.0
-# Largest turn from one sample to the next [rad]: the forces of a step are evaluated at one heading.
+# Largest usual turn from one sample to the next [rad]: the forces of a step are evaluated at one heading.
 # Source: physics: sin x and x differ by 1.5 % at 0.3 rad, and the direction of a force is off by less in the middle of a step
 LARGEST_TURN: Final = 0.3
 
@@ -77,7 +77,7 @@ def paced(log: Log) -> tuple[Log, float, list[str]]:
         thin = int(np.ceil(1 / h / HIGHEST_RATE))
         h *= thin
         notes.append(f"every {thin}th sample is used: {1 / h:.3g} a second are enough for the motion of a hull")
-    turned = h * float(np.nanquantile(np.abs(log.columns["r"]), 0.95))
+    turned = h * float(np.nanquantile(np.abs(log.columns["r"]), USUAL))
     if turned > LARGEST_TURN:
         raise IvsidError(
             f"{log.name}: the vehicle turns by {turned:.2g} rad from one sample to the next, and a diagnosis follows {LARGEST_TURN:g}; log faster, or "

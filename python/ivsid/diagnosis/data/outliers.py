@@ -11,6 +11,9 @@ Array = NDArray[np.float64]
 # Fewest samples of a channel in which outliers are looked for: the 95 % quantile of fewer rests on one or two of them.
 # Source: geometry: a twentieth of 50 samples is 2.5
 FEWEST: Final = 50
+# Quantile of a channel that counts as usual.
+# Source: definition: one sample in twenty lies beyond
+USUAL: Final = 0.95
 # Outlier threshold, as a multiple of the 95 % quantile of the deviation from the neighbours' midpoint.
 # Source: theorem: ten 95 % quantiles are 19.6 standard deviations of Gaussian noise, which no sample of a log reaches
 THRESHOLD: Final = 10.0
@@ -43,7 +46,7 @@ def outliers(x: Array) -> NDArray[np.bool_]:
     off, beyond = np.zeros(there.size), np.zeros(there.size)
     off[1:-1] = 0.5 * np.abs(before + after)
     beyond[1:-1] = np.where(before * after > 0, np.minimum(np.abs(before), np.abs(after)), 0.0)
-    usual = float(np.quantile(off, 0.95))
+    usual = float(np.quantile(off, USUAL))
     highest = off > ABOVE_NEIGHBOURS * np.maximum(np.r_[0.0, off[:-1]], np.r_[off[1:], 0.0])
     if usual > 0:
         far = off > max(THRESHOLD * usual, LEAST_SHARE * float(values.std()))

@@ -70,7 +70,7 @@ class Family:
 
     @property
     def id(self) -> str:
-        """Of the effect."""
+        """The id of its effect."""
         return self.effect.id
 
 

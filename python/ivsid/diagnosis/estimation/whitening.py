@@ -26,6 +26,18 @@ MOST_LAGS: Final = 12
 # Threshold of the likelihood ratio for coupled axes, in standard deviations of chi-squared above its mean.
 # Source: theorem: without coupling the ratio is chi-squared, of mean k and variance 2 k (Wilks 1938)
 COUPLED: Final = 6.0
+# Least singular value of past errors that counts in an autoregression, in the largest.
+# Source: geometry: a million times the rounding of a double
+RCOND: Final = 1e-10
+# Variance that is added to the errors that an autoregression leaves, in their unit squared.
+# Source: geometry: keeps the covariance of channels without noise positive definite, far below that of any sensor
+LEAST_VARIANCE: Final = 1e-24
+# Variance that is added to past errors of unit variance.
+# Source: geometry: ten thousand times the rounding of a double
+TRACE: Final = 1e-12
+# Least size of a row of errors, in its unit.
+# Source: geometry: keeps the inverse of a row without errors a finite number
+LEAST_ROW: Final = 1e-12
 
 
 @dataclass(frozen=True)
@@ -103,9 +115,9 @@ def whiten(
         past = np.concatenate([residual[rows][:, at - lag] for lag in range(1, lags + 1)])
         now = residual[rows][:, at]
         scale = np.maximum(np.abs(past).max(axis=1), 1e-300)
-        A = np.linalg.lstsq((past / scale[:, None]).T, now.T, rcond=1e-10)[0].T / scale
+        A = np.linalg.lstsq((past / scale[:, None]).T, now.T, rcond=RCOND)[0].T / scale
         left = now - A @ past
-        root = np.linalg.inv(np.linalg.cholesky(left @ left.T / at.size + 1e-24 * np.eye(len(rows))))
+        root = np.linalg.inv(np.linalg.cholesky(left @ left.T / at.size + LEAST_VARIANCE * np.eye(len(rows))))
         each = [root] + [-root @ A[:, lag * len(rows) : (lag + 1) * len(rows)] for lag in range(lags)]
         taps.append(np.stack(each))
     return Whitening(tuple(found), tuple(taps))
@@ -129,7 +141,7 @@ def _coupled(
         p = [place[i] for i in of]
         q = [lag * len(rows) + place[i] for lag in range(lags) for i in by]
         c = cross[np.ix_(q, p)]
-        trace = 1e-12 * at.size * np.eye(len(q))
+        trace = TRACE * at.size * np.eye(len(q))
         return float(np.linalg.slogdet(total[np.ix_(p, p)] - c.T @ np.linalg.solve(inner[np.ix_(q, q)] + trace, c))[1])
 
     found = []
@@ -147,7 +159,7 @@ def plain_scale(
     errors: Array, good: NDArray[np.bool_], predictor: Predictor, left_out: frozenset[int] = frozenset()
 ) -> Whitening:
     """A first whitening: each row is divided by its usual size, and axes that are left out become zero."""
-    size = np.maximum(np.median(np.abs(errors[:, good]), axis=1) / NORMAL_MEDIAN, 1e-12)
+    size = np.maximum(np.median(np.abs(errors[:, good]), axis=1) / NORMAL_MEDIAN, LEAST_ROW)
     groups: dict[int, list[int]] = {}
     for i, (k, _) in enumerate(predictor.labels):
         groups.setdefault(k, []).append(i)

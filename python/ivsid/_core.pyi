@@ -6,7 +6,7 @@ from typing import Any, Final, Self, TypedDict, final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.linear.certificates import Content
+from ivsid.linear.certificate_kinds import Content
 from ivsid.linear.regression import OrthantProof, SignProof
 
 _Array = NDArray[np.float64]

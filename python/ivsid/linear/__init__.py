@@ -1,9 +1,26 @@
-"""Typed doors to the linear algebra of the core.
+"""Interval matrices and interval rows: typed doors to the linear algebra of the core.
 
-- ``linalg``: inverses, regularity and square systems of interval matrices.
-- ``regression``: parameters of interval rows: the feasible set, and interval least squares.
-- ``certificates``: certificates checked with fractions, without the core.
-- ``filters``: recursive filters in plain floats, for estimates only.
+The mathematics and its proofs are in ``crates/interval-core``. A door checks shapes and names, passes arrays without a copy where their
+layout allows it, and returns frozen values. Nothing here widens or narrows a bound, and nothing reads a file.
 
-The chapter may use ``intervals`` and ``errors``. ``ivsid.linalg`` and ``ivsid.regression`` are the names that users call.
+Doors, one a subject; only these three import the compiled core:
+
+- ``linalg``: inverses, regularity, square systems and the norm of interval matrices, one by one or in batches.
+- ``regression``: parameters of interval rows: the feasible set with its certificates, the normal equations (paper, eq. 14) and
+  least squares.
+- ``filters``: recursive filters and causal whitening in plain floats; estimates, and never a bound.
+
+Values that they return:
+
+- ``results``: statuses, results and batches of inverses, systems and regularity.
+- ``certificate_kinds``: one record for each kind of proof that a matrix is regular or singular.
+- ``certificates``: such a proof with its matrix; ``verify()`` checks it.
+- ``exact_checks``: these checks in integers and fractions, without the core.
+
+A numerical outcome is a value: ``status`` names it, ``guaranteed`` tells whether every step was proved, ``reason`` says in a sentence what
+is missing. A failed proof leaves no bound and raises nothing. Misuse (shapes, NaN, reversed bounds, unknown names) is an ``IvsidError``.
+
+The chapter may use ``intervals`` and ``errors``. Identification, the diagnosis and the demo's page use it. ``ivsid.linalg`` and
+``ivsid.regression`` are the names that users call. Theory: docs/theory.md, "Regularity", "Inverses", "Square systems", "Least squares"
+and "The feasible set".
 """

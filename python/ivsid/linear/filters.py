@@ -35,14 +35,14 @@ def whiten(
     *,
     unit: bool = False,
 ) -> tuple[Array, Array]:
-    """A causal filter of groups of rows, in blocks of time: shape (columns, blocks, rows length), and what each column was divided by.
+    """A causal filter of groups of rows, in blocks of time: shape (columns, blocks, rows length), and the divisor of each column.
 
     Args:
         columns: signals, each of shape (rows, n).
         groups: rows that are filtered together.
         taps: by group, shape (lags + 1, rows, rows).
-        length: samples in a block; what is beyond the last whole one is left out.
-        weight: what each sample is multiplied by, shape (n,).
+        length: samples in a block; samples beyond the last whole block are left out.
+        weight: factor of each sample, shape (n,).
         unit: whether each column is divided by its length.
 
     Raises:

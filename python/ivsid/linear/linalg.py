@@ -1,132 +1,64 @@
-"""Inverses, regularity and square systems of interval matrices."""
+"""Inverses, regularity and square systems of interval matrices: the names of ``ivsid.linalg``.
+
+Source: docs/theory.md, "Inverses", "Regularity" and "Square systems".
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from enum import StrEnum
-from typing import Final, TypeAlias, TypeVar, overload
+from collections.abc import Callable
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ivsid import _core
 from ivsid.errors import IvsidError
 from ivsid.intervals import EndpointPair, FloatArray, Interval, IntervalArray, Operand
 from ivsid.linear.certificates import Certificate
+from ivsid.linear.results import PROVED, Batch, Bounds, Regularity, Result, ResultBatch, Status, Verdict
 
-Bounds: TypeAlias = tuple[FloatArray, FloatArray]
+__all__ = [
+    "DEFAULT_CELLS",
+    "DEFAULT_PARTITIONS",
+    "INVERSE_METHODS",
+    "PARTITION_LIMIT",
+    "PROVED",
+    "SOLVE_METHODS",
+    "STATUSES",
+    "SWEEPS",
+    "VERDICTS",
+    "Batch",
+    "Bounds",
+    "Certificate",
+    "Regularity",
+    "Result",
+    "ResultBatch",
+    "Status",
+    "Verdict",
+    "check_method",
+    "inverse",
+    "inverse_batch",
+    "inverse_one",
+    "make_result",
+    "norm",
+    "partition_count",
+    "regularity",
+    "regularity_batch",
+    "regularity_one",
+    "solve",
+    "solve_batch",
+    "solve_one",
+]
 
 INVERSE_METHODS: Final = _core.INVERSE_METHODS
 SOLVE_METHODS: Final = _core.SOLVE_METHODS
 SWEEPS: Final = _core.SWEEPS
 DEFAULT_PARTITIONS: Final = _core.DEFAULT_PARTITIONS
 DEFAULT_CELLS: Final = _core.DEFAULT_CELLS
-PARTITION_LIMIT: Final = 2**53
-"""Beyond it the members of a sweep are no longer told apart by doubles."""
-
 STATUSES: Final = _core.STATUSES
 VERDICTS: Final = _core.VERDICTS
-
-
-class Status(StrEnum):
-    """The status of an inverse or of the solution of a square system: ``STATUSES`` of the core, by name."""
-
-    ENCLOSED = "enclosed"
-    SINGULAR = "singular"
-    NOT_PROVED = "not_proved"
-    NOT_APPLICABLE = "not_applicable"
-
-
-class Verdict(StrEnum):
-    """The verdict on the regularity of a matrix: ``VERDICTS`` of the core, by name."""
-
-    REGULAR = "regular"
-    SINGULAR = "singular"
-    NOT_PROVED = "not_proved"
-
-
-PROVED: Final = (Status.ENCLOSED, Status.SINGULAR)
-"""Statuses that a proof stands behind."""
-
-
-@dataclass(frozen=True)
-class Result:
-    """What a method answers.
-
-    Attributes:
-        method: its name.
-        status: ``enclosed``, ``singular``, ``not_proved`` or ``not_applicable``.
-        value: the enclosure; an ``EndpointPair`` for the published methods, which claim nothing; None without bounds.
-        certificate: why the status holds; its ``verify()`` checks that in exact arithmetic.
-        reason: what was not proved and why, in one sentence.
-        gap: for ``partitioned``, how far a bound may be from the hull at most.
-    """
-
-    method: str
-    status: Status
-    value: IntervalArray | EndpointPair | None
-    certificate: Certificate | None
-    reason: str | None
-    gap: float | None = None
-
-    @property
-    def guaranteed(self) -> bool:
-        """Whether every step was proved."""
-        return self.status in PROVED
-
-
-@dataclass(frozen=True)
-class Regularity:
-    """Whether every member is nonsingular: ``status`` is ``regular``, ``singular`` or ``not_proved``."""
-
-    status: Verdict
-    certificate: Certificate | None
-
-
-Answer = TypeVar("Answer")
-
-
-class Batch(Sequence[Answer]):
-    """Answers to a batch: names in ``status``, shape (k,), or one answer after the other.
-
-    An answer with its certificate is made when it is asked for.
-    """
-
-    def __init__(self, status: NDArray[np.str_], single: Callable[[int], Answer]) -> None:
-        self.status = status
-        self._single = single
-
-    def __len__(self) -> int:
-        return len(self.status)
-
-    @overload
-    def __getitem__(self, index: int) -> Answer: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[Answer]: ...
-    def __getitem__(self, index: int | slice) -> Answer | list[Answer]:
-        positions = range(len(self))[index]
-        return self._single(positions) if isinstance(positions, int) else [self._single(k) for k in positions]
-
-
-class ResultBatch(Batch[Result]):
-    """The results of a batch: whole arrays as well.
-
-    Attributes:
-        method: its name.
-        lower: bounds, shape (k, n, n), of systems (k, n); NaN where a result has no value.
-        upper: the same from above.
-    """
-
-    def __init__(self, method: str, codes: NDArray[np.uint8], bounds: Bounds, single: Callable[[int], Result]) -> None:
-        super().__init__(np.array(STATUSES)[codes], single)
-        self.method = method
-        self.lower, self.upper = bounds
-
-    @property
-    def guaranteed(self) -> NDArray[np.bool_]:
-        """Which results are proved, shape (k,)."""
-        return np.isin(self.status, PROVED)
+# Least number of partitions that is refused: beyond it doubles no longer tell the members of a sweep apart.
+# Source: definition: integers up to 2^53 are doubles
+PARTITION_LIMIT: Final = 2**53
 
 
 def inverse(
@@ -191,7 +123,7 @@ def inverse_batch(
         found = _core.inverse(lower[k], upper[k], method, number, sweep)
         return make_result(method, found, (lower[k], upper[k]), lower[k].shape)
 
-    return ResultBatch(method, codes, bounds, single)
+    return ResultBatch(method, np.array(STATUSES)[codes], bounds, single)
 
 
 def solve(A: Operand, b: Operand, method: str = "hansen-bliek-rohn") -> Result | ResultBatch:
@@ -236,7 +168,7 @@ def solve_batch(A: Operand, b: Operand, method: str = "hansen-bliek-rohn") -> Re
         found = _core.solve(low[k], high[k], (lower[k], upper[k]), method)
         return make_result(method, found, (low[k], high[k]), lower[k].shape)
 
-    return ResultBatch(method, codes, bounds, single)
+    return ResultBatch(method, np.array(STATUSES)[codes], bounds, single)
 
 
 def regularity(A: Operand) -> Regularity | Batch[Regularity]:

@@ -1,4 +1,7 @@
-"""Parameters of interval rows: the feasible set, and interval least squares."""
+"""Parameters of interval rows: the feasible set, and interval least squares.
+
+Source: docs/theory.md, "The feasible set" and "Least squares".
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,8 @@ import numpy as np
 from ivsid import _core
 from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray, IntervalArray, Operand
-from ivsid.linear.linalg import INVERSE_METHODS, Bounds, Result, Status, check_method, make_result, partition_count
+from ivsid.linear.linalg import INVERSE_METHODS, check_method, make_result, partition_count
+from ivsid.linear.results import Bounds, Result, Status
 
 FEASIBLE_STATUSES: Final = _core.FEASIBLE_STATUSES
 LEAST_SQUARES_STATUSES: Final = _core.LEAST_SQUARES_STATUSES
@@ -74,7 +78,7 @@ OrthantProof: TypeAlias = EmptyOrthant | BoundedOrthant
 
 
 class SignProof(TypedDict):
-    """Why the set meets no orthant beside one: signs that are decided, those of the home, columns with their rows, what they reach."""
+    """Proof that the set meets no orthant but one: decided signs, the orthant's signs, columns with their rows, and their reach."""
 
     decided: list[int]
     home: list[int]
@@ -91,13 +95,13 @@ class FeasibleSet:
     Attributes:
         status: ``enclosed``, ``empty`` (no parameter is consistent), ``unbounded`` or ``not_applicable``.
         value: bounds, shape (n,); unproved ends are infinite; None where the set is empty.
-        inflation: the smallest factor on all radii at which a parameter is consistent (an estimate); None if none is.
-        centre: where that factor is attained, shape (n,).
-        directions: in which the set goes on for ever, each of shape (n,).
+        inflation: the smallest factor on all radii at which a parameter is consistent (an estimate); None if there is none.
+        centre: the parameter that attains this factor, shape (n,).
+        directions: those in which the set is unbounded, each of shape (n,).
         certificate: per orthant that the set may meet, the rows and multipliers of every bound, or of the contradiction; with
             ``outliers`` each entry names the rows that it leaves out (``dropped``).
-        reason: why the method does not apply.
-        sign_proofs: why the set meets no orthant beside those of ``certificate``; empty where all are listed.
+        reason: the condition that the method lacks, in one sentence.
+        sign_proofs: proofs that the set meets no orthant beside those of ``certificate``; empty where all are listed.
         fewest_outliers: with ``outliers``, the least number of rows without which no contradiction is left; None where more
             than the allowed number are needed.
         outliers: with ``outliers``, the sets of that many rows, each a tuple of row numbers.
@@ -127,7 +131,7 @@ class NormalEquations:
     Attributes:
         status: that of the inverse; only ``enclosed`` is proved.
         value: bounds, shape (n,), or None where the inverse has none.
-        improper: how many entries of the inverse had their lower bound above the upper one.
+        improper: number of entries of the inverse whose lower bound is above the upper one.
         gram: A'A, shape (n, n).
         inverse: the inverse that was used.
     """
@@ -153,10 +157,10 @@ class LeastSquares:
     """An enclosure of the least-squares solutions of all members.
 
     Attributes:
-        method: how it was found.
+        method: its name.
         status: ``enclosed``, ``not_proved`` or ``not_applicable``.
         value: bounds, shape (n,); None where there are none.
-        reason: why there are none.
+        reason: the missing proof and its cause, in one sentence; None with bounds.
     """
 
     method: str
@@ -171,14 +175,14 @@ class LeastSquares:
 
 
 def feasible_set(A: Operand, y: Operand, outliers: int = 0, signs: Sequence[int] | None = None) -> FeasibleSet:
-    """The hull of {theta: some member of A and of y gives A theta = y} (Oettli-Prager; METHODS 4.3-4.5).
+    """The hull of {theta: some member of A and of y gives A theta = y} (Oettli and Prager 1964).
 
     C-contiguous float64 bounds are used where they lie, memory-mapped ones too.
 
     Args:
         A: interval rows, shape (m, n).
         y: right-hand sides, shape (m,).
-        outliers: how many rows may be wrong: the hull is that of all parameters that all but so many rows allow.
+        outliers: number of rows that may be wrong; the hull is that of all parameters that contradict at most this many rows.
         signs: for each parameter 1 or -1 where its sign is known beforehand, else 0; the result holds under this assumption.
 
     Raises:
@@ -220,7 +224,7 @@ def normal_equations(A: Operand, y: Operand, method: str = "exact", partitions: 
 
 
 def least_squares(A: Operand, y: Operand, method: str = "qr") -> LeastSquares:
-    """Every least-squares solution of every member of A and y (METHODS 4.4), and so every consistent parameter.
+    """Every least-squares solution of every member of A and y, and so every consistent parameter.
 
     Args:
         A: interval rows or points, shape (m, n).

@@ -1,0 +1,119 @@
+"""Results of inverses, square systems and regularity, one by one and in batches.
+
+Results are values: nothing here computes, and the core is not imported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Final, TypeAlias, TypeVar, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.intervals import EndpointPair, FloatArray, IntervalArray
+from ivsid.linear.certificates import Certificate
+
+Bounds: TypeAlias = tuple[FloatArray, FloatArray]
+
+
+class Status(StrEnum):
+    """The status of an inverse or of the solution of a square system: ``STATUSES`` of the core, by name."""
+
+    ENCLOSED = "enclosed"
+    SINGULAR = "singular"
+    NOT_PROVED = "not_proved"
+    NOT_APPLICABLE = "not_applicable"
+
+
+class Verdict(StrEnum):
+    """The verdict on the regularity of a matrix: ``VERDICTS`` of the core, by name."""
+
+    REGULAR = "regular"
+    SINGULAR = "singular"
+    NOT_PROVED = "not_proved"
+
+
+PROVED: Final = (Status.ENCLOSED, Status.SINGULAR)
+"""Statuses that are proved."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """Answer of a method, with its proof.
+
+    Attributes:
+        method: its name.
+        status: ``enclosed``, ``singular``, ``not_proved`` or ``not_applicable``.
+        value: the enclosure; an ``EndpointPair`` for the published methods, which claim nothing; None without bounds.
+        certificate: proof of the status; its ``verify()`` checks it in exact arithmetic.
+        reason: the missing proof and its cause, in one sentence.
+        gap: for ``partitioned``, the largest distance that a bound can have from the hull.
+    """
+
+    method: str
+    status: Status
+    value: IntervalArray | EndpointPair | None
+    certificate: Certificate | None
+    reason: str | None
+    gap: float | None = None
+
+    @property
+    def guaranteed(self) -> bool:
+        """Whether every step was proved."""
+        return self.status in PROVED
+
+
+@dataclass(frozen=True)
+class Regularity:
+    """Whether every member is nonsingular: ``status`` is ``regular``, ``singular`` or ``not_proved``."""
+
+    status: Verdict
+    certificate: Certificate | None
+
+
+Answer = TypeVar("Answer")
+
+
+class Batch(Sequence[Answer]):
+    """Answers to a batch: names in ``status``, shape (k,), or one answer after the other.
+
+    An answer with its certificate is made when it is asked for.
+    """
+
+    def __init__(self, status: NDArray[np.str_], single: Callable[[int], Answer]) -> None:
+        self.status = status
+        self._single = single
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    @overload
+    def __getitem__(self, index: int) -> Answer: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Answer]: ...
+    def __getitem__(self, index: int | slice) -> Answer | list[Answer]:
+        positions = range(len(self))[index]
+        return self._single(positions) if isinstance(positions, int) else [self._single(k) for k in positions]
+
+
+class ResultBatch(Batch[Result]):
+    """Results of a batch, with all bounds as arrays.
+
+    Attributes:
+        method: its name.
+        lower: bounds, shape (k, n, n), of systems (k, n); NaN where a result has no value.
+        upper: the same from above.
+    """
+
+    def __init__(self, method: str, status: NDArray[np.str_], bounds: Bounds, single: Callable[[int], Result]) -> None:
+        super().__init__(status, single)
+        self.method = method
+        self.lower, self.upper = bounds
+
+    @property
+    def guaranteed(self) -> NDArray[np.bool_]:
+        """Which results are proved, shape (k,)."""
+        return np.isin(self.status, PROVED)

@@ -9,7 +9,7 @@ from scipy.stats import chi2
 
 from ivsid.diagnosis.estimation.candidate_columns import Family
 
-# Fall of chi-squared that each number beyond the first has to bring.
+# Price of each number beyond the first, in chi-squared: dearer than the 2 of Akaike's criterion.
 # Source: none
 PRICE: Final = 3.0
 # Values of a search that get exact columns.

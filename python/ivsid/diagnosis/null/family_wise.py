@@ -68,9 +68,7 @@ def second_opinion(fit: Fit, s: Scored) -> float:
         keep = np.arange(len(g.blocks)) >= first
     else:
         keep = np.ones(len(g.blocks), dtype=bool)
-    solved = np.linalg.solve(
-        p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9), p.total[np.ix_(p.base, at)]
-    )
+    solved = np.linalg.solve(p.normal, p.total[np.ix_(p.base, at)])
     # Scores of the projected columns block by block, at the fit of the base.
     own = g.blocks[:, at][:, :, at] * keep[:, None, None]
     cross = g.blocks[:, at][:, :, p.base] * keep[:, None, None]

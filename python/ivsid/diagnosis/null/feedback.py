@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from ivsid.diagnosis.data.channels import Channels
+from ivsid.diagnosis.data.sensor_noise import NORMAL_MEDIAN
 from ivsid.diagnosis.prediction.states import FilteredStates
 
 Array = NDArray[np.float64]
@@ -50,9 +51,6 @@ ROUNDS: Final = 8
 # Tuning constant of the Cauchy weights, in median sizes: 2.0 standard deviations, near the usual 2.385.
 # Source: Holland and Welsch 1977
 CAUCHY: Final = 3.0
-# Median size of normal errors of unit standard deviation.
-# Source: definition: third quartile of the normal distribution
-QUARTILE: Final = 0.6745
 # The controller reads the sensors if more than this share of their noise is in the demands.
 # Source: definition: the middle between all of the noise and none
 READ: Final = 0.5
@@ -198,7 +196,7 @@ def _faint(
 
 def _size(x: Array) -> float:
     """Robust standard deviation, from the median absolute value; infinite for an empty array."""
-    return float(np.median(np.abs(x))) / QUARTILE if x.size else np.inf
+    return float(np.median(np.abs(x))) / NORMAL_MEDIAN if x.size else np.inf
 
 
 def _reads(log: Channels, motion: Array, sent: Array, feedback_gains: Array, at: NDArray[np.bool_]) -> bool:

@@ -89,7 +89,7 @@ def calibrate(fit: Fit, visible: frozenset[str], level: float, seed: int, draws:
     rng = np.random.default_rng(seed)
     c = len(g.names)
     p = fit.projection
-    inner = p.total[np.ix_(base, base)] + np.diag(g.prior[base] + 1e-9)
+    inner = p.normal
     # Declared errors scatter by their priors, and that scatter belongs to the draw of a score.
     spread = np.zeros((draws, len(base)))
     known = g.prior[base] > 0

@@ -204,8 +204,7 @@ def _size(fit: Fit, p: Projection, family: Family, mass: float) -> tuple[float, 
         half = len(g.blocks) // 2
         later = g.blocks[half:, j, :].sum(axis=0)
         cross = later[p.base]
-        inner = p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9)
-        H = float(later[j] - cross @ np.linalg.solve(inner, cross))
+        H = float(later[j] - cross @ np.linalg.solve(p.normal, cross))
         name = family.effect.parts[0] if family.thruster is None else family.effect.parts[1]
         return size * float(g.unit[j]) * float(np.sqrt(max(H, 0.0))), {name: size}
     information = p.information(at)

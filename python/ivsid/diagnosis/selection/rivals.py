@@ -15,7 +15,7 @@ import numpy as np
 
 from ivsid.diagnosis.candidates.families import adopted
 from ivsid.diagnosis.candidates.profile import refined, sought
-from ivsid.diagnosis.candidates.scored import Scored
+from ivsid.diagnosis.candidates.scored import PRICE, Scored
 from ivsid.diagnosis.estimation.fit import Fit, Noise, chi2_of
 from ivsid.diagnosis.estimation.gauss_newton import DeclaredColumns, improve
 from ivsid.diagnosis.plant.physics import Hypothesis
@@ -23,9 +23,6 @@ from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import EFFECTS
 
-# Price of each parameter beyond the first, in chi-squared: dearer than the 2 of Akaike's criterion.
-# Source: none
-PRICE: Final = 3.0
 # Price of the less simple of two causes that fit exactly alike.
 # Source: definition: any positive number breaks the tie
 TIE: Final = 1.0

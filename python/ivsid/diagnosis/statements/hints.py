@@ -24,7 +24,7 @@ _BIAS: Final = {
 def hints(fit: Fit) -> tuple[str, ...]:
     """Sentences on biases, scale factors and thrust errors that the log shows inside their bounds, and on a strong ambient force."""
     g, p = fit.gram, fit.projection
-    bare = np.linalg.inv(p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9))
+    bare = np.linalg.inv(p.normal)
     out: list[str] = []
     for i, k in enumerate(p.base):
         name = g.names[k]

@@ -135,7 +135,7 @@ def _common(logs: Array, spread: Array, declared: float) -> tuple[float, float] 
 def _covariance(g: Gram, base: Sequence[int], ids: Sequence[str]) -> Array:
     """Covariance of fitted parameters, shape (ids, ids)."""
     p = Projection(g, base)
-    inverse = np.linalg.inv(p.total[np.ix_(p.base, p.base)] + np.diag(g.prior[p.base] + 1e-9))
+    inverse = np.linalg.inv(p.normal)
     at = [p.base.index(k) for k in g.at(ids)]
     unit = g.unit[g.at(ids)]
     return np.asarray(inverse[np.ix_(at, at)] / np.outer(unit, unit))

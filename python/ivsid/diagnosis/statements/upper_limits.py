@@ -36,7 +36,7 @@ def allowed(last: Fit, left: Sequence[Scored], unnamed: Sequence[str] = ()) -> d
         if s.family.kind not in ("linear", "tether") or not _seen(last, s):
             continue
         p = Projection(last.gram, [*last.base, *s.columns])
-        covariance = np.linalg.inv(p.total[np.ix_(p.base, p.base)] + np.diag(last.gram.prior[p.base] + 1e-9))
+        covariance = np.asarray(np.linalg.inv(p.normal), dtype=np.float64)
         variance = np.maximum(np.diag(covariance), scatter(p, covariance))
         effect = s.family.effect
         count = _PULL if s.family.kind == "tether" else len(s.columns)

@@ -125,7 +125,7 @@ def vehicle_of(text=TWIN, extra=""):
 def logs_of(vehicle, effects=None, *, segments=ZIGZAGS, duration=240.0, rate=10.0, seed=21):
     """TRAIN and TEST."""
     given = tuple((effects or {}).items())
-    # What was simulated once is not simulated again; effects of one's own may change between two tests.
+    # A log is simulated once, unless a user's effects are registered: those may change between two tests.
     known = SHIPPED.issuperset(EFFECTS) and vehicle == parse_vehicle(vehicle.text, vehicle.source)
     made = []
     for name, number in (("train", seed), ("test", seed + 1)):

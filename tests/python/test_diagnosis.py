@@ -81,7 +81,7 @@ def test_nothing_hidden_is_adequate_and_the_parameters_come_out():
         q for q in record["not_tested"] if q["effect"] == "thruster.gain"
     ).items()
     assert record["detectable"]["drag.surge.linear"]["unit"] == "kg/s"
-    # What is adequate already does not gain.
+    # A model that is adequate already gains nothing.
     for before, after in result.gain.simulation_rms.values():
         assert before == pytest.approx(after, rel=1e-9)
 
@@ -159,7 +159,7 @@ def test_a_wrong_claim_is_a_finding_and_a_true_one_is_not():
         assert result.verdict == verdict
         if verdict == "wrong":
             assert "drag.surge.quadratic" in set().union(*sets(result))
-            # What the log contradicts is no claim of the extended model.
+            # A claim that the log contradicts is left out of the extended model.
             assert not parse_vehicle(extended_vehicle(result), "model.toml").model.values
             bound = result.findings[0].parameters["drag.surge.quadratic"]
             assert 20.0 < bound.lower < 28.0 < bound.upper
@@ -191,7 +191,7 @@ def test_isolability_orders_what_the_theory_orders():
     assert result.rho[index["drag.surge.linear"], index["drag.yaw.linear"]] < 0.3
     assert result.visible["sensor.velocity.scale"].z < result.visible["drag.yaw.linear"].z
     for id_, v in result.visible.items():
-        # What a band or a limit hides is not proportional to it.
+        # The signature of a dead band or a limit is not proportional to its size.
         for part, least in {} if id_ in ("thruster.deadband", "thruster.saturation") else v.detectable.items():
             assert abs(least) * v.z == pytest.approx(8.0 * abs(v.typical[part]), rel=1e-9), id_
 

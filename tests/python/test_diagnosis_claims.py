@@ -33,7 +33,7 @@ def test_each_claim_has_the_logs_own_interval():
         for bound in (claim.beside, claim.alone):
             assert bound.lower <= truth[id_] <= bound.upper and bound.upper < 1.2 * bound.lower
             assert not bound.guaranteed
-        # What is not held is known no better.
+        # An interval with all claims fitted is no narrower than one beside the other claims.
         assert claim.alone.upper - claim.alone.lower >= 0.999 * (claim.beside.upper - claim.beside.lower)
 
 

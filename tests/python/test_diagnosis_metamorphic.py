@@ -66,7 +66,7 @@ def test_half_a_log_never_turns_adequate_into_a_name(effects):
 
 
 def test_shuffled_demands_of_the_other_log_give_no_gain():
-    """What the model learnt is of no use where the demands are not those that moved the vehicle: the gain must not say otherwise."""
+    """A model is of no use under demands that did not move the vehicle, and its gain must not say otherwise."""
     vehicle = vehicle_of()
     train, test = logs_of(vehicle, {"thruster.lag": 0.4})
     fair = diagnose(vehicle, train, test).gain.simulation_rms

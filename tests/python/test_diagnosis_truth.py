@@ -1,6 +1,6 @@
 """A third party's simulator with exact truth: the Otter of the shared data, to which the noise of a declared specification is added.
 
-What the simulator has beyond the plain model: linear drag in surge and sway, the Munk moment, linear and quadratic damping in yaw, cross flow,
+Physics of the simulator beyond the plain model: linear drag in surge and sway, the Munk moment, linear and quadratic damping in yaw, cross flow,
 and in one log a current. Beyond the whole catalogue it has the payload's weight, which pushes along the hull as it pitches.
 """
 
@@ -102,7 +102,7 @@ def test_the_calm_log_tells_its_six_causes(real):
     vehicle = parse_vehicle(OTTER, "otter.toml")
     result = diagnose(vehicle, part(path, 0, 3000, 1), part(path, 3000, 6000, 2))
     names = checked(result, PRESENT)
-    # Of the cross flow, z is 5 beside the others: sway drag and yaw damping stand for it. What the log allows of it holds the 112 kg/m^2.
+    # Of the cross flow, z is 5 beside the others: sway drag and yaw damping stand for it. The interval that the log allows holds the 112 kg/m^2.
     flow = result.allowed["drag.cross_flow"]
     assert 0 < flow.lower < 112.0 < flow.upper < 200
     assert names >= {"drag.surge.linear", "drag.sway.linear", "drag.yaw.linear", "drag.yaw.quadratic"}

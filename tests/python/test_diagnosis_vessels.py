@@ -45,7 +45,7 @@ def test_the_papers_model_shares_a_drag_that_the_hull_does_not(tmp_path):
     assert bounds["drag.yaw.linear"].lower <= 3.0 <= bounds["drag.yaw.linear"].upper
     assert result.adequacy[1].quiet
     for before, after in result.gain.simulation_rms.values():
-        # What TRAIN showed of its thrusters' errors is not carried over to TEST.
+        # Errors of the thrusters on TRAIN are not carried over to TEST.
         assert after < 0.3 * before
 
 
@@ -219,7 +219,7 @@ def test_what_the_tugs_run_says_of_its_drag_is_no_name(real, tmp_path):
     unknown = next(f for f in result.findings if f.effect == "unknown")
     assert "thrust of vsp2_sway in surge" in unknown.description and "drag.surge.linear" in unknown.description
     drag = next(c for c in result.claims if c.parameter == "drag.surge.linear")
-    # What a drag through the towing tank's forces at the run's own speeds is.
+    # Linear drag that fits the towing tank's forces at the run's own speeds.
     u = channels(run, vehicle).nu[0]
     tank = float(u @ (0.137 * u + 3.088 * u * np.abs(u)) / (u @ u))
     assert 0.6 < tank < 0.8 < drag.beside.lower and drag.z > 8 and not drag.contradicted

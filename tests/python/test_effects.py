@@ -294,7 +294,7 @@ def test_cross_flow_in_closed_form_and_in_intervals():
 
 
 def test_terms_act_by_their_column(nominal, rich):
-    """What a term's column says of a state is what the motion feels: m udot changes by parameter times column."""
+    """The motion feels a term by its column at the state: m udot changes by parameter times column."""
     base = simulate(nominal, rich, 1)
     start = {"u": 0.8, "v": -0.2, "r": 0.3}
     scenario = rich.model_copy(update={"start": rich.start.model_copy(update=start)})

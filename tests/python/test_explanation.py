@@ -158,7 +158,7 @@ def test_what_orders_a_force_is_found():
     u, r, t = rng.uniform(-1, 1, 4000), rng.uniform(-1, 1, 4000), np.arange(4000.0)
     for name, values in (("u", u**2), ("r", np.tanh(9 * r)), ("time", np.sin(t / 700))):
         assert ordered_by(values + 0.2 * rng.standard_normal(4000), {"u": u, "r": r, "time": t}) == name
-    # What stands still orders nothing, and an earlier quantity is preferred to its double.
+    # A constant quantity orders nothing, and an earlier quantity is preferred to its double.
     assert ordered_by(u, {"still": np.ones(4000), "u": u, "twice": 2 * u}) == "u"
     b = binned(3 * u, u, 0.1)
     np.testing.assert_allclose(b.mean, 3 * b.centre)

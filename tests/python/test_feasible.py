@@ -63,7 +63,7 @@ def solved(matrix, right):
 
 
 def proved_end(matrix, right, signs, bound):
-    """What the stored rows prove in fractions: the value of the dual solution, whose multipliers are checked."""
+    """The bound that the stored rows prove, in fractions: the value of the dual solution, whose multipliers are checked."""
     n = len(signs)
     g, h = half_spaces(matrix, right, signs)
     m = len(right.lower)

@@ -49,7 +49,7 @@ def test_recursions_are_those_of_scipy(predictor):
         ]
         found = here.errors(inputs)
         assert np.allclose(found, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
-        # What the axis answers alone it answers among the others, to the bit.
+        # An axis answers alone as it answers among the others, to the bit.
         first = sum(len(a.outputs) for a in predictor.axes[:k])
         among = predictor.filters.errors({(k, name): x for name, x in inputs.items()})
         assert np.array_equal(among[first : first + len(here.outputs)], found)

@@ -57,7 +57,7 @@ def test_every_figure_is_there_small_and_the_one_that_the_code_draws(handbook, m
 
 
 def test_signatures_say_what_is_known_of_them(made):
-    """What the fit takes whole, what it cannot touch, and along what each family is ordered."""
+    """Effects that the fit takes whole, effects that it cannot touch, and the quantity that orders each family."""
     for id_ in ("thruster.gain", "environment.shallow_water"):
         assert made[id_].share < 1e-3, id_
     for id_, effect in EFFECTS.items():

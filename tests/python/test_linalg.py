@@ -229,7 +229,7 @@ def test_a_long_sweep_reports_its_progress():
 
 
 def test_an_interrupt_ends_a_sweep_at_once():
-    """What Ctrl-C does: the signal comes while the sweep runs, KeyboardInterrupt follows within 0.2 s."""
+    """Ctrl-C: the signal comes while the sweep runs, KeyboardInterrupt follows within 0.2 s."""
     sent = []
 
     def interrupt():

@@ -44,7 +44,7 @@ def test_every_format_is_the_same_log(tmp_path, kind):
         np.testing.assert_array_equal(log.columns[name], values, err_msg=name)
         assert log.quality[name].samples == log_files.N and log.quality[name].missing == 0
     assert len(log.sha256) == 64
-    # Where each table has its own stamps, that they agree is assumed, and said; one clock needs no such word.
+    # Stamps of several tables are assumed to agree, and the log says so; one clock needs no such assumption.
     several = kind in ("sqlite", "sqlite_file", "mcap", "mcap_file", "dataflash", "folder")
     assert bool(log.assumes) == several and not any("never changes faster" in a for a in log.assumes)
 

@@ -74,7 +74,7 @@ def test_any_map_gives_the_scaled_column_or_one_sentence(tmp_path_factory, data)
         expected = values[rule["from"]] * factor + rule["offset"]
         assert there.any()
         assert (np.abs(got - expected)[there] <= log.error(target)[there]).all()
-        # What is missing repeats the value before it: a held reading.
+        # A missing sample repeats the value before it: a held reading.
         for k in np.flatnonzero(~there):
             assert k > 0 and expected[k] == expected[k - 1]
 
@@ -117,7 +117,7 @@ def test_ros_axes_turn_body_and_earth(tmp_path):
         np.testing.assert_array_equal(log.columns[flipped], -raw[flipped])
     np.testing.assert_array_equal(log.columns["x"], raw["y"])
     np.testing.assert_array_equal(log.columns["y"], raw["x"] * 1000.0)
-    # What the scale of the eastward column lost went with it.
+    # The rounding by the scale of the eastward column goes with that column.
     assert (log.error("y") > 3 * np.spacing(np.abs(log.columns["y"]))).all()
     assert "x" not in log.rounding
     assert (np.abs(log.columns["psi"] - (np.pi / 2 - raw["psi"])) <= log.error("psi")).all()

@@ -78,7 +78,7 @@ def test_rows_hold_with_mounted_sensors(swan, programme):
     bounded = bound_log(as_log(made), vehicle)
     for name in ("u", "v", "ax", "ay"):
         assert bounded.channels[name].contains(made.exact[name]).all(), name
-        # What is shown as measured is the origin's, too.
+        # Columns that are shown as measured are the origin's, too.
         assert np.abs(bounded.log.columns[name] - made.exact[name]).max() < bounded.channels[name].width.max()
     rows = build_rows(bounded, vehicle, terms_of(vehicle), kind="both")
     assert violated(rows, made.truth["parameters"]) == 0

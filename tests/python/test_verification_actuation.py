@@ -60,7 +60,7 @@ def test_accelerations_that_hold_gravity_are_proved_and_a_rougher_attitude_is_no
         edited["inputs"] = [{**record["inputs"][0], "sha256": other.sha256}, record["inputs"][1]]
         verdict = verify(written(tmp_path / "r.json", edited), imu)
         assert verdict.status == "failed" and any("recomputed as" in f for f in verdict.failures)
-    # Where the attitude is lost, gravity may stand anywhere in the reading.
+    # Gravity may have any direction in a reading without attitude.
     for name in ("roll", "pitch", "qw"):
         if name in columns:
             lost = replace(

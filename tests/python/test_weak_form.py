@@ -62,7 +62,7 @@ def test_differences_of_half_window_means_are_enclosed(seed, half):
             psi = pose["psi"]
             true = (psi[e] - psi[m]) / (t[e] - t[m]) - (psi[m] - psi[starts]) / (t[m] - t[starts])
         assert ((x.lower - 2e-6 <= true) & (true <= x.upper + 2e-6)).all(), name
-    # What velocities at the ends of the same window say is several times as wide.
+    # The difference of velocities at the ends of the same window is several times as wide.
     ends = channels["u"][starts + 2 * half] - channels["u"][starts]
     if half == 80:
         assert np.median(found["u"].width) < 0.5 * np.median(ends.width)

@@ -1,7 +1,7 @@
 """Cross-flow integrals over the length of a hull, enclosed by their extremes in closed form.
 
-With w = v + x r and x from -h to h the force is the integral of w |w|, the moment that of x w |w|. Where w has one sign along the
-hull (|v| >= |r| h), both are polynomials. Elsewhere they are split at the zero of w, with s = v / r:
+With w = v + x r and x from -h to h the force is the integral of w |w|, the moment that of x w |w|. If w has one sign along the
+hull (|v| >= |r| h), both are polynomials. Otherwise they are split at the zero of w, with s = v / r:
 
     force   sgn(v) (2 h v^2 + 2 h^3 r^2 / 3)      or  sgn(v) 2 |v| (h^2 |r| + v^2 / (3 |r|))
     moment  sgn(r) 4 h^3 |v| |r| / 3              or  sgn(r) (h^4 r^2 / 2 + v^2 (h^2 - s^2 / 6))
@@ -86,7 +86,7 @@ def _size(v: FloatArray, r: FloatArray, half: float, formulas: tuple[Formula, Fo
     simple = formulas[0](speed, turn, h)
     if not two.any():
         return simple
-    # Where the flow has one sign the rate may be 0: any other value stands in for it there.
+    # The rate may be 0 if the flow has one sign: any other value stands in for it there.
     split = formulas[1](IntervalArray(np.where(two, v, 0.0)), IntervalArray(np.where(two, r, 1.0)), h)
     lower = np.where(two, np.where(one, np.minimum(simple.lower, split.lower), split.lower), simple.lower)
     upper = np.where(two, np.where(one, np.maximum(simple.upper, split.upper), split.upper), simple.upper)

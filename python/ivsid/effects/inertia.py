@@ -14,7 +14,7 @@ MASS_SURGE: Final = Term("mass.surge", "m - X_udot", "kg", lambda s: {"surge": s
 MASS_SWAY: Final = Term("mass.sway", "m - Y_vdot", "kg", lambda s: {"surge": -(s.v * s.r), "sway": s.vdot})
 INERTIA_YAW: Final = Term("inertia.yaw", "I_z - N_rdot", "kg m^2", lambda s: {"yaw": s.rdot})
 
-# Paper eq. 3-6: one mass for surge and sway. Where the rigid-body mass is known, the same columns belong to the added mass.
+# Paper eq. 3-6: one mass for surge and sway. If the rigid-body mass is known, the same columns belong to the added mass.
 SHARED_MASS: Final = Term("mass.surge", "m - X_udot", "kg", lambda s: {"surge": s.ax, "sway": s.ay})
 ADDED_MASS: Final = Term("added_mass.surge", "-X_udot", "kg", lambda s: {"surge": s.ax, "sway": s.ay})
 ADDED_MASS_SURGE: Final = Term("added_mass.surge", "-X_udot", "kg", MASS_SURGE.columns)

@@ -40,7 +40,7 @@ def _sag(thrust: Quantity, drive: Drive, p: Numbers) -> Quantity:
 
 
 def _sag_measured(thrust: Quantity, drive: Drive, p: Numbers) -> Quantity:
-    # Where the voltage is logged, T is multiplied by (voltage / first voltage) ^ p.
+    # T is multiplied by (voltage / first voltage) ^ p if the voltage is logged.
     return thrust if drive.voltage is None else thrust * drive.voltage ** p[0]
 
 

@@ -200,7 +200,7 @@ def held(rows: Array, t: Array, values: Array, clock_error: float) -> tuple[Arra
     low = np.minimum.reduceat(padded, pairs)[::2]
     high = np.maximum.reduceat(padded, pairs)[::2]
     begins, ends = next_hole(rows, t)
-    # Where a row's end lies in a hole, the next row is missing.
+    # The next row is missing if a row's end lies in a hole.
     away = (first < 0) | (begins < rows) | ((begins < until) & (ends <= until))
     middle = np.where(away, np.nan, low + 0.5 * (high - low))
     return middle, np.where(high > low, np.nextafter(0.5 * (high - low), np.inf) + 2 * np.spacing(np.abs(middle)), 0.0)

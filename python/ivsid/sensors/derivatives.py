@@ -1,6 +1,6 @@
 """Accelerations enclosed from velocities, where the vehicle file bounds the rate of change of an acceleration.
 
-The mean of udot over a window is an exact difference of two velocities. Where |d^2 u / dt^2| <= J, the acceleration at a moment t of
+The mean of udot over a window is an exact difference of two velocities. If |d^2 u / dt^2| <= J, the acceleration at a moment t of
 the window [t_i, t_j] differs from that mean by at most J ((t - t_i)^2 + (t_j - t)^2) / (2 (t_j - t_i)). The intervals of several
 windows, and the stated limit of the acceleration itself, are intersected.
 """

@@ -13,7 +13,7 @@ from ivsid.simulation.equations import Plant
 from ivsid.simulation.true_thrust import TrueThrust
 from ivsid.vehicle import Thruster
 
-# Keys of a thruster in the vehicle file by the effect of the same physics. Where both are given, the effect is the truth.
+# Keys of a thruster in the vehicle file by the effect of the same physics. The effect is the truth if both are given.
 _KEYS: Final = {
     "thruster.deadband": "dead_band",
     "thruster.saturation": "limit",

@@ -2,11 +2,11 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-/// Samples that are summed at once; they stay in the processor's registers.
+/// Samples that are summed at once: few enough to stay in the processor's registers.
 const STRETCH: usize = 16;
 /// Numbers of a result from which waking other threads costs less than it saves.
 const WORTHWHILE: usize = 1 << 19;
-/// A column this short has no square.
+/// The least squared length of a column: a column of zeros is divided by its root, not by zero.
 const NOTHING: f64 = 1e-300;
 
 /// Rows that are whitened together.
@@ -18,7 +18,7 @@ pub struct Group<'a> {
     pub taps: &'a [f64],
 }
 
-/// How results are laid out.
+/// The layout of results.
 #[derive(Clone, Copy, Debug)]
 pub struct Layout<'a> {
     /// Rows of each column.
@@ -27,9 +27,9 @@ pub struct Layout<'a> {
     pub n: usize,
     /// Samples in a block; what is beyond the last whole block is left out.
     pub length: usize,
-    /// What each sample is multiplied by, or nothing.
+    /// The factor of each sample, if any.
     pub weight: Option<&'a [f64]>,
-    /// Whether each column is divided by its length.
+    /// True if each column is divided by its length.
     pub unit: bool,
 }
 
@@ -43,10 +43,10 @@ impl Layout<'_> {
 
 /// Whitens columns, each of shape (rows, n), into shape (blocks, rows, length), and gives the length of each, 1 where none is asked for.
 ///
-/// What was before the first sample counts as nothing. Columns are shared between so many threads.
+/// Samples before the first one count as zero. The columns are shared between `threads` threads.
 ///
 /// # Panics
-/// Where the lengths do not fit each other.
+/// Lengths that do not fit each other.
 pub fn whiten(columns: &[&[f64]], groups: &[Group], layout: Layout, threads: usize, out: &mut [f64]) -> Vec<f64> {
     let numbers = layout.numbers();
     assert!(layout.length > 0 && out.len() == columns.len() * numbers, "a result of the layout's size is needed");

@@ -143,7 +143,7 @@ pub fn solve<'py>(
     convert::outcome(py, &outcome, a.rows())
 }
 
-/// Whether every member of a square interval matrix is nonsingular: the verdict and its certificate.
+/// The regularity of a square interval matrix: the verdict and its certificate.
 #[pyfunction]
 pub fn regularity<'py>(
     py: Python<'py>,

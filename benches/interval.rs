@@ -27,7 +27,7 @@ fn operands(n: usize, seed: u64, positive: bool) -> (Vec<f64>, Vec<f64>) {
 
 type Plain = fn(&[f64], &[f64], &[f64], &[f64], &mut [f64], &mut [f64]);
 
-/// What an unrounded loop does: no special cases, round to nearest.
+/// A loop without directed rounding: no special cases, round to nearest.
 macro_rules! plain_loops {
     ($module:ident, $(#[$feature:meta])*) => {
         mod $module {

@@ -23,7 +23,7 @@ fn at(lo: f64, hi: f64) -> Interval {
     Interval::new(lo, hi).expect("ordered")
 }
 
-/// Whether some member of every row holds at `x`, exactly (Oettli-Prager).
+/// True if some member of every row holds at `x`, exactly (Oettli-Prager).
 fn consistent(a: &IntervalMatrix, y: &[Interval], x: &[BigRational]) -> bool {
     (0..a.rows()).all(|i| {
         let (mut least, mut most) = (BigRational::zero(), BigRational::zero());

@@ -234,7 +234,7 @@ fn regularity_of_larger_matrices() {
     assert!(proved > 40 && singular > 5, "{proved} regular, {singular} singular");
 }
 
-/// Whether a certificate of a singular member holds, in rationals.
+/// True if a certificate of a singular member holds, in rationals.
 fn is_singular(a: &IntervalMatrix, member: &SingularMember) -> bool {
     let n = a.rows();
     let belongs = |m: &[f64]| m.iter().zip(a.entries()).all(|(&x, e)| e.contains(x));

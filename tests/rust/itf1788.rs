@@ -26,7 +26,7 @@ struct Tally {
     skipped: BTreeMap<String, usize>,
 }
 
-/// How far a result may be from the expectation.
+/// The distance that a result may have from the expectation.
 #[derive(Clone, Copy, PartialEq)]
 enum Slack {
     /// Not at all.
@@ -38,7 +38,7 @@ enum Slack {
     Around,
 }
 
-/// Whether `given` is `expected` within `slack`.
+/// True if `given` is `expected` within `slack`.
 fn encloses(given: Interval, expected: Interval, slack: Slack) -> bool {
     if slack == Slack::None || given.is_empty() || expected.is_empty() {
         return given == expected;

@@ -1,11 +1,11 @@
-//! Absolute value equations `A_c x - T_y Delta |x| = b`, whose solutions over all sign vectors `y` span the hull of an interval
-//! system (Rohn, *Reliable Computing* 11 (2005); METHODS 4.2 B, 4.3).
+//! Absolute value equations `A_c x - T_y Delta |x| = b`, whose solutions over all sign vectors `y` span the hull of an
+//! interval system (Rohn, *Reliable Computing* 11 (2005); docs/theory.md, "Inverses" and "Square systems").
 //!
-//! `F(x) = A_c x - T_y Delta |x| - b` equals `A_yz x - b` for `z = sgn x`, where `A_yz` has the lower bound of entry `kl` where
-//! `y_k z_l = 1` and the upper one elsewhere: no rounding. For a regular interval matrix the equation has one solution, and
-//! `F(x) - F(x') = M (x - x')` for a member `M`, since `|x| - |x'| = T (x - x')` with a diagonal `|T| <= I`. So an approximation `x`
-//! is within `H |F(x)|` of the solution for any bound `H` of the magnitudes of all members' inverses. That is the whole proof; how
-//! `x` was found does not matter.
+//! `F(x) = A_c x - T_y Delta |x| - b` equals `A_yz x - b` for `z = sgn x`, where `A_yz` has the lower bound of entry
+//! `kl` where `y_k z_l = 1` and the upper one elsewhere: no rounding. For a regular interval matrix the equation has
+//! one solution, and `F(x) - F(x') = M (x - x')` for a member `M`, since `|x| - |x'| = T (x - x')` with a diagonal
+//! `|T| <= I`. So an approximation `x` is within `H |F(x)|` of the solution for any bound `H` of the magnitudes of all
+//! members' inverses. That is the whole proof; the search for `x` needs none.
 
 use crate::approximate::{self, Basis};
 use crate::lanes::{One, Vector, backends, two_product, two_sum};
@@ -13,9 +13,11 @@ use crate::matrix::IntervalMatrix;
 use crate::rounding::slices::Backend;
 use crate::rounding::{add_up, mul_up};
 
+/// The unit roundoff of a double, 2^-53.
 const UNIT: f64 = f64::EPSILON / 2.0;
+/// The smallest positive double, 2^-1074.
 const SMALLEST: f64 = f64::from_bits(1);
-/// Rows are padded to the widest vector.
+/// Rows are padded to the widest vector, 8 doubles.
 const PAD: usize = 8;
 
 /// The equations of one sign vector.
@@ -36,7 +38,7 @@ pub(crate) struct Solution {
 }
 
 impl Solution {
-    /// How far component `i` is from the exact one at most.
+    /// A bound of the distance of component `i` from the exact one.
     pub(crate) fn error(&self, magnitude: &[f64], i: usize) -> f64 {
         let n = self.x.len();
         let row = &magnitude[i * n..][..n];

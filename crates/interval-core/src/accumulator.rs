@@ -10,6 +10,7 @@ use std::cmp::Ordering;
 
 /// The least exponent of a product of two doubles.
 const LEAST: i64 = -2 * 1074;
+/// Bits of a limb: half of its 64, which leaves room for sums before a carry.
 const WIDTH: i64 = 32;
 /// 2 * 1024 + 2 * 1074 bits, and 64 more for the carries of 2^64 terms.
 const LIMBS: usize = 134;
@@ -92,7 +93,7 @@ impl Accumulator {
     }
 }
 
-/// What the infinite and undefined terms of a sum make of it.
+/// The effect of infinite and undefined terms on a sum.
 #[derive(Clone, Copy)]
 struct Special {
     nan: bool,

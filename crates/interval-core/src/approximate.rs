@@ -14,7 +14,7 @@ pub(crate) fn inverse(a: &[f64], n: usize) -> Option<Vec<f64>> {
     inverse.iter().all(|x| x.is_finite()).then(|| inverse.as_slice().to_vec())
 }
 
-/// Orders above this are factorised by blocks.
+/// Orders above this are factorised by blocks: smaller matrices stay in the nearest cache without them.
 const BLOCKED: usize = 24;
 
 fn blocked_inverse(a: &[f64], n: usize) -> Option<Vec<f64>> {

@@ -210,9 +210,11 @@ fn scaled_ratio(numerator: BigInt, denominator: &BigInt, exponent: i64) -> BigRa
     }
 }
 
-/// Decimal exponents beyond this are far outside the range of doubles whatever the digits.
+/// Decimal exponents beyond this are far outside the range of doubles for all permitted digits.
 const DECIMAL_LIMIT: i64 = 20_000;
+/// Binary exponents beyond this are far outside the range of doubles for all permitted digits.
 const BINARY_LIMIT: i64 = 80_000;
+/// Digits of one number at most: a bound of the time and the memory that a text may cost.
 const DIGIT_LIMIT: usize = 4_000;
 
 /// The exact value of a number such as `-12.5e-3`, `2/3` or `0x1.8p-1`; `None` where the text is not one.

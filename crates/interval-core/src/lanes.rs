@@ -19,11 +19,11 @@ pub(crate) trait Vector:
     type Array: AsRef<[f64]> + AsMut<[f64]> + Copy;
     /// Number of lanes, at most 8.
     const N: usize;
-    /// Whether a fused product is one instruction.
+    /// True if a fused product is one instruction.
     const FUSED: bool;
 
     fn splat(x: f64) -> Self;
-    /// The first `N` of the slice, which has at least so many.
+    /// The first `N` numbers of the slice, which has at least `N`.
     fn load(from: &[f64]) -> Self;
     fn store(self, to: &mut [f64]);
     /// `self * b + c`, rounded once.

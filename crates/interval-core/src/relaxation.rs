@@ -5,7 +5,7 @@
 
 use crate::Error;
 
-/// More than eight times 2^-53.
+/// More than eight times 2^-53, twice the four roundings of a step.
 const STEP_ROUNDING: f64 = 1e-15;
 
 /// Lengths of the slices: one entry a row, and the last goal is not followed.

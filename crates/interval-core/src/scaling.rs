@@ -54,7 +54,8 @@ impl Scaled {
         finite.then(|| IntervalMatrix::new(n, n, lo, hi).ok()).flatten()
     }
 
-    /// What members of the scaled matrix attain, rounded inward: upper bounds of the least entries and lower bounds of the largest.
+    /// The values that members of the scaled matrix attain, rounded inward: upper bounds of the least entries and lower
+    /// bounds of the largest.
     pub(crate) fn unscale_inward(&self, least: &[f64], most: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let n = self.a.rows();
         let by = |at: usize| self.columns[at / n] + self.rows[at % n];
@@ -85,7 +86,7 @@ impl Scaled {
         finite.then(|| IntervalMatrix::new(lo.len(), 1, lo, hi).ok()).flatten()
     }
 
-    /// Whether nothing was scaled.
+    /// True if nothing was scaled.
     pub(crate) fn is_trivial(&self) -> bool {
         self.rows.iter().chain(&self.columns).all(|&e| e == 0)
     }

@@ -1,6 +1,6 @@
-//! Why an interval matrix is regular, or why it holds a singular member: the numbers that prove it.
+//! Proofs that an interval matrix is regular or holds a singular member, as numbers.
 
-/// Why an interval matrix is regular.
+/// A proof that an interval matrix is regular.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Witness {
     /// `||I - R A|| <= norm < 1` in the maximum row sum norm for this `R` (row-major): `R A` and with it `A` is
@@ -39,7 +39,7 @@ pub enum Witness {
     },
 }
 
-/// Why an interval matrix holds a singular member.
+/// A proof that an interval matrix holds a singular member.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SingularMember {
     /// This member (row-major) has determinant zero, exactly.
@@ -65,7 +65,7 @@ pub enum Cell {
     Halved {
         /// Flat position of the entry.
         entry: usize,
-        /// Where it is cut.
+        /// The value at which it is cut.
         value: f64,
         /// The half below and the half above.
         halves: Box<[Cell; 2]>,

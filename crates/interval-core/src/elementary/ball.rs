@@ -34,7 +34,7 @@ impl Ball {
         Self::exact(BigInt::from(mantissa), exp)
     }
 
-    /// Whether it is one number.
+    /// True if it is one number.
     pub fn is_exact(&self) -> bool {
         self.rad.is_zero()
     }

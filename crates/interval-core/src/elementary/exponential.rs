@@ -8,12 +8,16 @@ use super::{decide, nearest, power_of_two};
 
 /// Relative error of [`kernel`], doubled twice over.
 pub(super) const ERROR: f64 = power(-71);
-/// Of the hyperbolic sine and tangent: six bits may cancel at 2^-5.
+/// Relative error of the hyperbolic sine and tangent: six bits may cancel at 2^-5.
 const HYPERBOLIC_ERROR: f64 = power(-64);
+/// Below this the series of the hyperbolic sine is used, above it the exponentials, whose difference cancels.
 const SMALL: f64 = power(-5);
+/// Below this the second term of the series, at most `x^2 / 2` of the value, is less than half the distance to the
+/// neighbouring double.
 const TINY: f64 = power(-27);
-/// Above it `e^x` exceeds the largest double; below the negative second one it lies under half the smallest.
+/// Above this `e^x` exceeds the largest double, whose logarithm is about 709.78.
 const OVERFLOW: f64 = 709.8;
+/// Below this `e^x` lies under half the smallest double: `ln 2^-1075` is about -745.13.
 const UNDERFLOW: f64 = -745.2;
 
 const fn power(k: i64) -> f64 {

@@ -1,4 +1,4 @@
-//! Elementary functions on balls: as many bits as asked for, with every truncation inside the radius.
+//! Elementary functions on balls with a stated number of bits. The radius holds every truncation.
 //!
 //! Each function reduces its argument to where a Taylor series needs few terms, and adds a bound of the series' tail.
 //! A result may carry fewer correct bits than asked where the argument cancels; [`settle`] then asks for more.

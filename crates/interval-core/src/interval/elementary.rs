@@ -13,7 +13,7 @@ macro_rules! increasing {
     }};
 }
 
-/// Whether some integer `q` with `first < q <= last` is `residue` modulo `period`.
+/// True if some integer `q` with `first < q <= last` is `residue` modulo `period`.
 fn passes(first: i64, last: i64, residue: i64, period: i64) -> bool {
     (last - residue).div_euclid(period) > (first - residue).div_euclid(period)
 }
@@ -210,7 +210,7 @@ impl Interval {
         let least = if x.hi > 0.0 {
             point::atan2(y.lo, x.hi).down
         } else {
-            // Where the box ends on the y axis or left of it the least angle is at its top; (0, 0) itself has none.
+            // If the box ends on the y axis or left of it, the least angle is at its top; (0, 0) itself has none.
             point::atan2(y.hi, if y.hi == 0.0 { -1.0 } else { x.hi }).down
         };
         let greatest = if x.lo < 0.0 {

@@ -6,7 +6,8 @@ use crate::error::Error;
 use crate::interval::Interval;
 use crate::matrix::IntervalMatrix;
 
-/// Orders above this are refused: the expansion has `2^n` minors, and is hopelessly wide long before.
+/// Orders above this are refused: the expansion has `2^n` minors, and its bounds are too wide to use at smaller orders
+/// already.
 pub const ORDER_LIMIT: usize = 10;
 
 /// Encloses the inverse by cofactors over the determinant.

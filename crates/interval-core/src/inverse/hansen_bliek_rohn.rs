@@ -89,7 +89,7 @@ pub(crate) fn closed_form(p: &Preconditioned, v: &[f64], z: &IntervalMatrix) -> 
     bounded.then(|| IntervalMatrix::new(n, columns, lo, hi).ok()).flatten()
 }
 
-/// Whether each product in a row of `V` with column `j` of `Z` has a factor of zero.
+/// True if each product in a row of `V` with column `j` of `Z` has a factor of zero.
 fn off_diagonal_is_zero(row: &[f64], z: &IntervalMatrix, j: usize) -> bool {
     row.iter().enumerate().all(|(k, &x)| x == 0.0 || z.get(k, j) == Interval::ZERO)
 }
@@ -142,7 +142,8 @@ impl Tail {
     }
 }
 
-/// Which entries of `G + G^2 + ...` are zero because no path of positive entries leads there; `None` where `G` has no zero.
+/// The entries of `G + G^2 + ...` that are zero because no path of positive entries leads there; `None` if `G` has no
+/// zero.
 fn unreachable(g: &[f64], n: usize) -> Option<Vec<bool>> {
     if g.iter().all(|&x| x > 0.0) {
         return None;

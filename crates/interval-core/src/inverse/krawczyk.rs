@@ -22,7 +22,8 @@ pub fn krawczyk(a: &IntervalMatrix) -> Result<Outcome, Error> {
     Ok(enclose_solution(a, &IntervalMatrix::identity(n)))
 }
 
-/// Iterations end when nothing changes any more, or here.
+/// Iterations at most; they end before if nothing changes. Each iterate is an enclosure, so any number is sound (Moore,
+/// Kearfott and Cloud 2009, section 7.2).
 const ITERATIONS: usize = 60;
 
 /// Encloses every solution of `A X = B`, `A` square with as many rows as `B`.

@@ -10,7 +10,7 @@ use crate::interval::Interval;
 use crate::matrix::IntervalMatrix;
 use crate::regularity::Witness;
 
-/// Up to this order the two inverses are rational, so that entries which are zero are known to be.
+/// The largest order with rational inverses, which show entries that are zero. Their cost grows fast with the order.
 const RATIONAL_LIMIT: usize = 6;
 
 /// The hull of the inverse; not applicable where one of the two inverses is not proved to be non-negative.

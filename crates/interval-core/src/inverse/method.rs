@@ -33,14 +33,14 @@ named! {
     }
 }
 
-/// What a method may be told beside the matrix. Each method reads what concerns it.
+/// The options of the methods. Each method reads those that concern it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Options {
     /// N of the published methods.
     pub partitions: u64,
     /// Cells that [`Method::Partitioned`] examines at most.
     pub cells: usize,
-    /// How the published methods find their extremes.
+    /// The way in which the published methods find their extremes.
     pub sweep: Sweep,
 }
 

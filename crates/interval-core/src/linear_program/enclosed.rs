@@ -1,4 +1,4 @@
-//! What a basis proves in directed rounding: enclosures of its exact multipliers, far cheaper than the rationals.
+//! The proof of a basis in directed rounding: enclosures of its exact multipliers, far cheaper than the rationals.
 //!
 //! Neumaier and Shcherbina (*Math. Prog.* 99 (2004) 283-296) bound a linear program from any multipliers, but inside a box, and the
 //! unknowns here have none. The exact multipliers of a basis need no box: Krawczyk's method encloses them, and where all are proved

@@ -15,7 +15,7 @@ use std::ops::Range;
 /// Half-spaces with their multipliers.
 pub(crate) type Weights = Vec<(usize, BigRational)>;
 
-/// What is proved of a linear program.
+/// The proved result of a linear program.
 pub(crate) enum Proved {
     /// The minimum, and every half-space of the basis; `point` is the vertex.
     Minimum { value: BigRational, rows: Weights, point: Vec<BigRational> },
@@ -25,8 +25,8 @@ pub(crate) enum Proved {
     Empty { rows: Weights },
 }
 
-/// What one search may cost, in operations on words: seconds. Numbers from both ends of the range of doubles have thousands of
-/// digits, and grow with every unknown.
+/// The cost of one search at most, in operations on words: seconds. Numbers from both ends of the range of doubles have
+/// thousands of digits, and grow with every unknown.
 const BUDGET: u64 = 1_000_000_000;
 
 /// The minimum of `direction * x[column]`, `direction` being 1 or -1, from a proposed basis. `None` where it would cost too
@@ -89,7 +89,8 @@ impl<'a, P: HalfSpaces> Basis<'a, P> {
         feasible.then_some(Self { problem, rows, right, inverse, multipliers })
     }
 
-    /// What a step costs about: with each entry of the inverse some fractions are reduced, in the square of their length.
+    /// The approximate cost of a step: with each entry of the inverse some fractions are reduced, in the square of
+    /// their length.
     fn cost(&self) -> u64 {
         let bits = |x: &BigRational| x.numer().bits() + x.denom().bits();
         let longest = self.inverse.iter().chain(&self.multipliers).map(bits).max().unwrap_or(0);

@@ -1,10 +1,13 @@
-//! Which half-space enters a basis and which row leaves it, in plain floats with relative tolerances.
+//! The choice of the half-space that enters a basis and of the row that leaves it, in plain floats with relative
+//! tolerances.
 
 use super::Row;
 
-/// Relative size below which a violation is rounding.
+/// Relative size below which a violation counts as rounding: about 900 unit roundoffs. It steers the search and proves
+/// nothing.
 pub(crate) const VIOLATION: f64 = 1e-13;
-/// Relative size below which a pivot is rounding.
+/// Relative size below which a pivot counts as rounding: about 90 000 unit roundoffs. It steers the search and proves
+/// nothing.
 const PIVOT: f64 = 1e-11;
 
 /// By how much `g x <= h` is violated at `point + M ray`, and whether at order `M`; `None` where it holds up to the

@@ -1,4 +1,4 @@
-//! What a basis proves, over the rationals: the last resort where rounding leaves a sign open.
+//! The proof of a basis over the rationals: the last resort where rounding leaves a sign open.
 //!
 //! For multipliers `l >= 0` of half-spaces `g x <= h` with `c + G' l = 0`, every point of the polyhedron satisfies `c x >= -h l`. The
 //! unknowns have no box, so the equation has to hold exactly: the multipliers are those of the basis, solved fraction-free.

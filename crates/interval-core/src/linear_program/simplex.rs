@@ -8,7 +8,7 @@ use super::pricing::{VIOLATION, leaving, violation};
 use super::program::Program;
 use super::{Row, patience};
 
-/// What a search found on the working set.
+/// The result of a search on the working set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Outcome {
     /// An optimal vertex.
@@ -21,13 +21,14 @@ pub(crate) enum Outcome {
     Failed,
 }
 
-/// Relative size below which a multiplier is zero.
+/// Relative size below which a multiplier counts as zero: about 9000 unit roundoffs. It steers the search and proves
+/// nothing.
 const MULTIPLIER: f64 = 1e-12;
-/// Size of a ray's component, relative to its largest, below which it is none.
+/// Relative size below which a ray's component counts as the remainder of an elimination: about 9000 unit roundoffs.
 const NOTHING: f64 = 1e-12;
-/// Half-spaces that are looked at before the whole working set is again.
+/// Half-spaces that are looked at before the next look at the whole working set, which costs more.
 const CANDIDATES: usize = 24;
-/// Exchanges after which the inverse is made anew.
+/// Exchanges after which the inverse is computed anew, because each one adds rounding errors.
 const FRESH: usize = 20;
 
 /// The minimum of one objective, in scaled unknowns: the vertex is `point + M ray`.
@@ -141,7 +142,7 @@ impl Search {
         program.unscaled_point(&self.point)
     }
 
-    /// Whether the vertex is finite; an objective may be, at a vertex that is not.
+    /// True if the vertex is finite; an objective may be, at a vertex that is not.
     pub(crate) fn is_bounded(&self) -> bool {
         self.bounded
     }
@@ -196,7 +197,7 @@ impl Search {
                 }
             }
         }
-        // What an elimination leaves of zero would be a direction at order M.
+        // The remainder of an elimination to zero would be a direction at order M.
         let least = NOTHING * self.ray.iter().fold(0.0_f64, |a, d| a.max(d.abs()));
         self.ray.iter_mut().filter(|d| d.abs() <= least).for_each(|d| *d = 0.0);
     }

@@ -111,7 +111,7 @@ impl IntervalMatrix {
     /// The order of a square matrix.
     ///
     /// # Errors
-    /// Where it is not square, or has no entry.
+    /// A matrix that is not square, or has no entry.
     pub fn order(&self) -> Result<usize, Error> {
         if self.rows != self.columns {
             Err(Error::NotSquare { rows: self.rows, columns: self.columns })
@@ -122,7 +122,7 @@ impl IntervalMatrix {
         }
     }
 
-    /// Whether every bound is finite.
+    /// True if every bound is finite.
     #[must_use]
     pub fn is_bounded(&self) -> bool {
         self.lo.iter().chain(&self.hi).all(|x| x.is_finite())

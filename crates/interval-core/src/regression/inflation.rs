@@ -1,4 +1,5 @@
-//! The smallest factor on all radii at which a consistent parameter exists (METHODS 5.3), an estimate in plain floats.
+//! The smallest factor on all radii at which a consistent parameter exists (docs/theory.md, "The feasible set"), an
+//! estimate in plain floats.
 //!
 //! With midpoints `c` and radii `d` of rows and right-hand sides, the factor at `x` is `max_i |c_i x - y_i| / (D_i |x| + d_i)`;
 //! in one orthant it is quasi-convex. Dinkelbach's iteration: for the factor `k` at the present point minimise `t` over
@@ -18,14 +19,17 @@ pub(crate) struct Attained {
     pub(crate) point: Vec<f64>,
 }
 
+/// Steps of Dinkelbach's iteration (1967) in one orthant at most: a bound of the time. Its convergence is superlinear.
 const ITERATIONS: usize = 40;
+/// Passes over all rows at most: a bound of the time.
 const ROUNDS: usize = 200;
+/// Relative progress below which the factor, an estimate in floats, counts as settled.
 const PROGRESS: f64 = 1e-9;
-/// Rows of one piece of a pass.
+/// Rows of one piece of a pass. The size is fixed, so that the result does not depend on the number of threads.
 const PIECE: usize = 4096;
-/// How far from the middle of things, in their own size, a direction without end is followed.
+/// The distance, relative to the size of the unknowns, to which an unbounded direction is followed.
 const FAR: f64 = 1024.0 * 1024.0;
-/// Rows that one pass adds.
+/// Rows that one pass adds at most, so that the working set stays small.
 const TAKEN: usize = 12;
 
 /// The smallest factor over these orthants, starting from these rows and without the `dropped` ones (in ascending order);
@@ -35,7 +39,7 @@ pub(crate) fn smallest(rows: &Rows<'_>, start: &[usize], signs: &[&[i8]], droppe
     let mut set = Working::new(rows, &start);
     let mut found: Vec<Option<Attained>> =
         parallel::map(signs.len(), signs.len() >= 8, |k| set.smallest(signs[k], None));
-    // How many rows of the working set each of them has seen.
+    // The number of rows of the working set that each of them has seen.
     let mut seen = vec![set.count(); signs.len()];
     let key = |a: &Option<Attained>| a.as_ref().map_or(f64::INFINITY, |a| a.factor);
     let mut best: Option<Attained> = None;

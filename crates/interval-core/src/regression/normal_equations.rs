@@ -19,11 +19,11 @@ pub struct NormalEquations {
     pub status: Status,
     /// Parameter intervals, certified where the inverse is; `None` where the inverse has no value.
     pub parameters: Option<Claim<Vec<Interval>>>,
-    /// How many entries of the inverse were improper.
+    /// The number of improper entries of the inverse.
     pub improper: usize,
     /// `A'A`.
     pub gram: IntervalMatrix,
-    /// What the inverse method said of `A'A`.
+    /// The result of the inverse method for `A'A`.
     pub inverse: Outcome,
 }
 

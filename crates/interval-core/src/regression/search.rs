@@ -11,7 +11,7 @@ use crate::parallel;
 use crate::rounding::slices::Backend;
 use std::collections::{HashMap, HashSet};
 
-/// Rounds of one search, more than any has needed.
+/// Rounds of one search at most: a bound of the time, and more than any search has needed.
 const ROUNDS: usize = 400;
 /// Open vertices of one kind that are tried at once where one decides for all.
 const OPEN: usize = 2;
@@ -95,7 +95,7 @@ pub(crate) struct Piece<'a> {
     pub(crate) goals: Vec<Goal>,
     /// The goal whose search met a contradiction.
     pub(crate) contradiction: Option<(usize, usize)>,
-    /// Whether a contradiction ends only its own goal: the last basis before it proves a bound all the same.
+    /// True if a contradiction ends only its own goal: the last basis before it proves a bound all the same.
     pub(crate) persistent: bool,
     taken: usize,
 }
@@ -158,7 +158,7 @@ impl<'a> Piece<'a> {
     }
 }
 
-/// Which goals are asked of which piece.
+/// The choice of goals for each piece.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Asked {
     /// Every goal of every piece.

@@ -1,4 +1,4 @@
-//! Which orthants can the set meet at all? Signs that are proved, and a branch where none is.
+//! The orthants that the set can meet: signs that are proved, and a branch for any other.
 //!
 //! Take a sign vector `z` (the home) and let `d_k = max(0, -z_k x_k)` say how far a consistent `x` lies on the other side. From
 //! `|x_k| = z_k x_k + 2 d_k` every row's half-space of the home's polyhedron holds at `x` up to `2 sum_k D_ik d_k`. So multipliers `l`
@@ -7,9 +7,9 @@
 //!
 //! `d <= (M d - b)+ <= M d + p`,  `p = max(0, -b)`.
 //!
-//! If some `v > 0` has `M v < v`, then `d <= t v` with `t = max p_j / (v - M v)_j`, and `d <- min(d, (M d - b)+)` sharpens that. Where
-//! `d_j = 0` the sign of `x_j` is proved, from at most `n` rows each. Signs that stay open are branched on, each side with a proof
-//! of its own.
+//! If some `v > 0` has `M v < v`, then `d <= t v` with `t = max p_j / (v - M v)_j`, and `d <- min(d, (M d - b)+)`
+//! sharpens that. If `d_j = 0`, the sign of `x_j` is proved, from at most `n` rows each. Signs that stay open are
+//! branched on, each side with a proof of its own.
 
 use super::orthant::{DataRow, Orthant};
 use super::rows::Rows;
@@ -22,11 +22,11 @@ use crate::rounding::{add_up, div_up, sub_up};
 use num_rational::BigRational;
 use num_traits::{ToPrimitive, Zero};
 
-/// Orthants and proofs of signs that one set may cost.
+/// Orthants and proofs of signs of one set at most: a bound of the time.
 pub const ORTHANT_LIMIT: usize = 4096;
-/// Up to so many open signs every orthant is looked at without a proof of signs.
+/// Open signs up to which every orthant is looked at without a proof of signs: 16 orthants at most.
 const FEW: usize = 4;
-/// Repetitions of the sharpening step; a checker may do as many.
+/// Repetitions of the sharpening step. Each of them keeps a bound, so a checker may do the same number.
 const SHARPENED: usize = 10;
 
 /// A proof of signs: of all consistent parameters whose signs are those `decided`, none lies further than `reach` on the
@@ -41,7 +41,7 @@ pub struct SignProof {
     pub columns: Vec<SignRows>,
     /// A positive vector `v` with `M v < v`, an entry for each of `columns`; empty where none was found.
     pub vector: Vec<f64>,
-    /// How far each of `columns` may lie on the other side: 0 proves its sign; infinite where nothing is proved.
+    /// The distance to which each of `columns` may lie on the other side: 0 proves its sign, infinity proves nothing.
     pub reach: Vec<f64>,
     /// The column whose two signs are looked at apart; `None` where every sign is proved.
     pub branch: Option<usize>,

@@ -1,5 +1,5 @@
-//! Strong regularity, verified: an approximate inverse `R` of the midpoint and bounds `G >= |I - R A|` over every member
-//! (METHODS 4.1). `G v < v` for some `v > 0` proves that `R` and every member are nonsingular.
+//! Strong regularity, verified: an approximate inverse `R` of the midpoint and bounds `G >= |I - R A|` over every
+//! member (docs/theory.md, "Regularity"). `G v < v` for some `v > 0` proves that `R` and every member are nonsingular.
 
 use crate::approximate;
 use crate::interval::Interval;
@@ -8,7 +8,9 @@ use crate::matrix::IntervalMatrix;
 use crate::rounding::slices::Backend;
 use crate::rounding::{sub_down, sub_up};
 
+/// The unit roundoff of a double, 2^-53.
 const UNIT: f64 = f64::EPSILON / 2.0;
+/// The smallest positive double, 2^-1074.
 const SMALLEST: f64 = f64::from_bits(1);
 
 /// The preconditioned matrix `R A`.
@@ -54,7 +56,8 @@ pub(crate) fn split(a: &IntervalMatrix) -> (Vec<f64>, Vec<f64>) {
     (middle, spread)
 }
 
-/// Up to this order the product of the radii too is summed in twice the working precision.
+/// The largest order at which the product of the radii too is summed in twice the working precision. A plain sum with
+/// its error bound saves time beyond.
 const ACCURATE: usize = 64;
 
 /// Upper bounds of `|I - R A|` for every member.

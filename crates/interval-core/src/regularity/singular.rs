@@ -68,7 +68,8 @@ fn descend(a: &IntervalMatrix, margin: f64) -> Option<Vec<f64>> {
     None
 }
 
-/// Whether `x` is not zero and every row of `A x` contains 0: in directed rounding, or in rationals where that does not decide.
+/// True if `x` is not zero and every row of `A x` contains 0: in directed rounding, or in rationals where that does not
+/// decide.
 pub(crate) fn is_null_vector(a: &IntervalMatrix, x: &[f64]) -> bool {
     let n = a.columns();
     if x.len() != n || x.iter().any(|v| !v.is_finite()) || x.iter().all(|&v| v == 0.0) {

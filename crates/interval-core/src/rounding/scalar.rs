@@ -9,12 +9,20 @@
 
 /// 2^-969: a product of this size or larger has an error term that is a multiple of 2^-1074, hence exact.
 const SAFE: f64 = f64::from_bits((1023 - 969) << 52);
+/// Factor of the root of an operand below 2^-969. [`TWO_200`] is that of the operand.
 const TWO_100: f64 = f64::from_bits((1023 + 100) << 52);
+/// Factor of an operand below 2^-969: the fused residual then keeps its sign.
 const TWO_200: f64 = f64::from_bits((1023 + 200) << 52);
+/// Factor of both operands of a product below 2^-969: the scaled product is a multiple of 2^-1074 and does not
+/// overflow.
 const TWO_537: f64 = f64::from_bits((1023 + 537) << 52);
+/// Denominators below this are multiplied by [`TWO_200`] without overflow.
 const TWO_800: f64 = f64::from_bits((1023 + 800) << 52);
+/// Operands up to this size are split (Veltkamp) without overflow.
 const TWO_970: f64 = f64::from_bits((1023 + 970) << 52);
+/// A sum of two numbers below this size does not overflow.
 const HALF_MAX: f64 = f64::MAX / 2.0;
+/// The smallest positive double, 2^-1074.
 const SMALLEST: f64 = f64::from_bits(1);
 
 /// `a + b` rounded up.

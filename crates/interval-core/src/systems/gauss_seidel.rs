@@ -11,7 +11,8 @@ use crate::matrix::IntervalMatrix;
 use crate::regularity::{Preconditioned, Witness, slack};
 use crate::rounding::{div_up, mul_up};
 
-/// Sweeps end when nothing changes any more, or here.
+/// Sweeps at most; they end before if nothing changes. Each sweep keeps an enclosure, so any number is sound (Neumaier
+/// 1990, section 4.3).
 const SWEEPS: usize = 60;
 
 /// Encloses every solution of `A x = b` for members `A`, `b`; not applicable where no `v` with `|I - R A| v < v` is found.

@@ -8,7 +8,7 @@ use crate::error::Error;
 use std::fmt;
 use std::str::FromStr;
 
-/// What is proved of a function on the box that it was evaluated on, weakest first.
+/// The property that is proved of a function on the box of its arguments, weakest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Decoration {
     /// Not an interval.
@@ -111,7 +111,7 @@ impl DecoratedInterval {
         self.decoration
     }
 
-    /// Whether it is [`NAI`](Self::NAI).
+    /// True if it is [`NAI`](Self::NAI).
     #[must_use]
     pub fn is_nai(self) -> bool {
         self.decoration == Decoration::Ill
@@ -128,7 +128,7 @@ impl DecoratedInterval {
         Self::carry(operands, result, Decoration::Trv)
     }
 
-    /// How the two lie; `None` where one is [`NAI`](Self::NAI).
+    /// The position of one against the other; `None` if one is [`NAI`](Self::NAI).
     #[must_use]
     pub fn overlap(self, other: Self) -> Option<Overlap> {
         Some(self.interval()?.overlap(other.interval()?))

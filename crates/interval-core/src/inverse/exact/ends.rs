@@ -17,16 +17,16 @@ pub(crate) struct Ends {
     pub tight: bool,
 }
 
-/// Orders below this are not worth a thread.
+/// Orders below this run on one thread: the start of others costs more than it saves.
 const PARALLEL: usize = 6;
-/// Solutions that may attain an end and are refined; of any others the unrefined bound counts.
+/// Solutions that may attain an end and are refined, a bound of the time. The unrefined bound of any others counts.
 const CANDIDATES: usize = 32;
 
 /// One end of one entry: the bound, what is attained, whether it is tight.
 type End = (f64, f64, bool);
 
-/// What the vertices attain that row `i` and column `j` of the signs name for entry `ij`: the hull, where every entry of the inverse is
-/// proved to keep its sign. `magnitude` is 0 where an entry is.
+/// The values of entry `ij` at the vertices that row `i` and column `j` of the signs name. They are the hull if every
+/// entry of the inverse is proved to keep its sign. `magnitude` is 0 for an entry that is 0.
 pub(super) fn by_signs(a: &IntervalMatrix, signs: &[bool], magnitude: &[f64]) -> Option<Ends> {
     let n = a.rows();
     let positive = |i: usize, j: usize| signs[i * n + j];

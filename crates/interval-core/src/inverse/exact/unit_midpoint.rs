@@ -43,7 +43,7 @@ pub(super) fn hull(a: &IntervalMatrix, v: &[f64]) -> Option<Ends> {
     Some(Ends { lower, upper, attained_lower, attained_upper, tight: false })
 }
 
-/// Whether `1 - x` is computed without rounding, for `0 < x < 2`.
+/// True if `1 - x` is computed without rounding, for `0 < x < 2`.
 fn exact(x: f64) -> bool {
     1.0 - (1.0 - x) == x
 }

@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 
 /// Terms of the series: `4^-30` is below the unit roundoff.
 const TERMS: usize = 30;
-/// Members that are inverted directly instead of being cut further.
+/// Members that are inverted directly: so few cost less than a further cut.
 const FEW: u64 = 24;
 
 /// Extremes over both sets; `None` at a singular member.

@@ -29,13 +29,13 @@ use crate::status::Status;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// N where the caller names no other number.
+/// The number N of partitions if the caller names no other: a bound of the time.
 pub const DEFAULT_PARTITIONS: u64 = 1000;
 
-/// The largest order of the sweep.
+/// The largest order of the sweep, whose elimination keeps one member in cache.
 pub const ORDER_LIMIT: usize = 64;
 
-/// What is taken from the two sets.
+/// The choice of extremes from the two sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     /// Eq. 11 as printed: the least over `I` and the largest over `S`; improper entries are kept.
@@ -45,7 +45,7 @@ pub enum Form {
 }
 
 named! {
-    /// How the extremes are found.
+    /// The way in which the extremes are found.
     Sweep, "sweep" {
         /// Every member of both sets is inverted.
         Members => "members",

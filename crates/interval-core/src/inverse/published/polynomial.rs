@@ -12,6 +12,7 @@ use crate::lanes::{Vector, backends};
 use crate::matrix::IntervalMatrix;
 use std::ops::Range;
 
+/// Entries of order 3, the largest order whose entries are ratios of polynomials here.
 const ENTRIES: usize = 9;
 
 /// Coefficients of the adjugate, row-major, and of the determinant by powers of `tau`.

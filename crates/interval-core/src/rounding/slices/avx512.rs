@@ -11,7 +11,9 @@ use std::arch::x86_64::{
     _mm512_sqrt_round_pd, _mm512_storeu_pd, _mm512_sub_pd, _mm512_sub_round_pd, _mm512_xor_si512,
 };
 
+/// Rounding downward, stated by the instruction itself (AVX-512 embedded rounding).
 const DOWN: i32 = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
+/// Rounding upward, stated by the instruction itself.
 const UP: i32 = _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC;
 
 /// Eight doubles.
@@ -72,7 +74,7 @@ fn not_negative(mask: __mmask8, x: __m512d) -> __mmask8 {
     unsafe { _mm512_mask_cmp_pd_mask::<_CMP_LE_OQ>(mask, _mm512_setzero_pd(), x) }
 }
 
-/// Whether no lane is NaN or infinite: the difference of the bounds tells.
+/// True if no lane is NaN or infinite: the difference of the bounds tells.
 #[inline(always)]
 fn bounded(lo: __m512d, hi: __m512d) -> bool {
     unsafe { less(_mm512_sub_pd(hi, lo), _mm512_set1_pd(f64::INFINITY)) == 0xff }

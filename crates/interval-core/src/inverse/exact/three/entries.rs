@@ -94,9 +94,10 @@ fn scaled<V: Vector>(x: V, c: Minor<V>) -> (V, V) {
     (p, p_error + x * c.lo)
 }
 
-/// Lane `q` is entry `ij` with `i = (q % 9) / 3`, `j = q % 3`; its matrix has row `j` first and the others behind it in turn, an even
-/// permutation, so its determinant is expanded along row `j` and its own cofactor is one of the three needed for that. What depends
-/// on `j` alone repeats with period 3. False where a determinant is not far from zero.
+/// Lane `q` is entry `ij` with `i = (q % 9) / 3`, `j = q % 3`; its matrix has row `j` first and the others behind it in
+/// turn, an even permutation, so its determinant is expanded along row `j` and its own cofactor is one of the three
+/// needed for that. Values that depend on `j` alone repeat with period 3. The result is false if a determinant is not
+/// far from zero.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
 fn vertex_entries<V: Vector>(lo: &Square, hi: &Square, chosen: &Vertices, ends: &mut Ends) -> bool {

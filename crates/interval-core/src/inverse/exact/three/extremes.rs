@@ -1,12 +1,13 @@
-//! Which vertex attains each end, by inverting all of them in floats with bounds of their errors.
+//! The vertex that attains each end: all of them are inverted in floats with bounds of their errors.
 
 use super::Square;
 use super::entries::{PADDED, Vertices};
 use crate::lanes::{Vector, backends};
 use crate::rounding::slices::Backend;
 
-/// Vertex matrices `A_c - T_y Delta T_z` with `y_1 = 1`.
+/// Vertex matrices `A_c - T_y Delta T_z` with `y_1 = 1`: `2^(2n-1)` of them.
 const VERTICES: usize = 32;
+/// The unit roundoff of a double, 2^-53.
 const UNIT: f64 = f64::EPSILON / 2.0;
 
 /// Approximate entries of all vertex inverses and bounds of their errors.

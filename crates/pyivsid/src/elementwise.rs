@@ -34,7 +34,8 @@ fn unknown(op: &str) -> PyErr {
     PyValueError::new_err(format!("unknown operation '{op}'"))
 }
 
-/// An operation of one operand by its name in the core: a row of lower and one of upper bounds. Empty results have reversed infinite bounds.
+/// An operation of one operand by its name in the core: a row of lower and one of upper bounds. Empty results have
+/// reversed infinite bounds.
 #[pyfunction]
 pub fn unary<'py>(
     py: Python<'py>,

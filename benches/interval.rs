@@ -1,8 +1,8 @@
-//! Interval arithmetic on slices: millions of intervals a second in cache (1,024 elements) and from memory (1e6), each back
-//! end beside plain unrounded loops that are vectorised by the compiler for the same processor features.
+//! Interval arithmetic on slices: millions of intervals a second in cache (1,024 elements) and from memory (1e6), each
+//! back end beside plain unrounded loops that are vectorised by the compiler for the same processor features.
 //!
-//! `cargo bench --bench interval -- --quick` for a first look; `python benches/ratios.py` prints the table, with what Python
-//! and python-flint (where it is installed) give beside it.
+//! `cargo bench --bench interval -- --quick` for a first look; `python benches/ratios.py` prints the table, with what
+//! Python and python-flint (where it is installed) give beside it.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use interval_core::rounding::slices::{Backend, Binary, Bounds, BoundsMut, Unary, binary_with, unary_with};

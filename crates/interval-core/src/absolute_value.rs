@@ -98,8 +98,8 @@ impl Equations {
         (0..n * n).map(|at| self.entry(at / n, at % n, positive[at % n])).collect()
     }
 
-    /// An approximate solution by sign accord: signs that do not agree with the solution of their vertex are turned, all of
-    /// them at first, later the first one only, which ends (Rohn).
+    /// An approximate solution by sign accord: signs that do not agree with the solution of their vertex are turned,
+    /// all of them at first, later the first one only, which ends (Rohn).
     pub(crate) fn solve(&self, b: &[f64], signs: &mut [bool]) -> Option<Solution> {
         let n = self.n;
         let mut work = vec![0.0; n * (n + 1)];
@@ -169,8 +169,8 @@ impl Equations {
         residual(Backend::chosen(), self, &x, &tail, &right, &mut value, &mut size);
         #[expect(clippy::cast_precision_loss, reason = "an order, far below 2^53")]
         let terms = n as f64 + 4.0;
-        // Every tail that is summed is at most (terms) u size, and each of their additions is within u of it; products that
-        // underflow lose at most the smallest number each.
+        // Every tail that is summed is at most (terms) u size, and each of their additions is within u of it; products
+        // that underflow lose at most the smallest number each.
         let gamma = 4.0 * terms * terms * UNIT * UNIT;
         let bound = |k: usize| (value[k].abs() + gamma * size[k]) * (1.0 + 8.0 * UNIT) + 16.0 * terms * SMALLEST;
         // Nothing is lost only where each product has a factor of zero: products may also vanish by underflow.

@@ -1,7 +1,7 @@
 //! Sums of doubles and of products of two doubles without error.
 //!
-//! A fixed-point accumulator spans all products of two doubles (Kulisch): nothing is lost before the last rounding, so the
-//! result does not depend on the order of the operands.
+//! A fixed-point accumulator spans all products of two doubles (Kulisch): nothing is lost before the last rounding, so
+//! the result does not depend on the order of the operands.
 
 use crate::exact::{decode, dyadic_down};
 use num_bigint::{BigInt, Sign};
@@ -123,7 +123,7 @@ impl Special {
     }
 }
 
-/// The exact sum of products as an integer multiple of `2^LEAST`, or what infinite and undefined terms make of it.
+/// The exact sum of products as an integer multiple of `2^LEAST`, or the effect of infinite and undefined terms.
 pub(crate) fn accumulate(terms: impl Iterator<Item = (f64, f64)>) -> Result<BigInt, f64> {
     let mut special = Special::NONE;
     let mut sum = Accumulator::new();

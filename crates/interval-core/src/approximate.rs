@@ -79,8 +79,8 @@ pub(crate) fn least_singular_vector(a: &[f64], n: usize) -> Option<Vec<f64>> {
     (largest > 0.0).then(|| x.iter().map(|v| v / largest).collect())
 }
 
-/// Elimination with partial pivoting: which row stands at each pivot, and the sizes of the pivots. Rows without a usable pivot stay in
-/// their order with a pivot that nothing is below.
+/// Elimination with partial pivoting: which row stands at each pivot, and the sizes of the pivots. Rows without a
+/// usable pivot stay in their order with a pivot that nothing is below.
 pub(crate) fn pivots(a: &[f64], n: usize) -> (Vec<usize>, Vec<f64>) {
     let mut work = a.to_vec();
     let mut order: Vec<usize> = (0..n).collect();
@@ -108,7 +108,8 @@ pub(crate) fn pivots(a: &[f64], n: usize) -> (Vec<usize>, Vec<f64>) {
     (order, pivots)
 }
 
-/// Solves `work = [A | b]`, `n` rows of `n + 1`, by elimination with partial pivoting; the solution takes the place of `b`.
+/// Solves `work = [A | b]`, `n` rows of `n + 1`, by elimination with partial pivoting; the solution takes the place of
+/// `b`.
 pub(crate) fn solve_in_place(work: &mut [f64], n: usize) -> Option<()> {
     let width = n + 1;
     for p in 0..n {

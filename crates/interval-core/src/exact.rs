@@ -40,8 +40,8 @@ pub fn ratio_up(value: &BigRational) -> f64 {
     -ratio_down(&-value) + 0.0
 }
 
-/// The order of two rationals by one product each: the comparison of the library walks a continued fraction, whose length
-/// the text of a literal can choose.
+/// The order of two rationals by one product each: the comparison of the library walks a continued fraction, whose
+/// length the text of a literal can choose.
 pub(crate) fn compare(a: &BigRational, b: &BigRational) -> Ordering {
     (a.numer() * b.denom()).cmp(&(b.numer() * a.denom()))
 }
@@ -120,7 +120,8 @@ pub(crate) fn decode(x: f64) -> (i64, i64) {
 
 /// Fraction-free Gauss-Jordan elimination of the integer matrix `[A | B]` (`n` rows, `n + k` columns, row-major).
 ///
-/// Returns the determinant of `A`, and `det(A) * A^-1 B` in place of `B`; `None` for the second where the determinant is 0.
+/// Returns the determinant of `A`, and `det(A) * A^-1 B` in place of `B`; `None` for the second where the determinant
+/// is 0.
 fn eliminate(mut m: Vec<BigInt>, n: usize, k: usize) -> (BigInt, Option<Vec<BigInt>>) {
     let width = n + k;
     let mut previous = BigInt::one();

@@ -63,8 +63,8 @@ impl Scaled {
         (least, most.iter().enumerate().map(|(at, &x)| scaled_down(x, by(at))).collect())
     }
 
-    /// The right-hand side of a system with the scaled matrix, and the common power of two that it is scaled by besides; `None` where
-    /// a scaled bound is not exact.
+    /// The right-hand side of a system with the scaled matrix, and the common power of two that it is scaled by
+    /// besides; `None` where a scaled bound is not exact.
     pub(crate) fn right_hand_side(&self, b: &[Interval]) -> Option<(Vec<Interval>, i32)> {
         let moved: Vec<i32> = b.iter().zip(&self.rows).map(|(x, r)| exponent_of(x.magnitude()) + r).collect();
         let used = moved.iter().zip(b).filter(|(_, x)| x.magnitude() > 0.0).map(|(&e, _)| e);

@@ -1,4 +1,4 @@
-//! Checks of certificates in exact integer arithmetic: nothing of what made them is used.
+//! Checks of certificates in exact integer arithmetic: the code that made them is not used.
 
 use crate::exact::{self, integers};
 use crate::inverse::Certificate;

@@ -1,7 +1,7 @@
 //! Balls over the integers: `(mid +- rad) * 2^exp`, the arithmetic of the last resort, in which nothing rounds unseen.
 //!
 //! Every operation returns a ball that holds the exact result for all members of its operands; `shorten` keeps the
-//! midpoint at a number of bits and moves what it cuts into the radius.
+//! midpoint at a number of bits and moves the part that it cuts into the radius.
 
 use crate::exact::{dyadic_down, shifted};
 use num_bigint::BigInt;

@@ -26,9 +26,10 @@ const fn power(k: i64) -> f64 {
 
 /// `e^x = m 2^k` with `m` in [0.99, 2.02], for `|x| < 1100`.
 ///
-/// `x = n ln2/64 + r`, `n = 64 k + j`, `|r| < 0.0055`: `m = 2^(j/64) e^r`. The errors, relative to the result: reduction
-/// `n 2^-95` < 2^-78; table 2^-103; `e^r - 1 = r + r^2/2` in double-double, the rest `r^3/6 + ...` (below 2^-25) in double
-/// with at most four roundings and the low part of `r` left out: 2^-74.6; tail `r^9/9!` < 2^-86. Together below 2^-73.
+/// `x = n ln2/64 + r`, `n = 64 k + j`, `|r| < 0.0055`: `m = 2^(j/64) e^r`. The errors, relative to the result:
+/// reduction `n 2^-95` < 2^-78; table 2^-103; `e^r - 1 = r + r^2/2` in double-double, the rest `r^3/6 + ...` (below
+/// 2^-25) in double with at most four roundings and the low part of `r` left out: 2^-74.6; tail `r^9/9!` < 2^-86.
+/// Together below 2^-73.
 #[inline(always)]
 pub(super) fn kernel(x: Dd, tables: &Tables) -> (Dd, i64) {
     let n = nearest(x.hi * tables.steps_per_unit);

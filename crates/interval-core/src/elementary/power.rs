@@ -199,7 +199,7 @@ pub(crate) fn log_ratio(v: f64, b: f64) -> Bracket {
     })
 }
 
-/// The roundings of what `evaluate` computes, or the double that `is_exact` confirms it to be.
+/// The roundings of the value that `evaluate` computes, or the double that `is_exact` confirms it to be.
 #[cold]
 fn exactly_or(evaluate: impl Fn(i64) -> Option<Ball>, is_exact: impl Fn(f64) -> bool) -> Bracket {
     if let Some(ball) = evaluate(192) {

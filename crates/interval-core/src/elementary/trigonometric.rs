@@ -38,8 +38,9 @@ fn reduce(x: f64, tables: &Tables) -> (Dd, i64) {
 
 /// `sin r` or `cos r`, `|r| < 0.7855`: `r = c + h`, `c = j/128`, `|h| <= 2^-8`.
 ///
-/// `h^3/6` and `h^4/24` with what follows (below 2^-26.5) are evaluated in double with four roundings that count: 2^-77.5
-/// absolute, against a sine of at least 2^-8 where `j > 0`, and `h^2/6` of that relative to `h` where `j = 0`: 2^-69.5.
+/// `h^3/6` and `h^4/24` with the further terms (below 2^-26.5) are evaluated in double with four roundings that count:
+/// 2^-77.5 absolute, against a sine of at least 2^-8 where `j > 0`, and `h^2/6` of that relative to `h` where `j = 0`:
+/// 2^-69.5.
 #[inline(always)]
 fn kernel(r: Dd, cosine: bool, tables: &Tables) -> Dd {
     let a = r.with_sign(r.hi);

@@ -4,8 +4,8 @@
 use super::Interval;
 use crate::elementary as point;
 
-/// `[f(a), f(b)]` for an increasing function. A macro, because a function passed as a value would be compiled without the
-/// features of the slice kernels that this is inlined into.
+/// `[f(a), f(b)]` for an increasing function. A macro, because a function passed as a value would be compiled without
+/// the features of the slice kernels that this is inlined into.
 macro_rules! increasing {
     ($x:expr, $f:path) => {{
         let x = $x;
@@ -82,8 +82,8 @@ impl Interval {
         increasing!(self.positive_part(), point::log10)
     }
 
-    /// Range of the sine or cosine, which has its maxima where a number of quarter turns `q = top` modulo 4 is completed, and
-    /// its minima two later.
+    /// Range of the sine or cosine, which has its maxima where a number of quarter turns `q = top` modulo 4 is
+    /// completed, and its minima two later.
     #[inline(always)]
     fn wave(self, top: i64) -> Self {
         if self.is_empty() {

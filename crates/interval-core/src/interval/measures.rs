@@ -51,8 +51,8 @@ impl Interval {
         }
     }
 
-    /// The smallest double `r` with the interval inside `[m - r, m + r]` for `m` = [`midpoint`](Self::midpoint); NaN for
-    /// the empty interval.
+    /// The smallest double `r` with the interval inside `[m - r, m + r]` for `m` = [`midpoint`](Self::midpoint); NaN
+    /// for the empty interval.
     #[must_use]
     pub fn radius(self) -> f64 {
         if self.is_empty() {

@@ -3,7 +3,8 @@
 use super::Interval;
 use std::cmp::Ordering;
 
-/// The 16 ways in which two intervals can lie (IEEE 1788, table 10.7). `-By` is the relation with the operands exchanged.
+/// The 16 ways in which two intervals can lie (IEEE 1788, table 10.7). `-By` is the relation with the operands
+/// exchanged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Overlap {
     /// Neither holds anything.

@@ -1,5 +1,5 @@
-//! Text in and out (IEEE 1788, clauses 9.7 and 12.11). Reading rounds outward from the exact value of the literal; writing
-//! rounds outward from the exact doubles.
+//! Text in and out (IEEE 1788, clauses 9.7 and 12.11). Reading rounds outward from the exact value of the literal;
+//! writing rounds outward from the exact doubles.
 
 use super::Interval;
 use crate::error::Error;
@@ -115,8 +115,9 @@ fn round_outward(lower: Option<&BigRational>, upper: Option<&BigRational>) -> In
 }
 
 impl Interval {
-    /// The standard's `textToInterval`: as [`FromStr`], but bounds in the wrong order are accepted where their roundings
-    /// overlap. The flag says that the order could not be told from doubles (the signal `PossiblyUndefinedOperation`).
+    /// The standard's `textToInterval`: as [`FromStr`], but bounds in the wrong order are accepted where their
+    /// roundings overlap. The flag says that the order could not be told from doubles (the signal
+    /// `PossiblyUndefinedOperation`).
     ///
     /// # Errors
     /// Text that is no literal, and bounds that are reversed beyond rounding.

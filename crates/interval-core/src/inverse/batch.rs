@@ -21,7 +21,8 @@ pub struct Batch {
 /// Applies a method to matrices of order `n` whose bounds follow each other, each row-major.
 ///
 /// # Errors
-/// Lengths that are not whole matrices, bad bounds (their position counts over the whole batch), and misuse of the method.
+/// Lengths that are not whole matrices, bad bounds (their position counts over the whole batch), and misuse of the
+/// method.
 pub fn batch(
     n: usize,
     lo: &[f64],

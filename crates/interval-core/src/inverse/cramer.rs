@@ -1,5 +1,5 @@
-//! Interval Cramer's rule, the method of Nirmala and Ganesan (paper, section IV.B) in outward-rounded arithmetic: ratios of
-//! interval determinants. It refuses when the determinant contains 0.
+//! Interval Cramer's rule, the method of Nirmala and Ganesan (paper, section IV.B) in outward-rounded arithmetic:
+//! ratios of interval determinants. It refuses when the determinant contains 0.
 
 use super::{Certificate, Outcome, UNBOUNDED};
 use crate::error::Error;

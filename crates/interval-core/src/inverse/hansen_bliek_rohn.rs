@@ -1,15 +1,16 @@
-//! The closed-form hull of the preconditioned system, column by column (Hansen 1992, Bliek 1992, Rohn 1993; in the form of Neumaier,
-//! *Reliable Computing* 5 (1999) 131-136).
+//! The closed-form hull of the preconditioned system, column by column (Hansen 1992, Bliek 1992, Rohn 1993; in the form
+//! of Neumaier, *Reliable Computing* 5 (1999) 131-136).
 //!
-//! With an approximate inverse `R` of the midpoint and bounds `G >= |I - R A|` over all members, `G v < v` for some `v > 0` proves every
-//! member regular and `I - G` an M-matrix. Let `V = (I - G)^-1 G >= 0`, so that `(I - G)^-1 = I + V`. A solution of `A x = b` solves
-//! `R A x = R b = z`, and with
+//! With an approximate inverse `R` of the midpoint and bounds `G >= |I - R A|` over all members, `G v < v` for some
+//! `v > 0` proves every member regular and `I - G` an M-matrix. Let `V = (I - G)^-1 G >= 0`, so that
+//! `(I - G)^-1 = I + V`. A solution of `A x = b` solves `R A x = R b = z`, and with
 //!
 //! `alpha_i = sum_{k != i} G_ik V_ki / (1 + V_ii)`, `beta_i = sum_{k != i} V_ik |z_k| / (1 + V_ii)`
 //!
-//! it lies in `(z_i + [-beta_i, beta_i]) / ([1 - G_ii, 1 + G_ii] + [-alpha_i, alpha_i])`. These are Neumaier's `alpha` and `beta` with
-//! their differences carried out by `V = G + G V`, so nothing cancels; any upper bounds of them keep the enclosure. `V` is bounded
-//! from both sides by the residual of an approximation: `|V - W| <= v max_i |G + G W - W|_i / (v - G v)_i` in each column.
+//! it lies in `(z_i + [-beta_i, beta_i]) / ([1 - G_ii, 1 + G_ii] + [-alpha_i, alpha_i])`. These are Neumaier's `alpha`
+//! and `beta` with their differences carried out by `V = G + G V`, so nothing cancels; any upper bounds of them keep
+//! the enclosure. `V` is bounded from both sides by the residual of an approximation:
+//! `|V - W| <= v max_i |G + G W - W|_i / (v - G v)_i` in each column.
 
 use super::{Certificate, Outcome, UNBOUNDED};
 use crate::approximate;

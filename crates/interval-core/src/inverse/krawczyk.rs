@@ -1,5 +1,5 @@
-//! Krawczyk's method (paper eq. 8-10, corrected: `Y` is an approximate *inverse* of the midpoint, and the new iterate is
-//! intersected with the old one; Moore, Kearfott and Cloud 2009, section 7.2).
+//! Krawczyk's method (paper eq. 8-10, corrected: `Y` is an approximate *inverse* of the midpoint, and the new iterate
+//! is intersected with the old one; Moore, Kearfott and Cloud 2009, section 7.2).
 //!
 //! `E = I - Y A` with `||E|| < 1` proves that every member is nonsingular, and that the solution of `A x = b` lies in
 //! `x(0) = [-1, 1] ||Y b|| / (1 - ||E||)`; then `x(k + 1) = (Y b + E x(k))` intersected with `x(k)`.

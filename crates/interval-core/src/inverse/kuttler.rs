@@ -1,7 +1,8 @@
-//! Matrices whose two extreme members have non-negative inverses, M-matrices above all (Kuttler, *Math. Comp.* 25 (1971) 237-241).
+//! Matrices whose two extreme members have non-negative inverses, M-matrices above all (Kuttler, *Math. Comp.* 25
+//! (1971) 237-241).
 //!
-//! If `L^-1 >= 0` and `U^-1 >= 0` for the matrices of lower and of upper bounds, every member is nonsingular and the inverse has
-//! the hull `[U^-1, L^-1]`.
+//! If `L^-1 >= 0` and `U^-1 >= 0` for the matrices of lower and of upper bounds, every member is nonsingular and the
+//! inverse has the hull `[U^-1, L^-1]`.
 
 use super::{Certificate, Outcome, UNBOUNDED, hansen_bliek_rohn};
 use crate::error::Error;

@@ -95,7 +95,7 @@ impl Method {
     /// The inverses of matrices of order `n` whose bounds follow each other, each row-major, on all threads.
     ///
     /// # Errors
-    /// Lengths that are not whole matrices, bad bounds, and what [`inverse`](Self::inverse) refuses.
+    /// Lengths that are not whole matrices, bad bounds, and the refusals of [`inverse`](Self::inverse).
     pub fn inverse_batch(self, n: usize, lo: &[f64], hi: &[f64], options: &Options) -> Result<Batch, Error> {
         match self {
             Self::Exact => exact_batch(n, lo, hi),

@@ -32,7 +32,7 @@ use crate::matrix::IntervalMatrix;
 use crate::regularity::{SingularMember, Witness};
 use crate::status::Status;
 
-/// Two arrays of bounds, row-major, that may be reversed: what the published method gives.
+/// Two arrays of bounds, row-major, that may be reversed, by the published method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Endpoints {
     /// The lower bounds by the method's formula, row-major.
@@ -56,7 +56,8 @@ impl Endpoints {
     }
 }
 
-/// The bounds that a method gives: every member's inverse (or solution) lies in certified ones, and unproved ones claim nothing.
+/// The bounds that a method gives: every member's inverse (or solution) lies in certified ones, and unproved ones claim
+/// nothing.
 pub type Value = Claim<IntervalMatrix, Endpoints>;
 
 /// The proof of a value.

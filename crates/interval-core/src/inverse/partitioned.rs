@@ -24,8 +24,8 @@ pub const DEFAULT_CELLS: usize = 4096;
 
 /// The hull of the inverse by halving, or the proof that a member is singular.
 ///
-/// `cells` is the largest number of cells to examine. The status is `Enclosed` also where the budget ends with an enclosure; then
-/// [`Outcome::gap`] is the largest distance of a bound from one that is attained.
+/// `cells` is the largest number of cells to examine. The status is `Enclosed` also where the budget ends with an
+/// enclosure; then [`Outcome::gap`] is the largest distance of a bound from one that is attained.
 ///
 /// # Errors
 /// A matrix that is not square, or `cells` of 0.
@@ -85,14 +85,14 @@ fn certified(a: &IntervalMatrix, scaled: &Scaled, hull: &Hull) -> Result<Outcome
     Ok(outcome)
 }
 
-/// The largest distance of a bound from what is attained, an upper bound.
+/// An upper bound of the largest distance of a bound from the attained values.
 fn gap((lower, upper): (&[f64], &[f64]), (least, most): (&[f64], &[f64])) -> f64 {
     let below = lower.iter().zip(least).map(|(&bound, &attained)| sub_up(attained, bound));
     let above = upper.iter().zip(most).map(|(&bound, &attained)| sub_up(bound, attained));
     below.chain(above).fold(0.0, f64::max)
 }
 
-/// Bounds over all cells so far, and what members attain.
+/// Bounds over all cells so far, and the values that members attain.
 struct Hull {
     lower: Vec<f64>,
     upper: Vec<f64>,
@@ -187,7 +187,7 @@ fn fold(into: &mut [f64], from: &[f64], choose: fn(f64, f64) -> f64) {
 }
 
 impl Hull {
-    /// The exact hull of a cell, or what some of its members attain: bounds of their values from both sides.
+    /// Includes the exact hull of a cell, or bounds from both sides of the values that some of its members attain.
     fn include(&mut self, ends: &Ends) {
         fold(&mut self.lower, &ends.lower, f64::min);
         fold(&mut self.upper, &ends.upper, f64::max);

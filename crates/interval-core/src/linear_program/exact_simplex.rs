@@ -1,8 +1,8 @@
-//! The dual simplex method over the rationals: what it returns is proved, and exact.
+//! The dual simplex method over the rationals. Its results are exact and proved.
 //!
-//! Duality is the proof. For multipliers `l >= 0` of half-spaces `g x <= h` with `c + G' l = 0`, every point of the polyhedron
-//! satisfies `c x >= -h l`, with equality at the vertex of the basis. A half-space whose normal has only coefficients `<= 0`
-//! in the basis, and which the vertex violates, contradicts the basis (Farkas).
+//! Duality is the proof. For multipliers `l >= 0` of half-spaces `g x <= h` with `c + G' l = 0`, every point of the
+//! polyhedron satisfies `c x >= -h l`, with equality at the vertex of the basis. A half-space whose normal has only
+//! coefficients `<= 0` in the basis, and which the vertex violates, contradicts the basis (Farkas).
 //!
 //! The search in floats proposes the basis to start at, which is nearly always the last one too.
 
@@ -29,8 +29,8 @@ pub(crate) enum Proved {
 /// thousands of digits, and grow with every unknown.
 const BUDGET: u64 = 1_000_000_000;
 
-/// The minimum of `direction * x[column]`, `direction` being 1 or -1, from a proposed basis. `None` where it would cost too
-/// much, and for a contradiction that does not stand, which is not met.
+/// The minimum of `direction * x[column]`, `direction` being 1 or -1, from a proposed basis. `None` where it would cost
+/// too much, and for a contradiction that does not stand, which is not met.
 pub(crate) fn minimum<P: HalfSpaces>(
     problem: &P,
     column: usize,
@@ -97,8 +97,8 @@ impl<'a, P: HalfSpaces> Basis<'a, P> {
         3 * self.inverse.len() as u64 * longest * longest.div_ceil(64)
     }
 
-    /// The half-space that the vertex violates most (in units of its normal), at order `M` before the finite order; with
-    /// `careful` the first one violated.
+    /// The half-space that the vertex violates most (in units of its normal), at order `M` before the finite order;
+    /// with `careful` the first one violated.
     fn violated(&self, vertex: &Vertex, careful: bool) -> Option<usize> {
         let mut g = vec![0.0; self.rows.len()];
         let mut worst: Option<(bool, f64, usize)> = None;
@@ -149,7 +149,8 @@ impl<'a, P: HalfSpaces> Basis<'a, P> {
         }
     }
 
-    /// The proof that no point satisfies the basis and the half-space: `g x = sum alpha_i g_i x >= sum alpha_i h_i > h`.
+    /// The proof that no point satisfies the basis and the half-space:
+    /// `g x = sum alpha_i g_i x >= sum alpha_i h_i > h`.
     fn contradiction(&self, entering: usize, alpha: &[BigRational], h: &BigRational) -> Option<Weights> {
         let stands =
             self.rows.iter().zip(alpha).all(|(row, a)| a.is_zero() || (a.is_negative() && !row.is_at_infinity()))
@@ -221,7 +222,8 @@ impl Vertex {
 
 /// Beyond these magnitudes an error need not be relative, or a sum may overflow.
 const TRUSTED: Range<f64> = 1e-280..1e280;
-/// A scalar product of `n` floats near the exact ones is off by less than `n + 4` relative errors of 2^-52: this is more.
+/// A scalar product of `n` floats near the exact ones is off by less than `n + 4` relative errors of 2^-52: this is
+/// more.
 const DOUBT: f64 = 1e-12;
 
 /// The nearest float, or NaN where its error need not be relative.

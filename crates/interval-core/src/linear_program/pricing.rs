@@ -15,7 +15,7 @@ const PIVOT: f64 = 1e-11;
 pub(crate) fn violation(g: &[f64], h: f64, point: &[f64], ray: Option<&[f64]>, tolerance: f64) -> Option<(bool, f64)> {
     if let Some(ray) = ray {
         let (large, size) = terms(g, ray);
-        // The ray comes out of an elimination, so what vanishes leaves more behind than one rounding.
+        // The ray comes out of an elimination, so a term that vanishes leaves more behind than one rounding.
         if large.abs() > 10.0 * VIOLATION * size {
             return (large > 0.0).then_some((true, large));
         }
@@ -40,8 +40,9 @@ fn terms(g: &[f64], x: &[f64]) -> (f64, f64) {
     rest.fold(start, |(sum, size), (a, b)| (sum + a * b, size + (a * b).abs()))
 }
 
-/// The position that keeps the multipliers non-negative (smallest ratio; ties: rows at infinity, then the largest pivot, or
-/// with `careful` the smallest index); `None` where no multiplier falls, which proves infeasibility up to rounding.
+/// The position that keeps the multipliers non-negative (smallest ratio; ties: rows at infinity, then the largest
+/// pivot, or with `careful` the smallest index); `None` where no multiplier falls, which proves infeasibility up to
+/// rounding.
 pub(super) fn leaving(rows: &[Row], alpha: &[f64], multipliers: &[f64], careful: bool) -> Option<usize> {
     let size = alpha.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
     let mut best: Option<(f64, usize)> = None;

@@ -1,8 +1,8 @@
 //! A dual simplex method in plain floats on a working set.
 //!
-//! Each step takes in the half-space that the vertex violates most and drops the row of the basis that the ratio test names. The
-//! inverse of the basis is updated by each exchange and made anew now and then, and always before an answer. A search keeps its
-//! basis: when the working set has grown it goes on from there. Nothing here is a proof.
+//! Each step takes in the half-space that the vertex violates most and drops the row of the basis that the ratio test
+//! names. The inverse of the basis is updated by each exchange and made anew now and then, and always before an answer.
+//! A search keeps its basis: when the working set has grown it goes on from there. Nothing here is a proof.
 
 use super::pricing::{VIOLATION, leaving, violation};
 use super::program::Program;
@@ -218,9 +218,9 @@ impl Search {
         self.locate(program);
     }
 
-    /// A half-space that the vertex violates, `None` where all hold: the most violated one (in units of its normal, at order `M`
-    /// before the finite order) of the candidates, which are chosen anew from the whole working set where none of them is
-    /// violated any more; with `careful` the first one (Bland's rule, which cannot cycle).
+    /// A half-space that the vertex violates, `None` where all hold: the most violated one (in units of its normal, at
+    /// order `M` before the finite order) of the candidates, which are chosen anew from the whole working set where
+    /// none of them is violated any more; with `careful` the first one (Bland's rule, which cannot cycle).
     fn violated(&self, program: &Program, candidates: &mut Vec<usize>, careful: bool) -> Option<usize> {
         if careful {
             return (0..program.count()).find(|&index| self.amount(program, index).is_some());

@@ -1,4 +1,5 @@
-//! The directions in which an open set goes on for ever: a basis of the null space where the set contains whole lines, else rays.
+//! The directions in which an open set goes on for ever: a basis of the null space where the set contains whole lines,
+//! else rays.
 
 use super::rows::Rows;
 use crate::parallel;
@@ -9,8 +10,8 @@ const ZERO: f64 = 1e-9;
 /// Rows of one piece of a pass. The size is fixed, so that the result does not depend on the number of threads.
 const PIECE: usize = 1 << 14;
 
-/// From the rays of all orthants: the reduced echelon basis of their span where every member of it may be added to a consistent
-/// parameter, else the rays that differ. Scaled to a largest entry of 1; approximations, with exact zeros.
+/// From the rays of all orthants: the reduced echelon basis of their span where every member of it may be added to a
+/// consistent parameter, else the rays that differ. Scaled to a largest entry of 1; approximations, with exact zeros.
 pub(crate) fn directions(rows: &Rows<'_>, rays: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let mut distinct: Vec<Vec<f64>> = Vec::new();
     for ray in rays {

@@ -1,8 +1,8 @@
 //! The set of all parameters that are consistent with every interval row: its proved interval hull.
 //!
-//! `theta` is consistent when some member of `A` and some member of `y` give `A theta = y`. The set is a polyhedron in every
-//! orthant and need not be connected, so every orthant is closed: by bounds, or by a proof that the set does not meet it.
-//! A column without radius needs no sign.
+//! `theta` is consistent when some member of `A` and some member of `y` give `A theta = y`. The set is a polyhedron in
+//! every orthant and need not be connected, so every orthant is closed: by bounds, or by a proof that the set does not
+//! meet it. A column without radius needs no sign.
 
 use super::check_rows;
 use super::directions::directions;
@@ -81,8 +81,8 @@ pub struct FeasibleSet {
     pub inflation: Option<f64>,
     /// A parameter at which that factor is attained.
     pub centre: Option<Vec<f64>>,
-    /// Directions in which the set goes on for ever, scaled to a largest entry of 1: a basis of the null space where the set holds
-    /// whole lines, else rays; approximations.
+    /// Directions in which the set goes on for ever, scaled to a largest entry of 1: a basis of the null space where
+    /// the set holds whole lines, else rays; approximations.
     pub directions: Vec<Vec<f64>>,
     /// Every orthant that the set may meet, with its proof.
     pub orthants: Vec<OrthantResult>,
@@ -174,7 +174,8 @@ fn union(rows: &Rows<'_>, pool: &mut Pool, leaves: &[Vec<i8>], asked: Asked) -> 
     witnessed.then_some(proofs)
 }
 
-/// The hull where some rows may be wrong. Proofs of signs would use rows that may be among them, so every orthant is looked at.
+/// The hull where some rows may be wrong. Proofs of signs would use rows that may be among them, so every orthant is
+/// looked at.
 fn with_outliers(rows: &Rows<'_>, pool: &mut Pool, known: &[i8], allowed: usize) -> FeasibleSet {
     let n = rows.columns();
     let Some(leaves) = every(rows, known) else { return FeasibleSet::without_answer(n, too_many(rows, known)) };

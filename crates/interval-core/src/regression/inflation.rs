@@ -1,11 +1,11 @@
 //! The smallest factor on all radii at which a consistent parameter exists (docs/theory.md, "The feasible set"), an
 //! estimate in plain floats.
 //!
-//! With midpoints `c` and radii `d` of rows and right-hand sides, the factor at `x` is `max_i |c_i x - y_i| / (D_i |x| + d_i)`;
-//! in one orthant it is quasi-convex. Dinkelbach's iteration: for the factor `k` at the present point minimise `t` over
-//! `|c_i x - y_i| - k (D_i |x| + d_i) <= t w_i`, `w_i` the present denominator; stop when `t` is no longer negative. It runs on
-//! a working set, where its factor is too small; a pass over all rows names those that ask for a larger one. The orthant with the
-//! smallest factor so far is looked at first.
+//! With midpoints `c` and radii `d` of rows and right-hand sides, the factor at `x` is
+//! `max_i |c_i x - y_i| / (D_i |x| + d_i)`; in one orthant it is quasi-convex. Dinkelbach's iteration: for the factor
+//! `k` at the present point minimise `t` over `|c_i x - y_i| - k (D_i |x| + d_i) <= t w_i`, `w_i` the present
+//! denominator; stop when `t` is no longer negative. It runs on a working set, where its factor is too small; a pass
+//! over all rows names those that ask for a larger one. The orthant with the smallest factor so far is looked at first.
 
 use super::rows::Rows;
 use crate::approximate::least_squares;
@@ -32,8 +32,8 @@ const FAR: f64 = 1024.0 * 1024.0;
 /// Rows that one pass adds at most, so that the working set stays small.
 const TAKEN: usize = 12;
 
-/// The smallest factor over these orthants, starting from these rows and without the `dropped` ones (in ascending order);
-/// `None` where no factor helps.
+/// The smallest factor over these orthants, starting from these rows and without the `dropped` ones (in ascending
+/// order); `None` where no factor helps.
 pub(crate) fn smallest(rows: &Rows<'_>, start: &[usize], signs: &[&[i8]], dropped: &[usize]) -> Option<Attained> {
     let start: Vec<usize> = start.iter().copied().filter(|i| dropped.binary_search(i).is_err()).collect();
     let mut set = Working::new(rows, &start);
@@ -83,7 +83,8 @@ fn factor_of(rows: &Rows<'_>, point: &[f64], dropped: &[usize]) -> (f64, Vec<usi
                 size += term.abs();
                 radius += (u - l) * x.abs();
             }
-            // A residual at the level of rounding is none; unbounded rows say nothing (their radius is infinite, or nothing).
+            // A residual at the level of rounding is none; unbounded rows say nothing (their radius is infinite, or
+            // nothing).
             let residual = residual.abs();
             if residual > 4.0 * f64::EPSILON * size && residual < f64::INFINITY && residual > worst.0 * radius {
                 let factor = residual / radius;

@@ -8,8 +8,8 @@
 //!
 //! `x = u + sum_i (P a_i) r_i + S (I - X'X) z`,  `P = S S'`.
 //!
-//! Each row stands twice in its summand. About the midpoints `a_i = c + d`, `r_i = r_c + e - d u` the terms of first order are
-//! `(P c) e + sum_j d_j (P_j r_c - (P c) u_j)`: one bound of them together, not of each factor.
+//! Each row stands twice in its summand. About the midpoints `a_i = c + d`, `r_i = r_c + e - d u` the terms of first
+//! order are `(P c) e + sum_j d_j (P_j r_c - (P c) u_j)`: one bound of them together, not of each factor.
 
 use super::augmented;
 use super::rows::Rows;
@@ -184,7 +184,7 @@ struct Sums {
     image: Vec<Interval>,
     /// `sum (P c) r_c`.
     middle: Vec<Interval>,
-    /// Bounds of what the radii add to it.
+    /// Bounds of the part that the radii add to it.
     radius: Vec<f64>,
 }
 

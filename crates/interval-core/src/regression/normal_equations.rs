@@ -1,8 +1,8 @@
 //! Interval least squares by normal equations, `theta = (A'A)^-1 A'y` (paper eq. 7 and 14), with any inverse.
 //!
-//! For an inverse that encloses, the result holds every least-squares solution of every member, and with it every parameter
-//! that is consistent with all rows. For the published inverse nothing is claimed; an improper entry contributes the
-//! smallest and the largest product of its ends.
+//! For an inverse that encloses, the result holds every least-squares solution of every member, and with it every
+//! parameter that is consistent with all rows. For the published inverse nothing is claimed; an improper entry
+//! contributes the smallest and the largest product of its ends.
 
 use super::check_rows;
 use crate::certified::{Claim, Unproved};

@@ -28,7 +28,7 @@ const ROUNDS: usize = 20;
 /// The proof for one orthant, and the directions in which it seems open.
 pub(crate) type Proof = (OrthantOutcome, Vec<Vec<f64>>);
 
-/// Proves what the search of one piece found.
+/// Proves the findings of the search of one piece.
 pub(crate) fn prove(rows: &Rows<'_>, pool: &Pool, piece: &Piece<'_>) -> Proof {
     let orthant = &piece.orthant;
     if let Some((goal, entering)) = piece.contradiction {
@@ -106,8 +106,8 @@ fn end(orthant: &Orthant<'_>, goal: &Goal, least: Option<f64>, weights: &[(usize
     BoundCertificate { column: goal.column, upper, bound: if upper { 0.0 - least } else { least }, rows, signs }
 }
 
-/// The end that the basis of the search proves, or the basis that the exact search puts in its place. Either way the rows of the
-/// certificate prove it alone.
+/// The end that the basis of the search proves, or the basis that the exact search puts in its place. Either way the
+/// rows of the certificate prove it alone.
 fn proved_end(piece: &Piece<'_>, goal: &Goal) -> BoundCertificate {
     let orthant = &piece.orthant;
     let rows: Vec<Row> = goal.search.basis(&piece.program).into_iter().map(|r| r.0).collect();
@@ -216,8 +216,8 @@ fn missed(
     found
 }
 
-/// An orthant at one point that is known to twice the precision: a half-space that only seems to be violated says nothing, and one
-/// that seems to hold by a rounding is shown with its violation enlarged.
+/// An orthant at one point that is known to twice the precision: a half-space that only seems to be violated says
+/// nothing, and one that seems to hold by a rounding is shown with its violation enlarged.
 struct Remainders<'a> {
     orthant: &'a Orthant<'a>,
     point: Vec<f64>,

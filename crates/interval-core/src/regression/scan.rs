@@ -5,7 +5,8 @@
 //! the vectors are looked at again row by row, with a tolerance relative to the terms of that row. A scan proposes; it
 //! proves nothing.
 //!
-//! Pieces of rows do not depend on the number of threads, and nothing is fused: the same rows come back from every back end.
+//! Pieces of rows do not depend on the number of threads, and nothing is fused: the same rows come back from every back
+//! end.
 
 #![expect(clippy::inline_always, reason = "the kernel is compiled inside functions with wider instruction sets")]
 
@@ -63,7 +64,8 @@ pub(crate) fn column_scale(rows: &Rows<'_>) -> Vec<f64> {
         .collect()
 }
 
-/// For every vertex the half-spaces that it violates most, those that are `known` left out; the most violated one first.
+/// For every vertex the half-spaces that it violates most, those that are `known` left out; the most violated one
+/// first.
 pub(crate) fn scan<P: HalfSpaces>(
     rows: &Rows<'_>,
     scale: &[f64],
@@ -149,7 +151,8 @@ fn look<P: HalfSpaces>(
 }
 
 backends! {
-    /// The largest violation in each block of rows, for each vertex, in units of the rows' normals; 0 where there is none.
+    /// The largest violation in each block of rows, for each vertex, in units of the rows' normals; 0 where there is
+    /// none.
     fn maxima_of(
         rows: [&[f64]; 4],
         scale: &[f64],

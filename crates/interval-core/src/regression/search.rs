@@ -1,7 +1,8 @@
 //! Constraint generation: linear programs over all rows by a working set of few.
 //!
-//! All polyhedra (orthants) share one pool of rows. Each round solves every pending program on the pool, then one scan over the rows
-//! tries all pending vertices and adds the rows that they violate most. The first rounds look at a part of the rows only.
+//! All polyhedra (orthants) share one pool of rows. Each round solves every pending program on the pool, then one scan
+//! over the rows tries all pending vertices and adds the rows that they violate most. The first rounds look at a part
+//! of the rows only.
 
 use super::orthant::Orthant;
 use super::rows::Rows;
@@ -123,7 +124,7 @@ impl<'a> Piece<'a> {
         Self { orthant, program, goals, contradiction: None, persistent: false, taken: 0 }
     }
 
-    /// Takes in what is new in the pool and goes on with every search. The first contradiction ends them all.
+    /// Takes in the new rows of the pool and goes on with every search. The first contradiction ends them all.
     fn advance(&mut self, pool: &Pool) {
         let mut g = vec![0.0; self.orthant.dimension()];
         let grown = self.taken < pool.members.len();
@@ -163,7 +164,8 @@ impl<'a> Piece<'a> {
 pub(crate) enum Asked {
     /// Every goal of every piece.
     Each,
-    /// The union of the pieces, which all have the same goals: one that falls for ever somewhere is looked for nowhere else.
+    /// The union of the pieces, which all have the same goals: one that falls for ever somewhere is looked for nowhere
+    /// else.
     Union,
 }
 
@@ -200,7 +202,8 @@ pub(crate) fn solve(rows: &Rows<'_>, pool: &mut Pool, pieces: &mut [Piece<'_>], 
     }
 }
 
-/// The goals whose vertices have to be tried on the rows: all that are finite, and a few open ones of each kind where one will do.
+/// The goals whose vertices have to be tried on the rows: all that are finite, and a few open ones of each kind where
+/// one will do.
 fn pending(pieces: &[Piece<'_>], asked: Asked) -> Vec<(usize, usize)> {
     let mut open: HashMap<usize, usize> = HashMap::new();
     let mut places = Vec::new();

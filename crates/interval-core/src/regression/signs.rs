@@ -1,9 +1,9 @@
 //! The orthants that the set can meet: signs that are proved, and a branch for any other.
 //!
-//! Take a sign vector `z` (the home) and let `d_k = max(0, -z_k x_k)` say how far a consistent `x` lies on the other side. From
-//! `|x_k| = z_k x_k + 2 d_k` every row's half-space of the home's polyhedron holds at `x` up to `2 sum_k D_ik d_k`. So multipliers `l`
-//! that prove `z_j x_j >= b_j` in that polyhedron, without the constraints on its own signs, prove for every consistent `x`
-//! `z_j x_j >= b_j - sum_k M_jk d_k` with `M_jk = 2 sum_i l_i D_ik`, and
+//! Take a sign vector `z` (the home) and let `d_k = max(0, -z_k x_k)` say how far a consistent `x` lies on the other
+//! side. From `|x_k| = z_k x_k + 2 d_k` every row's half-space of the home's polyhedron holds at `x` up to
+//! `2 sum_k D_ik d_k`. So multipliers `l` that prove `z_j x_j >= b_j` in that polyhedron, without the constraints on
+//! its own signs, prove for every consistent `x` `z_j x_j >= b_j - sum_k M_jk d_k` with `M_jk = 2 sum_i l_i D_ik`, and
 //!
 //! `d <= (M d - b)+ <= M d + p`,  `p = max(0, -b)`.
 //!
@@ -29,8 +29,8 @@ const FEW: usize = 4;
 /// Repetitions of the sharpening step. Each of them keeps a bound, so a checker may do the same number.
 const SHARPENED: usize = 10;
 
-/// A proof of signs: of all consistent parameters whose signs are those `decided`, none lies further than `reach` on the
-/// other side of `home`.
+/// A proof of signs: of all consistent parameters whose signs are those `decided`, none lies further than `reach` on
+/// the other side of `home`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SignProof {
     /// The part of the space that is meant: 1 or -1 for a sign that holds there, 0 for none.
@@ -58,8 +58,8 @@ pub struct SignRows {
     pub signs: Vec<(usize, f64)>,
 }
 
-/// Sign vectors that cover every consistent parameter, in a fixed order, with the proofs that leave out the others; `None`
-/// where there would be too many.
+/// Sign vectors that cover every consistent parameter, in a fixed order, with the proofs that leave out the others;
+/// `None` where there would be too many.
 pub(crate) fn cover(rows: &Rows<'_>, pool: &mut Pool, known: &[i8]) -> Option<(Vec<Vec<i8>>, Vec<SignProof>)> {
     let home = guess(rows, pool, known);
     let (mut leaves, mut proofs) = (Vec::new(), Vec::new());
@@ -210,8 +210,8 @@ fn prove_signs(decided: &[i8], piece: &Piece<'_>) -> SignProof {
     proof
 }
 
-/// The open column that stands most in the way: without a proof the one that the others depend on most, else the one that
-/// reaches furthest.
+/// The open column that stands most in the way: without a proof the one that the others depend on most, else the one
+/// that reaches furthest.
 fn branch(open: &[usize], reach: &[f64], growth: &[f64]) -> Option<usize> {
     let k = open.len();
     let weight = |at: usize| -> f64 {

@@ -26,9 +26,9 @@ pub(crate) struct Preconditioned {
 impl Preconditioned {
     /// For a square and bounded matrix; `None` where the midpoint has no usable approximate inverse.
     ///
-    /// `R m - I` for midpoints `m` is summed in twice the working precision (Ogita, Rump and Oishi, *SIAM J. Sci. Comput.* 26
-    /// (2005) 1955-1988): the result is within `u |res| + gamma^2 (1 + |R| |m|)` of the sum. The radii enter by an ordinary
-    /// product of non-negative numbers, whose relative error is at most `(n + 2) u`.
+    /// `R m - I` for midpoints `m` is summed in twice the working precision (Ogita, Rump and Oishi, *SIAM J. Sci.
+    /// Comput.* 26 (2005) 1955-1988): the result is within `u |res| + gamma^2 (1 + |R| |m|)` of the sum. The radii
+    /// enter by an ordinary product of non-negative numbers, whose relative error is at most `(n + 2) u`.
     pub(crate) fn new(a: &IntervalMatrix) -> Option<Self> {
         let n = a.rows();
         let (middle, spread) = split(a);
@@ -151,7 +151,8 @@ pub(crate) fn slack(g: &[f64], v: &[f64]) -> Option<Vec<f64>> {
     holds.then_some(rest)
 }
 
-/// A positive `v` with `G v < v`, proved: an approximation of `(I - G)^-1` times ones, or of the dominant eigenvector of `G`.
+/// A positive `v` with `G v < v`, proved: an approximation of `(I - G)^-1` times ones, or of the dominant eigenvector
+/// of `G`.
 pub(crate) fn contracted_vector(g: &[f64], n: usize) -> Option<Vec<f64>> {
     let mut v = vec![1.0; n];
     for _ in 0..20 {

@@ -41,7 +41,7 @@ fn is_default() -> bool {
     control & (ROUNDING | FLUSH_TO_ZERO | DENORMALS_ARE_ZERO) == 0
 }
 
-/// By what arithmetic does.
+/// The same by the results of arithmetic.
 #[cfg(any(not(target_arch = "x86_64"), miri))]
 #[inline]
 fn is_default() -> bool {

@@ -2,8 +2,8 @@
 //!
 //! Over a regular interval matrix every entry of the inverse attains its extremes at vertex matrices. The vertices
 //! follow from:
-//! - *sign-stable* (S): where every entry of the inverse keeps its sign, the two vertices of entry `ij` follow from row `i` and
-//!   column `j` of the signs;
+//! - *sign-stable* (S): where every entry of the inverse keeps its sign, the two vertices of entry `ij` follow from row
+//!   `i` and column `j` of the signs;
 //! - *unit midpoint* (U): `I` plus or minus radii has a closed form;
 //! - *sign accord* (B): column `j` over all sign vectors `y` solves `A_c x - T_y Delta |x| = e_j`: `n 2^n` solutions;
 //! - *vertices* (V): all `2^(2n-1)` of them in rational arithmetic, the cross-check.
@@ -120,7 +120,7 @@ fn by_accord_of(a: &IntervalMatrix, scaled: &Scaled, witness: Witness) -> Outcom
 pub(crate) enum Settled {
     /// Its exact hull.
     Hull { ends: Ends, witness: Witness },
-    /// Regular, with an enclosure and with what some members attain, but too large for an exact form.
+    /// Regular, with an enclosure and with the values that some members attain, but too large for an exact form.
     Regular { enclosure: IntervalMatrix, attained: Option<Ends> },
     /// Strong regularity is not proved.
     Open,
@@ -128,7 +128,7 @@ pub(crate) enum Settled {
 
 /// The hull of a strongly regular matrix by the cheapest form that applies.
 ///
-/// `attain` asks for what members attain where the hull is not found.
+/// `attain` asks for the values that members attain if the hull is not found.
 pub(crate) fn settle(a: &IntervalMatrix, attain: bool) -> Settled {
     let n = a.rows();
     let Some(preconditioned) = Preconditioned::new(a) else { return Settled::Open };

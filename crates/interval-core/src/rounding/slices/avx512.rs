@@ -22,8 +22,8 @@ pub(super) struct Avx512(__m512d);
 
 type Outcome = (Avx512, Avx512, bool);
 
-// SAFETY of every block below: the door calls these functions only inside functions with AVX-512F, on a processor that has
-// it; loads and stores are of slices whose length is asserted.
+// SAFETY of every block below: the door calls these functions only inside functions with AVX-512F, on a processor that
+// has it; loads and stores are of slices whose length is asserted.
 impl Block for Avx512 {
     const N: usize = 8;
 
@@ -80,7 +80,7 @@ fn bounded(lo: __m512d, hi: __m512d) -> bool {
     unsafe { less(_mm512_sub_pd(hi, lo), _mm512_set1_pd(f64::INFINITY)) == 0xff }
 }
 
-/// Infinities add up to what they should; only an empty operand beside an unbounded one gives NaN.
+/// Infinities add up to the right bounds; only an empty operand beside an unbounded one gives NaN.
 #[inline(always)]
 pub(super) fn add(a: Avx512, b: Avx512, c: Avx512, d: Avx512) -> Outcome {
     unsafe {
@@ -97,8 +97,8 @@ pub(super) fn sub(a: Avx512, b: Avx512, c: Avx512, d: Avx512) -> Outcome {
     }
 }
 
-/// As the kernel's: two products a bound, chosen by the signs of `a` and `b`. A product of zero and infinity is NaN; where
-/// the minimum or maximum passes over it the other product is the right result, else the result is not bounded.
+/// As the kernel's: two products a bound, chosen by the signs of `a` and `b`. A product of zero and infinity is NaN;
+/// where the minimum or maximum passes over it the other product is the right result, else the result is not bounded.
 #[inline(always)]
 pub(super) fn mul(a: Avx512, b: Avx512, c: Avx512, d: Avx512) -> Outcome {
     unsafe {
@@ -148,8 +148,8 @@ pub(super) fn sqrt(a: Avx512, b: Avx512) -> Outcome {
     }
 }
 
-/// A row times 16 packed columns. All bounds are finite: a lower sum can only fall to -inf, an upper one only rise to inf,
-/// so nothing is NaN.
+/// A row times 16 packed columns. All bounds are finite: a lower sum can only fall to -inf, an upper one only rise to
+/// inf, so nothing is NaN.
 #[inline(always)]
 pub(super) fn group_product(a: (&[f64], &[f64]), block: (&[f64], &[f64]), sums: &mut ([f64; 16], [f64; 16])) {
     unsafe {

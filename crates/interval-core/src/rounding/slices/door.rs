@@ -103,8 +103,8 @@ impl<L: Lanes> Block for L {
     }
 }
 
-// The loops over blocks: `fast` on two vectors at a time, `slow` on the intervals of a block for which it is not sound and on
-// the rest. Macros, because a function passed as a value would be compiled without the features of the caller.
+// The loops over blocks: `fast` on two vectors at a time, `slow` on the intervals of a block for which it is not sound
+// and on the rest. Macros, because a function passed as a value would be compiled without the features of the caller.
 macro_rules! unary_blocks {
     ($block:ty, $x:ident, $out:ident, $fast:path, $slow:expr) => {{
         let n = <$block as Block>::N;

@@ -1,8 +1,8 @@
 //! The operations by error-free transformations, written once over vectors of any width.
 //!
 //! Each returns both bounds and whether all lanes are exact to the last bit; where that is false the block is redone by
-//! the scalar operators. `lower` and `upper` results are found by rounding to nearest and stepping to the neighbour where
-//! the exact error says so, as in [`super::super::scalar`].
+//! the scalar operators. `lower` and `upper` results are found by rounding to nearest and stepping to the neighbour
+//! where the exact error says so, as in [`super::super::scalar`].
 
 /// A vector of doubles. `Mask` holds one truth value a lane.
 pub(super) trait Lanes: Copy {
@@ -25,8 +25,8 @@ pub(super) trait Lanes: Copy {
     fn min(self, b: Self) -> Self;
     /// The larger; `b` where one is NaN.
     fn max(self, b: Self) -> Self;
-    /// A number with the sign of `self * b - c`, exactly the difference where it is a double, for `c` near the product and
-    /// a product of at least 2^-969; NaN where that is not certain.
+    /// A number with the sign of `self * b - c`, exactly the difference where it is a double, for `c` near the product
+    /// and a product of at least 2^-969; NaN where that is not certain.
     fn product_less(self, b: Self, c: Self) -> Self;
     fn less(self, b: Self) -> Self::Mask;
     fn less_equal(self, b: Self) -> Self::Mask;

@@ -138,7 +138,7 @@ macro_rules! operations {
                 ARITHMETIC.contains(&self.name())
             }
 
-            /// The operation on one interval: what every back end computes, bit for bit.
+            /// The operation on one interval. Every back end gives the same bits.
             #[must_use]
             pub fn scalar(self) -> $signature {
                 match self { $(Self::$name => $f,)* }

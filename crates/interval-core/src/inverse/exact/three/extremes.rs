@@ -72,8 +72,8 @@ const SIGNS: Signs = {
 
 backends!(fn invert(lo: &Square, hi: &Square, all: &mut All) -> bool = invert_lanes);
 
-/// Cofactors are right within `2 u` of the magnitudes of their two products, the determinant within `6 u` of those of its six; the
-/// bound takes twice as much. False where a determinant is not far from zero.
+/// Cofactors are right within `2 u` of the magnitudes of their two products, the determinant within `6 u` of those of
+/// its six; the bound takes twice as much. False where a determinant is not far from zero.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
 fn invert_lanes<V: Vector>(lo: &Square, hi: &Square, all: &mut All) -> bool {

@@ -1,16 +1,16 @@
 //! The hull of the inverse for order 3: 18 entries of vertex inverses in twice the working precision, all at once.
 //!
 //! Steps, each with its proof:
-//! 1. `R` approximates the inverse of the midpoint, `G >= |I - R A|` for every member by an a-priori bound of the rounding
-//!    errors; `||G|| <= beta < 1` proves every member regular.
-//! 2. With `B = R + (I - R A) B`: `|B - R| <= G |R| + G^2 |R| + beta^3 / (1 - beta) max_i |R_ij|`. An entry larger than that keeps
-//!    its sign; an entry whose cofactor is zero for every member is zero.
+//! 1. `R` approximates the inverse of the midpoint, `G >= |I - R A|` for every member by an a-priori bound of the
+//!    rounding errors; `||G|| <= beta < 1` proves every member regular.
+//! 2. With `B = R + (I - R A) B`: `|B - R| <= G |R| + G^2 |R| + beta^3 / (1 - beta) max_i |R_ij|`. An entry larger than
+//!    that keeps its sign; an entry whose cofactor is zero for every member is zero.
 //! 3. An entry of the inverse falls while `a_kl` grows where `B_ik B_lj > 0`, so with fixed signs its extremes stand at
 //!    two known vertices (docs/theory.md, "Inverses", fixed signs). Otherwise all 32 vertices are inverted in floats
 //!    with bounds of their errors, and an end is known where one vertex alone can attain it
 //!    (docs/theory.md, "Inverses", all vertices).
-//! 4. At these vertices the cofactor and the determinant are evaluated by error-free transformations; the quotient is rounded
-//!    outward, and is the tightest bound where the error cannot change the rounding.
+//! 4. At these vertices the cofactor and the determinant are evaluated by error-free transformations; the quotient is
+//!    rounded outward, and is the tightest bound where the error cannot change the rounding.
 
 mod entries;
 mod extremes;
@@ -28,8 +28,8 @@ const LARGEST: f64 = f64::from_bits((1023 + 200) << 52);
 /// The unit roundoff of a double, 2^-53.
 const UNIT: f64 = f64::EPSILON / 2.0;
 
-/// The tightest bounds of every entry of the inverse, and an approximate inverse `R` with `|I - R A| (1, 1, 1)' < (1, 1, 1)'`;
-/// `None` where one of the steps does not decide.
+/// The tightest bounds of every entry of the inverse, and an approximate inverse `R` with
+/// `|I - R A| (1, 1, 1)' < (1, 1, 1)'`; `None` where one of the steps does not decide.
 pub(super) fn hull(lo: &Square, hi: &Square) -> Option<(Square, Square, Square)> {
     let proved = Regular::prove(lo, hi)?;
     let backend = Backend::chosen();

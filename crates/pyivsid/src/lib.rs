@@ -1,5 +1,5 @@
-//! Python's door to `interval-core`: borrow, detach from the interpreter, call, convert. No arithmetic and no
-//! decisions.
+//! The functions of `interval-core` for Python: borrow, detach from the interpreter, call, convert. No arithmetic and
+//! no decisions.
 
 #![expect(clippy::needless_pass_by_value, reason = "pyfunction arguments are extracted by value")]
 

@@ -160,7 +160,8 @@ impl Equations {
         best
     }
 
-    /// The approximation with bounds of `|F|`, and `F` itself approximately; `None` where something overflows.
+    /// The approximation with bounds of `|F|`, and `F` itself approximately. The value is `None` if something
+    /// overflows.
     fn checked(&self, b: &[f64], x: Vec<f64>, tail: Vec<f64>) -> Option<(Solution, Vec<f64>)> {
         let n = self.n;
         let (mut value, mut size) = (vec![0.0; self.stride], vec![0.0; self.stride]);

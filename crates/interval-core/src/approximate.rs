@@ -4,7 +4,8 @@ use faer::linalg::solvers::DenseSolveCore;
 use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::{DMatrix, DVector};
 
-/// An approximate inverse of an `n` by `n` matrix, row-major; `None` where elimination meets a zero pivot or overflows.
+/// An approximate inverse of an `n` by `n` matrix, row-major. The value is `None` if elimination meets a zero pivot or
+/// overflows.
 pub(crate) fn inverse(a: &[f64], n: usize) -> Option<Vec<f64>> {
     if n > BLOCKED {
         return blocked_inverse(a, n);
@@ -44,7 +45,7 @@ impl Basis {
 }
 
 /// A least-squares solution of `A x = b` for `m` by `n` row-major `A`, by its normal equations with columns scaled to
-/// unit length; a start for searches, so a singular system just gives zeros.
+/// unit length. It is a start for searches, so a singular system gives zeros.
 pub(crate) fn least_squares(a: &[f64], b: &[f64], n: usize) -> Vec<f64> {
     let mut scale = vec![0.0_f64; n];
     for row in a.chunks_exact(n) {

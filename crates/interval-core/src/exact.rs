@@ -1,8 +1,8 @@
 //! Exact arithmetic over the rationals: the last resort of a proof where directed rounding cannot decide, and the
 //! conversion between doubles and decimals.
 //!
-//! Doubles are dyadic, so a matrix of doubles is an integer matrix times a power of two; elimination is fraction-free
-//! (Bareiss, *Math. Comp.* 22 (1968) 565-578).
+//! Doubles are dyadic, so a matrix of doubles is an integer matrix times a power of two. The elimination is
+//! fraction-free (Bareiss, *Math. Comp.* 22 (1968) 565-578).
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -187,7 +187,7 @@ pub fn inverse(a: &[f64], n: usize) -> Option<(i8, Vec<BigRational>)> {
     Some((sign, entries))
 }
 
-/// The exact solution of `a x = b` for finite doubles; `None` where `a` is singular.
+/// The exact solution of `a x = b` for finite doubles. The value is `None` if `a` is singular.
 #[must_use]
 pub fn solve(a: &[f64], b: &[f64], n: usize) -> Option<Vec<BigRational>> {
     let (left, left_exponent) = integers(a);
@@ -218,7 +218,7 @@ const BINARY_LIMIT: i64 = 80_000;
 /// Digits of one number at most: a bound of the time and the memory that a text may cost.
 const DIGIT_LIMIT: usize = 4_000;
 
-/// The exact value of a number such as `-12.5e-3`, `2/3` or `0x1.8p-1`; `None` where the text is not one.
+/// The exact value of a number such as `-12.5e-3`, `2/3` or `0x1.8p-1`. The value is `None` if the text is not one.
 #[must_use]
 pub fn from_text(text: &str) -> Option<BigRational> {
     let (negative, unsigned) = match text.as_bytes().first()? {

@@ -4,8 +4,8 @@
 /// Operations below which starting threads costs more than it saves.
 const WORTHWHILE: usize = 1 << 18;
 
-/// `work(i, lo, hi)` on every row of `width` entries of two slices; rows do not depend on each other, so neither does
-/// the result on the number of threads.
+/// `work(i, lo, hi)` on every row of `width` entries of two slices; the rows do not depend on each other, so the result
+/// does not depend on the number of threads.
 pub(crate) fn rows(
     operations: usize,
     width: usize,

@@ -1,7 +1,7 @@
 //! A quantity that follows held goals behind a first-order lag: `x' = e x + (1 - e) g` in bounds.
 //!
-//! One step in plain floats is rounded four times, each time by at most 2^-53 of `|x| + |g|`; `STEP_ROUNDING` of that
-//! is added on either side, which holds all four and its own rounding.
+//! One step in plain floats is rounded four times, each time by at most 2^-53 of `|x| + |g|`. A slack of
+//! `STEP_ROUNDING` of that is added on either side, which holds all four and its own rounding.
 
 use crate::Error;
 
@@ -20,7 +20,7 @@ fn fits(needed: usize, lengths: &[usize]) -> Result<(), Error> {
 ///
 /// `start` bounds it at the first row, and again after each step that is not `whole`. Over step `k` its share of the
 /// previous value is within `slack[k]` of `decay[k]`, and inside `[0, 1]`. `lo` and `hi` hold the goals' bounds when
-/// called and the quantity's when done; all slices but these are one shorter.
+/// called and the quantity's when done. All slices but these are one shorter.
 ///
 /// # Errors
 /// Slices of other lengths, or none.

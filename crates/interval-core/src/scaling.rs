@@ -64,7 +64,7 @@ impl Scaled {
     }
 
     /// The right-hand side of a system with the scaled matrix, and the common power of two that it is scaled by
-    /// besides; `None` where a scaled bound is not exact.
+    /// besides. The value is `None` if a scaled bound is not exact.
     pub(crate) fn right_hand_side(&self, b: &[Interval]) -> Option<(Vec<Interval>, i32)> {
         let moved: Vec<i32> = b.iter().zip(&self.rows).map(|(x, r)| exponent_of(x.magnitude()) + r).collect();
         let used = moved.iter().zip(b).filter(|(_, x)| x.magnitude() > 0.0).map(|(&e, _)| e);
@@ -91,7 +91,7 @@ impl Scaled {
         self.rows.iter().chain(&self.columns).all(|&e| e == 0)
     }
 
-    /// A singular member of the matrix as it was; `None` where it is none in doubles.
+    /// A singular member of the matrix as it was. The value is `None` if it is none in doubles.
     pub(crate) fn member(&self, member: SingularMember) -> Option<SingularMember> {
         if self.is_trivial() {
             return Some(member);
@@ -113,7 +113,7 @@ impl Scaled {
         x.iter().zip(&self.columns).map(|(&v, &by)| exactly(v, by - common)).collect()
     }
 
-    /// A witness of the matrix as it was; `None` where it is none in doubles.
+    /// A witness of the matrix as it was. The value is `None` if it is none in doubles.
     pub(crate) fn witness(&self, witness: Witness) -> Option<Witness> {
         let n = self.a.rows();
         match witness {

@@ -58,7 +58,9 @@ pub(super) fn finish(m: Dd, k: i64, error: f64) -> Option<Bracket> {
     decide(m, error).map(|b| b.scale(k))
 }
 
+/// The bounds of a value above the largest double.
 const TOO_LARGE: Bracket = Bracket { down: f64::MAX, up: f64::INFINITY };
+/// The bounds of a positive value below half the smallest double.
 const TOO_SMALL: Bracket = Bracket { down: 0.0, up: f64::from_bits(1) };
 
 #[inline(always)]

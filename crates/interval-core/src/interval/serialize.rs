@@ -1,4 +1,4 @@
-//! `serde`: an interval is the pair of its bounds, exact in formats with doubles; infinite ends and the empty interval
+//! `serde`: an interval is the pair of its bounds, exact in formats with doubles. Infinite ends and the empty interval
 //! are written as the text of [`Interval::to_exact`], which formats without infinities can hold.
 
 use super::Interval;

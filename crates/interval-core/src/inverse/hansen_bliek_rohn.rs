@@ -8,7 +8,7 @@
 //! `alpha_i = sum_{k != i} G_ik V_ki / (1 + V_ii)`, `beta_i = sum_{k != i} V_ik |z_k| / (1 + V_ii)`
 //!
 //! it lies in `(z_i + [-beta_i, beta_i]) / ([1 - G_ii, 1 + G_ii] + [-alpha_i, alpha_i])`. These are Neumaier's `alpha`
-//! and `beta` with their differences carried out by `V = G + G V`, so nothing cancels; any upper bounds of them keep
+//! and `beta` with their differences carried out by `V = G + G V`, so nothing cancels. Any upper bounds of them keep
 //! the enclosure. `V` is bounded from both sides by the residual of an approximation:
 //! `|V - W| <= v max_i |G + G W - W|_i / (v - G v)_i` in each column.
 
@@ -20,7 +20,7 @@ use crate::matrix::IntervalMatrix;
 use crate::regularity::{Preconditioned, Witness, slack};
 use crate::rounding::{add_down, add_up, div_down, div_up, sub_down, sub_up};
 
-/// Encloses the inverse column by column; not applicable where no `v` with `G v < v` is found.
+/// Encloses the inverse column by column. The method does not apply if no `v` with `G v < v` is found.
 ///
 /// # Errors
 /// A matrix that is not square.
@@ -56,7 +56,7 @@ pub(crate) fn enclose(a: &IntervalMatrix, b: Option<&IntervalMatrix>) -> Outcome
     Outcome::enclosed(value, Certificate::Regular(witness))
 }
 
-/// The enclosure of the solutions of `R A X = Z`; `None` where a bound is not finite.
+/// The enclosure of the solutions of `R A X = Z`. The value is `None` if a bound is not finite.
 pub(crate) fn closed_form(p: &Preconditioned, v: &[f64], z: &IntervalMatrix) -> Option<IntervalMatrix> {
     let (n, columns) = (p.n, z.columns());
     let tail = Tail::new(&p.g, v, n)?;

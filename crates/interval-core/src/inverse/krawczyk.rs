@@ -12,7 +12,7 @@ use crate::matrix::IntervalMatrix;
 use crate::regularity::{Witness, interval_residual};
 use crate::rounding::{div_up, sub_down};
 
-/// Encloses the inverse; not applicable where `||E|| >= 1`.
+/// Encloses the inverse. The method does not apply if `||E|| >= 1`.
 ///
 /// # Errors
 /// A matrix that is not square.

@@ -14,7 +14,7 @@ use crate::regularity::Witness;
 /// The largest order with rational inverses, which show entries that are zero. Their cost grows fast with the order.
 const RATIONAL_LIMIT: usize = 6;
 
-/// The hull of the inverse; not applicable where one of the two inverses is not proved to be non-negative.
+/// The hull of the inverse. The method does not apply if one of the two inverses is not proved to be non-negative.
 ///
 /// # Errors
 /// A matrix that is not square.

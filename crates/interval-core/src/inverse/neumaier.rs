@@ -11,7 +11,7 @@ use crate::matrix::IntervalMatrix;
 use crate::regularity::{Preconditioned, Witness, times};
 use crate::rounding::{add_up, div_up, mul_up, sub_down};
 
-/// Encloses the inverse; not applicable where no `v` with `|I - R A| v < v` is found.
+/// Encloses the inverse. The method does not apply if no `v` with `|I - R A| v < v` is found.
 ///
 /// # Errors
 /// A matrix that is not square.

@@ -24,8 +24,8 @@ pub const DEFAULT_CELLS: usize = 4096;
 
 /// The hull of the inverse by halving, or the proof that a member is singular.
 ///
-/// `cells` is the largest number of cells to examine. The status is `Enclosed` also where the budget ends with an
-/// enclosure; then [`Outcome::gap`] is the largest distance of a bound from one that is attained.
+/// `cells` is the largest number of cells to examine. The status is `Enclosed` also if the budget ends with an
+/// enclosure. Then [`Outcome::gap`] is the largest distance of a bound from one that is attained.
 ///
 /// # Errors
 /// A matrix that is not square, or `cells` of 0.

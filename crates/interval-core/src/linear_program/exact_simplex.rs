@@ -19,7 +19,7 @@ pub(crate) type Weights = Vec<(usize, BigRational)>;
 pub(crate) enum Proved {
     /// The minimum, and every half-space of the basis; `point` is the vertex.
     Minimum { value: BigRational, rows: Weights, point: Vec<BigRational> },
-    /// The polyhedron has a point, and the objective falls for ever along this ray (rounded).
+    /// The polyhedron has a point, and the objective is unbounded along this ray (rounded).
     Unbounded { ray: Vec<f64> },
     /// The polyhedron is empty; the multipliers are positive.
     Empty { rows: Weights },
@@ -207,7 +207,7 @@ impl Vertex {
         Self { point, ray, near_point, near_ray, bounded: large.iter().all(Zero::is_zero) }
     }
 
-    /// By how much `g x <= h` is violated, and whether at order `M`; `None` where it holds.
+    /// By how much `g x <= h` is violated, and whether at order `M`. The value is `None` if it holds.
     fn violation(&self, g: &[f64], h: f64) -> Option<(bool, f64)> {
         if !self.bounded {
             let large = difference(g, 0.0, &self.ray, &self.near_ray);

@@ -10,8 +10,8 @@ pub(crate) const VIOLATION: f64 = 1e-13;
 /// nothing.
 const PIVOT: f64 = 1e-11;
 
-/// By how much `g x <= h` is violated at `point + M ray`, and whether at order `M`; `None` where it holds up to the
-/// tolerance, which is relative to the terms.
+/// By how much `g x <= h` is violated at `point + M ray`, and whether at order `M`. The value is `None` if it holds up
+/// to the tolerance, which is relative to the terms.
 pub(crate) fn violation(g: &[f64], h: f64, point: &[f64], ray: Option<&[f64]>, tolerance: f64) -> Option<(bool, f64)> {
     if let Some(ray) = ray {
         let (large, size) = terms(g, ray);
@@ -41,8 +41,8 @@ fn terms(g: &[f64], x: &[f64]) -> (f64, f64) {
 }
 
 /// The position that keeps the multipliers non-negative (smallest ratio; ties: rows at infinity, then the largest
-/// pivot, or with `careful` the smallest index); `None` where no multiplier falls, which proves infeasibility up to
-/// rounding.
+/// pivot, or with `careful` the smallest index). The value is `None` if no multiplier falls, which proves infeasibility
+/// up to rounding.
 pub(super) fn leaving(rows: &[Row], alpha: &[f64], multipliers: &[f64], careful: bool) -> Option<usize> {
     let size = alpha.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
     let mut best: Option<(f64, usize)> = None;

@@ -9,8 +9,8 @@ use crate::exact;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 
-/// The multipliers of the basis for `direction * x[column]`; `None` where the basis proves nothing. The bound is
-/// `-sum l h`.
+/// The multipliers of the basis for `direction * x[column]`. The value is `None` if the basis proves nothing. The bound
+/// is `-sum l h`.
 pub(crate) fn basis_multipliers(
     problem: &impl HalfSpaces,
     rows: &[Row],

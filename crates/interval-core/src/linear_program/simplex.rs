@@ -1,8 +1,9 @@
 //! A dual simplex method in plain floats on a working set.
 //!
 //! Each step takes in the half-space that the vertex violates most and drops the row of the basis that the ratio test
-//! names. The inverse of the basis is updated by each exchange and made anew now and then, and always before an answer.
-//! A search keeps its basis: when the working set has grown it goes on from there. Nothing here is a proof.
+//! names. The inverse of the basis is updated by each exchange and computed anew after some exchanges, and always
+//! before an answer. A search keeps its basis: when the working set has grown it goes on from there. Nothing here is a
+//! proof.
 
 use super::pricing::{VIOLATION, leaving, violation};
 use super::program::Program;
@@ -13,7 +14,7 @@ use super::{Row, patience};
 pub(crate) enum Outcome {
     /// An optimal vertex.
     Vertex,
-    /// The objective falls for ever.
+    /// The objective is unbounded.
     Unbounded,
     /// The rows of the basis contradict this half-space of the working set.
     Contradiction(usize),
@@ -152,7 +153,8 @@ impl Search {
         program.unscaled_point(&self.ray)
     }
 
-    /// The inverse and everything that follows from it; `None` where the basis is singular or no longer dual feasible.
+    /// The inverse and everything that follows from it. The value is `None` if the basis is singular or no longer dual
+    /// feasible.
     fn factorise(&mut self, program: &Program) -> Option<()> {
         let n = self.rows.len();
         let width = 2 * n;
@@ -248,7 +250,7 @@ impl Search {
     }
 }
 
-/// Gauss-Jordan elimination of `[B | I]` with partial pivoting, in place; `None` where a pivot vanishes.
+/// Gauss-Jordan elimination of `[B | I]` with partial pivoting, in place. The value is `None` if a pivot vanishes.
 fn invert(work: &mut [f64], n: usize) -> Option<()> {
     let width = 2 * n;
     for p in 0..n {

@@ -207,7 +207,7 @@ impl IntervalMatrix {
         other
     }
 
-    /// Entrywise intersection; `None` where an entry would be empty. The shapes are equal.
+    /// Entrywise intersection. The value is `None` if an entry would be empty. The shapes are equal.
     pub(crate) fn intersection(&self, other: &Self) -> Option<Self> {
         let entries: Vec<Interval> = self.entries().zip(other.entries()).map(|(a, b)| a.intersection(b)).collect();
         if entries.iter().any(|x| x.is_empty()) {

@@ -1,7 +1,7 @@
 //! Products of interval matrices.
 //!
 //! The tight product sums tightest products, each partial sum rounded outward. The fast one computes midpoints and
-//! radii by three ordinary products with a bound of their rounding errors; it is wider, by at most half for narrow
+//! radii by three ordinary products with a bound of their rounding errors. It is wider, by at most half for narrow
 //! operands.
 
 use super::IntervalMatrix;
@@ -80,7 +80,7 @@ impl IntervalMatrix {
     /// With `u = 2^-53`, `k` the inner dimension and `m`, `r` midpoints and radii, `C = fl(mA mB)` is within
     /// `k u |mA| |mB| + k eta / 2` of `mA mB` for any order of summation (Jeannerod and Rump, *SIAM J. Matrix Anal.
     /// Appl.* 34 (2013) 338-346), and the members deviate by at most `|mA| rB + rA (|mB| + rB)`. Both together are
-    /// bounded by `|mA| T1 + rA T2`, `T1 >= (k + 1) u |mB| + rB`, `T2 >= |mB| + rB`; the last factor and term bound the
+    /// bounded by `|mA| T1 + rA T2`, `T1 >= (k + 1) u |mB| + rB`, `T2 >= |mB| + rB`. The last factor and term bound the
     /// rounding of these two products. Entries that are not finite are computed tightly instead.
     ///
     /// # Errors

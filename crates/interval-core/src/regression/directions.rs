@@ -1,5 +1,4 @@
-//! The directions in which an open set goes on for ever: a basis of the null space where the set contains whole lines,
-//! else rays.
+//! The directions in which a set is unbounded: a basis of the null space where the set contains whole lines, else rays.
 
 use super::rows::Rows;
 use crate::parallel;

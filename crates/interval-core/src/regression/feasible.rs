@@ -77,12 +77,13 @@ pub struct FeasibleSet {
     pub status: FeasibleStatus,
     /// Bounds of each parameter, ends without a proved bound infinite; empty where the set is.
     pub parameters: Certified<Vec<Interval>>,
-    /// The smallest factor on all radii at which a parameter is consistent, an estimate; `None` where no factor helps.
+    /// The smallest factor on all radii at which a parameter is consistent, an estimate. The value is `None` if no
+    /// factor helps.
     pub inflation: Option<f64>,
     /// A parameter at which that factor is attained.
     pub centre: Option<Vec<f64>>,
-    /// Directions in which the set goes on for ever, scaled to a largest entry of 1: a basis of the null space where
-    /// the set holds whole lines, else rays; approximations.
+    /// Approximate directions in which the set is unbounded, scaled to a largest entry of 1. They are a basis of the
+    /// null space if the set holds whole lines, else rays.
     pub directions: Vec<Vec<f64>>,
     /// Every orthant that the set may meet, with its proof.
     pub orthants: Vec<OrthantResult>,

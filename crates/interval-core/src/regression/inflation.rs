@@ -2,10 +2,11 @@
 //! estimate in plain floats.
 //!
 //! With midpoints `c` and radii `d` of rows and right-hand sides, the factor at `x` is
-//! `max_i |c_i x - y_i| / (D_i |x| + d_i)`; in one orthant it is quasi-convex. Dinkelbach's iteration: for the factor
-//! `k` at the present point minimise `t` over `|c_i x - y_i| - k (D_i |x| + d_i) <= t w_i`, `w_i` the present
-//! denominator; stop when `t` is no longer negative. It runs on a working set, where its factor is too small; a pass
-//! over all rows names those that ask for a larger one. The orthant with the smallest factor so far is looked at first.
+//! `max_i |c_i x - y_i| / (D_i |x| + d_i)`. In one orthant it is quasi-convex. A step of Dinkelbach's iteration (1967)
+//! minimises, for the factor `k` at the present point, `t` over `|c_i x - y_i| - k (D_i |x| + d_i) <= t w_i`, `w_i` the
+//! present denominator. The iteration stops when `t` is no longer negative. It runs on a working set, where its factor
+//! is too small. A pass over all rows names those that ask for a larger one. The orthant with the smallest factor so
+//! far is looked at first.
 
 use super::rows::Rows;
 use crate::approximate::least_squares;
@@ -33,7 +34,7 @@ const FAR: f64 = 1024.0 * 1024.0;
 const TAKEN: usize = 12;
 
 /// The smallest factor over these orthants, starting from these rows and without the `dropped` ones (in ascending
-/// order); `None` where no factor helps.
+/// order). The value is `None` if no factor helps.
 pub(crate) fn smallest(rows: &Rows<'_>, start: &[usize], signs: &[&[i8]], dropped: &[usize]) -> Option<Attained> {
     let start: Vec<usize> = start.iter().copied().filter(|i| dropped.binary_search(i).is_err()).collect();
     let mut set = Working::new(rows, &start);

@@ -17,7 +17,7 @@ use crate::status::Status;
 pub struct NormalEquations {
     /// Proved only where the inverse was.
     pub status: Status,
-    /// Parameter intervals, certified where the inverse is; `None` where the inverse has no value.
+    /// Parameter intervals, certified where the inverse is. The value is `None` if the inverse has no value.
     pub parameters: Option<Claim<Vec<Interval>>>,
     /// The number of improper entries of the inverse.
     pub improper: usize,

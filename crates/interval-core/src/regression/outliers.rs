@@ -2,7 +2,7 @@
 //! search trees over certificates.
 //!
 //! A certificate uses at most `n + 1` rows. Its proof for the set without the rows `D` stands for every larger `D` that
-//! leaves its rows alone; so only sets that lose one of them are looked at further. At an empty orthant that is a row
+//! leaves its rows alone. So only sets that lose one of them are looked at further. At an empty orthant that is a row
 //! of the contradiction, at a bound a row of its basis. With at most `q` wrong rows the trees are `q` deep, and every
 //! set of wrong rows is covered by one of their nodes.
 
@@ -22,7 +22,8 @@ pub const NODE_LIMIT: usize = 50_000;
 pub struct Outliers {
     /// The number of rows that may be wrong.
     pub allowed: usize,
-    /// The fewest rows without which a parameter is consistent; `None` where that takes more than are allowed.
+    /// The fewest rows without which a parameter is consistent. The value is `None` if that takes more than are
+    /// allowed.
     pub fewest: Option<usize>,
     /// The sets of this number of rows, each in ascending order.
     pub sets: Vec<Vec<usize>>,
@@ -39,7 +40,7 @@ pub(crate) struct Trees {
 /// A node: an orthant without some rows, and the ends that are asked of it.
 type Level = BTreeMap<(usize, Vec<usize>), BTreeSet<usize>>;
 
-/// Searches every orthant; `None` where the trees would have too many nodes.
+/// Searches every orthant. The value is `None` if the trees would have too many nodes.
 pub(crate) fn trees(rows: &Rows<'_>, pool: &mut Pool, leaves: &[Vec<i8>], allowed: usize) -> Option<Trees> {
     let n = rows.columns();
     let mut level: Level = (0..leaves.len()).map(|z| ((z, Vec::new()), (0..2 * n).collect())).collect();

@@ -1,8 +1,8 @@
 //! One pass over all rows for all pending vertices: the half-spaces that they violate most.
 //!
-//! The rows are read once, in blocks that are turned into midpoints and radii, column by column; every vertex is tried
+//! The rows are read once, in blocks that are turned into midpoints and radii, column by column. Every vertex is tried
 //! on a block while it lies in the nearest cache. Violations are measured in units of the row's normal. The findings of
-//! the vectors are looked at again row by row, with a tolerance relative to the terms of that row. A scan proposes; it
+//! the vectors are looked at again row by row, with a tolerance relative to the terms of that row. A scan proposes and
 //! proves nothing.
 //!
 //! Pieces of rows do not depend on the number of threads, and nothing is fused: the same rows come back from every back

@@ -66,7 +66,7 @@ pub(crate) struct Goal {
     pub(crate) search: Search,
     pub(crate) outcome: Outcome,
     settled: bool,
-    /// No longer asked for: the objective falls for ever in another piece of the same union.
+    /// No longer asked for: the objective is unbounded in another piece of the same union.
     pub(crate) retired: bool,
 }
 
@@ -164,7 +164,7 @@ impl<'a> Piece<'a> {
 pub(crate) enum Asked {
     /// Every goal of every piece.
     Each,
-    /// The union of the pieces, which all have the same goals: one that falls for ever somewhere is looked for nowhere
+    /// The union of the pieces, which all have the same goals: one that is unbounded somewhere is looked for nowhere
     /// else.
     Union,
 }

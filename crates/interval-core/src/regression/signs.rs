@@ -43,7 +43,7 @@ pub struct SignProof {
     pub vector: Vec<f64>,
     /// The distance to which each of `columns` may lie on the other side: 0 proves its sign, infinity proves nothing.
     pub reach: Vec<f64>,
-    /// The column whose two signs are looked at apart; `None` where every sign is proved.
+    /// The column whose two signs are looked at apart. The value is `None` if every sign is proved.
     pub branch: Option<usize>,
 }
 
@@ -58,8 +58,8 @@ pub struct SignRows {
     pub signs: Vec<(usize, f64)>,
 }
 
-/// Sign vectors that cover every consistent parameter, in a fixed order, with the proofs that leave out the others;
-/// `None` where there would be too many.
+/// Sign vectors that cover every consistent parameter, in a fixed order, with the proofs that leave out the others. The
+/// value is `None` if there would be too many.
 pub(crate) fn cover(rows: &Rows<'_>, pool: &mut Pool, known: &[i8]) -> Option<(Vec<Vec<i8>>, Vec<SignProof>)> {
     let home = guess(rows, pool, known);
     let (mut leaves, mut proofs) = (Vec::new(), Vec::new());
@@ -102,7 +102,7 @@ fn open(rows: &Rows<'_>, decided: &[i8]) -> Vec<usize> {
     (0..decided.len()).filter(|&j| rows.uncertain()[j] && decided[j] == 0).collect()
 }
 
-/// Every sign vector beside the known ones; `None` where there would be too many.
+/// Every sign vector beside the known ones. The value is `None` if there would be too many.
 pub(crate) fn every(rows: &Rows<'_>, known: &[i8]) -> Option<Vec<Vec<i8>>> {
     (1_u64.checked_shl(u32::try_from(open(rows, known).len()).ok()?)? <= ORTHANT_LIMIT as u64).then(|| all(rows, known))
 }

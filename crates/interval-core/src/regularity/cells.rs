@@ -1,5 +1,5 @@
-//! Regular because every cell of a partition is: cells that do not contract are halved along the entry that moves the
-//! inverse most.
+//! Regularity by a partition of which every cell is regular: cells that do not contract are halved along the entry that
+//! moves the inverse most.
 
 use super::singular::steps;
 use super::{Preconditioned, null_vector};

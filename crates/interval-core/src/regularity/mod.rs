@@ -1,4 +1,4 @@
-//! Verdicts, with certificates, on the regularity of an interval matrix: every member is nonsingular.
+//! Verdicts, with certificates, on whether every member of an interval matrix is nonsingular.
 
 mod cells;
 mod positive_definite;
@@ -43,8 +43,8 @@ impl Regularity {
     }
 }
 
-/// Proves regularity by contraction, plain or scaled, by the norm of the radii, or by a partition; proves singularity
-/// by a null vector; for orders up to [`VERTEX_LIMIT`] decides it by the vertex determinants.
+/// Proves regularity by contraction, plain or scaled, by the norm of the radii, or by a partition. Proves singularity
+/// by a null vector. For orders up to [`VERTEX_LIMIT`] the vertex determinants decide.
 ///
 /// # Errors
 /// A matrix that is not square. One with an infinite bound is not proved.

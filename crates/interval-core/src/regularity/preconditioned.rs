@@ -24,7 +24,7 @@ pub(crate) struct Preconditioned {
 }
 
 impl Preconditioned {
-    /// For a square and bounded matrix; `None` where the midpoint has no usable approximate inverse.
+    /// For a square and bounded matrix. The value is `None` if the midpoint has no usable approximate inverse.
     ///
     /// `R m - I` for midpoints `m` is summed in twice the working precision (Ogita, Rump and Oishi, *SIAM J. Sci.
     /// Comput.* 26 (2005) 1955-1988): the result is within `u |res| + gamma^2 (1 + |R| |m|)` of the sum. The radii
@@ -144,7 +144,7 @@ pub(crate) fn times(g: &[f64], v: &[f64]) -> Vec<f64> {
     g.chunks_exact(v.len()).map(sum).collect()
 }
 
-/// Lower bounds of `v - G v`, all positive; `None` where one is not.
+/// Lower bounds of `v - G v`, all positive. The value is `None` if one is not.
 pub(crate) fn slack(g: &[f64], v: &[f64]) -> Option<Vec<f64>> {
     let rest: Vec<f64> = v.iter().zip(times(g, v)).map(|(&x, y)| sub_down(x, y)).collect();
     let holds = rest.iter().zip(v).all(|(&s, &x)| s > 0.0 && x > 0.0 && x.is_finite());

@@ -2,7 +2,7 @@
 //! member that is orthogonal to `x`, and these rows make a singular matrix.
 //!
 //! The search moves one row at a time to where the determinant falls most. With `B = A^-1` a change `d` of row `k`
-//! multiplies the determinant by `1 + d B_k`, `B_k` the column of `B`; where that can reach zero, `B_k` is the null
+//! multiplies the determinant by `1 + d B_k`, `B_k` the column of `B`. If that can reach zero, `B_k` is the null
 //! vector.
 
 use crate::approximate;
@@ -16,7 +16,7 @@ use num_traits::{Signed, Zero};
 /// found.
 const MARGINS: [f64; 2] = [1.0 - 1e-6, 1.0];
 
-/// A proved null vector of some member; `None` where the search finds none.
+/// A proved null vector of some member. The value is `None` if the search finds none.
 pub(super) fn search(a: &IntervalMatrix) -> Option<Vec<f64>> {
     MARGINS.into_iter().find_map(|margin| descend(a, margin)).or_else(|| of_midpoint(a))
 }

@@ -3,7 +3,7 @@
 //! Source: Kashiwagi's emulation of directed rounding by error-free transformations, with two changes. The error of a
 //! sum is taken by Dekker's fast two-sum on ordered operands, in which nothing but the sum itself can overflow. The
 //! error of a product or quotient is taken by one fused multiply-add, whose sign is exact as long as its result cannot
-//! underflow; below `SAFE` the operands are scaled by powers of two first.
+//! underflow. Below `SAFE` the operands are scaled by powers of two first.
 //!
 //! Infinite operands give the limit; `inf - inf`, `0 * inf`, `0 / 0` and `inf / inf` give NaN and are the caller's to
 //! avoid.

@@ -1,8 +1,8 @@
 //! The exact hull of the inverse (Rohn and Farhadsefat, ELA 22 (2011); docs/theory.md, "Inverses").
 //!
-//! Over a regular interval matrix every entry of the inverse attains its extremes at vertex matrices. The vertices
-//! follow from:
-//! - *sign-stable* (S): where every entry of the inverse keeps its sign, the two vertices of entry `ij` follow from row
+//! Over a regular interval matrix every entry of the inverse attains its extremes at vertex matrices. Four forms find
+//! the hull:
+//! - *sign-stable* (S): if every entry of the inverse keeps its sign, the two vertices of entry `ij` follow from row
 //!   `i` and column `j` of the signs;
 //! - *unit midpoint* (U): `I` plus or minus radii has a closed form;
 //! - *sign accord* (B): column `j` over all sign vectors `y` solves `A_c x - T_y Delta |x| = e_j`: `n 2^n` solutions;

@@ -1,4 +1,4 @@
-//! The extremes of the sweep without the sweep: every entry of `(A_c + tau Delta)^-1` is a rational function of `tau`,
+//! The extremes of the sweep at fewer members. Every entry of `(A_c + tau Delta)^-1` is a rational function of `tau`,
 //! so over the members `tau = j / N` its extremes stand at the ends and beside stationary points.
 //!
 //! About a centre `c` with `B = (A_c + c Delta)^-1` and `E = B Delta` the inverse is `sum_k (-s E)^k B`, `s = tau - c`.

@@ -1,7 +1,7 @@
 //! Orders up to 3: entries of the inverse as ratios of polynomials in `tau`, both signs of `tau` at once.
 //!
-//! A cofactor of `A_c + tau Delta` is `c_0 + c_1 tau + c_2 tau^2`, the determinant has one term more; at `-tau` the odd
-//! terms change their sign. The coefficients are sums of products of midpoints and radii in twice the working
+//! A cofactor of `A_c + tau Delta` is `c_0 + c_1 tau + c_2 tau^2`, and the determinant has one term more. At `-tau` the
+//! odd terms change their sign. The coefficients are sums of products of midpoints and radii in twice the working
 //! precision, rounded once. With `S` the cofactor's permanent over `|A_c| + |Delta|` and `D` that of the determinant, a
 //! cofactor is within `6 u S` and the determinant within `8 u D` of the exact ones, so an entry `x = c / d` is within
 //! `(6 S + 8 |x| D) u / |d| + 2 u |x|`: cofactors and determinants that are evaluated from the entries of the member

@@ -294,7 +294,7 @@ fn portion(arithmetic: bool) -> usize {
     if arithmetic { 1 << 16 } else { 1 << 9 }
 }
 
-/// [`unary`] on the caller's thread and a back end of its choice; the portable one where the processor lacks it.
+/// [`unary`] on the caller's thread and a back end of its choice. The portable one is used if the processor lacks it.
 ///
 /// # Errors
 /// Different lengths, bounds that are no interval, and a changed rounding mode.
@@ -312,7 +312,7 @@ pub fn unary_with(backend: Backend, op: Unary, x: Bounds<'_>, out: BoundsMut<'_>
     }
 }
 
-/// [`binary`] on the caller's thread and a back end of its choice; the portable one where the processor lacks it.
+/// [`binary`] on the caller's thread and a back end of its choice. The portable one is used if the processor lacks it.
 ///
 /// # Errors
 /// Different lengths, bounds that are no interval, and a changed rounding mode.

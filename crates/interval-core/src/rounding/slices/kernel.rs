@@ -1,6 +1,6 @@
 //! The operations by error-free transformations, written once over vectors of any width.
 //!
-//! Each returns both bounds and whether all lanes are exact to the last bit; where that is false the block is redone by
+//! Each returns both bounds and whether all lanes are exact to the last bit. If that is false, the block is redone by
 //! the scalar operators. `lower` and `upper` results are found by rounding to nearest and stepping to the neighbour
 //! where the exact error says so, as in [`super::super::scalar`].
 

@@ -4,8 +4,8 @@
 //! allows, and however a slice is cut, the bits are those of the operators of [`Interval`](crate::Interval).
 //!
 //! - *portable*: error-free transformations in the vector registers that every processor of the architecture has: SSE2
-//!   with products by Dekker's splitting; elsewhere small arrays that the compiler maps to them (NEON has a fused
-//!   product).
+//!   with products by Dekker's splitting. Elsewhere it uses small arrays that the compiler maps to them (NEON has a
+//!   fused product).
 //! - *AVX2 + FMA*: the same transformations with intrinsics.
 //! - *AVX-512*: the instructions round downward and upward themselves.
 //!

@@ -16,7 +16,7 @@ struct All {
     error: [[f64; VERTICES]; 9],
 }
 
-/// The vertex of each end; `None` where more than one may attain it.
+/// The vertex of each end. The value is `None` if more than one may attain it.
 pub(super) fn find(backend: Backend, lo: &Square, hi: &Square, zero: &[bool; 9]) -> Option<Vertices> {
     let mut all = All { value: [[0.0; VERTICES]; 9], error: [[0.0; VERTICES]; 9] };
     if !invert(backend, lo, hi, &mut all) {
@@ -73,7 +73,7 @@ const SIGNS: Signs = {
 backends!(fn invert(lo: &Square, hi: &Square, all: &mut All) -> bool = invert_lanes);
 
 /// Cofactors are right within `2 u` of the magnitudes of their two products, the determinant within `6 u` of those of
-/// its six; the bound takes twice as much. False where a determinant is not far from zero.
+/// its six. The bound takes twice that. The result is false if a determinant is not far from zero.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
 fn invert_lanes<V: Vector>(lo: &Square, hi: &Square, all: &mut All) -> bool {

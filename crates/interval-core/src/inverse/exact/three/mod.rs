@@ -2,14 +2,14 @@
 //!
 //! Steps, each with its proof:
 //! 1. `R` approximates the inverse of the midpoint, `G >= |I - R A|` for every member by an a-priori bound of the
-//!    rounding errors; `||G|| <= beta < 1` proves every member regular.
+//!    rounding errors. The norm `||G|| <= beta < 1` proves every member regular.
 //! 2. With `B = R + (I - R A) B`: `|B - R| <= G |R| + G^2 |R| + beta^3 / (1 - beta) max_i |R_ij|`. An entry larger than
 //!    that keeps its sign; an entry whose cofactor is zero for every member is zero.
 //! 3. An entry of the inverse falls while `a_kl` grows where `B_ik B_lj > 0`, so with fixed signs its extremes stand at
 //!    two known vertices (docs/theory.md, "Inverses", fixed signs). Otherwise all 32 vertices are inverted in floats
 //!    with bounds of their errors, and an end is known where one vertex alone can attain it
 //!    (docs/theory.md, "Inverses", all vertices).
-//! 4. At these vertices the cofactor and the determinant are evaluated by error-free transformations; the quotient is
+//! 4. At these vertices the cofactor and the determinant are evaluated by error-free transformations. The quotient is
 //!    rounded outward, and is the tightest bound where the error cannot change the rounding.
 
 mod entries;
@@ -29,7 +29,7 @@ const LARGEST: f64 = f64::from_bits((1023 + 200) << 52);
 const UNIT: f64 = f64::EPSILON / 2.0;
 
 /// The tightest bounds of every entry of the inverse, and an approximate inverse `R` with
-/// `|I - R A| (1, 1, 1)' < (1, 1, 1)'`; `None` where one of the steps does not decide.
+/// `|I - R A| (1, 1, 1)' < (1, 1, 1)'`. The value is `None` if one of the steps does not decide.
 pub(super) fn hull(lo: &Square, hi: &Square) -> Option<(Square, Square, Square)> {
     let proved = Regular::prove(lo, hi)?;
     let backend = Backend::chosen();

@@ -19,7 +19,7 @@ use std::collections::HashSet;
 
 /// Rows of a block, which lies in the nearest cache while every vertex is tried on it.
 const BLOCK: usize = 64;
-/// Rows of the largest piece. The size is fixed, so that the result does not depend on the number of threads.
+/// Rows of the largest piece. The size follows from the number of rows, not from that of threads.
 const PIECE: usize = 4096;
 /// Half-spaces that one vertex may add in one pass: few, so that the working set stays small.
 const TAKEN: std::ops::RangeInclusive<usize> = 2..=6;

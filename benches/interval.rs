@@ -1,8 +1,8 @@
-//! Interval arithmetic on slices: millions of intervals a second in cache (1,024 elements) and from memory (1e6), each back
-//! end beside plain unrounded loops that are vectorised by the compiler for the same processor features.
+//! Interval arithmetic on slices: millions of intervals a second in cache (1,024 elements) and from memory (1e6), each
+//! back end beside plain unrounded loops that are vectorised by the compiler for the same processor features.
 //!
-//! `cargo bench --bench interval -- --quick` for a first look; `python benches/ratios.py` prints the table, with what Python
-//! and python-flint (where it is installed) give beside it.
+//! `cargo bench --bench interval -- --quick` for a first look; `python benches/ratios.py` prints the table, with what
+//! Python and python-flint (where it is installed) give beside it.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use interval_core::rounding::slices::{Backend, Binary, Bounds, BoundsMut, Unary, binary_with, unary_with};
@@ -27,7 +27,7 @@ fn operands(n: usize, seed: u64, positive: bool) -> (Vec<f64>, Vec<f64>) {
 
 type Plain = fn(&[f64], &[f64], &[f64], &[f64], &mut [f64], &mut [f64]);
 
-/// What an unrounded loop does: no special cases, round to nearest.
+/// A loop without directed rounding: no special cases, round to nearest.
 macro_rules! plain_loops {
     ($module:ident, $(#[$feature:meta])*) => {
         mod $module {

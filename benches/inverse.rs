@@ -1,6 +1,7 @@
 //! Inverses: the published sweep against N, n and threads; the exact hull; enclosures of large matrices.
 //!
-//! `python benches/throughput.py` turns the sweep's part into a figure, `python benches/inverse_peers.py` sets it beside peers.
+//! `python benches/throughput.py` turns the sweep's part into a figure, `python benches/inverse_peers.py` sets it
+//! beside peers.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use interval_core::{IntervalMatrix, inverse};

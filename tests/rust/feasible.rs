@@ -23,7 +23,7 @@ fn at(lo: f64, hi: f64) -> Interval {
     Interval::new(lo, hi).expect("ordered")
 }
 
-/// Whether some member of every row holds at `x`, exactly (Oettli-Prager).
+/// True if some member of every row holds at `x`, exactly (Oettli-Prager).
 fn consistent(a: &IntervalMatrix, y: &[Interval], x: &[BigRational]) -> bool {
     (0..a.rows()).all(|i| {
         let (mut least, mut most) = (BigRational::zero(), BigRational::zero());
@@ -244,8 +244,8 @@ fn hugely_different_scales() {
     }
 }
 
-/// Nine unknowns in three groups of rows as surge, sway and yaw have them; the last two groups cannot tell theirs apart, so the set
-/// goes on for ever in many orthants, while the first group's unknowns are enclosed.
+/// Nine unknowns in three groups of rows as surge, sway and yaw have them; the last two groups cannot tell theirs
+/// apart, so the set goes on for ever in many orthants, while the first group's unknowns are enclosed.
 #[test]
 fn a_set_that_is_open_in_many_orthants() {
     const GROUPS: [&[usize]; 3] = [&[0, 1, 3], &[0, 1, 4, 5], &[2, 5, 6, 7, 8]];

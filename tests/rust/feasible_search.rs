@@ -33,7 +33,7 @@ fn back_ends_and_threads_give_the_same_bits() {
     }
 }
 
-/// Whether some member of every row holds at `x`, exactly (Oettli-Prager).
+/// True if some member of every row holds at `x`, exactly (Oettli-Prager).
 fn consistent(data: &Data, x: &[BigRational]) -> bool {
     (0..data.count()).all(|i| {
         let (mut least, mut most) = (BigRational::zero(), BigRational::zero());

@@ -9,7 +9,7 @@ use interval_core::regression::{FeasibleOptions, FeasibleSet, FeasibleStatus, Si
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 
-/// What a certificate of signs proves, in rationals: the reach of each of its columns.
+/// The statement of a certificate of signs, in rationals: the reach of each of its columns.
 fn reach(data: &Data, proof: &SignProof) -> Option<Vec<BigRational>> {
     let n = data.n;
     let half_space = |i: usize, below: bool| -> (Vec<BigRational>, BigRational) {
@@ -72,7 +72,7 @@ fn reach(data: &Data, proof: &SignProof) -> Option<Vec<BigRational>> {
     Some(reach)
 }
 
-/// Whether the proofs of signs and the orthants listed cover every sign vector.
+/// True if the proofs of signs and the orthants listed cover every sign vector.
 fn covered(data: &Data, set: &FeasibleSet) -> bool {
     let rows = data.rows();
     let mut regions = vec![vec![0_i8; data.n]];

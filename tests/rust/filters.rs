@@ -1,4 +1,5 @@
-//! Filters against the sums that define them, and the same bits for any company, width of vectors and number of threads.
+//! Filters against the sums that define them, and the same bits for any company, width of vectors and number of
+//! threads.
 
 use filter_core::{Group, Layout, respond, whiten};
 use proptest::prelude::*;

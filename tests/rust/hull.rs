@@ -210,7 +210,8 @@ fn hansen_bliek_rohn_is_its_closed_form() {
                 let size = sizes.fold(0.0, f64::max);
                 for (e, (least, most)) in value.entries().zip(&formula) {
                     let width = (most - least).to_f64().expect("a number");
-                    // The inverse of the midpoint is rounded to doubles, which (I - G)^-1 magnifies where rho is near 1.
+                    // The inverse of the midpoint is rounded to doubles, which (I - G)^-1 magnifies where rho is near
+                    // 1.
                     let allowed = 1e-12 * width * (growth / n as f64).max(1.0) + 4.0 * f64::EPSILON * size;
                     assert!(e.hi() - e.lo() <= width + allowed, "{name}, n = {n}: {} beside {width}", e.hi() - e.lo());
                 }

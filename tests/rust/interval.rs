@@ -314,7 +314,7 @@ proptest! {
         prop_assert!((DecoratedInterval::NAI * x).is_nai() && x.max(DecoratedInterval::NAI).is_nai());
     }
 
-    /// What a reverse operation leaves out does not solve; what solves is left in.
+    /// Numbers that a reverse operation leaves out do not solve the equation; numbers that solve it stay in.
     #[test]
     fn reverse_operations_keep_the_solutions(seed: u64) {
         let mut random = Random(seed);

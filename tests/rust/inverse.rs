@@ -193,7 +193,8 @@ fn kuttler_gives_the_hull_of_m_matrices() {
     assert_eq!(kuttler(&matrix(1, &[-2.0], &[-1.0])).expect("square").status, Status::NotApplicable);
 }
 
-/// Beyond the orders whose vertices are examined: regular by a scaled norm, and never for a matrix with a singular member.
+/// Beyond the orders whose vertices are examined: regular by a scaled norm, and never for a matrix with a singular
+/// member.
 #[test]
 fn regularity_of_larger_matrices() {
     let mut random = Random(17);
@@ -234,7 +235,7 @@ fn regularity_of_larger_matrices() {
     assert!(proved > 40 && singular > 5, "{proved} regular, {singular} singular");
 }
 
-/// Whether a certificate of a singular member holds, in rationals.
+/// True if a certificate of a singular member holds, in rationals.
 fn is_singular(a: &IntervalMatrix, member: &SingularMember) -> bool {
     let n = a.rows();
     let belongs = |m: &[f64]| m.iter().zip(a.entries()).all(|(&x, e)| e.contains(x));

@@ -1,4 +1,5 @@
-//! Conformance with IEEE 1788 by the ITF1788 vectors, read as data from `IVSID_ITF1788` (default ../shared/data/itf1788).
+//! Conformance with IEEE 1788 by the ITF1788 vectors, read as data from `IVSID_ITF1788` (default
+//! ../shared/data/itf1788).
 //!
 //! Ends with the line `N passed, N failed, N skipped`; shown with `-- --nocapture`.
 #![allow(clippy::print_stdout, reason = "the summary is what the harness is run for")]
@@ -26,7 +27,7 @@ struct Tally {
     skipped: BTreeMap<String, usize>,
 }
 
-/// How far a result may be from the expectation.
+/// The distance that a result may have from the expectation.
 #[derive(Clone, Copy, PartialEq)]
 enum Slack {
     /// Not at all.
@@ -38,7 +39,7 @@ enum Slack {
     Around,
 }
 
-/// Whether `given` is `expected` within `slack`.
+/// True if `given` is `expected` within `slack`.
 fn encloses(given: Interval, expected: Interval, slack: Slack) -> bool {
     if slack == Slack::None || given.is_empty() || expected.is_empty() {
         return given == expected;
@@ -50,8 +51,8 @@ fn encloses(given: Interval, expected: Interval, slack: Slack) -> bool {
     near(given.lo(), expected.lo()) && near(-given.hi(), -expected.hi())
 }
 
-/// Two expectations of `pow_rev.itl` are far wider than the set they stand for: b^t >= 2 for a b in [1/4, 1/2] or [1/4, 1]
-/// holds only for t <= -1/2. They are named, and the result is held against that set.
+/// Two expectations of `pow_rev.itl` are far wider than the set they stand for: b^t >= 2 for a b in [1/4, 1/2] or [1/4,
+/// 1] holds only for t <= -1/2. They are named, and the result is held against that set.
 fn corrected(operation: &str, operands: &[Value]) -> Option<Interval> {
     let [Value::Bare(b), Value::Bare(c), Value::Bare(x)] = operands else { return None };
     let known = operation == "powRev2"

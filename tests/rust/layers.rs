@@ -1,4 +1,5 @@
-//! The layers of the crate: a module uses only what stands above it in the table of ARCHITECTURE.md, bottom to top there.
+//! The layers of the crate: a module uses only what stands above it in the table of ARCHITECTURE.md, bottom to top
+//! there.
 
 use std::collections::BTreeMap;
 use std::fs;

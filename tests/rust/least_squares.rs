@@ -135,7 +135,8 @@ fn the_width_is_that_of_first_order() {
     let (m, n, radius) = (80, 3, 1e-6);
     let data = Data::random(&mut random, m, n, radius);
     let fit = least_squares(&data.rows()).expect("the default rounding").parameters.expect("enclosed");
-    // Each bound moved by itself changes the solution by its share of the first order: the sum of the shares is the width.
+    // Each bound moved by itself changes the solution by its share of the first order: the sum of the shares is the
+    // width.
     let middle =
         |k: usize| -> Vec<f64> { data.bounds[k].iter().zip(&data.bounds[k + 1]).map(|(l, u)| 0.5 * (l + u)).collect() };
     let (a, y) = (middle(0), middle(2));

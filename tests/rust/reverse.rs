@@ -1,7 +1,7 @@
 //! Reverse functions: every solution is kept, and the ends are the tightest ones.
 //!
-//! Tightness by the forward functions, which are compared with MPFR: between an end that is not the operand's and its inner
-//! neighbour the function takes a value in `c`.
+//! Tightness by the forward functions, which are compared with MPFR: between an end that is not the operand's and its
+//! inner neighbour the function takes a value in `c`.
 
 mod common;
 

@@ -1,7 +1,7 @@
 //! inari and this crate on the same operands, in the same process, in interleaved rounds.
 //!
-//! Prints `operation  peer  ours  ratio` in millions of intervals a second: medians of nine rounds, 1,024 intervals in cache
-//! and 1e6 from memory for arithmetic.
+//! Prints `operation  peer  ours  ratio` in millions of intervals a second: medians of nine rounds, 1,024 intervals in
+//! cache and 1e6 from memory for arithmetic.
 
 use interval_core::rounding::slices::{Backend, Binary, Bounds, BoundsMut, Unary, binary_with, unary_with};
 use std::hint::black_box;

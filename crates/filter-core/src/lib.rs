@@ -1,7 +1,7 @@
 //! Filters of the diagnosis: recursions that share a denominator's order, and a causal whitening.
 //!
-//! Plain floats, and no bound: nothing here is guaranteed. What a signal becomes depends neither on the others nor on the
-//! number of threads nor on the width of the processor's vectors: each sum has one order.
+//! Plain floats, and no bound: nothing here is guaranteed. The result of a signal depends neither on the other signals
+//! nor on the number of threads nor on the width of the processor's vectors: each sum has one order.
 
 mod recursion;
 mod whitening;

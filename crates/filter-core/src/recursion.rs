@@ -17,7 +17,7 @@ const STRETCH: usize = 64;
 /// - `out`: shape (rows, n); every entry is written.
 ///
 /// # Panics
-/// Where the lengths do not fit each other, or a recursion is of an order above 3.
+/// Lengths that do not fit each other, or a recursion of an order above 3.
 pub fn respond(inputs: &[&[f64]], numerators: &[f64], denominators: &[f64], taps: usize, n: usize, out: &mut [f64]) {
     let rows = denominators.len() / taps.max(1);
     assert!((1..=4).contains(&taps), "a recursion of order 0 to 3 is needed");

@@ -1,35 +1,36 @@
-//! A causal filter of groups of rows, whose results are laid out in blocks of time, in unit length where that is wanted.
+//! A causal filter of groups of rows, whose results are laid out in blocks of time, in unit length where that is
+//! wanted.
 
 use pulp::{Arch, Simd, WithSimd};
 
-/// Samples that are summed at once; they stay in the processor's registers.
+/// Samples that are summed at once: few enough to stay in the processor's registers.
 const STRETCH: usize = 16;
 /// Numbers of a result from which waking other threads costs less than it saves.
 const WORTHWHILE: usize = 1 << 19;
-/// A column this short has no square.
+/// The least squared length of a column: a column of zeros is divided by its root, not by zero.
 const NOTHING: f64 = 1e-300;
 
 /// Rows that are whitened together.
 #[derive(Clone, Copy, Debug)]
 pub struct Group<'a> {
-    /// Of the signals.
+    /// The rows of the signals.
     pub rows: &'a [usize],
-    /// Shape (lags + 1, rows, rows): what each row's value some samples ago adds to each row.
+    /// Shape (lags + 1, rows, rows): the weight of each row's value some samples ago in each row.
     pub taps: &'a [f64],
 }
 
-/// How results are laid out.
+/// The layout of results.
 #[derive(Clone, Copy, Debug)]
 pub struct Layout<'a> {
     /// Rows of each column.
     pub rows: usize,
     /// Samples of each row.
     pub n: usize,
-    /// Samples in a block; what is beyond the last whole block is left out.
+    /// Samples in a block; samples beyond the last whole block are left out.
     pub length: usize,
-    /// What each sample is multiplied by, or nothing.
+    /// The factor of each sample, if any.
     pub weight: Option<&'a [f64]>,
-    /// Whether each column is divided by its length.
+    /// True if each column is divided by its length.
     pub unit: bool,
 }
 
@@ -41,12 +42,13 @@ impl Layout<'_> {
     }
 }
 
-/// Whitens columns, each of shape (rows, n), into shape (blocks, rows, length), and gives the length of each, 1 where none is asked for.
+/// Whitens columns, each of shape (rows, n), into shape (blocks, rows, length), and gives the length of each, 1 where
+/// none is asked for.
 ///
-/// What was before the first sample counts as nothing. Columns are shared between so many threads.
+/// Samples before the first one count as zero. The columns are shared between `threads` threads.
 ///
 /// # Panics
-/// Where the lengths do not fit each other.
+/// Lengths that do not fit each other.
 pub fn whiten(columns: &[&[f64]], groups: &[Group], layout: Layout, threads: usize, out: &mut [f64]) -> Vec<f64> {
     let numbers = layout.numbers();
     assert!(layout.length > 0 && out.len() == columns.len() * numbers, "a result of the layout's size is needed");
@@ -72,7 +74,8 @@ pub fn whiten(columns: &[&[f64]], groups: &[Group], layout: Layout, threads: usi
         share.into_iter().map(one).collect::<Vec<(usize, f64)>>()
     };
     let mut lengths = vec![1.0; columns.len()];
-    // Threads of this call alone: a process that is forked later has none of a pool's, and would wait for them for ever.
+    // Threads of this call alone: a process that is forked later has none of a pool's, and would wait for them for
+    // ever.
     std::thread::scope(|scope| {
         let own = shares.pop();
         let others: Vec<_> = shares.into_iter().map(|share| scope.spawn(|| work(share))).collect();
@@ -87,7 +90,7 @@ pub fn whiten(columns: &[&[f64]], groups: &[Group], layout: Layout, threads: usi
     lengths
 }
 
-/// A column's number, what it is, and where its result goes.
+/// A column's number, its samples, and the place of its result.
 type Task<'a> = (usize, &'a [f64], &'a mut [f64]);
 
 /// One column, compiled for each width of vectors.
@@ -129,7 +132,7 @@ fn one(column: &[f64], groups: &[Group], layout: Layout, scratch: &mut Vec<f64>,
         for (into, x) in scratch.chunks_exact_mut(width).zip(rows()) {
             into[lags..lags + n].copy_from_slice(x);
         }
-        // Two rows at a time share what is read.
+        // Two rows at a time share the values that are read.
         for first in (0..r).step_by(2) {
             for start in (0..stretches).map(|s| s * STRETCH) {
                 if first + 1 < r {
@@ -154,7 +157,8 @@ fn one(column: &[f64], groups: &[Group], layout: Layout, scratch: &mut Vec<f64>,
     length
 }
 
-/// A stretch of `Q` rows, the first of which is `first` in the group, from rows that stand `width` apart after as many zeros as there are lags.
+/// A stretch of `Q` rows, the first of which is `first` in the group, from rows that stand `width` apart after as many
+/// zeros as there are lags.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "it is compiled for the vectors of its caller")]
 fn sums<const Q: usize>(group: &Group, first: usize, x: &[f64], width: usize, start: usize) -> [[f64; STRETCH]; Q] {

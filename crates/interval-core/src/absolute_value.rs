@@ -1,11 +1,11 @@
-//! Absolute value equations `A_c x - T_y Delta |x| = b`, whose solutions over all sign vectors `y` span the hull of an interval
-//! system (Rohn, *Reliable Computing* 11 (2005); METHODS 4.2 B, 4.3).
+//! Absolute value equations `A_c x - T_y Delta |x| = b`, whose solutions over all sign vectors `y` span the hull of an
+//! interval system (Rohn, *Reliable Computing* 11 (2005); docs/theory.md, "Inverses" and "Square systems").
 //!
-//! `F(x) = A_c x - T_y Delta |x| - b` equals `A_yz x - b` for `z = sgn x`, where `A_yz` has the lower bound of entry `kl` where
-//! `y_k z_l = 1` and the upper one elsewhere: no rounding. For a regular interval matrix the equation has one solution, and
-//! `F(x) - F(x') = M (x - x')` for a member `M`, since `|x| - |x'| = T (x - x')` with a diagonal `|T| <= I`. So an approximation `x`
-//! is within `H |F(x)|` of the solution for any bound `H` of the magnitudes of all members' inverses. That is the whole proof; how
-//! `x` was found does not matter.
+//! `F(x) = A_c x - T_y Delta |x| - b` equals `A_yz x - b` for `z = sgn x`, where `A_yz` has the lower bound of entry
+//! `kl` where `y_k z_l = 1` and the upper one elsewhere: no rounding. For a regular interval matrix the equation has
+//! one solution, and `F(x) - F(x') = M (x - x')` for a member `M`, since `|x| - |x'| = T (x - x')` with a diagonal
+//! `|T| <= I`. So an approximation `x` is within `H |F(x)|` of the solution for any bound `H` of the magnitudes of all
+//! members' inverses. That is the whole proof; the search for `x` needs none.
 
 use crate::approximate::{self, Basis};
 use crate::lanes::{One, Vector, backends, two_product, two_sum};
@@ -13,9 +13,11 @@ use crate::matrix::IntervalMatrix;
 use crate::rounding::slices::Backend;
 use crate::rounding::{add_up, mul_up};
 
+/// The unit roundoff of a double, 2^-53.
 const UNIT: f64 = f64::EPSILON / 2.0;
+/// The smallest positive double, 2^-1074.
 const SMALLEST: f64 = f64::from_bits(1);
-/// Rows are padded to the widest vector.
+/// Rows are padded to the widest vector, 8 doubles.
 const PAD: usize = 8;
 
 /// The equations of one sign vector.
@@ -36,7 +38,7 @@ pub(crate) struct Solution {
 }
 
 impl Solution {
-    /// How far component `i` is from the exact one at most.
+    /// A bound of the distance of component `i` from the exact one.
     pub(crate) fn error(&self, magnitude: &[f64], i: usize) -> f64 {
         let n = self.x.len();
         let row = &magnitude[i * n..][..n];
@@ -96,8 +98,8 @@ impl Equations {
         (0..n * n).map(|at| self.entry(at / n, at % n, positive[at % n])).collect()
     }
 
-    /// An approximate solution by sign accord: signs that do not agree with the solution of their vertex are turned, all of
-    /// them at first, later the first one only, which ends (Rohn).
+    /// An approximate solution by sign accord: signs that do not agree with the solution of their vertex are turned,
+    /// all of them at first, later the first one only, which ends (Rohn).
     pub(crate) fn solve(&self, b: &[f64], signs: &mut [bool]) -> Option<Solution> {
         let n = self.n;
         let mut work = vec![0.0; n * (n + 1)];
@@ -158,7 +160,8 @@ impl Equations {
         best
     }
 
-    /// The approximation with bounds of `|F|`, and `F` itself approximately; `None` where something overflows.
+    /// The approximation with bounds of `|F|`, and `F` itself approximately. The value is `None` if something
+    /// overflows.
     fn checked(&self, b: &[f64], x: Vec<f64>, tail: Vec<f64>) -> Option<(Solution, Vec<f64>)> {
         let n = self.n;
         let (mut value, mut size) = (vec![0.0; self.stride], vec![0.0; self.stride]);
@@ -167,8 +170,8 @@ impl Equations {
         residual(Backend::chosen(), self, &x, &tail, &right, &mut value, &mut size);
         #[expect(clippy::cast_precision_loss, reason = "an order, far below 2^53")]
         let terms = n as f64 + 4.0;
-        // Every tail that is summed is at most (terms) u size, and each of their additions is within u of it; products that
-        // underflow lose at most the smallest number each.
+        // Every tail that is summed is at most (terms) u size, and each of their additions is within u of it; products
+        // that underflow lose at most the smallest number each.
         let gamma = 4.0 * terms * terms * UNIT * UNIT;
         let bound = |k: usize| (value[k].abs() + gamma * size[k]) * (1.0 + 8.0 * UNIT) + 16.0 * terms * SMALLEST;
         // Nothing is lost only where each product has a factor of zero: products may also vanish by underflow.

@@ -1,7 +1,7 @@
 //! Sums of doubles and of products of two doubles without error.
 //!
-//! A fixed-point accumulator spans all products of two doubles (Kulisch): nothing is lost before the last rounding, so the
-//! result does not depend on the order of the operands.
+//! A fixed-point accumulator spans all products of two doubles (Kulisch): nothing is lost before the last rounding, so
+//! the result does not depend on the order of the operands.
 
 use crate::exact::{decode, dyadic_down};
 use num_bigint::{BigInt, Sign};
@@ -10,6 +10,7 @@ use std::cmp::Ordering;
 
 /// The least exponent of a product of two doubles.
 const LEAST: i64 = -2 * 1074;
+/// Bits of a limb: half of its 64, which leaves room for sums before a carry.
 const WIDTH: i64 = 32;
 /// 2 * 1024 + 2 * 1074 bits, and 64 more for the carries of 2^64 terms.
 const LIMBS: usize = 134;
@@ -92,7 +93,7 @@ impl Accumulator {
     }
 }
 
-/// What the infinite and undefined terms of a sum make of it.
+/// The effect of infinite and undefined terms on a sum.
 #[derive(Clone, Copy)]
 struct Special {
     nan: bool,
@@ -122,7 +123,7 @@ impl Special {
     }
 }
 
-/// The exact sum of products as an integer multiple of `2^LEAST`, or what infinite and undefined terms make of it.
+/// The exact sum of products as an integer multiple of `2^LEAST`, or the effect of infinite and undefined terms.
 pub(crate) fn accumulate(terms: impl Iterator<Item = (f64, f64)>) -> Result<BigInt, f64> {
     let mut special = Special::NONE;
     let mut sum = Accumulator::new();

@@ -4,7 +4,8 @@ use faer::linalg::solvers::DenseSolveCore;
 use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::{DMatrix, DVector};
 
-/// An approximate inverse of an `n` by `n` matrix, row-major; `None` where elimination meets a zero pivot or overflows.
+/// An approximate inverse of an `n` by `n` matrix, row-major. The value is `None` if elimination meets a zero pivot or
+/// overflows.
 pub(crate) fn inverse(a: &[f64], n: usize) -> Option<Vec<f64>> {
     if n > BLOCKED {
         return blocked_inverse(a, n);
@@ -14,7 +15,7 @@ pub(crate) fn inverse(a: &[f64], n: usize) -> Option<Vec<f64>> {
     inverse.iter().all(|x| x.is_finite()).then(|| inverse.as_slice().to_vec())
 }
 
-/// Orders above this are factorised by blocks.
+/// Orders above this are factorised by blocks: smaller matrices stay in the nearest cache without them.
 const BLOCKED: usize = 24;
 
 fn blocked_inverse(a: &[f64], n: usize) -> Option<Vec<f64>> {
@@ -44,7 +45,7 @@ impl Basis {
 }
 
 /// A least-squares solution of `A x = b` for `m` by `n` row-major `A`, by its normal equations with columns scaled to
-/// unit length; a start for searches, so a singular system just gives zeros.
+/// unit length. It is a start for searches, so a singular system gives zeros.
 pub(crate) fn least_squares(a: &[f64], b: &[f64], n: usize) -> Vec<f64> {
     let mut scale = vec![0.0_f64; n];
     for row in a.chunks_exact(n) {
@@ -79,8 +80,8 @@ pub(crate) fn least_singular_vector(a: &[f64], n: usize) -> Option<Vec<f64>> {
     (largest > 0.0).then(|| x.iter().map(|v| v / largest).collect())
 }
 
-/// Elimination with partial pivoting: which row stands at each pivot, and the sizes of the pivots. Rows without a usable pivot stay in
-/// their order with a pivot that nothing is below.
+/// Elimination with partial pivoting: which row stands at each pivot, and the sizes of the pivots. Rows without a
+/// usable pivot stay in their order with a pivot that nothing is below.
 pub(crate) fn pivots(a: &[f64], n: usize) -> (Vec<usize>, Vec<f64>) {
     let mut work = a.to_vec();
     let mut order: Vec<usize> = (0..n).collect();
@@ -108,7 +109,8 @@ pub(crate) fn pivots(a: &[f64], n: usize) -> (Vec<usize>, Vec<f64>) {
     (order, pivots)
 }
 
-/// Solves `work = [A | b]`, `n` rows of `n + 1`, by elimination with partial pivoting; the solution takes the place of `b`.
+/// Solves `work = [A | b]`, `n` rows of `n + 1`, by elimination with partial pivoting; the solution takes the place of
+/// `b`.
 pub(crate) fn solve_in_place(work: &mut [f64], n: usize) -> Option<()> {
     let width = n + 1;
     for p in 0..n {

@@ -1,4 +1,4 @@
-//! What is proved and what is not, told apart by their types.
+//! Types that tell proved values from unproved ones.
 
 use std::ops::Deref;
 
@@ -19,7 +19,7 @@ impl<T> Certified<T> {
         Self(value)
     }
 
-    /// What follows from the value, by the same proof.
+    /// A consequence of the value, by the same proof.
     pub(crate) fn map<U>(&self, consequence: impl FnOnce(&T) -> U) -> Certified<U> {
         Certified(consequence(&self.0))
     }

@@ -2,7 +2,7 @@
 
 use thiserror::Error as ThisError;
 
-/// What a caller did wrong, with what was given and what is needed.
+/// Misuse by a caller, with the given and the needed values.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, Eq, ThisError)]
 pub enum Error {

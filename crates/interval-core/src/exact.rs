@@ -1,8 +1,8 @@
 //! Exact arithmetic over the rationals: the last resort of a proof where directed rounding cannot decide, and the
 //! conversion between doubles and decimals.
 //!
-//! Doubles are dyadic, so a matrix of doubles is an integer matrix times a power of two; elimination is fraction-free
-//! (Bareiss, *Math. Comp.* 22 (1968) 565-578).
+//! Doubles are dyadic, so a matrix of doubles is an integer matrix times a power of two. The elimination is
+//! fraction-free (Bareiss, *Math. Comp.* 22 (1968) 565-578).
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -40,8 +40,8 @@ pub fn ratio_up(value: &BigRational) -> f64 {
     -ratio_down(&-value) + 0.0
 }
 
-/// The order of two rationals by one product each: the comparison of the library walks a continued fraction, whose length
-/// the text of a literal can choose.
+/// The order of two rationals by one product each: the comparison of the library walks a continued fraction, whose
+/// length the text of a literal can choose.
 pub(crate) fn compare(a: &BigRational, b: &BigRational) -> Ordering {
     (a.numer() * b.denom()).cmp(&(b.numer() * a.denom()))
 }
@@ -120,7 +120,8 @@ pub(crate) fn decode(x: f64) -> (i64, i64) {
 
 /// Fraction-free Gauss-Jordan elimination of the integer matrix `[A | B]` (`n` rows, `n + k` columns, row-major).
 ///
-/// Returns the determinant of `A`, and `det(A) * A^-1 B` in place of `B`; `None` for the second where the determinant is 0.
+/// Returns the determinant of `A`, and `det(A) * A^-1 B` in place of `B`; `None` for the second where the determinant
+/// is 0.
 fn eliminate(mut m: Vec<BigInt>, n: usize, k: usize) -> (BigInt, Option<Vec<BigInt>>) {
     let width = n + k;
     let mut previous = BigInt::one();
@@ -186,7 +187,7 @@ pub fn inverse(a: &[f64], n: usize) -> Option<(i8, Vec<BigRational>)> {
     Some((sign, entries))
 }
 
-/// The exact solution of `a x = b` for finite doubles; `None` where `a` is singular.
+/// The exact solution of `a x = b` for finite doubles. The value is `None` if `a` is singular.
 #[must_use]
 pub fn solve(a: &[f64], b: &[f64], n: usize) -> Option<Vec<BigRational>> {
     let (left, left_exponent) = integers(a);
@@ -210,12 +211,14 @@ fn scaled_ratio(numerator: BigInt, denominator: &BigInt, exponent: i64) -> BigRa
     }
 }
 
-/// Decimal exponents beyond this are far outside the range of doubles whatever the digits.
+/// Decimal exponents beyond this are far outside the range of doubles for all permitted digits.
 const DECIMAL_LIMIT: i64 = 20_000;
+/// Binary exponents beyond this are far outside the range of doubles for all permitted digits.
 const BINARY_LIMIT: i64 = 80_000;
+/// Digits of one number at most: a bound of the time and the memory that a text may cost.
 const DIGIT_LIMIT: usize = 4_000;
 
-/// The exact value of a number such as `-12.5e-3`, `2/3` or `0x1.8p-1`; `None` where the text is not one.
+/// The exact value of a number such as `-12.5e-3`, `2/3` or `0x1.8p-1`. The value is `None` if the text is not one.
 #[must_use]
 pub fn from_text(text: &str) -> Option<BigRational> {
     let (negative, unsigned) = match text.as_bytes().first()? {

@@ -1,7 +1,7 @@
 //! Several doubles at once, in the vector registers of each back end.
 //!
-//! Kernels are generic over [`Vector`] and compiled for every back end by [`backends!`]. Every lane does what a scalar would do, so
-//! the bits do not depend on the width; `mul_add` is fused on every back end.
+//! Kernels are generic over [`Vector`] and compiled for every back end by [`backends!`]. Every lane does the operations
+//! of a scalar, so the bits do not depend on the width; `mul_add` is fused on every back end.
 
 #![expect(clippy::inline_always, reason = "the operations are compiled inside functions with wider instruction sets")]
 #![cfg_attr(
@@ -19,11 +19,11 @@ pub(crate) trait Vector:
     type Array: AsRef<[f64]> + AsMut<[f64]> + Copy;
     /// Number of lanes, at most 8.
     const N: usize;
-    /// Whether a fused product is one instruction.
+    /// True if a fused product is one instruction.
     const FUSED: bool;
 
     fn splat(x: f64) -> Self;
-    /// The first `N` of the slice, which has at least so many.
+    /// The first `N` numbers of the slice, which has at least `N`.
     fn load(from: &[f64]) -> Self;
     fn store(self, to: &mut [f64]);
     /// `self * b + c`, rounded once.
@@ -56,8 +56,8 @@ pub(crate) fn two_sum<V: Vector>(a: V, b: V) -> (V, V) {
     (s, (a - (s - b_part)) + (b - b_part))
 }
 
-/// `a b` exactly, for products between 2^-960 and 2^960 of factors below 2^960, or zero; by a fused product, or by splitting
-/// where there is none (Dekker).
+/// `a b` exactly, for products between 2^-960 and 2^960 of factors below 2^960, or zero; by a fused product, or by
+/// splitting where there is none (Dekker).
 #[inline(always)]
 pub(crate) fn two_product<V: Vector>(a: V, b: V) -> (V, V) {
     let p = a * b;
@@ -88,7 +88,7 @@ macro_rules! operators {
     )*};
 }
 
-/// One double: what is left of a row, and everything where there are no vectors.
+/// One double: the rest of a row, and every entry where there are no vectors.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct One(pub f64);
 

@@ -1,6 +1,6 @@
 //! Interval arithmetic, interval matrices and bounded-error regression with outward rounding.
 //!
-//! # What is promised
+//! # Promises
 //! - Every operation on [`Interval`] returns a set that contains the exact result for every choice of members of its
 //!   operands. It is the *tightest* such interval of doubles, for
 //!   elementary functions too.
@@ -9,8 +9,9 @@
 //! - A proof that fails is a value ([`Status::NotProved`](status::Status)), never a warning.
 //! - Results do not depend on the number of threads.
 //!
-//! # What is not promised
-//! - `inverse::published` and `inverse::published_hull` follow a paper literally. They are *not* enclosures, and say so.
+//! # Limits
+//! - `inverse::published` and `inverse::published_hull` follow a paper literally. They are *not* enclosures, and say
+//!   so.
 //! - The floating-point environment has to be the default one (round to nearest, subnormals kept);
 //!   [`rounding::environment_is_default`] checks it.
 

@@ -1,10 +1,11 @@
-//! Work shared between threads where there is enough of it. Without the feature `rayon` everything runs on the caller's.
+//! Work shared between threads where there is enough of it. Without the feature `rayon` everything runs on the
+//! caller's.
 
 /// Operations below which starting threads costs more than it saves.
 const WORTHWHILE: usize = 1 << 18;
 
-/// `work(i, lo, hi)` on every row of `width` entries of two slices; rows do not depend on each other, so neither does the
-/// result on the number of threads.
+/// `work(i, lo, hi)` on every row of `width` entries of two slices; the rows do not depend on each other, so the result
+/// does not depend on the number of threads.
 pub(crate) fn rows(
     operations: usize,
     width: usize,
@@ -26,8 +27,8 @@ pub(crate) fn rows(
     lo.chunks_mut(width).zip(hi.chunks_mut(width)).enumerate().for_each(|(i, (l, h))| work(i, l, h));
 }
 
-/// `merge` of `map(0)`, `map(1)`, ...; `None` as soon as one of them is, and the rest is left out. The merge is associative and
-/// commutative to the bit.
+/// `merge` of `map(0)`, `map(1)`, ...; `None` as soon as one of them is, and the rest is left out. The merge is
+/// associative and commutative to the bit.
 #[cfg(feature = "rayon")]
 pub(crate) fn try_map_reduce<T: Send>(
     count: u64,

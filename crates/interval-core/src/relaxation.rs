@@ -1,11 +1,11 @@
 //! A quantity that follows held goals behind a first-order lag: `x' = e x + (1 - e) g` in bounds.
 //!
-//! One step in plain floats is rounded four times, each time by at most 2^-53 of `|x| + |g|`; `STEP_ROUNDING` of that is added on
-//! either side, which holds all four and its own rounding.
+//! One step in plain floats is rounded four times, each time by at most 2^-53 of `|x| + |g|`. A slack of
+//! `STEP_ROUNDING` of that is added on either side, which holds all four and its own rounding.
 
 use crate::Error;
 
-/// More than eight times 2^-53.
+/// More than eight times 2^-53, twice the four roundings of a step.
 const STEP_ROUNDING: f64 = 1e-15;
 
 /// Lengths of the slices: one entry a row, and the last goal is not followed.
@@ -18,9 +18,9 @@ fn fits(needed: usize, lengths: &[usize]) -> Result<(), Error> {
 
 /// Bounds of the quantity at each row.
 ///
-/// `start` bounds it at the first row, and again after each step that is not `whole`. Over step `k` its share of what it was is within
-/// `slack[k]` of `decay[k]`, and inside `[0, 1]`. `lo` and `hi` hold the goals' bounds when called and the quantity's when done; all
-/// slices but these are one shorter.
+/// `start` bounds it at the first row, and again after each step that is not `whole`. Over step `k` its share of the
+/// previous value is within `slack[k]` of `decay[k]`, and inside `[0, 1]`. `lo` and `hi` hold the goals' bounds when
+/// called and the quantity's when done. All slices but these are one shorter.
 ///
 /// # Errors
 /// Slices of other lengths, or none.
@@ -45,7 +45,7 @@ pub fn follow(
     Ok(())
 }
 
-/// One step; linear in the share, so its extremes stand at the ends of what the share can be.
+/// One step; linear in the share, so its extremes stand at the ends of the share's range.
 fn step((a, b): (f64, f64), (g_low, g_high): (f64, f64), decay: f64, slack: f64) -> (f64, f64) {
     let (least, most) = ((decay - slack).max(0.0), (decay + slack).min(1.0));
     let between = |x: f64, g: f64| (least * x + (1.0 - least) * g, most * x + (1.0 - most) * g);

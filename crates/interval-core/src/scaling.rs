@@ -54,7 +54,8 @@ impl Scaled {
         finite.then(|| IntervalMatrix::new(n, n, lo, hi).ok()).flatten()
     }
 
-    /// What members of the scaled matrix attain, rounded inward: upper bounds of the least entries and lower bounds of the largest.
+    /// The values that members of the scaled matrix attain, rounded inward: upper bounds of the least entries and lower
+    /// bounds of the largest.
     pub(crate) fn unscale_inward(&self, least: &[f64], most: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let n = self.a.rows();
         let by = |at: usize| self.columns[at / n] + self.rows[at % n];
@@ -62,8 +63,8 @@ impl Scaled {
         (least, most.iter().enumerate().map(|(at, &x)| scaled_down(x, by(at))).collect())
     }
 
-    /// The right-hand side of a system with the scaled matrix, and the common power of two that it is scaled by besides; `None` where
-    /// a scaled bound is not exact.
+    /// The right-hand side of a system with the scaled matrix, and the common power of two that it is scaled by
+    /// besides. The value is `None` if a scaled bound is not exact.
     pub(crate) fn right_hand_side(&self, b: &[Interval]) -> Option<(Vec<Interval>, i32)> {
         let moved: Vec<i32> = b.iter().zip(&self.rows).map(|(x, r)| exponent_of(x.magnitude()) + r).collect();
         let used = moved.iter().zip(b).filter(|(_, x)| x.magnitude() > 0.0).map(|(&e, _)| e);
@@ -85,12 +86,12 @@ impl Scaled {
         finite.then(|| IntervalMatrix::new(lo.len(), 1, lo, hi).ok()).flatten()
     }
 
-    /// Whether nothing was scaled.
+    /// True if nothing was scaled.
     pub(crate) fn is_trivial(&self) -> bool {
         self.rows.iter().chain(&self.columns).all(|&e| e == 0)
     }
 
-    /// A singular member of the matrix as it was; `None` where it is none in doubles.
+    /// A singular member of the matrix as it was. The value is `None` if it is none in doubles.
     pub(crate) fn member(&self, member: SingularMember) -> Option<SingularMember> {
         if self.is_trivial() {
             return Some(member);
@@ -112,7 +113,7 @@ impl Scaled {
         x.iter().zip(&self.columns).map(|(&v, &by)| exactly(v, by - common)).collect()
     }
 
-    /// A witness of the matrix as it was; `None` where it is none in doubles.
+    /// A witness of the matrix as it was. The value is `None` if it is none in doubles.
     pub(crate) fn witness(&self, witness: Witness) -> Option<Witness> {
         let n = self.a.rows();
         match witness {

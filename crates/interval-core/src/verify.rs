@@ -1,4 +1,4 @@
-//! Checks of certificates in exact integer arithmetic: nothing of what made them is used.
+//! Checks of certificates in exact integer arithmetic: the code that made them is not used.
 
 use crate::exact::{self, integers};
 use crate::inverse::Certificate;
@@ -8,11 +8,11 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
-/// Vertex matrices of larger orders are too many to check.
+/// The largest order whose vertex matrices are checked: `2^(2n-1)` determinants.
 const VERTEX_LIMIT: usize = 6;
 
 impl Certificate {
-    /// Whether the certificate proves of `a` what it says: that every member is regular, or that one is singular.
+    /// True if the certificate proves its statement of `a`: that every member is regular, or that one is singular.
     ///
     /// Every check is exact, in integers or rationals; a certificate that does not fit the matrix is false.
     ///

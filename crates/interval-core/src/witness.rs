@@ -1,6 +1,6 @@
-//! Why an interval matrix is regular, or why it holds a singular member: the numbers that prove it.
+//! Proofs that an interval matrix is regular or holds a singular member, as numbers.
 
-/// Why an interval matrix is regular.
+/// A proof that an interval matrix is regular.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Witness {
     /// `||I - R A|| <= norm < 1` in the maximum row sum norm for this `R` (row-major): `R A` and with it `A` is
@@ -20,8 +20,9 @@ pub enum Witness {
     },
     /// The matrices of lower and of upper bounds have non-negative inverses (Kuttler 1971).
     NonnegativeInverses,
-    /// `S = m'm - shift I` is positive definite for the midpoints `m`, and the radii have a spectral norm of at most the root
-    /// of the shift (Rex and Rohn, *SIAM J. Matrix Anal. Appl.* 20 (1998) 437-445): proved by `||I - X S X'|| < 1`.
+    /// `S = m'm - shift I` is positive definite for the midpoints `m`, and the radii have a spectral norm of at most
+    /// the root of the shift (Rex and Rohn, *SIAM J. Matrix Anal. Appl.* 20 (1998) 437-445): proved by
+    /// `||I - X S X'|| < 1`.
     PositiveDefinite {
         /// Upper bound of the square of the radii's spectral norm.
         shift: f64,
@@ -39,13 +40,13 @@ pub enum Witness {
     },
 }
 
-/// Why an interval matrix holds a singular member.
+/// A proof that an interval matrix holds a singular member.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SingularMember {
     /// This member (row-major) has determinant zero, exactly.
     Member(Vec<f64>),
-    /// For this vector (not zero) every row of `A x` contains 0, exactly: choosing in each row a member of it that gives 0 makes
-    /// a member `A` with `A x = 0`.
+    /// For this vector (not zero) every row of `A x` contains 0, exactly: choosing in each row a member of it that
+    /// gives 0 makes a member `A` with `A x = 0`.
     NullVector(Vec<f64>),
     /// These two members (row-major) have determinants of opposite sign: on the segment between them one is zero.
     OppositeSigns(Vec<f64>, Vec<f64>),
@@ -65,7 +66,7 @@ pub enum Cell {
     Halved {
         /// Flat position of the entry.
         entry: usize,
-        /// Where it is cut.
+        /// The value at which it is cut.
         value: f64,
         /// The half below and the half above.
         halves: Box<[Cell; 2]>,

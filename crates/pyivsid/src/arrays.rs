@@ -11,8 +11,8 @@ pub fn refusal(error: &Error) -> PyErr {
     crate::scalar::user_error(error)
 }
 
-/// Two rows without values, for lower and upper bounds that fill them. One block of memory comes back from the allocator
-/// where two would be returned to the system and faulted in again.
+/// Two rows without values, for lower and upper bounds that fill them. One block of memory comes back from the
+/// allocator where two would be returned to the system and faulted in again.
 pub fn results(py: Python<'_>, n: usize) -> Bound<'_, PyArray2<f64>> {
     // SAFETY: any bits are a double, and the operations write every entry before Python sees the arrays.
     #[expect(unsafe_code, reason = "zeroing what is overwritten costs as much as the operation")]
@@ -41,8 +41,8 @@ pub fn intervals(lo: &[f64], hi: &[f64]) -> Result<Vec<Interval>, Error> {
     Bounds::new(lo, hi)?.intervals()
 }
 
-/// Bounds of a matrix where they lie, and its number of columns. `as_slice` also accepts Fortran order, which would transpose
-/// silently.
+/// Bounds of a matrix where they lie, and its number of columns. `as_slice` also accepts Fortran order, which would
+/// transpose silently.
 pub fn row_major<'a>(
     lo: &'a PyReadonlyArray2<'_, f64>,
     hi: &'a PyReadonlyArray2<'_, f64>,

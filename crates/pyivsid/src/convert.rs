@@ -110,7 +110,7 @@ fn certificate<'py>(py: Python<'py>, certificate: &Certificate, n: usize) -> PyR
     }
 }
 
-/// Why the verdict holds.
+/// The certificate of the verdict.
 pub fn regularity<'py>(py: Python<'py>, found: &Regularity, n: usize) -> PyResult<Option<Bound<'py, PyDict>>> {
     match found {
         Regularity::Regular(w) => witness(py, w, n).map(Some),

@@ -9,7 +9,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyUntypedArray
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-/// Whether the floating-point environment is the one that the bounds rely on.
+/// True if the floating-point environment is the one that the bounds rely on.
 #[pyfunction]
 pub fn environment_is_default() -> bool {
     rounding::environment_is_default()
@@ -34,7 +34,8 @@ fn unknown(op: &str) -> PyErr {
     PyValueError::new_err(format!("unknown operation '{op}'"))
 }
 
-/// An operation of one operand by its name in the core: a row of lower and one of upper bounds. Empty results have reversed infinite bounds.
+/// An operation of one operand by its name in the core: a row of lower and one of upper bounds. Empty results have
+/// reversed infinite bounds.
 #[pyfunction]
 pub fn unary<'py>(
     py: Python<'py>,

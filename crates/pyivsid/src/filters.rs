@@ -13,7 +13,8 @@ fn misfit() -> PyErr {
     PyValueError::new_err(MISFIT)
 }
 
-/// Answers of recursive filters at rest: inputs of shape (n,), numerators (rows, inputs, taps), denominators (rows, taps) -> (rows, n).
+/// Answers of recursive filters at rest: inputs of shape (n,), numerators (rows, inputs, taps), denominators (rows,
+/// taps) -> (rows, n).
 #[pyfunction]
 pub fn respond<'py>(
     py: Python<'py>,
@@ -41,7 +42,8 @@ pub fn respond<'py>(
     Ok(found)
 }
 
-/// Columns of shape (rows, n) through a causal filter of groups of rows, in blocks -> (columns, blocks, rows length), and their lengths.
+/// Columns of shape (rows, n) through a causal filter of groups of rows, in blocks -> (columns, blocks, rows length),
+/// and their lengths.
 #[pyfunction]
 pub fn whiten<'py>(
     py: Python<'py>,

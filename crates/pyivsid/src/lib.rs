@@ -1,4 +1,5 @@
-//! Python's door to `interval-core`: borrow, detach from the interpreter, call, convert. No arithmetic and no decisions.
+//! The functions of `interval-core` for Python: borrow, detach from the interpreter, call, convert. No arithmetic and
+//! no decisions.
 
 #![expect(clippy::needless_pass_by_value, reason = "pyfunction arguments are extracted by value")]
 
@@ -32,7 +33,7 @@ mod core_module {
 
     use pyo3::prelude::*;
 
-    /// Adds what is no function: the names and numbers that the core decides.
+    /// Adds the names and numbers that the core decides.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         crate::names::add(module)

@@ -16,13 +16,15 @@ pub fn named<T: FromStr<Err = interval_core::Error>>(name: &str) -> PyResult<T> 
     name.parse().map_err(|e| refusal(&e))
 }
 
-/// The options of an inverse method: Python has one number for the partitions of a sweep and for the cells of a partition.
+/// The options of an inverse method: Python has one number for the partitions of a sweep and for the cells of a
+/// partition.
 pub fn options(partitions: u64, sweep: &str) -> PyResult<Options> {
     let cells = usize::try_from(partitions).unwrap_or(usize::MAX);
     Ok(Options { partitions, cells, sweep: named(sweep)? })
 }
 
-/// The inverse of a square interval matrix. Long sweeps report to `progress(done, partitions)` and end when a signal comes.
+/// The inverse of a square interval matrix. Long sweeps report to `progress(done, partitions)` and end when a signal
+/// comes.
 #[pyfunction]
 #[pyo3(signature = (lo, hi, method, partitions, sweep, progress=None))]
 pub fn inverse<'py>(
@@ -143,7 +145,7 @@ pub fn solve<'py>(
     convert::outcome(py, &outcome, a.rows())
 }
 
-/// Whether every member of a square interval matrix is nonsingular: the verdict and its certificate.
+/// The regularity of a square interval matrix: the verdict and its certificate.
 #[pyfunction]
 pub fn regularity<'py>(
     py: Python<'py>,

@@ -65,14 +65,14 @@ impl Random {
     }
 }
 
-/// Whether `x` is the largest double not above `exact`.
+/// True if `x` is the largest double not above `exact`.
 pub fn is_down(x: f64, exact: &BigRational) -> bool {
     let below = x == f64::NEG_INFINITY || q(x) <= *exact;
     let next = x.next_up();
     below && (next == f64::INFINITY || q(next) > *exact)
 }
 
-/// Whether `x` is the smallest double not below `exact`.
+/// True if `x` is the smallest double not below `exact`.
 pub fn is_up(x: f64, exact: &BigRational) -> bool {
     is_down(-x, &-exact.clone())
 }

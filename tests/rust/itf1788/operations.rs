@@ -9,7 +9,7 @@ type Decorated1 = fn(DecoratedInterval) -> DecoratedInterval;
 type Bare2 = fn(Interval, Interval) -> Interval;
 type Decorated2 = fn(DecoratedInterval, DecoratedInterval) -> DecoratedInterval;
 
-/// What a statement gives: values and the signal, if any.
+/// The result of a statement: values and the signal, if any.
 pub struct Outcome {
     pub values: Vec<Value>,
     pub signal: Option<&'static str>,

@@ -8,12 +8,15 @@ use super::{decide, power_of_two, split};
 
 /// Relative error of [`angle`], doubled.
 const ERROR: f64 = f64::from_bits((1023 - 76) << 52);
+/// Below this the second term of the series, at most `x^2 / 2` of the value, is less than half the distance to the
+/// neighbouring double.
 const TINY: f64 = f64::from_bits((1023 - 27) << 52);
-/// Between coordinates whose exponents differ by more the last resort decides.
+/// The largest difference of the coordinates' exponents, so that nothing over- or underflows. Beyond it the last resort
+/// decides.
 const FAR: i64 = 400;
 
-/// `atan t`, `0 <= t <= 1`: `u = (t - c) / (1 + c t)`, `c = j/64`, `|u| < 2^-7`; `u - u^3/3` in double-double, `u^5/5 - ...`
-/// (2^-30 relative) in double with four roundings, tail `u^13/13`: 2^-79 relative.
+/// `atan t`, `0 <= t <= 1`: `u = (t - c) / (1 + c t)`, `c = j/64`, `|u| < 2^-7`; `u - u^3/3` in double-double,
+/// `u^5/5 - ...` (2^-30 relative) in double with four roundings, tail `u^13/13`: 2^-79 relative.
 #[inline(always)]
 fn first_octant(t: Dd, tables: &Tables) -> Dd {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index of at most 64")]

@@ -1,7 +1,7 @@
 //! Balls over the integers: `(mid +- rad) * 2^exp`, the arithmetic of the last resort, in which nothing rounds unseen.
 //!
-//! Every operation returns a ball that holds the exact result for all members of its operands; `shorten` keeps the
-//! midpoint at a number of bits and moves what it cuts into the radius.
+//! Every operation returns a ball that holds the exact result for all members of its operands. The function `shorten`
+//! keeps the midpoint at a number of bits and moves the part that it cuts into the radius.
 
 use crate::exact::{dyadic_down, shifted};
 use num_bigint::BigInt;
@@ -34,7 +34,7 @@ impl Ball {
         Self::exact(BigInt::from(mantissa), exp)
     }
 
-    /// Whether it is one number.
+    /// True if it is one number.
     pub fn is_exact(&self) -> bool {
         self.rad.is_zero()
     }
@@ -101,7 +101,7 @@ impl Ball {
         Self { exp: self.exp + power, ..self }
     }
 
-    /// The quotient to about `precision` bits; `None` where the divisor may be zero.
+    /// The quotient to about `precision` bits. The value is `None` if the divisor may be zero.
     pub fn div(&self, other: &Self, precision: i64) -> Option<Self> {
         let least = other.mid.abs() - &other.rad;
         if !least.is_positive() {
@@ -127,7 +127,7 @@ impl Ball {
         Self { mid: numerator / divisor, rad, exp: self.exp - 64 }
     }
 
-    /// The square root to about `precision` bits; `None` where a member may be negative.
+    /// The square root to about `precision` bits. The value is `None` if a member may be negative.
     pub fn sqrt(&self, precision: i64) -> Option<Self> {
         if self.is_exact() && self.mid.is_zero() {
             return Some(self.clone());

@@ -8,12 +8,16 @@ use super::{decide, nearest, power_of_two};
 
 /// Relative error of [`kernel`], doubled twice over.
 pub(super) const ERROR: f64 = power(-71);
-/// Of the hyperbolic sine and tangent: six bits may cancel at 2^-5.
+/// Relative error of the hyperbolic sine and tangent: six bits may cancel at 2^-5.
 const HYPERBOLIC_ERROR: f64 = power(-64);
+/// Below this the series of the hyperbolic sine is used, above it the exponentials, whose difference cancels.
 const SMALL: f64 = power(-5);
+/// Below this the second term of the series, at most `x^2 / 2` of the value, is less than half the distance to the
+/// neighbouring double.
 const TINY: f64 = power(-27);
-/// Above it `e^x` exceeds the largest double; below the negative second one it lies under half the smallest.
+/// Above this `e^x` exceeds the largest double, whose logarithm is about 709.78.
 const OVERFLOW: f64 = 709.8;
+/// Below this `e^x` lies under half the smallest double: `ln 2^-1075` is about -745.13.
 const UNDERFLOW: f64 = -745.2;
 
 const fn power(k: i64) -> f64 {
@@ -22,9 +26,10 @@ const fn power(k: i64) -> f64 {
 
 /// `e^x = m 2^k` with `m` in [0.99, 2.02], for `|x| < 1100`.
 ///
-/// `x = n ln2/64 + r`, `n = 64 k + j`, `|r| < 0.0055`: `m = 2^(j/64) e^r`. The errors, relative to the result: reduction
-/// `n 2^-95` < 2^-78; table 2^-103; `e^r - 1 = r + r^2/2` in double-double, the rest `r^3/6 + ...` (below 2^-25) in double
-/// with at most four roundings and the low part of `r` left out: 2^-74.6; tail `r^9/9!` < 2^-86. Together below 2^-73.
+/// `x = n ln2/64 + r`, `n = 64 k + j`, `|r| < 0.0055`: `m = 2^(j/64) e^r`. The errors, relative to the result:
+/// reduction `n 2^-95` < 2^-78; table 2^-103; `e^r - 1 = r + r^2/2` in double-double, the rest `r^3/6 + ...` (below
+/// 2^-25) in double with at most four roundings and the low part of `r` left out: 2^-74.6; tail `r^9/9!` < 2^-86.
+/// Together below 2^-73.
 #[inline(always)]
 pub(super) fn kernel(x: Dd, tables: &Tables) -> (Dd, i64) {
     let n = nearest(x.hi * tables.steps_per_unit);
@@ -53,7 +58,9 @@ pub(super) fn finish(m: Dd, k: i64, error: f64) -> Option<Bracket> {
     decide(m, error).map(|b| b.scale(k))
 }
 
+/// The bounds of a value above the largest double.
 const TOO_LARGE: Bracket = Bracket { down: f64::MAX, up: f64::INFINITY };
+/// The bounds of a positive value below half the smallest double.
 const TOO_SMALL: Bracket = Bracket { down: 0.0, up: f64::from_bits(1) };
 
 #[inline(always)]

@@ -8,9 +8,13 @@ use super::{decide, power_of_two, split};
 
 /// Relative error of [`kernel`] and [`log1p`], doubled.
 pub(super) const ERROR: f64 = f64::from_bits((1023 - 76) << 52);
-/// Of what stands on them with some double-double operations more.
+/// Relative error of functions that add some double-double operations to these.
 const DERIVED_ERROR: f64 = f64::from_bits((1023 - 74) << 52);
+/// Below this the second term of the series, at most `x^2 / 2` of the value, is less than half the distance to the
+/// neighbouring double.
 const TINY: f64 = f64::from_bits((1023 - 27) << 52);
+/// From here on `ln 2a` stands for the inverse hyperbolic sine and cosine: the next term, `1 / (4 a^2)`, is below 2^-86
+/// of it.
 const LARGE: f64 = f64::from_bits((1023 + 40) << 52);
 
 /// `ln(1 + r)`, `|r| < 0.0126`: four terms in double-double, `r^5/5 - ...` (below 2^-27 relative) in double with four

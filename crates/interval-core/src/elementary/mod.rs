@@ -1,9 +1,9 @@
 //! Elementary functions of one double, rounded down and up: both always the tightest doubles.
 //!
-//! Each function is evaluated in double-double arithmetic with a proved relative error, written beside the code. Where
-//! that error cannot tell the two neighbours apart (about once in ten thousand arguments) integer ball arithmetic with as
-//! many bits as it takes decides. The arguments at which a transcendental function takes the value of a double are
-//! few (Lindemann, Gelfond-Schneider) and handled by name, so the last resort always ends.
+//! Each function is evaluated in double-double arithmetic with a proved relative error, written beside the code. If
+//! that error cannot tell the two neighbours apart (about once in ten thousand arguments), integer ball arithmetic with
+//! sufficient bits decides. The arguments at which a transcendental function takes the value of a double are few
+//! (Lindemann, Gelfond-Schneider) and handled by name, so the last resort always ends.
 //!
 //! All functions are total: limits stand at infinite arguments. Domains are the business of [`crate::Interval`].
 
@@ -33,7 +33,7 @@ impl Bracket {
         Self { down: x, up: x }
     }
 
-    /// Whether the ends are equal or neighbours, as they are but for arguments that no attempt could settle.
+    /// True if the ends are equal or neighbours, as they are but for arguments that no attempt could settle.
     pub(crate) fn is_tight(self) -> bool {
         self.down == self.up || self.down.next_up() == self.up
     }
@@ -95,6 +95,7 @@ fn split(x: f64) -> (f64, i64) {
 /// The integer nearest to `x`, `|x| < 2^51`, as a double.
 #[inline(always)]
 fn nearest(x: f64) -> f64 {
+    // 1.5 * 2^52: the doubles about it are the integers, so a sum with it is rounded to an integer.
     const SHIFT: f64 = 6_755_399_441_055_744.0;
     (x + SHIFT) - SHIFT
 }

@@ -1,4 +1,4 @@
-//! Elementary functions on balls: as many bits as asked for, with every truncation inside the radius.
+//! Elementary functions on balls with a stated number of bits. The radius holds every truncation.
 //!
 //! Each function reduces its argument to where a Taylor series needs few terms, and adds a bound of the series' tail.
 //! A result may carry fewer correct bits than asked where the argument cancels; [`settle`] then asks for more.
@@ -17,8 +17,8 @@ pub(crate) struct Bracket {
 /// Evaluates with more and more bits until both roundings are known.
 ///
 /// An exact result is a ball without radius and settles at once; the callers handle the arguments at which a
-/// transcendental function takes a double's value, so that the loop ends (Lindemann). Should it ever not, what is
-/// returned still encloses.
+/// transcendental function takes a double's value, so that the loop ends (Lindemann). Should it ever not, the result
+/// still encloses.
 pub(crate) fn settle(evaluate: impl Fn(i64) -> Option<Ball>) -> Bracket {
     let mut best = Bracket { down: f64::NEG_INFINITY, up: f64::INFINITY };
     for step in 0..9 {

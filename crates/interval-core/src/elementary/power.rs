@@ -8,9 +8,9 @@ use super::{decide, exponential, logarithm, split};
 use crate::exact::decode;
 use num_bigint::BigInt;
 
-/// Of at most 64 factors: `64 * 6 u^2`, far below it.
+/// Relative error of a product of at most 64 factors: `64 * 6 u^2` is far below it.
 const PRODUCT_ERROR: f64 = f64::from_bits((1023 - 90) << 52);
-/// Where `|y ln x|` is below this, `x^y` lies between 1 and its neighbour.
+/// If `|y ln x|` is below this, `x^y` lies between 1 and its neighbour.
 const NEXT_TO_ONE: f64 = f64::from_bits((1023 - 55) << 52);
 
 /// `x^n` for finite `x`, not zero for negative `n`.
@@ -199,7 +199,7 @@ pub(crate) fn log_ratio(v: f64, b: f64) -> Bracket {
     })
 }
 
-/// The roundings of what `evaluate` computes, or the double that `is_exact` confirms it to be.
+/// The roundings of the value that `evaluate` computes, or the double that `is_exact` confirms it to be.
 #[cold]
 fn exactly_or(evaluate: impl Fn(i64) -> Option<Ball>, is_exact: impl Fn(f64) -> bool) -> Bracket {
     if let Some(ball) = evaluate(192) {

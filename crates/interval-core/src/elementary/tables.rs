@@ -7,6 +7,7 @@ use crate::exact::dyadic_down;
 use num_bigint::BigInt;
 use std::sync::LazyLock;
 
+/// Bits of the balls from which the tables are rounded: more than twice those of a double-double.
 const BITS: i64 = 256;
 
 /// First index of [`Tables::log`]: mantissas from 90/128 to 181/128.

@@ -11,16 +11,18 @@ use num_traits::ToPrimitive;
 
 /// Relative error of sine and cosine and, with a quotient more, of the tangent, doubled and more.
 const ERROR: f64 = f64::from_bits((1023 - 68) << 52);
+/// Below this the second term of the series, at most `x^2 / 2` of the value, is less than half the distance to the
+/// neighbouring double.
 const TINY: f64 = f64::from_bits((1023 - 27) << 52);
 /// Up to here a count of quarter turns fits 27 bits.
 const MODERATE: f64 = 134_217_728.0;
 
 /// `x = k pi/2 + r`, `|r| < 0.7855`, for `|x| <= 2^27`.
 ///
-/// `pi/2 = a + b + c` within 2^-160. Exact are: the products `k a` and `k b` as double-doubles; `x - p.hi`, as the two differ
-/// by less than a factor of two (Sterbenz) or `k = 0`; both sums `t` and `s`. What is rounded lies below 2^-79, so its error
-/// is below 2^-131 and, with the constant's `k 2^-160`, stands against `|r| > 2^-62` (no double is nearer to a multiple of
-/// pi/2): 2^-69.5 relative, and 2^-100 wherever `|r|` is not tiny.
+/// `pi/2 = a + b + c` within 2^-160. Exact are: the products `k a` and `k b` as double-doubles; `x - p.hi`, as the two
+/// differ by less than a factor of two (Sterbenz) or `k = 0`; both sums `t` and `s`. The rounded parts lie below 2^-79,
+/// so their error is below 2^-131 and, with the constant's `k 2^-160`, stands against `|r| > 2^-62` (no double is
+/// nearer to a multiple of pi/2): 2^-69.5 relative, and 2^-100 wherever `|r|` is not tiny.
 #[inline(always)]
 fn reduce(x: f64, tables: &Tables) -> (Dd, i64) {
     let k = nearest(x * tables.quarters_per_radian);
@@ -36,8 +38,9 @@ fn reduce(x: f64, tables: &Tables) -> (Dd, i64) {
 
 /// `sin r` or `cos r`, `|r| < 0.7855`: `r = c + h`, `c = j/128`, `|h| <= 2^-8`.
 ///
-/// `h^3/6` and `h^4/24` with what follows (below 2^-26.5) are evaluated in double with four roundings that count: 2^-77.5
-/// absolute, against a sine of at least 2^-8 where `j > 0`, and `h^2/6` of that relative to `h` where `j = 0`: 2^-69.5.
+/// `h^3/6` and `h^4/24` with the further terms (below 2^-26.5) are evaluated in double with four roundings that count:
+/// 2^-77.5 absolute, against a sine of at least 2^-8 where `j > 0`, and `h^2/6` of that relative to `h` where `j = 0`:
+/// 2^-69.5.
 #[inline(always)]
 fn kernel(r: Dd, cosine: bool, tables: &Tables) -> Dd {
     let a = r.with_sign(r.hi);

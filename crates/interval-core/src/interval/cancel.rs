@@ -6,8 +6,8 @@ use crate::rounding::{sub_down, sub_up};
 use std::cmp::Ordering;
 
 impl Interval {
-    /// The tightest interval `z` with `y + z` around `x`, for bounded `x` at least as wide as bounded `y`; everything
-    /// where there is none. Widths are compared exactly.
+    /// The tightest interval `z` with `y + z` around `x`, for bounded `x` at least as wide as bounded `y`. It is the
+    /// whole line if there is none. Widths are compared exactly.
     ///
     /// ```
     /// # use interval_core::Interval;

@@ -4,8 +4,8 @@
 use super::Interval;
 use crate::elementary as point;
 
-/// `[f(a), f(b)]` for an increasing function. A macro, because a function passed as a value would be compiled without the
-/// features of the slice kernels that this is inlined into.
+/// `[f(a), f(b)]` for an increasing function. A macro, because a function passed as a value would be compiled without
+/// the features of the slice kernels that this is inlined into.
 macro_rules! increasing {
     ($x:expr, $f:path) => {{
         let x = $x;
@@ -13,7 +13,7 @@ macro_rules! increasing {
     }};
 }
 
-/// Whether some integer `q` with `first < q <= last` is `residue` modulo `period`.
+/// True if some integer `q` with `first < q <= last` is `residue` modulo `period`.
 fn passes(first: i64, last: i64, residue: i64, period: i64) -> bool {
     (last - residue).div_euclid(period) > (first - residue).div_euclid(period)
 }
@@ -82,8 +82,8 @@ impl Interval {
         increasing!(self.positive_part(), point::log10)
     }
 
-    /// Range of the sine or cosine, which has its maxima where a number of quarter turns `q = top` modulo 4 is completed, and
-    /// its minima two later.
+    /// Range of the sine or cosine, which has its maxima where a number of quarter turns `q = top` modulo 4 is
+    /// completed, and its minima two later.
     #[inline(always)]
     fn wave(self, top: i64) -> Self {
         if self.is_empty() {
@@ -210,7 +210,7 @@ impl Interval {
         let least = if x.hi > 0.0 {
             point::atan2(y.lo, x.hi).down
         } else {
-            // Where the box ends on the y axis or left of it the least angle is at its top; (0, 0) itself has none.
+            // If the box ends on the y axis or left of it, the least angle is at its top; (0, 0) itself has none.
             point::atan2(y.hi, if y.hi == 0.0 { -1.0 } else { x.hi }).down
         };
         let greatest = if x.lo < 0.0 {

@@ -24,8 +24,8 @@ impl Interval {
     }
 }
 
-/// `p q + c` rounded down for a lower bound `c`: an infinite bound is never attained, so `0 inf` is 0, and where a corner
-/// is +inf another is the least.
+/// `p q + c` rounded down for a lower bound `c`: an infinite bound is never attained, so `0 inf` is 0, and where a
+/// corner is +inf another is the least.
 fn down(p: f64, q: f64, c: f64) -> f64 {
     if c == f64::NEG_INFINITY || p == 0.0 || q == 0.0 { c } else { fma_down(p, q, c) }
 }

@@ -35,8 +35,8 @@ impl Measure {
 }
 
 impl Interval {
-    /// A finite double inside the interval, the nearest to its centre (0 for everything, the largest double of a half
-    /// line's finite side); NaN for the empty interval.
+    /// A finite double inside the interval, the nearest to its centre (0 for the whole line, the largest double of a
+    /// half line's finite side). It is NaN for the empty interval.
     #[must_use]
     pub fn midpoint(self) -> f64 {
         if self.is_empty() {
@@ -51,8 +51,8 @@ impl Interval {
         }
     }
 
-    /// The smallest double `r` with the interval inside `[m - r, m + r]` for `m` = [`midpoint`](Self::midpoint); NaN for
-    /// the empty interval.
+    /// The smallest double `r` with the interval inside `[m - r, m + r]` for `m` = [`midpoint`](Self::midpoint); NaN
+    /// for the empty interval.
     #[must_use]
     pub fn radius(self) -> f64 {
         if self.is_empty() {

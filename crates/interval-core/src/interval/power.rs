@@ -68,8 +68,8 @@ impl Interval {
 
     /// `{x^y : x > 0, or x = 0 and y > 0}`.
     ///
-    /// For fixed `y` a power is monotone in `x` and for fixed `x` in `y`, so the extremes stand at two corners, which the
-    /// signs of `y` and of `x - 1` single out.
+    /// For fixed `y` a power is monotone in `x` and for fixed `x` in `y`, so the extremes stand at two corners, which
+    /// the signs of `y` and of `x - 1` single out.
     ///
     /// ```
     /// # use interval_core::Interval;

@@ -3,7 +3,8 @@
 use super::Interval;
 use std::cmp::Ordering;
 
-/// The 16 ways in which two intervals can lie (IEEE 1788, table 10.7). `-By` is the relation with the operands exchanged.
+/// The 16 ways in which two intervals can lie (IEEE 1788, table 10.7). `-By` is the relation with the operands
+/// exchanged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Overlap {
     /// Neither holds anything.
@@ -57,25 +58,25 @@ fn order(x: f64, y: f64) -> Ordering {
 }
 
 impl Interval {
-    /// Whether every real number is inside.
+    /// True if every real number is inside.
     #[must_use]
     pub fn is_entire(self) -> bool {
         self == Self::ENTIRE
     }
 
-    /// Whether exactly one number is inside.
+    /// True if exactly one number is inside.
     #[must_use]
     pub fn is_singleton(self) -> bool {
         self.lo == self.hi
     }
 
-    /// Whether it is bounded and not empty.
+    /// True if it is bounded and not empty.
     #[must_use]
     pub fn is_common(self) -> bool {
         self.lo <= self.hi && self.is_bounded()
     }
 
-    /// Whether every member is an inner point of `other`.
+    /// True if every member is an inner point of `other`.
     ///
     /// ```
     /// # use interval_core::Interval;
@@ -87,7 +88,7 @@ impl Interval {
         self.is_empty() || (strictly(other.lo, self.lo) && strictly(self.hi, other.hi))
     }
 
-    /// Whether no number is in both.
+    /// True if no number is in both.
     #[must_use]
     pub fn disjoint(self, other: Self) -> bool {
         self.is_empty() || other.is_empty() || self.hi < other.lo || other.hi < self.lo
@@ -107,19 +108,19 @@ impl Interval {
             || (!self.is_empty() && !other.is_empty() && strictly(self.lo, other.lo) && strictly(self.hi, other.hi))
     }
 
-    /// Whether no member of `self` lies above one of `other`.
+    /// True if no member of `self` lies above one of `other`.
     #[must_use]
     pub fn precedes(self, other: Self) -> bool {
         self.is_empty() || other.is_empty() || self.hi <= other.lo
     }
 
-    /// Whether every member of `self` lies below every one of `other`.
+    /// True if every member of `self` lies below every one of `other`.
     #[must_use]
     pub fn strict_precedes(self, other: Self) -> bool {
         self.is_empty() || other.is_empty() || self.hi < other.lo
     }
 
-    /// How the two lie.
+    /// The position of one interval against the other (IEEE 1788, `overlap`).
     ///
     /// ```
     /// # use interval_core::{Interval, interval::Overlap};

@@ -1,5 +1,5 @@
-//! `serde`: an interval is the pair of its bounds, exact in formats with doubles; infinite ends and the empty interval are
-//! written as the text of [`Interval::to_exact`], which formats without infinities can hold.
+//! `serde`: an interval is the pair of its bounds, exact in formats with doubles. Infinite ends and the empty interval
+//! are written as the text of [`Interval::to_exact`], which formats without infinities can hold.
 
 use super::Interval;
 use serde::de::{Error as _, SeqAccess, Visitor};

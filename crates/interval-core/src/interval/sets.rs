@@ -3,25 +3,25 @@
 use super::Interval;
 
 impl Interval {
-    /// Whether no number is inside.
+    /// True if no number is inside.
     #[must_use]
     pub fn is_empty(self) -> bool {
         self.lo > self.hi
     }
 
-    /// Whether both bounds are finite and something is inside.
+    /// True if both bounds are finite and something is inside.
     #[must_use]
     pub fn is_bounded(self) -> bool {
         self.lo.is_finite() && self.hi.is_finite()
     }
 
-    /// Whether the number `x` is inside; infinities and NaN never are.
+    /// True if the number `x` is inside; infinities and NaN never are.
     #[must_use]
     pub fn contains(self, x: f64) -> bool {
         x.is_finite() && self.lo <= x && x <= self.hi
     }
 
-    /// Whether every member of this interval is in `other`.
+    /// True if every member of this interval is in `other`.
     #[must_use]
     pub fn subset(self, other: Self) -> bool {
         self.is_empty() || (other.lo <= self.lo && self.hi <= other.hi)

@@ -1,5 +1,5 @@
-//! Text in and out (IEEE 1788, clauses 9.7 and 12.11). Reading rounds outward from the exact value of the literal; writing
-//! rounds outward from the exact doubles.
+//! Text in and out (IEEE 1788, clauses 9.7 and 12.11). Reading rounds outward from the exact value of the literal;
+//! writing rounds outward from the exact doubles.
 
 use super::Interval;
 use crate::error::Error;
@@ -12,7 +12,7 @@ use std::cmp::Ordering;
 use std::fmt;
 use std::str::FromStr;
 
-/// What a literal says, exactly.
+/// The exact content of a literal.
 pub(super) enum Literal {
     Empty,
     NotAnInterval,
@@ -47,7 +47,7 @@ pub(super) fn literal(text: &str) -> Option<Literal> {
     Some(Literal::Bounds(lower, upper))
 }
 
-/// What stands for a bound: a number, `None` for nothing or the infinity of its side, or something else.
+/// The text of a bound: a number, `None` for nothing or the infinity of its side, or something else.
 enum Bound {
     At(Option<BigRational>),
     Unreadable,
@@ -64,8 +64,8 @@ fn bound(text: &str, side: &str) -> Bound {
     from_text(text).map_or(Bound::Unreadable, |x| Bound::At(Some(x)))
 }
 
-/// `mantissa ? radius direction e exponent`: the number within so many units of its last place (half of one where none are
-/// given, any number for a second `?`), to both sides, up (`u`) or down (`d`).
+/// `mantissa ? radius direction e exponent`: the number within `radius` units of its last place (half of one where none
+/// are given, any number for a second `?`), to both sides, up (`u`) or down (`d`).
 fn uncertain(mantissa: &str, tail: &str) -> Option<Literal> {
     let (negative, digits) = match mantissa.as_bytes().first()? {
         b'-' => (true, &mantissa[1..]),
@@ -100,9 +100,10 @@ fn refusal(text: &str) -> Error {
     Error::Text { text: text.chars().take(80).collect() }
 }
 
-/// Whether both numbers lie so far outside the range of doubles, on the same side, that their exponents may have been cut
-/// and their order is not known.
+/// True if both numbers lie far outside the range of doubles, on the same side, so that their exponents may have been
+/// cut and their order is not known.
 fn out_of_sight(a: &BigRational, b: &BigRational) -> bool {
+    // Less than the size of any number whose exponent may have been cut, and far outside the range of doubles.
     const BITS: u64 = 30_000;
     let huge = |x: &BigRational| x.numer().bits() > x.denom().bits() + BITS;
     let tiny = |x: &BigRational| x.denom().bits() > x.numer().bits() + BITS;
@@ -114,8 +115,9 @@ fn round_outward(lower: Option<&BigRational>, upper: Option<&BigRational>) -> In
 }
 
 impl Interval {
-    /// The standard's `textToInterval`: as [`FromStr`], but bounds in the wrong order are accepted where their roundings
-    /// overlap. The flag says that the order could not be told from doubles (the signal `PossiblyUndefinedOperation`).
+    /// The standard's `textToInterval`: as [`FromStr`], but bounds in the wrong order are accepted where their
+    /// roundings overlap. The flag says that the order could not be told from doubles (the signal
+    /// `PossiblyUndefinedOperation`).
     ///
     /// # Errors
     /// Text that is no literal, and bounds that are reversed beyond rounding.

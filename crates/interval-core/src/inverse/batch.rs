@@ -7,7 +7,7 @@ use crate::matrix::IntervalMatrix;
 use crate::parallel;
 use crate::status::Status;
 
-/// What a method says of each matrix of a batch.
+/// The results of a method for a batch of matrices.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Batch {
     /// One status a matrix.
@@ -21,7 +21,8 @@ pub struct Batch {
 /// Applies a method to matrices of order `n` whose bounds follow each other, each row-major.
 ///
 /// # Errors
-/// Lengths that are not whole matrices, bad bounds (their position counts over the whole batch), and misuse of the method.
+/// Lengths that are not whole matrices, bad bounds (their position counts over the whole batch), and misuse of the
+/// method.
 pub fn batch(
     n: usize,
     lo: &[f64],
@@ -61,7 +62,7 @@ pub fn exact_batch(n: usize, lo: &[f64], hi: &[f64]) -> Result<Batch, Error> {
     })
 }
 
-/// Matrices that one task takes at least.
+/// Matrices that one task takes at least, so that its work outweighs its start.
 const CHUNK: usize = 256;
 
 fn run(

@@ -1,12 +1,13 @@
-//! Interval Cramer's rule, the method of Nirmala and Ganesan (paper, section IV.B) in outward-rounded arithmetic: ratios of
-//! interval determinants. It refuses when the determinant contains 0.
+//! Interval Cramer's rule, the method of Nirmala and Ganesan (paper, section IV.B) in outward-rounded arithmetic:
+//! ratios of interval determinants. It refuses when the determinant contains 0.
 
 use super::{Certificate, Outcome, UNBOUNDED};
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::matrix::IntervalMatrix;
 
-/// Orders above this are refused: the expansion has `2^n` minors, and is hopelessly wide long before.
+/// Orders above this are refused: the expansion has `2^n` minors, and its bounds are too wide to use at smaller orders
+/// already.
 pub const ORDER_LIMIT: usize = 10;
 
 /// Encloses the inverse by cofactors over the determinant.

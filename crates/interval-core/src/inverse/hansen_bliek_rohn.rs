@@ -1,15 +1,16 @@
-//! The closed-form hull of the preconditioned system, column by column (Hansen 1992, Bliek 1992, Rohn 1993; in the form of Neumaier,
-//! *Reliable Computing* 5 (1999) 131-136).
+//! The closed-form hull of the preconditioned system, column by column (Hansen 1992, Bliek 1992, Rohn 1993; in the form
+//! of Neumaier, *Reliable Computing* 5 (1999) 131-136).
 //!
-//! With an approximate inverse `R` of the midpoint and bounds `G >= |I - R A|` over all members, `G v < v` for some `v > 0` proves every
-//! member regular and `I - G` an M-matrix. Let `V = (I - G)^-1 G >= 0`, so that `(I - G)^-1 = I + V`. A solution of `A x = b` solves
-//! `R A x = R b = z`, and with
+//! With an approximate inverse `R` of the midpoint and bounds `G >= |I - R A|` over all members, `G v < v` for some
+//! `v > 0` proves every member regular and `I - G` an M-matrix. Let `V = (I - G)^-1 G >= 0`, so that
+//! `(I - G)^-1 = I + V`. A solution of `A x = b` solves `R A x = R b = z`, and with
 //!
 //! `alpha_i = sum_{k != i} G_ik V_ki / (1 + V_ii)`, `beta_i = sum_{k != i} V_ik |z_k| / (1 + V_ii)`
 //!
-//! it lies in `(z_i + [-beta_i, beta_i]) / ([1 - G_ii, 1 + G_ii] + [-alpha_i, alpha_i])`. These are Neumaier's `alpha` and `beta` with
-//! their differences carried out by `V = G + G V`, so nothing cancels; any upper bounds of them keep the enclosure. `V` is bounded
-//! from both sides by the residual of an approximation: `|V - W| <= v max_i |G + G W - W|_i / (v - G v)_i` in each column.
+//! it lies in `(z_i + [-beta_i, beta_i]) / ([1 - G_ii, 1 + G_ii] + [-alpha_i, alpha_i])`. These are Neumaier's `alpha`
+//! and `beta` with their differences carried out by `V = G + G V`, so nothing cancels. Any upper bounds of them keep
+//! the enclosure. `V` is bounded from both sides by the residual of an approximation:
+//! `|V - W| <= v max_i |G + G W - W|_i / (v - G v)_i` in each column.
 
 use super::{Certificate, Outcome, UNBOUNDED};
 use crate::approximate;
@@ -19,7 +20,7 @@ use crate::matrix::IntervalMatrix;
 use crate::regularity::{Preconditioned, Witness, slack};
 use crate::rounding::{add_down, add_up, div_down, div_up, sub_down, sub_up};
 
-/// Encloses the inverse column by column; not applicable where no `v` with `G v < v` is found.
+/// Encloses the inverse column by column. The method does not apply if no `v` with `G v < v` is found.
 ///
 /// # Errors
 /// A matrix that is not square.
@@ -55,7 +56,7 @@ pub(crate) fn enclose(a: &IntervalMatrix, b: Option<&IntervalMatrix>) -> Outcome
     Outcome::enclosed(value, Certificate::Regular(witness))
 }
 
-/// The enclosure of the solutions of `R A X = Z`; `None` where a bound is not finite.
+/// The enclosure of the solutions of `R A X = Z`. The value is `None` if a bound is not finite.
 pub(crate) fn closed_form(p: &Preconditioned, v: &[f64], z: &IntervalMatrix) -> Option<IntervalMatrix> {
     let (n, columns) = (p.n, z.columns());
     let tail = Tail::new(&p.g, v, n)?;
@@ -89,7 +90,7 @@ pub(crate) fn closed_form(p: &Preconditioned, v: &[f64], z: &IntervalMatrix) -> 
     bounded.then(|| IntervalMatrix::new(n, columns, lo, hi).ok()).flatten()
 }
 
-/// Whether each product in a row of `V` with column `j` of `Z` has a factor of zero.
+/// True if each product in a row of `V` with column `j` of `Z` has a factor of zero.
 fn off_diagonal_is_zero(row: &[f64], z: &IntervalMatrix, j: usize) -> bool {
     row.iter().enumerate().all(|(k, &x)| x == 0.0 || z.get(k, j) == Interval::ZERO)
 }
@@ -142,7 +143,8 @@ impl Tail {
     }
 }
 
-/// Which entries of `G + G^2 + ...` are zero because no path of positive entries leads there; `None` where `G` has no zero.
+/// The entries of `G + G^2 + ...` that are zero because no path of positive entries leads there; `None` if `G` has no
+/// zero.
 fn unreachable(g: &[f64], n: usize) -> Option<Vec<bool>> {
     if g.iter().all(|&x| x > 0.0) {
         return None;

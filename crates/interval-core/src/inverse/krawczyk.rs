@@ -1,5 +1,5 @@
-//! Krawczyk's method (paper eq. 8-10, corrected: `Y` is an approximate *inverse* of the midpoint, and the new iterate is
-//! intersected with the old one; Moore, Kearfott and Cloud 2009, section 7.2).
+//! Krawczyk's method (paper eq. 8-10, corrected: `Y` is an approximate *inverse* of the midpoint, and the new iterate
+//! is intersected with the old one; Moore, Kearfott and Cloud 2009, section 7.2).
 //!
 //! `E = I - Y A` with `||E|| < 1` proves that every member is nonsingular, and that the solution of `A x = b` lies in
 //! `x(0) = [-1, 1] ||Y b|| / (1 - ||E||)`; then `x(k + 1) = (Y b + E x(k))` intersected with `x(k)`.
@@ -12,7 +12,7 @@ use crate::matrix::IntervalMatrix;
 use crate::regularity::{Witness, interval_residual};
 use crate::rounding::{div_up, sub_down};
 
-/// Encloses the inverse; not applicable where `||E|| >= 1`.
+/// Encloses the inverse. The method does not apply if `||E|| >= 1`.
 ///
 /// # Errors
 /// A matrix that is not square.
@@ -22,7 +22,8 @@ pub fn krawczyk(a: &IntervalMatrix) -> Result<Outcome, Error> {
     Ok(enclose_solution(a, &IntervalMatrix::identity(n)))
 }
 
-/// Iterations end when nothing changes any more, or here.
+/// Iterations at most; they end before if nothing changes. Each iterate is an enclosure, so any number is sound (Moore,
+/// Kearfott and Cloud 2009, section 7.2).
 const ITERATIONS: usize = 60;
 
 /// Encloses every solution of `A X = B`, `A` square with as many rows as `B`.

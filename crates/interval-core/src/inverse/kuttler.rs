@@ -1,7 +1,8 @@
-//! Matrices whose two extreme members have non-negative inverses, M-matrices above all (Kuttler, *Math. Comp.* 25 (1971) 237-241).
+//! Matrices whose two extreme members have non-negative inverses, M-matrices above all (Kuttler, *Math. Comp.* 25
+//! (1971) 237-241).
 //!
-//! If `L^-1 >= 0` and `U^-1 >= 0` for the matrices of lower and of upper bounds, every member is nonsingular and the inverse has
-//! the hull `[U^-1, L^-1]`.
+//! If `L^-1 >= 0` and `U^-1 >= 0` for the matrices of lower and of upper bounds, every member is nonsingular and the
+//! inverse has the hull `[U^-1, L^-1]`.
 
 use super::{Certificate, Outcome, UNBOUNDED, hansen_bliek_rohn};
 use crate::error::Error;
@@ -10,10 +11,10 @@ use crate::interval::Interval;
 use crate::matrix::IntervalMatrix;
 use crate::regularity::Witness;
 
-/// Up to this order the two inverses are rational, so that entries which are zero are known to be.
+/// The largest order with rational inverses, which show entries that are zero. Their cost grows fast with the order.
 const RATIONAL_LIMIT: usize = 6;
 
-/// The hull of the inverse; not applicable where one of the two inverses is not proved to be non-negative.
+/// The hull of the inverse. The method does not apply if one of the two inverses is not proved to be non-negative.
 ///
 /// # Errors
 /// A matrix that is not square.

@@ -33,14 +33,14 @@ named! {
     }
 }
 
-/// What a method may be told beside the matrix. Each method reads what concerns it.
+/// The options of the methods. Each method reads those that concern it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Options {
     /// N of the published methods.
     pub partitions: u64,
     /// Cells that [`Method::Partitioned`] examines at most.
     pub cells: usize,
-    /// How the published methods find their extremes.
+    /// The way in which the published methods find their extremes.
     pub sweep: Sweep,
 }
 
@@ -95,7 +95,7 @@ impl Method {
     /// The inverses of matrices of order `n` whose bounds follow each other, each row-major, on all threads.
     ///
     /// # Errors
-    /// Lengths that are not whole matrices, bad bounds, and what [`inverse`](Self::inverse) refuses.
+    /// Lengths that are not whole matrices, bad bounds, and the refusals of [`inverse`](Self::inverse).
     pub fn inverse_batch(self, n: usize, lo: &[f64], hi: &[f64], options: &Options) -> Result<Batch, Error> {
         match self {
             Self::Exact => exact_batch(n, lo, hi),

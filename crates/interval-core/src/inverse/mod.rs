@@ -32,23 +32,23 @@ use crate::matrix::IntervalMatrix;
 use crate::regularity::{SingularMember, Witness};
 use crate::status::Status;
 
-/// Two arrays of bounds, row-major, that may be reversed: what the published method gives.
+/// Two arrays of bounds, row-major, that may be reversed, by the published method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Endpoints {
-    /// What the method calls the lower bounds.
+    /// The lower bounds by the method's formula, row-major.
     pub lower: Vec<f64>,
-    /// What the method calls the upper bounds.
+    /// The upper bounds by the method's formula, row-major.
     pub upper: Vec<f64>,
 }
 
 impl Endpoints {
-    /// Which entries have their lower bound above their upper bound.
+    /// True for each entry whose lower bound lies above its upper bound, row-major.
     #[must_use]
     pub fn improper(&self) -> Vec<bool> {
         self.lower.iter().zip(&self.upper).map(|(l, u)| l > u).collect()
     }
 
-    /// Which entries hold those of an exact hull, row-major; false where they are not an enclosure.
+    /// True for each entry that holds the entry of an exact hull, row-major; false for one that is no enclosure.
     #[must_use]
     pub fn holds(&self, hull: &IntervalMatrix) -> Vec<bool> {
         let ends = self.lower.iter().zip(&self.upper);
@@ -56,10 +56,11 @@ impl Endpoints {
     }
 }
 
-/// The bounds that a method gives: every member's inverse (or solution) lies in certified ones, and unproved ones claim nothing.
+/// The bounds that a method gives: every member's inverse (or solution) lies in certified ones, and unproved ones claim
+/// nothing.
 pub type Value = Claim<IntervalMatrix, Endpoints>;
 
-/// Why a value holds.
+/// The proof of a value.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Certificate {
     /// The matrix is regular by this witness.
@@ -75,18 +76,18 @@ pub enum Certificate {
     Singular(SingularMember),
 }
 
-/// What a method answers.
+/// The result of a method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// What was proved.
+    /// The proved property.
     pub status: Status,
     /// The bounds.
     pub value: Option<Value>,
-    /// Why the status holds.
+    /// The proof of the status.
     pub certificate: Option<Certificate>,
-    /// How much wider than the hull a bound may be at most, where the method ends with such a statement.
+    /// A bound of the distance of any bound from the hull, if the method states one.
     pub gap: Option<f64>,
-    /// What was not proved and why, in one sentence.
+    /// The missing proof and its reason, in one sentence.
     pub reason: Option<String>,
 }
 
@@ -126,5 +127,5 @@ impl Outcome {
     }
 }
 
-/// Why a matrix with an infinite bound is refused by every method.
+/// The reason for which every method refuses a matrix with an infinite bound.
 pub(crate) const UNBOUNDED: &str = "the matrix has an infinite bound; every entry needs two finite bounds";

@@ -1,7 +1,9 @@
-//! One scaled norm bound for the whole inverse (Neumaier, *Interval Methods for Systems of Equations*, 1990, theorem 4.1.11).
+//! One scaled norm bound for the whole inverse (Neumaier, *Interval Methods for Systems of Equations*, 1990, theorem
+//! 4.1.11).
 //!
 //! With `R` an approximate inverse and `|I - R A| v <= beta v`, `beta < 1`, `v > 0`, every inverse lies in
-//! `R + beta / (1 - beta) [-v w', v w']`, `w_j = max_i |R_ij| / v_i`. Cheap, and wide: all entries of a column share one radius up to `v`.
+//! `R + beta / (1 - beta) [-v w', v w']`, `w_j = max_i |R_ij| / v_i`. Cheap, and wide: all entries of a column share
+//! one radius up to `v`.
 
 use super::{Certificate, Outcome, UNBOUNDED};
 use crate::error::Error;
@@ -9,7 +11,7 @@ use crate::matrix::IntervalMatrix;
 use crate::regularity::{Preconditioned, Witness, times};
 use crate::rounding::{add_up, div_up, mul_up, sub_down};
 
-/// Encloses the inverse; not applicable where no `v` with `|I - R A| v < v` is found.
+/// Encloses the inverse. The method does not apply if no `v` with `|I - R A| v < v` is found.
 ///
 /// # Errors
 /// A matrix that is not square.

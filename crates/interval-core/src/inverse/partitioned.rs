@@ -1,10 +1,11 @@
-//! The rigorous partition (METHODS 4.2, partition rule): the hull of the inverse over a box of matrices is the hull of those over
-//! its cells.
+//! The rigorous partition (docs/theory.md, "Inverses", partition): the hull of the inverse over a box of matrices is
+//! the hull of those over its cells.
 //!
-//! A cell is settled when its exact hull is known (its signs are fixed, its midpoint is the identity, or its order allows sign accord),
-//! or when its enclosure already lies inside the hull that certified members attain. Any other cell is halved along the entry
-//! that moves the inverse most. When the budget of cells ends, what is left counts with its enclosure, and the gap says by how
-//! much a bound may be too wide. Cells are taken level by level, so the result does not depend on the number of threads.
+//! A cell is settled when its exact hull is known (its signs are fixed, its midpoint is the identity, or its order
+//! allows sign accord), or when its enclosure already lies inside the hull that certified members attain. Any other
+//! cell is halved along the entry that moves the inverse most. When the budget of cells ends, the open cells count with
+//! their enclosures, and the gap bounds the excess width. Cells are taken level by level, so the result does not depend
+//! on the number of threads.
 
 use super::exact::{Ends, Settled, by_sign_accord, exact_by_vertices, settle};
 use super::{Certificate, Outcome, UNBOUNDED};
@@ -18,13 +19,13 @@ use crate::rounding::sub_up;
 use crate::scaling::Scaled;
 use crate::status::Status;
 
-/// Cells that are examined where the caller names no other number.
+/// Cells that are examined at most if the caller names no other number: a bound of the time.
 pub const DEFAULT_CELLS: usize = 4096;
 
 /// The hull of the inverse by halving, or the proof that a member is singular.
 ///
-/// `cells` is the largest number of cells to examine. The status is `Enclosed` also where the budget ends with an enclosure; then
-/// [`Outcome::gap`] is the largest distance of a bound from one that is attained.
+/// `cells` is the largest number of cells to examine. The status is `Enclosed` also if the budget ends with an
+/// enclosure. Then [`Outcome::gap`] is the largest distance of a bound from one that is attained.
 ///
 /// # Errors
 /// A matrix that is not square, or `cells` of 0.
@@ -84,22 +85,22 @@ fn certified(a: &IntervalMatrix, scaled: &Scaled, hull: &Hull) -> Result<Outcome
     Ok(outcome)
 }
 
-/// The largest distance of a bound from what is attained, an upper bound.
+/// An upper bound of the largest distance of a bound from the attained values.
 fn gap((lower, upper): (&[f64], &[f64]), (least, most): (&[f64], &[f64])) -> f64 {
     let below = lower.iter().zip(least).map(|(&bound, &attained)| sub_up(attained, bound));
     let above = upper.iter().zip(most).map(|(&bound, &attained)| sub_up(bound, attained));
     below.chain(above).fold(0.0, f64::max)
 }
 
-/// Bounds over all cells so far, and what members attain.
+/// Bounds over all cells so far, and the values that members attain.
 struct Hull {
     lower: Vec<f64>,
     upper: Vec<f64>,
     attained_lower: Vec<f64>,
     attained_upper: Vec<f64>,
-    /// Whether the budget ended before every cell was settled.
+    /// True if the budget ended before every cell was settled.
     ended: bool,
-    /// Whether every settled cell's bounds are the doubles next to its hull.
+    /// True if every settled cell's bounds are the doubles next to its hull.
     tight: bool,
 }
 
@@ -109,7 +110,7 @@ enum Division {
     Open(usize),
 }
 
-/// What one cell says.
+/// The result of one cell.
 enum Cell {
     Hull(Ends),
     Regular { enclosure: IntervalMatrix, attained: Option<Ends> },
@@ -167,7 +168,7 @@ fn divide(a: &IntervalMatrix, cells: usize) -> Division {
     Division::Hull(hull)
 }
 
-/// What is attained is looked for in the whole only: it costs more than the rest.
+/// Attained values are sought in the whole matrix only: they cost more than the rest.
 fn look(cell: &IntervalMatrix, whole: bool) -> Cell {
     match settle(cell, whole) {
         Settled::Hull { ends, .. } => Cell::Hull(ends),
@@ -186,7 +187,7 @@ fn fold(into: &mut [f64], from: &[f64], choose: fn(f64, f64) -> f64) {
 }
 
 impl Hull {
-    /// The exact hull of a cell, or what some of its members attain: bounds of their values from both sides.
+    /// Includes the exact hull of a cell, or bounds from both sides of the values that some of its members attain.
     fn include(&mut self, ends: &Ends) {
         fold(&mut self.lower, &ends.lower, f64::min);
         fold(&mut self.upper, &ends.upper, f64::max);
@@ -200,8 +201,8 @@ impl Hull {
         fold(&mut self.upper, enclosure.hi(), f64::max);
     }
 
-    /// Whether members attain more than this enclosure on both sides of every entry; then it adds nothing
-    /// to the hull, which holds those members.
+    /// True if members attain more than this enclosure on both sides of every entry; then it adds nothing to the hull,
+    /// which holds those members.
     fn holds(&self, enclosure: &IntervalMatrix) -> bool {
         let below = enclosure.lo().iter().zip(&self.attained_lower).all(|(x, a)| x >= a);
         below && enclosure.hi().iter().zip(&self.attained_upper).all(|(x, a)| x <= a)

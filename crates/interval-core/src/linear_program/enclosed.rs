@@ -1,8 +1,8 @@
-//! What a basis proves in directed rounding: enclosures of its exact multipliers, far cheaper than the rationals.
+//! The proof of a basis in directed rounding: enclosures of its exact multipliers, far cheaper than the rationals.
 //!
-//! Neumaier and Shcherbina (*Math. Prog.* 99 (2004) 283-296) bound a linear program from any multipliers, but inside a box, and the
-//! unknowns here have none. The exact multipliers of a basis need no box: Krawczyk's method encloses them, and where all are proved
-//! positive the bound follows from the basis alone.
+//! Neumaier and Shcherbina (*Math. Prog.* 99 (2004) 283-296) bound a linear program from any multipliers, but inside a
+//! box, and the unknowns here have none. The exact multipliers of a basis need no box: Krawczyk's method encloses them,
+//! and where all are proved positive the bound follows from the basis alone.
 
 use super::program::power_of_two_near;
 use super::{HalfSpaces, Row};
@@ -10,7 +10,8 @@ use crate::interval::Interval;
 use crate::inverse::enclose_solution;
 use crate::matrix::IntervalMatrix;
 
-/// Encloses the solution of `sum l_i g_i = right` for the rows `g_i` of a basis; `None` where the basis is not proved regular.
+/// Encloses the solution of `sum l_i g_i = right` for the rows `g_i` of a basis. The value is `None` if the basis is
+/// not proved regular.
 fn combination(problem: &impl HalfSpaces, rows: &[Row], right: &[f64]) -> Option<Vec<Interval>> {
     let n = rows.len();
     let mut matrix = vec![0.0; n * n];
@@ -46,8 +47,8 @@ fn combination(problem: &impl HalfSpaces, rows: &[Row], right: &[f64]) -> Option
     Some(scale.iter().enumerate().map(|(i, &s)| solution.get(i, 0) * Interval::raw(s, s)).collect())
 }
 
-/// Multipliers of the basis for `direction * x[column]`, each proved positive, by the names of their half-spaces; `None`
-/// where that is not certain.
+/// Multipliers of the basis for `direction * x[column]`, each proved positive, by the names of their half-spaces. The
+/// value is `None` if that is not certain.
 pub(crate) fn enclosed_multipliers(
     problem: &impl HalfSpaces,
     rows: &[Row],
@@ -75,7 +76,8 @@ pub(crate) fn enclosed_bound(problem: &impl HalfSpaces, multipliers: &[(usize, I
     -crate::reductions::sum_intervals(&terms).hi()
 }
 
-/// The proof that a half-space contradicts the basis, with approximate multipliers; `None` where that is not certain.
+/// The proof that a half-space contradicts the basis, with approximate multipliers. The value is `None` if that is not
+/// certain.
 pub(crate) fn enclosed_farkas(problem: &impl HalfSpaces, rows: &[Row], entering: usize) -> Option<Vec<(usize, f64)>> {
     let mut g = vec![0.0; rows.len()];
     let h = problem.half_space(entering, &mut g);

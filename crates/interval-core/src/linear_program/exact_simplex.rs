@@ -1,8 +1,8 @@
-//! The dual simplex method over the rationals: what it returns is proved, and exact.
+//! The dual simplex method over the rationals. Its results are exact and proved.
 //!
-//! Duality is the proof. For multipliers `l >= 0` of half-spaces `g x <= h` with `c + G' l = 0`, every point of the polyhedron
-//! satisfies `c x >= -h l`, with equality at the vertex of the basis. A half-space whose normal has only coefficients `<= 0`
-//! in the basis, and which the vertex violates, contradicts the basis (Farkas).
+//! Duality is the proof. For multipliers `l >= 0` of half-spaces `g x <= h` with `c + G' l = 0`, every point of the
+//! polyhedron satisfies `c x >= -h l`, with equality at the vertex of the basis. A half-space whose normal has only
+//! coefficients `<= 0` in the basis, and which the vertex violates, contradicts the basis (Farkas).
 //!
 //! The search in floats proposes the basis to start at, which is nearly always the last one too.
 
@@ -15,22 +15,22 @@ use std::ops::Range;
 /// Half-spaces with their multipliers.
 pub(crate) type Weights = Vec<(usize, BigRational)>;
 
-/// What is proved of a linear program.
+/// The proved result of a linear program.
 pub(crate) enum Proved {
     /// The minimum, and every half-space of the basis; `point` is the vertex.
     Minimum { value: BigRational, rows: Weights, point: Vec<BigRational> },
-    /// The polyhedron has a point, and the objective falls for ever along this ray (rounded).
+    /// The polyhedron has a point, and the objective is unbounded along this ray (rounded).
     Unbounded { ray: Vec<f64> },
     /// The polyhedron is empty; the multipliers are positive.
     Empty { rows: Weights },
 }
 
-/// What one search may cost, in operations on words: seconds. Numbers from both ends of the range of doubles have thousands of
-/// digits, and grow with every unknown.
+/// The cost of one search at most, in operations on words: seconds. Numbers from both ends of the range of doubles have
+/// thousands of digits, and grow with every unknown.
 const BUDGET: u64 = 1_000_000_000;
 
-/// The minimum of `direction * x[column]`, `direction` being 1 or -1, from a proposed basis. `None` where it would cost too
-/// much, and for a contradiction that does not stand, which is not met.
+/// The minimum of `direction * x[column]`, `direction` being 1 or -1, from a proposed basis. `None` where it would cost
+/// too much, and for a contradiction that does not stand, which is not met.
 pub(crate) fn minimum<P: HalfSpaces>(
     problem: &P,
     column: usize,
@@ -89,15 +89,16 @@ impl<'a, P: HalfSpaces> Basis<'a, P> {
         feasible.then_some(Self { problem, rows, right, inverse, multipliers })
     }
 
-    /// What a step costs about: with each entry of the inverse some fractions are reduced, in the square of their length.
+    /// The approximate cost of a step: with each entry of the inverse some fractions are reduced, in the square of
+    /// their length.
     fn cost(&self) -> u64 {
         let bits = |x: &BigRational| x.numer().bits() + x.denom().bits();
         let longest = self.inverse.iter().chain(&self.multipliers).map(bits).max().unwrap_or(0);
         3 * self.inverse.len() as u64 * longest * longest.div_ceil(64)
     }
 
-    /// The half-space that the vertex violates most (in units of its normal), at order `M` before the finite order; with
-    /// `careful` the first one violated.
+    /// The half-space that the vertex violates most (in units of its normal), at order `M` before the finite order;
+    /// with `careful` the first one violated.
     fn violated(&self, vertex: &Vertex, careful: bool) -> Option<usize> {
         let mut g = vec![0.0; self.rows.len()];
         let mut worst: Option<(bool, f64, usize)> = None;
@@ -148,7 +149,8 @@ impl<'a, P: HalfSpaces> Basis<'a, P> {
         }
     }
 
-    /// The proof that no point satisfies the basis and the half-space: `g x = sum alpha_i g_i x >= sum alpha_i h_i > h`.
+    /// The proof that no point satisfies the basis and the half-space:
+    /// `g x = sum alpha_i g_i x >= sum alpha_i h_i > h`.
     fn contradiction(&self, entering: usize, alpha: &[BigRational], h: &BigRational) -> Option<Weights> {
         let stands =
             self.rows.iter().zip(alpha).all(|(row, a)| a.is_zero() || (a.is_negative() && !row.is_at_infinity()))
@@ -205,7 +207,7 @@ impl Vertex {
         Self { point, ray, near_point, near_ray, bounded: large.iter().all(Zero::is_zero) }
     }
 
-    /// By how much `g x <= h` is violated, and whether at order `M`; `None` where it holds.
+    /// By how much `g x <= h` is violated, and whether at order `M`. The value is `None` if it holds.
     fn violation(&self, g: &[f64], h: f64) -> Option<(bool, f64)> {
         if !self.bounded {
             let large = difference(g, 0.0, &self.ray, &self.near_ray);
@@ -220,7 +222,8 @@ impl Vertex {
 
 /// Beyond these magnitudes an error need not be relative, or a sum may overflow.
 const TRUSTED: Range<f64> = 1e-280..1e280;
-/// A scalar product of `n` floats near the exact ones is off by less than `n + 4` relative errors of 2^-52: this is more.
+/// A scalar product of `n` floats near the exact ones is off by less than `n + 4` relative errors of 2^-52: this is
+/// more.
 const DOUBT: f64 = 1e-12;
 
 /// The nearest float, or NaN where its error need not be relative.

@@ -1,5 +1,6 @@
-//! Linear programs `min c x` over half-spaces `g x <= h` in few unknowns: a plain-float search for a basis on a working set, and
-//! bounds that a proof closes around it, in directed rounding or, where that cannot decide, over the rationals.
+//! Linear programs `min c x` over half-spaces `g x <= h` in few unknowns: a plain-float search for a basis on a working
+//! set, and bounds that a proof closes around it, in directed rounding or, where that cannot decide, over the
+//! rationals.
 
 mod enclosed;
 mod exact_simplex;
@@ -49,8 +50,8 @@ impl<P: HalfSpaces> HalfSpaces for Subset<'_, P> {
 
 /// A member of a basis: `n` half-spaces that are tight at a vertex.
 ///
-/// Every search starts in a box at infinity, whose bounds carry a symbolic large number `M`: a vertex is `x0 + M x1`, and
-/// "unbounded" is an exact statement about the basis, not a comparison with a big number.
+/// Every search starts in a box at infinity, whose bounds carry a symbolic large number `M`: a vertex is `x0 + M x1`,
+/// and "unbounded" is an exact statement about the basis, not a comparison with a big number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Row {
     /// Half-space of the problem.

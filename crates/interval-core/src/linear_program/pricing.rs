@@ -1,18 +1,21 @@
-//! Which half-space enters a basis and which row leaves it, in plain floats with relative tolerances.
+//! The choice of the half-space that enters a basis and of the row that leaves it, in plain floats with relative
+//! tolerances.
 
 use super::Row;
 
-/// Relative size below which a violation is rounding.
+/// Relative size below which a violation counts as rounding: about 900 unit roundoffs. It steers the search and proves
+/// nothing.
 pub(crate) const VIOLATION: f64 = 1e-13;
-/// Relative size below which a pivot is rounding.
+/// Relative size below which a pivot counts as rounding: about 90 000 unit roundoffs. It steers the search and proves
+/// nothing.
 const PIVOT: f64 = 1e-11;
 
-/// By how much `g x <= h` is violated at `point + M ray`, and whether at order `M`; `None` where it holds up to the
-/// tolerance, which is relative to the terms.
+/// By how much `g x <= h` is violated at `point + M ray`, and whether at order `M`. The value is `None` if it holds up
+/// to the tolerance, which is relative to the terms.
 pub(crate) fn violation(g: &[f64], h: f64, point: &[f64], ray: Option<&[f64]>, tolerance: f64) -> Option<(bool, f64)> {
     if let Some(ray) = ray {
         let (large, size) = terms(g, ray);
-        // The ray comes out of an elimination, so what vanishes leaves more behind than one rounding.
+        // The ray comes out of an elimination, so a term that vanishes leaves more behind than one rounding.
         if large.abs() > 10.0 * VIOLATION * size {
             return (large > 0.0).then_some((true, large));
         }
@@ -37,8 +40,9 @@ fn terms(g: &[f64], x: &[f64]) -> (f64, f64) {
     rest.fold(start, |(sum, size), (a, b)| (sum + a * b, size + (a * b).abs()))
 }
 
-/// The position that keeps the multipliers non-negative (smallest ratio; ties: rows at infinity, then the largest pivot, or
-/// with `careful` the smallest index); `None` where no multiplier falls, which proves infeasibility up to rounding.
+/// The position that keeps the multipliers non-negative (smallest ratio; ties: rows at infinity, then the largest
+/// pivot, or with `careful` the smallest index). The value is `None` if no multiplier falls, which proves infeasibility
+/// up to rounding.
 pub(super) fn leaving(rows: &[Row], alpha: &[f64], multipliers: &[f64], careful: bool) -> Option<usize> {
     let size = alpha.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
     let mut best: Option<(f64, usize)> = None;

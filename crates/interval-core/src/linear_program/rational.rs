@@ -1,15 +1,16 @@
-//! What a basis proves, over the rationals: the last resort where rounding leaves a sign open.
+//! The proof of a basis over the rationals: the last resort where rounding leaves a sign open.
 //!
-//! For multipliers `l >= 0` of half-spaces `g x <= h` with `c + G' l = 0`, every point of the polyhedron satisfies `c x >= -h l`. The
-//! unknowns have no box, so the equation has to hold exactly: the multipliers are those of the basis, solved fraction-free.
+//! For multipliers `l >= 0` of half-spaces `g x <= h` with `c + G' l = 0`, every point of the polyhedron satisfies
+//! `c x >= -h l`. The unknowns have no box, so the equation has to hold exactly: the multipliers are those of the
+//! basis, solved fraction-free.
 
 use super::{HalfSpaces, Row};
 use crate::exact;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 
-/// The multipliers of the basis for `direction * x[column]`; `None` where the basis proves nothing. The bound is
-/// `-sum l h`.
+/// The multipliers of the basis for `direction * x[column]`. The value is `None` if the basis proves nothing. The bound
+/// is `-sum l h`.
 pub(crate) fn basis_multipliers(
     problem: &impl HalfSpaces,
     rows: &[Row],
@@ -42,7 +43,8 @@ pub(crate) fn exact_bound(problem: &impl HalfSpaces, multipliers: &[(usize, BigR
 }
 
 /// Proves over the rationals that the half-spaces contradict each other: the last one's normal is a combination of the
-/// others' with coefficients `<= 0` (Farkas). Returns the half-spaces of the contradiction with their positive multipliers.
+/// others' with coefficients `<= 0` (Farkas). Returns the half-spaces of the contradiction with their positive
+/// multipliers.
 pub(crate) fn farkas(problem: &impl HalfSpaces, others: &[Row], entering: usize) -> Option<Vec<(usize, BigRational)>> {
     let n = problem.dimension();
     let (transposed, right) = basis(problem, others, n);

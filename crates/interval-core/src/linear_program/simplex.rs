@@ -1,19 +1,20 @@
 //! A dual simplex method in plain floats on a working set.
 //!
-//! Each step takes in the half-space that the vertex violates most and drops the row of the basis that the ratio test names. The
-//! inverse of the basis is updated by each exchange and made anew now and then, and always before an answer. A search keeps its
-//! basis: when the working set has grown it goes on from there. Nothing here is a proof.
+//! Each step takes in the half-space that the vertex violates most and drops the row of the basis that the ratio test
+//! names. The inverse of the basis is updated by each exchange and computed anew after some exchanges, and always
+//! before an answer. A search keeps its basis: when the working set has grown it goes on from there. Nothing here is a
+//! proof.
 
 use super::pricing::{VIOLATION, leaving, violation};
 use super::program::Program;
 use super::{Row, patience};
 
-/// What a search found on the working set.
+/// The result of a search on the working set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Outcome {
     /// An optimal vertex.
     Vertex,
-    /// The objective falls for ever.
+    /// The objective is unbounded.
     Unbounded,
     /// The rows of the basis contradict this half-space of the working set.
     Contradiction(usize),
@@ -21,13 +22,14 @@ pub(crate) enum Outcome {
     Failed,
 }
 
-/// Relative size below which a multiplier is zero.
+/// Relative size below which a multiplier counts as zero: about 9000 unit roundoffs. It steers the search and proves
+/// nothing.
 const MULTIPLIER: f64 = 1e-12;
-/// Size of a ray's component, relative to its largest, below which it is none.
+/// Relative size below which a ray's component counts as the remainder of an elimination: about 9000 unit roundoffs.
 const NOTHING: f64 = 1e-12;
-/// Half-spaces that are looked at before the whole working set is again.
+/// Half-spaces that are looked at before the next look at the whole working set, which costs more.
 const CANDIDATES: usize = 24;
-/// Exchanges after which the inverse is made anew.
+/// Exchanges after which the inverse is computed anew, because each one adds rounding errors.
 const FRESH: usize = 20;
 
 /// The minimum of one objective, in scaled unknowns: the vertex is `point + M ray`.
@@ -141,7 +143,7 @@ impl Search {
         program.unscaled_point(&self.point)
     }
 
-    /// Whether the vertex is finite; an objective may be, at a vertex that is not.
+    /// True if the vertex is finite; an objective may be, at a vertex that is not.
     pub(crate) fn is_bounded(&self) -> bool {
         self.bounded
     }
@@ -151,7 +153,8 @@ impl Search {
         program.unscaled_point(&self.ray)
     }
 
-    /// The inverse and everything that follows from it; `None` where the basis is singular or no longer dual feasible.
+    /// The inverse and everything that follows from it. The value is `None` if the basis is singular or no longer dual
+    /// feasible.
     fn factorise(&mut self, program: &Program) -> Option<()> {
         let n = self.rows.len();
         let width = 2 * n;
@@ -196,7 +199,7 @@ impl Search {
                 }
             }
         }
-        // What an elimination leaves of zero would be a direction at order M.
+        // The remainder of an elimination to zero would be a direction at order M.
         let least = NOTHING * self.ray.iter().fold(0.0_f64, |a, d| a.max(d.abs()));
         self.ray.iter_mut().filter(|d| d.abs() <= least).for_each(|d| *d = 0.0);
     }
@@ -217,9 +220,9 @@ impl Search {
         self.locate(program);
     }
 
-    /// A half-space that the vertex violates, `None` where all hold: the most violated one (in units of its normal, at order `M`
-    /// before the finite order) of the candidates, which are chosen anew from the whole working set where none of them is
-    /// violated any more; with `careful` the first one (Bland's rule, which cannot cycle).
+    /// A half-space that the vertex violates, `None` where all hold: the most violated one (in units of its normal, at
+    /// order `M` before the finite order) of the candidates, which are chosen anew from the whole working set where
+    /// none of them is violated any more; with `careful` the first one (Bland's rule, which cannot cycle).
     fn violated(&self, program: &Program, candidates: &mut Vec<usize>, careful: bool) -> Option<usize> {
         if careful {
             return (0..program.count()).find(|&index| self.amount(program, index).is_some());
@@ -247,7 +250,7 @@ impl Search {
     }
 }
 
-/// Gauss-Jordan elimination of `[B | I]` with partial pivoting, in place; `None` where a pivot vanishes.
+/// Gauss-Jordan elimination of `[B | I]` with partial pivoting, in place. The value is `None` if a pivot vanishes.
 fn invert(work: &mut [f64], n: usize) -> Option<()> {
     let width = 2 * n;
     for p in 0..n {

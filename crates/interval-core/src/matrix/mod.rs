@@ -111,7 +111,7 @@ impl IntervalMatrix {
     /// The order of a square matrix.
     ///
     /// # Errors
-    /// Where it is not square, or has no entry.
+    /// A matrix that is not square, or has no entry.
     pub fn order(&self) -> Result<usize, Error> {
         if self.rows != self.columns {
             Err(Error::NotSquare { rows: self.rows, columns: self.columns })
@@ -122,7 +122,7 @@ impl IntervalMatrix {
         }
     }
 
-    /// Whether every bound is finite.
+    /// True if every bound is finite.
     #[must_use]
     pub fn is_bounded(&self) -> bool {
         self.lo.iter().chain(&self.hi).all(|x| x.is_finite())
@@ -207,7 +207,7 @@ impl IntervalMatrix {
         other
     }
 
-    /// Entrywise intersection; `None` where an entry would be empty. The shapes are equal.
+    /// Entrywise intersection. The value is `None` if an entry would be empty. The shapes are equal.
     pub(crate) fn intersection(&self, other: &Self) -> Option<Self> {
         let entries: Vec<Interval> = self.entries().zip(other.entries()).map(|(a, b)| a.intersection(b)).collect();
         if entries.iter().any(|x| x.is_empty()) {

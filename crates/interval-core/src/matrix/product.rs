@@ -1,7 +1,8 @@
 //! Products of interval matrices.
 //!
-//! The tight product sums tightest products, each partial sum rounded outward. The fast one computes midpoints and radii by
-//! three ordinary products with a bound of their rounding errors; it is wider, by at most half for narrow operands.
+//! The tight product sums tightest products, each partial sum rounded outward. The fast one computes midpoints and
+//! radii by three ordinary products with a bound of their rounding errors. It is wider, by at most half for narrow
+//! operands.
 
 use super::IntervalMatrix;
 use crate::approximate;
@@ -26,7 +27,7 @@ impl IntervalMatrix {
     /// neither on the processor nor on the number of threads.
     ///
     /// # Errors
-    /// Where the inner dimensions differ.
+    /// Inner dimensions that differ.
     ///
     /// ```
     /// use interval_core::IntervalMatrix;
@@ -42,7 +43,7 @@ impl IntervalMatrix {
     /// [`multiply`](Self::multiply) on a back end of the caller's choice.
     ///
     /// # Errors
-    /// Where the inner dimensions differ.
+    /// Inner dimensions that differ.
     pub fn multiply_on(&self, backend: Backend, other: &Self) -> Result<Self, Error> {
         self.inner_dimension(other)?;
         let small = self.columns() == 0 || self.rows() * other.columns() < 4;
@@ -77,14 +78,15 @@ impl IntervalMatrix {
     /// The product by midpoints and radii, in rounding to nearest with a-priori bounds: three ordinary products.
     ///
     /// With `u = 2^-53`, `k` the inner dimension and `m`, `r` midpoints and radii, `C = fl(mA mB)` is within
-    /// `k u |mA| |mB| + k eta / 2` of `mA mB` whatever the order of summation (Jeannerod and Rump, *SIAM J. Matrix Anal.
-    /// Appl.* 34 (2013) 338-346), and the members deviate by at most `|mA| rB + rA (|mB| + rB)`. Both together are bounded by
-    /// `|mA| T1 + rA T2`, `T1 >= (k + 1) u |mB| + rB`, `T2 >= |mB| + rB`; the last factor and term bound the rounding of
-    /// these two products. Entries that are not finite are computed tightly instead.
+    /// `k u |mA| |mB| + k eta / 2` of `mA mB` for any order of summation (Jeannerod and Rump, *SIAM J. Matrix Anal.
+    /// Appl.* 34 (2013) 338-346), and the members deviate by at most `|mA| rB + rA (|mB| + rB)`. Both together are
+    /// bounded by `|mA| T1 + rA T2`, `T1 >= (k + 1) u |mB| + rB`, `T2 >= |mB| + rB`. The last factor and term bound the
+    /// rounding of these two products. Entries that are not finite are computed tightly instead.
     ///
     /// # Errors
-    /// Where the inner dimensions differ.
+    /// Inner dimensions that differ.
     pub fn multiply_fast(&self, other: &Self) -> Result<Self, Error> {
+        // The unit roundoff of a double, 2^-53.
         const UNIT: f64 = f64::EPSILON / 2.0;
         self.inner_dimension(other)?;
         let (m, k, n) = (self.rows(), self.columns(), other.columns());
@@ -124,7 +126,7 @@ impl IntervalMatrix {
     /// `A x` for a vector `x`, each product and partial sum the tightest interval.
     ///
     /// # Errors
-    /// Where `x` has another length than `A` has columns.
+    /// A length of `x` other than the number of columns of `A`.
     pub fn multiply_vector(&self, x: &[Interval]) -> Result<Vec<Interval>, Error> {
         check_environment()?;
         if x.len() != self.columns() {
@@ -160,7 +162,7 @@ impl IntervalMatrix {
     /// `A'y` for a vector `y`.
     ///
     /// # Errors
-    /// Where `y` has another length than `A` has rows.
+    /// A length of `y` other than the number of rows of `A`.
     pub fn transposed_product(&self, y: &[Interval]) -> Result<Vec<Interval>, Error> {
         if y.len() != self.rows() {
             return Err(Error::Shape { what: "the right-hand side", given: y.len(), needed: self.rows() });

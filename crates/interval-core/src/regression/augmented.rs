@@ -1,5 +1,6 @@
-//! All least-squares solutions of interval rows by Rump's augmented system (METHODS 4.4): `[A, -f I; 0, A'] [x; r] = [y; 0]`, a square
-//! interval system of order `m + n`, with `f` a scale. The rows stand in it twice as if they were independent, so it is wide.
+//! All least-squares solutions of interval rows by Rump's augmented system (docs/theory.md, "Least squares"):
+//! `[A, -f I; 0, A'] [x; r] = [y; 0]`, a square interval system of order `m + n`, with `f` a scale. The rows stand in
+//! it twice as if they were independent, so it is wide.
 
 use super::least_squares::LeastSquares;
 use super::rows::Rows;

@@ -1,15 +1,16 @@
-//! The directions in which an open set goes on for ever: a basis of the null space where the set contains whole lines, else rays.
+//! The directions in which a set is unbounded: a basis of the null space where the set contains whole lines, else rays.
 
 use super::rows::Rows;
 use crate::parallel;
 
-/// Relative size below which an entry is what an elimination leaves of zero.
+/// Relative size below which an entry counts as the remainder of an elimination to zero. Directions are approximations
+/// and prove nothing.
 const ZERO: f64 = 1e-9;
-/// Rows of one piece of a pass.
+/// Rows of one piece of a pass. The size is fixed, so that the result does not depend on the number of threads.
 const PIECE: usize = 1 << 14;
 
-/// From the rays of all orthants: the reduced echelon basis of their span where every member of it may be added to a consistent
-/// parameter, else the rays that differ. Scaled to a largest entry of 1; approximations, with exact zeros.
+/// From the rays of all orthants: the reduced echelon basis of their span where every member of it may be added to a
+/// consistent parameter, else the rays that differ. Scaled to a largest entry of 1; approximations, with exact zeros.
 pub(crate) fn directions(rows: &Rows<'_>, rays: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let mut distinct: Vec<Vec<f64>> = Vec::new();
     for ray in rays {
@@ -63,7 +64,7 @@ fn echelon(vectors: &[Vec<f64>], n: usize) -> Vec<Vec<f64>> {
     basis.into_iter().filter_map(|(_, v)| scaled(&v)).collect()
 }
 
-/// Whether some member of every row is orthogonal to `v`, up to rounding.
+/// True if some member of every row is orthogonal to `v`, up to rounding.
 fn is_line(rows: &Rows<'_>, v: &[f64]) -> bool {
     let (m, n) = (rows.count(), rows.columns());
     let pieces = m.div_ceil(PIECE);

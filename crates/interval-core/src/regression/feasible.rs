@@ -1,8 +1,8 @@
 //! The set of all parameters that are consistent with every interval row: its proved interval hull.
 //!
-//! `theta` is consistent when some member of `A` and some member of `y` give `A theta = y`. The set is a polyhedron in every
-//! orthant and need not be connected, so every orthant is closed: by bounds, or by a proof that the set does not meet it.
-//! A column without radius needs no sign.
+//! `theta` is consistent when some member of `A` and some member of `y` give `A theta = y`. The set is a polyhedron in
+//! every orthant and need not be connected, so every orthant is closed: by bounds, or by a proof that the set does not
+//! meet it. A column without radius needs no sign.
 
 use super::check_rows;
 use super::directions::directions;
@@ -21,14 +21,14 @@ use crate::parallel;
 use crate::rounding::slices::Backend;
 use crate::status::FeasibleStatus;
 
-/// What may be asked of [`feasible_rows`] beside the rows.
+/// The options of [`feasible_rows`].
 #[derive(Debug, Clone, Default)]
 pub struct FeasibleOptions {
     /// Signs of the parameters that are known beforehand: 1, -1, or 0 for none. The result holds under this assumption.
     pub signs: Option<Vec<i8>>,
-    /// How many rows may be wrong: the result holds for every parameter that all but so many rows allow.
+    /// The number `q` of rows that may be wrong: the result holds for every parameter that all rows but `q` allow.
     pub outliers: usize,
-    /// Where the scans run; the bits are the same everywhere.
+    /// The back end of the scans; the bits are the same on all of them.
     pub backend: Option<Backend>,
 }
 
@@ -37,7 +37,7 @@ pub struct FeasibleOptions {
 pub struct BoundCertificate {
     /// The parameter.
     pub column: usize,
-    /// Whether it is the upper end.
+    /// True if it is the upper end.
     pub upper: bool,
     /// The end; infinite where none was proved.
     pub bound: f64,
@@ -47,7 +47,7 @@ pub struct BoundCertificate {
     pub signs: Vec<(usize, f64)>,
 }
 
-/// What is known of one orthant.
+/// The result for one orthant.
 #[derive(Debug, Clone, PartialEq)]
 pub enum OrthantOutcome {
     /// Proved to hold no consistent parameter, by these rows (as in [`BoundCertificate`]).
@@ -73,24 +73,25 @@ pub struct OrthantResult {
 /// The hull of the consistent parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FeasibleSet {
-    /// What was proved of the set as a whole.
+    /// The proved property of the set as a whole.
     pub status: FeasibleStatus,
     /// Bounds of each parameter, ends without a proved bound infinite; empty where the set is.
     pub parameters: Certified<Vec<Interval>>,
-    /// The smallest factor on all radii at which a parameter is consistent, an estimate; `None` where no factor helps.
+    /// The smallest factor on all radii at which a parameter is consistent, an estimate. The value is `None` if no
+    /// factor helps.
     pub inflation: Option<f64>,
-    /// Where that factor is attained.
+    /// A parameter at which that factor is attained.
     pub centre: Option<Vec<f64>>,
-    /// Directions in which the set goes on for ever, scaled to a largest entry of 1: a basis of the null space where the set holds
-    /// whole lines, else rays; approximations.
+    /// Approximate directions in which the set is unbounded, scaled to a largest entry of 1. They are a basis of the
+    /// null space if the set holds whole lines, else rays.
     pub directions: Vec<Vec<f64>>,
     /// Every orthant that the set may meet, with its proof.
     pub orthants: Vec<OrthantResult>,
-    /// Why the set meets no other orthant; empty where all of them are listed.
+    /// The proofs that the set meets no other orthant; empty if all of them are listed.
     pub sign_proofs: Vec<SignProof>,
     /// The rows that may be wrong; `None` unless outliers are allowed.
     pub outliers: Option<Outliers>,
-    /// Why the method does not apply.
+    /// The reason for which the method does not apply.
     pub reason: Option<String>,
 }
 
@@ -158,7 +159,7 @@ pub fn feasible_rows(rows: &Rows<'_>, options: &FeasibleOptions) -> Result<Feasi
     Ok(set.with_inflation(rows, &pool, &[]))
 }
 
-/// What is proved of each orthant; `None` where an end was left out for a piece that the proof then finds empty or closed.
+/// The proof for each orthant; `None` if an end was left out for a piece that the proof then finds empty or closed.
 fn union(rows: &Rows<'_>, pool: &mut Pool, leaves: &[Vec<i8>], asked: Asked) -> Option<Vec<Proof>> {
     let goals: Vec<(usize, f64)> = (0..rows.columns()).flat_map(|j| [(j, 1.0), (j, -1.0)]).collect();
     let mut pieces: Vec<Piece<'_>> =
@@ -174,7 +175,8 @@ fn union(rows: &Rows<'_>, pool: &mut Pool, leaves: &[Vec<i8>], asked: Asked) -> 
     witnessed.then_some(proofs)
 }
 
-/// The hull where some rows may be wrong. Proofs of signs would use rows that may be among them, so every orthant is looked at.
+/// The hull where some rows may be wrong. Proofs of signs would use rows that may be among them, so every orthant is
+/// looked at.
 fn with_outliers(rows: &Rows<'_>, pool: &mut Pool, known: &[i8], allowed: usize) -> FeasibleSet {
     let n = rows.columns();
     let Some(leaves) = every(rows, known) else { return FeasibleSet::without_answer(n, too_many(rows, known)) };

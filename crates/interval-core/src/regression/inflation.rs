@@ -1,10 +1,12 @@
-//! The smallest factor on all radii at which a consistent parameter exists (METHODS 5.3), an estimate in plain floats.
+//! The smallest factor on all radii at which a consistent parameter exists (docs/theory.md, "The feasible set"), an
+//! estimate in plain floats.
 //!
-//! With midpoints `c` and radii `d` of rows and right-hand sides, the factor at `x` is `max_i |c_i x - y_i| / (D_i |x| + d_i)`;
-//! in one orthant it is quasi-convex. Dinkelbach's iteration: for the factor `k` at the present point minimise `t` over
-//! `|c_i x - y_i| - k (D_i |x| + d_i) <= t w_i`, `w_i` the present denominator; stop when `t` is no longer negative. It runs on
-//! a working set, where its factor is too small; a pass over all rows names those that ask for a larger one. The orthant with the
-//! smallest factor so far is looked at first.
+//! With midpoints `c` and radii `d` of rows and right-hand sides, the factor at `x` is
+//! `max_i |c_i x - y_i| / (D_i |x| + d_i)`. In one orthant it is quasi-convex. A step of Dinkelbach's iteration (1967)
+//! minimises, for the factor `k` at the present point, `t` over `|c_i x - y_i| - k (D_i |x| + d_i) <= t w_i`, `w_i` the
+//! present denominator. The iteration stops when `t` is no longer negative. It runs on a working set, where its factor
+//! is too small. A pass over all rows names those that ask for a larger one. The orthant with the smallest factor so
+//! far is looked at first.
 
 use super::rows::Rows;
 use crate::approximate::least_squares;
@@ -18,24 +20,27 @@ pub(crate) struct Attained {
     pub(crate) point: Vec<f64>,
 }
 
+/// Steps of Dinkelbach's iteration (1967) in one orthant at most: a bound of the time. Its convergence is superlinear.
 const ITERATIONS: usize = 40;
+/// Passes over all rows at most: a bound of the time.
 const ROUNDS: usize = 200;
+/// Relative progress below which the factor, an estimate in floats, counts as settled.
 const PROGRESS: f64 = 1e-9;
-/// Rows of one piece of a pass.
+/// Rows of one piece of a pass. The size is fixed, so that the result does not depend on the number of threads.
 const PIECE: usize = 4096;
-/// How far from the middle of things, in their own size, a direction without end is followed.
+/// The distance, relative to the size of the unknowns, to which an unbounded direction is followed.
 const FAR: f64 = 1024.0 * 1024.0;
-/// Rows that one pass adds.
+/// Rows that one pass adds at most, so that the working set stays small.
 const TAKEN: usize = 12;
 
-/// The smallest factor over these orthants, starting from these rows and without the `dropped` ones (in ascending order);
-/// `None` where no factor helps.
+/// The smallest factor over these orthants, starting from these rows and without the `dropped` ones (in ascending
+/// order). The value is `None` if no factor helps.
 pub(crate) fn smallest(rows: &Rows<'_>, start: &[usize], signs: &[&[i8]], dropped: &[usize]) -> Option<Attained> {
     let start: Vec<usize> = start.iter().copied().filter(|i| dropped.binary_search(i).is_err()).collect();
     let mut set = Working::new(rows, &start);
     let mut found: Vec<Option<Attained>> =
         parallel::map(signs.len(), signs.len() >= 8, |k| set.smallest(signs[k], None));
-    // How many rows of the working set each of them has seen.
+    // The number of rows of the working set that each of them has seen.
     let mut seen = vec![set.count(); signs.len()];
     let key = |a: &Option<Attained>| a.as_ref().map_or(f64::INFINITY, |a| a.factor);
     let mut best: Option<Attained> = None;
@@ -79,7 +84,8 @@ fn factor_of(rows: &Rows<'_>, point: &[f64], dropped: &[usize]) -> (f64, Vec<usi
                 size += term.abs();
                 radius += (u - l) * x.abs();
             }
-            // A residual at the level of rounding is none; unbounded rows say nothing (their radius is infinite, or nothing).
+            // A residual at the level of rounding is none; unbounded rows say nothing (their radius is infinite, or
+            // nothing).
             let residual = residual.abs();
             if residual > 4.0 * f64::EPSILON * size && residual < f64::INFINITY && residual > worst.0 * radius {
                 let factor = residual / radius;

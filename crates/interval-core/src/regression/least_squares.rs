@@ -1,14 +1,15 @@
-//! All least-squares solutions of interval rows, `{A+ y}` over all members, by a verified QR factorisation (METHODS 4.4; Rump,
-//! *SIAM J. Matrix Anal. Appl.* 33 (2012) 130-148, whose point matrix is widened to intervals here).
+//! All least-squares solutions of interval rows, `{A+ y}` over all members, by a verified QR factorisation
+//! (docs/theory.md, "Least squares"; Rump, *SIAM J. Matrix Anal. Appl.* 33 (2012) 130-148, whose point matrix is
+//! widened to intervals here).
 //!
-//! With an approximate `R` of the midpoints, `S` near `R^-1`, `X = A S`, an approximate solution `u` and `r = y - A u`, the
-//! solution `x` of a member has `x = u + S z` with `X'X z = X'r`, so `z = (I - X'X) z + X'r`. Where `G = |I - X'X|` contracts over all
-//! members, every member has full rank and `|z|` is bounded; then
+//! With an approximate `R` of the midpoints, `S` near `R^-1`, `X = A S`, an approximate solution `u` and `r = y - A u`,
+//! the solution `x` of a member has `x = u + S z` with `X'X z = X'r`, so `z = (I - X'X) z + X'r`. If `G = |I - X'X|`
+//! contracts over all members, every member has full rank and `|z|` is bounded; then
 //!
 //! `x = u + sum_i (P a_i) r_i + S (I - X'X) z`,  `P = S S'`.
 //!
-//! Each row stands twice in its summand. About the midpoints `a_i = c + d`, `r_i = r_c + e - d u` the terms of first order are
-//! `(P c) e + sum_j d_j (P_j r_c - (P c) u_j)`: one bound of them together, not of each factor.
+//! Each row stands twice in its summand. About the midpoints `a_i = c + d`, `r_i = r_c + e - d u` the terms of first
+//! order are `(P c) e + sum_j d_j (P_j r_c - (P c) u_j)`: one bound of them together, not of each factor.
 
 use super::augmented;
 use super::rows::Rows;
@@ -21,9 +22,9 @@ use crate::regularity::{contracted_vector, slack, times};
 use crate::rounding::{add_up, div_up, mul_up};
 use crate::status::LeastSquaresStatus;
 
-/// Rows of one piece of a pass.
+/// Rows of one piece of a pass. The size is fixed, so that the result does not depend on the number of threads.
 const PIECE: usize = 1 << 13;
-/// Steps that sharpen the bound of `z`.
+/// Steps that sharpen the bound of `z`. Each of them keeps a bound, so any number is sound.
 const SHARPENED: usize = 5;
 
 named! {
@@ -52,11 +53,11 @@ impl LeastSquaresMethod {
 /// An enclosure of all least-squares solutions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeastSquares {
-    /// What was proved.
+    /// The proved property.
     pub status: LeastSquaresStatus,
     /// Bounds of each parameter over all members of the rows and right-hand sides.
     pub parameters: Option<Certified<Vec<Interval>>>,
-    /// Why there is none.
+    /// The reason for which there is none.
     pub reason: Option<String>,
 }
 
@@ -183,7 +184,7 @@ struct Sums {
     image: Vec<Interval>,
     /// `sum (P c) r_c`.
     middle: Vec<Interval>,
-    /// Bounds of what the radii add to it.
+    /// Bounds of the part that the radii add to it.
     radius: Vec<f64>,
 }
 
@@ -255,7 +256,7 @@ fn enclose(rows: &Rows<'_>, s: &[f64], centre: &[f64]) -> Option<LeastSquares> {
     bounded.then(|| LeastSquares::enclosed(Certified::proved(parameters)))
 }
 
-/// What row `i` adds to the sums.
+/// The contribution of row `i` to the sums.
 fn row(rows: &Rows<'_>, i: usize, s: &[f64], centre: &[f64], p: &[Interval], sums: &mut Sums) {
     let n = centre.len();
     let ((lower, upper), (low, high)) = (rows.row(i), rows.right(i));

@@ -1,8 +1,8 @@
 //! Interval least squares by normal equations, `theta = (A'A)^-1 A'y` (paper eq. 7 and 14), with any inverse.
 //!
-//! For an inverse that encloses, the result holds every least-squares solution of every member, and with it every parameter
-//! that is consistent with all rows. For the published inverse nothing is claimed; an improper entry contributes the
-//! smallest and the largest product of its ends.
+//! For an inverse that encloses, the result holds every least-squares solution of every member, and with it every
+//! parameter that is consistent with all rows. For the published inverse nothing is claimed; an improper entry
+//! contributes the smallest and the largest product of its ends.
 
 use super::check_rows;
 use crate::certified::{Claim, Unproved};
@@ -17,13 +17,13 @@ use crate::status::Status;
 pub struct NormalEquations {
     /// Proved only where the inverse was.
     pub status: Status,
-    /// Parameter intervals, certified where the inverse is; `None` where the inverse has no value.
+    /// Parameter intervals, certified where the inverse is. The value is `None` if the inverse has no value.
     pub parameters: Option<Claim<Vec<Interval>>>,
-    /// How many entries of the inverse were improper.
+    /// The number of improper entries of the inverse.
     pub improper: usize,
     /// `A'A`.
     pub gram: IntervalMatrix,
-    /// What the inverse method said of `A'A`.
+    /// The result of the inverse method for `A'A`.
     pub inverse: Outcome,
 }
 

@@ -1,8 +1,9 @@
-//! The part of a united solution set in one orthant: a polyhedron (Oettli and Prager 1964; METHODS 4.3).
+//! The part of a united solution set in one orthant: a polyhedron (Oettli and Prager 1964;
+//! docs/theory.md, "The feasible set").
 //!
-//! Some member of row `i` holds at `x` exactly when `inf(A_i x) <= sup y_i` and `sup(A_i x) >= inf y_i`. Where the sign of
-//! `x_j` is known, `inf(A_ij x_j)` is the lower or the upper bound times `x_j`: the half-spaces have the given doubles as
-//! coefficients, and nothing is rounded.
+//! Some member of row `i` holds at `x` exactly when `inf(A_i x) <= sup y_i` and `sup(A_i x) >= inf y_i`. If the sign of
+//! `x_j` is known, `inf(A_ij x_j)` is the lower or the upper bound times `x_j`: the half-spaces have the given doubles
+//! as coefficients, and nothing is rounded.
 
 use super::rows::Rows;
 use crate::linear_program::HalfSpaces;

@@ -1,9 +1,10 @@
-//! The hull where a few rows may be wrong, and the fewest rows that have to be (METHODS 5.3), by search trees over certificates.
+//! The hull where a few rows may be wrong, and the fewest rows that have to be (docs/theory.md, "The feasible set"), by
+//! search trees over certificates.
 //!
-//! A certificate uses at most `n + 1` rows. What it proves of the set without the rows `D` stands for every larger `D` that leaves its
-//! rows alone; so only sets that lose one of them are looked at further. At an empty orthant that is a row of the contradiction, at a
-//! bound a row of its basis. With at most `q` wrong rows the trees are `q` deep, and every set of wrong rows is covered by one
-//! of their nodes.
+//! A certificate uses at most `n + 1` rows. Its proof for the set without the rows `D` stands for every larger `D` that
+//! leaves its rows alone. So only sets that lose one of them are looked at further. At an empty orthant that is a row
+//! of the contradiction, at a bound a row of its basis. With at most `q` wrong rows the trees are `q` deep, and every
+//! set of wrong rows is covered by one of their nodes.
 
 use super::feasible::{BoundCertificate, OrthantOutcome, OrthantResult};
 use super::orthant::Orthant;
@@ -13,17 +14,18 @@ use super::search::{Asked, Piece, Pool, solve};
 use crate::parallel;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Nodes that all trees together may have.
+/// Nodes of all trees together at most: a bound of the time.
 pub const NODE_LIMIT: usize = 50_000;
 
-/// What the rows that may be wrong do to the set.
+/// The effect of the rows that may be wrong on the set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outliers {
-    /// How many rows may be wrong.
+    /// The number of rows that may be wrong.
     pub allowed: usize,
-    /// The fewest rows without which a parameter is consistent; `None` where that takes more than are allowed.
+    /// The fewest rows without which a parameter is consistent. The value is `None` if that takes more than are
+    /// allowed.
     pub fewest: Option<usize>,
-    /// The sets of that many rows, each in ascending order.
+    /// The sets of this number of rows, each in ascending order.
     pub sets: Vec<Vec<usize>>,
 }
 
@@ -38,7 +40,7 @@ pub(crate) struct Trees {
 /// A node: an orthant without some rows, and the ends that are asked of it.
 type Level = BTreeMap<(usize, Vec<usize>), BTreeSet<usize>>;
 
-/// Searches every orthant; `None` where the trees would have too many nodes.
+/// Searches every orthant. The value is `None` if the trees would have too many nodes.
 pub(crate) fn trees(rows: &Rows<'_>, pool: &mut Pool, leaves: &[Vec<i8>], allowed: usize) -> Option<Trees> {
     let n = rows.columns();
     let mut level: Level = (0..leaves.len()).map(|z| ((z, Vec::new()), (0..2 * n).collect())).collect();

@@ -1,7 +1,8 @@
 //! From the bases of a search to proved ends of one orthant, or to the proof that the orthant is empty.
 //!
-//! Directed rounding proves nearly all of them. Whatever it leaves in doubt (a multiplier near zero, an open direction, an end far from
-//! what the search found, ends that nearly meet) goes to the same simplex method over the rationals, on the working set alone.
+//! Directed rounding proves nearly all of them. Cases that it leaves in doubt (a multiplier near zero, an open
+//! direction, an end far from that of the search, ends that nearly meet) go to the same simplex method over the
+//! rationals, on the working set alone.
 
 use super::feasible::{BoundCertificate, OrthantOutcome};
 use super::orthant::Orthant;
@@ -17,17 +18,17 @@ use crate::parallel;
 use num_rational::BigRational;
 use num_traits::{ToPrimitive, Zero};
 
-/// Relative distance of two ends below which the set may be empty by a rounding.
+/// Relative distance of two ends below which the set may be empty by a rounding, so that the rationals decide.
 const THIN: f64 = 1e-9;
 /// Relative gap between the proved and the approximate end that exact arithmetic is asked to close.
 const GAP: f64 = 1e-11;
-/// Rounds of exact constraint generation.
+/// Rounds of exact constraint generation at most: a bound of the time.
 const ROUNDS: usize = 20;
 
-/// What is proved of one orthant, and the directions in which it seems open.
+/// The proof for one orthant, and the directions in which it seems open.
 pub(crate) type Proof = (OrthantOutcome, Vec<Vec<f64>>);
 
-/// Proves what the search of one piece found.
+/// Proves the findings of the search of one piece.
 pub(crate) fn prove(rows: &Rows<'_>, pool: &Pool, piece: &Piece<'_>) -> Proof {
     let orthant = &piece.orthant;
     if let Some((goal, entering)) = piece.contradiction {
@@ -105,8 +106,8 @@ fn end(orthant: &Orthant<'_>, goal: &Goal, least: Option<f64>, weights: &[(usize
     BoundCertificate { column: goal.column, upper, bound: if upper { 0.0 - least } else { least }, rows, signs }
 }
 
-/// The end that the basis of the search proves, or the basis that the exact search puts in its place. Either way the rows of the
-/// certificate prove it alone.
+/// The end that the basis of the search proves, or the basis that the exact search puts in its place. Either way the
+/// rows of the certificate prove it alone.
 fn proved_end(piece: &Piece<'_>, goal: &Goal) -> BoundCertificate {
     let orthant = &piece.orthant;
     let rows: Vec<Row> = goal.search.basis(&piece.program).into_iter().map(|r| r.0).collect();
@@ -141,7 +142,7 @@ fn exactly(rows: &Rows<'_>, pool: &Pool, piece: &Piece<'_>) -> Proof {
     let orthant = &piece.orthant;
     let mut names = piece.program.names().to_vec();
     let mut starts: Vec<Vec<Row>> = piece.goals.iter().map(|g| g.search.rows().to_vec()).collect();
-    // What cost too much once is not tried again.
+    // A goal that cost too much once is not tried again.
     let mut given_up: Vec<bool> = piece.goals.iter().map(|g| g.retired).collect();
     for round in 0.. {
         let problem = Subset { problem: orthant, indices: &names };
@@ -183,8 +184,8 @@ fn exactly(rows: &Rows<'_>, pool: &Pool, piece: &Piece<'_>) -> Proof {
     unreachable!("the rounds are limited")
 }
 
-/// Half-spaces that exact points violate. What a double and its remainder cannot tell from zero counts as satisfied, which only
-/// leaves a row out.
+/// Half-spaces that exact points violate. A violation that a double and its remainder cannot tell from zero counts as
+/// none, which only leaves a row out.
 fn missed(
     rows: &Rows<'_>,
     pool: &Pool,
@@ -215,8 +216,8 @@ fn missed(
     found
 }
 
-/// An orthant at one point that is known to twice the precision: a half-space that only seems to be violated says nothing, and one
-/// that seems to hold by a rounding is shown with its violation enlarged.
+/// An orthant at one point that is known to twice the precision: a half-space that only seems to be violated says
+/// nothing, and one that seems to hold by a rounding is shown with its violation enlarged.
 struct Remainders<'a> {
     orthant: &'a Orthant<'a>,
     point: Vec<f64>,

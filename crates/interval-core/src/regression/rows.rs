@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::interval::Interval;
 use crate::parallel;
 
-/// Rows looked at as one piece of work.
+/// Rows of one piece of a pass. The size is fixed, so that the result does not depend on the number of threads.
 const PIECE: usize = 1 << 14;
 
 /// `m` interval rows with `n` columns: bounds of the matrix, row-major, and of the right-hand sides. Nothing is copied.
@@ -22,7 +22,7 @@ pub struct Rows<'a> {
     open: Vec<usize>,
 }
 
-/// What one piece of the rows says of the columns.
+/// The findings of one piece of the rows on the columns.
 struct Survey {
     magnitude: Vec<f64>,
     uncertain: Vec<bool>,
@@ -166,7 +166,7 @@ impl<'a> Rows<'a> {
         (self.right_lower[i], self.right_upper[i])
     }
 
-    /// Which columns have an entry with a radius, and so need a sign.
+    /// True for each column that has an entry with a radius, and so needs a sign.
     #[must_use]
     pub fn uncertain(&self) -> &[bool] {
         &self.uncertain

@@ -1,10 +1,12 @@
-//! One pass over all rows for all pending vertices: which half-spaces do they violate most?
+//! One pass over all rows for all pending vertices: the half-spaces that they violate most.
 //!
-//! The rows are read once, in blocks that are turned into midpoints and radii, column by column; every vertex is tried on a block
-//! while it lies in the nearest cache. Violations are measured in units of the row's normal. What the vectors find is looked at
-//! again row by row, with a tolerance relative to the terms of that row. A scan proposes; it proves nothing.
+//! The rows are read once, in blocks that are turned into midpoints and radii, column by column. Every vertex is tried
+//! on a block while it lies in the nearest cache. Violations are measured in units of the row's normal. The findings of
+//! the vectors are looked at again row by row, with a tolerance relative to the terms of that row. A scan proposes and
+//! proves nothing.
 //!
-//! Pieces of rows do not depend on the number of threads, and nothing is fused: the same rows come back from every back end.
+//! Pieces of rows do not depend on the number of threads, and nothing is fused: the same rows come back from every back
+//! end.
 
 #![expect(clippy::inline_always, reason = "the kernel is compiled inside functions with wider instruction sets")]
 
@@ -15,12 +17,13 @@ use crate::parallel;
 use crate::rounding::slices::Backend;
 use std::collections::HashSet;
 
-/// Rows of a block.
+/// Rows of a block, which lies in the nearest cache while every vertex is tried on it.
 const BLOCK: usize = 64;
-/// Rows of the largest piece.
+/// Rows of the largest piece. The size follows from the number of rows, not from that of threads.
 const PIECE: usize = 4096;
-/// Half-spaces that one vertex may add in one pass, and all of them together about.
+/// Half-spaces that one vertex may add in one pass: few, so that the working set stays small.
 const TAKEN: std::ops::RangeInclusive<usize> = 2..=6;
+/// Half-spaces that all vertices together add in one pass, approximately.
 const TOGETHER: usize = 120;
 
 /// A vertex `point + M ray` of a working set, with the signs that its orthant's coefficients are made with.
@@ -32,7 +35,7 @@ pub(crate) struct Vertex<P> {
     pub(crate) ray: Option<Vec<f64>>,
 }
 
-/// How the rows are cut, and how many pieces are left out.
+/// The pieces of the rows, and the number of pieces that are left out.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pass {
     piece: usize,
@@ -47,7 +50,7 @@ impl Pass {
         Self { piece, count: m.div_ceil(piece).div_ceil(stride), stride }
     }
 
-    /// How many pieces a whole pass has.
+    /// The number of pieces of a whole pass.
     pub(crate) fn pieces(m: usize) -> usize {
         Self::new(m, 1).count
     }
@@ -61,7 +64,8 @@ pub(crate) fn column_scale(rows: &Rows<'_>) -> Vec<f64> {
         .collect()
 }
 
-/// For every vertex the half-spaces that it violates most, those that are `known` left out; the most violated one first.
+/// For every vertex the half-spaces that it violates most, those that are `known` left out; the most violated one
+/// first.
 pub(crate) fn scan<P: HalfSpaces>(
     rows: &Rows<'_>,
     scale: &[f64],
@@ -147,7 +151,8 @@ fn look<P: HalfSpaces>(
 }
 
 backends! {
-    /// The largest violation in each block of rows, for each vertex, in units of the rows' normals; 0 where there is none.
+    /// The largest violation in each block of rows, for each vertex, in units of the rows' normals; 0 where there is
+    /// none.
     fn maxima_of(
         rows: [&[f64]; 4],
         scale: &[f64],

@@ -1,7 +1,8 @@
 //! Constraint generation: linear programs over all rows by a working set of few.
 //!
-//! All polyhedra (orthants) share one pool of rows. Each round solves every pending program on the pool, then one scan over the rows
-//! tries all pending vertices and adds the rows that they violate most. The first rounds look at a part of the rows only.
+//! All polyhedra (orthants) share one pool of rows. Each round solves every pending program on the pool, then one scan
+//! over the rows tries all pending vertices and adds the rows that they violate most. The first rounds look at a part
+//! of the rows only.
 
 use super::orthant::Orthant;
 use super::rows::Rows;
@@ -11,7 +12,7 @@ use crate::parallel;
 use crate::rounding::slices::Backend;
 use std::collections::{HashMap, HashSet};
 
-/// Rounds of one search, more than any has needed.
+/// Rounds of one search at most: a bound of the time, and more than any search has needed.
 const ROUNDS: usize = 400;
 /// Open vertices of one kind that are tried at once where one decides for all.
 const OPEN: usize = 2;
@@ -65,7 +66,7 @@ pub(crate) struct Goal {
     pub(crate) search: Search,
     pub(crate) outcome: Outcome,
     settled: bool,
-    /// No longer asked for: the objective falls for ever in another piece of the same union.
+    /// No longer asked for: the objective is unbounded in another piece of the same union.
     pub(crate) retired: bool,
 }
 
@@ -95,7 +96,7 @@ pub(crate) struct Piece<'a> {
     pub(crate) goals: Vec<Goal>,
     /// The goal whose search met a contradiction.
     pub(crate) contradiction: Option<(usize, usize)>,
-    /// Whether a contradiction ends only its own goal: the last basis before it proves a bound all the same.
+    /// True if a contradiction ends only its own goal: the last basis before it proves a bound all the same.
     pub(crate) persistent: bool,
     taken: usize,
 }
@@ -123,7 +124,7 @@ impl<'a> Piece<'a> {
         Self { orthant, program, goals, contradiction: None, persistent: false, taken: 0 }
     }
 
-    /// Takes in what is new in the pool and goes on with every search. The first contradiction ends them all.
+    /// Takes in the new rows of the pool and goes on with every search. The first contradiction ends them all.
     fn advance(&mut self, pool: &Pool) {
         let mut g = vec![0.0; self.orthant.dimension()];
         let grown = self.taken < pool.members.len();
@@ -158,12 +159,13 @@ impl<'a> Piece<'a> {
     }
 }
 
-/// Which goals are asked of which piece.
+/// The choice of goals for each piece.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Asked {
     /// Every goal of every piece.
     Each,
-    /// The union of the pieces, which all have the same goals: one that falls for ever somewhere is looked for nowhere else.
+    /// The union of the pieces, which all have the same goals: one that is unbounded somewhere is looked for nowhere
+    /// else.
     Union,
 }
 
@@ -200,7 +202,8 @@ pub(crate) fn solve(rows: &Rows<'_>, pool: &mut Pool, pieces: &mut [Piece<'_>], 
     }
 }
 
-/// The goals whose vertices have to be tried on the rows: all that are finite, and a few open ones of each kind where one will do.
+/// The goals whose vertices have to be tried on the rows: all that are finite, and a few open ones of each kind where
+/// one will do.
 fn pending(pieces: &[Piece<'_>], asked: Asked) -> Vec<(usize, usize)> {
     let mut open: HashMap<usize, usize> = HashMap::new();
     let mut places = Vec::new();

@@ -1,15 +1,15 @@
-//! Which orthants can the set meet at all? Signs that are proved, and a branch where none is.
+//! The orthants that the set can meet: signs that are proved, and a branch for any other.
 //!
-//! Take a sign vector `z` (the home) and let `d_k = max(0, -z_k x_k)` say how far a consistent `x` lies on the other side. From
-//! `|x_k| = z_k x_k + 2 d_k` every row's half-space of the home's polyhedron holds at `x` up to `2 sum_k D_ik d_k`. So multipliers `l`
-//! that prove `z_j x_j >= b_j` in that polyhedron, without the constraints on its own signs, prove for every consistent `x`
-//! `z_j x_j >= b_j - sum_k M_jk d_k` with `M_jk = 2 sum_i l_i D_ik`, and
+//! Take a sign vector `z` (the home) and let `d_k = max(0, -z_k x_k)` say how far a consistent `x` lies on the other
+//! side. From `|x_k| = z_k x_k + 2 d_k` every row's half-space of the home's polyhedron holds at `x` up to
+//! `2 sum_k D_ik d_k`. So multipliers `l` that prove `z_j x_j >= b_j` in that polyhedron, without the constraints on
+//! its own signs, prove for every consistent `x` `z_j x_j >= b_j - sum_k M_jk d_k` with `M_jk = 2 sum_i l_i D_ik`, and
 //!
 //! `d <= (M d - b)+ <= M d + p`,  `p = max(0, -b)`.
 //!
-//! If some `v > 0` has `M v < v`, then `d <= t v` with `t = max p_j / (v - M v)_j`, and `d <- min(d, (M d - b)+)` sharpens that. Where
-//! `d_j = 0` the sign of `x_j` is proved, from at most `n` rows each. Signs that stay open are branched on, each side with a proof
-//! of its own.
+//! If some `v > 0` has `M v < v`, then `d <= t v` with `t = max p_j / (v - M v)_j`, and `d <- min(d, (M d - b)+)`
+//! sharpens that. If `d_j = 0`, the sign of `x_j` is proved, from at most `n` rows each. Signs that stay open are
+//! branched on, each side with a proof of its own.
 
 use super::orthant::{DataRow, Orthant};
 use super::rows::Rows;
@@ -22,15 +22,15 @@ use crate::rounding::{add_up, div_up, sub_up};
 use num_rational::BigRational;
 use num_traits::{ToPrimitive, Zero};
 
-/// Orthants and proofs of signs that one set may cost.
+/// Orthants and proofs of signs of one set at most: a bound of the time.
 pub const ORTHANT_LIMIT: usize = 4096;
-/// Up to so many open signs every orthant is looked at without a proof of signs.
+/// Open signs up to which every orthant is looked at without a proof of signs: 16 orthants at most.
 const FEW: usize = 4;
-/// Repetitions of the sharpening step; a checker may do as many.
+/// Repetitions of the sharpening step. Each of them keeps a bound, so a checker may do the same number.
 const SHARPENED: usize = 10;
 
-/// A proof of signs: of all consistent parameters whose signs are those `decided`, none lies further than `reach` on the
-/// other side of `home`.
+/// A proof of signs: of all consistent parameters whose signs are those `decided`, none lies further than `reach` on
+/// the other side of `home`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SignProof {
     /// The part of the space that is meant: 1 or -1 for a sign that holds there, 0 for none.
@@ -41,9 +41,9 @@ pub struct SignProof {
     pub columns: Vec<SignRows>,
     /// A positive vector `v` with `M v < v`, an entry for each of `columns`; empty where none was found.
     pub vector: Vec<f64>,
-    /// How far each of `columns` may lie on the other side: 0 proves its sign; infinite where nothing is proved.
+    /// The distance to which each of `columns` may lie on the other side: 0 proves its sign, infinity proves nothing.
     pub reach: Vec<f64>,
-    /// The column whose two signs are looked at apart; `None` where every sign is proved.
+    /// The column whose two signs are looked at apart. The value is `None` if every sign is proved.
     pub branch: Option<usize>,
 }
 
@@ -58,8 +58,8 @@ pub struct SignRows {
     pub signs: Vec<(usize, f64)>,
 }
 
-/// Sign vectors that cover every consistent parameter, in a fixed order, with the proofs that leave out the others; `None`
-/// where there would be too many.
+/// Sign vectors that cover every consistent parameter, in a fixed order, with the proofs that leave out the others. The
+/// value is `None` if there would be too many.
 pub(crate) fn cover(rows: &Rows<'_>, pool: &mut Pool, known: &[i8]) -> Option<(Vec<Vec<i8>>, Vec<SignProof>)> {
     let home = guess(rows, pool, known);
     let (mut leaves, mut proofs) = (Vec::new(), Vec::new());
@@ -102,7 +102,7 @@ fn open(rows: &Rows<'_>, decided: &[i8]) -> Vec<usize> {
     (0..decided.len()).filter(|&j| rows.uncertain()[j] && decided[j] == 0).collect()
 }
 
-/// Every sign vector beside the known ones; `None` where there would be too many.
+/// Every sign vector beside the known ones. The value is `None` if there would be too many.
 pub(crate) fn every(rows: &Rows<'_>, known: &[i8]) -> Option<Vec<Vec<i8>>> {
     (1_u64.checked_shl(u32::try_from(open(rows, known).len()).ok()?)? <= ORTHANT_LIMIT as u64).then(|| all(rows, known))
 }
@@ -210,8 +210,8 @@ fn prove_signs(decided: &[i8], piece: &Piece<'_>) -> SignProof {
     proof
 }
 
-/// The open column that stands most in the way: without a proof the one that the others depend on most, else the one that
-/// reaches furthest.
+/// The open column that stands most in the way: without a proof the one that the others depend on most, else the one
+/// that reaches furthest.
 fn branch(open: &[usize], reach: &[f64], growth: &[f64]) -> Option<usize> {
     let k = open.len();
     let weight = |at: usize| -> f64 {

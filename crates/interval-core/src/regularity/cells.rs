@@ -1,5 +1,5 @@
-//! Regular because every cell of a partition is: cells that do not contract are halved along the entry that moves the inverse
-//! most.
+//! Regularity by a partition of which every cell is regular: cells that do not contract are halved along the entry that
+//! moves the inverse most.
 
 use super::singular::steps;
 use super::{Preconditioned, null_vector};
@@ -12,10 +12,11 @@ pub(crate) enum Verdict {
     Open,
 }
 
-/// Cells that are tried at most, and the operations that all of them together may take.
+/// Cells that are tried at most: a bound of the time.
 const CELLS: usize = 4096;
 /// Halvings of one cell at most: the proof is a tree that is walked recursively.
 const DEPTH: usize = 100;
+/// Operations that all cells together may take: a bound of the time for large orders.
 const OPERATIONS: usize = 2_000_000_000;
 
 /// Halves until every cell is proved, one holds a singular member, or the budget ends.
@@ -58,8 +59,8 @@ pub(crate) fn halves(a: &IntervalMatrix, entry: usize, value: f64) -> (IntervalM
     (a.with_bounds(entry, a.lo()[entry], value), a.with_bounds(entry, value, a.hi()[entry]))
 }
 
-/// The entry along which the inverse moves most, `max |B_ik| Delta_kl max |B_lj|` (METHODS 4.2, partition rule), and its
-/// midpoint; without an inverse the entry of largest radius. `None` where no entry can be halved.
+/// The entry along which the inverse moves most, `max |B_ik| Delta_kl max |B_lj|` (docs/theory.md, "Inverses",
+/// partition), and its midpoint; without an inverse the entry of largest radius. `None` where no entry can be halved.
 pub(crate) fn largest_smear(a: &IntervalMatrix, inverse: Option<&[f64]>) -> Option<(usize, f64)> {
     let n = a.rows();
     let size = |row: usize, column: usize| inverse.map_or(1.0, |b| b[row * n + column].abs());

@@ -1,4 +1,4 @@
-//! Is every member of an interval matrix nonsingular? Answers with a certificate.
+//! Verdicts, with certificates, on whether every member of an interval matrix is nonsingular.
 
 mod cells;
 mod positive_definite;
@@ -32,7 +32,7 @@ pub enum Regularity {
 }
 
 impl Regularity {
-    /// The verdict without what proves it.
+    /// The verdict without its proof.
     #[must_use]
     pub const fn verdict(&self) -> Verdict {
         match self {
@@ -43,8 +43,8 @@ impl Regularity {
     }
 }
 
-/// Proves regularity by contraction, plain or scaled, by the norm of the radii, or by a partition; proves singularity by a
-/// null vector; for orders up to [`VERTEX_LIMIT`] decides it by the vertex determinants.
+/// Proves regularity by contraction, plain or scaled, by the norm of the radii, or by a partition. Proves singularity
+/// by a null vector. For orders up to [`VERTEX_LIMIT`] the vertex determinants decide.
 ///
 /// # Errors
 /// A matrix that is not square. One with an infinite bound is not proved.
@@ -86,7 +86,7 @@ pub(crate) fn decide(a: &IntervalMatrix) -> Regularity {
     });
     match translated {
         Some(verdict) => verdict,
-        // A certificate that is none in doubles: only what needs no scaling is left.
+        // A certificate that is none in doubles: only the tests that need no scaling are left.
         None if a.rows() <= VERTEX_LIMIT => by_determinants(a),
         None => Regularity::NotProved,
     }
@@ -140,8 +140,8 @@ pub(crate) fn by_determinants(a: &IntervalMatrix) -> Regularity {
     Regularity::Regular(Witness::VertexDeterminants { sign: first.map_or(1, |(sign, _)| sign) })
 }
 
-/// The vertex matrices `A_c - T_y Delta T_z` for sign vectors `y`, `z` with `y_1 = 1`, row-major. `y_i z_j = 1` takes the
-/// lower bound, so the entries are exact.
+/// The vertex matrices `A_c - T_y Delta T_z` for sign vectors `y`, `z` with `y_1 = 1`, row-major. `y_i z_j = 1` takes
+/// the lower bound, so the entries are exact.
 pub(crate) fn vertices(a: &IntervalMatrix) -> impl Iterator<Item = Vec<f64>> + '_ {
     let n = a.rows();
     (0..1_usize << (2 * n - 1)).map(move |bits| {

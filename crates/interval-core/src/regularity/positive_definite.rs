@@ -1,5 +1,5 @@
-//! Regular because the radii are smaller than the least singular value of the midpoint (Rex and Rohn 1998): `m'm - s I` is positive
-//! definite for an `s` of at least the squared spectral norm of the radii.
+//! Regularity by a norm of the radii that is smaller than the least singular value of the midpoint (Rex and Rohn 1998):
+//! `m'm - s I` is positive definite for an `s` of at least the squared spectral norm of the radii.
 
 use super::{Witness, split, times};
 use crate::interval::Interval;

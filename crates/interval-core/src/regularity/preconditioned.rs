@@ -1,5 +1,5 @@
-//! Strong regularity, verified: an approximate inverse `R` of the midpoint and bounds `G >= |I - R A|` over every member
-//! (METHODS 4.1). `G v < v` for some `v > 0` proves that `R` and every member are nonsingular.
+//! Strong regularity, verified: an approximate inverse `R` of the midpoint and bounds `G >= |I - R A|` over every
+//! member (docs/theory.md, "Regularity"). `G v < v` for some `v > 0` proves that `R` and every member are nonsingular.
 
 use crate::approximate;
 use crate::interval::Interval;
@@ -8,7 +8,9 @@ use crate::matrix::IntervalMatrix;
 use crate::rounding::slices::Backend;
 use crate::rounding::{sub_down, sub_up};
 
+/// The unit roundoff of a double, 2^-53.
 const UNIT: f64 = f64::EPSILON / 2.0;
+/// The smallest positive double, 2^-1074.
 const SMALLEST: f64 = f64::from_bits(1);
 
 /// The preconditioned matrix `R A`.
@@ -22,11 +24,11 @@ pub(crate) struct Preconditioned {
 }
 
 impl Preconditioned {
-    /// For a square and bounded matrix; `None` where the midpoint has no usable approximate inverse.
+    /// For a square and bounded matrix. The value is `None` if the midpoint has no usable approximate inverse.
     ///
-    /// `R m - I` for midpoints `m` is summed in twice the working precision (Ogita, Rump and Oishi, *SIAM J. Sci. Comput.* 26
-    /// (2005) 1955-1988): the result is within `u |res| + gamma^2 (1 + |R| |m|)` of the sum. The radii enter by an ordinary
-    /// product of non-negative numbers, whose relative error is at most `(n + 2) u`.
+    /// `R m - I` for midpoints `m` is summed in twice the working precision (Ogita, Rump and Oishi, *SIAM J. Sci.
+    /// Comput.* 26 (2005) 1955-1988): the result is within `u |res| + gamma^2 (1 + |R| |m|)` of the sum. The radii
+    /// enter by an ordinary product of non-negative numbers, whose relative error is at most `(n + 2) u`.
     pub(crate) fn new(a: &IntervalMatrix) -> Option<Self> {
         let n = a.rows();
         let (middle, spread) = split(a);
@@ -54,7 +56,8 @@ pub(crate) fn split(a: &IntervalMatrix) -> (Vec<f64>, Vec<f64>) {
     (middle, spread)
 }
 
-/// Up to this order the product of the radii too is summed in twice the working precision.
+/// The largest order at which the product of the radii too is summed in twice the working precision. A plain sum with
+/// its error bound saves time beyond.
 const ACCURATE: usize = 64;
 
 /// Upper bounds of `|I - R A|` for every member.
@@ -141,14 +144,15 @@ pub(crate) fn times(g: &[f64], v: &[f64]) -> Vec<f64> {
     g.chunks_exact(v.len()).map(sum).collect()
 }
 
-/// Lower bounds of `v - G v`, all positive; `None` where one is not.
+/// Lower bounds of `v - G v`, all positive. The value is `None` if one is not.
 pub(crate) fn slack(g: &[f64], v: &[f64]) -> Option<Vec<f64>> {
     let rest: Vec<f64> = v.iter().zip(times(g, v)).map(|(&x, y)| sub_down(x, y)).collect();
     let holds = rest.iter().zip(v).all(|(&s, &x)| s > 0.0 && x > 0.0 && x.is_finite());
     holds.then_some(rest)
 }
 
-/// A positive `v` with `G v < v`, proved: an approximation of `(I - G)^-1` times ones, or of the dominant eigenvector of `G`.
+/// A positive `v` with `G v < v`, proved: an approximation of `(I - G)^-1` times ones, or of the dominant eigenvector
+/// of `G`.
 pub(crate) fn contracted_vector(g: &[f64], n: usize) -> Option<Vec<f64>> {
     let mut v = vec![1.0; n];
     for _ in 0..20 {

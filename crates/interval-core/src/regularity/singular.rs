@@ -1,8 +1,9 @@
-//! A singular member by its null vector: for `x != 0` with 0 in every row of `A x` (Oettli and Prager) each row has a member
-//! that is orthogonal to `x`, and these rows make a singular matrix.
+//! A singular member by its null vector: for `x != 0` with 0 in every row of `A x` (Oettli and Prager) each row has a
+//! member that is orthogonal to `x`, and these rows make a singular matrix.
 //!
-//! The search moves one row at a time to where the determinant falls most. With `B = A^-1` a change `d` of row `k` multiplies the
-//! determinant by `1 + d B_k`, `B_k` the column of `B`; where that can reach zero, `B_k` is the null vector.
+//! The search moves one row at a time to where the determinant falls most. With `B = A^-1` a change `d` of row `k`
+//! multiplies the determinant by `1 + d B_k`, `B_k` the column of `B`. If that can reach zero, `B_k` is the null
+//! vector.
 
 use crate::approximate;
 use crate::exact::rational;
@@ -11,10 +12,11 @@ use crate::rounding::{add_down, add_up, mul_down, mul_up};
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 
-/// Entries stay this part of the radius inside their ends at first, so that rounding does not lose what was found.
+/// Entries stay this part of the radius inside their ends at first, so that rounding does not lose a vector that was
+/// found.
 const MARGINS: [f64; 2] = [1.0 - 1e-6, 1.0];
 
-/// A proved null vector of some member; `None` where the search finds none.
+/// A proved null vector of some member. The value is `None` if the search finds none.
 pub(super) fn search(a: &IntervalMatrix) -> Option<Vec<f64>> {
     MARGINS.into_iter().find_map(|margin| descend(a, margin)).or_else(|| of_midpoint(a))
 }
@@ -68,7 +70,8 @@ fn descend(a: &IntervalMatrix, margin: f64) -> Option<Vec<f64>> {
     None
 }
 
-/// Whether `x` is not zero and every row of `A x` contains 0: in directed rounding, or in rationals where that does not decide.
+/// True if `x` is not zero and every row of `A x` contains 0: in directed rounding, or in rationals where that does not
+/// decide.
 pub(crate) fn is_null_vector(a: &IntervalMatrix, x: &[f64]) -> bool {
     let n = a.columns();
     if x.len() != n || x.iter().any(|v| !v.is_finite()) || x.iter().all(|&v| v == 0.0) {

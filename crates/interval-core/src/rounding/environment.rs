@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 
-/// Whether the processor rounds to nearest and keeps subnormal numbers: the premise of every bound in this crate.
+/// True if the processor rounds to nearest and keeps subnormal numbers: the premise of every bound in this crate.
 ///
 /// # Example
 /// ```
@@ -27,6 +27,8 @@ pub fn check_environment() -> Result<(), Error> {
 #[cfg(all(target_arch = "x86_64", not(miri)))]
 #[inline]
 fn is_default() -> bool {
+    // Bits of the control register MXCSR (Intel 64 manual, volume 1, section 10.2.3): rounding control, flush to zero,
+    // denormals are zero.
     const ROUNDING: u32 = 0x6000;
     const FLUSH_TO_ZERO: u32 = 0x8000;
     const DENORMALS_ARE_ZERO: u32 = 0x0040;
@@ -39,7 +41,7 @@ fn is_default() -> bool {
     control & (ROUNDING | FLUSH_TO_ZERO | DENORMALS_ARE_ZERO) == 0
 }
 
-/// By what arithmetic does.
+/// The same by the results of arithmetic.
 #[cfg(any(not(target_arch = "x86_64"), miri))]
 #[inline]
 fn is_default() -> bool {

@@ -1,8 +1,8 @@
 //! The only code that knows how floats round.
 //!
 //! Directed results come from round-to-nearest and error-free transformations: the nearest result is computed, the sign
-//! of its error is found exactly, and the neighbour is taken only where the error calls for it. The rounding mode of the
-//! processor is never touched.
+//! of its error is found exactly, and the neighbour is taken only where the error calls for it. The rounding mode of
+//! the processor is never touched.
 
 mod environment;
 mod scalar;

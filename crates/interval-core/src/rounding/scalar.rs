@@ -1,20 +1,29 @@
 //! Scalar operations rounded down and up, each the tightest double on its side.
 //!
-//! Source: Kashiwagi's emulation of directed rounding by error-free transformations, with two changes. The error of a sum
-//! is taken by Dekker's fast two-sum on ordered operands, in which nothing but the sum itself can overflow. The error of
-//! a product or quotient is taken by one fused multiply-add, whose sign is exact as long as its result cannot underflow;
-//! below `SAFE` the operands are scaled by powers of two first.
+//! Source: Kashiwagi's emulation of directed rounding by error-free transformations, with two changes. The error of a
+//! sum is taken by Dekker's fast two-sum on ordered operands, in which nothing but the sum itself can overflow. The
+//! error of a product or quotient is taken by one fused multiply-add, whose sign is exact as long as its result cannot
+//! underflow. Below `SAFE` the operands are scaled by powers of two first.
 //!
-//! Infinite operands give the limit; `inf - inf`, `0 * inf`, `0 / 0` and `inf / inf` give NaN and are the caller's to avoid.
+//! Infinite operands give the limit; `inf - inf`, `0 * inf`, `0 / 0` and `inf / inf` give NaN and are the caller's to
+//! avoid.
 
 /// 2^-969: a product of this size or larger has an error term that is a multiple of 2^-1074, hence exact.
 const SAFE: f64 = f64::from_bits((1023 - 969) << 52);
+/// Factor of the root of an operand below 2^-969. [`TWO_200`] is that of the operand.
 const TWO_100: f64 = f64::from_bits((1023 + 100) << 52);
+/// Factor of an operand below 2^-969: the fused residual then keeps its sign.
 const TWO_200: f64 = f64::from_bits((1023 + 200) << 52);
+/// Factor of both operands of a product below 2^-969: the scaled product is a multiple of 2^-1074 and does not
+/// overflow.
 const TWO_537: f64 = f64::from_bits((1023 + 537) << 52);
+/// Denominators below this are multiplied by [`TWO_200`] without overflow.
 const TWO_800: f64 = f64::from_bits((1023 + 800) << 52);
+/// Operands up to this size are split (Veltkamp) without overflow.
 const TWO_970: f64 = f64::from_bits((1023 + 970) << 52);
+/// A sum of two numbers below this size does not overflow.
 const HALF_MAX: f64 = f64::MAX / 2.0;
+/// The smallest positive double, 2^-1074.
 const SMALLEST: f64 = f64::from_bits(1);
 
 /// `a + b` rounded up.
@@ -53,8 +62,8 @@ pub fn sub_down(a: f64, b: f64) -> f64 {
 
 /// `a * b - product` for the product rounded to nearest, at least `SAFE` in size.
 ///
-/// Without a fused instruction a call of the library's function costs more than Dekker's product, which is as exact where
-/// the splitting does not overflow.
+/// Without a fused instruction a call of the library's function costs more than Dekker's product, which is as exact
+/// where the splitting does not overflow.
 #[inline]
 fn product_error(a: f64, b: f64, product: f64) -> f64 {
     if cfg!(any(target_feature = "fma", target_arch = "aarch64")) || a.abs().max(b.abs()).max(product.abs()) > TWO_970 {
@@ -181,8 +190,8 @@ pub fn fma_up(a: f64, b: f64, c: f64) -> f64 {
     let product = a * b;
     let moderate = product.abs().max(c.abs()).max(nearest.abs()) < HALF_MAX;
     let too_low = if moderate && (product.abs() >= SAFE || a == 0.0 || b == 0.0) {
-        // a b = product + e exactly. The sum of product, c, -nearest and e is grown into an expansion whose parts do not
-        // overlap (Shewchuk, Discrete Comput. Geom. 18 (1997) 305-363): the largest that is not zero has its sign.
+        // a b = product + e exactly. The sum of product, c, -nearest and e is grown into an expansion whose parts do
+        // not overlap (Shewchuk, Discrete Comput. Geom. 18 (1997) 305-363): the largest that is not zero has its sign.
         let e = a.mul_add(b, -product);
         let (h1, h0) = two_sum(product, c);
         let (q, h0) = two_sum(-nearest, h0);

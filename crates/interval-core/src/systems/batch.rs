@@ -6,8 +6,8 @@ use crate::inverse::{Batch, Outcome};
 use crate::matrix::IntervalMatrix;
 use crate::parallel;
 
-/// Applies a method to systems of order `n` whose matrices (row-major) and right-hand sides follow each other. The batch holds `n` bounds a
-/// system.
+/// Applies a method to systems of order `n` whose matrices (row-major) and right-hand sides follow each other. The
+/// batch holds `n` bounds a system.
 ///
 /// # Errors
 /// Lengths that are not whole systems, bad bounds, and misuse of the method.

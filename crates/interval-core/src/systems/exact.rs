@@ -1,5 +1,5 @@
-//! The exact hull of the solution set of `A x = b` (Rohn, *Reliable Computing* 11 (2005); METHODS 4.3): the hull of the solutions of
-//! `A_c x - b_c = T_y (Delta |x| + delta)` over all sign vectors `y`.
+//! The exact hull of the solution set of `A x = b` (Rohn, *Reliable Computing* 11 (2005); docs/theory.md, "Square
+//! systems"): the hull of the solutions of `A_c x - b_c = T_y (Delta |x| + delta)` over all sign vectors `y`.
 
 use super::column;
 use crate::absolute_value::{Equations, Solution};

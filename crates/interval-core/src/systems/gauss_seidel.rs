@@ -1,7 +1,9 @@
-//! The interval Gauss-Seidel iteration on the preconditioned system (Neumaier 1990, section 4.3; Moore, Kearfott and Cloud 2009).
+//! The interval Gauss-Seidel iteration on the preconditioned system (Neumaier 1990, section 4.3; Moore, Kearfott and
+//! Cloud 2009).
 //!
-//! `C = R A`, `z = R b`; from a box that holds all solutions, `x_i` is intersected with `(z_i - sum_{j != i} C_ij x_j) / C_ii`, using what
-//! was gained at once, until nothing changes. The first box is `v max_i |z_i| / u_i` for `|I - C| v <= v - u`, `u > 0`.
+//! For `C = R A` and `z = R b`, `x_i` is intersected with `(z_i - sum_{j != i} C_ij x_j) / C_ii`, from a box that holds
+//! all solutions. Each gain is used at once, until nothing changes. The first box is `v max_i |z_i| / u_i` for
+//! `|I - C| v <= v - u`, `u > 0`.
 
 use super::column;
 use crate::error::Error;
@@ -11,10 +13,12 @@ use crate::matrix::IntervalMatrix;
 use crate::regularity::{Preconditioned, Witness, slack};
 use crate::rounding::{div_up, mul_up};
 
-/// Sweeps end when nothing changes any more, or here.
+/// Sweeps at most; they end before if nothing changes. Each sweep keeps an enclosure, so any number is sound (Neumaier
+/// 1990, section 4.3).
 const SWEEPS: usize = 60;
 
-/// Encloses every solution of `A x = b` for members `A`, `b`; not applicable where no `v` with `|I - R A| v < v` is found.
+/// Encloses every solution of `A x = b` for members `A`, `b`. The method does not apply if no `v` with
+/// `|I - R A| v < v` is found.
 ///
 /// # Errors
 /// Shapes that do not fit.

@@ -38,7 +38,8 @@ impl Method {
         }
     }
 
-    /// The solutions of systems of order `n` whose matrices (row-major) and right-hand sides follow each other, on all threads.
+    /// The solutions of systems of order `n` whose matrices (row-major) and right-hand sides follow each other, on all
+    /// threads.
     ///
     /// # Errors
     /// Lengths that are not whole systems, and bad bounds.

@@ -124,28 +124,28 @@ impl Interval {
         self.0.mignitude()
     }
 
-    /// Whether nothing is inside.
+    /// True if nothing is inside.
     #[getter]
     fn empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Whether the number is inside.
+    /// True if the number is inside.
     fn contains(&self, point: f64) -> bool {
         self.0.contains(point)
     }
 
-    /// Whether this lies in the other.
+    /// True if this lies in the other.
     fn subset(&self, other: &Self) -> bool {
         self.0.subset(other.0)
     }
 
-    /// Whether this lies in the inside of the other.
+    /// True if this lies in the inside of the other.
     fn interior(&self, other: &Self) -> bool {
         self.0.interior(other.0)
     }
 
-    /// Whether no number is in both.
+    /// True if no number is in both.
     fn disjoint(&self, other: &Self) -> bool {
         self.0.disjoint(other.0)
     }

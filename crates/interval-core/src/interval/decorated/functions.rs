@@ -9,8 +9,8 @@ fn on_domain(inside: bool) -> Decoration {
     if inside { Decoration::Com } else { Decoration::Trv }
 }
 
-/// The decoration of a step function: constant on the box it is continuous there, and at its ends too unless a step lies on
-/// one of them.
+/// The decoration of a step function: constant on the box it is continuous there, and at its ends too unless a step
+/// lies on one of them.
 fn steps(result: Interval, step_at_end: bool) -> Decoration {
     match (result.is_singleton(), step_at_end) {
         (false, _) => Decoration::Def,

@@ -1,4 +1,4 @@
-//! Decorated intervals: an interval with what is known of the function that produced it (IEEE 1788, clause 11).
+//! Decorated intervals: an interval with a proved property of the function that produced it (IEEE 1788, clause 11).
 
 mod functions;
 
@@ -8,7 +8,7 @@ use crate::error::Error;
 use std::fmt;
 use std::str::FromStr;
 
-/// What is proved of a function on the box that it was evaluated on, weakest first.
+/// The property that is proved of a function on the box of its arguments, weakest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Decoration {
     /// Not an interval.
@@ -50,8 +50,8 @@ impl FromStr for Decoration {
 
 /// An interval and its decoration.
 ///
-/// Invariant: an empty interval carries at most `trv`, an unbounded one at most `dac`; `ill` goes with the empty interval
-/// and is [`NAI`](Self::NAI), "not an interval", which every operation hands on.
+/// Invariant: an empty interval carries at most `trv`, an unbounded one at most `dac`; `ill` goes with the empty
+/// interval and is [`NAI`](Self::NAI), "not an interval", which every operation hands on.
 ///
 /// # Example
 /// ```
@@ -80,10 +80,10 @@ fn weakest(operands: &[DecoratedInterval]) -> Decoration {
 }
 
 impl DecoratedInterval {
-    /// Not an interval: what bad input gives, for ever.
+    /// Not an interval: the result of bad input, which every further operation keeps.
     pub const NAI: Self = Self { interval: Interval::EMPTY, decoration: Decoration::Ill };
 
-    /// `interval` with `decoration`, weakened to what it can carry (`setDec`); `ill` gives [`NAI`](Self::NAI).
+    /// `interval` with `decoration`, weakened to one that it can carry (`setDec`); `ill` gives [`NAI`](Self::NAI).
     #[must_use]
     pub fn new(interval: Interval, decoration: Decoration) -> Self {
         let most = if interval.is_empty() {
@@ -111,7 +111,7 @@ impl DecoratedInterval {
         self.decoration
     }
 
-    /// Whether it is [`NAI`](Self::NAI).
+    /// True if it is [`NAI`](Self::NAI).
     #[must_use]
     pub fn is_nai(self) -> bool {
         self.decoration == Decoration::Ill
@@ -128,7 +128,7 @@ impl DecoratedInterval {
         Self::carry(operands, result, Decoration::Trv)
     }
 
-    /// How the two lie; `None` where one is [`NAI`](Self::NAI).
+    /// The position of one against the other; `None` if one is [`NAI`](Self::NAI).
     #[must_use]
     pub fn overlap(self, other: Self) -> Option<Overlap> {
         Some(self.interval()?.overlap(other.interval()?))

@@ -21,10 +21,11 @@ fn clip_ends(x: Interval, from: End, to: End) -> Interval {
     clip(x, from.at, to.at)
 }
 
-/// `{s : y s in w for some y}` for `w`, `y` given by their ends: where a quotient of ends bounds it and where nothing does.
+/// `{s : y s in w for some y}` for `w`, `y` given by their ends: where a quotient of ends bounds it and where nothing
+/// does.
 ///
-/// The ends are ordered pairs; `quotient(i, j)` brackets what stands for `w_i / y_j` on the caller's scale, where
-/// `bottom` and `top` stand for the infinite quotients and `centre` for 0.
+/// The ends are ordered pairs; `quotient(i, j)` brackets the value of `w_i / y_j` on the caller's scale, where `bottom`
+/// and `top` stand for the infinite quotients and `centre` for 0.
 struct Division<F: Fn(usize, usize) -> Bracket> {
     /// Signs of the ends, -2 and 2 for infinite ones.
     pub w: [i8; 2],

@@ -1,7 +1,7 @@
 //! Reverse operations: the members of `x` that an operation takes into `c` (IEEE 1788, 10.5.4 and table 10.1).
 //!
-//! The solutions form branches whose ends are real numbers known by both their roundings. Whether a double lies on a
-//! branch is then decided exactly, so each result is the tightest interval around the members.
+//! The solutions form branches whose ends are real numbers known by both their roundings. The question whether a double
+//! lies on a branch is then decided exactly, so each result is the tightest interval around the members.
 
 mod division;
 mod periodic;

@@ -12,7 +12,8 @@ fn solving(x: Interval, value: Bracket, c: Interval) -> Interval {
 
 /// The branches of a periodic function on whose pieces `n` it is monotone: least and greatest solutions in `x`.
 ///
-/// `x` is not a point. `branch(n)` are the ends of the solutions on piece `n`, which has some; `piece(t)` is the number of the piece of `t`.
+/// `x` is not a point. `branch(n)` are the ends of the solutions on piece `n`, which has some; `piece(t)` is the number
+/// of the piece of `t`.
 fn periodic(x: Interval, piece: impl Fn(f64) -> Option<i64>, branch: impl Fn(i64) -> (Bracket, Bracket)) -> Interval {
     let part = |n: i64| {
         let (from, to) = branch(n);

@@ -17,16 +17,16 @@ pub(crate) struct Ends {
     pub tight: bool,
 }
 
-/// Orders below this are not worth a thread.
+/// Orders below this run on one thread: the start of others costs more than it saves.
 const PARALLEL: usize = 6;
-/// Solutions that may attain an end and are refined; of any others the unrefined bound counts.
+/// Solutions that may attain an end and are refined, a bound of the time. The unrefined bound of any others counts.
 const CANDIDATES: usize = 32;
 
-/// One end of one entry: the bound, what is attained, whether it is tight.
+/// One end of one entry: the bound, the attained value, and true if the bound is tight.
 type End = (f64, f64, bool);
 
-/// What the vertices attain that row `i` and column `j` of the signs name for entry `ij`: the hull, where every entry of the inverse is
-/// proved to keep its sign. `magnitude` is 0 where an entry is.
+/// The values of entry `ij` at the vertices that row `i` and column `j` of the signs name. They are the hull if every
+/// entry of the inverse is proved to keep its sign. `magnitude` is 0 for an entry that is 0.
 pub(super) fn by_signs(a: &IntervalMatrix, signs: &[bool], magnitude: &[f64]) -> Option<Ends> {
     let n = a.rows();
     let positive = |i: usize, j: usize| signs[i * n + j];
@@ -52,8 +52,8 @@ pub(super) fn by_signs(a: &IntervalMatrix, signs: &[bool], magnitude: &[f64]) ->
     collect(&rows?.into_iter().flatten().collect::<Vec<_>>())
 }
 
-/// The hull from all sign vectors, for a matrix that is proved regular. Without a bound of the magnitudes of the inverses it
-/// follows from the solutions themselves.
+/// The hull from all sign vectors, for a matrix that is proved regular. Without a bound of the magnitudes of the
+/// inverses it follows from the solutions themselves.
 pub(crate) fn by_sign_accord(a: &IntervalMatrix, magnitude: Option<Vec<f64>>) -> Option<Ends> {
     let n = a.rows();
     // A row without radius has one sign.
@@ -130,9 +130,9 @@ fn upper_end(solution: &Solution, magnitude: &[f64], i: usize) -> End {
     (bound, if tight { bound.next_down() } else { solution.lower(magnitude, i).0 }, tight)
 }
 
-/// Upper bounds `H` of the magnitudes of all members' inverses from the solutions of all sign vectors, which attain them: with `X` the
-/// largest approximations and `P` the largest residuals `H <= X + H P`, so in each row `max H <= max X / (1 - q)`, `q` the largest
-/// column sum of `P`.
+/// Upper bounds `H` of the magnitudes of all members' inverses from the solutions of all sign vectors, which attain
+/// them: with `X` the largest approximations and `P` the largest residuals `H <= X + H P`, so in each row
+/// `max H <= max X / (1 - q)`, `q` the largest column sum of `P`.
 fn magnitude_of(solutions: &[Vec<Solution>], n: usize) -> Option<Vec<f64>> {
     use crate::rounding::{add_up, div_up, mul_up, sub_down};
     let (mut x, mut rest) = (vec![0.0_f64; n * n], vec![0.0_f64; n * n]);

@@ -1,13 +1,15 @@
-//! The exact hull of the inverse (Rohn and Farhadsefat, ELA 22 (2011); METHODS 4.2).
+//! The exact hull of the inverse (Rohn and Farhadsefat, ELA 22 (2011); docs/theory.md, "Inverses").
 //!
-//! Over a regular interval matrix every entry of the inverse attains its extremes at vertex matrices. Which ones:
-//! - *sign-stable* (S): where every entry of the inverse keeps its sign, the two vertices of entry `ij` follow from row `i` and
-//!   column `j` of the signs;
+//! Over a regular interval matrix every entry of the inverse attains its extremes at vertex matrices. Four forms find
+//! the hull:
+//! - *sign-stable* (S): if every entry of the inverse keeps its sign, the two vertices of entry `ij` follow from row
+//!   `i` and column `j` of the signs;
 //! - *unit midpoint* (U): `I` plus or minus radii has a closed form;
 //! - *sign accord* (B): column `j` over all sign vectors `y` solves `A_c x - T_y Delta |x| = e_j`: `n 2^n` solutions;
 //! - *vertices* (V): all `2^(2n-1)` of them in rational arithmetic, the cross-check.
 //!
-//! S and B are the same computation, [`absolute_value`](crate::absolute_value), over few or over all sign vectors.
+//! The forms S and B are the same computation, [`absolute_value`](crate::absolute_value), over few or over all sign
+//! vectors.
 
 mod ends;
 mod three;
@@ -114,11 +116,11 @@ fn by_accord_of(a: &IntervalMatrix, scaled: &Scaled, witness: Witness) -> Outcom
     }
 }
 
-/// What is known of a matrix without cutting it.
+/// The findings on a matrix that is not cut.
 pub(crate) enum Settled {
     /// Its exact hull.
     Hull { ends: Ends, witness: Witness },
-    /// Regular, with an enclosure and with what some members attain, but too large for an exact form.
+    /// Regular, with an enclosure and with the values that some members attain, but too large for an exact form.
     Regular { enclosure: IntervalMatrix, attained: Option<Ends> },
     /// Strong regularity is not proved.
     Open,
@@ -126,7 +128,7 @@ pub(crate) enum Settled {
 
 /// The hull of a strongly regular matrix by the cheapest form that applies.
 ///
-/// `attain` asks for what members attain where the hull is not found.
+/// `attain` asks for the values that members attain if the hull is not found.
 pub(crate) fn settle(a: &IntervalMatrix, attain: bool) -> Settled {
     let n = a.rows();
     let Some(preconditioned) = Preconditioned::new(a) else { return Settled::Open };
@@ -160,10 +162,11 @@ pub(crate) fn settle(a: &IntervalMatrix, attain: bool) -> Settled {
     Settled::Regular { enclosure, attained }
 }
 
-/// Up to this order attained values are those of the vertices that the signs of the midpoint's inverse name.
+/// The largest order at which attained values are sought at the vertices that the signs of the midpoint's inverse name,
+/// `2 n^2` systems. Larger orders take the midpoint.
 const ATTAIN_LIMIT: usize = 24;
 
-/// What the midpoint attains.
+/// The values that the midpoint attains.
 fn at_midpoint(a: &IntervalMatrix) -> Option<Ends> {
     let n = a.rows();
     let point = IntervalMatrix::from_points(n, n, &a.midpoint());

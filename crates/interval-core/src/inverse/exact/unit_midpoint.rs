@@ -1,5 +1,6 @@
-//! The closed form for a midpoint that is the identity (Rohn, *Explicit inverse of an interval matrix with unit midpoint*, ELA 22 (2011)
-//! 138-150): with `M = (I - Delta)^-1` the hull is `[-M_ij, M_ij]` off the diagonal and `[M_ii / (2 M_ii - 1), M_ii]` on it.
+//! The closed form for a midpoint that is the identity (Rohn, *Explicit inverse of an interval matrix with unit
+//! midpoint*, ELA 22 (2011) 138-150): with `M = (I - Delta)^-1` the hull is `[-M_ij, M_ij]` off the diagonal and
+//! `[M_ii / (2 M_ii - 1), M_ii]` on it.
 
 use super::ends::Ends;
 use crate::inverse::hansen_bliek_rohn::Tail;
@@ -43,7 +44,7 @@ pub(super) fn hull(a: &IntervalMatrix, v: &[f64]) -> Option<Ends> {
     Some(Ends { lower, upper, attained_lower, attained_upper, tight: false })
 }
 
-/// Whether `1 - x` is computed without rounding, for `0 < x < 2`.
+/// True if `1 - x` is computed without rounding, for `0 < x < 2`.
 fn exact(x: f64) -> bool {
     1.0 - (1.0 - x) == x
 }

@@ -1,7 +1,8 @@
-//! The vertex form (Rohn and Farhadsefat, ELA 22 (2011); METHODS 4.2 V): over a regular
-//! interval matrix every entry of the inverse attains its extremes at vertex matrices `A_c - T_y Delta T_z`.
+//! The vertex form (Rohn and Farhadsefat, ELA 22 (2011); docs/theory.md, "Inverses"): over a regular interval matrix
+//! every entry of the inverse attains its extremes at vertex matrices `A_c - T_y Delta T_z`.
 //!
-//! The vertex inverses are computed in exact integer arithmetic, so the bounds are those of the hull, rounded outward once.
+//! The vertex inverses are computed in exact integer arithmetic, so the bounds are those of the hull, rounded outward
+//! once.
 
 use crate::error::Error;
 use crate::exact::{self, ratio_down, ratio_up};

@@ -1,10 +1,11 @@
-//! The extremes of the sweep without the sweep: every entry of `(A_c + tau Delta)^-1` is a rational function of `tau`, so over the members
-//! `tau = j / N` its extremes stand at the ends and beside stationary points.
+//! The extremes of the sweep at fewer members. Every entry of `(A_c + tau Delta)^-1` is a rational function of `tau`,
+//! so over the members `tau = j / N` its extremes stand at the ends and beside stationary points.
 //!
-//! About a centre `c` with `B = (A_c + c Delta)^-1` and `E = B Delta` the inverse is `sum_k (-s E)^k B`, `s = tau - c`. On segments where
-//! `|s| ||E|| <= 1/4` thirty terms reach the last bit. There each entry's derivative is bounded away from zero, or the piece is
-//! halved, down to pieces with a few members, which are all candidates. The best candidates of every entry are then inverted as in
-//! the sweep, so that the result has the bits of members of the sweep. The work does not depend on `N` but for the logarithmic halving.
+//! About a centre `c` with `B = (A_c + c Delta)^-1` and `E = B Delta` the inverse is `sum_k (-s E)^k B`, `s = tau - c`.
+//! On segments where `|s| ||E|| <= 1/4` thirty terms reach the last bit. There each entry's derivative is bounded away
+//! from zero, or the piece is halved, down to pieces with a few members, which are all candidates. The best candidates
+//! of every entry are then inverted as in the sweep, so that the result has the bits of members of the sweep. The work
+//! does not depend on `N` but for the logarithmic halving.
 
 use super::{Extremes, Form, Members};
 use crate::approximate;
@@ -13,7 +14,7 @@ use std::collections::BTreeSet;
 
 /// Terms of the series: `4^-30` is below the unit roundoff.
 const TERMS: usize = 30;
-/// Members that are inverted directly instead of being cut further.
+/// Members that are inverted directly: so few cost less than a further cut.
 const FEW: u64 = 24;
 
 /// Extremes over both sets; `None` at a singular member.

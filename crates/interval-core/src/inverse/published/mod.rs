@@ -1,14 +1,14 @@
 //! The partitioned hull inverse of the paper, literally (section IV.C, eq. 11-13), and the hull over both of its sets.
 //!
-//! With `delta = Delta / N` the sets are `I = {lo + k delta}` and `S = {hi - k delta}`, `k = 0 .. N - 1` (in the paper's step 2 the
-//! printed `n` stands for `N`). Eq. 11 takes the smallest inverse over `I` and the largest over `S`. Entries of the inverse that
-//! fall while `A` grows come out improper, and in two dimensions or more both sets lie on one diagonal of the box of
-//! matrices, so the result encloses nothing. Its status is never `Enclosed`.
+//! With `delta = Delta / N` the sets are `I = {lo + k delta}` and `S = {hi - k delta}`, `k = 0 .. N - 1` (in the
+//! paper's step 2 the printed `n` stands for `N`). Eq. 11 takes the smallest inverse over `I` and the largest over `S`.
+//! Entries of the inverse that fall while `A` grows come out improper, and in two dimensions or more both sets lie on
+//! one diagonal of the box of matrices, so the result encloses nothing. Its status is never `Enclosed`.
 //!
-//! Both sets are `A_c - tau Delta` and `A_c + tau Delta` for `tau = j / N`, `j = 1 .. N`. Every member is inverted, several in the lanes of
-//! a vector and chunks of them on all threads, and nothing is kept but the extremes. Up to order 3 cofactors and determinant are
-//! evaluated as polynomials in `tau` ([`polynomial`]), beyond it members are eliminated ([`elimination`]). The extremes do not depend
-//! on vectors, threads or chunks, to the bit.
+//! Both sets are `A_c - tau Delta` and `A_c + tau Delta` for `tau = j / N`, `j = 1 .. N`. Every member is inverted,
+//! several in the lanes of a vector and chunks of them on all threads, and nothing is kept but the extremes. Up to
+//! order 3 cofactors and determinant are evaluated as polynomials in `tau` ([`polynomial`]), beyond it members are
+//! eliminated ([`elimination`]). The extremes do not depend on vectors, threads or chunks, to the bit.
 
 mod elimination;
 mod extrema;
@@ -29,13 +29,13 @@ use crate::status::Status;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// N where the caller names no other number.
+/// The number N of partitions if the caller names no other: a bound of the time.
 pub const DEFAULT_PARTITIONS: u64 = 1000;
 
-/// The largest order of the sweep.
+/// The largest order of the sweep, whose elimination keeps one member in cache.
 pub const ORDER_LIMIT: usize = 64;
 
-/// What is taken from the two sets.
+/// The choice of extremes from the two sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     /// Eq. 11 as printed: the least over `I` and the largest over `S`; improper entries are kept.
@@ -45,7 +45,7 @@ pub enum Form {
 }
 
 named! {
-    /// How the extremes are found.
+    /// The way in which the extremes are found.
     Sweep, "sweep" {
         /// Every member of both sets is inverted.
         Members => "members",
@@ -142,7 +142,8 @@ fn not_an_enclosure(value: Endpoints) -> Outcome {
     Outcome { status: Status::NotProved, value, certificate: None, gap: None, reason: Some(reason) }
 }
 
-/// Extremes of the inverses over each set, row-major. For the literal form only `infima.lower` and `suprema.upper` are found.
+/// Extremes of the inverses over each set, row-major. For the literal form only `infima.lower` and `suprema.upper` are
+/// found.
 #[derive(Debug, Clone)]
 struct Extremes {
     infima: Endpoints,
@@ -207,7 +208,8 @@ impl<'a> Members<'a> {
     /// Extremes over all members; `None` at a singular one, or when the monitor stops.
     fn sweep(&self, form: Form, monitor: &Monitor) -> Option<Extremes> {
         let n = self.a.rows() as u64;
-        // A chunk takes some tenths of a millisecond: enough to hide the cost of a task, short enough to share out and to stop.
+        // A chunk takes some tenths of a millisecond: enough to hide the cost of a task, short enough to share out and
+        // to stop.
         let chunk = (1_000_000 / (n * n * n)).clamp(8, 16_384).next_multiple_of(8);
         let part = |at: u64| {
             if monitor.stopped() {

@@ -1,10 +1,11 @@
 //! Orders up to 3: entries of the inverse as ratios of polynomials in `tau`, both signs of `tau` at once.
 //!
-//! A cofactor of `A_c + tau Delta` is `c_0 + c_1 tau + c_2 tau^2`, the determinant has one term more; at `-tau` the odd terms change their
-//! sign. The coefficients are sums of products of midpoints and radii in twice the working precision, rounded once. With
-//! `S` the cofactor's permanent over `|A_c| + |Delta|` and `D` that of the determinant, a cofactor is within `6 u S` and the determinant within
-//! `8 u D` of the exact ones, so an entry `x = c / d` is within `(6 S + 8 |x| D) u / |d| + 2 u |x|`: what cofactors and determinants
-//! evaluated from the entries of the member lose too, up to the constants.
+//! A cofactor of `A_c + tau Delta` is `c_0 + c_1 tau + c_2 tau^2`, and the determinant has one term more. At `-tau` the
+//! odd terms change their sign. The coefficients are sums of products of midpoints and radii in twice the working
+//! precision, rounded once. With `S` the cofactor's permanent over `|A_c| + |Delta|` and `D` that of the determinant, a
+//! cofactor is within `6 u S` and the determinant within `8 u D` of the exact ones, so an entry `x = c / d` is within
+//! `(6 S + 8 |x| D) u / |d| + 2 u |x|`: cofactors and determinants that are evaluated from the entries of the member
+//! lose as much, up to the constants.
 
 use super::{Extremes, Form};
 use crate::elementary::{Dd, two_sum};
@@ -12,6 +13,7 @@ use crate::lanes::{Vector, backends};
 use crate::matrix::IntervalMatrix;
 use std::ops::Range;
 
+/// Entries of order 3, the largest order whose entries are ratios of polynomials here.
 const ENTRIES: usize = 9;
 
 /// Coefficients of the adjugate, row-major, and of the determinant by powers of `tau`.

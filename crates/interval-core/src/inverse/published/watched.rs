@@ -11,13 +11,13 @@ use std::time::Duration;
 /// Told some times a second how many partitions of a long sweep are done; `Break` ends the sweep.
 pub type Watch<'a> = dyn FnMut(u64) -> ControlFlow<()> + 'a;
 
-/// Operations of a sweep that takes some milliseconds: nobody has to watch it.
+/// Operations of a sweep that takes some milliseconds, which is too short to be watched.
 const SHORT: u64 = 20_000_000;
 
-/// How often the caller is asked.
+/// The time between two calls of the caller's function.
 const GLANCE: Duration = Duration::from_millis(50);
 
-/// Whether a sweep takes so long that it is worth watching. Looking for the extrema alone never does.
+/// True if a sweep takes long enough to be watched. The search for the extrema alone never does.
 const fn is_long(order: usize, partitions: u64, sweep: Sweep) -> bool {
     match sweep {
         Sweep::Members => partitions.saturating_mul((order as u64).saturating_pow(3)) > SHORT,
@@ -25,8 +25,8 @@ const fn is_long(order: usize, partitions: u64, sweep: Sweep) -> bool {
     }
 }
 
-/// [`published_with`]. Where somebody watches, a long sweep has a thread of its own: `watch` is told the partitions done, and ends
-/// it by `Break`.
+/// [`published_with`]. A long sweep that is watched has a thread of its own: `watch` is told the partitions done, and
+/// ends it by `Break`.
 pub(crate) fn watched(
     a: &IntervalMatrix,
     partitions: u64,

@@ -15,8 +15,8 @@ use std::arch::x86_64::{
 #[derive(Clone, Copy)]
 pub(super) struct Avx2(__m256d);
 
-// SAFETY of every block below: the door builds these vectors only inside functions with AVX2 and FMA, on a processor that
-// has them; loads and stores are of slices whose length is asserted.
+// SAFETY of every block below: the door builds these vectors only inside functions with AVX2 and FMA, on a processor
+// that has them; loads and stores are of slices whose length is asserted.
 impl Lanes for Avx2 {
     type Mask = __m256d;
     const N: usize = 4;

@@ -11,7 +11,9 @@ use std::arch::x86_64::{
     _mm512_sqrt_round_pd, _mm512_storeu_pd, _mm512_sub_pd, _mm512_sub_round_pd, _mm512_xor_si512,
 };
 
+/// Rounding downward, stated by the instruction itself (AVX-512 embedded rounding).
 const DOWN: i32 = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
+/// Rounding upward, stated by the instruction itself.
 const UP: i32 = _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC;
 
 /// Eight doubles.
@@ -20,8 +22,8 @@ pub(super) struct Avx512(__m512d);
 
 type Outcome = (Avx512, Avx512, bool);
 
-// SAFETY of every block below: the door calls these functions only inside functions with AVX-512F, on a processor that has
-// it; loads and stores are of slices whose length is asserted.
+// SAFETY of every block below: the door calls these functions only inside functions with AVX-512F, on a processor that
+// has it; loads and stores are of slices whose length is asserted.
 impl Block for Avx512 {
     const N: usize = 8;
 
@@ -72,13 +74,13 @@ fn not_negative(mask: __mmask8, x: __m512d) -> __mmask8 {
     unsafe { _mm512_mask_cmp_pd_mask::<_CMP_LE_OQ>(mask, _mm512_setzero_pd(), x) }
 }
 
-/// Whether no lane is NaN or infinite: the difference of the bounds tells.
+/// True if no lane is NaN or infinite: the difference of the bounds tells.
 #[inline(always)]
 fn bounded(lo: __m512d, hi: __m512d) -> bool {
     unsafe { less(_mm512_sub_pd(hi, lo), _mm512_set1_pd(f64::INFINITY)) == 0xff }
 }
 
-/// Infinities add up to what they should; only an empty operand beside an unbounded one gives NaN.
+/// Infinities add up to the right bounds; only an empty operand beside an unbounded one gives NaN.
 #[inline(always)]
 pub(super) fn add(a: Avx512, b: Avx512, c: Avx512, d: Avx512) -> Outcome {
     unsafe {
@@ -95,8 +97,8 @@ pub(super) fn sub(a: Avx512, b: Avx512, c: Avx512, d: Avx512) -> Outcome {
     }
 }
 
-/// As the kernel's: two products a bound, chosen by the signs of `a` and `b`. A product of zero and infinity is NaN; where
-/// the minimum or maximum passes over it the other product is the right result, else the result is not bounded.
+/// As the kernel's: two products a bound, chosen by the signs of `a` and `b`. A product of zero and infinity is NaN;
+/// where the minimum or maximum passes over it the other product is the right result, else the result is not bounded.
 #[inline(always)]
 pub(super) fn mul(a: Avx512, b: Avx512, c: Avx512, d: Avx512) -> Outcome {
     unsafe {
@@ -146,8 +148,8 @@ pub(super) fn sqrt(a: Avx512, b: Avx512) -> Outcome {
     }
 }
 
-/// A row times 16 packed columns. All bounds are finite: a lower sum can only fall to -inf, an upper one only rise to inf,
-/// so nothing is NaN.
+/// A row times 16 packed columns. All bounds are finite: a lower sum can only fall to -inf, an upper one only rise to
+/// inf, so nothing is NaN.
 #[inline(always)]
 pub(super) fn group_product(a: (&[f64], &[f64]), block: (&[f64], &[f64]), sums: &mut ([f64; 16], [f64; 16])) {
     unsafe {

@@ -15,7 +15,7 @@ use crate::rounding;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::OnceLock;
 
-/// Where the operations on slices run.
+/// The back end of the operations on slices.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Backend {
@@ -31,7 +31,7 @@ impl Backend {
     /// All of them, the most capable last.
     pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
 
-    /// Whether this processor has it.
+    /// True if this processor has it.
     #[must_use]
     pub fn is_available(self) -> bool {
         match self {
@@ -75,8 +75,8 @@ pub(super) trait Block: Copy {
     const N: usize;
     fn load(from: &[f64]) -> Self;
     fn store(self, to: &mut [f64]);
-    /// Whether every lane is an interval with a finite point. `hi - lo >= 0` says all of it: the difference is NaN for a
-    /// bound that is NaN and for two equal infinities, and underflow is gradual.
+    /// True if every lane is an interval with a finite point. `hi - lo >= 0` says all of it: the difference is NaN for
+    /// a bound that is NaN and for two equal infinities, and underflow is gradual.
     fn proper(lo: Self, hi: Self) -> bool;
     /// The same of two intervals.
     fn both_proper(a: Self, b: Self, c: Self, d: Self) -> bool;
@@ -103,8 +103,8 @@ impl<L: Lanes> Block for L {
     }
 }
 
-// The loops over blocks: `fast` on two vectors at a time, `slow` on the intervals of a block for which it is not sound and on
-// the rest. Macros, because a function passed as a value would be compiled without the features of the caller.
+// The loops over blocks: `fast` on two vectors at a time, `slow` on the intervals of a block for which it is not sound
+// and on the rest. Macros, because a function passed as a value would be compiled without the features of the caller.
 macro_rules! unary_blocks {
     ($block:ty, $x:ident, $out:ident, $fast:path, $slow:expr) => {{
         let n = <$block as Block>::N;
@@ -289,12 +289,12 @@ pub fn binary(op: Binary, x: Bounds<'_>, y: Bounds<'_>, out: BoundsMut<'_>) -> R
     first.and(second.map_err(|error| error.moved(middle)))
 }
 
-/// What one thread does at a time: some tens of microseconds.
+/// The numbers that one thread takes at a time: some tens of microseconds.
 fn portion(arithmetic: bool) -> usize {
     if arithmetic { 1 << 16 } else { 1 << 9 }
 }
 
-/// [`unary`] on the caller's thread and a back end of its choice; the portable one where the processor lacks it.
+/// [`unary`] on the caller's thread and a back end of its choice. The portable one is used if the processor lacks it.
 ///
 /// # Errors
 /// Different lengths, bounds that are no interval, and a changed rounding mode.
@@ -312,7 +312,7 @@ pub fn unary_with(backend: Backend, op: Unary, x: Bounds<'_>, out: BoundsMut<'_>
     }
 }
 
-/// [`binary`] on the caller's thread and a back end of its choice; the portable one where the processor lacks it.
+/// [`binary`] on the caller's thread and a back end of its choice. The portable one is used if the processor lacks it.
 ///
 /// # Errors
 /// Different lengths, bounds that are no interval, and a changed rounding mode.

@@ -1,8 +1,8 @@
 //! The operations by error-free transformations, written once over vectors of any width.
 //!
-//! Each returns both bounds and whether all lanes are exact to the last bit; where that is false the block is redone by
-//! the scalar operators. `lower` and `upper` results are found by rounding to nearest and stepping to the neighbour where
-//! the exact error says so, as in [`super::super::scalar`].
+//! Each returns both bounds and whether all lanes are exact to the last bit. If that is false, the block is redone by
+//! the scalar operators. `lower` and `upper` results are found by rounding to nearest and stepping to the neighbour
+//! where the exact error says so, as in [`super::super::scalar`].
 
 /// A vector of doubles. `Mask` holds one truth value a lane.
 pub(super) trait Lanes: Copy {
@@ -10,7 +10,7 @@ pub(super) trait Lanes: Copy {
     /// Number of lanes.
     const N: usize;
 
-    /// The first `N` of the slice, which has at least so many.
+    /// The first `N` numbers of the slice, which has at least `N`.
     fn load(from: &[f64]) -> Self;
     fn store(self, to: &mut [f64]);
     fn splat(x: f64) -> Self;
@@ -25,8 +25,8 @@ pub(super) trait Lanes: Copy {
     fn min(self, b: Self) -> Self;
     /// The larger; `b` where one is NaN.
     fn max(self, b: Self) -> Self;
-    /// A number with the sign of `self * b - c`, exactly the difference where it is a double, for `c` near the product and
-    /// a product of at least 2^-969; NaN where that is not certain.
+    /// A number with the sign of `self * b - c`, exactly the difference where it is a double, for `c` near the product
+    /// and a product of at least 2^-969; NaN where that is not certain.
     fn product_less(self, b: Self, c: Self) -> Self;
     fn less(self, b: Self) -> Self::Mask;
     fn less_equal(self, b: Self) -> Self::Mask;
@@ -42,6 +42,7 @@ pub(super) trait Lanes: Copy {
 
 /// 2^-969 and 2^1022: between them a product's error is a double.
 const SAFE: f64 = f64::from_bits((1023 - 969) << 52);
+/// 2^1022, the upper end of that range: sums of two such numbers do not overflow.
 const LARGE: f64 = f64::from_bits((1023 + 1022) << 52);
 /// The smallest normal number.
 const NORMAL: f64 = f64::MIN_POSITIVE;
@@ -89,7 +90,7 @@ fn deciding<L: Lanes>(p: (L, L), q: (L, L), least: bool) -> L {
     L::select(first, p.1, L::select(second, q.1, tie))
 }
 
-/// Whether each lane is a product whose error is a double: moderate, or zero because a factor is.
+/// True if each lane is a product whose error is a double: moderate, or zero because a factor is.
 #[inline(always)]
 fn safe<L: Lanes>(product: L, x: L, y: L) -> L::Mask {
     let zero = L::splat(0.0);

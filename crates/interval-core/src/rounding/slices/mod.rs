@@ -3,13 +3,14 @@
 //! Results are the tightest intervals, which are unique, and a zero is always +0: so whichever back end the processor
 //! allows, and however a slice is cut, the bits are those of the operators of [`Interval`](crate::Interval).
 //!
-//! - *portable*: error-free transformations in the vector registers that every processor of the architecture has: SSE2 with
-//!   products by Dekker's splitting; elsewhere small arrays that the compiler maps to them (NEON has a fused product).
+//! - *portable*: error-free transformations in the vector registers that every processor of the architecture has: SSE2
+//!   with products by Dekker's splitting. Elsewhere it uses small arrays that the compiler maps to them (NEON has a
+//!   fused product).
 //! - *AVX2 + FMA*: the same transformations with intrinsics.
 //! - *AVX-512*: the instructions round downward and upward themselves.
 //!
-//! Blocks with operands on which a transformation is not exact (infinities, empty intervals, results near the ends of the
-//! range) are redone one interval at a time.
+//! Blocks with operands on which a transformation is not exact (infinities, empty intervals, results near the ends of
+//! the range) are redone one interval at a time.
 
 #![expect(clippy::inline_always, reason = "kernels are compiled inside functions with wider instruction sets")]
 

@@ -29,7 +29,7 @@ impl<'a> Bounds<'a> {
         self.lo.len()
     }
 
-    /// Whether there are none.
+    /// True if there are none.
     #[must_use]
     pub fn is_empty(self) -> bool {
         self.lo.is_empty()
@@ -58,7 +58,7 @@ impl<'a> Bounds<'a> {
     }
 }
 
-/// Where results go: two slices of the operands' length.
+/// The place of results: two slices of the operands' length.
 #[derive(Debug)]
 pub struct BoundsMut<'a> {
     /// Lower bounds.
@@ -132,13 +132,13 @@ macro_rules! operations {
                 match name { $($text => Some(Self::$name),)* _ => None }
             }
 
-            /// Whether it is cheap: arithmetic and sets, not elementary functions.
+            /// True if it is cheap: arithmetic and sets, not elementary functions.
             #[must_use]
             pub fn is_arithmetic(self) -> bool {
                 ARITHMETIC.contains(&self.name())
             }
 
-            /// The operation on one interval: what every back end computes, bit for bit.
+            /// The operation on one interval. Every back end gives the same bits.
             #[must_use]
             pub fn scalar(self) -> $signature {
                 match self { $(Self::$name => $f,)* }

@@ -2,6 +2,7 @@
 
 use super::kernel::Lanes;
 
+/// Doubles of a vector, which the compiler splits into registers of the baseline.
 const WIDTH: usize = 4;
 
 /// Four doubles.

@@ -1,7 +1,7 @@
 //! Sums of products for matrices: one row times packed columns, each product and each partial sum rounded outward.
 //!
-//! The order of the sum is that of the inner index, as in the scalar loop, so the bits are the same on every back end and
-//! for any number of threads.
+//! The order of the sum is that of the inner index, as in the scalar loop, so the bits are the same on every back end
+//! and for any number of threads.
 
 #![cfg_attr(target_arch = "x86_64", expect(unsafe_code, reason = "calls of functions whose features were asked for"))]
 

@@ -24,7 +24,8 @@ impl Sse2 {
     }
 }
 
-// SAFETY of every block below: SSE2 belongs to the architecture; loads and stores are of slices whose length is asserted.
+// SAFETY of every block below: SSE2 belongs to the architecture; loads and stores are of slices whose length is
+// asserted.
 impl Lanes for Sse2 {
     type Mask = __m128d;
     const N: usize = 2;

@@ -6,8 +6,8 @@ use crate::lanes::{Vector, backends, two_product, two_sum};
 /// Nine lower ends and nine upper ones, and room for whole vectors.
 pub(super) const PADDED: usize = 24;
 
-/// The vertices of all lanes: entry `kl` of lane `q` is the upper bound where `rows[k][q] columns[l][q] > 0` and else the lower one,
-/// `k` counted from the lane's own row `j` on.
+/// The vertices of all lanes: entry `kl` of lane `q` is the upper bound where `rows[k][q] columns[l][q] > 0` and else
+/// the lower one, `k` counted from the lane's own row `j` on.
 pub(super) struct Vertices {
     pub rows: [[f64; PADDED]; 3],
     pub columns: [[f64; PADDED]; 3],
@@ -36,8 +36,8 @@ backends!(
     pub(super) fn vertices(lo: &Square, hi: &Square, chosen: &Vertices, ends: &mut Ends) -> bool = vertex_entries
 );
 
-/// By lane the bits of a bound, and those of the bound if the error had the other sign: equal where it cannot matter. Lane `q < 9` is the
-/// lower end of entry `q`, lane `9 + q` minus its upper end.
+/// By lane the bits of a bound, and those of the bound if the error had the other sign: equal where it cannot matter.
+/// Lane `q < 9` is the lower end of entry `q`, lane `9 + q` minus its upper end.
 pub(super) struct Ends {
     pub bound: [u64; PADDED],
     pub other: [u64; PADDED],
@@ -66,7 +66,7 @@ const MIRROR: [f64; PADDED] = {
     mirror
 };
 
-/// A value and its error term, and the sum of the magnitudes of what was added.
+/// A value and its error term, and the sum of the magnitudes of the summands.
 #[derive(Clone, Copy)]
 struct Minor<V> {
     hi: V,
@@ -94,9 +94,10 @@ fn scaled<V: Vector>(x: V, c: Minor<V>) -> (V, V) {
     (p, p_error + x * c.lo)
 }
 
-/// Lane `q` is entry `ij` with `i = (q % 9) / 3`, `j = q % 3`; its matrix has row `j` first and the others behind it in turn, an even
-/// permutation, so its determinant is expanded along row `j` and its own cofactor is one of the three needed for that. What depends
-/// on `j` alone repeats with period 3. False where a determinant is not far from zero.
+/// Lane `q` is entry `ij` with `i = (q % 9) / 3`, `j = q % 3`; its matrix has row `j` first and the others behind it in
+/// turn, an even permutation, so its determinant is expanded along row `j` and its own cofactor is one of the three
+/// needed for that. Values that depend on `j` alone repeat with period 3. The result is false if a determinant is not
+/// far from zero.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
 fn vertex_entries<V: Vector>(lo: &Square, hi: &Square, chosen: &Vertices, ends: &mut Ends) -> bool {

@@ -1,12 +1,13 @@
-//! Which vertex attains each end, by inverting all of them in floats with bounds of their errors.
+//! The vertex that attains each end: all of them are inverted in floats with bounds of their errors.
 
 use super::Square;
 use super::entries::{PADDED, Vertices};
 use crate::lanes::{Vector, backends};
 use crate::rounding::slices::Backend;
 
-/// Vertex matrices `A_c - T_y Delta T_z` with `y_1 = 1`.
+/// Vertex matrices `A_c - T_y Delta T_z` with `y_1 = 1`: `2^(2n-1)` of them.
 const VERTICES: usize = 32;
+/// The unit roundoff of a double, 2^-53.
 const UNIT: f64 = f64::EPSILON / 2.0;
 
 /// Approximate entries of all vertex inverses and bounds of their errors.
@@ -15,7 +16,7 @@ struct All {
     error: [[f64; VERTICES]; 9],
 }
 
-/// The vertex of each end; `None` where more than one may attain it.
+/// The vertex of each end. The value is `None` if more than one may attain it.
 pub(super) fn find(backend: Backend, lo: &Square, hi: &Square, zero: &[bool; 9]) -> Option<Vertices> {
     let mut all = All { value: [[0.0; VERTICES]; 9], error: [[0.0; VERTICES]; 9] };
     if !invert(backend, lo, hi, &mut all) {
@@ -71,8 +72,8 @@ const SIGNS: Signs = {
 
 backends!(fn invert(lo: &Square, hi: &Square, all: &mut All) -> bool = invert_lanes);
 
-/// Cofactors are right within `2 u` of the magnitudes of their two products, the determinant within `6 u` of those of its six; the
-/// bound takes twice as much. False where a determinant is not far from zero.
+/// Cofactors are right within `2 u` of the magnitudes of their two products, the determinant within `6 u` of those of
+/// its six. The bound takes twice that. The result is false if a determinant is not far from zero.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
 fn invert_lanes<V: Vector>(lo: &Square, hi: &Square, all: &mut All) -> bool {

@@ -1,15 +1,16 @@
 //! The hull of the inverse for order 3: 18 entries of vertex inverses in twice the working precision, all at once.
 //!
 //! Steps, each with its proof:
-//! 1. `R` approximates the inverse of the midpoint, `G >= |I - R A|` for every member by an a-priori bound of the rounding
-//!    errors; `||G|| <= beta < 1` proves every member regular.
-//! 2. With `B = R + (I - R A) B`: `|B - R| <= G |R| + G^2 |R| + beta^3 / (1 - beta) max_i |R_ij|`. An entry larger than that keeps
-//!    its sign; an entry whose cofactor is zero for every member is zero.
-//! 3. An entry of the inverse falls while `a_kl` grows where `B_ik B_lj > 0`, so with fixed signs its extremes stand at two
-//!    known vertices (METHODS 4.2 S). Otherwise all 32 vertices are inverted in floats with bounds of their errors, and an end
-//!    is known where one vertex alone can attain it (METHODS 4.2 V).
-//! 4. At these vertices the cofactor and the determinant are evaluated by error-free transformations; the quotient is rounded
-//!    outward, and is the tightest bound where the error cannot change the rounding.
+//! 1. `R` approximates the inverse of the midpoint, `G >= |I - R A|` for every member by an a-priori bound of the
+//!    rounding errors. The norm `||G|| <= beta < 1` proves every member regular.
+//! 2. With `B = R + (I - R A) B`: `|B - R| <= G |R| + G^2 |R| + beta^3 / (1 - beta) max_i |R_ij|`. An entry larger than
+//!    that keeps its sign; an entry whose cofactor is zero for every member is zero.
+//! 3. An entry of the inverse falls while `a_kl` grows where `B_ik B_lj > 0`, so with fixed signs its extremes stand at
+//!    two known vertices (docs/theory.md, "Inverses", fixed signs). Otherwise all 32 vertices are inverted in floats
+//!    with bounds of their errors, and an end is known where one vertex alone can attain it
+//!    (docs/theory.md, "Inverses", all vertices).
+//! 4. At these vertices the cofactor and the determinant are evaluated by error-free transformations. The quotient is
+//!    rounded outward, and is the tightest bound where the error cannot change the rounding.
 
 mod entries;
 mod extremes;
@@ -20,13 +21,15 @@ use entries::{Ends, Vertices, vertices};
 /// Bounds by row.
 pub(super) type Square = [f64; 9];
 
-/// Entries outside are left to the general method: between them nothing over- or underflows.
+/// 2^-200: entries below it in size are left to the general method, so that nothing underflows here.
 const SMALLEST: f64 = f64::from_bits((1023 - 200) << 52);
+/// 2^200: entries above it in size are left to the general method, so that nothing overflows here.
 const LARGEST: f64 = f64::from_bits((1023 + 200) << 52);
+/// The unit roundoff of a double, 2^-53.
 const UNIT: f64 = f64::EPSILON / 2.0;
 
-/// The tightest bounds of every entry of the inverse, and an approximate inverse `R` with `|I - R A| (1, 1, 1)' < (1, 1, 1)'`;
-/// `None` where one of the steps does not decide.
+/// The tightest bounds of every entry of the inverse, and an approximate inverse `R` with
+/// `|I - R A| (1, 1, 1)' < (1, 1, 1)'`. The value is `None` if one of the steps does not decide.
 pub(super) fn hull(lo: &Square, hi: &Square) -> Option<(Square, Square, Square)> {
     let proved = Regular::prove(lo, hi)?;
     let backend = Backend::chosen();
@@ -49,7 +52,7 @@ pub(super) fn hull(lo: &Square, hi: &Square) -> Option<(Square, Square, Square)>
     tight.then_some((lower, upper, proved.r))
 }
 
-/// What the first two steps show.
+/// The result of the first two steps.
 struct Regular {
     r: Square,
     /// Entries that are zero for every member.
@@ -149,7 +152,7 @@ fn adjugate_over_determinant(m: &Square) -> Option<Square> {
     r.iter().all(|x| x.is_finite()).then_some(r)
 }
 
-/// Whether the cofactor of `a_kl` is zero for every member: each of its two products has a factor that is.
+/// True if the cofactor of `a_kl` is zero for every member: each of its two products has a factor that is.
 fn is_zero_cofactor(lo: &Square, hi: &Square, k: usize, l: usize) -> bool {
     let [p, q] = OTHERS[k];
     let [s, t] = OTHERS[l];
@@ -157,4 +160,5 @@ fn is_zero_cofactor(lo: &Square, hi: &Square, k: usize, l: usize) -> bool {
     (zero(p, s) || zero(q, t)) && (zero(p, t) || zero(q, s))
 }
 
+/// The other two indices beside each of 0, 1 and 2: the rows or columns of a minor.
 const OTHERS: [[usize; 2]; 3] = [[1, 2], [0, 2], [0, 1]];

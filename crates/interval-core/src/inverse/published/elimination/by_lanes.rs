@@ -70,8 +70,8 @@ fn lanes<V: Vector>(plan: &Plan, a: &IntervalMatrix, hull: bool, range: Range<u6
     finite(found, hull)
 }
 
-/// Inverts as many matrices as there are lanes in place with the pivots on the diagonal. Lanes of the result that are not at least 0
-/// had a pivot that was too small.
+/// Inverts as many matrices as there are lanes in place with the pivots on the diagonal. Lanes of the result that are
+/// not at least 0 had a pivot that was too small.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
 fn eliminate<V: Vector>(work: &mut [V], n: usize, least: &[f64]) -> V {

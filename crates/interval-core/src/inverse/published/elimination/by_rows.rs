@@ -55,8 +55,9 @@ const BLOCK: usize = 4;
 /// Rows are padded to the widest vector.
 const PADDED: usize = ORDER_LIMIT.next_multiple_of(8);
 
-/// The same by blocks of pivots. In place, the columns of a block end as the columns of the transformation `T` that its steps apply to
-/// the rows: outside the block row `i` becomes `row_i + sum_k T_ik row_k`, in the block `sum_k T_ik row_k`, `k` over the block.
+/// The same by blocks of pivots. In place, the columns of a block end as the columns of the transformation `T` that its
+/// steps apply to the rows: outside the block row `i` becomes `row_i + sum_k T_ik row_k`, in the block
+/// `sum_k T_ik row_k`, `k` over the block.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
 fn invert_by_blocks<V: Vector>(work: &mut [f64], n: usize, stride: usize) -> bool {

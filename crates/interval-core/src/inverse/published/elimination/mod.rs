@@ -1,8 +1,8 @@
 //! Orders above 3: Gauss-Jordan elimination in place, with fused products on every back end.
 //!
-//! Small orders put one member into each lane, all with the pivots of the midpoint. Where a pivot of a lane is much smaller than
-//! the midpoint's, that member alone is inverted again with its own pivots. Larger orders keep one member in cache and eliminate
-//! along its rows, each with its own pivots.
+//! Small orders put one member into each lane, all with the pivots of the midpoint. If a pivot of a lane is much
+//! smaller than the midpoint's, that member alone is inverted again with its own pivots. Larger orders keep one member
+//! in cache and eliminate along its rows, each with its own pivots.
 
 mod by_lanes;
 mod by_rows;
@@ -15,7 +15,7 @@ use std::ops::Range;
 
 /// The largest order with one member a lane: its vectors fit the first cache.
 const LANES_LIMIT: usize = 20;
-/// A lane's pivot may be this much smaller than the midpoint's.
+/// The least ratio of a lane's pivot to the midpoint's: 2^-8 costs the elimination about eight bits.
 const PIVOT_LOSS: f64 = 1.0 / 256.0;
 
 /// The step between members, and how the midpoint is eliminated.
@@ -24,7 +24,7 @@ pub(super) struct Plan {
     partitions: u64,
     /// The published step `Delta / N`, row-major.
     step: Vec<f64>,
-    /// Which row of `A` stands where, so that the pivots of the midpoint stand on the diagonal; and the least pivots allowed.
+    /// The order of the rows of `A` that puts the pivots of the midpoint on the diagonal, and the least pivots allowed.
     order: Vec<usize>,
     pivots: Vec<f64>,
 }
@@ -56,7 +56,7 @@ impl Plan {
         }
     }
 
-    /// How many steps member `j` is away from the end of its set.
+    /// The number of steps from member `j` to the end of its set.
     #[expect(clippy::cast_precision_loss, reason = "the published sweep is a computation in floats")]
     #[inline]
     fn shift(&self, j: u64) -> f64 {
@@ -64,7 +64,7 @@ impl Plan {
     }
 }
 
-/// Whether all extremes that were looked for are finite.
+/// True if all extremes that were looked for are finite.
 fn finite(found: &Extremes, hull: bool) -> bool {
     let finite = |x: &[f64]| x.iter().all(|v| v.is_finite());
     let literal = finite(&found.infima.lower) && finite(&found.suprema.upper);

@@ -22,7 +22,7 @@ Every number that the package decides by, with its reason and the source of its 
 comments beside the constants; a test holds the page and the comments against each other.
 
 The source is a theorem, a publication, a definition, a resource that the number bounds, the geometry of the matter, or a measurement that
-the named command repeats. `make constants` halves and doubles each number of the diagnosis in turn, and counts the verdicts that change on a
+the named command repeats. `none` marks a number that still waits for its measurement; a test lets their count only fall. `make constants` halves and doubles each number of the diagnosis in turn, and counts the verdicts that change on a
 fixed set of logs; its figures stand in [constants_measured.md](constants_measured.md).
 """
 

@@ -13,6 +13,8 @@ from fractions import Fraction
 from math import isfinite
 from typing import Final, TypeAlias
 
+# The exact zero, made once.
+# Source: definition: the neutral element of addition
 ZERO: Final = Fraction(0)
 # A sum of rounded products that is smaller than this share of the largest may be 0 with exact multipliers. The multipliers that follow
 # are checked, so that a wrong guess costs time only.

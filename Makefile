@@ -18,8 +18,7 @@ demo: release
 	$(BIN)/ivsid demo --out $(OUT)
 
 test: build
-	$(MAKE) --no-print-directory test-rust
-	$(MAKE) --no-print-directory test-python
+	$(MAKE) --no-print-directory -j2 --output-sync=target test-rust test-python
 
 test-build:
 	cargo test $(GATE) --no-run

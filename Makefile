@@ -12,7 +12,7 @@ ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 FIXED := PROPTEST_RNG_SEED=1
 
 .PHONY: demo test test-rust test-python test-build check rustfmt clippy lint rules null-logs constants constants-page types stubs imports docs docs-rust docs-python nightly \
-	bench same vessels peers inverse-peers throughput exhaustive twins itf1788 differential fuzz exam handbook build release venv format clean
+	bench same same-compare vessels peers inverse-peers throughput exhaustive twins itf1788 differential fuzz exam handbook build release venv format clean
 
 demo: release
 	$(BIN)/ivsid demo --out $(OUT)
@@ -29,7 +29,7 @@ test-rust:
 test-python: build
 	$(ONE_THREAD) $(BIN)/pytest -n auto --dist loadgroup -m "not nightly"
 
-check: rustfmt clippy lint types stubs imports docs
+check: rustfmt clippy lint rules types stubs imports docs
 
 rustfmt:
 	cargo fmt --all --check
@@ -40,6 +40,11 @@ clippy:
 lint: venv
 	$(BIN)/ruff format --check python tests examples benches docs/*.py
 	$(BIN)/ruff check python tests examples benches docs/*.py
+
+# Commit subjects of the branch, and the number of times that the package says Any.
+rules: venv
+	$(BIN)/python tests/check_commits.py
+	$(BIN)/python tests/check_any.py
 
 types: venv
 	$(BIN)/mypy
@@ -82,10 +87,13 @@ bench: release
 	cargo bench --locked
 	$(BIN)/python benches/ratios.py
 
-# Whether this tree gives the results of another one: make it in both, then compare the two folders.
+# The results of a fixed set of logs, in a folder; made in two trees, `make same-compare A=... B=...` names each difference.
 SAME ?= out/same
 same: release
 	$(BIN)/python benches/same_results.py make $(DATA) $(SAME)
+
+same-compare: venv
+	$(BIN)/python benches/same_results.py compare $(A) $(B)
 
 # Every command on every real set; the sets are not part of this repository.
 DATA ?= ../shared/data

@@ -50,6 +50,9 @@ def commands(data: Path, out: Path) -> dict[str, list[str]]:
         "hansen-bliek-rohn",
         "krawczyk",
         "cramer",
+        "augmented",
+        "kuttler",
+        "neumaier",
         "published",
         "published-hull",
     ):

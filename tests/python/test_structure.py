@@ -1,6 +1,8 @@
 """The shape of the package: who may touch the core, and what the tests may see."""
 
 import ast
+import re
+import tomllib
 from pathlib import Path
 
 import ivsid
@@ -37,3 +39,26 @@ def test_only_figures_draws_and_only_the_edge_reads_and_writes():
 def test_files_stay_readable():
     for path in PACKAGE.rglob("*.py"):
         assert len(path.read_text().splitlines()) <= 560, f"{path} has more than one subject"
+
+
+def test_every_command_of_the_makefile_has_a_recipe():
+    text = (PACKAGE.parents[1] / "Makefile").read_text()
+    named = re.search(r"^\.PHONY: ((?:.*\\\n)*.*)", text, re.M)
+    assert named
+    phony = set(named.group(1).replace("\\", " ").split())
+    assert phony == set(re.findall(r"^([a-z][a-z0-9-]*):", text, re.M))
+
+
+def test_no_chapter_holds_one_file():
+    for folder in (p.parent for p in PACKAGE.rglob("__init__.py")):
+        inside = [p for p in folder.iterdir() if p.suffix == ".py" or (p / "__init__.py").exists()]
+        assert len(inside) > 2, folder
+
+
+def test_every_chapter_stands_in_the_layers_contract():
+    contract = tomllib.loads((PACKAGE.parents[1] / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"][
+        0
+    ]
+    assert len(contract["layers"]) <= 10
+    listed = {name.strip().removeprefix("ivsid.") for row in contract["layers"] for name in row.split("|")}
+    assert listed == {p.parent.name for p in PACKAGE.glob("*/__init__.py")}

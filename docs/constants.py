@@ -18,12 +18,15 @@ PAGE = ROOT / "docs" / "constants.md"
 MARK = "Source:"
 HEAD = """# Constants
 
-Every number that the package decides by, with its reason and the source of its value. `make constants-page` writes this page from the
-comments beside the constants; a test holds the page and the comments against each other.
+The numbers of the Python package, each with its reason and the source of its value. The Rust core states its own numbers beside them, in
+its files. `make constants-page` writes this page from the comments beside the constants, and a test holds the page and the comments
+against each other.
 
 The source is a theorem, a publication, a definition, a resource that the number bounds, the geometry of the matter, or a measurement that
-the named command repeats. `none` marks a number that still waits for its measurement; a test lets their count only fall. `make constants` halves and doubles each number of the diagnosis in turn, and counts the verdicts that change on a
-fixed set of logs; its figures stand in [constants_measured.md](constants_measured.md).
+the named command repeats. `none` marks a number that still waits for its measurement; a test lets the count of `none` only fall.
+
+`make constants` halves and doubles each number of the diagnosis in turn, and counts the verdicts that change on a fixed set of logs. It
+fills the page [constants_measured.md](constants_measured.md), which is empty until its first run.
 """
 
 

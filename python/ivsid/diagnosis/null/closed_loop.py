@@ -28,6 +28,9 @@ LONGEST: Final = 0.1
 # Entries of a thrust curve over the range of the demands.
 # Source: resource: 32 kB for each thruster and null log
 TABLE: Final = 4001
+# Distance of the largest place in a thrust curve from its number of entries: just below the last entry, so that two entries enclose it.
+# Source: geometry: linear interpolation needs an entry above the place
+BELOW_END: Final = 1.000001
 # A thruster with a shorter lag [s] follows its demand at once.
 # Source: definition: far below any step of the clock
 NO_LAG: Final = 1e-6
@@ -77,7 +80,7 @@ class _Thrusters:
 
     def static(self, k: int, demand: Array) -> Array:
         """Thrust of one thruster at its demands without any lag, shape (count,)."""
-        place = np.clip((demand - self.low[k]) / self.pace[k], 0.0, TABLE - 1.000001)
+        place = np.clip((demand - self.low[k]) / self.pace[k], 0.0, TABLE - BELOW_END)
         cell = place.astype(np.int64)
         table, share = self.tables[k], place - cell
         return np.asarray((1 - share) * table[self.row, cell] + share * table[self.row, cell + 1])

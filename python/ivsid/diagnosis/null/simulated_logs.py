@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from ivsid.diagnosis.data.channels import Channels
-from ivsid.diagnosis.null.closed_loop import TABLE, Programme, simulated
+from ivsid.diagnosis.null.closed_loop import GRID_MARGIN, RATIO_ROUNDING, TABLE, Programme, simulated
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.diagnosis.prediction.axes import Ambient
@@ -39,12 +39,6 @@ LOST: Final = 5.0
 # Largest speed that is granted to an axis that hardly moves in the log [m/s, rad/s].
 # Source: none
 LEAST_SPEED: Final = 0.1
-# Excess of a ratio of clock rates above a whole number that counts as rounding of the step.
-# Source: geometry: doubles round a decimal step by far less, and no ratio of clock rates is so close to a whole number by itself
-RATIO_ROUNDING: Final = 1e-6
-# Width added to the range of the demands, in their unit, and width of the last cell of their histogram.
-# Source: geometry: the grid of a demand that never changes needs increasing edges
-GRID_MARGIN: Final = 1e-9
 # Ridge of the fit of waves to a thrust error, as a share of the sum of their squares.
 # Source: geometry: far above the rounding of doubles and far below the share of a wave that the demands tell apart
 RIDGE: Final = 1e-6

@@ -47,7 +47,7 @@ class Result:
     Attributes:
         method: its name.
         status: ``enclosed``, ``singular``, ``not_proved`` or ``not_applicable``.
-        value: the enclosure; an ``EndpointPair`` for the published methods, which claim nothing; None without bounds.
+        value: the enclosure; an ``EndpointPair`` for the published methods, which prove nothing; None without bounds.
         certificate: proof of the status; its ``verify()`` checks it in exact arithmetic.
         reason: the missing proof and its cause, in one sentence.
         gap: for ``partitioned``, the largest distance that a bound can have from the hull.

@@ -85,6 +85,7 @@ def test_a_batch_equals_its_matrices_one_by_one(method, n):
             np.testing.assert_array_equal(found.upper[k], single.value.upper)
     assert [r.status for r in found[2:5]] == list(found.status[2:5])
     assert found[-1].status == found.status[-1]
+    assert found.statuses == tuple(one.status for one in found)
     with pytest.raises(IndexError):
         found[20]
 
@@ -279,6 +280,9 @@ def test_one_matrix_and_a_batch_have_doors_of_their_own():
     assert isinstance(linalg.inverse_batch(batch), linalg.ResultBatch) and len(linalg.inverse_batch(batch)) == 4
     assert isinstance(linalg.solve_batch(batch, right), linalg.ResultBatch)
     assert isinstance(linalg.regularity_batch(batch), linalg.Batch)
+    verdicts = linalg.regularity_batch(batch)
+    assert verdicts.statuses == tuple(one.status for one in verdicts)
+    assert all(isinstance(status, linalg.Verdict) for status in verdicts.statuses)
     for door, matrix in ((linalg.inverse_one, batch), (linalg.inverse_batch, one), (linalg.regularity_batch, one)):
         with pytest.raises(IvsidError, match="is needed"):
             door(matrix)

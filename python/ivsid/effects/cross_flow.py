@@ -77,7 +77,7 @@ def _finite(v: IntervalArray, r: IntervalArray) -> tuple[list[FloatArray], NDArr
 def _size(v: FloatArray, r: FloatArray, half: float, formulas: tuple[Formula, Formula]) -> IntervalArray:
     """An integral at |v| and |r|, ``formulas`` being those for one and for two signs of the flow along the hull.
 
-    Where the rounding of the length leaves the case open, the hull of both is taken.
+    The hull of both is taken if the rounding of the length leaves the case open.
     """
     h = Interval(float(np.nextafter(half, 0.0)), float(np.nextafter(half, np.inf)))
     speed, turn = IntervalArray(v), IntervalArray(r)

@@ -6,8 +6,8 @@ Columns are written with operators and ``functions`` alone, so that floats, NumP
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Final, TypeAlias
+from dataclasses import dataclass
+from typing import Final, NamedTuple, Self, TypeAlias
 
 from ivsid.effects.quantity import Quantity
 
@@ -37,8 +37,21 @@ class Place:
     wind_sway: Quantity = None
 
 
-@dataclass(frozen=True)
-class State:
+class _Quantities(NamedTuple):
+    """The quantities of a ``State``, all given."""
+
+    u: Quantity
+    v: Quantity
+    r: Quantity
+    udot: Quantity
+    vdot: Quantity
+    rdot: Quantity
+    ax: Quantity
+    ay: Quantity
+    place: Place | None
+
+
+class State(_Quantities):
     """Velocities u, v [m/s], r [rad/s] and their time derivatives, all of one kind and shape.
 
     In a current, velocities and derivatives are those relative to the water: Fossen's equations hold in them unchanged as long as
@@ -57,21 +70,29 @@ class State:
         place: for terms that depend on pose, time or wind.
     """
 
-    u: Quantity
-    v: Quantity
-    r: Quantity
-    udot: Quantity
-    vdot: Quantity
-    rdot: Quantity
-    ax: Quantity = field(default=None)
-    ay: Quantity = field(default=None)
-    place: Place | None = field(default=None, kw_only=True)
+    __slots__ = ()
 
-    def __post_init__(self) -> None:
-        if self.ax is None:
-            object.__setattr__(self, "ax", self.udot - self.v * self.r)
-        if self.ay is None:
-            object.__setattr__(self, "ay", self.vdot + self.u * self.r)
+    def __new__(
+        cls,
+        u: Quantity,
+        v: Quantity,
+        r: Quantity,
+        udot: Quantity,
+        vdot: Quantity,
+        rdot: Quantity,
+        ax: Quantity = None,
+        ay: Quantity = None,
+        *,
+        place: Place | None = None,
+    ) -> Self:
+        """The state with its specific forces."""
+        along = udot - v * r if ax is None else ax
+        across = vdot + u * r if ay is None else ay
+        return super().__new__(cls, u, v, r, udot, vdot, rdot, along, across, place)
+
+    def __getnewargs_ex__(self) -> tuple[tuple[Quantity, ...], dict[str, Place | None]]:
+        """Arguments of a copy: ``place`` is given by its name."""
+        return tuple(self[:8]), {"place": self.place}
 
 
 @dataclass(frozen=True)

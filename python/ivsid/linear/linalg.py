@@ -14,7 +14,17 @@ from ivsid import _core
 from ivsid.errors import IvsidError
 from ivsid.intervals import EndpointPair, FloatArray, Interval, IntervalArray, Operand
 from ivsid.linear.certificates import Certificate
-from ivsid.linear.results import PROVED, Batch, Bounds, Regularity, Result, ResultBatch, Status, Verdict
+from ivsid.linear.results import (
+    PROVED,
+    Batch,
+    Bounds,
+    Regularity,
+    RegularityBatch,
+    Result,
+    ResultBatch,
+    Status,
+    Verdict,
+)
 
 __all__ = [
     "DEFAULT_CELLS",
@@ -30,6 +40,7 @@ __all__ = [
     "Bounds",
     "Certificate",
     "Regularity",
+    "RegularityBatch",
     "Result",
     "ResultBatch",
     "Status",
@@ -171,14 +182,14 @@ def solve_batch(A: Operand, b: Operand, method: str = "hansen-bliek-rohn") -> Re
     return ResultBatch(method, np.array(STATUSES)[codes], bounds, single)
 
 
-def regularity(A: Operand) -> Regularity | Batch[Regularity]:
+def regularity(A: Operand) -> Regularity | RegularityBatch:
     """Decides whether every member of ``A`` is nonsingular, with a certificate.
 
     Args:
         A: shape (n, n), or a batch (k, n, n).
 
     Returns:
-        A ``Regularity``, or a ``Batch`` of them: ``regularity_one`` and ``regularity_batch`` have one of them as their type.
+        A ``Regularity``, or a ``RegularityBatch``: ``regularity_one`` and ``regularity_batch`` have one of them as their type.
     """
     matrix = _matrix(A)
     return regularity_one(matrix) if matrix.ndim == 2 else regularity_batch(matrix)
@@ -189,11 +200,11 @@ def regularity_one(A: Operand) -> Regularity:
     return _regularity(*_bounds(_matrix(A), 2))
 
 
-def regularity_batch(A: Operand) -> Batch[Regularity]:
+def regularity_batch(A: Operand) -> RegularityBatch:
     """``regularity`` of a batch, shape (k, n, n)."""
     low, high = _bounds(_matrix(A), 3)
     codes = _core.regularity_batch(low, high)
-    return Batch(np.array(VERDICTS)[codes], lambda k: _regularity(low[k], high[k]))
+    return RegularityBatch(np.array(VERDICTS)[codes], lambda k: _regularity(low[k], high[k]))
 
 
 def _regularity(lower: FloatArray, upper: FloatArray) -> Regularity:

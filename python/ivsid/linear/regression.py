@@ -31,6 +31,13 @@ class FeasibleStatus(StrEnum):
     NOT_APPLICABLE = "not_applicable"
 
 
+FEASIBLE_PROVED: Final = (FeasibleStatus.ENCLOSED, FeasibleStatus.EMPTY, FeasibleStatus.UNBOUNDED)
+"""Statuses of a feasible set that are proved."""
+
+FEASIBLE_BOUNDED: Final = (FeasibleStatus.ENCLOSED, FeasibleStatus.UNBOUNDED, FeasibleStatus.NOT_APPLICABLE)
+"""Statuses of a feasible set with bounds, of which unproved ones are infinite."""
+
+
 class LeastSquaresStatus(StrEnum):
     """The status of an enclosure of least-squares solutions: ``LEAST_SQUARES_STATUSES`` of the core, by name."""
 
@@ -121,7 +128,7 @@ class FeasibleSet:
     @property
     def guaranteed(self) -> bool:
         """Whether every bound that is given was proved."""
-        return self.status is not FeasibleStatus.NOT_APPLICABLE
+        return self.status in FEASIBLE_PROVED
 
 
 @dataclass(frozen=True)
@@ -199,7 +206,7 @@ def feasible_set(A: Operand, y: Operand, outliers: int = 0, signs: Sequence[int]
     directions = [np.array(d) for d in found["directions"]]
     return FeasibleSet(
         status,
-        None if status is FeasibleStatus.EMPTY else IntervalArray(lower, upper),
+        IntervalArray(lower, upper) if status in FEASIBLE_BOUNDED else None,
         found["inflation"],
         found["centre"],
         directions,

@@ -47,7 +47,7 @@ class Result:
     Attributes:
         method: its name.
         status: ``enclosed``, ``singular``, ``not_proved`` or ``not_applicable``.
-        value: the enclosure; an ``EndpointPair`` for the published methods, which claim nothing; None without bounds.
+        value: the enclosure; an ``EndpointPair`` for the published methods, which prove nothing; None without bounds.
         certificate: proof of the status; its ``verify()`` checks it in exact arithmetic.
         reason: the missing proof and its cause, in one sentence.
         gap: for ``partitioned``, the largest distance that a bound can have from the hull.
@@ -78,9 +78,12 @@ Answer = TypeVar("Answer")
 
 
 class Batch(Sequence[Answer]):
-    """Answers to a batch: names in ``status``, shape (k,), or one answer after the other.
+    """Answers to a batch: one answer after the other, or the names of all statuses as an array.
 
     An answer with its certificate is made when it is asked for.
+
+    Attributes:
+        status: names of the statuses, shape (k,).
     """
 
     def __init__(self, status: NDArray[np.str_], single: Callable[[int], Answer]) -> None:
@@ -99,6 +102,15 @@ class Batch(Sequence[Answer]):
         return self._single(positions) if isinstance(positions, int) else [self._single(k) for k in positions]
 
 
+class RegularityBatch(Batch[Regularity]):
+    """Verdicts on a batch."""
+
+    @property
+    def statuses(self) -> tuple[Verdict, ...]:
+        """The verdicts of ``status`` as members of their enumeration."""
+        return tuple(map(Verdict, self.status.tolist()))
+
+
 class ResultBatch(Batch[Result]):
     """Results of a batch, with all bounds as arrays.
 
@@ -114,6 +126,11 @@ class ResultBatch(Batch[Result]):
         self.lower, self.upper = bounds
 
     @property
+    def statuses(self) -> tuple[Status, ...]:
+        """The names of ``status`` as members of their enumeration."""
+        return tuple(map(Status, self.status.tolist()))
+
+    @property
     def guaranteed(self) -> NDArray[np.bool_]:
-        """Which results are proved, shape (k,)."""
+        """Mask of the proved results, shape (k,)."""
         return np.isin(self.status, PROVED)

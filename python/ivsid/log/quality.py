@@ -36,7 +36,7 @@ REGULAR: Final = 0.9
 def without_held(name: str, values: Array) -> tuple[Array, int, str | None]:
     """A channel without the repeats of a zero-order hold, which are no measurements.
 
-    Where a channel holds each value as a rule, as a slower sensor in a faster log does, the repeats become missing samples.
+    The repeats become missing samples if the channel holds each value as a rule, as a slower sensor in a faster log does.
 
     Args:
         name: of the channel.

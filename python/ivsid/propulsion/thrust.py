@@ -172,9 +172,9 @@ class ThrustCurve:
             new = np.r_[True, (least[1:] != least[:-1]) | (most[1:] != most[:-1])]
             first = np.flatnonzero(new)
             if 2 * first.size < least.size:
-                held = self._with_accuracy(least[first], most[first])
+                forces = self._with_accuracy(least[first], most[first])
                 times = np.diff(np.r_[first, least.size])
-                return IntervalArray._raw((np.repeat(held.lower, times), np.repeat(held.upper, times)), least.shape)
+                return IntervalArray._raw((np.repeat(forces.lower, times), np.repeat(forces.upper, times)), least.shape)
         return self._with_accuracy(least, most)
 
     def _with_accuracy(self, least: NDArray[np.float64], most: NDArray[np.float64]) -> IntervalArray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
 from copy import copy
-from functools import cached_property, partial
+from functools import partial
 from typing import Final, TypeAlias, TypeVar, cast
 
 import numpy as np
@@ -69,10 +69,10 @@ class Equations:
         if self.turning:
             self.channel("psi")
 
-    @cached_property
+    @property
     def forces(self) -> Forces:
         """Known forces at the rows and over the steps between them."""
-        return self._sources.part(self._first, self._first + self.t.size)
+        return self.once("forces", lambda: self._sources.part(self._first, self._first + self.t.size))
 
     def part(self, first: int, last: int, further: int) -> Equations:
         """The part of rows from ``first`` up to ``last``, with ``further`` rows after them that complete their windows."""
@@ -81,7 +81,6 @@ class Equations:
             return self
         rows = slice(first, end)
         made = copy(self)
-        made.__dict__.pop("forces", None)
         made.t, made.clock = self.t[rows], self.clock[rows]
         made.channels = {name: x[rows] for name, x in self.channels.items()}
         made.present = {name: there[rows] for name, there in self.present.items()}

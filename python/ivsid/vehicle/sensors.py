@@ -54,7 +54,7 @@ class AccelerationSensor(InertialSensor, Mounted):
     """An accelerometer.
 
     Attributes:
-        gravity: the columns ax and ay still contain gravity, which the attitude removes: true, or its size [m/s^2].
+        gravity: the columns ax and ay contain gravity, which the attitude removes: true, or its size [m/s^2].
         random_walk: noise coefficient N [m/s^2 sqrt(s)], of both axes or of each.
     """
 

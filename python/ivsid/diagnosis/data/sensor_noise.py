@@ -26,6 +26,9 @@ LEAST_SHARE: Final = 1e-6
 # Least noise of a channel that never changes, in its unit.
 # Source: geometry: keeps the inverse of its variance a finite number
 LEAST: Final = 1e-9
+# Variance of the first and of the third difference of unit white noise, by order: the sum of the squared binomial coefficients.
+# Source: definition: sums of the squares of 1, 1 and of 1, 3, 3, 1
+DIFFERENCE_VARIANCE: Final = {1: 2.0, 3: 20.0}
 # Differences that the noise is read from, by channel: a motion between jumps of a demand follows a parabola, whose third differences vanish;
 # an acceleration jumps itself, and its first differences vanish between jumps.
 _ACCELERATIONS: Final = ("ax", "ay", "rdot")
@@ -53,8 +56,7 @@ def sensor_noise(readings: Mapping[str, Array | None], sensors: Sensors, h: floa
         if x is None:
             continue
         order = 1 if name in _ACCELERATIONS else 3
-        # The variance of a difference of unit white noise is the sum of the squared binomial coefficients.
-        variance = {1: 2.0, 3: 20.0}[order]
+        variance = DIFFERENCE_VARIANCE[order]
         scatter = float(np.median(np.abs(np.diff(x, order))) / NORMAL_MEDIAN / np.sqrt(variance))
         guess = specified.get(name)
         if guess:

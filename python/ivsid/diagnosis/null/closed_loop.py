@@ -28,6 +28,15 @@ LONGEST: Final = 0.1
 # Entries of a thrust curve over the range of the demands.
 # Source: resource: 32 kB for each thruster and null log
 TABLE: Final = 4001
+# Distance of the largest place in a thrust curve from its number of entries: just below the last entry, so that two entries enclose it.
+# Source: geometry: linear interpolation needs an entry above the place
+BELOW_END: Final = 1.000001
+# Least width of a grid over the range of the demands, and the width that a grid adds beyond it, in the unit of the demands.
+# Source: geometry: the grid of a demand that never changes needs increasing places
+GRID_MARGIN: Final = 1e-9
+# Excess of a ratio of two steps above a whole number that counts as their rounding.
+# Source: geometry: doubles round a decimal step by far less, and no ratio of clock rates is so close to a whole number by itself
+RATIO_ROUNDING: Final = 1e-6
 # A thruster with a shorter lag [s] follows its demand at once.
 # Source: definition: far below any step of the clock
 NO_LAG: Final = 1e-6
@@ -66,7 +75,7 @@ class _Thrusters:
         self.behind: list[Array | None] = [None for _ in vehicle.thrusters]
         propulsion = Propulsion(vehicle, log)
         self.low = log.demands.min(axis=1)
-        self.pace = np.maximum(log.demands.max(axis=1) - self.low, 1e-9) / (TABLE - 1)
+        self.pace = np.maximum(log.demands.max(axis=1) - self.low, GRID_MARGIN) / (TABLE - 1)
         self.row = np.arange(count)
         self.tables = []
         for k in range(len(vehicle.thrusters)):
@@ -77,7 +86,7 @@ class _Thrusters:
 
     def static(self, k: int, demand: Array) -> Array:
         """Thrust of one thruster at its demands without any lag, shape (count,)."""
-        place = np.clip((demand - self.low[k]) / self.pace[k], 0.0, TABLE - 1.000001)
+        place = np.clip((demand - self.low[k]) / self.pace[k], 0.0, TABLE - BELOW_END)
         cell = place.astype(np.int64)
         table, share = self.tables[k], place - cell
         return np.asarray((1 - share) * table[self.row, cell] + share * table[self.row, cell + 1])
@@ -191,7 +200,7 @@ def simulated(
     log, n, count = programme.log, programme.log.n, pushed.shape[-1]
     thrusters, motion = _Thrusters(programme.vehicle, log, errors, count), _Motion(programme, drawn, count)
     controller = _Controller(programme, noise, count)
-    parts = max(1, int(np.ceil(log.h / LONGEST - 1e-6)))
+    parts = max(1, int(np.ceil(log.h / LONGEST - RATIO_ROUNDING)))
     step = log.h / parts
     x = motion.start(programme.start)
     states, rates = np.empty((6, n, count)), np.empty((3, n, count))

@@ -57,6 +57,9 @@ READ: Final = 0.5
 # A residual beyond this multiple of the median size is a jump, and says nothing of the noise in the demands.
 # Source: definition: four standard deviations of normal errors
 FAR: Final = 6.0
+# Ridge of the weighted regression, as a share of the sum of the weights: states have a mean square of 1.
+# Source: geometry: above the rounding of doubles, and far below the share of a state that is independent of the others
+RIDGE: Final = 1e-9
 
 
 @dataclass(frozen=True)
@@ -138,7 +141,7 @@ def _robust(x: Array, y: Array) -> tuple[Array, float]:
     weight = np.ones(y.size)
     c = np.zeros(len(a))
     for _ in range(ROUNDS):
-        normal = (a * weight) @ a.T + 1e-9 * np.eye(len(a)) * weight.sum()
+        normal = (a * weight) @ a.T + RIDGE * np.eye(len(a)) * weight.sum()
         c = np.linalg.solve(normal, (a * weight) @ y)
         left = y - c @ a
         size = max(float(np.median(np.abs(left))), 1e-12)

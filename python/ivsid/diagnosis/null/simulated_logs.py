@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from ivsid.diagnosis.data.channels import Channels
-from ivsid.diagnosis.null.closed_loop import TABLE, Programme, simulated
+from ivsid.diagnosis.null.closed_loop import GRID_MARGIN, RATIO_ROUNDING, TABLE, Programme, simulated
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.diagnosis.prediction.axes import Ambient
@@ -39,6 +39,9 @@ LOST: Final = 5.0
 # Largest speed that is granted to an axis that hardly moves in the log [m/s, rad/s].
 # Source: none
 LEAST_SPEED: Final = 0.1
+# Ridge of the fit of waves to a thrust error, as a share of the sum of their squares.
+# Source: geometry: far above the rounding of doubles and far below the share of a wave that the demands tell apart
+RIDGE: Final = 1e-6
 
 
 def thinned(log: Channels) -> tuple[Channels, int]:
@@ -47,7 +50,7 @@ def thinned(log: Channels) -> tuple[Channels, int]:
     Returns:
         The log at ``FASTEST`` or slower, with the white noise of means over the samples that became one, and the number of these samples.
     """
-    q = max(1, int(np.ceil(1.0 / (log.h * FASTEST) - 1e-6)))
+    q = max(1, int(np.ceil(1.0 / (log.h * FASTEST) - RATIO_ROUNDING)))
     if q == 1:
         return log, 1
     n = log.n // q
@@ -150,15 +153,15 @@ def _declared_errors(
             curves.append(None)
             continue
         sent = propulsion.demands[k]
-        grid = np.linspace(sent.min(), sent.max() + 1e-9, TABLE)
+        grid = np.linspace(sent.min(), sent.max() + GRID_MARGIN, TABLE)
         low, high = (end - thruster.neutral for end in propulsion.curves[k].range)
         if not np.isfinite(high - low):
             low, high = float(grid[0]), float(grid[-1])
         waves = np.stack([error(grid) for error in propulsion.errors[k]])
         # The waves are fitted where demands were sent, weighted by how often.
-        weight = np.sqrt(np.histogram(sent, np.r_[grid, grid[-1] + 1e-9])[0] / sent.size)
+        weight = np.sqrt(np.histogram(sent, np.r_[grid, grid[-1] + GRID_MARGIN])[0] / sent.size)
         inner = (waves * weight) @ (waves * weight).T
-        inner += 1e-6 * max(float(np.trace(inner)), 1e-300) * np.eye(len(names))
+        inner += RIDGE * max(float(np.trace(inner)), 1e-300) * np.eye(len(names))
         errors = np.empty((len(rngs), TABLE))
         for i, rng in enumerate(rngs):
             order, phase, size = rng.uniform(*ORDERS), rng.uniform(0, 2 * np.pi), rng.uniform(*SIZES)

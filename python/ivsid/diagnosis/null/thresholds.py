@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from ivsid.diagnosis.candidates.families import EDGE
+from ivsid.diagnosis.candidates.families import EDGE, LOOKS_A_VALUE, STARTS_A_LOOK
 from ivsid.diagnosis.estimation.candidate_columns import Family
 from ivsid.diagnosis.estimation.fit import Fit
 
@@ -130,7 +130,7 @@ def _family(fit: Fit, family: Family, scores: Array, left: Array, fitted: Array,
         usable = H / max(float(later[0, j]), 1e-300) > LEAST_SHARE
         usable[:EDGE] = usable[len(usable) - EDGE :] = False
         fall = np.where(usable, s**2 / np.where(usable, H, 1.0), 0.0).max(axis=1)
-        return np.asarray(np.minimum(1.0, chi2.sf(fall, 2) * len(H) / 6.0))
+        return np.asarray(np.minimum(1.0, chi2.sf(fall, 2) * len(H) / STARTS_A_LOOK))
     best = np.zeros(len(left))
     for names in family.variants:
         at = g.at(names)
@@ -142,7 +142,7 @@ def _family(fit: Fit, family: Family, scores: Array, left: Array, fitted: Array,
         if len(at) == 1 and not parameters[0].signed and family.kind != "claim":
             fall = np.where(left[:, at[0]] > 0, fall, 0.0)
         best = np.maximum(best, fall)
-    looks = 1.0 + 0.3 * len(family.variants) if family.kind == "secant" else 1.0
+    looks = 1.0 + LOOKS_A_VALUE * len(family.variants) if family.kind == "secant" else 1.0
     count = 1 if family.kind == "secant" else len(family.variants[0])
     sided = family.kind != "claim" and len(parameters) == 1 and not parameters[0].signed
     return np.asarray(np.minimum(1.0, chi2.sf(best, count) * looks * (0.5 if sided else 1.0)))

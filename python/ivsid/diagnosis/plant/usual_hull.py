@@ -1,4 +1,4 @@
-"""A length and plain numbers for a hull that states none: the catalogue's vehicle of 60 kg and 1 m, scaled after Froude."""
+"""Length and plain numbers of a usual hull, for a vehicle file that states none: one of 60 kg and 1 m, scaled after Froude."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from typing import Final
 from ivsid.vehicle import Vehicle
 
 # Mass over length cubed [kg/m^3].
-# Source: definition: the catalogue's typical sizes belong to a hull of 60 kg and 1 m
+# Source: definition: the catalogue's reference vehicle of 1 m, whose 58 kg (effects.effect.REFERENCE_MASS) are rounded
 MASS_PER_CUBE: Final = 60.0
 # Sway mass over dry mass: the mass of the water that moves along comes on top of the hull's.
 # Source: none
 SWAY_MASS: Final = 1.4
-# Inertia in yaw over mass and squared length.
-# Source: physics: 1/12 is a uniform rod's, and the added inertia comes on top
+# Inertia in yaw over mass and squared length: more than the 1/12 of a uniform rod, because the inertia of the water comes on top.
+# Source: none
 YAW_INERTIA: Final = 0.12
 # Quadratic sway drag over mass per length.
 # Source: none

@@ -76,7 +76,7 @@ def findings_of(
 ) -> tuple[Finding, ...]:
     """Findings that are made of the selected causes.
 
-    Where unexplained structure is left, a cause needs a fall of chi-squared that dominates it, and an interval that excludes "no effect".
+    Beside unexplained structure a cause needs a fall of chi-squared that dominates it, and an interval that excludes "no effect".
 
     Args:
         selection: with the causes.

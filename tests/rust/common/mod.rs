@@ -11,7 +11,7 @@ pub mod rows;
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
-use num_traits::{One, Zero};
+use num_traits::{One, Signed, Zero};
 
 pub fn q(x: f64) -> BigRational {
     BigRational::from_float(x).expect("finite")
@@ -77,38 +77,58 @@ pub fn is_up(x: f64, exact: &BigRational) -> bool {
     is_down(-x, &-exact.clone())
 }
 
-/// The exact inverse of a square rational matrix by Gauss-Jordan elimination, and its determinant.
+/// The exact inverse of a square rational matrix, and its determinant.
 pub fn invert(a: &[BigRational], n: usize) -> (BigRational, Option<Vec<BigRational>>) {
-    let mut m: Vec<Vec<BigRational>> = (0..n)
-        .map(|i| {
-            let mut row = a[i * n..(i + 1) * n].to_vec();
-            row.extend((0..n).map(|j| if i == j { BigRational::one() } else { BigRational::zero() }));
-            row
+    let all: Vec<usize> = (0..n).collect();
+    columns_of_inverse(a, n, &all)
+}
+
+/// The determinant and, row by row, some columns of the inverse, by fraction-free Gauss-Jordan elimination (Bareiss): the
+/// rows are scaled to integers, and every division is exact, so that no fraction has to be reduced on the way.
+pub fn columns_of_inverse(a: &[BigRational], n: usize, columns: &[usize]) -> (BigRational, Option<Vec<BigRational>>) {
+    let scales: Vec<BigInt> = a.chunks_exact(n).map(common_denominator).collect();
+    let mut m: Vec<Vec<BigInt>> = a
+        .chunks_exact(n)
+        .zip(&scales)
+        .enumerate()
+        .map(|(i, (row, scale))| {
+            let unit = columns.iter().map(|&j| if i == j { scale.clone() } else { BigInt::zero() });
+            row.iter().map(|x| x.numer() * (scale / x.denom())).chain(unit).collect()
         })
         .collect();
-    let mut determinant = BigRational::one();
+    let (mut previous, mut swapped) = (BigInt::one(), false);
     for p in 0..n {
         let Some(r) = (p..n).find(|&r| !m[r][p].is_zero()) else { return (BigRational::zero(), None) };
         if r != p {
             m.swap(r, p);
-            determinant = -determinant;
+            swapped = !swapped;
         }
-        let pivot = m[p][p].clone();
-        determinant *= &pivot;
-        for x in &mut m[p] {
-            *x /= &pivot;
-        }
-        for i in 0..n {
-            if i != p && !m[i][p].is_zero() {
-                let factor = m[i][p].clone();
-                for j in 0..2 * n {
-                    let change = &factor * &m[p][j];
-                    m[i][j] -= change;
+        let row = m[p].clone();
+        for (i, other) in m.iter_mut().enumerate() {
+            if i != p {
+                let factor = other[p].clone();
+                // What stands left of the pivot is zero by now, or is the diagonal, which is not read again.
+                for (x, y) in other[p..].iter_mut().zip(&row[p..]) {
+                    *x = (&row[p] * &*x - &factor * y) / &previous;
                 }
             }
         }
+        previous.clone_from(&row[p]);
     }
-    (determinant, Some(m.into_iter().flat_map(|row| row[n..].to_vec()).collect()))
+    let determinant = if swapped { -&previous } else { previous.clone() };
+    let positive = |x: &BigInt| {
+        let (numer, denom) = (x.clone(), previous.clone());
+        if denom.is_negative() { BigRational::new_raw(-numer, -denom) } else { BigRational::new_raw(numer, denom) }
+    };
+    let inverse = m.iter().flat_map(|row| &row[n..]).map(positive).collect();
+    (BigRational::new(determinant, scales.iter().product()), Some(inverse))
+}
+
+/// A common multiple of the denominators: the least one for doubles, whose denominators are powers of two.
+fn common_denominator(row: &[BigRational]) -> BigInt {
+    let largest = row.iter().map(BigRational::denom).max().expect("a row").clone();
+    row.iter()
+        .fold(largest, |multiple, x| if (&multiple % x.denom()).is_zero() { multiple } else { multiple * x.denom() })
 }
 
 pub fn integer(x: i64) -> BigRational {

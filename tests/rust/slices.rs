@@ -10,7 +10,9 @@
 mod common;
 
 use common::Random;
-use interval_core::rounding::slices::{Backend, Binary, Bounds, BoundsMut, Unary, binary_with, unary, unary_with};
+use interval_core::rounding::slices::{
+    Backend, Binary, Bounds, BoundsMut, Unary, binary_on_arrays, binary_with, unary, unary_on_arrays, unary_with,
+};
 use interval_core::{Error, Interval};
 
 /// Intervals with the bounds that hurt: points, wide and unbounded ones, the empty one, zeros of both signs.
@@ -56,23 +58,27 @@ fn share(arithmetic: bool, all: usize) -> usize {
     if arithmetic { all } else { all / 20 }
 }
 
+fn available() -> Vec<Backend> {
+    Backend::ALL.into_iter().filter(|b| b.is_available()).collect()
+}
+
 #[test]
 fn one_operand() {
-    for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
-        for &op in Unary::ALL {
-            let mut random = Random(11);
-            let mut left = share(op.is_arithmetic(), cases(1_000_000));
-            while left > 0 {
-                let x: Vec<Interval> = (0..BLOCK.min(left)).map(|_| spicy_interval(&mut random)).collect();
-                left -= x.len();
-                let (lo, hi) = split(&x);
+    for &op in Unary::ALL {
+        let mut random = Random(11);
+        let mut left = share(op.is_arithmetic(), cases(1_000_000));
+        while left > 0 {
+            let x: Vec<Interval> = (0..BLOCK.min(left)).map(|_| spicy_interval(&mut random)).collect();
+            left -= x.len();
+            let scalars: Vec<_> = x.iter().map(|&operand| bits(op.scalar()(operand))).collect();
+            let (lo, hi) = split(&x);
+            for backend in available() {
                 let (mut low, mut high) = (vec![0.0; x.len()], vec![0.0; x.len()]);
                 let bounds = Bounds::new(&lo, &hi).expect("sound bounds");
                 unary_with(backend, op, bounds, BoundsMut { lo: &mut low, hi: &mut high }).expect("equal lengths");
-                for (i, &operand) in x.iter().enumerate() {
-                    let scalar = op.scalar()(operand);
+                for (i, &scalar) in scalars.iter().enumerate() {
                     let given = (low[i].to_bits(), high[i].to_bits());
-                    assert_eq!(given, bits(scalar), "{backend:?} {} {}: {scalar}", op.name(), operand.to_exact());
+                    assert_eq!(given, scalar, "{backend:?} {} {}", op.name(), x[i].to_exact());
                 }
             }
         }
@@ -81,25 +87,25 @@ fn one_operand() {
 
 #[test]
 fn two_operands() {
-    for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
-        for &op in Binary::ALL {
-            let mut random = Random(12);
-            let mut left = share(op.is_arithmetic(), cases(1_000_000));
-            while left > 0 {
-                let n = BLOCK.min(left);
-                left -= n;
-                let x: Vec<Interval> = (0..n).map(|_| spicy_interval(&mut random)).collect();
-                let y: Vec<Interval> = (0..n).map(|_| spicy_interval(&mut random)).collect();
-                let ((a, b), (c, d)) = (split(&x), split(&y));
+    for &op in Binary::ALL {
+        let mut random = Random(12);
+        let mut left = share(op.is_arithmetic(), cases(1_000_000));
+        while left > 0 {
+            let n = BLOCK.min(left);
+            left -= n;
+            let x: Vec<Interval> = (0..n).map(|_| spicy_interval(&mut random)).collect();
+            let y: Vec<Interval> = (0..n).map(|_| spicy_interval(&mut random)).collect();
+            let scalars: Vec<_> = x.iter().zip(&y).map(|(&x, &y)| bits(op.scalar()(x, y))).collect();
+            let ((a, b), (c, d)) = (split(&x), split(&y));
+            for backend in available() {
                 let (mut low, mut high) = (vec![0.0; n], vec![0.0; n]);
                 let (left, right) = (Bounds::new(&a, &b).expect("sound"), Bounds::new(&c, &d).expect("sound"));
                 let out = BoundsMut { lo: &mut low, hi: &mut high };
                 binary_with(backend, op, left, right, out).expect("equal lengths");
-                for i in 0..n {
-                    let scalar = op.scalar()(x[i], y[i]);
+                for (i, &scalar) in scalars.iter().enumerate() {
                     let given = (low[i].to_bits(), high[i].to_bits());
-                    let operands = (x[i].to_exact(), y[i].to_exact());
-                    assert_eq!(given, bits(scalar), "{backend:?} {} {operands:?}: {scalar}", op.name());
+                    let operands = || (x[i].to_exact(), y[i].to_exact());
+                    assert_eq!(given, scalar, "{backend:?} {} {:?}", op.name(), operands());
                 }
             }
         }
@@ -223,4 +229,38 @@ fn names_go_both_ways() {
     assert!(Unary::ALL.iter().all(|op| Unary::from_name(op.name()) == Some(*op)));
     assert!(Binary::ALL.iter().all(|op| Binary::from_name(op.name()) == Some(*op)));
     assert_eq!(Unary::from_name("cube"), None);
+}
+
+/// The arrays of other architectures, on this one: the bits of the scalar operators on all pairs of hard bounds.
+#[test]
+fn arrays_of_other_architectures() {
+    let inf = f64::INFINITY;
+    let ends = [-inf, -f64::MAX, -1.5, -1e-300, -5e-324, -0.0, 0.0, f64::MIN_POSITIVE, 0.1, 3.0, 1e200, f64::MAX, inf];
+    let mut x = vec![Interval::EMPTY; 3];
+    for a in ends {
+        x.extend(ends.iter().filter_map(|&b| Interval::new(a, b).ok()));
+    }
+    x.extend([Interval::new(1.0, 1.1).expect("ordered"); 8]);
+    let (lo, hi) = split(&x);
+    let (mut low, mut high) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+    let bounds = Bounds::new(&lo, &hi).expect("equal lengths");
+    for op in [Unary::Neg, Unary::Abs, Unary::Square, Unary::Sqrt] {
+        unary_on_arrays(op, bounds, BoundsMut { lo: &mut low, hi: &mut high }).expect("sound bounds");
+        for (i, &operand) in x.iter().enumerate() {
+            assert_eq!((low[i].to_bits(), high[i].to_bits()), bits(op.scalar()(operand)), "{} {operand}", op.name());
+        }
+    }
+    for shift in 0..x.len() {
+        let mut y = x.clone();
+        y.rotate_left(shift);
+        let (c, d) = split(&y);
+        let other = Bounds::new(&c, &d).expect("equal lengths");
+        for &op in &Binary::ALL[..8] {
+            binary_on_arrays(op, bounds, other, BoundsMut { lo: &mut low, hi: &mut high }).expect("sound bounds");
+            for (i, (&first, &second)) in x.iter().zip(&y).enumerate() {
+                let scalar = op.scalar()(first, second);
+                assert_eq!((low[i].to_bits(), high[i].to_bits()), bits(scalar), "{} {first} {second}", op.name());
+            }
+        }
+    }
 }

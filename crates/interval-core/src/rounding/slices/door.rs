@@ -4,6 +4,7 @@
 
 use super::kernel::{self, Lanes};
 use super::operations::{Binary, Bounds, BoundsMut, Unary};
+use super::portable::Arrays;
 #[cfg(not(target_arch = "x86_64"))]
 use super::portable::Arrays as Portable;
 #[cfg(target_arch = "x86_64")]
@@ -337,45 +338,22 @@ pub fn binary_with(
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::super::portable::Arrays;
-    use super::{Binary, Bounds, BoundsMut, Unary, binary_on, unary_on};
+/// [`unary_with`] on the vectors of architectures that have no back end of their own, for tests on this one.
+///
+/// # Errors
+/// As [`unary_with`].
+#[doc(hidden)]
+pub fn unary_on_arrays(op: Unary, x: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> {
+    rounding::check_environment()?;
+    unary_on::<Arrays>(op, x, out)
+}
 
-    /// The arrays of other architectures, on this one: the bits of the scalar operators on all pairs of hard bounds.
-    #[test]
-    fn arrays_agree_with_the_operators() {
-        let inf = f64::INFINITY;
-        let ends =
-            [-inf, -f64::MAX, -1.5, -1e-300, -5e-324, -0.0, 0.0, f64::MIN_POSITIVE, 0.1, 3.0, 1e200, f64::MAX, inf];
-        let mut x = vec![(inf, -inf); 3];
-        for a in ends {
-            x.extend(ends.iter().filter(|&&b| a <= b && a < inf && b > -inf).map(|&b| (a, b)));
-        }
-        x.extend([(1.0, 1.1); 8]);
-        let (lo, hi): (Vec<f64>, Vec<f64>) = x.into_iter().unzip();
-        let (mut low, mut high) = (vec![0.0; lo.len()], vec![0.0; lo.len()]);
-        let bounds = Bounds::new(&lo, &hi).expect("equal lengths");
-        for op in [Unary::Neg, Unary::Abs, Unary::Square, Unary::Sqrt] {
-            unary_on::<Arrays>(op, bounds, BoundsMut { lo: &mut low, hi: &mut high }).expect("sound bounds");
-            for i in 0..lo.len() {
-                let scalar = op.scalar()(bounds.get(i).expect("sound"));
-                assert_eq!([low[i], high[i]].map(f64::to_bits), [scalar.lo(), scalar.hi()].map(f64::to_bits));
-            }
-        }
-        for shift in 0..lo.len() {
-            let (mut c, mut d) = (lo.clone(), hi.clone());
-            c.rotate_left(shift);
-            d.rotate_left(shift);
-            let other = Bounds::new(&c, &d).expect("equal lengths");
-            for &op in &Binary::ALL[..8] {
-                let out = BoundsMut { lo: &mut low, hi: &mut high };
-                binary_on::<Arrays>(op, bounds, other, out).expect("sound bounds");
-                for i in 0..lo.len() {
-                    let scalar = op.scalar()(bounds.get(i).expect("sound"), other.get(i).expect("sound"));
-                    assert_eq!([low[i], high[i]].map(f64::to_bits), [scalar.lo(), scalar.hi()].map(f64::to_bits));
-                }
-            }
-        }
-    }
+/// [`binary_with`] on the same vectors.
+///
+/// # Errors
+/// As [`binary_with`].
+#[doc(hidden)]
+pub fn binary_on_arrays(op: Binary, x: Bounds<'_>, y: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> {
+    rounding::check_environment()?;
+    binary_on::<Arrays>(op, x, y, out)
 }

@@ -21,12 +21,13 @@ mod avx512;
 mod door;
 mod kernel;
 mod operations;
-#[cfg(any(test, not(target_arch = "x86_64")))]
 mod portable;
 mod product;
 #[cfg(target_arch = "x86_64")]
 mod sse2;
 
 pub use door::{Backend, binary, binary_with, unary, unary_with};
+#[doc(hidden)]
+pub use door::{binary_on_arrays, unary_on_arrays};
 pub use operations::{Binary, Bounds, BoundsMut, Unary};
 pub(crate) use product::Packed;

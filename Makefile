@@ -5,8 +5,10 @@ BIN := $(VENV)/bin
 OUT ?= out/demo
 RUST_SOURCES := $(shell find crates -name '*.rs' -o -name 'Cargo.toml') Cargo.toml Cargo.lock
 
-# Cargo's profile of the gate: one build of the dependencies for the wheel and the Rust tests (Cargo.toml).
+# Cargo's profile of the gate (Cargo.toml). Tests, wheel, clippy and rustdoc name the same crates, so that they ask the
+# dependencies for the same features, and those are compiled once.
 GATE := --profile gate --locked
+CRATES := --workspace --exclude benches
 # Two workers on two cores leave none for the threads of a matrix product. The draws of proptest are those of a fixed seed.
 ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 FIXED := PROPTEST_RNG_SEED=1
@@ -21,10 +23,10 @@ test: build
 	$(MAKE) --no-print-directory -j2 --output-sync=target test-rust test-python
 
 test-build:
-	cargo test $(GATE) --no-run
+	cargo test $(GATE) $(CRATES) --no-run
 
 test-rust:
-	$(FIXED) cargo test $(GATE)
+	$(FIXED) cargo test $(GATE) $(CRATES)
 
 test-python: build
 	$(ONE_THREAD) $(BIN)/pytest -n auto --dist loadgroup -m "not nightly"
@@ -74,7 +76,7 @@ constants: release
 docs: docs-rust docs-python
 
 docs-rust:
-	RUSTDOCFLAGS="-D warnings" cargo doc $(GATE) --no-deps
+	RUSTDOCFLAGS="-D warnings" cargo doc $(GATE) $(CRATES) --no-deps
 
 docs-python: build
 	$(BIN)/sphinx-build -q -W --keep-going docs docs/_build/html

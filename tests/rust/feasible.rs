@@ -207,7 +207,7 @@ fn empty_sets_are_proved_by_few_rows() {
     let y = [at(0.0, 1.0), at(0.5, 2.0), at(1.0 + f64::EPSILON, 3.0), at(-1.0, 4.0)];
     let found = feasible_set(&a, &y).unwrap();
     assert_eq!(found.status, FeasibleStatus::Empty, "empty by one unit in the last place");
-    let OrthantOutcome::Empty { rows } = &found.orthants[0].outcome else { panic!("a proof") };
+    let OrthantOutcome::Empty { rows } = &*found.orthants[0].outcome else { panic!("a proof") };
     let mut named: Vec<usize> = rows.iter().map(|r| r.0).collect();
     named.sort_unstable();
     assert_eq!(named, [0, 2]);

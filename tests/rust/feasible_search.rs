@@ -124,7 +124,7 @@ fn sets_in_several_orthants_have_their_exact_hull() {
             }
             Some(hull) => {
                 assert_eq!(set.status, FeasibleStatus::Enclosed, "seed {seed}");
-                met += set.orthants.iter().filter(|o| matches!(o.outcome, OrthantOutcome::Bounded(_))).count();
+                met += set.orthants.iter().filter(|o| matches!(*o.outcome, OrthantOutcome::Bounded(_))).count();
                 for (x, (least, most)) in set.parameters.iter().zip(&hull) {
                     assert!(q(x.lo()) <= *least && *most <= q(x.hi()), "seed {seed}: the hull sticks out");
                     assert!(least - q(x.lo()) < q(1e-12) && q(x.hi()) - most < q(1e-12), "seed {seed}: too wide");
@@ -180,7 +180,7 @@ fn degenerate_families() {
     (off.low[2], off.high[2]) = (5.0_f64.next_up(), 5.0_f64.next_up());
     let set = off.set(&plain());
     assert_eq!(set.status, FeasibleStatus::Empty);
-    let OrthantOutcome::Empty { rows } = &set.orthants[0].outcome else { panic!("a proof") };
+    let OrthantOutcome::Empty { rows } = &*set.orthants[0].outcome else { panic!("a proof") };
     assert!(rows.iter().any(|r| r.0 == 2) && rows.len() == 3, "{rows:?}");
     // The same point in scales that lie three hundred powers of ten apart, exactly.
     let (small, large) = (2.0_f64.powi(-500), 2.0_f64.powi(500));

@@ -153,6 +153,7 @@ pub fn normal_equations<'py>(py: Python<'py>, result: &NormalEquations) -> PyRes
             None => None,
         },
     )?;
+    found.set_item("proved", result.parameters.as_ref().is_some_and(|p| p.certified().is_some()))?;
     found.set_item("improper", result.improper)?;
     found.set_item("gram", interval_matrix(py, &result.gram)?)?;
     found.set_item("inverse", outcome(py, &result.inverse, result.gram.rows())?)?;
@@ -183,7 +184,7 @@ pub fn feasible_set<'py>(py: Python<'py>, set: &FeasibleSet) -> PyResult<Bound<'
         let entry = PyDict::new(py);
         entry.set_item("signs", &orthant.signs)?;
         entry.set_item("dropped", &orthant.dropped)?;
-        match &orthant.outcome {
+        match &*orthant.outcome {
             OrthantOutcome::Empty { rows } => {
                 entry.set_item("empty", true)?;
                 entry.set_item("rows", rows)?;

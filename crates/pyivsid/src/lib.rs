@@ -25,7 +25,9 @@ mod core_module {
     #[pymodule_export]
     use super::filters::{respond, whiten};
     #[pymodule_export]
-    use super::linalg::{gram, inverse, inverse_batch, matmul, norm, regularity, regularity_batch, solve, solve_batch};
+    use super::linalg::{
+        default_count, gram, inverse, inverse_batch, matmul, norm, regularity, regularity_batch, solve, solve_batch,
+    };
     #[pymodule_export]
     use super::regression::{feasible_set, least_squares, normal_equations};
     #[pymodule_export]

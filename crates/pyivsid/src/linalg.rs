@@ -16,11 +16,15 @@ pub fn named<T: FromStr<Err = interval_core::Error>>(name: &str) -> PyResult<T> 
     name.parse().map_err(|e| refusal(&e))
 }
 
-/// The options of an inverse method: Python has one number for the partitions of a sweep and for the cells of a
-/// partition.
-pub fn options(partitions: u64, sweep: &str) -> PyResult<Options> {
-    let cells = usize::try_from(partitions).unwrap_or(usize::MAX);
-    Ok(Options { partitions, cells, sweep: named(sweep)? })
+/// The options of an inverse method.
+fn options(partitions: u64, sweep: &str) -> PyResult<Options> {
+    Ok(Options::with_count(partitions, named(sweep)?))
+}
+
+/// The number of partitions or cells that a method takes by default.
+#[pyfunction]
+pub fn default_count(method: &str) -> PyResult<u64> {
+    Ok(named::<Method>(method)?.default_count())
 }
 
 /// The inverse of a square interval matrix. Long sweeps report to `progress(done, partitions)` and end when a signal

@@ -2,8 +2,8 @@
 
 use crate::arrays::{intervals, matrix, refusal, row_major, vector};
 use crate::convert;
-use crate::linalg::{named, options};
-use interval_core::inverse::Method;
+use crate::linalg::named;
+use interval_core::inverse::{Method, Options, Sweep};
 use interval_core::regression::{self, FeasibleOptions, LeastSquaresMethod, Rows, feasible_rows};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -20,7 +20,7 @@ pub fn normal_equations<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let a = matrix(&rows.0, &rows.1)?;
     let y = intervals(vector(&right.0)?, vector(&right.1)?).map_err(|e| refusal(&e))?;
-    let (method, options) = (named::<Method>(method)?, options(partitions, "members")?);
+    let (method, options) = (named::<Method>(method)?, Options::with_count(partitions, Sweep::Members));
     let result = py
         .detach(|| regression::normal_equations(&a, &y, |gram| method.inverse(gram, &options)))
         .map_err(|e| refusal(&e))?;

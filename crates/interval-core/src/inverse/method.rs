@@ -50,7 +50,24 @@ impl Default for Options {
     }
 }
 
+impl Options {
+    /// One number for the partitions of a sweep and for the cells of a partition: a method reads one of them at most.
+    #[must_use]
+    pub fn with_count(count: u64, sweep: Sweep) -> Self {
+        Self { partitions: count, cells: usize::try_from(count).unwrap_or(usize::MAX), sweep }
+    }
+}
+
 impl Method {
+    /// The default of the number that [`Options::with_count`] takes.
+    #[must_use]
+    pub fn default_count(self) -> u64 {
+        match self {
+            Self::Partitioned => u64::try_from(DEFAULT_CELLS).unwrap_or(u64::MAX),
+            _ => DEFAULT_PARTITIONS,
+        }
+    }
+
     /// The inverse of a square interval matrix.
     ///
     /// # Errors

@@ -66,8 +66,8 @@ pub struct OrthantResult {
     pub signs: Vec<i8>,
     /// Rows that are taken to be wrong here; none unless outliers are allowed.
     pub dropped: Vec<usize>,
-    /// The outcome.
-    pub outcome: OrthantOutcome,
+    /// The outcome, by the proof of this orthant.
+    pub outcome: Certified<OrthantOutcome>,
 }
 
 /// The hull of the consistent parameters.
@@ -145,9 +145,11 @@ pub fn feasible_rows(rows: &Rows<'_>, options: &FeasibleOptions) -> Result<Feasi
     let Some((leaves, sign_proofs)) = cover(rows, &mut pool, &known) else {
         return Ok(FeasibleSet::without_answer(n, too_many(rows, &known)));
     };
-    let proofs = union(rows, &mut pool, &leaves, Asked::Union)
-        .or_else(|| union(rows, &mut pool, &leaves, Asked::Each))
-        .unwrap_or_default();
+    let Some(proofs) =
+        union(rows, &mut pool, &leaves, Asked::Union).or_else(|| union(rows, &mut pool, &leaves, Asked::Each))
+    else {
+        return Ok(FeasibleSet::without_answer(n, "the ends of some orthants were not proved".to_owned()));
+    };
     let mut all_rays = Vec::new();
     let mut orthants = Vec::with_capacity(leaves.len());
     for (signs, (outcome, rays)) in leaves.into_iter().zip(proofs) {
@@ -166,7 +168,7 @@ fn union(rows: &Rows<'_>, pool: &mut Pool, leaves: &[Vec<i8>], asked: Asked) -> 
         leaves.iter().map(|signs| Piece::new(Orthant::new(rows, signs.clone()), pool, &goals)).collect();
     solve(rows, pool, &mut pieces, asked);
     let proofs = parallel::map(pieces.len(), pieces.len() >= 16, |k| prove(rows, pool, &pieces[k]));
-    let open = |k: usize, (piece, (outcome, _)): (&Piece<'_>, &Proof)| match outcome {
+    let open = |k: usize, (piece, (outcome, _)): (&Piece<'_>, &Proof)| match &**outcome {
         OrthantOutcome::Bounded(ends) => !piece.goals[k].retired && ends[k].bound.is_infinite(),
         OrthantOutcome::Empty { .. } => false,
     };
@@ -184,15 +186,11 @@ fn with_outliers(rows: &Rows<'_>, pool: &mut Pool, known: &[i8], allowed: usize)
         let reason = format!("{allowed} wrong rows need more than {NODE_LIMIT} linear programs; allow fewer");
         return FeasibleSet::without_answer(n, reason);
     };
-    let parameters = match found.ends {
-        None => vec![Interval::EMPTY; n],
-        Some(ends) => ends.into_iter().map(|(least, most)| Interval::raw(least, most)).collect(),
-    };
     let dropped = found.outliers.sets.first().cloned().unwrap_or_default();
     let set = FeasibleSet {
         orthants: found.nodes,
         outliers: Some(found.outliers),
-        ..FeasibleSet::new(rows, parameters, &found.rays)
+        ..FeasibleSet::new(rows, found.parameters, &found.rays)
     };
     set.with_inflation(rows, pool, &dropped)
 }
@@ -206,8 +204,8 @@ fn too_many(rows: &Rows<'_>, known: &[i8]) -> String {
 }
 
 impl FeasibleSet {
-    /// The set of these bounds, which the proofs of all orthants stand behind.
-    fn new(rows: &Rows<'_>, parameters: Vec<Interval>, rays: &[Vec<f64>]) -> Self {
+    /// The set of these bounds.
+    fn new(rows: &Rows<'_>, parameters: Certified<Vec<Interval>>, rays: &[Vec<f64>]) -> Self {
         let status = if parameters.iter().any(|x| x.is_empty()) {
             FeasibleStatus::Empty
         } else if parameters.iter().all(|x| x.is_bounded()) {
@@ -216,7 +214,6 @@ impl FeasibleSet {
             FeasibleStatus::Unbounded
         };
         let directions = if status == FeasibleStatus::Unbounded { directions(rows, rays) } else { Vec::new() };
-        let parameters = Certified::proved(parameters);
         Self { status, parameters, directions, reason: None, ..Self::without_answer(0, String::new()) }
     }
 
@@ -226,7 +223,7 @@ impl FeasibleSet {
         let mut met: Vec<&[i8]> = self
             .orthants
             .iter()
-            .filter(|o| empty || !matches!(o.outcome, OrthantOutcome::Empty { .. }))
+            .filter(|o| empty || !matches!(*o.outcome, OrthantOutcome::Empty { .. }))
             .map(|o| o.signs.as_slice())
             .collect();
         met.sort_unstable();
@@ -257,11 +254,12 @@ impl FeasibleSet {
     }
 }
 
-/// The union of the orthants' bounds; empty where every orthant is.
-fn hull(orthants: &[OrthantResult], n: usize) -> Vec<Interval> {
+/// The union of the orthants' bounds; empty where every orthant is. The orthants are all that the set may meet, and each
+/// is certified.
+fn hull(orthants: &[OrthantResult], n: usize) -> Certified<Vec<Interval>> {
     let mut parameters = vec![Interval::EMPTY; n];
     for orthant in orthants {
-        let OrthantOutcome::Bounded(bounds) = &orthant.outcome else { continue };
+        let OrthantOutcome::Bounded(bounds) = &*orthant.outcome else { continue };
         let mut part: Vec<Interval> = orthant.signs.iter().map(|&s| half_line(s)).collect();
         for bound in bounds {
             let limit = if bound.upper {
@@ -273,7 +271,7 @@ fn hull(orthants: &[OrthantResult], n: usize) -> Vec<Interval> {
         }
         parameters.iter_mut().zip(part).for_each(|(whole, x)| *whole = whole.hull(x));
     }
-    parameters
+    Certified::proved(parameters)
 }
 
 /// The values of one sign, with zero; every value for no sign.

@@ -11,6 +11,8 @@ use super::orthant::Orthant;
 use super::prove::prove;
 use super::rows::Rows;
 use super::search::{Asked, Piece, Pool, solve};
+use crate::certified::Certified;
+use crate::interval::Interval;
 use crate::parallel;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -29,9 +31,9 @@ pub struct Outliers {
     pub sets: Vec<Vec<usize>>,
 }
 
-/// Ends of every unknown over all nodes, the nodes with their proofs, and the open directions.
+/// Bounds of every unknown over all nodes, the nodes with their proofs, and the open directions.
 pub(crate) struct Trees {
-    pub(crate) ends: Option<Vec<(f64, f64)>>,
+    pub(crate) parameters: Certified<Vec<Interval>>,
     pub(crate) nodes: Vec<OrthantResult>,
     pub(crate) rays: Vec<Vec<f64>>,
     pub(crate) outliers: Outliers,
@@ -45,7 +47,7 @@ pub(crate) fn trees(rows: &Rows<'_>, pool: &mut Pool, leaves: &[Vec<i8>], allowe
     let n = rows.columns();
     let mut level: Level = (0..leaves.len()).map(|z| ((z, Vec::new()), (0..2 * n).collect())).collect();
     let mut found = Trees {
-        ends: None,
+        parameters: Certified::proved(vec![Interval::ENTIRE; n]),
         nodes: Vec::new(),
         rays: Vec::new(),
         outliers: Outliers { allowed, fewest: None, sets: Vec::new() },
@@ -76,7 +78,7 @@ pub(crate) fn trees(rows: &Rows<'_>, pool: &mut Pool, leaves: &[Vec<i8>], allowe
                 more.sort_unstable();
                 next.entry((z, more)).or_default().extend(goals);
             };
-            match &outcome {
+            match &*outcome {
                 OrthantOutcome::Empty { rows } => {
                     for row in rows {
                         descend(row.0, &mut goals.iter().copied());
@@ -102,7 +104,11 @@ pub(crate) fn trees(rows: &Rows<'_>, pool: &mut Pool, leaves: &[Vec<i8>], allowe
         level = next;
     }
     found.outliers.sets.sort_unstable();
-    found.ends = best;
+    // Every set of wrong rows is covered by a node, and every node is proved.
+    found.parameters = Certified::proved(best.map_or_else(
+        || vec![Interval::EMPTY; n],
+        |ends| ends.into_iter().map(|(least, most)| Interval::raw(least, most)).collect(),
+    ));
     Some(found)
 }
 

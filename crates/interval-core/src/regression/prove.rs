@@ -9,6 +9,7 @@ use super::orthant::Orthant;
 use super::rows::Rows;
 use super::scan::{Pass, Vertex, scan};
 use super::search::{Goal, Piece, Pool};
+use crate::certified::Certified;
 use crate::exact::{ratio_down, rational};
 use crate::linear_program::{
     HalfSpaces, Outcome, Proved, Row, Subset, basis_multipliers, enclosed_bound, enclosed_farkas, enclosed_multipliers,
@@ -26,7 +27,7 @@ const GAP: f64 = 1e-11;
 const ROUNDS: usize = 20;
 
 /// The proof for one orthant, and the directions in which it seems open.
-pub(crate) type Proof = (OrthantOutcome, Vec<Vec<f64>>);
+pub(crate) type Proof = (Certified<OrthantOutcome>, Vec<Vec<f64>>);
 
 /// Proves the findings of the search of one piece.
 pub(crate) fn prove(rows: &Rows<'_>, pool: &Pool, piece: &Piece<'_>) -> Proof {
@@ -35,7 +36,7 @@ pub(crate) fn prove(rows: &Rows<'_>, pool: &Pool, piece: &Piece<'_>) -> Proof {
         let basis: Vec<Row> = piece.goals[goal].search.basis(&piece.program).into_iter().map(|r| r.0).collect();
         let entering = piece.program.names()[entering];
         if let Some(weights) = enclosed_farkas(orthant, &basis, entering) {
-            return (OrthantOutcome::Empty { rows: orthant.split(&weights).0 }, Vec::new());
+            return (contradicted(orthant, &weights), Vec::new());
         }
         return match farkas(orthant, &basis, entering) {
             Some(weights) => (empty(orthant, &weights), Vec::new()),
@@ -71,7 +72,7 @@ pub(crate) fn prove(rows: &Rows<'_>, pool: &Pool, piece: &Piece<'_>) -> Proof {
     if ends.windows(2).any(|pair| pair[0].column == pair[1].column && is_thin(pair[0].bound, pair[1].bound)) {
         return exactly(rows, pool, piece);
     }
-    (OrthantOutcome::Bounded(ends), directions)
+    (bounded(ends), directions)
 }
 
 fn is_thin(lower: f64, upper: f64) -> bool {
@@ -93,8 +94,19 @@ fn named(names: &[usize], rows: Vec<(usize, BigRational)>) -> Vec<(usize, BigRat
     rows.into_iter().map(|(at, l)| (names[at], l)).collect()
 }
 
-fn empty(orthant: &Orthant<'_>, weights: &[(usize, BigRational)]) -> OrthantOutcome {
-    OrthantOutcome::Empty { rows: orthant.split(&approximate(weights)).0 }
+/// Empty by multipliers in rationals.
+fn empty(orthant: &Orthant<'_>, weights: &[(usize, BigRational)]) -> Certified<OrthantOutcome> {
+    contradicted(orthant, &approximate(weights))
+}
+
+/// Empty by a Farkas certificate that was proved; its multipliers are stated as doubles.
+fn contradicted(orthant: &Orthant<'_>, weights: &[(usize, f64)]) -> Certified<OrthantOutcome> {
+    Certified::proved(OrthantOutcome::Empty { rows: orthant.split(weights).0 })
+}
+
+/// Enclosed by ends of [`end`], each of them proved or infinite.
+fn bounded(ends: Vec<BoundCertificate>) -> Certified<OrthantOutcome> {
+    Certified::proved(OrthantOutcome::Bounded(ends))
 }
 
 /// One end: `direction * x[column] >= least`, or nothing.
@@ -177,7 +189,7 @@ fn exactly(rows: &Rows<'_>, pool: &Pool, piece: &Piece<'_>) -> Proof {
         }
         let fresh = if round < ROUNDS { missed(rows, pool, orthant, &names, &points) } else { Vec::new() };
         if fresh.is_empty() {
-            return (OrthantOutcome::Bounded(ends), directions);
+            return (bounded(ends), directions);
         }
         names.extend(fresh);
     }

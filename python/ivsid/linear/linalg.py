@@ -45,6 +45,7 @@ __all__ = [
     "ResultBatch",
     "Status",
     "Verdict",
+    "bounds_of",
     "check_method",
     "inverse",
     "inverse_batch",
@@ -220,7 +221,7 @@ def norm(A: Operand) -> float:
 
 def partition_count(partitions: int | None, method: str = "published") -> int:
     """N of the published methods or the cells of ``partitioned``, checked; a default where none is given."""
-    default = DEFAULT_CELLS if method == "partitioned" else DEFAULT_PARTITIONS
+    default = _core.default_count(method) if method in INVERSE_METHODS else DEFAULT_PARTITIONS
     number = default if partitions is None else partitions
     if not isinstance(number, (int, np.integer)) or isinstance(number, bool) or not 0 < number < PARTITION_LIMIT:
         raise IvsidError(f"partitions = {number!r} is not usable; give a whole number of at least 1 and below 2^53")
@@ -273,11 +274,16 @@ def _right(matrix: IntervalArray, b: Operand) -> Bounds:
     return lower, upper
 
 
+def bounds_of(ends: Bounds | None, proved: bool) -> IntervalArray | EndpointPair | None:
+    """The core's bounds; only proved ones become an ``IntervalArray``."""
+    if ends is None:
+        return None
+    return IntervalArray(*ends) if proved else EndpointPair(*ends)
+
+
 def make_result(method: str, found: _core._Outcome, matrix: Bounds, shape: tuple[int, ...]) -> Result:
-    """The core's answer as a ``Result``; only a proved enclosure becomes an ``IntervalArray``."""
-    value: IntervalArray | EndpointPair | None = None
-    if found["value"] is not None:
-        lower, upper = (end.reshape(shape) for end in found["value"])
-        value = IntervalArray(lower, upper) if found["proved"] else EndpointPair(lower, upper)
+    """The core's answer as a ``Result``."""
+    ends = found["value"]
+    value = bounds_of(None if ends is None else (ends[0].reshape(shape), ends[1].reshape(shape)), found["proved"])
     certificate = None if found["certificate"] is None else Certificate(found["certificate"], *matrix)
     return Result(method, Status(found["status"]), value, certificate, found["reason"], found["gap"])

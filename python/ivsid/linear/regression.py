@@ -14,8 +14,8 @@ import numpy as np
 
 from ivsid import _core
 from ivsid.errors import IvsidError
-from ivsid.intervals import FloatArray, IntervalArray, Operand
-from ivsid.linear.linalg import INVERSE_METHODS, check_method, make_result, partition_count
+from ivsid.intervals import EndpointPair, FloatArray, IntervalArray, Operand
+from ivsid.linear.linalg import INVERSE_METHODS, bounds_of, check_method, make_result, partition_count
 from ivsid.linear.results import Bounds, Result, Status
 
 FEASIBLE_STATUSES: Final = _core.FEASIBLE_STATUSES
@@ -137,14 +137,14 @@ class NormalEquations:
 
     Attributes:
         status: that of the inverse; only ``enclosed`` is proved.
-        value: bounds, shape (n,), or None where the inverse has none.
+        value: bounds, shape (n,); an ``EndpointPair`` for the published methods, which prove nothing; None where the inverse has none.
         improper: number of entries of the inverse whose lower bound is above the upper one.
         gram: A'A, shape (n, n).
         inverse: the inverse that was used.
     """
 
     status: Status
-    value: IntervalArray | None
+    value: IntervalArray | EndpointPair | None
     improper: int
     gram: IntervalArray
     inverse: Result
@@ -223,10 +223,10 @@ def normal_equations(A: Operand, y: Operand, method: str = "exact", partitions: 
     check_method(method, INVERSE_METHODS)
     rows, right = _rows(A, y)
     found = _core.normal_equations(rows, right, method, partition_count(partitions, method))
-    value = None if found["parameters"] is None else IntervalArray(*found["parameters"])
+    value = bounds_of(found["parameters"], found["proved"])
     gram = IntervalArray(*found["gram"])
-    bounds = (np.ascontiguousarray(gram.lower), np.ascontiguousarray(gram.upper))
-    inverse = make_result(method, found["inverse"], bounds, gram.shape)
+    matrix = (np.ascontiguousarray(gram.lower), np.ascontiguousarray(gram.upper))
+    inverse = make_result(method, found["inverse"], matrix, gram.shape)
     return NormalEquations(Status(found["status"]), value, found["improper"], gram, inverse)
 
 

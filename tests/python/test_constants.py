@@ -10,7 +10,7 @@ sys.path.insert(0, str(ROOT / "docs"))
 from constants import PAGE, constants, page  # noqa: E402 - docs/constants.py stands beside the page that it makes
 
 # Constants whose value nothing in the tree explains yet; the number only falls.
-UNMEASURED = 129
+UNMEASURED = 127
 
 
 def test_every_constant_has_a_reason():

@@ -33,8 +33,8 @@ THRUSTERS: Final = ("vsp1_surge", "vsp1_sway", "vsp2_surge", "vsp2_sway", "bow")
 # The propeller speed of the bollard pulls; at another speed a demand gives another thrust.
 # Source: definition: the published set
 BOLLARD_SPEED: Final = 0.4
-# Towing speeds up to this one [m/s] give the slope of the slow runs, a number to compare with.
-# Source: none
+# Towing speeds up to this one [m/s] give the slope of the slow runs, a number to compare with: nine tenths of the free runs are slower.
+# Source: definition: the published set
 SLOW: Final = 0.2
 # Poses in a stretch shorter than this [rows] between two drop-outs are left out: in random_run1 such a pose, at 264.75 s, jumps by
 # 0.19 m and 0.3 rad to the next one.

@@ -1,8 +1,9 @@
-"""How much each number of the diagnosis matters: ``python benches/constants.py OUT.md [NAME ...]`` (``make constants``).
+"""How much each number matters: ``python benches/constants.py OUT.md [NAME ...]`` (``make constants``).
 
-Every constant of ivsid.diagnosis whose source is this measurement is halved and doubled in turn, in a process of its own, and a fixed set of
-short simulated logs is diagnosed again: two with nothing hidden, some with one cause each, one with a drag that is no cause of the catalogue.
-The table counts the verdicts that change, names the cases, and gives the largest relative change of a finding's interval ends. A number whose
+Every constant whose source is this measurement is halved and doubled in turn, in a process of its own. For one of ivsid.diagnosis a fixed set
+of short simulated logs is diagnosed again: two with nothing hidden, some with one cause each, one with a drag that is no cause of the
+catalogue. For one of another chapter the tasks of ``constants_tasks.py`` run again. The table counts the verdicts that change, names the
+cases, and gives the largest relative change of the ends of intervals. A number whose
 halving and doubling change nothing is one that the results do not hang on; one that changes verdicts on one side stands as far from that side
 as the table says. With names, only those constants are measured, and the others keep their lines.
 """
@@ -21,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT / "docs"), str(ROOT / "tests" / "python")]
+sys.path[:0] = [str(ROOT / "docs"), str(ROOT / "tests" / "python"), str(ROOT / "benches")]
 CASES: dict[str, dict[str, float]] = {
     "nothing": {},
     "nothing, other seed": {},
@@ -38,10 +39,13 @@ CASES: dict[str, dict[str, float]] = {
     },
 }
 FACTORS = (0.5, 2.0)
-HEAD = """# Numbers of the diagnosis, halved and doubled
+HEAD = """# Numbers, halved and doubled
 
-`make constants` writes this page: each number is halved and doubled, and {cases} short logs are diagnosed again ({names}). A cell counts the
-verdicts and names that change, names the cases, and gives the largest relative change of an end of a finding's interval where none does.
+`make constants` writes this page: each number is halved and doubled. For a number of the diagnosis {cases} short logs are diagnosed again
+({names}).
+For a number of another chapter {tasks} short tasks run again ({others}).
+A cell counts the verdicts and names that change, names the cases, and gives the largest relative change of an end of an interval where none
+does.
 
 | constant | value | halved | doubled |
 |---|---|---|---|
@@ -81,6 +85,13 @@ def patch(file: str, name: str, factor: float) -> None:
 
     importlib.machinery.SourceFileLoader.source_to_code = compiled  # type: ignore[method-assign, assignment]
     sys.modules["constants_scaling"] = sys.modules[__name__]
+
+
+def outcomes(file: str) -> dict[str, Any]:
+    """The cases that a constant of this file is judged by."""
+    from constants_tasks import worked  # noqa: PLC0415 - after the patch
+
+    return diagnosed() if file.startswith("diagnosis/") else worked()
 
 
 def diagnosed() -> dict[str, Any]:
@@ -138,36 +149,44 @@ def difference(plain: dict[str, Any], other: dict[str, Any]) -> str:
     return "0" if largest == 0 else f"0; ends move by {largest:.1g}"
 
 
+def _kind(file: str) -> str:
+    """A file without constants that is judged by the same cases."""
+    return "diagnosis/none" if file.startswith("diagnosis/") else "none"
+
+
+def head() -> str:
+    """The words above the table."""
+    from constants_tasks import TASKS  # noqa: PLC0415 - beside this file
+
+    return HEAD.format(cases=len(CASES), names="; ".join(CASES), tasks=len(TASKS), others="; ".join(TASKS))
+
+
 def main(out: Path, wanted: list[str]) -> None:
     """Measures and writes the page after each constant, so that a long run may be stopped."""
     from constants import constants  # noqa: PLC0415 - docs/constants.py, on the path above
 
-    ours = [
-        c
-        for c in constants()
-        if c.file.startswith("diagnosis/") and (c.source == "none" or "make constants" in c.source)
-    ]
-    plain = variant("none", "NONE", 1.0)
-    if "failed" in plain:
-        sys.exit(f"the cases do not run: {plain['failed']}")
+    ours = [c for c in constants() if c.source == "none" or "make constants" in c.source]
     kept = out.read_text().splitlines() if out.exists() else []
     rows = {row.split("`")[1]: row for row in kept if row.startswith("| `")}
     todo = [c for c in ours if (c.name in wanted if wanted else f"{c.file} {c.name}" not in rows)]
+    plain = {kind: variant(kind, "NONE", 1.0) for kind in {_kind(c.file) for c in todo}}
+    for failed in (p["failed"] for p in plain.values() if "failed" in p):
+        sys.exit(f"the cases do not run: {failed}")
     with ThreadPoolExecutor(int(os.environ.get("JOBS", "2"))) as pool:
         work = [[pool.submit(variant, c.file, c.name, f) for f in FACTORS] for c in todo]
         for c, (half, double) in zip(todo, work, strict=True):
-            cells = [difference(plain, x.result()) for x in (half, double)]
+            cells = [difference(plain[_kind(c.file)], x.result()) for x in (half, double)]
             rows[f"{c.file} {c.name}"] = f"| `{c.file} {c.name}` | `{c.value}` | {cells[0]} | {cells[1]} |"
             known = {f"{q.file} {q.name}" for q in ours}
             table = "\n".join(row for key, row in sorted(rows.items()) if key in known)
-            out.write_text(HEAD.format(cases=len(CASES), names="; ".join(CASES)) + table + "\n")
+            out.write_text(head() + table + "\n")
             print(rows[f"{c.file} {c.name}"], flush=True)
 
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--child"]:
         patch(sys.argv[2], sys.argv[3], float(sys.argv[4]))
-        print(json.dumps(diagnosed()))
+        print(json.dumps(outcomes(sys.argv[2])))
     elif len(sys.argv) > 1:
         main(Path(sys.argv[1]), sys.argv[2:])
     else:

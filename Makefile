@@ -29,7 +29,7 @@ test-rust:
 	$(FIXED) cargo test $(GATE) $(CRATES)
 
 test-python: build
-	$(ONE_THREAD) $(BIN)/pytest -n auto --dist loadgroup -m "not nightly"
+	$(ONE_THREAD) $(BIN)/pytest -n auto --dist loadfile -m "not nightly"
 
 check: rustfmt clippy lint rules types stubs imports docs
 

@@ -22,8 +22,9 @@ HEAD = """# The nightly run
 
 `make nightly` runs every test that the gate leaves out, and the gate's property tests with fresh seeds; the gate draws
 fixed ones. `make nightly PARTS="fuzz draws"` runs some of its parts, `SEED=... make nightly` repeats its draws. A test leaves
-the gate when it is slow and a quicker test of the same mechanism stays; `pytest -m nightly` lists them. The table is written
-by `tests/nightly.py`, each row with the date and the commit of its run.
+the gate when it is slow and a quicker test of the same mechanism stays; `pytest -m nightly` lists them. A test that is marked
+`sampled` takes evenly spaced cases of one mechanism in the gate, and all of them here. The table is written by
+`tests/nightly.py`, each row with the date and the commit of its run.
 
 | part | command | cases | result | time [s] | date | commit |
 |---|---|---|---|---|---|---|
@@ -45,11 +46,17 @@ class Part:
 
 PARTS = (
     # The examination, whole diagnoses, real vessels, long sails and twins.
-    Part("tests", "pytest -n auto --dist loadgroup -m nightly --hypothesis-seed={seed}", "IVSID_SEED={seed}"),
+    Part(
+        "tests", 'pytest -n auto --dist loadfile -m "nightly or sampled" --hypothesis-seed={seed}', "IVSID_SEED={seed}"
+    ),
     # Python's property tests, which the gate draws from fixed seeds.
     Part("draws", 'pytest -n auto -m "hypothesis and not nightly" --hypothesis-seed={seed}', "IVSID_SEED={seed}"),
     Part("oracle", "pytest -n auto tests/python/test_oracle.py", "IVSID_CASES=1e6"),
-    Part("rust", "cargo test --profile gate --locked -- --include-ignored", "PROPTEST_RNG_SEED={seed}"),
+    Part(
+        "rust",
+        "cargo test --profile gate --locked --workspace --exclude benches -- --include-ignored",
+        "PROPTEST_RNG_SEED={seed}",
+    ),
     Part("fuzz", "cargo test --profile gate --locked --test fuzz_text", "IVSID_FUZZ_SECONDS=120"),
 )
 

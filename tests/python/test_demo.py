@@ -8,9 +8,6 @@ from ivsid import workflow
 from ivsid.files.records import to_json
 from ivsid.report import page
 
-# One worker makes what these tests share.
-pytestmark = pytest.mark.xdist_group("demo")
-
 
 @pytest.fixture(scope="module")
 def made():

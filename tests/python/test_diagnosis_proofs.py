@@ -17,9 +17,6 @@ from ivsid.vehicle import parse_vehicle
 from ivsid.verification.verify import verify
 from ivsid.workflow.diagnosis import diagnosis_report
 
-# One worker makes what these tests share.
-pytestmark = pytest.mark.xdist_group("proofs")
-
 # Better sensors on a calmer day, so that a bounded-error set says something.
 FINE = (
     SENSORS.replace("accuracy = 0.006", "accuracy = 0.001")

@@ -43,9 +43,17 @@ def written(tmp_path, thrusters, table="csv"):
     return tmp_path / "vehicle.toml", tmp_path / "out" / f"log.{table}"
 
 
-@pytest.mark.parametrize("table", ["csv", "parquet"])
+# Nightly: the other format of each kind; the doubles of both are the same, below.
 @pytest.mark.parametrize(
-    ("thrusters", "column"), [(POD, "azimuth_pod"), (RUDDER, "rudder_screw"), (VSP, "demand_vsp_sway")]
+    ("thrusters", "column", "table"),
+    [
+        (POD, "azimuth_pod", "csv"),
+        (RUDDER, "rudder_screw", "csv"),
+        (VSP, "demand_vsp_sway", "parquet"),
+        pytest.param(POD, "azimuth_pod", "parquet", marks=pytest.mark.nightly),
+        pytest.param(RUDDER, "rudder_screw", "parquet", marks=pytest.mark.nightly),
+        pytest.param(VSP, "demand_vsp_sway", "csv", marks=pytest.mark.nightly),
+    ],
 )
 def test_a_vehicle_that_steers_is_identified_from_its_file(tmp_path, thrusters, column, table):
     vehicle, log = written(tmp_path, thrusters, table)

@@ -15,9 +15,6 @@ from ivsid.files.records import to_json
 from ivsid.report import figures
 from ivsid.workflow.diagnosis import diagnosis_report
 
-# One worker makes what these tests share.
-pytestmark = pytest.mark.xdist_group("explanation")
-
 LINEAR = 4.0
 
 

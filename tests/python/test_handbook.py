@@ -9,9 +9,6 @@ import pytest
 
 from ivsid.effects import EFFECTS
 
-# One worker makes what these tests share.
-pytestmark = pytest.mark.xdist_group("handbook")
-
 DOCS = Path(__file__).parents[2] / "docs"
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 

@@ -12,9 +12,6 @@ from ivsid import IvsidError, read_log, read_vehicle, workflow
 from ivsid.adapters import ADAPTERS, read_cse1, read_rov30k, read_t200
 from ivsid.propulsion.thrust import ThrustCurve
 
-# One worker makes what these tests share.
-pytestmark = pytest.mark.xdist_group("import")
-
 
 @pytest.fixture(scope="module")
 def sets(tmp_path_factory):
@@ -273,7 +270,7 @@ def test_rov30k_identifies(sets):
     assert wrong.status == "empty" and wrong.guaranteed and wrong.inflation > 1
 
 
-@pytest.mark.parametrize("volts", [10, 12, 14, 16, 18, 20])
+@pytest.mark.parametrize("volts", [10, 16, *(pytest.param(v, marks=pytest.mark.nightly) for v in (12, 14, 18, 20))])
 def test_t200(sets, volts):
     out, record = sets("t200", "t200")
     fact = record["facts"]["tables"][f"t200_{volts}V"]

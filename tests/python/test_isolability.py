@@ -14,6 +14,7 @@ from ivsid.programme import trials
 from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
 from ivsid.workflow import isolability
+from sampling import spaced
 
 LINE = """
 [[segments]]
@@ -56,6 +57,7 @@ def fitted(segments, vehicle=None):
     return vehicle, train, plain_fit(vehicle, channels(train, vehicle), everything)
 
 
+@pytest.mark.sampled
 def test_the_library_is_sailed_by_every_kind_of_vehicle():
     """Every manoeuvre moves the vehicle, none makes it spin, and those of the issue are there."""
     for text in (TWIN, RUDDER):
@@ -66,7 +68,8 @@ def test_the_library_is_sailed_by_every_kind_of_vehicle():
             "acceleration straights", "round the anchor", "speed changes on four headings",
         } <= names  # fmt: skip
         assert ("turns on the spot" in names) == (text is TWIN)
-        for trial in trials.library(vehicle):
+        # A rudder's simulation takes ten times as long.
+        for trial in spaced(trials.library(vehicle), 8 if text is TWIN else 3):
             made = simulate(vehicle, trials.scenario(trial, vehicle, 10.0, TRUTH))
             assert 120 <= made.t[-1] <= 200
             e = made.exact
@@ -88,8 +91,9 @@ def test_two_logs_as_one_are_what_one_log_of_both_is():
 
 
 @pytest.mark.slow
+@pytest.mark.sampled
 def test_coasting_separates_linear_drag_from_friction_best():
-    for segments in (LINE, LINE + CIRCLE):
+    for segments in spaced((LINE, LINE + CIRCLE), 1):
         vehicle, train, fit = fitted(segments)
         logs = sailed(vehicle, fit.h.values, train.columns)
         noisy = sailed(vehicle, fit.h.values, train.columns, "gaussian", {"zigzag 20/20"})["zigzag 20/20"]
@@ -169,9 +173,13 @@ def test_the_command_advises_for_a_scenario_and_for_a_log(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled
 def test_a_rudder_and_a_vehicle_without_thrusters_get_what_is_possible(tmp_path):
-    vehicle, train, fit = fitted(STEERED, vehicle_of(RUDDER))
-    logs = sailed(vehicle, fit.h.values, train.columns)
+    vehicle = vehicle_of(RUDDER)
+    train, _ = logs_of(vehicle, segments=STEERED, duration=120.0)
+    fit = plain_fit(vehicle, channels(train, vehicle), everything)
+    names = spaced([t.name for t in trials.library(vehicle)], 2)
+    logs = sailed(vehicle, fit.h.values, train.columns, only=names)
     found, _ = advise(fit, [("drag.surge.linear", "friction.coulomb")], logs)
     assert found[0].choices and found[0].best is not None
     bare = vehicle.model_copy(update={"thrusters": ()})

@@ -12,9 +12,6 @@ import pytest
 from ivsid import read_log
 from ivsid.log.quality import examine, without_held
 
-# One worker makes what these tests share.
-pytestmark = pytest.mark.xdist_group("log size")
-
 CHANNELS = ("u", "v", "r", "ax", "ay", "psi", "x", "y", "demand_port", "demand_starboard", "extra")
 
 # The largest resident set of a process that reads one log, and of one that only loads the package [bytes].

@@ -10,6 +10,7 @@ from ivsid.log import Log
 from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
+from sampling import spaced
 
 DATA = files("ivsid") / "data"
 
@@ -44,6 +45,7 @@ def without(t, columns, lost):
 
 
 @pytest.mark.parametrize("lag", ["demand", "thrust"])
+@pytest.mark.sampled
 def test_a_lag_starts_anew_where_a_row_was_lost(lag, tmp_path):
     lagging = f'\ntime_constant = 1.0\nlag = "{lag}"\nposition = ['
     vehicle = parse_vehicle((DATA / "swan.toml").read_text().replace("\nposition = [", lagging), "swan")
@@ -53,7 +55,7 @@ def test_a_lag_starts_anew_where_a_row_was_lost(lag, tmp_path):
     changes = np.flatnonzero(np.diff(demand)) + 1
     alone = [int(i) for i in changes if i - 1 not in changes and i + 1 not in changes]
     assert len(alone) >= 3
-    for lost in ([], alone[1:2], alone):
+    for lost in spaced(([], alone[1:2], alone), 2):
         log = without(made.t, made.columns, lost)
         fit = identify(vehicle, log)
         assert fit.status == "enclosed" and fit.guaranteed

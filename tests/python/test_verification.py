@@ -111,7 +111,8 @@ def test_cells_cover_every_combination_of_signs_or_not():
         ("accuracy = { absolute = 0.5", 'time_constant = 0.3\nlag = "demand"\naccuracy = { absolute = 0.5'),
     ],
 )
-@pytest.mark.parametrize("rows", ["pointwise", "integral"])
+# Nightly: pointwise rows, whose thrusts a window takes the means of.
+@pytest.mark.parametrize("rows", [pytest.param("pointwise", marks=pytest.mark.nightly), "integral"])
 def test_claims_of_thrusters_are_recomputed(swan, programme, tmp_path, change, rows):
     assert change[0] in swan.text
     vehicle = parse_vehicle(swan.text.replace(*change), "claims.toml")

@@ -18,10 +18,8 @@ from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 from ivsid.verification.errors import UnprovedError
 from ivsid.verification.outliers import Proof, check_choices, left_open
+from sampling import spaced
 from test_verification_edits import exact_end, tightened
-
-# One worker makes what these tests share.
-pytestmark = pytest.mark.xdist_group("outliers")
 
 FIVE = (
     'terms = "paper"',
@@ -78,6 +76,7 @@ def test_every_branch_of_the_tree_is_proved(saved, tmp_path, name, status):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled
 def test_no_branch_can_be_left_out(saved, tmp_path):
     """Of each choice of wrong rows: without its certificates the claims do not stand, wherever they rest on it."""
     for name in ("three", "one"):
@@ -86,7 +85,7 @@ def test_no_branch_can_be_left_out(saved, tmp_path):
             (json.dumps(c["orthant"]), json.dumps(c.get("dropped", [])), c.get("parameter"), c.get("end"))
             for c in record["certificates"]
         }
-        for node in sorted(nodes, key=str)[:: max(1, len(nodes) // 14)]:
+        for node in spaced(sorted(nodes, key=str)[:: max(1, len(nodes) // 14)], 3):
             edited = copy.deepcopy(record)
             edited["certificates"] = [
                 c
@@ -152,11 +151,12 @@ def stands(record):
     return True
 
 
+@pytest.mark.sampled
 def test_one_ulp_beyond_any_branch_s_proof_is_refused(saved, tmp_path):
     _, record, log = saved["three"]
     bounds = [k for k, c in enumerate(record["certificates"]) if c["proves"] == "bound"]
     bounds = [k for k in bounds if math.isfinite(float.fromhex(record["certificates"][k]["bound"]))]
-    for k in bounds[:: max(1, len(bounds) // 12)]:
+    for k in spaced(bounds[:: max(1, len(bounds) // 12)], 4):
         certificate = record["certificates"][k]
         edited = copy.deepcopy(record)
         edited["certificates"][k]["bound"] = tightened(exact_end(record, certificate), certificate["end"]).hex()
@@ -164,18 +164,17 @@ def test_one_ulp_beyond_any_branch_s_proof_is_refused(saved, tmp_path):
         assert passed, failures
 
 
+@pytest.mark.sampled
 def test_tighter_ends_are_refused(saved, tmp_path):
     for name in ("three", "one", "windows"):
         _, record, log = saved[name]
-        for id_, p in record["parameters"].items():
-            for end, way in (("lower", math.inf), ("upper", -math.inf)):
-                if p[end] is None or p[end] == 0:
-                    continue
-                edited, x = copy.deepcopy(record), p[end]
-                for _ in range(4):
-                    x = math.nextafter(x, way)
-                edited["parameters"][id_][end] = x
-                assert rejected(edited, log, tmp_path, f"the {end} end of {id_}")[0], (name, id_, end)
+        ends = [(id_, end) for id_, p in record["parameters"].items() for end in ("lower", "upper") if p[end]]
+        for id_, end in spaced(ends, 3):
+            edited, x = copy.deepcopy(record), record["parameters"][id_][end]
+            for _ in range(4):
+                x = math.nextafter(x, math.inf if end == "lower" else -math.inf)
+            edited["parameters"][id_][end] = x
+            assert rejected(edited, log, tmp_path, f"the {end} end of {id_}")[0], (name, id_, end)
 
 
 def test_a_certificate_does_not_stand_for_rows_that_it_uses(saved, tmp_path):

@@ -17,6 +17,7 @@ from ivsid.sensors.bounds import bound_log
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 from ivsid.verification.rows import Rows
+from sampling import spaced
 from test_actuators import POD, scenario_of, vehicle_of
 from test_bias import VALUES, biased
 from test_derivatives import towed as smooth_motion
@@ -247,6 +248,7 @@ def test_angles_are_followed_between_rows(demand):
     assert not row.right.inside(Fraction(float(made.right.lower[k])), Fraction(float(made.right.upper[k])))
 
 
+@pytest.mark.sampled
 def test_forces_between_rows_demands_beyond_curves_and_gyros_that_average(swan, programme, twin):
     log, plain, _, _ = smooth_motion(2)
     n = log.t.size - 1
@@ -265,7 +267,7 @@ def test_forces_between_rows_demands_beyond_curves_and_gyros_that_average(swan, 
     columns["demand_port"] = columns["demand_port"] * 1.4
     assert columns["demand_port"].max() > 85
     assert outside(held, Log("a.csv", "0" * 64, twin.t, columns), kind="both") == []
-    for lag in ("thrust", "demand"):
+    for lag in spaced(("thrust", "demand"), 1):
         lagged = changed(
             swan, ("azimuth = 0.0", f'azimuth = 0.0\noutside = "hold"\ntime_constant = 0.4\nlag = "{lag}"')
         )

@@ -14,12 +14,14 @@ from ivsid.vehicle import parse_vehicle
 from ivsid.verification.errors import UnprovedError
 from ivsid.verification.rows import Rows
 from ivsid.workflow.verification import verdict_lines
+from sampling import spaced
 from test_pose import boat, motion
 from test_verification_rows import ends, outside
 from test_weak_form import towed as from_pose
 from test_weak_form import worst
 
 
+@pytest.mark.sampled
 def test_rows_straight_from_the_pose_are_proved_and_rougher_poses_or_limits_are_not(tmp_path):
     log, vehicle = from_pose(1, length=60.0)
     assert outside(vehicle, log, kind="weak", window=2.0, picked=8) == []
@@ -31,12 +33,13 @@ def test_rows_straight_from_the_pose_are_proved_and_rougher_poses_or_limits_are_
     assert fit.status == "enclosed" and verdict.proved, verdict.failures[:3]
     assert verdict_lines(verdict)[0].startswith("PROVED")
     limits = vehicle.sensors.limits
-    for key, value in (
+    declared = (
         ("[sensors.position]\naccuracy", vehicle.sensors.position.accuracy),
         ("[sensors.heading]\naccuracy", vehicle.sensors.heading.accuracy),
         ("\nacceleration", limits.acceleration),
         ("yaw_acceleration", limits.yaw_acceleration),
-    ):
+    )
+    for key, value in spaced(declared, 1):
         old = f"{key} = {value}"
         assert vehicle.text.count(old) == 1, old
         other = parse_vehicle(vehicle.text.replace(old, f"{key} = {1.3 * value!r}"), "o.toml")
@@ -46,12 +49,13 @@ def test_rows_straight_from_the_pose_are_proved_and_rougher_poses_or_limits_are_
         assert verdict.status == "failed" and any("recomputed as" in f for f in verdict.failures), key
     # Called a row over a window, it is recomputed, and does not follow; nor does one that stands elsewhere, or has no middle.
     step = float(np.median(np.diff(log.t)))
-    for change in (
+    changes = (
         lambda row: row.update(kind="integral"),
         lambda row: row.update(time=float(log.t[int(np.searchsorted(log.t, row["time"])) + 1])),
         lambda row: row.update(duration=row["duration"] - step),
         lambda row: row.update(duration=-row["duration"]),
-    ):
+    )
+    for change in spaced(changes, 1):
         edited = copy.deepcopy(record)
         for certificate in edited["certificates"]:
             for row in certificate.get("rows", ()):

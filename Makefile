@@ -155,7 +155,7 @@ format: build
 $(VENV)/.ready: requirements/lock.txt
 	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "Python 3.11 or later is needed; set PYTHON=/path/to/it")'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --disable-pip-version-check --requirement requirements/lock.txt
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-compile --requirement requirements/lock.txt
 	touch $@
 
 $(VENV)/.built: $(VENV)/.ready $(RUST_SOURCES) pyproject.toml

@@ -27,6 +27,7 @@ __all__ = [
     "backend",
     "binary",
     "check_bounds",
+    "default_count",
     "environment_is_default",
     "exact_sum",
     "feasible_set",

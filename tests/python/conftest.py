@@ -17,6 +17,7 @@ from ivsid.programme.scenario import Scenario, parse_scenario
 from ivsid.simulation import Simulated, simulate
 from ivsid.vehicle import Vehicle, parse_vehicle
 from ivsid.workflow.log_files import csv
+from sampling import NIGHTLY
 
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "data"
 # The gate draws the same cases every time; with IVSID_SEED, as in `make nightly`, draws are fresh.
@@ -47,6 +48,13 @@ def once(tmp_path_factory):
         return pickle.loads(made.read_bytes())
 
     return get
+
+
+@pytest.fixture(autouse=True)
+def _figures(request, monkeypatch):
+    """Figures are composed in every test, and rendered in those that are marked ``figures`` and in the nightly run."""
+    if not NIGHTLY and request.node.get_closest_marker("figures") is None:
+        monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda figure, file, **how: file.write(b"not rendered"))
 
 
 @pytest.fixture(scope="session")

@@ -130,6 +130,7 @@ def test_a_model_that_is_made_worse_is_reported_as_worse(result):
     assert any(words.startswith("WORSE") for words in said.values()), said
 
 
+@pytest.mark.figures
 def test_the_page_shows_each_finding_and_both_models_on_the_other_log(result):
     page = diagnosis_report(result)
     names = [d.name for d in page.drawings]
@@ -162,6 +163,7 @@ def test_what_orders_a_force_is_found():
     assert (np.diff(b.centre) > 0).all() and (b.error > 0).all()
 
 
+@pytest.mark.figures
 def test_shallow_water_is_drawn_as_the_ratios_of_two_logs():
     """It has no signature in one log: its figure shows each mass and drag of TEST over that of TRAIN."""
     vehicle = vehicle_of()

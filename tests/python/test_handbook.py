@@ -40,6 +40,7 @@ def test_the_page_is_what_the_code_writes_with_an_entry_for_every_effect(handboo
         assert effect.separate in entry and f"effects/{effect.id}.svg" in entry, effect.id
 
 
+@pytest.mark.figures
 def test_every_figure_is_there_small_and_the_one_that_the_code_draws(handbook, made):
     """Another machine's sine may move a line by a tenth of a point; nothing more."""
     files = {p.stem for p in (DOCS / "effects").glob("*.svg")}

@@ -138,7 +138,7 @@ def test_the_page_shows_each_finding_and_both_models_on_the_other_log(result):
     assert all(d.png[:4] == b"\x89PNG" and d.svg.startswith(b"<?xml") and d.caption for d in page.drawings)
     assert [d.png for d in diagnosis_report(result).drawings] == [d.png for d in page.drawings]
     titles = [s.title for s in page.sections]
-    assert "Candidates that are no findings" in titles and "What the better model is worth" in titles
+    assert "Candidates that are no findings" in titles and "Gain of the extended model" in titles
     assert any("missing" in line or "simulated" in line for line in page.lines)
 
 

@@ -1,4 +1,4 @@
-//! Inverses and square systems: soundness against exact vertex inverses, tightness apart, honest refusals.
+//! Inverses: soundness against exact vertex inverses, tightness apart, honest refusals.
 #![allow(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
@@ -8,71 +8,14 @@
 
 mod common;
 
-use common::matrices::extremes;
-use common::{Random, invert, is_down, is_up, q};
+use common::corners::{families, hull, matrix};
+use common::{Random, is_down, is_up, q};
 use interval_core::inverse::{
     Method, Options, Outcome, Sweep, cramer, exact, hansen_bliek_rohn, krawczyk, kuttler, neumaier, partitioned,
     published, published_hull,
 };
-use interval_core::regularity::{Regularity, SingularMember, regularity};
 use interval_core::{Interval, IntervalMatrix, Status, systems};
 use num_rational::BigRational;
-use num_traits::{Signed, Zero};
-
-fn matrix(n: usize, lo: &[f64], hi: &[f64]) -> IntervalMatrix {
-    IntervalMatrix::new(n, n, lo.to_vec(), hi.to_vec()).expect("a good matrix")
-}
-
-/// All matrices of end points: a superset of the vertex matrices that the theory needs.
-fn corners(a: &IntervalMatrix) -> Vec<Vec<f64>> {
-    let size = a.rows() * a.columns();
-    let count = if size <= 9 { 1_usize << size } else { 512 };
-    let mut random = Random(size as u64);
-    (0..count)
-        .map(|k| {
-            let bits = if size <= 9 { k as u64 } else { random.bits() };
-            (0..size).map(|i| if bits >> i & 1 == 0 { a.lo()[i] } else { a.hi()[i] }).collect()
-        })
-        .collect()
-}
-
-/// Exact extremes of each entry of the inverse over the corners; `None` where one is singular or signs differ.
-fn hull(a: &IntervalMatrix) -> Option<Vec<(BigRational, BigRational)>> {
-    let exactly = |corner: Vec<f64>| corner.into_iter().map(q).collect();
-    extremes(corners(a).into_iter().map(exactly), a.rows())
-}
-
-fn families(n: usize, seed: u64) -> Vec<(&'static str, IntervalMatrix)> {
-    let mut random = Random(seed);
-    let mut made = Vec::new();
-    let mut add = |name, centre: Vec<f64>, radius: Vec<f64>| {
-        let lo: Vec<f64> = centre.iter().zip(&radius).map(|(c, r)| c - r).collect();
-        let hi: Vec<f64> = centre.iter().zip(&radius).map(|(c, r)| c + r).collect();
-        made.push((name, matrix(n, &lo, &hi)));
-    };
-    let size = n * n;
-    let diagonal = |i: usize| i.is_multiple_of(n + 1);
-    let dominant: Vec<f64> =
-        (0..size).map(|i| random.unit() + if diagonal(i) { 2.0 * n as f64 } else { 0.0 }).collect();
-    add("diagonally dominant", dominant.clone(), dominant.iter().map(|x| 0.05 * x.abs()).collect());
-    add("thin", dominant.clone(), dominant.iter().map(|x| 1e-14 * x.abs()).collect());
-    add("points", dominant.clone(), vec![0.0; size]);
-    let mass: Vec<f64> = (0..size).map(|i| if diagonal(i) { 60.0 } else { 3.0 * random.unit() }).collect();
-    add("mass", mass, vec![1.5; size]);
-    let random_centre: Vec<f64> = (0..size).map(|_| random.unit()).collect();
-    add("random", random_centre.clone(), vec![0.01; size]);
-    add("wide", random_centre, vec![0.3; size]);
-    let mixed: Vec<f64> = (0..size).map(|i| if diagonal(i) { 1.0 } else { 0.0 }).collect();
-    add("unit midpoint", mixed.clone(), vec![0.2 / n as f64; size]);
-    add("zero inside", mixed, vec![1.5; size]);
-    let scaled: Vec<f64> =
-        dominant.iter().enumerate().map(|(i, x)| x * 10.0_f64.powi(if i / n == 0 { -150 } else { 100 })).collect();
-    add("badly scaled", scaled.clone(), scaled.iter().map(|x| 0.01 * x.abs()).collect());
-    let nearly: Vec<f64> = (0..size).map(|i| 1.0 + if diagonal(i) { 1e-7 } else { 0.0 }).collect();
-    add("nearly singular", nearly, vec![1e-12; size]);
-    add("singular", vec![1.0; size], vec![0.1; size]);
-    made
-}
 
 fn check(name: &str, outcome: &Outcome, hull: Option<&Vec<(BigRational, BigRational)>>) -> bool {
     if outcome.status != Status::Enclosed {
@@ -193,95 +136,6 @@ fn kuttler_gives_the_hull_of_m_matrices() {
     assert_eq!(kuttler(&matrix(1, &[-2.0], &[-1.0])).expect("square").status, Status::NotApplicable);
 }
 
-/// Beyond the orders whose vertices are examined: regular by a scaled norm, and never for a matrix with a singular
-/// member.
-#[test]
-fn regularity_of_larger_matrices() {
-    let mut random = Random(17);
-    let (mut proved, mut singular) = (0, 0);
-    for _ in 0..200 {
-        let n = 5 + (random.bits() % 8) as usize;
-        let scale: Vec<f64> = (0..n).map(|_| 2.0_f64.powi((random.bits() % 40) as i32)).collect();
-        let entry = |random: &mut Random, i: usize, j: usize| {
-            (random.unit() + if i == j { 4.0 } else { 0.0 }) * scale[i] / scale[j]
-        };
-        let centre: Vec<f64> = (0..n * n).map(|at| entry(&mut random, at / n, at % n)).collect();
-        let spread = 0.3 * random.unit().abs();
-        let (lo, hi): (Vec<f64>, Vec<f64>) =
-            centre.iter().map(|c| (c - spread * c.abs(), c + spread * c.abs())).unzip();
-        match regularity(&matrix(n, &lo, &hi)).expect("square") {
-            Regularity::Regular(_) => {
-                proved += 1;
-                // Members are as regular as it says: exactly nonsingular.
-                let member: Vec<BigRational> =
-                    lo.iter().zip(&hi).map(|(&l, &h)| q(if random.bits().is_multiple_of(2) { l } else { h })).collect();
-                assert!(invert(&member, n).1.is_some());
-            }
-            Regularity::NotProved => {}
-            Regularity::Singular(member) => {
-                singular += 1;
-                assert!(is_singular(&matrix(n, &lo, &hi), &member));
-            }
-        }
-        // A member with two equal rows.
-        let mut wide = (lo.clone(), hi.clone());
-        for j in 0..n {
-            let (a, b) = (centre[j], centre[n + j]);
-            (wide.0[j], wide.1[j]) = (a.min(b), a.max(b));
-            (wide.0[n + j], wide.1[n + j]) = (a.min(b), a.max(b));
-        }
-        assert!(!matches!(regularity(&matrix(n, &wide.0, &wide.1)), Ok(Regularity::Regular(_))));
-    }
-    assert!(proved > 40 && singular > 5, "{proved} regular, {singular} singular");
-}
-
-/// True if a certificate of a singular member holds, in rationals.
-fn is_singular(a: &IntervalMatrix, member: &SingularMember) -> bool {
-    let n = a.rows();
-    let belongs = |m: &[f64]| m.iter().zip(a.entries()).all(|(&x, e)| e.contains(x));
-    let determinant = |m: &[f64]| invert(&m.iter().map(|&x| q(x)).collect::<Vec<_>>(), n).0;
-    match member {
-        SingularMember::Member(m) => belongs(m) && determinant(m).is_zero(),
-        SingularMember::OppositeSigns(m, o) => {
-            belongs(m) && belongs(o) && (determinant(m) * determinant(o)).is_negative()
-        }
-        SingularMember::NullVector(x) => {
-            let row = |i: usize| {
-                let ends = (0..n).map(|j| {
-                    let (l, h) = (q(a.get(i, j).lo()) * q(x[j]), q(a.get(i, j).hi()) * q(x[j]));
-                    (l.clone().min(h.clone()), l.max(h))
-                });
-                ends.fold((BigRational::zero(), BigRational::zero()), |(s, t), (l, h)| (s + l, t + h))
-            };
-            x.iter().any(|&v| v != 0.0)
-                && (0..n).map(row).all(|(least, most)| !least.is_positive() && !most.is_negative())
-        }
-    }
-}
-
-#[test]
-fn regularity_agrees_with_exact_determinants() {
-    let mut verdicts = [0; 2];
-    let mut random = Random(3);
-    for n in 1..=3 {
-        for _ in 0..400 {
-            let centre: Vec<f64> = (0..n * n).map(|_| random.unit()).collect();
-            let r = 0.4 * random.unit().abs();
-            let a = matrix(
-                n,
-                &centre.iter().map(|c| c - r).collect::<Vec<_>>(),
-                &centre.iter().map(|c| c + r).collect::<Vec<_>>(),
-            );
-            match (regularity(&a).expect("square"), hull(&a).is_some()) {
-                (Regularity::Regular(_), true) => verdicts[0] += 1,
-                (Regularity::Singular(_), false) => verdicts[1] += 1,
-                (verdict, truth) => panic!("{verdict:?} for an interval matrix whose regularity is {truth}"),
-            }
-        }
-    }
-    assert!(verdicts.iter().all(|&v| v > 50), "{verdicts:?}");
-}
-
 #[test]
 fn regular_but_not_strongly_regular() {
     let mut random = Random(9);
@@ -371,38 +225,6 @@ fn the_published_sweep_claims_nothing_and_does_not_depend_on_threads() {
     }
     assert!(published(&matrix(1, &[1.0], &[2.0]), 0).is_err());
     assert!(published(&IntervalMatrix::new(1, 2, vec![1.0; 2], vec![1.0; 2]).unwrap(), 5).is_err());
-}
-
-#[test]
-fn systems_hold_the_solutions_of_their_corners() {
-    let mut solved = 0;
-    for n in 1..=3 {
-        for seed in 20..24 {
-            for (name, a) in families(n, seed) {
-                let b: Vec<Interval> = (0..n).map(|i| Interval::new(i as f64 - 0.5, i as f64 + 0.5).unwrap()).collect();
-                for method in [systems::krawczyk, systems::cramer, systems::hansen_bliek_rohn] {
-                    let outcome = method(&a, &b).unwrap();
-                    let Some((lower, upper)) = outcome.bounds() else { continue };
-                    solved += 1;
-                    for corner in corners(&a).iter().step_by(11) {
-                        let entries: Vec<BigRational> = corner.iter().map(|&x| q(x)).collect();
-                        let inverse = invert(&entries, n).1.unwrap_or_else(|| panic!("{name} is singular but solved"));
-                        for ends in 0..1_usize << n {
-                            for i in 0..n {
-                                let x = (0..n).fold(BigRational::zero(), |sum, j| {
-                                    let y = if ends >> j & 1 == 0 { b[j].lo() } else { b[j].hi() };
-                                    sum + &inverse[i * n + j] * q(y)
-                                });
-                                assert!(q(lower[i]) <= x && x <= q(upper[i]), "{name}, n = {n}");
-                            }
-                        }
-                    }
-                }
-            }
-        }
-    }
-    assert!(solved > 100, "{solved}");
-    assert!(systems::krawczyk(&matrix(1, &[1.0], &[2.0]), &[]).is_err());
 }
 
 #[test]

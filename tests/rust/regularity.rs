@@ -8,6 +8,7 @@
 
 mod common;
 
+use common::corners::{hull, matrix as from_ends};
 use common::{Random, invert, q};
 use interval_core::IntervalMatrix;
 use interval_core::inverse::Certificate;
@@ -215,4 +216,93 @@ fn huge_entries_do_not_pass_for_regular() {
     let half = matrix(1, &[2.125], &[0.875]);
     let claim = |norm: f64| Certificate::Regular(Witness::Contraction { approximate_inverse: vec![0.5], norm });
     assert!(claim(0.5).verify(&half) && !claim(0.0).verify(&half) && !claim(7.0).verify(&half));
+}
+
+/// Beyond the orders whose vertices are examined: regular by a scaled norm, and never for a matrix with a singular
+/// member.
+#[test]
+fn regularity_of_larger_matrices() {
+    let mut random = Random(17);
+    let (mut proved, mut singular) = (0, 0);
+    for _ in 0..200 {
+        let n = 5 + (random.bits() % 8) as usize;
+        let scale: Vec<f64> = (0..n).map(|_| 2.0_f64.powi((random.bits() % 40) as i32)).collect();
+        let entry = |random: &mut Random, i: usize, j: usize| {
+            (random.unit() + if i == j { 4.0 } else { 0.0 }) * scale[i] / scale[j]
+        };
+        let centre: Vec<f64> = (0..n * n).map(|at| entry(&mut random, at / n, at % n)).collect();
+        let spread = 0.3 * random.unit().abs();
+        let (lo, hi): (Vec<f64>, Vec<f64>) =
+            centre.iter().map(|c| (c - spread * c.abs(), c + spread * c.abs())).unzip();
+        match regularity(&from_ends(n, &lo, &hi)).expect("square") {
+            Regularity::Regular(_) => {
+                proved += 1;
+                // Members are as regular as it says: exactly nonsingular.
+                let member: Vec<BigRational> =
+                    lo.iter().zip(&hi).map(|(&l, &h)| q(if random.bits().is_multiple_of(2) { l } else { h })).collect();
+                assert!(invert(&member, n).1.is_some());
+            }
+            Regularity::NotProved => {}
+            Regularity::Singular(member) => {
+                singular += 1;
+                assert!(is_singular(&from_ends(n, &lo, &hi), &member));
+            }
+        }
+        // A member with two equal rows.
+        let mut wide = (lo.clone(), hi.clone());
+        for j in 0..n {
+            let (a, b) = (centre[j], centre[n + j]);
+            (wide.0[j], wide.1[j]) = (a.min(b), a.max(b));
+            (wide.0[n + j], wide.1[n + j]) = (a.min(b), a.max(b));
+        }
+        assert!(!matches!(regularity(&from_ends(n, &wide.0, &wide.1)), Ok(Regularity::Regular(_))));
+    }
+    assert!(proved > 40 && singular > 5, "{proved} regular, {singular} singular");
+}
+
+/// True if a certificate of a singular member holds, in rationals.
+fn is_singular(a: &IntervalMatrix, member: &SingularMember) -> bool {
+    let n = a.rows();
+    let belongs = |m: &[f64]| m.iter().zip(a.entries()).all(|(&x, e)| e.contains(x));
+    let determinant = |m: &[f64]| invert(&m.iter().map(|&x| q(x)).collect::<Vec<_>>(), n).0;
+    match member {
+        SingularMember::Member(m) => belongs(m) && determinant(m).is_zero(),
+        SingularMember::OppositeSigns(m, o) => {
+            belongs(m) && belongs(o) && (determinant(m) * determinant(o)).is_negative()
+        }
+        SingularMember::NullVector(x) => {
+            let row = |i: usize| {
+                let ends = (0..n).map(|j| {
+                    let (l, h) = (q(a.get(i, j).lo()) * q(x[j]), q(a.get(i, j).hi()) * q(x[j]));
+                    (l.clone().min(h.clone()), l.max(h))
+                });
+                ends.fold((BigRational::zero(), BigRational::zero()), |(s, t), (l, h)| (s + l, t + h))
+            };
+            x.iter().any(|&v| v != 0.0)
+                && (0..n).map(row).all(|(least, most)| !least.is_positive() && !most.is_negative())
+        }
+    }
+}
+
+#[test]
+fn regularity_agrees_with_exact_determinants() {
+    let mut verdicts = [0; 2];
+    let mut random = Random(3);
+    for n in 1..=3 {
+        for _ in 0..400 {
+            let centre: Vec<f64> = (0..n * n).map(|_| random.unit()).collect();
+            let r = 0.4 * random.unit().abs();
+            let a = from_ends(
+                n,
+                &centre.iter().map(|c| c - r).collect::<Vec<_>>(),
+                &centre.iter().map(|c| c + r).collect::<Vec<_>>(),
+            );
+            match (regularity(&a).expect("square"), hull(&a).is_some()) {
+                (Regularity::Regular(_), true) => verdicts[0] += 1,
+                (Regularity::Singular(_), false) => verdicts[1] += 1,
+                (verdict, truth) => panic!("{verdict:?} for an interval matrix whose regularity is {truth}"),
+            }
+        }
+    }
+    assert!(verdicts.iter().all(|&v| v > 50), "{verdicts:?}");
 }

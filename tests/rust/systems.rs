@@ -3,6 +3,7 @@
 
 mod common;
 
+use common::corners::{corners, families as small_families, matrix};
 use common::matrices::{families, is_tight};
 use common::{Random, invert, q};
 use interval_core::{Interval, systems};
@@ -58,4 +59,37 @@ fn systems_are_enclosed_and_exact_ones_are_attained() {
         }
     }
     assert!(met > 60, "{met}");
+}
+
+#[test]
+fn systems_hold_the_solutions_of_their_corners() {
+    let mut solved = 0;
+    for n in 1..=3 {
+        for seed in 20..24 {
+            for (name, a) in small_families(n, seed) {
+                let b: Vec<Interval> =
+                    (0..n).map(|i| Interval::new(i as f64 - 0.5, i as f64 + 0.5).expect("good")).collect();
+                for method in [systems::krawczyk, systems::cramer, systems::hansen_bliek_rohn] {
+                    let outcome = method(&a, &b).expect("good");
+                    let Some((lower, upper)) = outcome.bounds() else { continue };
+                    solved += 1;
+                    for corner in corners(&a).iter().step_by(11) {
+                        let entries: Vec<BigRational> = corner.iter().map(|&x| q(x)).collect();
+                        let inverse = invert(&entries, n).1.unwrap_or_else(|| panic!("{name} is singular but solved"));
+                        for ends in 0..1_usize << n {
+                            for i in 0..n {
+                                let x = (0..n).fold(BigRational::zero(), |sum, j| {
+                                    let y = if ends >> j & 1 == 0 { b[j].lo() } else { b[j].hi() };
+                                    sum + &inverse[i * n + j] * q(y)
+                                });
+                                assert!(q(lower[i]) <= x && x <= q(upper[i]), "{name}, n = {n}");
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(solved > 100, "{solved}");
+    assert!(systems::krawczyk(&matrix(1, &[1.0], &[2.0]), &[]).is_err());
 }

@@ -29,7 +29,7 @@ def diagnose(
     ] = 400,
     no_cache: Annotated[bool, typer.Option("--no-cache", help="Neither read nor keep what null logs gave.")] = False,
 ) -> None:
-    """What the simulation gets wrong, why, the extended model, and what it gains on the other log."""
+    """Causes of the simulation's errors, the extended model, and its gain on the other log."""
     run(
         "diagnose",
         out,
@@ -49,5 +49,5 @@ def isolability(
     json: Json = False,
     seed: Seed = None,
 ) -> None:
-    """What a programme can detect and tell apart, and the manoeuvre that would help."""
+    """Causes that a programme can detect and tell apart, and the manoeuvre that would help."""
     run("isolability", out, json, lambda progress: workflow.isolability(vehicle, log, seed=seed, progress=progress))

@@ -44,7 +44,7 @@ def identify(
         ),
     ] = "auto",
     outliers: Annotated[
-        int, typer.Option("--outliers", min=0, help="How many rows of each set of parameters may be wrong.")
+        int, typer.Option("--outliers", min=0, help="Number of rows of each set of parameters that may be wrong.")
     ] = 0,
     out: Out = None,
     json: Json = False,

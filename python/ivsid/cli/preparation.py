@@ -37,7 +37,7 @@ def simulate(
     truth: Annotated[
         Path | None,
         typer.Option(
-            "--truth", help="Where the truth goes; with --hide OUT-truth/truth.json by default, else OUT/truth.json."
+            "--truth", help="File of the truth; by default OUT-truth/truth.json with --hide, else OUT/truth.json."
         ),
     ] = None,
 ) -> None:

@@ -21,14 +21,11 @@ class Operators:
     _lower: FloatArray
     _upper: FloatArray
 
-    def _unary(self, op: str) -> IntervalArray:
-        raise NotImplementedError
+    if TYPE_CHECKING:
 
-    def _binary(self, op: str, other: Operand) -> IntervalArray:
-        raise NotImplementedError
-
-    def _reflected(self, op: str, other: Operand) -> IntervalArray:
-        raise NotImplementedError
+        def _unary(self, op: str) -> IntervalArray: ...
+        def _binary(self, op: str, other: Operand) -> IntervalArray: ...
+        def _reflected(self, op: str, other: Operand) -> IntervalArray: ...
 
     @property
     def lower(self) -> FloatArray:

@@ -50,7 +50,7 @@ def import_set(name: str, folder: str | Path, *, progress: Progress = silent) ->
         "logs": {n: {"quality": quality_record(q), "notes": notes} for n, (q, notes) in quality.items()},
         "notes": made.notes,
     }
-    sections = [Section("What to know", (page.bullets(made.notes),))]
+    sections = [Section("Notes on the data", (page.bullets(made.notes),))]
     for n, (table, notes) in quality.items():
         shown = [page.drawing(d) for d in drawings if d.name == f"log_{n}"]
         sections.append(Section(f"{n}.csv", (quality_table(table), page.bullets(notes), *shown)))

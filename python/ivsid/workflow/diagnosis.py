@@ -67,12 +67,12 @@ def diagnosis_report(result: Diagnosis) -> Report:
             told.append(page.drawing(signatures[f.effect]))
     sections = [
         Section("Findings", (_findings(result), *told)),
-        Section("What the better model is worth", (_gain(result), *map(page.drawing, others))),
-        Section("What the vehicle file claims", (_claims(result),) if result.claims else ()),
+        Section("Gain of the extended model", (_gain(result), *map(page.drawing, others))),
+        Section("Numbers that the vehicle file gives", (_claims(result),) if result.claims else ()),
         Section("Candidates that are no findings", (_candidates(result),)),
-        Section("What this log could not show", (_untested(result), _allowed(result))),
+        Section("Causes that this log could not show", (_untested(result), _allowed(result))),
         Section("Proved without a noise model", (page.bullets(_proved(result)),)),
-        Section("What this rests on", (page.bullets(_assumptions(result)),)),
+        Section("Assumptions", (page.bullets(_assumptions(result)),)),
     ]
     if result.hints:
         sections.insert(1, Section("Hints: inside the declared errors", (page.bullets(result.hints),)))
@@ -98,7 +98,7 @@ def _findings(result: Diagnosis) -> Part:
             for k, b in f.parameters.items()
         )
         rows.append([f.effect, f.confidence, bounds or "–", ", ".join(f.alternatives) or "–", f.separate_by or "–"])
-    header = ["cause", "confidence in its set", "parameters", "could also be", "what would separate them"]
+    header = ["cause", "confidence in its set", "parameters", "could also be", "trial that would separate them"]
     return page.table(header, rows, "No finding." if not rows else "Intervals are statistical unless marked.")
 
 

@@ -74,7 +74,7 @@ def identification_report(fit: Identification, log: Log) -> Report:
     facts += claim_lines(fit)
     sections = [
         Section("Parameters", (method_table([fit]), page.drawing(drawings[0]), page.bullets(facts))),
-        Section("What this rests on", (page.bullets(fit.assumes),)),
+        Section("Assumptions", (page.bullets(fit.assumes),)),
         Section("The log", (page.drawing(drawings[1]), *_quality(log), *_notes(fit, log))),
     ]
     if fit.status == "empty":

@@ -132,7 +132,7 @@ def sections_of(
             "Parameters by every method",
             (method_table(fits), shown_figures["parameters"], page.bullets(fits[0].assumes)),
         ),
-        Section("What the published inverse is worth", _inverse_parts(inverses)),
+        Section("The published inverse beside the exact one", _inverse_parts(inverses)),
         Section("Table V", _table_v(fits[0], published, narrowed, vehicle)),
         Section(
             "Validation on the second trial, feasible parameters (Figs 4-7)",

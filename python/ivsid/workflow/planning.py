@@ -125,15 +125,15 @@ def isolability_report(vehicle: Vehicle, result: Isolability, words: Mapping[str
     columns = ["causes", "d now", "best manoeuvre", "d with it", "left together"]
     sections = (
         Section(
-            "What this programme shows",
+            "Causes that this programme shows",
             (
                 page.table(header, rows, "Tested from z = 8; told apart from d = 5."),
                 *(() if drawing is None else (page.drawing(drawing),)),
             ),
         ),
-        Section("What it does not tell apart", (page.table([*columns, "what the catalogue says of it"], classes),)),
-        Section("What it barely tells apart", (page.table(columns, close),) if close else ()),
-        Section("What it cannot test", (_untested(result, record),)),
+        Section("Causes that it does not tell apart", (page.table([*columns, "remark of the catalogue"], classes),)),
+        Section("Causes that it barely tells apart", (page.table(columns, close),) if close else ()),
+        Section("Causes that it cannot test", (_untested(result, record),)),
         Section("The manoeuvres", (page.table(["name", "how it is sailed"], words.items()),) if words else ()),
     )
     tested = sum(v.tested for v in result.visible.values())

@@ -37,7 +37,7 @@ def validate(fit: str | Path, log: str | Path, *, progress: Progress = silent) -
             "Predicted against measured force and moment", (validation_table(result), *parts[: 2 * len(result.forces)])
         ),
         Section("Simulated against measured motion", (motion_table(result), *parts[2 * len(result.forces) :])),
-        Section("What this rests on", (page.bullets([*known.assumes, *result.notes]),)),
+        Section("Assumptions", (page.bullets([*known.assumes, *result.notes]),)),
     )
     return Report(
         f"Validation of {known.vehicle.name}",

@@ -27,7 +27,7 @@ def verify(result: str | Path, log: str | Path, *, progress: Progress = silent) 
     lines = verdict_lines(verdict)
     sections = [
         Section(
-            "What was proved",
+            "Proved",
             (
                 page.bullets(
                     [
@@ -41,9 +41,9 @@ def verify(result: str | Path, log: str | Path, *, progress: Progress = silent) 
         )
     ]
     if verdict.not_checked:
-        sections.insert(0, Section("What was not checked", (page.bullets(verdict.not_checked),)))
+        sections.insert(0, Section("Not checked", (page.bullets(verdict.not_checked),)))
     if verdict.failures:
-        sections.insert(0, Section("What failed", (page.bullets(verdict.failures),)))
+        sections.insert(0, Section("Failed", (page.bullets(verdict.failures),)))
     return Report(
         "Verification of an identification",
         lines[0],

@@ -6,6 +6,7 @@
     reason = "each test file uses its own part"
 )]
 
+pub mod corners;
 pub mod matrices;
 pub mod rows;
 

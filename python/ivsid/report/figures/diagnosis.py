@@ -43,7 +43,7 @@ def separation(result: Isolability, name: str = "separation") -> Drawing | None:
     figure.legend(handles.values(), handles.keys(), fontsize=8, loc="outside upper left", ncols=2, frameon=False)
     return finish(
         name,
-        "What would tell causes apart",
+        "Manoeuvres that tell causes apart",
         "Distance of the two closest causes of each set at their typical sizes: the expected loss of fit when one is taken for the other, in standard deviations. Right of the dashed line "
         "(5) they are told apart. What lies at the left end is one column of the equations, and no manoeuvre separates it.",
         figure,
@@ -83,7 +83,7 @@ def signature(e: Evidence, name: str) -> Drawing:
         m = e.means[k]
         right.errorbar(m.centre, m.mean, yerr=2 * m.error, fmt="o", ms=3.5, lw=1, color=colour, capsize=2)
     if not unknown:
-        left.plot(e.time[s], (e.before - e.after)[s], color=COLOURS[5], lw=1.3, ls="--", label="what it explains")
+        left.plot(e.time[s], (e.before - e.after)[s], color=COLOURS[5], lw=1.3, ls="--", label="part that it explains")
         right.plot(e.means[2].centre, e.means[2].mean, color=COLOURS[5], lw=1.3, ls="--")
     for axes in (left, right):
         axes.axhline(0.0, color="0.7", lw=0.8, zorder=0)
@@ -96,7 +96,7 @@ def signature(e: Evidence, name: str) -> Drawing:
     what = "Nothing in the catalogue explains it." if unknown else "All other parameters are fitted anew without it."
     return finish(
         name,
-        "What is missing and has no name" if unknown else f"{e.effect} in {e.channel}",
+        "Residual without a named cause" if unknown else f"{e.effect} in {e.channel}",
         f"Force that the model lacks in TRAIN, low-passed at 0.35 Hz. Left: the stretch that holds most of it. Right: means over the whole log in bins of equally many samples, with two standard errors, "
         f"along the quantity that orders it best. Rms: {before:.3g} {e.unit}"
         + (f" without it, {after:.3g} {e.unit} with it. {what}" if not unknown else f". {what}"),

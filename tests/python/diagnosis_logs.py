@@ -124,15 +124,21 @@ def vehicle_of(text=TWIN, extra=""):
 
 def logs_of(vehicle, effects=None, *, segments=ZIGZAGS, duration=240.0, rate=10.0, seed=21):
     """TRAIN and TEST."""
-    given = tuple((effects or {}).items())
+    how = {"segments": segments, "duration": duration, "rate": rate}
+    return [_log(name, vehicle, effects, seed=number, **how) for name, number in (("train", seed), ("test", seed + 1))]
+
+
+def train_of(vehicle, effects=None, *, seed=21, **how):
+    """TRAIN alone."""
+    return _log("train", vehicle, effects, seed=seed, **how)
+
+
+def _log(name, vehicle, effects, *, seed, segments=ZIGZAGS, duration=240.0, rate=10.0):
     # A log is simulated once, unless a user's effects are registered: those may change between two tests.
     known = SHIPPED.issuperset(EFFECTS) and vehicle == parse_vehicle(vehicle.text, vehicle.source)
-    made = []
-    for name, number in (("train", seed), ("test", seed + 1)):
-        how = (given, segments, duration, rate, number)
-        t, columns = _remembered(vehicle.text, vehicle.source, *how) if known else _simulated(vehicle, *how)
-        made.append(Log(f"{name}.csv", "0" * 64, t.copy(), {k: x.copy() for k, x in columns.items()}))
-    return made
+    how = (tuple((effects or {}).items()), segments, duration, rate, seed)
+    t, columns = _remembered(vehicle.text, vehicle.source, *how) if known else _simulated(vehicle, *how)
+    return Log(f"{name}.csv", "0" * 64, t.copy(), {k: x.copy() for k, x in columns.items()})
 
 
 def _simulated(vehicle, effects, segments, duration, rate, number):

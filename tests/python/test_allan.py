@@ -74,8 +74,11 @@ def recording(seed, samples, h, n, b, t, k):
 
 @pytest.mark.parametrize(
     ("n", "b", "t", "k"),
-    [(2e-3, 3e-3, 5.0, 0.0), (1e-3, 3e-3, 4.0, 1e-4)],
-    ids=["N B", "N B K"],
+    # Nightly: without a rate random walk.
+    [
+        pytest.param(2e-3, 3e-3, 5.0, 0.0, marks=pytest.mark.nightly, id="N B"),
+        pytest.param(1e-3, 3e-3, 4.0, 1e-4, id="N B K"),
+    ],
 )
 def test_the_truth_lies_in_most_of_the_stated_bands(n, b, t, k):
     """Three records of 600 s: at least two hold each number (fewer in one of a hundred draws)."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from diagnosis_logs import TRUTH, logs_of, vehicle_of
+from diagnosis_logs import TRUTH, logs_of, train_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis import extended_vehicle
 from ivsid.diagnosis.candidates.families import everything, score
@@ -77,7 +77,7 @@ def test_a_cause_without_any_signature_hides_nothing():
     """Fouling multiplies the quadratic drag, which this model has not: its column is nothing, and no interval is made of it."""
     terms = '"mass.surge", "mass.sway", "inertia.yaw", "drag.surge.linear", "drag.sway.quadratic"'
     vehicle = vehicle_of(extra=f"[model]\nterms = [{terms}]\n")
-    fit, left = score(plain_fit(vehicle, channels(logs_of(vehicle_of())[0], vehicle), everything))
+    fit, left = score(plain_fit(vehicle, channels(train_of(vehicle_of()), vehicle), everything))
     assert any(s.id == "fouling.drift" and s.fall == 0 for s in left)
     bound = intervals(fit, "drag.surge.linear", fit.fixed, left, unknown=True)["drag.surge.linear"]
     assert np.isfinite([bound.lower, bound.upper]).all() and bound.lower < bound.upper
@@ -109,7 +109,7 @@ def test_a_wind_by_the_measured_wind_is_no_term_of_a_file_and_ends_the_proof():
         "# found, and not part of a vehicle file:\n#   wind.steady.surge = 0.4\n" in text
         and '"wind.steady"' not in text
     )
-    proof = extended_proof(vehicle_of(), logs_of(vehicle_of(), duration=70.0)[0], result)
+    proof = extended_proof(vehicle_of(), train_of(vehicle_of(), duration=70.0), result)
     assert proof.identification is None and "wind.steady.surge" in proof.reason
 
 

@@ -15,6 +15,7 @@ from diagnosis_logs import (
     losses,
     names,
     rows,
+    train_of,
     vehicle_of,
     wild,
     with_columns,
@@ -134,7 +135,7 @@ def test_mounted_sensors_come_back_to_the_origin():
     for section in ("[sensors.velocity]\n", "[sensors.acceleration]\n"):
         text = text.replace(section, section + where)
     mounted = parse_vehicle(text, "mounted.toml")
-    train, _ = logs_of(bare)
+    train = train_of(bare)
     moved, _ = logs_of(mounted)
     back = at_origin(moved, mounted.sensors)
     assert np.std(moved.columns["v"] - train.columns["v"]) > 0.05
@@ -146,7 +147,7 @@ def test_a_linear_demand_gives_the_mean_of_the_curve_between_two_samples():
     """For a cubic curve Simpson's rule is exact: the mean of T over a demand that runs straight is an integral of a polynomial."""
     text = TWIN.replace(TABLE, "polynomial = [2e-5, 1e-3, 0.1, 0.0]")
     held, linear = vehicle_of(text), vehicle_of(text, extra='[log]\ndemand = "linear"\n')
-    train, _ = logs_of(held, duration=80.0)
+    train = train_of(held, duration=80.0)
     sent = train.columns["demand_port"]
     antiderivative = np.polyint([2e-5, 1e-3, 0.1, 0.0])
     a, b = sent[:-1], sent[1:]

@@ -23,6 +23,7 @@ from diagnosis_logs import (
     logs_of,
     rows,
     screened,
+    train_of,
     vehicle_of,
     wild,
     with_columns,
@@ -58,7 +59,7 @@ def second_half(log, rng):
 )
 def test_no_candidate_passes_in_a_damaged_log_of_a_true_model(change):
     vehicle = vehicle_of()
-    found = screened(vehicle, change(logs_of(vehicle)[0], np.random.default_rng(5)))
+    found = screened(vehicle, change(train_of(vehicle), np.random.default_rng(5)))
     assert not found.passed and found.quiet
     for id_, value in TRUTH.items():
         assert found.fit.h.values[id_] == pytest.approx(value, rel=0.06), id_
@@ -66,7 +67,7 @@ def test_no_candidate_passes_in_a_damaged_log_of_a_true_model(change):
 
 def test_readings_that_stand_far_out_are_said_and_a_short_log_tests_less():
     vehicle = vehicle_of()
-    train, _ = logs_of(vehicle)
+    train = train_of(vehicle)
     notes = channels(wild(train, np.random.default_rng(5)), vehicle).notes
     assert any("stand far out" in n for n in notes)
     short = screened(vehicle, rows(train, train.t < 70))
@@ -79,7 +80,7 @@ def test_readings_that_stand_far_out_are_said_and_a_short_log_tests_less():
 @pytest.mark.parametrize("half", [first_half, second_half])
 def test_half_a_log_of_a_faint_cause_passes_nothing(effects, half):
     vehicle = vehicle_of()
-    found = screened(vehicle, half(logs_of(vehicle, effects)[0], None))
+    found = screened(vehicle, half(train_of(vehicle, effects), None))
     assert not found.passed and found.quiet
 
 
@@ -95,7 +96,7 @@ def test_half_a_log_of_a_faint_cause_passes_nothing(effects, half):
 )
 def test_a_hidden_effect_is_screened_first(effect, values):
     vehicle = vehicle_of()
-    found = screened(vehicle, logs_of(vehicle, values)[0])
+    found = screened(vehicle, train_of(vehicle, values))
     assert found.passed[0] == effect, found.passed
     numbers = found.of(effect).values
     for part, number in zip(EFFECTS[effect].parts, numbers, strict=True):
@@ -105,29 +106,29 @@ def test_a_hidden_effect_is_screened_first(effect, values):
 def test_an_effect_is_screened_across_gaps_and_epochs():
     vehicle = vehicle_of()
     rng = np.random.default_rng(6)
-    train, _ = logs_of(vehicle, {"drag.yaw.linear": 1.5})
+    train = train_of(vehicle, {"drag.yaw.linear": 1.5})
     assert screened(vehicle, epochs(gaps(train, rng), rng)).passed[0] == "drag.yaw.linear"
 
 
 def test_a_rudder_is_followed_and_what_is_hidden_behind_it_is_screened():
     vehicle = vehicle_of(RUDDER)
-    found = screened(vehicle, logs_of(vehicle, segments=STEERED, duration=120.0)[0])
+    found = screened(vehicle, train_of(vehicle, segments=STEERED, duration=120.0))
     assert not found.passed and found.quiet
     assert found.fit.h.values["inertia.yaw"] == pytest.approx(TRUTH["inertia.yaw"], rel=0.1)
-    hidden = screened(vehicle, logs_of(vehicle, {"drag.surge.linear": 6.0}, segments=STEERED, duration=120.0)[0])
+    hidden = screened(vehicle, train_of(vehicle, {"drag.surge.linear": 6.0}, segments=STEERED, duration=120.0))
     assert "drag.surge.linear" in hidden.passed[:3]
 
 
 @pytest.mark.parametrize(("claim", "wrong"), [(28.0, False), (20.0, True)])
 def test_a_wrong_claim_passes_and_a_true_one_does_not(claim, wrong):
     vehicle = vehicle_of(extra=f'[model]\nvalues = {{ "drag.surge.quadratic" = {claim} }}\n')
-    found = screened(vehicle, logs_of(vehicle)[0])
+    found = screened(vehicle, train_of(vehicle))
     assert ("drag.surge.quadratic" in found.passed) == wrong and bool(found.passed) == wrong
 
 
 def test_turning_the_earth_frame_turns_the_score_of_a_current():
     vehicle = vehicle_of()
-    train, _ = logs_of(vehicle, {"current.steady.north": 0.08, "current.steady.east": 0.05})
+    train = train_of(vehicle, {"current.steady.north": 0.08, "current.steady.east": 0.05})
     c, s = np.cos(0.9), np.sin(0.9)
     x, y = train.columns["x"], train.columns["y"]
     new = {"psi": train.columns["psi"] + 0.9, "x": c * x - s * y, "y": s * x + c * y}
@@ -140,7 +141,7 @@ def test_turning_the_earth_frame_turns_the_score_of_a_current():
 
 def test_port_and_starboard_mirrored_mirror_the_scores():
     vehicle = vehicle_of()
-    train, _ = logs_of(vehicle, {"coupling.cg_y": 1.5})
+    train = train_of(vehicle, {"coupling.cg_y": 1.5})
     columns = {k: -x if k in ("v", "r", "ay", "psi", "y") else x for k, x in train.columns.items()}
     port, starboard = (train.columns[f"demand_{side}"] for side in ("port", "starboard"))
     mirrored = Log(train.name, train.sha256, train.t, {**columns, "demand_port": starboard, "demand_starboard": port})
@@ -153,7 +154,7 @@ def test_demands_in_other_units_change_no_score():
     demand = [-100, -60, -30, 0, 30, 60, 100]
     other = vehicle_of(TWIN.replace(str(demand), str([10 * d for d in demand])))
     vehicle = vehicle_of()
-    train, _ = logs_of(vehicle, {"drag.surge.linear": 4.0})
+    train = train_of(vehicle, {"drag.surge.linear": 4.0})
     scaled = with_columns(train, lambda k, x: 10 * x if k.startswith("demand") else x)
     one, two = screened(vehicle, train), screened(other, scaled)
     assert one.passed == two.passed and one.passed[0] == "drag.surge.linear"
@@ -200,7 +201,7 @@ def test_an_effect_of_ones_own_with_two_channels_is_screened():
     register(names["FIN"])
     try:
         vehicle = vehicle_of()
-        found = screened(vehicle, logs_of(vehicle, {"drag.stern_fin": 15.0})[0])
+        found = screened(vehicle, train_of(vehicle, {"drag.stern_fin": 15.0}))
         assert "drag.stern_fin" in found.passed[:3], found.passed
     finally:
         for id_ in set(EFFECTS) - before:

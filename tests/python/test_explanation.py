@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from diagnosis_logs import logs_of, vehicle_of
+from diagnosis_logs import logs_of, train_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis import evidence, explain, worth
 from ivsid.diagnosis.statements.binning import binned, ordered_by
@@ -122,7 +122,7 @@ def test_gains_have_intervals_and_losses_are_said(result):
 def test_a_model_that_is_made_worse_is_reported_as_worse(result):
     """TEST without the effect: the extended model is wrong there, and the report says so."""
     vehicle = vehicle_of()
-    train, _ = logs_of(vehicle, {"drag.surge.linear": 3 * LINEAR})
+    train = train_of(vehicle, {"drag.surge.linear": 3 * LINEAR})
     _, test = logs_of(vehicle)
     made = diagnose(vehicle, train, test)
     assert made.findings
@@ -167,7 +167,7 @@ def test_what_orders_a_force_is_found():
 def test_shallow_water_is_drawn_as_the_ratios_of_two_logs():
     """It has no signature in one log: its figure shows each mass and drag of TEST over that of TRAIN."""
     vehicle = vehicle_of()
-    train, _ = logs_of(vehicle)
+    train = train_of(vehicle)
     _, test = logs_of(vehicle, {"environment.shallow_water": 1.4})
     result = diagnose(vehicle, train, test, null_logs=0)
     (f,) = result.findings

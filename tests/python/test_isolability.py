@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from diagnosis_logs import RUDDER, STEERED, TRUTH, TWIN, ZIGZAGS, logs_of, vehicle_of
+from diagnosis_logs import RUDDER, STEERED, TRUTH, TWIN, ZIGZAGS, train_of, vehicle_of
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
@@ -53,7 +53,7 @@ def sailed(vehicle, values, columns, noise="none", only=None):
 
 def fitted(segments, vehicle=None):
     vehicle = vehicle or vehicle_of()
-    train, _ = logs_of(vehicle, segments=segments)
+    train = train_of(vehicle, segments=segments)
     return vehicle, train, plain_fit(vehicle, channels(train, vehicle), everything)
 
 
@@ -176,7 +176,7 @@ def test_the_command_advises_for_a_scenario_and_for_a_log(tmp_path):
 @pytest.mark.sampled
 def test_a_rudder_and_a_vehicle_without_thrusters_get_what_is_possible(tmp_path):
     vehicle = vehicle_of(RUDDER)
-    train, _ = logs_of(vehicle, segments=STEERED, duration=120.0)
+    train = train_of(vehicle, segments=STEERED, duration=120.0)
     fit = plain_fit(vehicle, channels(train, vehicle), everything)
     names = spaced([t.name for t in trials.library(vehicle)], 2)
     logs = sailed(vehicle, fit.h.values, train.columns, only=names)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from diagnosis_logs import logs_of, vehicle_of, with_columns
+from diagnosis_logs import train_of, vehicle_of, with_columns
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.effects import EFFECTS, Given
@@ -20,7 +20,7 @@ HYPOTHESES = (
 @pytest.mark.parametrize("held", [True, False])
 def test_what_is_kept_between_hypotheses_changes_no_bit(slow, held):
     vehicle = vehicle_of(extra=f'[log]\ndemand = "{"hold" if held else "linear"}"\n')
-    log = logs_of(vehicle, duration=80.0)[0]
+    log = train_of(vehicle, duration=80.0)
     if slow:
         fifth = np.arange(log.t.size) % 5 > 0
         log = with_columns(log, lambda name, x: np.where(fifth, np.nan, x) if name in ("u", "v", "r") else x)

@@ -17,7 +17,7 @@ from ivsid.intervals import outward_decimal
 from ivsid.log import read_log
 from ivsid.vehicle import parse_vehicle
 from ivsid.workflow.log_files import csv as as_csv
-from sampling import spaced
+from sampling import NIGHTLY, spaced
 
 
 def exact_end(record, certificate) -> Fraction:
@@ -65,7 +65,7 @@ def test_one_ulp_beyond_the_proof_is_refused(fits, tmp_path, name):
         for number, certificate in enumerate(record["certificates"])
         if certificate["proves"] == "bound" and math.isfinite(float.fromhex(certificate["bound"]))
     ]
-    for number, certificate in spaced(proved, 4):
+    for number, certificate in spaced(proved, 3):
         beyond = tightened(exact_end(record, certificate), certificate["end"])
         edited = copy.deepcopy(record)
         edited["certificates"][number]["bound"] = beyond.hex()
@@ -220,7 +220,12 @@ def at(record, path):
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
+@settings(
+    max_examples=60 if NIGHTLY else 25,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    derandomize=True,
+)
 @given(
     data=st.data(),
     name=st.sampled_from(["pointwise", "integral", "empty"]),

@@ -85,7 +85,7 @@ def test_no_branch_can_be_left_out(saved, tmp_path):
             (json.dumps(c["orthant"]), json.dumps(c.get("dropped", [])), c.get("parameter"), c.get("end"))
             for c in record["certificates"]
         }
-        for node in spaced(sorted(nodes, key=str)[:: max(1, len(nodes) // 14)], 3):
+        for node in spaced(sorted(nodes, key=str)[:: max(1, len(nodes) // 14)], 2):
             edited = copy.deepcopy(record)
             edited["certificates"] = [
                 c

@@ -17,13 +17,16 @@ from ivsid.sensors.bounds import bound_log
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 from ivsid.verification.rows import Rows
-from sampling import spaced
+from sampling import NIGHTLY, spaced
 from test_actuators import POD, scenario_of, vehicle_of
 from test_bias import VALUES, biased
 from test_derivatives import towed as smooth_motion
 from test_mounting import MOUNTS, changed
 from test_verification import written
 from test_weak_form import towed as from_pose
+
+# Rows of the core are compared with those of the checker: some of them in the gate, more in the nightly run.
+pytestmark = pytest.mark.sampled
 
 WIND = (
     'terms = "paper"',
@@ -32,8 +35,8 @@ WIND = (
 HEADING = "\n[sensors.heading]\naccuracy = 0.004\n"
 
 
-def outside(vehicle, log, picked=24, **how):
-    """Rows of the core that do not hold those of the checker, of some that are picked."""
+def outside(vehicle, log, picked=24 if NIGHTLY else 8, **how):
+    """Rows of the core that do not hold those of the checker, of some that are picked: more in the nightly run."""
     made = build_rows(bound_log(log, vehicle), vehicle, terms_of(vehicle), **how)
     own, bad = Rows(log, vehicle, "total"), []
     for k in np.random.default_rng(0).choice(made.time.size, min(picked, made.time.size), replace=False):
@@ -248,7 +251,6 @@ def test_angles_are_followed_between_rows(demand):
     assert not row.right.inside(Fraction(float(made.right.lower[k])), Fraction(float(made.right.upper[k])))
 
 
-@pytest.mark.sampled
 def test_forces_between_rows_demands_beyond_curves_and_gyros_that_average(swan, programme, twin):
     log, plain, _, _ = smooth_motion(2)
     n = log.t.size - 1

@@ -20,8 +20,10 @@ from test_verification_rows import ends, outside
 from test_weak_form import towed as from_pose
 from test_weak_form import worst
 
+# Rows of the core are compared with those of the checker: some of them in the gate, more in the nightly run.
+pytestmark = pytest.mark.sampled
 
-@pytest.mark.sampled
+
 def test_rows_straight_from_the_pose_are_proved_and_rougher_poses_or_limits_are_not(tmp_path):
     log, vehicle = from_pose(1, length=60.0)
     assert outside(vehicle, log, kind="weak", window=2.0, picked=8) == []

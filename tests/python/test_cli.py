@@ -21,9 +21,15 @@ def folder(tmp_path_factory, twin):
     return place
 
 
-def test_identify_and_validate_leave_their_files(folder, twin):
-    made = run_process("identify", folder / "swan.toml", folder / "log.csv", "--out", folder / "fit")
-    assert made.returncode == 0, made.stderr
+@pytest.fixture(scope="module")
+def made(folder):
+    """``identify`` in a process of its own."""
+    done = run_process("identify", folder / "swan.toml", folder / "log.csv", "--out", folder / "fit")
+    assert done.returncode == 0, done.stderr
+    return done
+
+
+def test_identify_and_validate_leave_their_files(folder, twin, made):
     assert "guaranteed" in made.stdout and "mass.surge" in made.stdout
     record = json.loads((folder / "fit" / "result.json").read_text())
     assert record["command"] == "identify" and record["status"] == "enclosed" and record["guaranteed"] is True
@@ -41,11 +47,12 @@ def test_identify_and_validate_leave_their_files(folder, twin):
     assert printed["force"]["surge"]["falsified_samples"] == 0
 
 
+@pytest.mark.usefixtures("made")
 def test_the_same_input_gives_the_same_bytes(folder):
-    for out in ("one", "two"):
-        assert run_process("identify", folder / "swan.toml", folder / "log.csv", "--out", folder / out).returncode == 0
-    for path in sorted((folder / "one").iterdir()):
-        assert path.read_bytes() == (folder / "two" / path.name).read_bytes(), path.name
+    again = run_process("identify", folder / "swan.toml", folder / "log.csv", "--out", folder / "again")
+    assert again.returncode == 0, again.stderr
+    for path in sorted((folder / "fit").iterdir()):
+        assert path.read_bytes() == (folder / "again" / path.name).read_bytes(), path.name
 
 
 def test_simulate_writes_a_log_and_keeps_the_truth_apart(folder):

@@ -3,9 +3,9 @@
 Every constant whose source is this measurement is halved and doubled in turn, in a process of its own. For one of ivsid.diagnosis a fixed set
 of short simulated logs is diagnosed again: two with nothing hidden, some with one cause each, one with a drag that is no cause of the
 catalogue. For one of another chapter the tasks of ``constants_tasks.py`` run again. The table counts the verdicts that change, names the
-cases, and gives the largest relative change of the ends of intervals. A number whose
-halving and doubling change nothing is one that the results do not hang on; one that changes verdicts on one side stands as far from that side
-as the table says. With names, only those constants are measured, and the others keep their lines.
+cases, and gives the largest relative change of the ends of intervals. A number whose halving and doubling change nothing is one that the
+results do not hang on; one that changes verdicts on one side stands as far from that side as the table says. A number that no case reads is
+said to be so: it waits for a case. With names, only those constants are measured, and the others keep their lines.
 """
 
 from __future__ import annotations
@@ -39,13 +39,14 @@ CASES: dict[str, dict[str, float]] = {
     },
 }
 FACTORS = (0.5, 2.0)
+UNREAD = "not read by the cases"
 HEAD = """# Numbers, halved and doubled
 
 `make constants` writes this page: each number is halved and doubled. For a number of the diagnosis {cases} short logs are diagnosed again
 ({names}).
 For a number of another chapter {tasks} short tasks run again ({others}).
 A cell counts the verdicts and names that change, names the cases, and gives the largest relative change of an end of an interval where none
-does.
+does. A number that no case reads has no measurement here; its source stays `none`.
 
 | constant | value | halved | doubled |
 |---|---|---|---|
@@ -149,6 +150,13 @@ def difference(plain: dict[str, Any], other: dict[str, Any]) -> str:
     return "0" if largest == 0 else f"0; ends move by {largest:.1g}"
 
 
+def reached_by(kind: str) -> set[str]:
+    """The constants, as ``file NAME``, that the cases of a kind read."""
+    line = [sys.executable, __file__, "--reached", kind]
+    done = subprocess.run(line, capture_output=True, text=True, check=True)
+    return set(json.loads(done.stdout.splitlines()[-1]))
+
+
 def _kind(file: str) -> str:
     """A file without constants that is judged by the same cases."""
     return "diagnosis/none" if file.startswith("diagnosis/") else "none"
@@ -173,9 +181,13 @@ def main(out: Path, wanted: list[str]) -> None:
     for failed in (p["failed"] for p in plain.values() if "failed" in p):
         sys.exit(f"the cases do not run: {failed}")
     with ThreadPoolExecutor(int(os.environ.get("JOBS", "2"))) as pool:
-        work = [[pool.submit(variant, c.file, c.name, f) for f in FACTORS] for c in todo]
-        for c, (half, double) in zip(todo, work, strict=True):
-            cells = [difference(plain[_kind(c.file)], x.result()) for x in (half, double)]
+        read = {kind: reached_by(kind) for kind in plain}
+        work = [
+            [pool.submit(variant, c.file, c.name, f) for f in FACTORS if f"{c.file} {c.name}" in read[_kind(c.file)]]
+            for c in todo
+        ]
+        for c, varied in zip(todo, work, strict=True):
+            cells = [difference(plain[_kind(c.file)], x.result()) for x in varied] or [UNREAD, UNREAD]
             rows[f"{c.file} {c.name}"] = f"| `{c.file} {c.name}` | `{c.value}` | {cells[0]} | {cells[1]} |"
             known = {f"{q.file} {q.name}" for q in ours}
             table = "\n".join(row for key, row in sorted(rows.items()) if key in known)
@@ -187,6 +199,11 @@ if __name__ == "__main__":
     if sys.argv[1:2] == ["--child"]:
         patch(sys.argv[2], sys.argv[3], float(sys.argv[4]))
         print(json.dumps(outcomes(sys.argv[2])))
+    elif sys.argv[1:2] == ["--reached"]:
+        from constants_reached import executed, reached
+
+        package = Path(__import__("ivsid").__file__).parent
+        print(json.dumps(sorted(reached(package, executed(package, lambda: outcomes(sys.argv[2]))))))
     elif len(sys.argv) > 1:
         main(Path(sys.argv[1]), sys.argv[2:])
     else:

@@ -25,8 +25,8 @@ against each other.
 The source is a theorem, a publication, a definition, a resource that the number bounds, the geometry of the matter, or a measurement that
 the named command repeats. `none` marks a number that still waits for its measurement; a test lets the count of `none` only fall.
 
-`make constants` halves and doubles each number of the diagnosis in turn, and counts the verdicts that change on a fixed set of logs. It
-fills the page [constants_measured.md](constants_measured.md), which is empty until its first run.
+`make constants` halves and doubles each number that it is the source of, and counts the verdicts that change on a fixed set of logs and
+tasks. It fills the page [constants_measured.md](constants_measured.md). A number that none of them reads stays `none`.
 """
 
 

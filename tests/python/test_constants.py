@@ -10,7 +10,7 @@ sys.path.insert(0, str(ROOT / "docs"))
 from constants import PAGE, constants, page  # noqa: E402 - docs/constants.py stands beside the page that it makes
 
 # Constants whose value nothing in the tree explains yet; the number only falls.
-UNMEASURED = 127
+UNMEASURED = 36
 
 
 def test_every_constant_has_a_reason():
@@ -32,11 +32,12 @@ def test_commands_that_repeat_a_measurement_exist():
     assert not {(name, t) for name, t in named if t not in targets}
 
 
-def test_measured_constants_of_the_diagnosis_stand_in_the_table_of_measurements():
+def test_measured_constants_stand_in_the_table_of_measurements():
     measured = (ROOT / "docs" / "constants_measured.md").read_text()
     wanted = [c for c in constants() if c.source.startswith("measured: make constants")]
-    lacking = [f"{c.file} {c.name}" for c in wanted if f"| `{c.file} {c.name}` | `{c.value}` |" not in measured]
-    assert not lacking, lacking
+    rows = [f"| `{c.file} {c.name}` | `{c.value}` | " for c in wanted]
+    lacking = [row for row in rows if row not in measured or f"{row}not read" in measured]
+    assert wanted and not lacking, lacking
 
 
 def test_the_page_is_made_from_the_comments():

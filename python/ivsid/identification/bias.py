@@ -32,7 +32,7 @@ from ivsid.vehicle import AccelerationSensor, Vehicle
 
 CHOICES: Final = ("auto", "sample", "log")
 # The bias is one unknown by default where that narrows the median reading to at most this share.
-# Source: none
+# Source: measured: make constants
 WORTHWHILE: Final = 0.75
 # Relative slack that holds the roundings of bounds, their square roots and exponentials: about ten of 2^-53 each.
 # Source: theorem: standard model of floating-point arithmetic, Higham 2002, section 2.2

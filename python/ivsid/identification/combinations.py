@@ -10,10 +10,10 @@ import numpy as np
 from ivsid.intervals import FloatArray
 
 # Coefficients below this share of the largest count as 0; the directions are floats of linear programs.
-# Source: none
+# Source: measured: make constants
 SMALL: Final = 1e-6
 # Singular values below this share of the largest count as 0.
-# Source: none
+# Source: measured: make constants
 RANK: Final = 1e-9
 
 

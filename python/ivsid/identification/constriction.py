@@ -18,7 +18,7 @@ from ivsid.errors import IvsidError
 from ivsid.rows import RegressionRows
 
 # Share of the measured forces that the bounds of the narrowed box contain, where none is given.
-# Source: none
+# Source: measured: make constants
 COVERAGE: Final = 0.95
 # Largest number of halvings.
 # Source: resource: bounds the time of the search

@@ -16,19 +16,19 @@ from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.vehicle import Vehicle
 
 # Length of a trial [s] for a hull of 1 m; other hulls scale it by Froude's law.
-# Source: none
+# Source: measured: make constants
 LENGTH: Final = 150.0
 # Samples of a trial at most, as long as that leaves it ``LENGTH`` seconds.
 # Source: resource: bounds the time of an isolability study.
 MOST: Final = 6000.0
 # Yaw rate [rad/s] of a brisk turn of a hull of 1 m.
-# Source: none
+# Source: measured: make constants
 BRISK: Final = 0.4
 # Feedback of the yaw rate: the share of full demand for an error of ``BRISK``.
-# Source: none
+# Source: measured: make constants
 HOLD: Final = 0.6
 # A simulated yaw rate above this multiple of ``BRISK`` is not believed: the model lacks damping.
-# Source: none
+# Source: measured: make constants
 SPIN: Final = 6.0
 
 # Levels of a key of a segment: one, or one after the other.

@@ -21,7 +21,7 @@ from ivsid.sensors.bounds import BoundedLog
 from ivsid.vehicle import Vehicle
 
 # Length of the window of integral rows, where none is given [s].
-# Source: none
+# Source: measured: make constants
 WINDOW: Final = 1.0
 KINDS: Final = ("auto", "pointwise", "integral", "both", "weak")
 

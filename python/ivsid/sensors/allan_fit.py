@@ -31,10 +31,10 @@ LEVEL: Final = float(chi2.ppf(0.95, 1))
 # Source: theorem: Wilks, likelihood ratio.
 SIGNIFICANT: Final = float(chi2.ppf(0.999, 1))
 # Frequencies of the integral for the covariance, spaced geometrically.
-# Source: none
+# Source: measured: make constants
 FREQUENCIES: Final = 4000
 # The record is at least as long as this multiple of the longest averaging time of the fit.
-# Source: none
+# Source: measured: make constants
 LEAST_AVERAGES: Final = 6
 # A number below this share of its scale in the record counts as 0.
 # Source: definition: its part of the variance is 1e-12.

@@ -21,7 +21,7 @@ from ivsid.vehicle import Sensors
 
 # Lengths of the windows, as shares of the length at which reading and jerk contribute the same width. The best length varies with
 # the motion; every window holds, so that their choice decides the width alone.
-# Source: none
+# Source: measured: make constants
 SHARES: Final = (0.5, 0.7, 1.0, 1.4)
 RATES: Final = {"udot": "u", "vdot": "v", "rdot": "r"}
 

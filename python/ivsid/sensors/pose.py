@@ -29,7 +29,7 @@ POSE: Final = ("x", "y", "psi")
 DIAGONAL: Final = 1.4142135623730952
 # Lengths of the windows, as shares of the length at which sensor and acceleration contribute the same width. Every window holds, so
 # that their choice decides the width alone.
-# Source: none
+# Source: measured: make constants
 SHARES: Final = (0.35, 0.5, 0.7, 1.0, 1.4, 2.0)
 
 Array = NDArray[np.float64]

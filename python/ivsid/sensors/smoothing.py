@@ -27,13 +27,13 @@ if TYPE_CHECKING:
 # Source: Silverman 1984, Spline smoothing: the equivalent variable kernel method.
 SLOPE_ENERGY: Final = 2.0**-3.5
 # Samples below which a stretch is left out: cross-validation needs residuals on both halves of it.
-# Source: none
+# Source: measured: make constants
 LEAST_SAMPLES: Final = 30
 # Sigmas of a whole log, counted once for the noise and once for the bias of the spline.
 # Source: theorem: union bound, 1e4 errors at a confidence of 0.999.
 SIGMAS: Final = 5.3
 # Missing time, in tens of periods, beyond which no spline crosses a gap.
-# Source: none
+# Source: measured: make constants
 _GAP: Final = 2.5
 
 Array = NDArray[np.float64]

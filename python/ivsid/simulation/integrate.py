@@ -16,7 +16,7 @@ from ivsid.simulation.equations import Rates
 from ivsid.simulation.propulsion import INSIDE, Propulsion
 
 # The motion has settled if halving the step moves no velocity by more than this share of its largest value.
-# Source: none
+# Source: measured: make constants
 TOLERANCE: Final = 1e-5
 # A movement below this [m/s, rad/s] counts as none: velocities near 0 would never settle in relative terms.
 # Source: physics: far below the resolution of any velocity sensor or gyro.
@@ -28,7 +28,7 @@ MOST_STEPS: Final = 64
 # Source: definition: far above the relative rounding of float64, 2^-53, far below 1.
 CERTAIN: Final = 1 + 1e-9
 # At the most steps a thrust with kinks, which lowers the order of the method, may miss the tolerance by this factor.
-# Source: none
+# Source: measured: make constants
 KINKED: Final = 10.0
 
 Pose = tuple[float, float, float, float, float, float]

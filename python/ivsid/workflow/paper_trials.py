@@ -37,7 +37,7 @@ STATIC_HOURS = 2.0
 # Source: definition: rate of the shipped scenarios
 STATIC_RATE = 20.0
 # Partitions N of the published inverse.
-# Source: none
+# Source: measured: make constants
 PARTITIONS = 1000
 
 

@@ -22,16 +22,16 @@ Array = NDArray[np.float64]
 # Source: geometry: half a minute before and after a step, the time over which coefficients are told apart from their scatter
 EDGE: Final = 3
 # Independent values that each further value of a number adds to a search: the columns of neighbours are alike.
-# Source: none
+# Source: measured: make constants
 LOOKS_A_VALUE: Final = 0.3
 # Neighbouring starts of a step that count as one independent start.
-# Source: none
+# Source: measured: make constants
 STARTS_A_LOOK: Final = 6.0
 # Least and largest factor between the value of a column and the value that its coefficient gives.
-# Source: none
+# Source: measured: make constants
 SECANT: Final = (0.3, 3.0)
 # A step's column has to keep this share of its squared length beside the base.
-# Source: none
+# Source: measured: make constants
 STEP_LEFT: Final = 1e-6
 
 

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 # Source: theorem: two-sided 99.9 % quantile of the standard normal distribution, 3.29
 SIGMAS: Final = 3.3
 # Fall of chi-squared from which on a cause that was not found may still be there.
-# Source: none
+# Source: measured: make constants
 DOUBTFUL: Final = 6.0
 # Size that a cause may have beyond its score without being found, in standard deviations.
 # Source: theorem: one-sided 97.7 % quantile of the standard normal distribution

@@ -45,10 +45,10 @@ HALVINGS: Final = 7
 # Source: geometry: the last of them is 2048 first steps, 40 times the number itself or an hour
 DOUBLINGS: Final = 12
 # First steps on either side within which the best value is looked for.
-# Source: none
+# Source: measured: make constants
 AROUND: Final = 6
 # Passes of that search, each with steps that are ``AROUND`` times as small.
-# Source: none
+# Source: measured: make constants
 PASSES: Final = 2
 # Least first step of a starting time [s].
 # Source: none
@@ -57,16 +57,16 @@ TIME_STEP: Final = 2.0
 # Source: none
 TIME_STEPS: Final = 4
 # First step of another number, as a share of it.
-# Source: none
+# Source: measured: make constants
 NUMBER_STEP: Final = 0.02
 # Factor of the rise of chi-squared that ends the interval of a starting time: the size of the effect, which is off as well, goes with it.
-# Source: none
+# Source: measured: make constants
 START_RISE: Final = 2.0
 # Least distance by which the ends of a starting time's interval are moved apart [s]: the memory of the filters blurs a start.
-# Source: none
+# Source: measured: make constants
 START_SLACK: Final = 1.0
 # The same in steps of the clock.
-# Source: none
+# Source: measured: make constants
 START_SLACK_STEPS: Final = 3
 
 

@@ -12,7 +12,7 @@ from ivsid.diagnosis.estimation.fit import Fit
 
 Array = NDArray[np.float64]
 # Least reach of the grid from the middle of the track [m].
-# Source: none
+# Source: measured: make constants
 LEAST_REACH: Final = 20.0
 # Anchors along each side of the grid.
 # Source: resource: time of 225 sums; a seventh of the reach lies between two of them, which later steps refine
@@ -24,10 +24,10 @@ SAMPLES: Final = 1500
 # Source: geometry: the direction to an anchor below the hull stays a number
 NEAR: Final = 1e-4
 # Independent anchors in the grid.
-# Source: none
+# Source: measured: make constants
 LOOKS: Final = 20.0
 # Largest arm of a tether [m].
-# Source: none
+# Source: measured: make constants
 MOST_ARM: Final = 3.0
 # Least pull that has an arm [N].
 # Source: geometry: a quotient by it stays a number

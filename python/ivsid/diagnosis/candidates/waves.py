@@ -20,7 +20,7 @@ SAMPLES_A_PERIOD: Final = 5.0
 # Source: physics: gravity waves have periods up to 30 s, infragravity waves longer ones (Munk 1951)
 LONGEST_SWELL: Final = 30.0
 # Fewest periods of a swell in a log.
-# Source: none
+# Source: measured: make constants
 PERIODS_A_LOG: Final = 20
 # Longest period of a tide, in logs.
 # Source: geometry: half a period of it passes in the log

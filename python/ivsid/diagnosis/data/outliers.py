@@ -18,7 +18,7 @@ USUAL: Final = 0.95
 # Source: theorem: ten 95 % quantiles are 19.6 standard deviations of Gaussian noise, which no sample of a log reaches
 THRESHOLD: Final = 10.0
 # Smallest deviation of an outlier, as a share of the channel's standard deviation: a nearly noise-free channel has sharp corners.
-# Source: none
+# Source: measured: make constants
 LEAST_SHARE: Final = 0.3
 # The deviation of an outlier exceeds those of its neighbours by this factor.
 # Source: geometry: between 1, the highest of three, and 2, the ratio at a single outlier (it moves its neighbours' midpoints by half)

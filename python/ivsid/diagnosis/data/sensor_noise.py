@@ -18,7 +18,7 @@ NORMAL_MEDIAN: Final = 0.6745
 # Source: paper: its rule of three sigma (DESIGN.md, "Why does `confidence` replace three sigma?")
 SIGMAS_OF_ACCURACY: Final = 3.0
 # The estimate stays within this factor of the specification, which is a bound or a wish.
-# Source: none
+# Source: measured: make constants
 FROM_SPECIFICATION: Final = 10.0
 # Least noise of a channel, as a share of its standard deviation: a filter needs some, and a simulated channel may have none.
 # Source: geometry: readings in six digits are rounded by this much

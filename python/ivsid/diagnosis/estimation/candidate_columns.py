@@ -24,16 +24,16 @@ LEAST_DELAY: Final = 0.1
 MOST_DELAY: Final = 0.1
 # Dead bands that are tried, in the demand below which most demands stay: levels lie closer below, because a small band shows little of the
 # signature of a larger one.
-# Source: none
+# Source: measured: make constants
 BANDS: Final = (0.03, 0.05, 0.08, 0.125, 0.19, 0.28, 0.4, 0.55, 0.75, 1.0)
 # The share of demands, apart from zero, that the unit of these levels exceeds.
-# Source: none
+# Source: measured: make constants
 MOST_DEMANDS: Final = 0.7
 # Largest demand that counts as none, in its own unit.
 # Source: geometry: rounding of a demand
 NO_DEMAND: Final = 1e-9
 # Limits that are tried, in the largest thrust of the log.
-# Source: none
+# Source: measured: make constants
 LIMITS: Final = (0.97, 0.92, 0.85, 0.77, 0.68, 0.58, 0.47, 0.35)
 # Loss of a thruster, as a share, from which the slope of a failure is taken.
 # Source: geometry: thrust is linear in the loss

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 # Source: theorem: a uniform distribution within the bound has 1/sqrt(3) = 0.577
 BOUNDED: Final = 0.6
 # Standard deviation of the scale of the velocity, in units of its bound.
-# Source: none
+# Source: measured: make constants
 SCALE: Final = 0.7
 # Difference of a thrust error from which its effect on a rudder is taken, in units of its bound.
 # Source: geometry: a rudder's force is nearly linear in the stream's speed over this much of a thrust error

@@ -20,22 +20,22 @@ from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 # Length of the windows [s]: long enough to average the noise of accelerations, shorter than a manoeuvre.
-# Source: none
+# Source: measured: make constants
 WINDOW: Final = 1.0
 # Least share of good samples in a window.
 # Source: geometry: all of them, up to rounding of a mean
 ALL_GOOD: Final = 0.999
 # Rounds of weighting the equations by the residuals of the round before.
-# Source: none
+# Source: measured: make constants
 ROUNDS: Final = 3
 # Least singular value that counts, in the largest.
 # Source: geometry: half the digits of a double
 RCOND: Final = 1e-8
 # Least mass, sum of dry and added mass, in the dry mass.
-# Source: none
+# Source: measured: make constants
 LEAST_MASS: Final = 0.3
 # Least inertia in yaw, in mass times squared length.
-# Source: none
+# Source: measured: make constants
 LEAST_INERTIA: Final = 0.01
 
 

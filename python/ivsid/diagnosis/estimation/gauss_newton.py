@@ -20,7 +20,7 @@ from ivsid.effects import Parameter
 
 Array = NDArray[np.float64]
 # Most steps of a fit.
-# Source: none
+# Source: measured: make constants
 STEPS: Final = 3
 # Shares of a step that are tried, one after the other, until chi-squared does not rise.
 # Source: resource: each costs two passes of the filters
@@ -32,13 +32,13 @@ WORSE: Final = 1.0
 # Source: geometry: such a move changes chi-squared by a hundredth
 CONVERGED: Final = 0.1
 # Largest factor by which a step changes a mass.
-# Source: none
+# Source: measured: make constants
 MASS_FACTOR: Final = 3
 # Largest step of an effect's number, as a share of it.
-# Source: none
+# Source: measured: make constants
 MOST_STEP: Final = 0.5
 # Least size of an effect's number in such a step, in its usual size.
-# Source: none
+# Source: measured: make constants
 LEAST_SIZE: Final = 0.2
 # Distance of a number from a limit that its physics excludes, in its unit.
 # Source: geometry: above rounding, and below any size that matters

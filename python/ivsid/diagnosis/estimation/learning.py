@@ -25,7 +25,7 @@ from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 # Least time that counts, between gaps and the settling of the filters [s].
-# Source: none
+# Source: measured: make constants
 LEAST: Final = 40.0
 # A search adds the columns of waves, tethers and steps that explain most.
 Search: TypeAlias = "Callable[[Fit], Fit]"

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 # Source: geometry: longer than 1 / LEAST_RATE, the longest memory of a filter
 SETTLING: Final = 4.0
 # Half the time over which slopes of the velocity are taken [s].
-# Source: none
+# Source: measured: make constants
 HALF: Final = 0.5
 # Lags at which slopes are correlated [s].
 # Source: geometry: a slope is made of 1.5 s of readings, so that slopes 2 s apart share no noise of a sensor
@@ -27,17 +27,17 @@ LAGS: Final = (2.0, 4.0)
 # Source: geometry: keeps the logarithm finite; the correlation time is bounded further
 RATIOS: Final = (1e-3, 0.9)
 # Least and largest correlation time that is estimated [s].
-# Source: none
+# Source: measured: make constants
 TIMES: Final = (1.0, 5.0)
 # The ambient acceleration of an axis whose slopes are not correlated, as a share of the one before.
-# Source: none
+# Source: measured: make constants
 UNCORRELATED: Final = 0.3
 # Least and largest estimate of the ambient acceleration, in the declared one.
 # Never estimate less than the declared noise: it would make slow signatures look significant.
-# Source: none
+# Source: measured: make constants
 DECLARED_RANGE: Final = (1.0, 30.0)
 # The same in the assumed one, where none is declared.
-# Source: none
+# Source: measured: make constants
 ASSUMED_RANGE: Final = (0.05, 1e3)
 # Least ambient acceleration that a vehicle file declares, in m/s^2 and, on the hull's radius of gyration, rad/s^2.
 # Source: geometry: a filter needs some process noise
@@ -58,10 +58,10 @@ ASSUMED_TIME: Final = 2.0
 # Source: physics: 12 is a uniform rod's, and added inertia makes it less
 INERTIA_DIVISOR: Final = 8
 # The memory of a filter times the damping of its axis is below the inverse of this.
-# Source: none
+# Source: measured: make constants
 QUICKER: Final = 2.0
 # The memory of a filter is below the inverse of this rate [1/s].
-# Source: none
+# Source: measured: make constants
 LEAST_RATE: Final = 0.3
 # Factor of the ambient acceleration by which a filter is made quicker.
 # Source: none
@@ -70,13 +70,13 @@ QUICKENING: Final = 1.6
 # Source: resource: time of designing filters
 MOST_QUICKENINGS: Final = 8
 # A vehicle turns if its yaw rate varies by this multiple of its filter's error.
-# Source: none
+# Source: measured: make constants
 MOVING: Final = 20.0
 # Factor of the ambient acceleration in the filter of an axis that is left out: its states follow the sensor, not the model.
-# Source: none
+# Source: measured: make constants
 LOOSE: Final = 100.0
 # Least standard deviation of the yaw rate of a hull of 1 m that turns [rad/s]; longer hulls turn more slowly, after Froude.
-# Source: none
+# Source: measured: make constants
 TURNING: Final = 0.015
 
 

@@ -36,7 +36,7 @@ FLOW_STEP: Final = 1e-2
 # Source: geometry: the slope of a quadratic changes by this share over it
 STEP: Final = 1e-3
 # The same for a number that divides (its effect grows as it falls to nothing).
-# Source: none
+# Source: measured: make constants
 INVERSE_STEP: Final = 0.02
 # Least size of a number in such a difference, in its usual size.
 # Source: geometry: a number near zero still needs a difference above rounding

@@ -15,10 +15,10 @@ from ivsid.linear.filters import whiten as whitened
 
 Array = NDArray[np.float64]
 # Memory of the whitening [s].
-# Source: none
+# Source: measured: make constants
 MEMORY: Final = 0.6
 # Fewest lags of the whitening.
-# Source: none
+# Source: measured: make constants
 FEWEST_LAGS: Final = 3
 # Most lags of the whitening.
 # Source: resource: time of the whitening of every column

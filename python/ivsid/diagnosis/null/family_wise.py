@@ -23,27 +23,27 @@ from ivsid.diagnosis.null.thresholds import HIGH_SIDE, Calibration
 # Source: definition: three blocks of 10 s
 BLOCKS: Final = 3
 # Chance that the second opinion may give: its blocks are few, so it is asked for less than the calibrated test.
-# Source: none
+# Source: measured: make constants
 SECOND_OPINION: Final = 5e-3
 # A fall of chi-squared from here on is no error of the noise model, and needs no second opinion: its few blocks may disagree because the
 # fit is not finished. The largest fall in a hundred turning logs without an effect was 14.
-# Source: none
+# Source: measured: make constants
 BEYOND_DOUBT: Final = 40.0
 # The same where axes are left out: the largest fall without an effect was 90 there.
-# Source: none
+# Source: measured: make constants
 BEYOND_DOUBT_AXES_LEFT_OUT: Final = 60.0
 # A smaller fall of chi-squared is no finding, whatever its chance: below five standard deviations the model of the noise is not trusted, and
 # fresh logs without an effect reach 19.
 # Source: measured: make null-logs
 FAINT: Final = 25.0
 # Below this share of its typical size a cause is smaller than the errors of the equations.
-# Source: none
+# Source: measured: make constants
 NEGLIGIBLE: Final = 0.01
 # A cause beyond this multiple of its typical size is not possible.
-# Source: none
+# Source: measured: make constants
 IMPOSSIBLE: Final = 50.0
 # Singular values below this share of the largest belong to dependent directions.
-# Source: none
+# Source: measured: make constants
 DEPENDENT: Final = 1e-9
 
 

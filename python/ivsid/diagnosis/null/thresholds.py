@@ -37,7 +37,7 @@ TAIL_SLOPE: Final = 1.0
 # Source: measured: make null-logs
 HIGH_SIDE: Final = 1.15
 # Share of its own signature that a step must keep beside the base to be scored.
-# Source: none
+# Source: measured: make constants
 LEAST_SHARE: Final = 1e-6
 # Eigenvalues of the information below this share of the largest belong to directions that the base explains.
 # Source: definition: square root of the rounding unit of doubles

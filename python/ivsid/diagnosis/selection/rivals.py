@@ -33,22 +33,22 @@ MARGIN: Final = 9.0
 # Source: resource: the time of a round grows with its full fits
 FINALISTS: Final = 6
 # A candidate whose merit is this far behind the best is not fitted in full.
-# Source: none
+# Source: measured: make constants
 FAR: Final = 60.0
 # A candidate that is behind the best by less than this share of its merit is fitted in full in any case.
-# Source: none
+# Source: measured: make constants
 FAR_SHARE: Final = 0.5
 # A fall of chi-squared of two standard deviations or less makes no candidate.
 # Source: definition: 5 % of normal errors lie beyond
 WEAK: Final = 4.0
 # A full fit that reaches less than this share of the score's fall of chi-squared is given more steps.
-# Source: none
+# Source: measured: make constants
 SLOW: Final = 0.8
 # Gauss-Newton steps of a fit that has to be finished.
 # Source: resource: twice the steps of any other fit
 FULL_STEPS: Final = 6
 # A number this close to its bound, in typical sizes, stands at the bound.
-# Source: none
+# Source: measured: make constants
 AT_BOUND: Final = 1e-4
 # Longest period that a log can show, in lengths of the log.
 # Source: geometry/physics: less than a third of a sine hardly differs from a parabola in time

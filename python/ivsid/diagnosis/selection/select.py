@@ -22,7 +22,7 @@ from ivsid.diagnosis.selection.rivals import FULL_STEPS, Found, Test
 # Source: resource: a review takes a survey for each cause
 MOST: Final = 6
 # From this number of causes on, another one is added only where it explains enough of the rest.
-# Source: none
+# Source: measured: make constants
 USUAL: Final = 4
 # Share of the unexplained chi-squared in its channels that such a cause has to explain.
 # Source: none

@@ -28,10 +28,10 @@ VELOCITY_WINDOW: Final = 10.0
 # Source: definition: ``gain.windows`` of result.json
 POSITION_WINDOW: Final = 30.0
 # Cut-off of the low pass of forces [Hz]: the motion of the hull is slower, waves and the noise of differentiated velocities are faster.
-# Source: none
+# Source: measured: make constants
 BAND: Final = 0.35
 # Order of the low pass, a Butterworth filter that runs forward and backward.
-# Source: none
+# Source: measured: make constants
 ORDER: Final = 4
 # Bootstrap draws: ten lie beyond each end of a 95 % interval.
 # Source: resource: the time of the bootstrap grows with the draws

@@ -16,7 +16,7 @@ from ivsid.sensors.bounds import bound_log
 from ivsid.vehicle import Vehicle
 
 # Length of the windows of integral rows [s].
-# Source: none
+# Source: measured: make constants
 WINDOW: Final = 2.0
 
 

@@ -12,7 +12,7 @@ from ivsid.diagnosis.estimation.fit import Fit
 # Source: definition: 6e-7 of normal errors lie beyond
 SHOWN: Final = 5.0
 # An ambient force is mentioned if its rms exceeds this multiple of the declared force.
-# Source: none
+# Source: measured: make constants
 STRONGER: Final = 2.0
 _BIAS: Final = {
     "ax": ("accelerometer's bias in x", "m/s^2"),

@@ -25,7 +25,7 @@ from ivsid.log import Log
 from ivsid.vehicle import Vehicle, parse_vehicle
 
 # Lengths of the windows of integral rows [s]: short ones show quick contradictions, long ones small and slow ones.
-# Source: none
+# Source: measured: make constants
 WINDOWS: Final = (0.5, 2.0, 10.0)
 REFUTED: Final = "falsified.json"
 GUARANTEED: Final = "guaranteed.json"

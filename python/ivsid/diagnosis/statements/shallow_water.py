@@ -27,7 +27,7 @@ from ivsid.vehicle import Vehicle
 Array = NDArray[np.float64]
 SCALED: Final = ("mass.surge", "mass.sway", "drag.surge.quadratic", "drag.sway.quadratic")
 # Parameters that have to be fitted and to change: a factor of fewer may be chance.
-# Source: none
+# Source: measured: make constants
 MEMBERS: Final = 3
 # Standard deviations that the common change has to exceed.
 # Source: definition: 6e-7 of normal errors lie beyond
@@ -39,7 +39,7 @@ AGREE: Final = 4.0
 # Source: definition: 0.3 % of normal errors lie beyond
 MOVED: Final = 3.0
 # Least relative change that counts.
-# Source: none
+# Source: measured: make constants
 LEAST: Final = 0.02
 # Thrust errors of two logs differ by twice the declared accuracy at most.
 # Source: definition: one error at either end of its bound
@@ -48,7 +48,7 @@ TWO_LOGS: Final = 2.0
 # Source: definition: rounding of time stamps
 SAME_CLOCK: Final = 1e-6
 # Relative variance that is added to that of each parameter, so that their covariance can be inverted.
-# Source: none
+# Source: measured: make constants
 FLOOR: Final = 1e-8
 
 

@@ -57,7 +57,11 @@ PARTS = (
         "cargo test --profile gate --locked --workspace --exclude benches -- --include-ignored",
         "PROPTEST_RNG_SEED={seed}",
     ),
-    Part("fuzz", "cargo test --profile gate --locked --workspace --exclude benches --test fuzz_text", "IVSID_FUZZ_SECONDS=120"),
+    Part(
+        "fuzz",
+        "cargo test --profile gate --locked --workspace --exclude benches --test fuzz_text",
+        "IVSID_FUZZ_SECONDS=120",
+    ),
 )
 
 

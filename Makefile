@@ -26,7 +26,7 @@ test-build:
 	cargo test $(GATE) $(CRATES) --no-run
 
 test-rust:
-	$(FIXED) cargo test $(GATE) $(CRATES)
+	MAKEFLAGS= $(FIXED) cargo test $(GATE) $(CRATES)
 
 test-python: build
 	$(ONE_THREAD) $(BIN)/pytest -n auto --dist loadfile -m "not nightly"

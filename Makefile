@@ -69,7 +69,7 @@ constants-page: venv
 null-logs: release
 	$(BIN)/python benches/null_logs.py
 
-# Each measured number of the diagnosis halved and doubled on a fixed set of logs, a minute of processor time each; NAMES takes some of them.
+# Each measured number halved and doubled on a fixed set of logs and tasks, a minute of processor time each; NAMES takes some of them.
 constants: release
 	$(BIN)/python benches/constants.py docs/constants_measured.md $(NAMES)
 

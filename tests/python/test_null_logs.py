@@ -149,7 +149,7 @@ def test_simulated_and_gaussian_strengths_agree(zigzags):
     drawn_ones = -np.log(np.maximum(test.calibration.smallest, 1e-300))
     for share, most in ((0.5, 1.0), (0.75, 1.5)):
         assert abs(np.quantile(found.kept, share) - np.quantile(drawn_ones, share)) < most
-    assert found.passed.sum() <= 2
+    assert found.passed.sum() <= count // 20
     record = found.record()
     assert record["logs"] == count and record["achieved"] == found.passed.mean()
 

@@ -16,7 +16,7 @@ from ivsid.sensors.mounting import GRAVITY, force_at_origin, velocity_at_origin,
 from ivsid.vehicle import AccelerationSensor, Sensors
 
 # A quaternion whose squared norm is off 1 by more than this is not used: it is no rotation.
-# Source: geometry: rounded to two decimals it is off by at most 2 * 0.005 * (|w| + |x| + |y| + |z|), and the sum is at most 2.
+# Source: geometry: rounding to two decimals moves it, to first order, by at most 2 * 0.005 * (|w| + |x| + |y| + |z|), and the sum is at most 2.
 MOST_OFF_UNIT: Final = 0.02
 # A pitch beyond this [rad] is not used: the error of the roll grows as 1 / cos(pitch), here by 2.8.
 # Source: geometry: roll is undefined at a pitch of pi / 2.

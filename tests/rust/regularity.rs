@@ -9,7 +9,7 @@
 mod common;
 
 use common::corners::{hull, matrix as from_ends};
-use common::{Random, invert, q};
+use common::{Random, integer, invert, q};
 use interval_core::IntervalMatrix;
 use interval_core::inverse::Certificate;
 use interval_core::regularity::{Regularity, SingularMember, Witness, regularity};
@@ -305,4 +305,34 @@ fn regularity_agrees_with_exact_determinants() {
         }
     }
     assert!(verdicts.iter().all(|&v| v > 50), "{verdicts:?}");
+}
+
+/// The oracle of all tests of inverses: its product with the matrix is the identity, its determinant that of an expansion,
+/// with rows to swap and denominators that are no powers of two.
+#[test]
+fn the_oracle_inverts() {
+    let mut random = Random(41);
+    let mut singular = 0;
+    for case in 0..200 {
+        let n = 1 + case % 5;
+        let mut a: Vec<BigRational> = (0..n * n)
+            .map(|_| BigRational::new(((random.bits() % 7) as i64 - 3).into(), ((random.bits() % 6) as i64 + 1).into()))
+            .collect();
+        if n > 1 {
+            a[0] = BigRational::zero();
+        }
+        let (found, inverse) = invert(&a, n);
+        assert_eq!(found, determinant(&a, n));
+        let Some(inverse) = inverse else {
+            singular += 1;
+            continue;
+        };
+        for i in 0..n {
+            for j in 0..n {
+                let sum = (0..n).fold(BigRational::zero(), |s, k| s + &a[i * n + k] * &inverse[k * n + j]);
+                assert_eq!(sum, integer(i64::from(i == j)));
+            }
+        }
+    }
+    assert!(singular > 5 && singular < 100, "{singular}");
 }

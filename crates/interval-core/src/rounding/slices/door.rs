@@ -242,6 +242,13 @@ fn fits(what: &'static str, given: usize, needed: usize) -> Result<(), Error> {
     if given == needed { Ok(()) } else { Err(Error::Shape { what, given, needed }) }
 }
 
+/// The rounding mode and the lengths of both bounds of the result.
+fn check_results(needed: usize, out: &BoundsMut<'_>) -> Result<(), Error> {
+    rounding::check_environment()?;
+    fits("the lower result", out.lo.len(), needed)?;
+    fits("the upper result", out.hi.len(), needed)
+}
+
 /// `op` on every interval of a slice, long ones on several threads.
 ///
 /// # Errors
@@ -300,9 +307,7 @@ fn portion(arithmetic: bool) -> usize {
 /// # Errors
 /// Different lengths, bounds that are no interval, and a changed rounding mode.
 pub fn unary_with(backend: Backend, op: Unary, x: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> {
-    rounding::check_environment()?;
-    fits("the lower result", out.lo.len(), x.lo.len())?;
-    fits("the upper result", out.hi.len(), x.lo.len())?;
+    check_results(x.len(), &out)?;
     match backend {
         // SAFETY: the features were found on this processor.
         #[cfg(target_arch = "x86_64")]
@@ -324,10 +329,8 @@ pub fn binary_with(
     y: Bounds<'_>,
     out: BoundsMut<'_>,
 ) -> Result<(), Error> {
-    rounding::check_environment()?;
-    fits("the second operand", y.lo.len(), x.lo.len())?;
-    fits("the lower result", out.lo.len(), x.lo.len())?;
-    fits("the upper result", out.hi.len(), x.lo.len())?;
+    fits("the second operand", y.len(), x.len())?;
+    check_results(x.len(), &out)?;
     match backend {
         // SAFETY: the features were found on this processor.
         #[cfg(target_arch = "x86_64")]
@@ -344,7 +347,7 @@ pub fn binary_with(
 /// As [`unary_with`].
 #[doc(hidden)]
 pub fn unary_on_arrays(op: Unary, x: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> {
-    rounding::check_environment()?;
+    check_results(x.len(), &out)?;
     unary_on::<Arrays>(op, x, out)
 }
 
@@ -354,6 +357,7 @@ pub fn unary_on_arrays(op: Unary, x: Bounds<'_>, out: BoundsMut<'_>) -> Result<(
 /// As [`binary_with`].
 #[doc(hidden)]
 pub fn binary_on_arrays(op: Binary, x: Bounds<'_>, y: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> {
-    rounding::check_environment()?;
+    fits("the second operand", y.len(), x.len())?;
+    check_results(x.len(), &out)?;
     binary_on::<Arrays>(op, x, y, out)
 }

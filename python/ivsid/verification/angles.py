@@ -14,6 +14,7 @@ HALVINGS: Final = 3
 # Terms of the alternating series of the rest: the first one left out is below 10^-81.
 # Source: theorem: Leibniz, remainder of an alternating series
 TERMS: Final = 40
+_ODD: Final = tuple(Range(Fraction(1, 2 * k + 1)) for k in range(TERMS + 1))
 
 
 @lru_cache(maxsize=4096)
@@ -27,8 +28,8 @@ def arctangent(x: Fraction) -> Range:
     for _ in range(HALVINGS):
         y = y / (root(y.square() + 1) + 1)
     square, total = y.square(), Range(0)
-    for k in range(TERMS, -1, -1):
-        total = Range(Fraction(1, 2 * k + 1)) - square * total
+    for share in reversed(_ODD):
+        total = share - square * total
     # The terms alternate and fall: the remainder is less than the first term left out.
     total = y * total + sided(Range(Fraction(1, 10 ** (2 * TERMS))))
     return total * (1 << HALVINGS)

@@ -107,11 +107,19 @@ class Range:
     __rmul__ = __mul__
 
     def __truediv__(self, other: Number) -> Range:
+        if isinstance(other, int) and other > 0:
+            return Range.raw(self.low // other, -(-self.high // other))
         o = to_range(other)
         if o.low <= 0 <= o.high:
             raise ZeroDivisionError("a divisor may be 0")
-        pairs = [(x << SCALE, y) for x in (self.low, self.high) for y in (o.low, o.high)]
-        return Range.raw(min(x // y for x, y in pairs), max(-(-x // y) for x, y in pairs))
+        if o.high < 0:
+            return (-self) / (-o)
+        low, high = self.low << SCALE, self.high << SCALE
+        return Range.raw(low // (o.low if low < 0 else o.high), -(-high // (o.high if high < 0 else o.low)))
+
+    def halved(self, times: int) -> Range:
+        """``x / 2^times``."""
+        return Range.raw(self.low >> times, -(-self.high >> times))
 
     def __abs__(self) -> Range:
         return Range.raw(max(self.low, -self.high, 0), max(-self.low, self.high))
@@ -154,7 +162,8 @@ class Range:
 
     def inside(self, lower: Fraction, upper: Fraction) -> bool:
         """Whether all of it lies between two numbers."""
-        return lower <= self.lower <= self.upper <= upper
+        below = lower.numerator << SCALE <= self.low * lower.denominator
+        return below and self.high * upper.denominator <= upper.numerator << SCALE
 
 
 def to_range(x: Number) -> Range:
@@ -196,9 +205,14 @@ def pi() -> Range:
 
 def exponential(x: Range) -> Range:
     """``e^x``: a Taylor polynomial of x / 2^m, squared m times."""
-    size = max(x.magnitude, Fraction(1))
-    halvings = (size.numerator // size.denominator).bit_length() + 8
-    y = x * Fraction(1, 1 << halvings)
+    return _exponential(x.low, x.high)
+
+
+@lru_cache(maxsize=4096)
+def _exponential(low: int, high: int) -> Range:
+    x = Range.raw(low, high)
+    halvings = (max(abs(x).high, ONE) >> SCALE).bit_length() + 8
+    y = x.halved(halvings)
     total = Range(1)
     for k in range(24, 0, -1):
         total = total * y / k + 1
@@ -222,6 +236,12 @@ def tanh(x: Range) -> Range:
 
 def cosine(x: Range) -> Range:
     """Cosine of every angle of a range [rad]."""
+    return _cosine(x.low, x.high)
+
+
+@lru_cache(maxsize=4096)
+def _cosine(low: int, high: int) -> Range:
+    x = Range.raw(low, high)
     first, last = (_cosine_at(e) for e in (x.lower, x.upper))
     result = first.hull(last)
     turns = (x / pi()).upper, (x / pi()).lower

@@ -14,15 +14,16 @@ from typing import Final
 import numpy as np
 
 from ivsid.log import Log
-from ivsid.vehicle import AccelerationSensor, InertialSensor, Vehicle
+from ivsid.vehicle import AccelerationSensor, Vehicle
 from ivsid.vehicle.mount import Mounted
 from ivsid.verification.decimals import Decimals, around
 from ivsid.verification.errors import UnprovedError
 from ivsid.verification.gravity import along_and_across, size
+from ivsid.verification.half_widths import HalfWidths, axis_of
 from ivsid.verification.lever_arms import arm_of, mounted, turned_back
 from ivsid.verification.pose import PoseVelocities
 from ivsid.verification.rates import Rates
-from ivsid.verification.rational import Range, cosine, exponential, normal_factor, pi, root, sided, sine
+from ivsid.verification.rational import Range, cosine, normal_factor, pi, sided, sine
 from ivsid.verification.refused import refuse
 
 # Probability that all errors of a log keep their bounds, where the vehicle file states neither it nor ``sigmas``.
@@ -67,7 +68,7 @@ class Readings:
         """The range of an accelerometer's bias in the middle of the log [m/s^2]."""
         sensor = self.vehicle.sensors.acceleration
         assert sensor is not None
-        return sided(self.factor * self.exact(_axis(sensor.bias_instability, AXES.index(axis))))
+        return sided(self.factor * self.exact(axis_of(sensor.bias_instability, AXES.index(axis))))
 
     def time(self, i: int) -> Range:
         """The time of a row [s], with the rounding of its decimals and of a conversion."""
@@ -236,7 +237,7 @@ class Readings:
             sensor = vehicle.sensors.yaw_rate if name == "r" else vehicle.sensors.acceleration
             if name not in log.columns or name in log.derived or sensor is None:
                 continue
-            walk, bias = _axis(sensor.random_walk, axis), _axis(sensor.bias_instability, axis)
+            walk, bias = axis_of(sensor.random_walk, axis), axis_of(sensor.bias_instability, axis)
             count += n * ((walk > 0) + (bias > 0)) + 4 * (sensor.rate_random_walk > 0)
         if vehicle.ambient is not None:
             count += (1 + self.windows) * n * (2 * (vehicle.ambient.force > 0) + (vehicle.ambient.moment > 0))
@@ -260,22 +261,10 @@ class Readings:
             return Range(0), Range(0)
         return sided(self.factor * self.exact(ambient.force)), sided(self.factor * self.exact(ambient.moment))
 
-    def _half_width(self, sensor: InertialSensor, axis: int, name: str, i: int) -> Range:
-        walk, bias = (self.exact(_axis(x, axis)) for x in (sensor.random_walk, sensor.bias_instability))
-        k, t = self.factor, self.log.t
-        drift = k * self.exact(sensor.rate_random_walk) * root(Range(Fraction(float(t[-1])) - Fraction(float(t[0]))))
-        if self.vehicle.sensors.sigmas is not None:
-            step = Range(max(self._interval(name, j) for j in (range(t.size) if len(set(np.diff(t))) > 1 else (0,))))
-            noise = walk / root(step) + root(step / self.exact(_axis(sensor.bias_time, axis))) * bias
-            return k * noise + drift + self.exact(sensor.accuracy)
-        if name in self.apart.values():
-            bias = bias * self._moved(self.exact(_axis(sensor.bias_time, axis)), i)
-        return k * walk / root(Range(self._interval(name, i))) + k * bias + drift + self.exact(sensor.accuracy)
-
-    def _moved(self, time: Range, i: int) -> Range:
-        """Standard deviation of a Gauss-Markov bias's change from the middle of the log to a sample, in its own standard deviations."""
-        away = abs(self.time(i) * 2 - self.time(0) - self.time(self.log.t.size - 1)) / 2
-        return root((1 - exponential(-(away / time))) * 2)
+    @cached_property
+    def _half_width(self) -> HalfWidths:
+        one = self.vehicle.sensors.sigmas is not None
+        return HalfWidths(self.log, self.exact, self.factor, one=one, apart=self.apart.values(), time=self.time)
 
     def _since_average(self, i: int) -> Range:
         """Bound of the yaw rate's distance from its mean over the step before [rad/s]."""
@@ -286,19 +275,3 @@ class Readings:
             raise UnprovedError("an averaging gyro needs [sensors.limits] yaw_acceleration")
         k = i - 1 if i else int(np.argmax(np.diff(self.log.t)))
         return self.exact(limit) * (self.time(k + 1) - self.time(k)) / 2
-
-    @cached_property
-    def _period(self) -> Fraction:
-        return Fraction(self.log.period)
-
-    def _interval(self, name: str, i: int) -> Fraction:
-        """The time over which a sample averages white noise: the period, or less where samples stand closer."""
-        t = self.log.t
-        steps = [Fraction(float(t[j + 1])) - Fraction(float(t[j])) for j in (i - 1, i) if 0 <= j < t.size - 1]
-        least = min([*steps, self._period])
-        clock = self.log.clocks.get(name)
-        return least if clock is None else min(least, Fraction(clock.interval))
-
-
-def _axis(value: float | tuple[float, float], axis: int) -> float:
-    return value[axis] if isinstance(value, tuple) else value

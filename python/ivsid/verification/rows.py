@@ -50,6 +50,8 @@ class Rows:
         self.weak = Weak(self)
         self._made: dict[tuple[str, str, int, int], Row] = {}
         self._node: dict[int, State] = {}
+        self._over: dict[int, State] = {}
+        self._parts: dict[tuple[str, str], tuple[tuple[tuple[str, Range], ...], bool]] = {}
         self._step: dict[tuple[str, int], dict[str, Range]] = {}
         self._length: dict[int, Range] = {}
 
@@ -179,14 +181,21 @@ class Rows:
         self, id_: str, columns: Column, channel: str, first: int, last: int, lengths: list[Range], span: Range
     ) -> Range:
         total = Range(0)
-        for name, unit in (("u", "udot"), ("v", "vdot"), ("r", "rdot")):
-            factor = share(columns, unit, channel)
-            if factor.magnitude:
-                total = total + self._difference(name, first, last, lengths) * factor / span
-        if moves(columns, channel):
+        factors, moved = self._parts_of(id_, columns, channel)
+        for name, factor in factors:
+            total = total + self._difference(name, first, last, lengths) * factor / span
+        if moved:
             means = [self.step_mean(id_, columns, channel, k) for k in range(first, last)]
             total = total + summed(means, lengths) / span
         return total
+
+    def _parts_of(self, id_: str, columns: Column, channel: str) -> tuple[tuple[tuple[str, Range], ...], bool]:
+        """The coefficients of the accelerations in a column, by velocity, and whether it depends on velocities."""
+        if (id_, channel) not in self._parts:
+            units = {"u": "udot", "v": "vdot", "r": "rdot"}
+            factors = ((name, share(columns, unit, channel)) for name, unit in units.items())
+            self._parts[id_, channel] = tuple(f for f in factors if f[1].magnitude), moves(columns, channel)
+        return self._parts[id_, channel]
 
     def _difference(self, name: str, first: int, last: int, lengths: list[Range]) -> Range:
         """The difference of u, v or r over a window, also from the means of an averaging accelerometer and of v r or u r."""
@@ -243,6 +252,11 @@ class Rows:
         return self._node[i]
 
     def _step_state(self, k: int) -> State:
+        if k not in self._over:
+            self._over[k] = self._made_over(k)
+        return self._over[k]
+
+    def _made_over(self, k: int) -> State:
         u, v, r = (Motion(x, sided(self._limits[n])) for n, x in zip(("u", "v", "r"), self.swept(k)(), strict=True))
         if not self.turning:
             return State(u, v, r, _NO_ACCELERATION, _NO_ACCELERATION, _NO_ACCELERATION)

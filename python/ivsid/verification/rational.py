@@ -95,6 +95,8 @@ class Range:
             return Range.raw(min(ends), max(ends))
         o = to_range(other)
         a, b, c, d = self.low, self.high, o.low, o.high
+        if not (a or b) or not (c or d):
+            return ZERO
         if c >= 0:
             low, high = a * (c if a >= 0 else d), b * (d if b >= 0 else c)
         elif a >= 0:
@@ -164,6 +166,9 @@ class Range:
         """Whether all of it lies between two numbers."""
         below = lower.numerator << SCALE <= self.low * lower.denominator
         return below and self.high * upper.denominator <= upper.numerator << SCALE
+
+
+ZERO: Final = Range(0)
 
 
 def to_range(x: Number) -> Range:

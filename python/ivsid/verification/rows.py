@@ -13,7 +13,7 @@ from ivsid.log import Log
 from ivsid.vehicle import Vehicle
 from ivsid.verification.columns import Row, Unknown, in_motion, moves, share, summed, value
 from ivsid.verification.errors import UncheckedError, UnprovedError
-from ivsid.verification.physics import CHANNELS, Column, Meaning, Motion, State, model, moving, rigid_body
+from ivsid.verification.physics import CHANNELS, Column, Columns, Meaning, Motion, State, model, moving, rigid_body
 from ivsid.verification.rational import Range, pi, sided
 from ivsid.verification.readings import AXES, Readings
 from ivsid.verification.thrusters import GAP, Thrusters
@@ -51,6 +51,8 @@ class Rows:
         self._made: dict[tuple[str, str, int, int], Row] = {}
         self._node: dict[int, State] = {}
         self._over: dict[int, State] = {}
+        self._forces: dict[int, tuple[Range, Range, Range]] = {}
+        self._columns: dict[tuple[str, int, bool], Columns] = {}
         self._parts: dict[tuple[str, str], tuple[tuple[tuple[str, Range], ...], bool]] = {}
         self._step: dict[tuple[str, int], dict[str, Range]] = {}
         self._length: dict[int, Range] = {}
@@ -165,11 +167,16 @@ class Rows:
         span = self.readings.time(last) - self.readings.time(first)
         lengths = [self.step_length(k) for k in range(first, last)]
         index = CHANNELS.index(channel)
-        forces = [self.thrusters.over_step(k, self.swept(k))[index] for k in range(first, last)]
+        forces = [self._forces_over(k)[index] for k in range(first, last)]
         known = self._mean("", self.known, channel, first, last, lengths, span)
         right = summed(forces, lengths) / span - known + self._ambient(channel)
         matrix = {k: self._mean(k, m.columns, channel, first, last, lengths, span) for k, m in self.terms.items()}
         return Row(matrix, right)
+
+    def _forces_over(self, k: int) -> tuple[Range, Range, Range]:
+        if k not in self._forces:
+            self._forces[k] = self.thrusters.over_step(k, self.swept(k))
+        return self._forces[k]
 
     def step_length(self, k: int) -> Range:
         """Time from a row to the next one [s]."""
@@ -210,7 +217,7 @@ class Rows:
             if mean is None or abs(t[k + 1] - t[k] - self.log.period) > WHOLE_STEP * self.log.period:
                 return difference
             turning: Column = (lambda s: {own: s.v * s.r}) if name == "u" else (lambda s: {own: -(s.u * s.r)})
-            total = total + (mean + self.step_mean("turning", turning, own, k)) * length
+            total = total + (mean + self.step_mean(f"turning.{own}", turning, own, k)) * length
         low, high = max(difference.low, total.low), min(difference.high, total.high)
         if low > high:
             raise UnprovedError(f"{name} and its averaged acceleration contradict each other")
@@ -231,10 +238,17 @@ class Rows:
             self._step[key] = {}
         done = self._step[key]
         if channel not in done:
-            ends = [in_motion(columns, self._node_state(i), channel).value for i in (k, k + 1)]
-            rate = in_motion(columns, self._step_state(k), channel).rate.largest()
+            ends = [moving(self._columns_of(id_, columns, i, over=False)[channel]).value for i in (k, k + 1)]
+            rate = moving(self._columns_of(id_, columns, k, over=True)[channel]).rate.largest()
             done[channel] = (ends[0] + ends[1]) * HALF + sided(rate) * self.step_length(k) * QUARTER
         return done[channel]
+
+    def _columns_of(self, id_: str, columns: Column, i: int, *, over: bool) -> Columns:
+        """A parameter's columns of all channels, with their rates of change, at a row or over the step after it."""
+        key = (id_, i, over)
+        if key not in self._columns:
+            self._columns[key] = columns(self._step_state(i) if over else self._node_state(i))
+        return self._columns[key]
 
     def step_range(self, columns: Column, channel: str, k: int) -> Range:
         """The range of a column over a step."""

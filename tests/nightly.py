@@ -62,11 +62,13 @@ PARTS = (
         "cargo test --profile gate --locked --workspace --exclude benches --test fuzz_text",
         "IVSID_FUZZ_SECONDS=120",
     ),
+    # Lints of the benchmarks, and of the documentation of the crates.
+    Part("lints", "make clippy docs-rust"),
 )
 
 
 def counted(text: str) -> tuple[str, str]:
-    """Cases and result, of what pytest or Cargo said."""
+    """Cases and result, of what pytest or Cargo said; empty for a part without tests."""
     numbers = {
         word: sum(int(n) for n in re.findall(rf"(\d+) {word}", "\n".join(closing(text))))
         for word in ("passed", "failed", "errors?", "skipped", "ignored")
@@ -74,6 +76,8 @@ def counted(text: str) -> tuple[str, str]:
     bad = numbers["failed"] + numbers["errors?"]
     cases = numbers["passed"] + bad
     left = numbers["skipped"] + numbers["ignored"]
+    if not cases:
+        return "", ""
     return f"{cases}" + (f" ({left} skipped)" if left else ""), f"{numbers['passed']} passed, {bad} failed"
 
 
@@ -104,7 +108,8 @@ def run(part: Part, seed: int) -> tuple[str, bool]:
     passed = done.returncode == 0
     if not passed:
         sys.stdout.write(done.stdout + done.stderr)
-        result = f"**{result}, code {done.returncode}**"
+        result = f"**{result or 'failed'}, code {done.returncode}**"
+    result = result or "passed"
     sys.stdout.write(f"{part.name}: {result}, {spent:.0f} s\n")
     sys.stdout.flush()
     row = f"| {part.name} | `{part.shown(seed)}` | {cases} | {result} | {spent:.0f} | {date} | {commit()} |"

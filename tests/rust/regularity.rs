@@ -316,7 +316,7 @@ fn the_oracle_inverts() {
     for case in 0..200 {
         let n = 1 + case % 5;
         let mut a: Vec<BigRational> = (0..n * n)
-            .map(|_| BigRational::new(((random.bits() % 7) as i64 - 3).into(), ((random.bits() % 6) as i64 + 1).into()))
+            .map(|_| BigRational::new(((random.bits() % 7).cast_signed() - 3).into(), ((random.bits() % 6) + 1).into()))
             .collect();
         if n > 1 {
             a[0] = BigRational::zero();

@@ -13,7 +13,7 @@ CRATES := --workspace --exclude benches
 ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 FIXED := PROPTEST_RNG_SEED=1
 
-.PHONY: demo test test-rust test-python test-build check rustfmt clippy clippy-built lint rules null-logs constants constants-page types stubs imports docs docs-rust docs-python nightly \
+.PHONY: demo test test-rust test-python dependencies check rustfmt clippy clippy-built lint rules null-logs constants constants-page types stubs imports docs docs-rust docs-python nightly \
 	bench same same-compare vessels peers inverse-peers throughput exhaustive twins itf1788 differential fuzz exam handbook build release venv format clean
 
 demo: release
@@ -22,8 +22,9 @@ demo: release
 test: build
 	$(MAKE) --no-print-directory -j2 --output-sync=target test-rust test-python
 
-test-build:
-	cargo test $(GATE) $(CRATES) --no-run
+# The core, and what any test needs of others, by way of the smallest test.
+dependencies:
+	cargo test $(GATE) $(CRATES) --no-run --test layers
 
 test-rust:
 	MAKEFLAGS= $(FIXED) cargo test $(GATE) $(CRATES)

@@ -12,10 +12,20 @@ pub mod rows;
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
-use num_traits::{One, Signed, Zero};
+use num_traits::{Float, One, Signed, Zero};
 
+/// A double as a fraction in lowest terms: an odd whole number times a power of two, so that nothing is left to reduce.
 pub fn q(x: f64) -> BigRational {
-    BigRational::from_float(x).expect("finite")
+    assert!(x.is_finite());
+    let (mantissa, exponent, sign) = x.integer_decode();
+    if mantissa == 0 {
+        return BigRational::zero();
+    }
+    let zeros = mantissa.trailing_zeros();
+    let odd = BigInt::from(i64::from(sign) * (mantissa >> zeros).cast_signed());
+    let exponent = i64::from(exponent) + i64::from(zeros);
+    let power = BigInt::one() << exponent.unsigned_abs();
+    if exponent < 0 { BigRational::new_raw(odd, power) } else { BigRational::from_integer(odd * power) }
 }
 
 /// `SplitMix64`: reproducible without a dependency.

@@ -16,6 +16,7 @@ from ivsid.log import Log, read_log
 from ivsid.programme.scenario import Scenario, parse_scenario
 from ivsid.simulation import Simulated, simulate
 from ivsid.vehicle import Vehicle, parse_vehicle
+from ivsid.verification.rows import Rows
 from ivsid.workflow.log_files import csv
 from sampling import NIGHTLY
 
@@ -54,6 +55,30 @@ def _figures(request, monkeypatch):
     """Figures are composed in every test, and rendered in those that are marked ``figures`` and in the nightly run."""
     if not NIGHTLY and request.node.get_closest_marker("figures") is None:
         monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda figure, file, **how: file.write(b"not rendered"))
+
+
+@pytest.fixture(scope="module")
+def _rows_by_model() -> dict[tuple[Any, ...], tuple[Log, Rows]]:
+    return {}
+
+
+@pytest.fixture(autouse=True)
+def _same_rows(request, monkeypatch):
+    """Rows of one log and one vehicle's text are recomputed once for all edits of a file's results, and for each at night."""
+    if NIGHTLY or request.node.get_closest_marker("same_rows") is None:
+        return
+    kept = request.getfixturevalue("_rows_by_model")
+
+    def rows(log: Log, vehicle: Vehicle, form: str, **how: Any) -> Rows:
+        key = (id(log), vehicle.text, form, *sorted(how.items()))
+        # The log is kept with its rows: no other one can stand at its place in memory.
+        if key not in kept:
+            kept[key] = log, Rows(log, vehicle, form, **how)
+        made = kept[key][1]
+        made._counts.clear()
+        return made
+
+    monkeypatch.setattr("ivsid.verification.checker.Rows", rows)
 
 
 @pytest.fixture(scope="session")

@@ -10,6 +10,7 @@ from ivsid import IntervalArray
 from ivsid.effects.cross_flow import cross_flow_over, steepest_over
 from ivsid.effects.functions import cross_flow_force, cross_flow_moment
 from ivsid.rows.motion import Motion
+from sampling import spaced
 
 
 def integral(v: Fraction, r: Fraction, half: Fraction, power: int, *, absolute: bool) -> Fraction:
@@ -46,7 +47,8 @@ def boxes(rng: np.random.Generator, count: int) -> tuple[IntervalArray, Interval
     return IntervalArray(*ordered[0]), IntervalArray(*ordered[1])
 
 
-@pytest.mark.parametrize("length", ["1.0", "1.09", "2.4"])
+@pytest.mark.sampled
+@pytest.mark.parametrize("length", spaced(["1.0", "1.09", "2.4"], 2))
 def test_every_point_of_a_box_has_its_integrals_inside(length):
     rng = np.random.default_rng(int(float(length) * 100))
     v, r = boxes(rng, 120)

@@ -12,6 +12,7 @@ from ivsid.rows import build_rows
 from ivsid.sensors.bounds import bound_log
 from ivsid.sensors.derivatives import enclosed_rate
 from ivsid.vehicle import parse_vehicle
+from sampling import spaced
 from test_pose import HEAD, boat, motion
 
 
@@ -138,7 +139,8 @@ def test_a_spline_is_narrow_and_never_called_guaranteed():
     assert not fit.guaranteed and any("an estimate, not a bound" in a for a in fit.assumes)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.sampled
+@pytest.mark.parametrize("seed", spaced(range(6), 3))
 def test_the_spline_s_band_holds_for_other_noise(seed):
     t, pose, truth, _ = motion(20 + seed, 90.0)
     rng = np.random.default_rng(seed)

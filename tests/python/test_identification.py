@@ -29,7 +29,7 @@ def drawn(programme, seed):
 @pytest.mark.sampled
 @pytest.mark.parametrize("part", range(4))
 def test_the_feasible_interval_holds_the_truth_in_100_twins(swan, programme, part):
-    for seed in spaced(range(25 * part, 25 * part + 25), 10):
+    for seed in spaced(range(25 * part, 25 * part + 25), 6):
         made = simulate(swan, drawn(programme, seed), seed)
         fit = identify(swan, as_log(made))
         assert fit.status in ("enclosed", "unbounded") and fit.guaranteed, seed

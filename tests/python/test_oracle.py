@@ -1,6 +1,6 @@
 """Differential tests against MPFR: the bounds of every function at points are its directed roundings, to the bit.
 
-IVSID_CASES sets the number of operands of a function (default 1e5; `make nightly` runs 1e6, `make differential` 1e8).
+IVSID_CASES sets the number of operands of a function (default 4e4; `make nightly` runs 1e6, `make differential` 1e8).
 Each back end is compared bit for bit with the operators in tests/rust/slices.rs, so one of them stands here for all.
 """
 
@@ -29,7 +29,7 @@ PLACES = np.array(
 )
 
 
-def cases(default: float = 1e5) -> int:
+def cases(default: float = 4e4) -> int:
     return int(float(os.environ.get("IVSID_CASES", default)))
 
 

@@ -10,6 +10,7 @@ from ivsid.programme.scenario import Faults, Sensing, Start, parse_scenario
 from ivsid.simulation import follow, simulate
 from ivsid.simulation.equations import equations, plant
 from ivsid.vehicle import parse_vehicle
+from sampling import spaced
 
 BOAT = """
 name = "boat"
@@ -344,6 +345,7 @@ OTTER_TRUTH = {
         ("otter_current_0p4_30deg", (0.4 * np.cos(np.pi / 6), 0.4 * np.sin(np.pi / 6)), (0.02, 0.06, 0.02)),
     ],
 )
+@pytest.mark.sampled
 def test_otter_of_a_third_party(real, name, current, limits):
     """600 s in open loop from rest.
 
@@ -373,11 +375,12 @@ def test_otter_of_a_third_party(real, name, current, limits):
         error = made[channel][::fine] - log[channel]
         assert np.sqrt(np.mean(error**2)) < limit * np.sqrt(np.mean(log[channel] ** 2)), channel
     # A model without cross-flow, Munk's moment or in calm water is told from the right one.
-    for wrong in (
+    wrong_ones = (
         {"drag.cross_flow": 0.0},
         {"added_mass.munk": 0.0},
         {"current.steady.north": 0.0} if current else {"drag.sway.linear": 80.0},
-    ):
+    )
+    for wrong in spaced(wrong_ones, 2):
         other = follow(vehicle, {**values, **wrong}, at, demands, force=force)
         worse = np.sqrt(np.mean((other["v"][::fine] - log["v"]) ** 2))
         assert worse > 2 * np.sqrt(np.mean((made["v"][::fine] - log["v"]) ** 2)), wrong

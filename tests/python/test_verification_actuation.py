@@ -29,7 +29,7 @@ from test_rudders import RUDDER
 from test_verification_rows import checked, ends, outside
 
 # Rows of the core are compared with those of the checker: some of them in the gate, more in the nightly run.
-pytestmark = pytest.mark.sampled
+pytestmark = [pytest.mark.sampled, pytest.mark.same_rows]
 
 
 # Nightly: the other value of gravity with either attitude.

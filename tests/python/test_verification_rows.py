@@ -26,7 +26,7 @@ from test_verification import written
 from test_weak_form import towed as from_pose
 
 # Rows of the core are compared with those of the checker: some of them in the gate, more in the nightly run.
-pytestmark = pytest.mark.sampled
+pytestmark = [pytest.mark.sampled, pytest.mark.same_rows]
 
 WIND = (
     'terms = "paper"',

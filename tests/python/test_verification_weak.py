@@ -21,7 +21,7 @@ from test_weak_form import towed as from_pose
 from test_weak_form import worst
 
 # Rows of the core are compared with those of the checker: some of them in the gate, more in the nightly run.
-pytestmark = pytest.mark.sampled
+pytestmark = [pytest.mark.sampled, pytest.mark.same_rows]
 
 
 def test_rows_straight_from_the_pose_are_proved_and_rougher_poses_or_limits_are_not(tmp_path):

@@ -6,8 +6,8 @@ import pytest
 from conftest import as_log
 from ivsid import IntervalArray, IvsidError, identify
 from ivsid.effects import terms_of
-from ivsid.identification.bias import separate_bias, with_unknowns
-from ivsid.rows import build_rows
+from ivsid.identification.bias import COEFFICIENT, separate_bias, with_unknowns
+from ivsid.rows import ROW_KINDS, build_rows
 from ivsid.sensors.bounds import bound_log
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
@@ -29,6 +29,11 @@ OWN = (
 )
 VALUES = {"mass.surge": 60.0, "mass.sway": 75.0, "inertia.yaw": 8.0, "drag.surge.quadratic": 250.0}
 VALUES |= {"drag.sway.quadratic": 300.0, "coupling.cg_y": 0.5}
+
+
+def test_every_kind_of_row_states_what_it_takes_of_a_bias():
+    """A kind that takes an acceleration and no unknown would have bounds that are too narrow."""
+    assert set(COEFFICIENT) == set(ROW_KINDS)
 
 
 @pytest.mark.parametrize("seed", range(4))

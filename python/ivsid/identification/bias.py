@@ -37,6 +37,10 @@ WORTHWHILE: Final = 0.75
 # Relative slack that holds the roundings of bounds, their square roots and exponentials: about ten of 2^-53 each.
 # Source: theorem: standard model of floating-point arithmetic, Higham 2002, section 2.2
 ROUNDING: Final = 1e-9
+# Coefficient of the unknown bias in rows of each kind: -1 where the row takes an acceleration at its sample. A kind that is missing
+# here is an error: with narrow accelerations and no unknown its bounds would be too narrow.
+# Source: definition: the row's acceleration is the reading less the bias
+COEFFICIENT: Final = {"pointwise": -1.0, "integral": 0.0, "weak": 0.0, "bias.x": 0.0, "bias.y": 0.0}
 AXES: Final = ("x", "y")
 _NAMES: Final = (("ax", "udot"), ("ay", "vdot"))
 
@@ -135,16 +139,16 @@ def with_unknowns(
     unknown: list[tuple[Term, NDArray[np.float64], list[float], IntervalArray, int]] = []
     for axis, bound in reach.items():
         for index, channel in enumerate(CHANNELS):
-            pointwise = (rows.channel == index) & (rows.kind == ROW_KINDS.index("pointwise"))
+            coefficient = np.where(rows.channel == index, np.array([COEFFICIENT[k] for k in ROW_KINDS])[rows.kind], 0.0)
             shares = [_share(t.columns, axis, channel) for t in rows.terms]
             known = _share(
                 lambda s: rigid_body(s, vehicle.hull.mass * x_g, vehicle.hull.mass * y_g, mass), axis, channel
             )
-            if not pointwise.any() or not (any(shares) or known):
+            if not coefficient.any() or not (any(shares) or known):
                 continue
             term = Term(f"bias.{axis}.{channel}", "", "N" if index < 2 else "N m", lambda _s: {})
             around = IntervalArray(-bound, bound)
-            unknown.append((term, np.where(pointwise, -1.0, 0.0), shares, around * (known * (1 + 1e-12)), index))
+            unknown.append((term, coefficient, shares, around * (known * (1 + 1e-12)), index))
     if not unknown:
         return rows
     columns = [rows.matrix[:, j] for j in range(n)] + [IntervalArray(u[1]) for u in unknown]

@@ -3,12 +3,14 @@
 import csv
 import json
 from pathlib import Path
+from typing import get_type_hints
 
 import numpy as np
 import pytest
 
 from command_line import run, run_process
 from conftest import as_log, embedded
+from ivsid.identification import METHODS
 from ivsid.workflow.log_files import csv as as_csv
 
 
@@ -166,6 +168,13 @@ def test_version_and_help():
     assert shown.returncode == 0
     for name in ("demo", "simulate", "allan", "thrust", "identify", "validate"):
         assert name in shown.stdout
+
+
+def test_help_names_every_method():
+    from ivsid.cli import parameters
+
+    (option,) = get_type_hints(parameters.identify, include_extras=True)["method"].__metadata__
+    assert {*option.help.rstrip(".").replace(" or ", ", ").split(", ")} == {*METHODS}
 
 
 def test_wide_logs_are_listed_in_the_result(folder, twin):

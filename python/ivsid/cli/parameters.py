@@ -21,7 +21,7 @@ def identify(
         str,
         typer.Option(
             "--method",
-            help="feasible, qr, augmented, exact, partitioned, hansen-bliek-rohn, krawczyk, cramer, kuttler, published or published-hull.",
+            help="feasible, qr, augmented, exact, partitioned, hansen-bliek-rohn, krawczyk, cramer, kuttler, neumaier, published or published-hull.",
         ),
     ] = "feasible",
     partitions: Annotated[

@@ -2,7 +2,8 @@
 
 Every constant whose source is this measurement is halved and doubled in turn, in a process of its own. For one of ivsid.diagnosis a fixed set
 of short simulated logs is diagnosed again: two with nothing hidden, some with one cause each, one with a drag that is no cause of the
-catalogue. For one of another chapter the tasks of ``constants_tasks.py`` run again. The table counts the verdicts that change, names the
+catalogue. A number that those do not read has a case of ``constants_rare.py``. For one of another chapter the tasks of
+``constants_tasks.py`` run again. The table counts the verdicts that change, names the
 cases, and gives the largest relative change of the ends of intervals. A number whose halving and doubling change nothing is one that the
 results do not hang on; one that changes verdicts on one side stands as far from that side as the table says. A number that no case reads is
 said to be so: it waits for a case. With names, only those constants are measured, and the others keep their lines.
@@ -44,9 +45,10 @@ HEAD = """# Numbers, halved and doubled
 
 `make constants` writes this page: each number is halved and doubled. For a number of the diagnosis {cases} short logs are diagnosed again
 ({names}).
+A number that those do not read has a case of its own ({rare}).
 For a number of another chapter {tasks} short tasks run again ({others}).
 A cell counts the verdicts and names that change, names the cases, and gives the largest relative change of an end of an interval where none
-does. A number that no case reads has no measurement here; its source stays `none`.
+does. A number that no case reads has no measurement here, and needs a case in `benches/constants_rare.py`.
 
 | constant | value | halved | doubled |
 |---|---|---|---|
@@ -88,10 +90,13 @@ def patch(file: str, name: str, factor: float) -> None:
     sys.modules["constants_scaling"] = sys.modules[__name__]
 
 
-def outcomes(file: str) -> dict[str, Any]:
-    """The cases that a constant of this file is judged by."""
-    from constants_tasks import worked  # noqa: PLC0415 - after the patch
+def outcomes(file: str, name: str) -> dict[str, Any]:
+    """The cases that a constant is judged by."""
+    from constants_rare import rare, served  # noqa: PLC0415 - after the patch
+    from constants_tasks import worked  # noqa: PLC0415 - likewise
 
+    if file == "rare" or f"{file} {name}" in served():
+        return rare(f"{file} {name}")
     return diagnosed() if file.startswith("diagnosis/") else worked()
 
 
@@ -138,6 +143,7 @@ def difference(plain: dict[str, Any], other: dict[str, Any]) -> str:
     if "failed" in other:
         return f"fails: {other['failed']}"
     changed, largest = [], 0.0
+    plain = {case: plain[case] for case in other}
     for case, a in plain.items():
         b = other[case]
         if (a["verdict"], a["names"]) != (b["verdict"], b["names"]):
@@ -157,16 +163,20 @@ def reached_by(kind: str) -> set[str]:
     return set(json.loads(done.stdout.splitlines()[-1]))
 
 
-def _kind(file: str) -> str:
+def _kind(file: str, name: str) -> str:
     """A file without constants that is judged by the same cases."""
-    return "diagnosis/none" if file.startswith("diagnosis/") else "none"
+    from constants_rare import served  # noqa: PLC0415 - beside this file
+
+    return "rare" if f"{file} {name}" in served() else "diagnosis/none" if file.startswith("diagnosis/") else "none"
 
 
 def head() -> str:
     """The words above the table."""
-    from constants_tasks import TASKS  # noqa: PLC0415 - beside this file
+    from constants_rare import RARE  # noqa: PLC0415 - beside this file
+    from constants_tasks import TASKS  # noqa: PLC0415 - likewise
 
-    return HEAD.format(cases=len(CASES), names="; ".join(CASES), tasks=len(TASKS), others="; ".join(TASKS))
+    names, rare, others = ("; ".join(cases) for cases in (CASES, RARE, TASKS))
+    return HEAD.format(cases=len(CASES), names=names, rare=rare, tasks=len(TASKS), others=others)
 
 
 def main(out: Path, wanted: list[str]) -> None:
@@ -177,17 +187,21 @@ def main(out: Path, wanted: list[str]) -> None:
     kept = out.read_text().splitlines() if out.exists() else []
     rows = {row.split("`")[1]: row for row in kept if row.startswith("| `")}
     todo = [c for c in ours if (c.name in wanted if wanted else f"{c.file} {c.name}" not in rows)]
-    plain = {kind: variant(kind, "NONE", 1.0) for kind in {_kind(c.file) for c in todo}}
+    plain = {kind: variant(kind, "NONE", 1.0) for kind in {_kind(c.file, c.name) for c in todo}}
     for failed in (p["failed"] for p in plain.values() if "failed" in p):
         sys.exit(f"the cases do not run: {failed}")
     with ThreadPoolExecutor(int(os.environ.get("JOBS", "2"))) as pool:
         read = {kind: reached_by(kind) for kind in plain}
         work = [
-            [pool.submit(variant, c.file, c.name, f) for f in FACTORS if f"{c.file} {c.name}" in read[_kind(c.file)]]
+            [
+                pool.submit(variant, c.file, c.name, f)
+                for f in FACTORS
+                if f"{c.file} {c.name}" in read[_kind(c.file, c.name)]
+            ]
             for c in todo
         ]
         for c, varied in zip(todo, work, strict=True):
-            cells = [difference(plain[_kind(c.file)], x.result()) for x in varied] or [UNREAD, UNREAD]
+            cells = [difference(plain[_kind(c.file, c.name)], x.result()) for x in varied] or [UNREAD, UNREAD]
             rows[f"{c.file} {c.name}"] = f"| `{c.file} {c.name}` | `{c.value}` | {cells[0]} | {cells[1]} |"
             known = {f"{q.file} {q.name}" for q in ours}
             table = "\n".join(row for key, row in sorted(rows.items()) if key in known)
@@ -198,12 +212,15 @@ def main(out: Path, wanted: list[str]) -> None:
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--child"]:
         patch(sys.argv[2], sys.argv[3], float(sys.argv[4]))
-        print(json.dumps(outcomes(sys.argv[2])))
+        print(json.dumps(outcomes(sys.argv[2], sys.argv[3])))
     elif sys.argv[1:2] == ["--reached"]:
+        from constants_rare import served
         from constants_reached import executed, reached
 
         package = Path(__import__("ivsid").__file__).parent
-        print(json.dumps(sorted(reached(package, executed(package, lambda: outcomes(sys.argv[2]))))))
+        # Lines of the files of the rare numbers alone: a trace of all lines takes ten times as long.
+        only = frozenset(c.split()[0] for c in served()) if sys.argv[2] == "rare" else None
+        print(json.dumps(sorted(reached(package, executed(package, lambda: outcomes(sys.argv[2], "NONE"), only)))))
     elif len(sys.argv) > 1:
         main(Path(sys.argv[1]), sys.argv[2:])
     else:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from types import FrameType
@@ -12,13 +13,13 @@ from typing import Any
 Lines = dict[str, set[int]]
 
 
-def executed(package: Path, work: Callable[[], object]) -> Lines:
-    """Lines of each module of a package that ``work`` executes, by path below the package."""
+def executed(package: Path, work: Callable[[], object], only: frozenset[str] | None = None) -> Lines:
+    """Lines of each module of a package, or of some of them, that ``work`` executes, by path below the package."""
     root, found = str(package) + "/", {}
 
     def trace(frame: FrameType, event: str, _: Any) -> Any:
         name = frame.f_code.co_filename
-        if not name.startswith(root):
+        if not name.startswith(root) or (only is not None and name.removeprefix(root) not in only):
             return None
         lines = found.setdefault(name.removeprefix(root), set())
 
@@ -30,11 +31,13 @@ def executed(package: Path, work: Callable[[], object]) -> Lines:
         lines.add(frame.f_lineno)
         return local
 
+    threading.settrace(trace)
     sys.settrace(trace)
     try:
         work()
     finally:
         sys.settrace(None)
+        threading.settrace(None)  # type: ignore[arg-type]
     return found
 
 

@@ -23,10 +23,11 @@ its files. `make constants-page` writes this page from the comments beside the c
 against each other.
 
 The source is a theorem, a publication, a definition, a resource that the number bounds, the geometry of the matter, or a measurement that
-the named command repeats. `none` marks a number that still waits for its measurement; a test lets the count of `none` only fall.
+the named command repeats. A number without a source fails a test; `none` marks one until `make constants` has measured it.
 
 `make constants` halves and doubles each number that it is the source of, and counts the verdicts that change on a fixed set of logs and
-tasks. It fills the page [constants_measured.md](constants_measured.md). A number that none of them reads stays `none`.
+tasks. It fills the page [constants_measured.md](constants_measured.md). A number that none of them
+reads needs a case in `benches/constants_rare.py`.
 """
 
 

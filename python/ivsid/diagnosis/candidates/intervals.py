@@ -28,7 +28,7 @@ DOUBTFUL: Final = 6.0
 # Source: theorem: one-sided 97.7 % quantile of the standard normal distribution
 HIDDEN: Final = 2.0
 # A cause is no other than those that were found if their columns leave this share of its signature's squared length.
-# Source: none
+# Source: measured: make constants
 SAME: Final = 1e-3
 # Blocks that are summed for the scatter of coefficients.
 # Source: geometry: half a minute, longer than the ambient force and the memory of the filters last

@@ -36,7 +36,7 @@ ANCHOR_HALVINGS: Final = 5
 # Source: geometry: the step of a vehicle that stays where it is
 LEAST_EXTENT: Final = 1.0
 # Shares of the first value that are tried before it is refined: its score came from a column of another value.
-# Source: none
+# Source: resource: sixteen fits, one for each fifth of a factor of twelve
 SHARES: Final = tuple(np.geomspace(0.2, 2.5, 16).tolist())
 # Bisections of an end of an interval.
 # Source: geometry: the end is known to a 128th of the last step
@@ -51,10 +51,10 @@ AROUND: Final = 6
 # Source: measured: make constants
 PASSES: Final = 2
 # Least first step of a starting time [s].
-# Source: none
+# Source: measured: make constants
 TIME_STEP: Final = 2.0
 # Least first step of a starting time, in steps of the clock.
-# Source: none
+# Source: measured: make constants
 TIME_STEPS: Final = 4
 # First step of another number, as a share of it.
 # Source: measured: make constants

@@ -16,13 +16,13 @@ from ivsid.log import Log
 
 Array = NDArray[np.float64]
 # Step of the differences [s]: long enough for the noise of the pose, short beside the motion.
-# Source: none
+# Source: measured: make constants
 STEP: Final = 0.25
 # Reach of the straight line through the pose around either end of a step, as a share of the step.
 # Source: geometry: the lines of both ends leave half of the step between them, and the ends of neighbouring steps share one line
 SIDE: Final = 0.25
 # Farthest distance of a single sample that stands for the pose at an end of a step, as a share of the step.
-# Source: none
+# Source: measured: make constants
 CLOSE: Final = 0.1
 POSE: Final = ("x", "y", "psi")
 

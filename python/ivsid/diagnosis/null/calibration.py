@@ -50,7 +50,7 @@ TOGETHER: Final = 40
 # Source: definition: standard error of the mean of ten exponential excesses
 MANY: Final = 100
 # Share of the scores that lie in the tail where there are fewer logs.
-# Source: none
+# Source: measured: make constants
 TAIL_OF_FEW: Final = 0.5
 # Fewest null logs that give a threshold.
 # Source: definition: standard error of the mean of ten exponential excesses
@@ -59,10 +59,10 @@ FEWEST: Final = 10
 # Source: definition: 2.3 % of normal errors lie beyond on one side
 UNSURE: Final = 2.0
 # Share of null logs that leave the programme beyond which null logs give no threshold.
-# Source: none
+# Source: measured: make constants
 MOST_LOST: Final = 0.2
 # Rounds of filtering until the states are those of the hypothesis: after two rounds a delay seemed to be there, after four nothing changes.
-# Source: none
+# Source: measured: make constants
 SETTLED: Final = 6
 
 

@@ -22,13 +22,13 @@ from ivsid.diagnosis.prediction.states import FilteredStates
 
 Array = NDArray[np.float64]
 # Time over which increments are taken [s].
-# Source: none
+# Source: measured: make constants
 SPAN: Final = 0.5
 # Length of a block in which the programme is either under feedback or open loop [s].
-# Source: none
+# Source: measured: make constants
 BLOCK: Final = 10.0
 # Share of a block's increments that feedback on one state has to explain; feedback on more states has to explain more.
-# Source: none
+# Source: measured: make constants
 EXPLAINED: Final = 0.6
 # Standard deviations up to which a correlation or an error counts as chance.
 # Source: definition: 0.3 % of normal errors lie beyond
@@ -37,13 +37,13 @@ SIGMAS: Final = 3.0
 # Source: definition: 0.006 % of normal errors lie beyond
 JUMP: Final = 4.0
 # Factor on the time of an increment where the yaw rate is faint: the noise of a mean falls with its length.
-# Source: none
+# Source: measured: make constants
 LONGER: Final = 4
 # A block is open loop if a larger share of its demands does not change.
-# Source: none
+# Source: measured: make constants
 UNCHANGED: Final = 0.7
 # A block counts if at least this share of its samples is usable.
-# Source: none
+# Source: measured: make constants
 USABLE: Final = 0.5
 # Iterations of the reweighted regression.
 # Source: resource: eight regressions for each block and demand

@@ -31,13 +31,13 @@ FASTEST: Final = 10.0
 # Source: geometry/physics: a measured thrust curve bends a few times over its range, and not more often.
 ORDERS: Final = (0.6, 3.0)
 # Amplitude of a thrust error, as a share of its declared bound.
-# Source: none
+# Source: measured: make constants
 SIZES: Final = (0.2, 1.0)
 # A motion that exceeds the log's largest speed by this factor has left the programme.
-# Source: none
+# Source: measured: make constants
 LOST: Final = 5.0
 # Largest speed that is granted to an axis that hardly moves in the log [m/s, rad/s].
-# Source: none
+# Source: measured: make constants
 LEAST_SPEED: Final = 0.1
 # Ridge of the fit of waves to a thrust error, as a share of the sum of their squares.
 # Source: geometry: far above the rounding of doubles and far below the share of a wave that the demands tell apart

@@ -32,13 +32,13 @@ Array = NDArray[np.float64]
 # Source: definition: normal distribution, and the margin between rivals
 APART: Final = 5.0
 # Below this distance two causes are the same column up to noise, and no manoeuvre separates them.
-# Source: none
+# Source: measured: make constants
 NONE: Final = 0.5
 # Factor by which a manoeuvre has to raise the smallest distance to be advised.
-# Source: none
+# Source: measured: make constants
 BETTER: Final = 1.05
 # Eigenvalues of the information below this share of the largest belong to directions that the base explains.
-# Source: none
+# Source: measured: make constants
 DEPENDENT: Final = 1e-9
 
 

@@ -26,7 +26,7 @@ SHORTEST_LAG: Final = 1e-6
 # Source: geometry: far above the rounding of a quotient of times, far below a step
 WHOLE: Final = 1e-9
 # Numbers of half periods of the declared thrust errors over the range of demands, and whether each is a sine or a cosine.
-# Source: none
+# Source: geometry: the first Fourier functions, up to the three half waves that a smooth calibration error has at most
 WAVES: Final = ((0, False), (1, False), (1, True), (2, False), (2, True), (3, False), (3, True))
 # The keys of a thruster in the vehicle file that mean the same as an effect.
 _STATED: Final = {

@@ -10,13 +10,13 @@ from ivsid.vehicle import Vehicle
 # Source: definition: the catalogue's reference vehicle of 1 m, whose 58 kg (effects.effect.REFERENCE_MASS) are rounded
 MASS_PER_CUBE: Final = 60.0
 # Sway mass over dry mass: the mass of the water that moves along comes on top of the hull's.
-# Source: none
+# Source: measured: make constants
 SWAY_MASS: Final = 1.4
 # Inertia in yaw over mass and squared length: more than the 1/12 of a uniform rod, because the inertia of the water comes on top.
-# Source: none
+# Source: measured: make constants
 YAW_INERTIA: Final = 0.12
 # Quadratic sway drag over mass per length.
-# Source: none
+# Source: measured: make constants
 SWAY_DRAG: Final = 2.5
 
 

@@ -26,7 +26,7 @@ SYMBOLS: Final = re.compile(r"[a-z]+")
 # Source: definition: a tenth of the 1 % of logs without an effect that may give a finding
 RISK: Final = 1e-3
 # Share of the excess of the plain model that the right causes may leave.
-# Source: none
+# Source: measured: make constants
 REST: Final = 0.02
 # Information of a regressor in unit length below which the model explains it.
 # Source: measured: make constants

@@ -32,7 +32,7 @@ from ivsid.diagnosis.selection.rivals import (
 )
 
 # Multiples of the best limit from which a fit restarts: chi-squared has several minima along the scale of masses and drags.
-# Source: none
+# Source: measured: make constants
 RESTARTS: Final = (0.8, 0.92, 1.0, 1.1, 1.25, 1.5)
 # Rounds in which the filters are made quicker for a cause that damps an axis.
 # Source: resource: the noise is learnt again in each

@@ -25,7 +25,7 @@ MOST: Final = 6
 # Source: measured: make constants
 USUAL: Final = 4
 # Share of the unexplained chi-squared in its channels that such a cause has to explain.
-# Source: none
+# Source: measured: make constants
 WORTH: Final = 0.5
 # Reviews after a cause is added, and causes that may fail their full fit.
 # Source: resource: a review takes a survey for each cause

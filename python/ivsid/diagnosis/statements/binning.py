@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 # Bins along a quantity.
-# Source: none
+# Source: measured: make constants
 BINS: Final = 14
 # An earlier quantity is preferred to a later one if it orders at least this share of what the best orders.
-# Source: none
+# Source: measured: make constants
 PREFERRED: Final = 0.95
 # Time between independent samples of a force that is low-passed at 0.35 Hz [s].
 # Source: theorem: sampling theorem, Shannon 1949; 1 / (2 * 0.35 Hz) = 1.43 s

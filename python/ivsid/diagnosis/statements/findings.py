@@ -24,7 +24,7 @@ from ivsid.diagnosis.statements.shallow_water import Change
 from ivsid.effects import EFFECTS
 
 # A cause is named only if its fall exceeds this multiple of the unexplained chi-squared, where unexplained structure is left.
-# Source: none
+# Source: measured: make constants
 DOMINANT: Final = 9.0
 # Alternatives that a finding names.
 # Source: resource: the length of a list in the report

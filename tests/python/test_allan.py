@@ -131,7 +131,7 @@ def test_points_stand_in_their_own_band_about_the_truth():
     from ivsid.sensors.allan_fit import variance
 
     inside = []
-    for seed in spaced(range(12), 6):
+    for seed in spaced(range(12), 4):
         curve = allan_deviation("x", recording(seed, 8_000, 0.1, 2e-3, 3e-3, 5.0, 0.0), 0.1)
         true = np.sqrt(variance(curve.taus, 2e-3, 3e-3, 5.0, 0.0))
         inside.append(((curve.band[0] <= true) & (true <= curve.band[1])).mean())

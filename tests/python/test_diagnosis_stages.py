@@ -229,7 +229,7 @@ def test_the_otters_strongest_cause_passes_first(real, name, first):
     ],
 )
 def test_the_cause_of_a_drawn_case_is_among_those_that_pass(seed, given, effect):
-    c = case(seed, **given)
+    c = case(seed, **given, train_alone=True)
     found = screened(c.vehicle, Log("1.csv", "0" * 64, c.train.t, c.train.columns))
     assert effect in found.passed, found.passed
 

@@ -196,6 +196,8 @@ def predicted(vehicle, log):
     return {i: visible[i].z * abs(size / visible[i].typical[i]) for i, size in MEASURED.items()}
 
 
+# Nightly: the prediction for a perfect bollard pull, below, is made of the same logs.
+@pytest.mark.nightly
 def test_a_slow_run_of_the_model_tug_does_not_show_its_drag(real, tmp_path):
     """The published linear drag, 0.66 kg/s, is a third of the towing tank's at 0.6 m/s; below 0.15 m/s, where the run is, both push alike.
 

@@ -44,7 +44,8 @@ def peak(*arguments) -> int:
     return int(made.stdout)
 
 
-@pytest.mark.parametrize("packed", [False, True])
+# Nightly: a packed log is unpacked to disk and read as the plain one is; the tests of formats read packed logs.
+@pytest.mark.parametrize("packed", [False, pytest.param(True, marks=pytest.mark.nightly)])
 def test_a_log_needs_less_than_four_times_its_size(big, tmp_path, packed):
     """1 GB must not need 4 GB. The mapped file counts here as well, and the bound is asked of a ninth of the size."""
     path = big

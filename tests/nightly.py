@@ -47,7 +47,9 @@ class Part:
 PARTS = (
     # The examination, whole diagnoses, real vessels, long sails and twins.
     Part(
-        "tests", 'pytest -n auto --dist loadfile -m "nightly or sampled" --hypothesis-seed={seed}', "IVSID_SEED={seed}"
+        "tests",
+        'pytest -n auto --dist loadfile -m "nightly or sampled or same_rows" --hypothesis-seed={seed}',
+        "IVSID_SEED={seed}",
     ),
     # Python's property tests, which the gate draws from fixed seeds.
     Part("draws", 'pytest -n auto -m "hypothesis and not nightly" --hypothesis-seed={seed}', "IVSID_SEED={seed}"),

@@ -80,11 +80,12 @@ def _numeric(value: ast.expr) -> bool:
     if isinstance(value, ast.Dict):
         return bool(value.values) and all(_numeric(v) for v in value.values)
     if isinstance(value, ast.Tuple | ast.List | ast.Set):
-        return bool(value.elts) and all(_numeric(v) for v in value.elts)
+        return any(_numeric(v) for v in value.elts) and all(_numeric(v) or _switch(v) for v in value.elts)
     if isinstance(value, ast.Call):
         called = ast.unparse(value.func)
-        return called.startswith(("np.", "math.", "Fraction", "float", "int", "frozenset")) and any(
-            _numeric(a) for a in value.args
+        inner = [value.func.value] if isinstance(value.func, ast.Attribute) else []
+        return called.startswith(("np.", "math.", "Fraction", "float", "int", "frozenset", "tuple")) and any(
+            _numeric(a) for a in (*value.args, *inner)
         )
     if isinstance(value, ast.BinOp):
         return _numeric(value.left) or _numeric(value.right)
@@ -95,6 +96,11 @@ def _numeric(value: ast.expr) -> bool:
     return (
         isinstance(value, ast.Constant) and isinstance(value.value, int | float) and not isinstance(value.value, bool)
     )
+
+
+def _switch(value: ast.expr) -> bool:
+    """Whether an expression is True or False, which stand beside numbers."""
+    return isinstance(value, ast.Constant) and isinstance(value.value, bool)
 
 
 def _comment_above(lines: list[str], at: int) -> list[str]:

@@ -43,6 +43,7 @@ def test_the_page_is_made_from_the_comments():
 def test_a_number_without_a_source_is_seen(tmp_path):
     (tmp_path / "one.py").write_text(
         "# A reason.\n# Source: definition.\nA = 1.0\nB = (2, 3.5)\n\n\nC: Final = 4\n# Reason alone.\nD = {'x': 1e3}\nE = 'text'\n"
+        "# Made.\n# Source: theorem.\nF = tuple(np.geomspace(0.2, 2.5, 16).tolist())\nG = ((0, True), (1, False))\nH = (True, False)\n"
     )
     found = {c.name: (c.value, c.reason, c.source) for c in constants(tmp_path)}
     assert found == {
@@ -50,4 +51,6 @@ def test_a_number_without_a_source_is_seen(tmp_path):
         "B": ("(2, 3.5)", "A reason.", "definition."),
         "C": ("4", "", ""),
         "D": ("{'x': 1e3}", "Reason alone.", ""),
+        "F": ("tuple(np.geomspace(0.2, 2.5, 16).tolist())", "Made.", "theorem."),
+        "G": ("((0, True), (1, False))", "Made.", "theorem."),
     }

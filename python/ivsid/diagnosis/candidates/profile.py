@@ -36,7 +36,7 @@ ANCHOR_HALVINGS: Final = 5
 # Source: geometry: the step of a vehicle that stays where it is
 LEAST_EXTENT: Final = 1.0
 # Shares of the first value that are tried before it is refined: its score came from a column of another value.
-# Source: resource: sixteen fits, one for each fifth of a factor of twelve
+# Source: resource: sixteen fits over a factor of twelve, in steps of 18 %
 SHARES: Final = tuple(np.geomspace(0.2, 2.5, 16).tolist())
 # Bisections of an end of an interval.
 # Source: geometry: the end is known to a 128th of the last step

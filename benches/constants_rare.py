@@ -1,4 +1,4 @@
-"""Cases for numbers of the diagnosis that the plain logs of ``benches/constants.py`` do not read: one part of it each.
+"""Cases for numbers of the diagnosis that the plain logs of ``benches/constants.py`` do not read.
 
 A case returns a word on the outcome, names, and ends of intervals or other numbers that a user reads. Logs are those of the tests, drawn
 with fixed seeds.
@@ -10,9 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-
-Task = tuple[str, list[str], list[float]]
-
+from constants_tasks import Task, done
 
 AMBIENT = "[ambient]\nforce = 0.15\nmoment = 0.03\ntime = 2.0\n"
 ACCURACY = "accuracy = { absolute = 0.1, relative = 0.02 }\n"
@@ -138,11 +136,11 @@ RARE: dict[str, tuple[Callable[[], Task], tuple[str, ...]]] = {
     ),
     "starting load": (
         lambda: _diagnosed({"payload.step.mass": 8.0, "payload.step.time": 70.0}),
-        tuple(f"candidates/profile.py {n}" for n in ("SHARES", "TIME_STEP", "TIME_STEPS")),
+        tuple(f"candidates/profile.py {n}" for n in ("TIME_STEP", "TIME_STEPS")),
     ),
     "limit": (
         lambda: _diagnosed({"thruster.saturation": 22.0}),
-        ("selection/admission.py RESTARTS", "candidates/profile.py SHARES"),
+        ("selection/admission.py RESTARTS",),
     ),
     "unlike": (
         lambda: _diagnosed({"drag.yaw.linear": 1.5}, unlike=True),
@@ -167,7 +165,7 @@ RARE: dict[str, tuple[Callable[[], Task], tuple[str, ...]]] = {
                 "sensor.velocity.misalignment": 0.08,
             }
         ),
-        ("selection/select.py WORTH", "selection/review.py SWAP", "plant/propulsion.py WAVES"),
+        ("selection/select.py WORTH", "selection/review.py SWAP"),
     ),
     "heavy drag": (
         lambda: _diagnosed({"drag.yaw.linear": 60.0, "drag.surge.linear": 150.0}),
@@ -192,15 +190,7 @@ def served() -> set[str]:
 
 def rare(constant: str) -> dict[str, dict[str, Any]]:
     """Outcome, names and numbers of the cases for a constant, as ``file NAME``; of all cases for another one."""
-    from ivsid import IvsidError  # noqa: PLC0415 - see _diagnosed
-
-    found = {}
-    for name, (case, constants) in RARE.items():
-        if constant in served() and constant not in {f"diagnosis/{c}" for c in constants}:
-            continue
-        try:
-            verdict, names, ends = case()
-        except IvsidError as refusal:
-            verdict, names, ends = f"refused: {refusal}", [], []
-        found[name] = {"verdict": verdict, "names": names, "ends": ends}
-    return found
+    every = constant not in served()
+    return done(
+        {name: case for name, (case, own) in RARE.items() if every or constant.removeprefix("diagnosis/") in own}
+    )

@@ -5,7 +5,7 @@ A task returns a word on the outcome, names, and ends of intervals. Logs are tho
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib.resources import files
 from typing import Any
 
@@ -197,10 +197,15 @@ TASKS: dict[str, Callable[[], Task]] = {
 
 def worked() -> dict[str, Any]:
     """Outcome, names and ends of every task."""
+    return done(TASKS)
+
+
+def done(tasks: Mapping[str, Callable[[], Task]]) -> dict[str, Any]:
+    """Outcome, names and ends of some tasks; a refusal is an outcome."""
     from ivsid import IvsidError  # noqa: PLC0415 - see _swan
 
     found = {}
-    for name, task in TASKS.items():
+    for name, task in tasks.items():
         try:
             verdict, names, ends = task()
         except IvsidError as refusal:

@@ -135,11 +135,12 @@ def with_unknowns(
         mass: known rigid-body mass, where the parameters leave it out [kg].
     """
     n = rows.matrix.shape[1]
+    taken = np.array([COEFFICIENT[kind] for kind in ROW_KINDS])[rows.kind]
     x_g, y_g = vehicle.hull.centre_of_gravity
     unknown: list[tuple[Term, NDArray[np.float64], list[float], IntervalArray, int]] = []
     for axis, bound in reach.items():
         for index, channel in enumerate(CHANNELS):
-            coefficient = np.where(rows.channel == index, np.array([COEFFICIENT[k] for k in ROW_KINDS])[rows.kind], 0.0)
+            coefficient = np.where(rows.channel == index, taken, 0.0)
             shares = [_share(t.columns, axis, channel) for t in rows.terms]
             known = _share(
                 lambda s: rigid_body(s, vehicle.hull.mass * x_g, vehicle.hull.mass * y_g, mass), axis, channel

@@ -112,6 +112,34 @@ fn two_operands() {
     }
 }
 
+type Way = fn(Bounds, Bounds, BoundsMut) -> Result<(), Error>;
+
+/// Every way in refuses results and operands of other lengths, the ways of the tests as well.
+#[test]
+fn other_lengths_are_refused() {
+    let (ends, short) = ([1.0, 2.0, 3.0], [1.0, 2.0]);
+    let of = |x| Bounds::new(x, x).expect("sound");
+    let ways: [Way; 4] = [
+        |x, _, out| unary_with(Backend::Portable, Unary::Sqrt, x, out),
+        |x, _, out| unary_on_arrays(Unary::Sqrt, x, out),
+        |x, y, out| binary_with(Backend::Portable, Binary::Add, x, y, out),
+        |x, y, out| binary_on_arrays(Binary::Add, x, y, out),
+    ];
+    let refused = |way: usize, right: &[f64], lower: usize, upper: usize| {
+        let (mut low, mut high) = (vec![0.0; lower], vec![0.0; upper]);
+        let given =
+            ways[way](of(&ends), Bounds::new(right, right).expect("sound"), BoundsMut { lo: &mut low, hi: &mut high });
+        matches!(given, Err(Error::Shape { .. }))
+    };
+    for way in 0..4 {
+        assert!(!refused(way, &ends, 3, 3), "equal lengths, way {way}");
+        for (lower, upper) in [(2, 3), (3, 2), (4, 3), (0, 0)] {
+            assert!(refused(way, &ends, lower, upper), "results of {lower} and {upper}, way {way}");
+        }
+    }
+    assert!(refused(2, &short, 3, 3) && refused(3, &short, 3, 3), "operands of other lengths");
+}
+
 /// All pairs of bounds from a short list, as first and as second operands, in every lane of a block.
 #[test]
 fn corners_in_every_lane() {

@@ -50,11 +50,23 @@ def once(tmp_path_factory):
     return get
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _savefig():
+    """How figures are rendered. Fixtures of a module find it replaced, but for the nightly run."""
+    from matplotlib.figure import Figure
+
+    rendered = Figure.savefig
+    with pytest.MonkeyPatch.context() as patch:
+        if not NIGHTLY:
+            patch.setattr(Figure, "savefig", lambda figure, file, **how: file.write(b"not rendered"))
+        yield rendered
+
+
 @pytest.fixture(autouse=True)
-def _figures(request, monkeypatch):
+def _figures(request, monkeypatch, _savefig):
     """Figures are composed in every test, and rendered in those that are marked ``figures`` and in the nightly run."""
-    if not NIGHTLY and request.node.get_closest_marker("figures") is None:
-        monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda figure, file, **how: file.write(b"not rendered"))
+    if request.node.get_closest_marker("figures") is not None:
+        monkeypatch.setattr("matplotlib.figure.Figure.savefig", _savefig)
 
 
 @pytest.fixture(scope="module")

@@ -64,8 +64,8 @@ PARTS = (
         "cargo test --profile gate --locked --workspace --exclude benches --test fuzz_text",
         "IVSID_FUZZ_SECONDS=120",
     ),
-    # Lints of the benchmarks, and of the documentation of the crates.
-    Part("lints", "make clippy docs-rust"),
+    # Lints of the benchmarks, and the documentation of the crates and of the package.
+    Part("lints", "make clippy docs"),
 )
 
 

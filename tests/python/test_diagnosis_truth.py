@@ -97,6 +97,9 @@ def checked(result, present):
     return set().union(*named)
 
 
+# Nightly: a whole diagnosis; the gate names a hidden effect in test_diagnosis.py.
+@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_calm_log_tells_its_six_causes(real):
     path = real(CALM)
     vehicle = parse_vehicle(OTTER, "otter.toml")

@@ -173,8 +173,9 @@ def test_the_command_advises_for_a_scenario_and_for_a_log(tmp_path):
         assert any("coast to rest would show it" in line for line in page.lines)
 
 
+# Nightly: a second library of sails; the gate advises by that of two thrusters.
 @pytest.mark.slow
-@pytest.mark.sampled
+@pytest.mark.nightly
 def test_a_rudder_and_a_vehicle_without_thrusters_get_what_is_possible(tmp_path):
     vehicle = vehicle_of(RUDDER)
     train = train_of(vehicle, segments=STEERED, duration=120.0)

@@ -57,6 +57,8 @@ def test_a_log_needs_less_than_four_times_its_size(big, tmp_path, packed):
     assert used < 4 * big.stat().st_size
 
 
+# Nightly: the third and fourth reading of a million rows.
+@pytest.mark.nightly
 def test_reading_and_checking_costs_a_few_plain_reads(big):
     """Against Polars alone at the same moment, so that a busy machine slows both. benches/logs.py prints seconds."""
     plain, checked = [], []

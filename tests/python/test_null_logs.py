@@ -79,6 +79,8 @@ def test_the_feedback_of_a_log_is_found_with_its_gain(zigzags):
     assert 0.5 < back.at[0].mean() < 1.0 and not back.reads
 
 
+# Nightly: two more trials; the gate finds the feedback of the zigzags.
+@pytest.mark.nightly
 def test_a_straight_course_shows_its_feedback_through_the_noise_and_an_open_loop_has_none():
     straight = trial(STRAIGHT)[2].programme.feedback
     assert straight.feedback_gains[1, 2] == pytest.approx(25, rel=0.2) and straight.at[1].mean() > 0.8

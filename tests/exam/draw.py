@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from tests.exam.thrust_errors import with_errors
 
 from ivsid.effects import EFFECTS, Effect, Parameter
 from ivsid.effects.effect import Force
@@ -231,9 +232,14 @@ def case(
     duration: float | None = None,
     rate: float | None = None,
     noise: str = "gaussian",
+    thrust: str | None = None,
+    share: float = 0.5,
     train_alone: bool = False,
 ) -> Case:
-    """The case of a seed; what is given is not drawn. TEST may be left out: it takes half of the time."""
+    """The case of a seed; what is given is not drawn. TEST may be left out: it takes half of the time.
+
+    ``thrust`` names a shape of tests/exam/thrust_errors.py, of which the true curves fill the ``share`` of their accuracy.
+    """
     rng = np.random.default_rng([seed, 77])
     k = str(rng.choice(KINDS))
     k = kind or k
@@ -272,9 +278,10 @@ def case(
         truth[id_] = value * (scale if id_ == "x.torque" else 1.0)
         sizes.append((id_, s))
         EFFECTS[id_] = OUTSIDE[id_]
+    true = vehicle if thrust is None else with_errors(vehicle, thrust, share, np.random.default_rng([seed, 78]))
     try:
-        train = simulate(vehicle, scenario, seed, truth)
-        test = None if train_alone else simulate(vehicle, other, seed + 1_000_000, truth)
+        train = simulate(true, scenario, seed, truth)
+        test = None if train_alone else simulate(true, other, seed + 1_000_000, truth)
     finally:
         for id_ in OUTSIDE:
             EFFECTS.pop(id_, None)

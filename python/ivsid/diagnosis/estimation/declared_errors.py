@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from typing import Final
 
 import numpy as np
@@ -10,12 +11,10 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.estimation.columns import Columns
 from ivsid.diagnosis.estimation.signatures import Signatures
 from ivsid.diagnosis.plant.physics import water
+from ivsid.diagnosis.plant.thrust_errors import BOUNDED
 from ivsid.diagnosis.plant.thruster_forces import blade_force
 
 Array = NDArray[np.float64]
-# Standard deviation of an error of which only a bound is known, in units of the bound.
-# Source: theorem: a uniform distribution within the bound has 1/sqrt(3) = 0.577
-BOUNDED: Final = 0.6
 # Standard deviation of the scale of the velocity, in units of its bound.
 # Source: measured: make constants
 SCALE: Final = 0.7
@@ -31,12 +30,17 @@ def nuisances(s: Signatures) -> Columns:
     """Signatures of one unit of each declared error, with its standard deviation as ``prior``."""
     out = Columns()
     _sensors(s, out)
-    p = s.states.points
-    u_c, v_c, _, _ = water(s.h, p)
-    relative = (p.nu[0] - u_c, p.nu[1] - v_c, p.nu[2])
+    relative = through_water(s)
     _blades(s, out, relative)
     _thrusts(s, out, relative)
     return out
+
+
+def through_water(s: Signatures) -> tuple[Array, Array, Array]:
+    """u, v [m/s] and r [rad/s] relative to the water, at the states of the signatures."""
+    p = s.states.points
+    u_c, v_c, _, _ = water(s.h, p)
+    return p.nu[0] - u_c, p.nu[1] - v_c, p.nu[2]
 
 
 def _sensors(s: Signatures, out: Columns) -> None:
@@ -75,18 +79,36 @@ def _blades(s: Signatures, out: Columns, relative: tuple[Array, Array, Array]) -
 
 
 def _thrusts(s: Signatures, out: Columns, relative: tuple[Array, Array, Array]) -> None:
-    """Smooth errors of each thruster's curve."""
+    """Errors of each thruster's curve."""
+    for k, thruster in enumerate(s.predictor.vehicle.thrusters):
+        spreads = s.predictor.propulsion.errors[k].spreads.tolist()
+        answers = thrust_answers(s, k, s.predictor.driving.shapes(s.h, k), relative)
+        for j, (answer, spread) in enumerate(zip(answers, spreads, strict=True)):
+            out.add(f"~thrust.{thruster.name}.{j}", answer, spread)
+
+
+def thrust_answers(
+    s: Signatures, k: int, errors: Iterable[Array], relative: tuple[Array, Array, Array]
+) -> Iterator[Array]:
+    """Signatures of errors of one thruster's thrust.
+
+    Args:
+        s: signatures at a hypothesis.
+        k: index of the thruster.
+        errors: of its thrust [N], shape (2 n,) each.
+        relative: u, v, r relative to the water.
+    """
     predictor, p = s.predictor, s.states.points
-    for k, thruster in enumerate(predictor.vehicle.thrusters):
-        angle, (x, y) = predictor.driving.turned[k], thruster.position
-        c, sine = np.cos(angle), np.sin(angle)
-        # The loss by inflow of an error is small: it takes the same share of the error as of the thrust.
-        shares = np.stack([c, sine, x * sine - y * c])
-        blade = blade_force(predictor.vehicle, k, p, p.thrusts[k], relative)
-        for j, shape in enumerate(predictor.driving.shapes(s.h, k)):
-            force = shares * shape
-            if thruster.rudder is not None:
-                # The stream on the blade changes with the thrust, and with it the blade's force.
-                pushed = p.thrusts[k] + BLADE_STEP * shape
-                force = force + (blade_force(predictor.vehicle, k, p, pushed, relative) - blade) / BLADE_STEP
-            out.add(f"~thrust.{thruster.name}.{j}", predictor.answer(s.mass.solve(force)), BOUNDED)
+    thruster = predictor.vehicle.thrusters[k]
+    angle, (x, y) = predictor.driving.turned[k], thruster.position
+    c, sine = np.cos(angle), np.sin(angle)
+    # The loss by inflow of an error is small: it takes the same share of the error as of the thrust.
+    shares = np.stack([c, sine, x * sine - y * c])
+    blade = blade_force(predictor.vehicle, k, p, p.thrusts[k], relative)
+    for error in errors:
+        force = shares * error
+        if thruster.rudder is not None:
+            # The stream on the blade changes with the thrust, and with it the blade's force.
+            pushed = p.thrusts[k] + BLADE_STEP * error
+            force = force + (blade_force(predictor.vehicle, k, p, pushed, relative) - blade) / BLADE_STEP
+        yield predictor.answer(s.mass.solve(force))

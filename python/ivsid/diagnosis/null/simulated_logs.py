@@ -21,6 +21,7 @@ from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.null.closed_loop import GRID_MARGIN, RATIO_ROUNDING, TABLE, Programme, simulated
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.propulsion import Propulsion
+from ivsid.diagnosis.plant.thrust_errors import bound_of
 from ivsid.diagnosis.prediction.axes import Ambient
 
 Array = NDArray[np.float64]
@@ -148,7 +149,7 @@ def _declared_errors(
     propulsion = Propulsion(programme.vehicle, programme.log)
     curves: list[Array | None] = []
     for k, thruster in enumerate(programme.vehicle.thrusters):
-        names = [f"~thrust.{thruster.name}.{j}" for j in range(len(propulsion.errors[k]))]
+        names = [f"~thrust.{thruster.name}.{j}" for j in range(len(propulsion.errors[k].functions))]
         if not names or names[0] not in drawn:
             curves.append(None)
             continue
@@ -157,7 +158,8 @@ def _declared_errors(
         low, high = (end - thruster.neutral for end in propulsion.curves[k].range)
         if not np.isfinite(high - low):
             low, high = float(grid[0]), float(grid[-1])
-        waves = np.stack([error(grid) for error in propulsion.errors[k]])
+        waves = np.stack([error(grid) for error in propulsion.errors[k].functions])
+        bound = bound_of(thruster, propulsion.curves[k], grid)
         # The waves are fitted where demands were sent, weighted by how often.
         weight = np.sqrt(np.histogram(sent, np.r_[grid, grid[-1] + GRID_MARGIN])[0] / sent.size)
         inner = (waves * weight) @ (waves * weight).T
@@ -165,7 +167,7 @@ def _declared_errors(
         errors = np.empty((len(rngs), TABLE))
         for i, rng in enumerate(rngs):
             order, phase, size = rng.uniform(*ORDERS), rng.uniform(0, 2 * np.pi), rng.uniform(*SIZES)
-            errors[i] = size * waves[0] * np.sin(np.pi * order * (grid - low) / (high - low) + phase)
+            errors[i] = size * bound * np.sin(np.pi * order * (grid - low) / (high - low) + phase)
         fitted = np.linalg.solve(inner, (waves * weight) @ (errors * weight).T)
         drawn |= dict(zip(names, fitted, strict=True))
         curves.append(errors)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -83,7 +84,22 @@ class Driving:
 
     def _sizes(self, h: Hypothesis, k: int) -> list[float]:
         name = self.vehicle.thrusters[k].name
-        return [h.declared_errors.get(f"~thrust.{name}.{j}", 0.0) for j in range(len(self.propulsion.errors[k]))]
+        return [
+            h.declared_errors.get(f"~thrust.{name}.{j}", 0.0) for j in range(len(self.propulsion.errors[k].functions))
+        ]
+
+    def error(self, h: Hypothesis, k: int, beside: Callable[[Array], Array]) -> Array:
+        """Thrust [N] that a further error of a thruster's curve adds, shape (2 n,).
+
+        Args:
+            h: the hypothesis.
+            k: index of the thruster.
+            beside: the error [N] of demands from neutral in the order of time.
+        """
+        sizes = self._sizes(h, k)
+        base = self.propulsion.one(k, h.given, sizes)
+        moved = self.propulsion.one(k, h.given, sizes, lambda d: ERROR_STEP * beside(d))
+        return np.concatenate([b - a for a, b in zip(base, moved, strict=True)]) / ERROR_STEP
 
     def shapes(self, h: Hypothesis, k: int) -> list[Array]:
         """Slopes of a thruster's thrust [N] with the sizes of its declared errors, shape (2 n,) each.

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from ivsid.diagnosis.data.channels import Channels
+from ivsid.diagnosis.plant.thrust_errors import thrust_errors
 from ivsid.effects import EFFECTS, Drive, Given, Response, Thrust, for_thruster
 from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.vehicle import Thruster, Vehicle
@@ -25,9 +26,6 @@ SHORTEST_LAG: Final = 1e-6
 # Rounding of a number of steps that is rounded to a whole one.
 # Source: geometry: far above the rounding of a quotient of times, far below a step
 WHOLE: Final = 1e-9
-# Numbers of half periods of the declared thrust errors over the range of demands, and whether each is a sine or a cosine.
-# Source: geometry: the first Fourier functions, up to the three half waves that a smooth calibration error has at most
-WAVES: Final = ((0, False), (1, False), (1, True), (2, False), (2, True), (3, False), (3, True))
 # The keys of a thruster in the vehicle file that mean the same as an effect.
 _STATED: Final = {
     "thruster.deadband": "dead_band",
@@ -77,7 +75,7 @@ class Propulsion:
     Attributes:
         curves: thrust curves, without dead bands, limits and losses, which are effects.
         demands: of each thruster from its neutral, shape (n,) each.
-        errors: functions of such a demand: the thrust errors [N] of one unit of each declared error, by thruster.
+        errors: declared errors by thruster, as functions of such a demand.
     """
 
     def __init__(self, vehicle: Vehicle, log: Channels) -> None:
@@ -86,10 +84,10 @@ class Propulsion:
         self.curves = [ThrustCurve(t.model_copy(update={**bare, "outside": "hold"})) for t in vehicle.thrusters]
         self.demands = [log.demands[k] - t.neutral for k, t in enumerate(vehicle.thrusters)]
         self.errors = [
-            error_functions(t, c, d) for t, c, d in zip(vehicle.thrusters, self.curves, self.demands, strict=True)
+            thrust_errors(t, c, d) for t, c, d in zip(vehicle.thrusters, self.curves, self.demands, strict=True)
         ]
         self._samples = [
-            _At(self.demands[k], np.asarray(c.value(log.demands[k]), dtype=np.float64), self.errors[k])
+            _At(self.demands[k], np.asarray(c.value(log.demands[k]), dtype=np.float64), self.errors[k].functions)
             for k, c in enumerate(self.curves)
         ]
         # Every hypothesis asks for the thrusts of the same demands between samples: they are worked out once.
@@ -110,11 +108,26 @@ class Propulsion:
         fine = [p for p in parts if p is not None]
         return Thrusts(np.stack(now), np.stack(mean), np.stack(fine) if fine else None)
 
-    def one(self, k: int, given: Sequence[Given], sizes: Sequence[float] = ()) -> tuple[Array, Array]:
-        """Thrusts of one thruster [N]: at samples, and means over the steps after them, shape (n,) each."""
-        return self._worked(k, given, sizes)[:2]
+    def one(
+        self,
+        k: int,
+        given: Sequence[Given],
+        sizes: Sequence[float] = (),
+        beside: Callable[[Array], Array] | None = None,
+    ) -> tuple[Array, Array]:
+        """Thrusts of one thruster [N]: at samples, and means over the steps after them, shape (n,) each.
 
-    def _worked(self, k: int, given: Sequence[Given], sizes: Sequence[float]) -> tuple[Array, Array, Array | None]:
+        Args:
+            k: index of the thruster.
+            given: effects of a hypothesis.
+            sizes: of its declared errors, in units of their bounds.
+            beside: a further error of its curve [N], of demands from neutral in the order of time.
+        """
+        return self._worked(k, given, sizes, beside)[:2]
+
+    def _worked(
+        self, k: int, given: Sequence[Given], sizes: Sequence[float], beside: Callable[[Array], Array] | None = None
+    ) -> tuple[Array, Array, Array | None]:
         """Thrusts of one thruster at samples, means over steps, and means over the parts of steps, shape (n, parts), or None."""
         h, n = self.log.h, self.log.n
         thruster = self.vehicle.thrusters[k]
@@ -134,6 +147,8 @@ class Propulsion:
             for j, size in enumerate(sizes):
                 if size:
                     thrust = thrust + size * at.error(j)
+            if beside is not None:
+                thrust = thrust + beside(d)
             parts = d.size // n
             time = self.log.t if parts == 1 else (self.log.t[:, None] + np.arange(parts) * (h / parts)).ravel()
             voltage = self.log.voltage if parts == 1 or self.log.voltage is None else np.repeat(self.log.voltage, parts)
@@ -182,7 +197,7 @@ class Propulsion:
     def _at(self, k: int, demand: Array) -> _At:
         """One thruster at demands from its neutral."""
         thrust = np.asarray(self.curves[k].value(demand + self.vehicle.thrusters[k].neutral), dtype=np.float64)
-        return _At(demand, thrust, self.errors[k])
+        return _At(demand, thrust, self.errors[k].functions)
 
     def _known(self, k: int, demand: Callable[[], Array]) -> _At:
         """One thruster at the log's own demands between samples."""
@@ -250,32 +265,3 @@ def _behind(now: Array, held: Array, lag: float, h: float) -> tuple[Array, Array
     start = np.r_[now[0], end[:-1]]
     share = (1 - decay) * lag / h
     return start, held + (start - held) * share, np.asarray(end, dtype=np.float64)
-
-
-def error_functions(thruster: Thruster, curve: ThrustCurve, demand: Array) -> list[Callable[[Array], Array]]:
-    """Thrust errors [N] that a thruster's declared accuracy allows, as smooth functions of its demand.
-
-    Each is a wave over the range of demands (``WAVES``) times the bound of the thrust error. The list is empty if no accuracy is declared.
-
-    Args:
-        thruster: with its accuracy.
-        curve: its thrust curve.
-        demand: of the log from neutral, whose range counts if the curve has none.
-    """
-    accuracy = thruster.accuracy
-    if not accuracy.absolute and not accuracy.relative:
-        return []
-    low, high = (end - thruster.neutral for end in curve.range)
-    if not np.isfinite(high - low):
-        low, high = float(demand.min()), float(demand.max()) + 1e-9
-
-    def shape(wave: int, sine: bool) -> Callable[[Array], Array]:
-        def error(d: Array) -> Array:
-            thrust = np.abs(np.asarray(curve.value(d + thruster.neutral), dtype=np.float64))
-            bound = np.minimum(accuracy.absolute + accuracy.relative * thrust, thrust)
-            x = np.pi * wave * (d - low) / (high - low)
-            return np.asarray(bound * (np.sin(x) if sine else np.cos(x)), dtype=np.float64)
-
-        return error
-
-    return [shape(*w) for w in WAVES]

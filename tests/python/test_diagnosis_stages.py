@@ -215,7 +215,8 @@ def test_the_otters_strongest_cause_passes_first(real, name, first):
     """The simulator's drag in calm water, and its current where one runs."""
     found = screened(parse_vehicle(otter.OTTER, "otter.toml"), otter.part(real(name), 0, 3000, 1))
     assert not found.quiet
-    assert found.passed[0] == first and "drag.surge.linear" in found.passed[:2], found.passed
+    # A thrust curve inside its accuracy takes some of the current in one direction: the two change places.
+    assert set(found.passed[: 1 + (first != "drag.surge.linear")]) == {first, "drag.surge.linear"}, found.passed
 
 
 @pytest.mark.parametrize(

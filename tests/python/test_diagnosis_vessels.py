@@ -46,9 +46,11 @@ def test_the_papers_model_shares_a_drag_that_the_hull_does_not(tmp_path):
     assert bounds["drag.sway.quadratic"].lower <= 255.0 <= bounds["drag.sway.quadratic"].upper
     assert bounds["drag.yaw.linear"].lower <= 3.0 <= bounds["drag.yaw.linear"].upper
     assert result.adequacy[1].quiet
-    for before, after in result.gain.simulation_rms.values():
-        # Errors of the thrusters on TRAIN are not carried over to TEST.
-        assert after < 0.3 * before
+    # Errors of the thrusters on TRAIN are not carried over to TEST. The limits are 0.3 of what the paper's model left of each channel while
+    # it could not bend the thrust curve inside its accuracy; it leaves less now, so that the ratio has grown.
+    limits = {"u": 0.039, "v": 0.064, "r": 0.049}
+    for name, (before, after) in result.gain.simulation_rms.items():
+        assert after < min(0.45 * before, limits[name])
 
 
 # Nightly: the gate has another log that nothing explains, below, and the printed curve in test_paper.py.

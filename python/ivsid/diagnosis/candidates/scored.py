@@ -30,6 +30,7 @@ class Scored:
         theta: coefficients in their units.
         values: the effect's numbers, in the catalogue's order.
         physical: whether the sign is one that the cause can have.
+        lost: standard deviations of the score that declared errors inside their bounds may make.
     """
 
     family: Family
@@ -40,6 +41,7 @@ class Scored:
     theta: tuple[float, ...]
     values: tuple[float, ...]
     physical: bool = True
+    lost: float = 0.0
 
     @property
     def id(self) -> str:

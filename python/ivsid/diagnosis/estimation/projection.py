@@ -251,6 +251,14 @@ class Projection:
         """Information on the coefficients of further columns with the base free, their own priors included, shape (columns, columns)."""
         return self.left(columns, columns) + np.diag(self.g.prior[list(columns)])
 
+    def held_back(self, columns: Sequence[int]) -> Array:
+        """What priors leave of further columns in those of the base: their cross-products beside the fit, shape (base, columns).
+
+        A deviation of one unit of a base's column moves the score of a further column by this number; without priors nothing is left.
+        """
+        # left = r - (N - P) N^-1 r = P N^-1 r, of the normal matrix N with the priors P.
+        return np.asarray(self.g.prior[self.base][:, None] * self._solved[:, list(columns)])
+
     def solve(self, columns: Sequence[int]) -> tuple[Array, float]:
         """Coefficients of further columns, in their unit lengths, and the fall of chi-squared that they bring beside the base."""
         columns = list(columns)

@@ -17,6 +17,7 @@ from scipy.stats import f as fisher
 from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.null.any_curve import AnyCurve, lost
 from ivsid.diagnosis.null.thresholds import HIGH_SIDE, Calibration
 
 # Blocks of the Gram matrix side by side that make half a minute.
@@ -130,15 +131,20 @@ class Threshold:
             if doubtful and second_opinion(fit, s) > SECOND_OPINION:
                 continue
             found.append(s)
-        return found
+        if not found or not fit.noise.predictor.vehicle.thrusters:
+            return found
+        free = AnyCurve(fit)
+        beside = [replace(s, lost=lost(s.fall, free.of(s))) for s in found]
+        return [s for s in beside if self.stands(s, s.fall)]
 
     def eligible(self, s: Scored) -> bool:
         """Whether a family may stand among alternatives; a blind family may not."""
         return s.id not in self.blind
 
     def stands(self, s: Scored, fall: float) -> bool:
-        """Whether a family's fall of chi-squared in a full fit is more than chance."""
-        return self.chance(replace(s, fall=fall)) <= self.calibration.chance
+        """Whether a family's fall of chi-squared in a full fit is more than chance, and than any declared error inside its bound makes."""
+        left = max(float(np.sqrt(max(fall, 0.0))) - s.lost, 0.0) ** 2
+        return self.chance(replace(s, fall=left)) <= self.calibration.chance
 
     def chance(self, s: Scored) -> float:
         """Probability of a family's fall of chi-squared without the effect, with the fall divided by ``HIGH_SIDE``."""

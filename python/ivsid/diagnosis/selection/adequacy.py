@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -18,6 +18,7 @@ from scipy.stats import chi2
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.null.any_curve import AnyCurve, beyond, inside, outside
 from ivsid.effects import CHANNELS
 
 Array = NDArray[np.float64]
@@ -53,6 +54,8 @@ class Adequacy:
         strongest: the three best single regressors with their channels and falls, the best first.
         chance_of_one: probability of the best single fall, over the whole dictionary.
         excess: fall beyond the number of directions, by channel.
+        inside: probability of the log if every thrust error lies inside its bound, at most.
+        outside: names of the thrusters whose fitted error leaves its bound, with its largest value in bounds.
     """
 
     fall: float
@@ -61,6 +64,8 @@ class Adequacy:
     strongest: tuple[tuple[str, str, float], ...]
     chance_of_one: float
     excess: Mapping[str, float]
+    inside: float = 1.0
+    outside: tuple[tuple[str, float], ...] = ()
 
     @property
     def statistic(self) -> float:
@@ -68,9 +73,14 @@ class Adequacy:
         return self.fall / max(self.freedom, 1)
 
     @property
-    def quiet(self) -> bool:
+    def white(self) -> bool:
         """Whether the innovations hold no more structure than chance."""
         return self.chance > RISK or self.chance_of_one > RISK
+
+    @property
+    def quiet(self) -> bool:
+        """Whether the innovations hold no more structure than chance, with every thrust error inside its bound."""
+        return self.white and self.inside > RISK
 
     def sufficient(self, before: Adequacy, findings: int) -> bool:
         """Whether the structure is chance, or less than the share ``REST`` of the structure before.
@@ -79,8 +89,8 @@ class Adequacy:
             before: adequacy of the plain model.
             findings: number of causes that were found.
         """
-        if self.quiet:
-            return True
+        if self.quiet or self.inside <= RISK:
+            return self.quiet
         return findings > 0 and self.fall - self.freedom < REST * max(before.fall - before.freedom, 0.0)
 
     def beside(self, fit: Fit, columns: Sequence[int]) -> float:
@@ -106,25 +116,50 @@ def energy_of(fit: Fit, columns: Sequence[int]) -> Array:
 
 
 def adequacy(fit: Fit) -> Adequacy:
-    """Adequacy of a fitted model."""
+    """Adequacy of a fitted model; structure that is more than chance has to stand beside any thrust curve inside its accuracy."""
     names, arrays = _dictionary(fit)
     # The model's own columns stand beside the dictionary, and those of the causes do not.
     g = fit.gram.only(fit.base)
+    x, unit = g.white.blocks([fit.noise.predictor.answer(a) for a in arrays], g.good, g.length)
     first = len(g.names)
-    wide = g.extended(names, [fit.noise.predictor.answer(a) for a in arrays])
-    p = Projection(wide, range(first))
-    columns = list(range(first, len(wide.names)))
+    wide = g.joined(names, x.reshape(-1, *g.y.shape), unit)
+    found = _structure(Projection(wide, range(first)), range(first, len(wide.names)), names, np.zeros(first))
+    found = replace(found, inside=inside(fit), outside=outside(fit))
+    if found.white or not fit.noise.predictor.vehicle.thrusters:
+        return found
+    free = AnyCurve(fit)
+    first = len(free.g.names)
+    wide = free.g.joined(names, x.reshape(len(x), *free.g.y.shape), unit)
+    beside = _structure(Projection(wide, free.projection.base), range(first, len(wide.names)), names, free.box)
+    return replace(beside, inside=found.inside, outside=found.outside)
+
+
+def _structure(p: Projection, at: Sequence[int], names: Sequence[str], box: Array) -> Adequacy:
+    """Structure that regressors find beside a base.
+
+    Args:
+        p: least squares on the base.
+        at: indices of the regressors.
+        names: theirs, ``channel|function``.
+        box: bound of each error of the base that has one, else 0, in unit lengths, shape (base,).
+    """
+    columns = list(at)
     H = p.information(columns)
     d = np.sqrt(np.maximum(np.diag(H), 1e-300))
     real = np.diag(H) > EXPLAINED
-    single = np.where(real, p.left_score[columns] ** 2 / np.maximum(np.diag(H), 1e-300), 0.0)
-    scores = p.left_score[columns] / d
+    scores = np.where(real, p.left_score[columns] / d, 0.0)
+    # How far each error inside the box moves the score of each regressor, and of a sum of them.
+    moved = p.held_back(columns) * box[:, None] / d
+    worst = np.abs(moved).sum(axis=0)
+    single = np.array([beyond(float(s * s), float(abs(s) * w)) for s, w in zip(scores, worst, strict=True)])
 
     def gained(which: NDArray[np.bool_]) -> tuple[float, int]:
         values, vectors = np.linalg.eigh(H[np.ix_(which, which)] / np.outer(d[which], d[which]))
         keep = values > DEPENDENT
         s = vectors[:, keep].T @ scores[which]
-        return float(np.sum(s**2 / values[keep])), int(keep.sum())
+        theta = vectors[:, keep] @ (s / values[keep])
+        fall = float(np.sum(s**2 / values[keep]))
+        return beyond(fall, float(np.abs(moved[:, which] @ theta).sum())), int(keep.sum())
 
     fall, freedom = gained(real)
     excess = {}

@@ -86,7 +86,8 @@ def admit(
     again.sort(key=lambda r: -r.merit)
     best = again[0]
     close = tuple(r for r in again if best.merit - r.merit <= MARGIN)
-    first = next(s for s in scored if s.id == best.id)
+    # Those that passed know what declared errors may make of their score.
+    first = next(s for s in (*passed, *scored) if s.id == best.id)
     others = {s.id: s.fall for s in scored if s.id not in {r.id for r in close}}
     others |= {r.id: r.fall for r in again if r not in close}
     rejected = tuple(sorted(others.items(), key=lambda q: -q[1])[:REJECTED])

@@ -16,7 +16,7 @@ import numpy as np
 from ivsid.diagnosis.candidates.intervals import Bound, intervals
 from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.fit import Fit
-from ivsid.diagnosis.selection.adequacy import Adequacy, energy_of
+from ivsid.diagnosis.selection.adequacy import RISK, Adequacy, energy_of
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.residuals import FindingEvidence
@@ -176,6 +176,12 @@ def unknown(left: Adequacy, near: Sequence[str]) -> Finding:
         f"the errors that the model leaves still follow the motion (dictionary statistic {left.statistic:.2f}, about 1 where nothing is "
         f"left), strongest with {likely}; no cause of the catalogue explains it"
     )
+    if left.inside <= RISK:
+        where = " and of ".join(f"{name} (fitted at {most:.1f} times its accuracy)" for name, most in left.outside)
+        text = (
+            f"the errors that the model leaves ask for a thrust{f' of {where}' if where else ''} that differs from its curve by more than the stated "
+            "accuracy; all masses and drags may be wrong with it; measure the thrust curve (a bollard test), or state a larger accuracy"
+        )
     if near:
         text += f"; the nearest are {' and '.join(near)}, which the extended model holds and nothing proves"
     evidence: FindingEvidence = {

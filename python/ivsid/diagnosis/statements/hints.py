@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.null.any_curve import OVERSHOOT, outside
 
 # A declared error is mentioned if its size exceeds this multiple of the standard deviation of its estimate.
 # Source: definition: 6e-7 of normal errors lie beyond
@@ -39,13 +40,16 @@ def hints(fit: Fit) -> tuple[str, ...]:
         elif name.endswith(".0"):
             words, unit = _BIAS[name.split(".")[1]]
             out.append(f"the {words} is about {size:.3g} {unit}, inside its specification")
+    far = dict(outside(fit))
     for thruster in fit.noise.predictor.vehicle.thrusters:
         own = [i for i, k in enumerate(p.base) if g.names[k].startswith(f"~thrust.{thruster.name}.")]
         if not own:
             continue
         sizes = np.array([fit.h.declared_errors.get(g.names[p.base[i]], 0.0) * g.unit[p.base[i]] for i in own])
         if float(sizes @ np.linalg.solve(bare[np.ix_(own, own)], sizes)) > SHOWN**2 + len(own):
-            out.append(f"the thrust of {thruster.name} differs smoothly from its curve, inside its accuracy")
+            most = far.get(thruster.name, 0.0)
+            where = f"by up to {most:.1f} times its accuracy" if most > OVERSHOOT else "inside its accuracy"
+            out.append(f"the thrust of {thruster.name} differs from its curve, {where}")
     vehicle, ambient = fit.noise.predictor.vehicle, fit.noise.predictor.ambient
     if vehicle.ambient is not None and vehicle.ambient.force:
         mass = np.linalg.inv(fit.signatures.mass.inverse[0])

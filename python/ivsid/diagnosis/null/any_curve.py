@@ -1,0 +1,206 @@
+"""Findings beside any thrust curve inside its accuracy, and whether a declared error leaves its bound.
+
+The declared errors of a fit follow a curve between few knots. Here the curve may jump: its error is free in each of many cells of demand, for
+rising and for falling demands apart, with the bound as its prior. What is left of a score is then held against the worst of all such curves.
+
+Let s = w'y be the score of a direction beside the base, with y = A e + n, declared errors e inside the box |e_i| <= b_i, and noise n. The
+errors move s by at most W = sum_i |(A'w)_i| b_i, the support function of the box. If F is the fall of chi-squared along the direction that
+was found, the noise alone has a fall of at least ((F - W) / sqrt(F))^2.
+
+Source: docs/theory.md, "Any thrust curve inside its accuracy"; Rockafellar, *Convex Analysis*, 1970, section 13 (support functions).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
+from scipy.stats import chi2
+
+from ivsid.diagnosis.candidates.scored import Scored
+from ivsid.diagnosis.estimation.declared_errors import SCALE, through_water, thrust_answers
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.projection import RIDGE, Projection
+from ivsid.diagnosis.plant.thrust_errors import BOUNDED, bound_of
+
+Array = NDArray[np.float64]
+# Cells of all thrusters together.
+# Source: resource: a fifth of a gigabyte for a log of 600 s at 20 Hz
+CELLS: Final = 192
+# Cells of one thruster at most, for each direction of its demand.
+# Source: geometry: four cells between two knots of the declared errors
+MOST_CELLS: Final = 64
+# Share of a bound that the prior of a declared error stands for, by the first words of its name.
+_SHARES: Final = {"~rudder.": BOUNDED, "~scale.": SCALE}
+# Values at the knots, in bounds, up to which an error may lie inside its bound: a straight line beside a jump overshoots.
+# Source: geometry: least squares of a saw's teeth by straight pieces of a third of their length, which exceeds them by a quarter
+OVERSHOOT: Final = 1.3
+# Eigenvalues of the information on thrust errors below this share of the largest belong to directions that nothing determines.
+# Source: geometry: seven digits above the rounding of a double
+DETERMINED: Final = 1e-9
+
+
+class AnyCurve:
+    """The base of a fit, with a free thrust error in each cell of demand beside it.
+
+    Attributes:
+        g: cross-products over the whole log, the cells last.
+        projection: least squares on the base and the cells.
+        box: bound of each error of the base that has one, else 0, in unit lengths, shape (base,).
+    """
+
+    def __init__(self, fit: Fit) -> None:
+        self.fit = fit
+        found = list(cells(fit))
+        g = fit.gram.whole()
+        first = len(g.names)
+        if found:
+            x, unit = g.white.blocks([answer for _, answer in found], fit.gram.good, fit.gram.length)
+            g = g.joined([name for name, _ in found], x.reshape(len(x), *g.y.shape), unit)
+            prior = g.prior.copy()
+            prior[first:] = 1.0 / (BOUNDED * np.maximum(unit, 1e-300)) ** 2
+            g = replace(g, prior=prior)
+        self.g = g
+        self.projection = Projection(g, [*fit.base, *range(first, len(g.names))])
+        # The cells alone make any curve, so that the knots of the fit have no bound of their own here.
+        self.box = np.zeros(len(self.projection.base))
+        self.box[len(fit.base) :] = g.unit[first:]
+        for i, k in enumerate(fit.base):
+            for words, share in _SHARES.items():
+                if g.names[k].startswith(words):
+                    self.box[i] = 1.0 / (np.sqrt(g.prior[k]) * share)
+
+    def beyond(self, columns: Sequence[int], p: Projection | None = None) -> float:
+        """Fall of chi-squared by further columns that no declared error inside its bound can make.
+
+        Args:
+            columns: indices among the cross-products.
+            p: least squares on the same base; that of all columns by default.
+        """
+        p = p or self.projection
+        theta, fall = p.solve(columns)
+        return beyond(fall, float(np.abs(p.held_back(columns) @ theta) @ self.box))
+
+    def of(self, s: Scored) -> float:
+        """Fall of chi-squared of a family that no declared error inside its bound can make."""
+        if s.family.kind != "step":
+            return self.beyond(s.columns)
+        fit, g = self.fit, self.fit.gram
+        log = fit.noise.predictor.log
+        x = g.columns(s.columns).copy()
+        x[:, : round((s.values[-1] - float(log.t[0])) / (g.length * log.h))] = 0.0
+        unit = np.sqrt(np.maximum(np.einsum("cbi,cbi->c", x, x), 1e-300))
+        wide = self.g.joined([f"{s.id}@"], x.reshape(len(x), *self.g.y.shape) / unit[:, None, None], unit)
+        return self.beyond([len(wide.names) - 1], Projection(wide, self.projection.base))
+
+
+def beyond(fall: float, worst: float) -> float:
+    """Least fall of chi-squared that the noise alone has, where declared errors move the score by at most ``worst``."""
+    return max(fall - worst, 0.0) ** 2 / fall if fall > 0 else 0.0
+
+
+def lost(fall: float, left: float) -> float:
+    """Standard deviations of a score that are lost where of a fall of chi-squared another is left."""
+    return max(float(np.sqrt(max(fall, 0.0)) - np.sqrt(left)), 0.0)
+
+
+def inside(fit: Fit) -> float:
+    """Probability of the log if every thrust error lies inside its bound, at most; 1 if none is declared.
+
+    Chi-squared is minimised with the errors at the knots inside the box, and without a bound. If the true errors lie inside, the difference
+    is at most chi-squared with as many degrees of freedom as there are knots: the truth is one of the points of the box.
+    """
+    g, p = fit.gram, fit.projection
+    predictor = fit.noise.predictor
+    curves = {
+        f"~thrust.{t.name}.": e
+        for t, e in zip(predictor.vehicle.thrusters, predictor.propulsion.errors, strict=True)
+        if e.functions
+    }
+    own = [[k for k in p.base if g.names[k].startswith(words)] for words in curves]
+    at = [k for group in own for k in group]
+    if not at:
+        return 1.0
+    others = [k for k in p.base if k not in at]
+    # Errors of the log without the part that the hypothesis holds of these: the box is that of the whole errors.
+    score = (
+        p.score
+        + p.total[:, at] @ g.centre[at]
+        + np.where(np.isin(np.arange(len(g.names)), at), g.prior * g.centre, 0.0)
+    )
+    N = p.total[np.ix_(others, others)] + np.diag(g.prior[others] + RIDGE)
+    cross = np.linalg.solve(N, p.total[np.ix_(others, at)])
+    S = p.total[np.ix_(at, at)] - p.total[np.ix_(at, others)] @ cross
+    r = score[at] - cross.T @ score[others]
+    # From sizes of the functions in unit lengths to the values at the knots.
+    turn = np.zeros((len(at), len(at)))
+    first = 0
+    for errors in curves.values():
+        here = slice(first, first + len(errors.functions))
+        turn[here, here] = errors.knots.T
+        first += len(errors.functions)
+    turn *= g.unit[at][:, None]
+    values, vectors = np.linalg.eigh(turn.T @ S @ turn)
+    kept = values > DETERMINED * max(float(values.max()), 1e-300)
+    root = np.sqrt(values[kept])
+    left = vectors[:, kept].T @ (turn.T @ r) / root
+    solved = lsq_linear((vectors[:, kept] * root).T, left, bounds=(-OVERSHOOT, OVERSHOOT))
+    return float(chi2.sf(2.0 * float(solved.cost), int(kept.sum())))
+
+
+def outside(fit: Fit) -> tuple[tuple[str, float], ...]:
+    """Thrusters whose error in the hypothesis, which a soft prior holds, has left its bound, with its largest value in bounds."""
+    found = []
+    predictor = fit.noise.predictor
+    for thruster, errors in zip(predictor.vehicle.thrusters, predictor.propulsion.errors, strict=True):
+        held = [fit.h.declared_errors.get(f"~thrust.{thruster.name}.{j}", 0.0) for j in range(len(errors.functions))]
+        largest = float(np.abs(errors.knots @ held).max(initial=0.0))
+        if largest > 1.0:
+            found.append((thruster.name, largest))
+    return tuple(found)
+
+
+def cells(fit: Fit) -> Iterator[tuple[str, Array]]:
+    """Name and signature of a thrust error of one bound in each cell of demand that the log visits."""
+    s = fit.signatures
+    propulsion = s.predictor.propulsion
+    thrusters = [k for k, e in enumerate(propulsion.errors) if e.functions]
+    relative = through_water(s)
+    for k in thrusters:
+        count = min(MOST_CELLS, max(CELLS // (2 * len(thrusters)), 1))
+        place = _places(propulsion.demands[k], count)
+        visited = np.unique(place(propulsion.demands[k])).tolist()
+        shapes = (s.predictor.driving.error(s.h, k, _in_cell(fit, k, place, cell)) for cell in visited)
+        name = s.predictor.vehicle.thrusters[k].name
+        for cell, answer in zip(visited, thrust_answers(s, k, shapes, relative), strict=True):
+            if np.any(answer):
+                yield f"~cell.{name}.{cell}", answer
+
+
+def _places(demand: Array, count: int) -> Callable[[Array], NDArray[np.int64]]:
+    """Cells of demands in the order of time: twice as many as ``count``, the second half for falling demands."""
+    low, pace = float(demand.min()), max(float(np.ptp(demand)), 1e-300) / count
+
+    def place(d: Array) -> NDArray[np.int64]:
+        return np.clip(((d - low) / pace).astype(np.int64), 0, count - 1) + count * ~upward(d)
+
+    return place
+
+
+def _in_cell(fit: Fit, k: int, place: Callable[[Array], NDArray[np.int64]], cell: int) -> Callable[[Array], Array]:
+    """The error [N] of one bound in one cell of a thruster's demands."""
+    vehicle, propulsion = fit.noise.predictor.vehicle, fit.noise.predictor.propulsion
+    return lambda d: bound_of(vehicle.thrusters[k], propulsion.curves[k], d) * (place(d) == cell)
+
+
+def upward(d: Array) -> NDArray[np.bool_]:
+    """Whether the last change of a demand was a rise, at each sample in the order of time; a first stretch counts as risen."""
+    moved = np.flatnonzero(np.diff(d, prepend=d[:1]))
+    if not moved.size:
+        return np.ones(d.size, dtype=bool)
+    last = np.searchsorted(moved, np.arange(d.size), side="right") - 1
+    return np.asarray((last < 0) | (d[moved[np.maximum(last, 0)]] > d[moved[np.maximum(last, 0)] - 1]))

@@ -1,0 +1,177 @@
+"""Declared thrust errors as what they are: any curve inside the stated accuracy makes no finding, and one that leaves it is told."""
+
+import os
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tests.exam.draw import case
+from tests.exam.thrust_errors import SHAPES, with_errors
+
+from diagnosis_logs import screened
+from ivsid import diagnose
+from ivsid.diagnosis.null.any_curve import AnyCurve, beyond, inside, lost, upward
+from ivsid.diagnosis.plant.thrust_errors import BOUNDED, bound_of, thrust_errors
+from ivsid.diagnosis.selection.adequacy import RISK
+from ivsid.log import Log
+from ivsid.propulsion.thrust import ThrustCurve
+
+SEED = int(os.environ.get("IVSID_SEED", "0"))
+
+
+def log_of(made, name="1.csv"):
+    return Log(name, "0" * 64, made.t, made.columns)
+
+
+def calm(seed, family, share, **more):
+    """A log in a tenth of the usual sea, where a thrust error stands out most."""
+    return case(seed, what="none", thrust=family, share=share, style="rich", rate=10.0, ambient=0.2, **more)
+
+
+# The first of each kind was named or called unknown while the declared errors were seven waves.
+LOGS = (
+    (924, "sawtooth"),
+    (927, "two_waves"),
+    (932, "spline"),
+    pytest.param(937, "steps", marks=pytest.mark.nightly),
+    pytest.param(923, "hump", marks=pytest.mark.nightly),
+    pytest.param(904, "offset", marks=pytest.mark.nightly),
+    pytest.param(943, "steps", marks=pytest.mark.nightly),
+    pytest.param(930, "sawtooth", marks=pytest.mark.nightly),
+)
+
+
+@pytest.mark.parametrize(("seed", "family"), LOGS)
+def test_a_curve_that_fills_its_accuracy_makes_no_finding(seed, family):
+    c = calm(seed, family, 1.0, duration=600.0, train_alone=True)
+    found = screened(c.vehicle, log_of(c.train))
+    assert not found.passed and found.quiet
+
+
+@pytest.mark.parametrize(("seed", "family"), [(955, "two_waves"), pytest.param(950, "hump", marks=pytest.mark.nightly)])
+def test_a_curve_that_leaves_its_accuracy_is_told(seed, family):
+    """Three times the accuracy: a soft prior alone took it, and called the model adequate with every mass wrong."""
+    c = calm(seed, family, 3.0, duration=300.0, train_alone=True)
+    found = screened(c.vehicle, log_of(c.train))
+    assert not found.quiet and inside(found.fit) <= RISK
+
+
+# Nightly: a whole diagnosis; the gate screens such a log.
+@pytest.mark.nightly
+def test_the_sentence_names_the_thruster_and_what_to_do():
+    c = calm(955, "two_waves", 3.0, duration=600.0)
+    result = diagnose(c.vehicle, log_of(c.train), log_of(c.test, "2.csv"))
+    assert result.verdict == "unknown"
+    text = result.findings[-1].text
+    assert "by more than the stated accuracy" in text and "bollard test" in text
+    assert any(t.name in text for t in c.vehicle.thrusters)
+
+
+# Nightly: the rate over families, vehicles and seas that no one has looked at; 2 of 48 has a chance of 9 % at the stated 1 %.
+@pytest.mark.nightly
+@pytest.mark.slow
+def test_false_alarms_are_rare_whatever_the_family():
+    families = sorted(SHAPES)
+    bad = []
+    for seed in range(48):
+        c = case(SEED + 5000 + seed, what="none", thrust=families[seed % len(families)], share=1.0, duration=300.0)
+        result = diagnose(c.vehicle, log_of(c.train), log_of(c.test, "2.csv"))
+        if result.verdict != "adequate":
+            bad.append((SEED + 5000 + seed, families[seed % len(families)], [f.effect for f in result.findings]))
+    assert len(bad) <= 2, bad
+
+
+@pytest.mark.parametrize("family", sorted(SHAPES))
+def test_the_examiners_curves_fill_the_accuracy_and_do_not_leave_it(family):
+    c = case(7, what="none", kind="twin", duration=30.0, style="rich", train_alone=True)
+    true = with_errors(c.vehicle, family, 1.0, np.random.default_rng(3))
+    for t, wrong in zip(c.vehicle.thrusters, true.thrusters, strict=True):
+        curve = ThrustCurve(t)
+        d = np.asarray(wrong.table.demand)
+        off = np.abs(np.asarray(wrong.table.thrust) - curve.value(d))
+        bound = np.minimum(t.accuracy.absolute + t.accuracy.relative * np.abs(curve.value(d)), np.abs(curve.value(d)))
+        assert (off <= bound * (1 + 1e-9) + 1e-12).all()
+        assert off.max() > 0.5 * bound[np.argmax(off)] > 0
+
+
+def test_values_at_the_knots_are_the_error_in_units_of_its_bound():
+    c = case(7, what="none", kind="twin", duration=30.0, style="rich", train_alone=True)
+    t = c.vehicle.thrusters[0]
+    curve = ThrustCurve(t.model_copy(update={"outside": "hold"}))
+    d = np.linspace(-80.0, 90.0, 400)
+    errors = thrust_errors(t, curve, d)
+    rng = np.random.default_rng(1)
+    at_knots = rng.uniform(-1, 1, len(errors.functions))
+    sizes = np.linalg.solve(errors.knots, at_knots)
+    error = sum(s * f(d) for s, f in zip(sizes, errors.functions, strict=True))
+    bound = bound_of(t, curve, d)
+    assert (np.abs(error) <= bound * (1 + 1e-9)).all()
+    np.testing.assert_allclose(error, bound * np.interp(d, np.linspace(-80, 90, at_knots.size), at_knots), atol=1e-9)
+    # Beforehand the error at any knot has the stated deviation, and neighbours go together.
+    covariance = errors.knots * errors.spreads**2 @ errors.knots.T
+    np.testing.assert_allclose(np.diag(covariance), BOUNDED**2)
+    assert covariance[0, 1] > 0.5 * BOUNDED**2 > covariance[0, -1]
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=60, deadline=None)
+def test_what_no_error_inside_its_bound_makes_is_no_more_than_the_noise_makes(seed):
+    """The theorem of the worst case on a small problem, with ordinary least squares in place of the package's."""
+    rng = np.random.default_rng(seed)
+    rows, k = 60, 3
+    base, columns, errors = (
+        rng.standard_normal((rows, 4)),
+        rng.standard_normal((rows, k)),
+        rng.standard_normal((rows, 5)),
+    )
+    noise, e = rng.standard_normal(rows), rng.uniform(-1, 1, 5) * rng.uniform(0, 3)
+    bound = np.maximum(np.abs(e), rng.uniform(0, 1, 5))
+
+    def project(x):
+        return x - base @ np.linalg.lstsq(base, x, rcond=None)[0]
+
+    C = project(columns)
+    H = C.T @ C
+
+    def fall(y):
+        s = C.T @ y
+        return float(s @ np.linalg.solve(H, s))
+
+    y = noise + errors @ e
+    theta = np.linalg.solve(H, C.T @ y)
+    worst = float(np.abs(errors.T @ (C @ theta)) @ bound)
+    assert beyond(fall(y), worst) <= fall(noise) * (1 + 1e-9) + 1e-9
+
+
+def test_a_score_is_lost_by_standard_deviations():
+    assert beyond(100.0, 0.0) == 100.0 and beyond(100.0, 20.0) == pytest.approx(64.0) and beyond(4.0, 9.0) == 0.0
+    assert lost(100.0, 64.0) == pytest.approx(2.0) and lost(1.0, 4.0) == 0.0
+
+
+def test_the_direction_of_a_demand_is_that_of_its_last_change():
+    d = np.array([3.0, 3.0, 4.0, 4.0, 2.0, 2.0, 5.0])
+    assert upward(d).tolist() == [True, True, True, True, False, False, True]
+    assert upward(np.ones(3)).all() and upward(-d).tolist() == [True, True, False, False, True, True, False]
+
+
+def test_a_cause_that_a_curve_inside_its_accuracy_makes_is_lost_and_a_strong_one_is_not():
+    c = case(
+        940,
+        what="one",
+        effect="drag.yaw.linear",
+        size=1.0,
+        kind="twin",
+        style="rich",
+        rate=10.0,
+        duration=300.0,
+        train_alone=True,
+    )
+    found = screened(c.vehicle, log_of(c.train))
+    assert "drag.yaw.linear" in found.passed
+    free = AnyCurve(found.fit)
+    strong = found.of("drag.yaw.linear")
+    assert free.of(strong) > 0.3 * strong.fall
+    # Without any bound on the errors nothing is left of it.
+    free.box = 1e6 * free.box
+    assert free.of(strong) == 0.0

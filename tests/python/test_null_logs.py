@@ -1,7 +1,11 @@
 """Null logs: that they are the log's own programme without an effect, that their scores are those that the Gaussian draws promise, and their cache."""
 
 import json
+import subprocess
+import sys
+import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -185,6 +189,34 @@ def test_only_a_finding_close_to_its_threshold_asks_for_null_logs(zigzags, tmp_p
     again = confirmed(fit, test, [close(fit, test, 2.6)], 1, 20, tmp_path, told.append)
     assert again.nulls.cached == 20 and not told
     np.testing.assert_array_equal(again.nulls.strengths, near.nulls.strengths)
+
+
+def test_processes_end_when_the_one_that_started_them_is_killed(tmp_path):
+    """Without a watch they worked on alone, for minutes."""
+    script = (
+        "import os, pathlib, sys, time\n"
+        "from types import SimpleNamespace as N\n"
+        "from ivsid.diagnosis.null import calibration\n"
+        "def strengths(seed, part):\n"
+        "    pathlib.Path(sys.argv[1], str(os.getpid())).touch()\n"
+        "    time.sleep(60)\n"
+        "os.sched_getaffinity = lambda _: {0, 1}\n"
+        "calibration.examined(N(strengths=strengths, test=N(calibration=N(level=0.1))), 1, range(4))\n"
+    )
+    parent = subprocess.Popen([sys.executable, "-c", script, str(tmp_path)])
+
+    def until(done):
+        end = time.monotonic() + 30
+        while not done() and time.monotonic() < end:
+            time.sleep(0.05)
+        assert done()
+
+    until(lambda: len(list(tmp_path.iterdir())) == 2)
+    workers = [Path("/proc", p.name) for p in tmp_path.iterdir()]
+    assert all(w.exists() for w in workers)
+    parent.kill()
+    parent.wait()
+    until(lambda: not any(w.exists() and "State:\tZ" not in (w / "status").read_text() for w in workers))
 
 
 def test_null_logs_that_score_higher_make_the_test_stricter():

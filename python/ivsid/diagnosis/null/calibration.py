@@ -13,6 +13,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection, wait
+from threading import Thread
 from typing import Final
 
 import numpy as np
@@ -288,8 +289,17 @@ def _forked(
             worker.join()
 
 
+def _end_with_parent() -> None:
+    """Ends this process when the one that started it is gone, however it ended: nobody waits for the results."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        wait([parent.sentinel])
+        os._exit(1)
+
+
 def _work(trial: Trial, seed: int, parts: Sequence[Sequence[int]], mine: Sequence[int], writer: Connection) -> None:
     """Work of one process: its parts in turn, each sent with its index."""
+    Thread(target=_end_with_parent, daemon=True).start()
     for k in mine:
         writer.send((k, trial.strengths(seed, parts[k])))
     writer.close()

@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextvars import copy_context
-from typing import TypeVar
+from functools import wraps
+from typing import ParamSpec, TypeVar
+
+from threadpoolctl import threadpool_limits
 
 from ivsid.intervals.pieces import processors
 
+_P = ParamSpec("_P")
 _T = TypeVar("_T")
 _A = TypeVar("_A")
 _B = TypeVar("_B")
@@ -38,3 +42,17 @@ def at_once(one: Callable[[], _A], other: Callable[[], _B]) -> tuple[_A, _B]:
         waiting = pool.submit(copy_context().run, other)
         first = one()
         return first, waiting.result()
+
+
+def one_blas_thread(function: Callable[_P, _T]) -> Callable[_P, _T]:
+    """The function with one thread of BLAS.
+
+    Its matrices are small, and its own threads and processes use the cores: threads of BLAS beside them wait for each other most of the time.
+    """
+
+    @wraps(function)
+    def alone(*args: _P.args, **kwargs: _P.kwargs) -> _T:
+        with threadpool_limits(limits=1, user_api="blas"):
+            return function(*args, **kwargs)
+
+    return alone

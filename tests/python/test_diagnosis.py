@@ -4,10 +4,11 @@ import json
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS
 from ivsid import IvsidError, diagnose
-from ivsid.diagnosis import extended_vehicle, isolability
+from ivsid.diagnosis import extended_vehicle, isolability, stages
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
@@ -76,7 +77,7 @@ def test_nothing_hidden_is_adequate_and_the_parameters_come_out():
     for id_, value in result.selection.last.h.values.items():
         assert value == pytest.approx(TRUTH[id_], rel=0.04), id_
     record = json.loads(to_json(result.record()))
-    assert record["calibration"]["family_wise"] == 0.005 and record["calibration"]["logs"] == 400
+    assert record["calibration"]["family_wise"] == 0.005 and record["calibration"]["logs"] == 12_000
     assert {"effect": "thruster.gain"}.items() <= next(
         q for q in record["not_tested"] if q["effect"] == "thruster.gain"
     ).items()
@@ -111,6 +112,9 @@ def test_a_hidden_effect_is_named_with_an_interval_that_holds_it(effect, values)
     result = diagnose(vehicle, train, test)
     assert result.verdict == "wrong"
     assert [effect in s for s in sets(result)] == [True], sets(result)
+    # What is named has been tested, and so have its alternatives.
+    named = {id_ for f in result.findings for id_ in (f.effect, *f.alternatives)}
+    assert not named & {q["effect"] for q in result.not_tested}
     bounds = result.findings[0].parameters
     for name, value in values.items():
         assert bounds[name].lower <= value <= bounds[name].upper, name
@@ -214,3 +218,23 @@ def test_short_logs_are_refused_in_a_sentence():
     short = Log("short.csv", train.sha256, train.t[keep], {k: x[keep] for k, x in train.columns.items()})
     with pytest.raises(IvsidError, match="at least 60 s"):
         channels(short, vehicle)
+
+
+def test_a_diagnosis_leaves_the_cores_to_its_own_threads(monkeypatch):
+    """A fit with screening took twelve times its processor time beside threads of BLAS."""
+
+    def threads():
+        return {p["num_threads"] for p in threadpool_info() if p["user_api"] == "blas"}
+
+    seen = []
+
+    def plain_fit(*_):
+        seen.append(threads())
+        raise IvsidError("enough")
+
+    monkeypatch.setattr(stages, "plain_fit", plain_fit)
+    vehicle, train, test = logs()
+    with threadpool_limits(limits=2, user_api="blas"):
+        with pytest.raises(IvsidError, match="enough"):
+            diagnose(vehicle, train, test)
+        assert seen == [{1}] and threads() == {2}

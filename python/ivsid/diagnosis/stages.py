@@ -19,7 +19,7 @@ from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.confirmation import NULL_LOGS, confirmed
-from ivsid.diagnosis.selection.parallel import at_once
+from ivsid.diagnosis.selection.parallel import at_once, one_blas_thread
 from ivsid.diagnosis.selection.select import select
 from ivsid.diagnosis.statements.claims import claims
 from ivsid.diagnosis.statements.comparison import compare
@@ -40,6 +40,7 @@ EPOCH: Final = 1e8
 
 # A candidate that runs away is rejected by its chi-squared, so its overflows are not reported.
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")
+@one_blas_thread
 def diagnose(
     vehicle: Vehicle,
     train: Log,
@@ -109,7 +110,7 @@ def diagnose(
         verdict,
         findings,
         hints(selection.last),
-        not_tested(fit, visible),
+        not_tested(fit, visible, {n for f in findings for n in (f.effect, *f.alternatives)}),
         visible,
         confirmation.record(),
         unexplained(selection.last),

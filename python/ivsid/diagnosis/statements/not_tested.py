@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.null.visibility import VISIBLE, Visibility
 from ivsid.effects import EFFECTS
 
 
-def not_tested(fit: Fit, visible: Mapping[str, Visibility]) -> tuple[dict[str, str], ...]:
+def not_tested(fit: Fit, visible: Mapping[str, Visibility], named: Collection[str] = ()) -> tuple[dict[str, str], ...]:
     """Effects that the log cannot test.
 
     Args:
         fit: of the plain model.
         visible: visibility by id.
+        named: effects that are findings or alternatives of one: the log has shown those, whatever their usual size shows.
 
     Returns:
         Entries of ``not_tested`` in result.json: ``effect``, ``reason`` and ``needs``.
     """
     out = [{"effect": id_, "reason": why, "needs": ", ".join(EFFECTS[id_].needs)} for id_, why in fit.refused.items()]
     for id_, v in visible.items():
+        if id_ in named:
+            continue
         if v.blind and v.z >= VISIBLE:
             reason = "in this log its signature is mostly made of the sensors' own errors"
             out.append({"effect": id_, "reason": reason, "needs": EFFECTS[id_].separate})

@@ -15,6 +15,7 @@ from ivsid.diagnosis import cache_folder
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.null import simulated_logs
 from ivsid.diagnosis.null.cache import keep, kept, key_of
 from ivsid.diagnosis.null.calibration import NullTest, examined, trial_of
 from ivsid.diagnosis.null.family_wise import Threshold
@@ -133,6 +134,24 @@ def test_null_logs_have_the_noise_of_the_log_and_its_demands_where_no_feedback_a
         assert rough[1] == pytest.approx(rough[0], rel=0.15)
     rest = ~made.programme.feedback.at[0]
     np.testing.assert_array_equal(log.demands[0, rest], real.demands[0, rest])
+
+
+def test_thrust_errors_of_null_logs_are_of_every_kind_and_inside_their_bound(zigzags):
+    programme = zigzags[2].programme
+    rngs = [np.random.default_rng([1, k]) for k in range(60)]
+    _, curves = simulated_logs._declared_errors(programme, rngs)
+    thruster, sent = programme.vehicle.thrusters[0], programme.log.demands[0]
+    demand = np.linspace(sent.min(), sent.max(), curves[0].shape[1])
+    thrust = np.abs(
+        np.interp(demand, np.linspace(-100, 100, 4001), ThrustCurve(thruster).value(np.linspace(-100, 100, 4001)))
+    )
+    bound = np.minimum(thruster.accuracy.absolute + thruster.accuracy.relative * thrust, thrust)
+    assert (np.abs(curves[0]) <= bound * 1.01 + 1e-3).all()
+    share = curves[0][:, bound > 0.05] / bound[bound > 0.05]
+    jumps = np.abs(np.diff(share, axis=1)).max(axis=1) > 0.05
+    bends = np.abs(np.diff(share, 2, axis=1)).max(axis=1) > 2e-4
+    # A third each; of some the corners and jumps stand where no demand was sent.
+    assert jumps.sum() >= 8 and (bends & ~jumps).sum() >= 8 and (~bends & ~jumps).sum() >= 15
 
 
 def test_a_faster_log_is_thinned_and_its_noise_with_it():

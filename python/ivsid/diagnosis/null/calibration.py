@@ -25,6 +25,7 @@ from ivsid.diagnosis.estimation.fit import Fit, Noise, survey
 from ivsid.diagnosis.estimation.learning import remaining
 from ivsid.diagnosis.estimation.noise import ambient_of, usable_rows
 from ivsid.diagnosis.estimation.whitening import Whitening, plain_scale, whiten
+from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.null.closed_loop import Programme
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.feedback import feedback_of
@@ -163,7 +164,11 @@ class Trial:
             return float("nan"), False
         families = tuple(f for f in fit.families if f.variants and f.id in self.test.visible)
         fit, scored = score(replace(fit, families=families))
-        chances = [s.chance for s in scored if s.physical]
+        real = [s for s in scored if s.physical]
+        # As in the test of the log, what is below the threshold has to stand beside any thrust curve inside its accuracy.
+        low = [s for s in real if s.chance <= self.test.calibration.chance]
+        free = AnyCurve(fit) if low and fit.noise.predictor.vehicle.thrusters else None
+        chances = [s.chance if free is None or s not in low else replace(s, fall=free.of(s)).chance for s in real]
         strength = -float(np.log(max(min(chances, default=1.0), 1e-300)))
         return strength, bool(self.test(fit, scored))
 

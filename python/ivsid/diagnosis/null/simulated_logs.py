@@ -31,6 +31,12 @@ FASTEST: Final = 10.0
 # Half waves of a thrust error over the range of demands: a calibration error is smooth.
 # Source: geometry/physics: a measured thrust curve bends a few times over its range, and not more often.
 ORDERS: Final = (0.6, 3.0)
+# Corners of a broken line over the range of demands, at least and below.
+# Source: geometry: the entries of a usual thrust table
+PIECES: Final = (3, 10)
+# Jumps of a curve over the range of demands, at least and below.
+# Source: geometry: a drive switches once or a few times
+JUMPS: Final = (1, 4)
 # Amplitude of a thrust error, as a share of its declared bound.
 # Source: measured: make constants
 SIZES: Final = (0.2, 1.0)
@@ -138,7 +144,7 @@ def _declared_errors(
 ) -> tuple[dict[str, Array], list[Array | None]]:
     """Declared errors of every null log.
 
-    Sizes are normal. A thrust error is any wave inside its bound, and the waves of the model of declared errors are fitted to it.
+    Sizes are normal. A thrust error is a wave, a broken line or a few steps inside its bound, and the model of declared errors is fitted to it.
 
     Returns:
         Sizes by name, each of shape (count,), and thrust errors by thruster, each of shape (count, TABLE) or None.
@@ -166,12 +172,27 @@ def _declared_errors(
         inner += RIDGE * max(float(np.trace(inner)), 1e-300) * np.eye(len(names))
         errors = np.empty((len(rngs), TABLE))
         for i, rng in enumerate(rngs):
-            order, phase, size = rng.uniform(*ORDERS), rng.uniform(0, 2 * np.pi), rng.uniform(*SIZES)
-            errors[i] = size * bound * np.sin(np.pi * order * (grid - low) / (high - low) + phase)
+            errors[i] = rng.uniform(*SIZES) * bound * _shape((grid - low) / (high - low), rng)
         fitted = np.linalg.solve(inner, (waves * weight) @ (errors * weight).T)
         drawn |= dict(zip(names, fitted, strict=True))
         curves.append(errors)
     return drawn, curves
+
+
+def _shape(x: Array, rng: np.random.Generator) -> Array:
+    """An error in units of its bound, over places from 0 to 1: one of three kinds that thrusters have.
+
+    A calibration error is a wave; a table with wrong entries is a broken line; a worn or limited drive jumps.
+    """
+    kind = int(rng.integers(3))
+    if kind == 0:
+        return np.asarray(np.sin(np.pi * rng.uniform(*ORDERS) * x + rng.uniform(0, 2 * np.pi)))
+    places = np.sort(rng.uniform(0.0, 1.0, int(rng.integers(*(PIECES if kind == 1 else JUMPS)))))
+    levels = rng.uniform(-1.0, 1.0, places.size + 1)
+    levels /= np.abs(levels).max()
+    if kind == 1:
+        return np.asarray(np.interp(x, np.r_[0.0, places[1:], 1.0], levels))
+    return np.asarray(levels[np.searchsorted(places, x)])
 
 
 def _at(drawn: dict[str, Array], j: int) -> dict[str, float]:

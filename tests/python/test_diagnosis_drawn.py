@@ -55,7 +55,8 @@ def test_a_tether_that_the_hull_sails_around_is_found_at_its_place():
 
 @pytest.mark.nightly
 def test_a_small_dead_band_is_found_among_larger_ones_that_are_tried():
-    c, result = drawn(112004, what="one", effect="thruster.deadband", duration=300.0)
+    # A third smaller, the few demands inside the band are ones that a curve inside its accuracy explains: unknown.
+    c, result = drawn(112004, what="one", effect="thruster.deadband", size=0.6, duration=300.0)
     assert names(result) == [{"thruster.deadband"}] and holds(result, c.truth)
 
 

@@ -230,7 +230,7 @@ def test_the_otters_strongest_cause_passes_first(real, name, first):
         # Nightly: the longer sail, which is diagnosed as a whole there, too.
         pytest.param(
             112004,
-            {"what": "one", "effect": "thruster.deadband", "duration": 300.0},
+            {"what": "one", "effect": "thruster.deadband", "duration": 300.0, "size": 0.6},
             "thruster.deadband",
             marks=pytest.mark.nightly,
         ),

@@ -212,9 +212,9 @@ def test_a_slow_run_of_the_model_tug_does_not_show_its_drag(real, tmp_path):
     alone, slower, both = (predicted(vehicle, log) for log in (run, other, joined(run, other)))
     for z in (alone, slower, both):
         assert max(z.values()) < 8, z
-    # The other run is slower still, and adds next to nothing.
+    # The other run is slower still, and adds little; both together have other knots of their thrust errors.
     drags = ("drag.surge.linear", "drag.surge.quadratic")
-    assert all(slower[i] < alone[i] < both[i] < 1.15 * alone[i] for i in drags)
+    assert all(slower[i] < alone[i] < both[i] < 1.2 * alone[i] for i in drags)
 
 
 def test_a_perfect_bollard_pull_would_not_show_the_tugs_drag_either(real, tmp_path):
@@ -229,18 +229,23 @@ def test_a_perfect_bollard_pull_would_not_show_the_tugs_drag_either(real, tmp_pa
 @pytest.mark.slow
 @pytest.mark.nightly
 def test_what_the_tugs_run_says_of_its_drag_is_no_name(real, tmp_path):
-    """The propellers come late, and that is named. A drag six times the tank's would fit the run; on the other run it does harm."""
+    """The propellers push otherwise than their curves, by more than a tenth, and late: unknown, with the lag as the nearest cause.
+
+    A drag six times the tank's would fit the run; on the other run it does harm.
+    """
     vehicle, run, other = tug(real, tmp_path)
     result = diagnose(vehicle, run, other)
-    named = [f for f in result.findings if f.effect != "unknown"]
-    assert [f.effect for f in named] == ["thruster.lag"] and result.verdict == "wrong"
-    assert 0.1 < named[0].parameters["thruster.lag"].lower < named[0].parameters["thruster.lag"].upper < 0.35
-    unknown = next(f for f in result.findings if f.effect == "unknown")
-    assert "thrust of vsp2_sway in surge" in unknown.description and "drag.surge.linear" in unknown.description
+    # The lag was named while soft priors took thrust errors of two to four times the accuracy beside it.
+    (unknown,) = result.findings
+    assert unknown.effect == "unknown" and result.verdict == "unknown"
+    for words in ("vsp2_sway", "by more than the stated accuracy", "thruster.lag"):
+        assert words in unknown.description
+    late = {g.effect.id: g.values[0] for g in result.selection.last.h.given}
+    assert 0.05 < late["thruster.lag"] < 0.35
     drag = next(c for c in result.claims if c.parameter == "drag.surge.linear")
     # Linear drag that fits the towing tank's forces at the run's own speeds.
     u = channels(run, vehicle).nu[0]
     tank = float(u @ (0.137 * u + 3.088 * u * np.abs(u)) / (u @ u))
-    assert 0.6 < tank < 0.8 < drag.beside.lower and drag.z > 8 and not drag.contradicted
+    assert 0.6 < tank < 0.8 < drag.beside.lower and drag.z > 7.5 and not drag.contradicted
     before, after = result.gain.simulation_rms["u"]
     assert after > 1.5 * before

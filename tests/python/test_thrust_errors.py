@@ -11,9 +11,9 @@ from tests.exam.thrust_errors import SHAPES, with_errors
 
 from diagnosis_logs import screened
 from ivsid import diagnose
-from ivsid.diagnosis.null.any_curve import AnyCurve, beyond, inside, lost, upward
+from ivsid.diagnosis.null.any_curve import AnyCurve, beyond, lost, upward
 from ivsid.diagnosis.plant.thrust_errors import BOUNDED, bound_of, thrust_errors
-from ivsid.diagnosis.selection.adequacy import RISK
+from ivsid.diagnosis.selection.adequacy import RISK, adequacy
 from ivsid.log import Log
 from ivsid.propulsion.thrust import ThrustCurve
 
@@ -54,7 +54,7 @@ def test_a_curve_that_leaves_its_accuracy_is_told(seed, family):
     """Three times the accuracy: a soft prior alone took it, and called the model adequate with every mass wrong."""
     c = calm(seed, family, 3.0, duration=300.0, train_alone=True)
     found = screened(c.vehicle, log_of(c.train))
-    assert not found.quiet and inside(found.fit) <= RISK
+    assert not found.quiet and adequacy(found.fit).inside <= RISK
 
 
 # Nightly: a whole diagnosis; the gate screens such a log.
@@ -63,7 +63,7 @@ def test_the_sentence_names_the_thruster_and_what_to_do():
     c = calm(955, "two_waves", 3.0, duration=600.0)
     result = diagnose(c.vehicle, log_of(c.train), log_of(c.test, "2.csv"))
     assert result.verdict == "unknown"
-    text = result.findings[-1].text
+    text = result.findings[-1].description
     assert "by more than the stated accuracy" in text and "bollard test" in text
     assert any(t.name in text for t in c.vehicle.thrusters)
 

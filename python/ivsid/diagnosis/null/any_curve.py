@@ -19,7 +19,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
-from scipy.stats import chi2
 
 from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.declared_errors import SCALE, through_water, thrust_answers
@@ -108,8 +107,8 @@ def lost(fall: float, left: float) -> float:
     return max(float(np.sqrt(max(fall, 0.0)) - np.sqrt(left)), 0.0)
 
 
-def inside(fit: Fit) -> float:
-    """Probability of the log if every thrust error lies inside its bound, at most; 1 if none is declared.
+def leaving(fit: Fit) -> tuple[float, int]:
+    """Fall of chi-squared where thrust errors may leave their bounds, and the number of knots that may; zeros if none is declared.
 
     Chi-squared is minimised with the errors at the knots inside the box, and without a bound. If the true errors lie inside, the difference
     is at most chi-squared with as many degrees of freedom as there are knots: the truth is one of the points of the box.
@@ -124,7 +123,7 @@ def inside(fit: Fit) -> float:
     own = [[k for k in p.base if g.names[k].startswith(words)] for words in curves]
     at = [k for group in own for k in group]
     if not at:
-        return 1.0
+        return 0.0, 0
     others = [k for k in p.base if k not in at]
     # Errors of the log without the part that the hypothesis holds of these: the box is that of the whole errors.
     score = (
@@ -149,7 +148,7 @@ def inside(fit: Fit) -> float:
     root = np.sqrt(values[kept])
     left = vectors[:, kept].T @ (turn.T @ r) / root
     solved = lsq_linear((vectors[:, kept] * root).T, left, bounds=(-OVERSHOOT, OVERSHOOT))
-    return float(chi2.sf(2.0 * float(solved.cost), int(kept.sum())))
+    return 2.0 * float(solved.cost), int(kept.sum())
 
 
 def outside(fit: Fit) -> tuple[tuple[str, float], ...]:

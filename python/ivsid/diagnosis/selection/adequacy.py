@@ -18,7 +18,7 @@ from scipy.stats import chi2
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.null.any_curve import AnyCurve, beyond, inside, outside
+from ivsid.diagnosis.null.any_curve import AnyCurve, beyond, leaving, outside
 from ivsid.effects import CHANNELS
 
 Array = NDArray[np.float64]
@@ -54,7 +54,9 @@ class Adequacy:
         strongest: the three best single regressors with their channels and falls, the best first.
         chance_of_one: probability of the best single fall, over the whole dictionary.
         excess: fall beyond the number of directions, by channel.
-        inside: probability of the log if every thrust error lies inside its bound, at most.
+        leaving: fall of chi-squared where thrust errors may leave their bounds.
+        knots: number of values of these errors that may.
+        pushed: channel in which the thruster pushes whose error is farthest outside of its bound.
         outside: names of the thrusters whose fitted error leaves its bound, with its largest value in bounds.
     """
 
@@ -64,13 +66,25 @@ class Adequacy:
     strongest: tuple[tuple[str, str, float], ...]
     chance_of_one: float
     excess: Mapping[str, float]
-    inside: float = 1.0
+    leaving: float = 0.0
+    knots: int = 0
+    pushed: str = ""
     outside: tuple[tuple[str, float], ...] = ()
 
     @property
     def statistic(self) -> float:
         """Fall over its degrees of freedom; about 1 in white innovations."""
         return self.fall / max(self.freedom, 1)
+
+    @property
+    def inside(self) -> float:
+        """Probability of the log if every thrust error lies inside its bound, at most."""
+        return float(chi2.sf(self.leaving, self.knots)) if self.knots else 1.0
+
+    @property
+    def unexplained(self) -> float:
+        """Falls of chi-squared by the dictionary and by thrust errors that leave their bounds, beyond their degrees of freedom."""
+        return max(self.fall - self.freedom, 0.0) + max(self.leaving - self.knots, 0.0)
 
     @property
     def white(self) -> bool:
@@ -89,9 +103,7 @@ class Adequacy:
             before: adequacy of the plain model.
             findings: number of causes that were found.
         """
-        if self.quiet or self.inside <= RISK:
-            return self.quiet
-        return findings > 0 and self.fall - self.freedom < REST * max(before.fall - before.freedom, 0.0)
+        return self.quiet or (findings > 0 and self.unexplained < REST * before.unexplained)
 
     def beside(self, fit: Fit, columns: Sequence[int]) -> float:
         """Excess in the channels where a cause acts, weighted by the energy of its signature in each.
@@ -124,14 +136,26 @@ def adequacy(fit: Fit) -> Adequacy:
     first = len(g.names)
     wide = g.joined(names, x.reshape(-1, *g.y.shape), unit)
     found = _structure(Projection(wide, range(first)), range(first, len(wide.names)), names, np.zeros(first))
-    found = replace(found, inside=inside(fit), outside=outside(fit))
+    left, knots = leaving(fit)
+    far = outside(fit)
+    found = replace(found, leaving=left, knots=knots, pushed=_pushed(fit, far), outside=far)
     if found.white or not fit.noise.predictor.vehicle.thrusters:
         return found
     free = AnyCurve(fit)
     first = len(free.g.names)
     wide = free.g.joined(names, x.reshape(len(x), *free.g.y.shape), unit)
     beside = _structure(Projection(wide, free.projection.base), range(first, len(wide.names)), names, free.box)
-    return replace(beside, inside=found.inside, outside=found.outside)
+    return replace(beside, leaving=left, knots=knots, pushed=found.pushed, outside=far)
+
+
+def _pushed(fit: Fit, far: Sequence[tuple[str, float]]) -> str:
+    """Channel in which the thruster pushes whose error is farthest outside of its bound; empty if none is."""
+    if not far:
+        return ""
+    worst = max(far, key=lambda q: q[1])[0]
+    names = [t.name for t in fit.noise.predictor.vehicle.thrusters]
+    angle = fit.noise.predictor.driving.turned[names.index(worst)]
+    return "surge" if float(np.abs(np.cos(angle)).mean()) >= float(np.abs(np.sin(angle)).mean()) else "sway"
 
 
 def _structure(p: Projection, at: Sequence[int], names: Sequence[str], box: Array) -> Adequacy:

@@ -176,7 +176,10 @@ def unknown(left: Adequacy, near: Sequence[str]) -> Finding:
         f"the errors that the model leaves still follow the motion (dictionary statistic {left.statistic:.2f}, about 1 where nothing is "
         f"left), strongest with {likely}; no cause of the catalogue explains it"
     )
+    z = float(np.sqrt(left.strongest[0][2]))
     if left.inside <= RISK:
+        if left.pushed and left.leaving > left.strongest[0][2]:
+            channel, z = left.pushed, float(np.sqrt(left.leaving))
         where = " and of ".join(f"{name} (fitted at {most:.1f} times its accuracy)" for name, most in left.outside)
         text = (
             f"the errors that the model leaves ask for a thrust{f' of {where}' if where else ''} that differs from its curve by more than the stated "
@@ -186,7 +189,7 @@ def unknown(left: Adequacy, near: Sequence[str]) -> Finding:
         text += f"; the nearest are {' and '.join(near)}, which the extended model holds and nothing proves"
     evidence: FindingEvidence = {
         "channel": channel,
-        "z": float(np.sqrt(left.strongest[0][2])),
+        "z": z,
         "statistic": left.statistic,
         "chance": left.chance,
     }

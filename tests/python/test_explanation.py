@@ -164,6 +164,8 @@ def test_what_orders_a_force_is_found():
 
 
 @pytest.mark.figures
+# Nightly: a second pair of logs; the gate draws another finding.
+@pytest.mark.nightly
 def test_shallow_water_is_drawn_as_the_ratios_of_two_logs():
     """It has no signature in one log: its figure shows each mass and drag of TEST over that of TRAIN."""
     vehicle = vehicle_of()

@@ -29,6 +29,8 @@ def made(handbook):
     return {e.id: handbook.signature(e) for e in EFFECTS.values()}
 
 
+# Nightly: the signatures of all effects are made anew.
+@pytest.mark.nightly
 def test_the_page_is_what_the_code_writes_with_an_entry_for_every_effect(handbook, made):
     text = (DOCS / "effects_handbook.md").read_text(encoding="utf-8")
     assert handbook.page(made) == text, "run make handbook"
@@ -42,7 +44,7 @@ def test_the_page_is_what_the_code_writes_with_an_entry_for_every_effect(handboo
 
 
 @pytest.mark.figures
-@pytest.mark.sampled
+@pytest.mark.nightly
 def test_every_figure_is_there_small_and_the_one_that_the_code_draws(handbook, made):
     """Another machine's sine may move a line by a tenth of a point; nothing more."""
     files = {p.stem for p in (DOCS / "effects").glob("*.svg")}
@@ -56,6 +58,7 @@ def test_every_figure_is_there_small_and_the_one_that_the_code_draws(handbook, m
             assert np.abs(a - b).max() <= 0.2, f"{id_}: run make handbook"
 
 
+@pytest.mark.nightly
 def test_signatures_say_what_is_known_of_them(made):
     """Effects that the fit takes whole, effects that it cannot touch, and the quantity that orders each family."""
     for id_ in ("thruster.gain", "environment.shallow_water"):

@@ -116,6 +116,8 @@ def test_without_noise_a_null_log_moves_as_the_equations_say(zigzags):
         assert log.acceleration[1][i] == pytest.approx(found[1] + u * r, abs=2e-5)
 
 
+# Nightly: three more null logs; the gate compares each with the equations.
+@pytest.mark.nightly
 def test_a_null_log_is_the_same_alone_and_in_company(zigzags):
     programme = zigzags[2].programme
     alone, together = null_logs(programme, 3, [4])[0][0], null_logs(programme, 3, [2, 4])[1][0]

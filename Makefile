@@ -13,7 +13,7 @@ CRATES := --workspace --exclude benches
 ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 FIXED := PROPTEST_RNG_SEED=1
 
-.PHONY: demo test test-rust test-python dependencies check rustfmt clippy clippy-built lint rules null-logs constants constants-page types stubs imports docs docs-rust docs-python nightly \
+.PHONY: demo test test-rust test-python dependencies check rustfmt clippy clippy-built lint rules null-logs constants constants-page rules-page types stubs imports docs docs-rust docs-python nightly \
 	bench same same-compare vessels peers inverse-peers throughput exhaustive twins itf1788 differential fuzz exam handbook build release venv format clean
 
 demo: release
@@ -73,6 +73,10 @@ handbook: build
 # The page of all numbers that the package decides by, from the comments beside them.
 constants-page: venv
 	$(BIN)/python docs/constants.py
+
+# The page of the rules of the diagnosis.
+rules-page: venv
+	$(BIN)/python docs/rules.py
 
 # Largest scores without an effect: Gaussian draws, simulated null logs and fresh logs side by side.
 null-logs: release

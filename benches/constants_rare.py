@@ -61,9 +61,8 @@ def _diagnosed(
     numbers = [x for f in result.findings for b in f.parameters.values() for x in (b.lower, b.upper)]
     numbers += [float(v) for v in result.selection.last.h.values.values()]
     shown = diagnosis.evidence(result)
-    # The first words of a reason say which rule a candidate fails.
-    reasons = [r.reason.split()[0] for r in result.rejected]
-    numbers += [float(reasons.count(word)) for word in ("explained", "no", "this", "fitted", "its", "the")]
+    rules = [r.refusal.rule for r in result.rejected]
+    numbers += [float(rules.count(rule)) for rule in ("visible", "faint", "chance", "rival", "full fit", "dominant")]
     numbers += [float(x) for e in shown for x in e.rms]
     numbers += [float(b.mean.max()) for e in shown for b in e.means]
     over = {e.effect: f" over {e.quantity}" for e in shown}
@@ -146,10 +145,9 @@ RARE: dict[str, tuple[Callable[[], Task], tuple[str, ...]]] = {
         lambda: _diagnosed({"drag.yaw.linear": 1.5}, unlike=True),
         (
             "selection/adequacy.py REST",
-            "statements/findings.py DOMINANT",
+            "statements/rules.py DOMINANT",
             "statements/binning.py BINS",
             "statements/binning.py PREFERRED",
-            "statements/rejected.py EXPLAINED",
             "candidates/intervals.py SAME",
         ),
     ),
@@ -165,7 +163,7 @@ RARE: dict[str, tuple[Callable[[], Task], tuple[str, ...]]] = {
                 "sensor.velocity.misalignment": 0.08,
             }
         ),
-        ("selection/select.py WORTH", "selection/review.py SWAP"),
+        ("selection/rules.py WORTH", "selection/review.py SWAP"),
     ),
     "heavy drag": (
         lambda: _diagnosed({"drag.yaw.linear": 60.0, "drag.surge.linear": 150.0}),

@@ -69,11 +69,11 @@ def fitted(vehicle, log):
     fit = plain_fit(vehicle, channels(log, vehicle), everything)
     visible = visibility(fit)
     seen = frozenset(i for i, v in visible.items() if v.tested)
-    test = Threshold(calibrate(fit, seen, LEVEL, 1), seen, frozenset(i for i, v in visible.items() if v.blind))
+    test = Threshold(calibrate(fit, seen, LEVEL, 1), visible)
     families = tuple(f for f in fit.families if f.variants and f.id in seen)
     other, scored = score(replace(fit, families=families))
     best = min((s.chance for s in scored if s.physical), default=1.0)
-    return fit, test, -np.log(max(best, 1e-300)), bool(test(other, scored))
+    return fit, test, -np.log(max(best, 1e-300)), bool(test(other, scored).passed)
 
 
 def main() -> None:

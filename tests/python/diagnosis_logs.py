@@ -228,6 +228,6 @@ def screened(vehicle, train):
     fit = plain_fit(vehicle, channels(train, vehicle), everything)
     visible = visibility(fit)
     seen = frozenset(i for i, v in visible.items() if v.tested)
-    passes = Threshold(calibrate(fit, seen, 0.005, 1), seen, frozenset(i for i, v in visible.items() if v.blind))
+    passes = Threshold(calibrate(fit, seen, 0.005, 1), visible)
     fit, scores = score(fit)
-    return Screened(fit, scores, [s.id for s in passes(fit, scores)], adequacy(fit).quiet)
+    return Screened(fit, scores, [s.id for s in passes(fit, scores).passed], adequacy(fit).quiet)

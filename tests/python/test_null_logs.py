@@ -65,7 +65,7 @@ def trial(segments=ZIGZAGS, **kwargs):
     fit = plain_fit(vehicle, channels(log, vehicle), everything)
     visible = visibility(fit)
     seen = frozenset(i for i, v in visible.items() if v.tested)
-    test = Threshold(calibrate(fit, seen, 0.005, 1), seen, frozenset(i for i, v in visible.items() if v.blind))
+    test = Threshold(calibrate(fit, seen, 0.005, 1), visible)
     return fit, test, trial_of(fit, test, 1)
 
 

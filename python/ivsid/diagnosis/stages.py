@@ -20,6 +20,7 @@ from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.confirmation import NULL_LOGS, confirmed
 from ivsid.diagnosis.selection.parallel import at_once, one_blas_thread
+from ivsid.diagnosis.selection.rules import full_refused
 from ivsid.diagnosis.selection.select import select
 from ivsid.diagnosis.statements.claims import claims
 from ivsid.diagnosis.statements.comparison import compare
@@ -74,18 +75,18 @@ def diagnose(
     visible = visibility(fit)
     seen = frozenset(i for i, v in visible.items() if v.tested)
     calibration = calibrate(fit, seen, LEVEL, seed)
-    test_of = Threshold(calibration, seen, frozenset(i for i, v in visible.items() if v.blind))
+    test_of = Threshold(calibration, visible)
     progress("looking for causes")
     selection = select(fit, test_of, fit.fixed, progress)
     confirmation = confirmed(fit, test_of, selection.found, seed, null_logs, cache, progress)
-    if confirmation.stricter and not all(confirmation.test.stands(f.first, f.fall) for f in selection.found):
+    if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in selection.found):
         progress("looking again, at the threshold of the null logs")
         selection = select(fit, confirmation.test, fit.fixed, progress)
     before = adequacy(fit)
     after = adequacy(selection.last) if selection.found else before
     complete = after.sufficient(before, len(selection.found))
     residuals = before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
-    findings = findings_of(selection, residuals, after, complete=complete)
+    findings, withdrawn = findings_of(selection, residuals, after, complete=complete)
     proof = proof_of(vehicle, train)
     extended = None
     if complete:
@@ -123,4 +124,5 @@ def diagnose(
         (proof, extended),
         (*log.notes, *train.notes, *left_out_note(fit), *said),
         claimed,
+        withdrawn,
     )

@@ -2,7 +2,8 @@
 
 1. ``visibility``: the size at which each cause stands out in this log, and whether its signature is more than noise.
 2. ``thresholds``: Gaussian draws of all scores at once, from the Gram matrix of this log.
-3. ``family_wise``: the test of all families against one threshold, with a second opinion from half-minutes of the log.
+3. ``family_wise``: the test of all families against one threshold, by the rules in ``screening`` (a ``rule`` is an object), among them a
+   ``second_opinion`` from half-minutes of the log and ``any_curve``, the worst of all thrust errors inside their bounds.
 4. ``feedback``: the feedback behind the logged demands.
 5. ``simulated_logs``, with the motion in ``closed_loop``: logs of the same programme and feedback without an effect.
 6. ``calibration``: the parametric bootstrap, which examines simulated logs like the log and gives the stricter threshold.

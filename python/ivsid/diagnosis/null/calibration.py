@@ -170,7 +170,7 @@ class Trial:
         free = AnyCurve(fit) if low and fit.noise.predictor.vehicle.thrusters else None
         chances = [s.chance if free is None or s not in low else replace(s, fall=free.of(s)).chance for s in real]
         strength = -float(np.log(max(min(chances, default=1.0), 1e-300)))
-        return strength, bool(self.test(fit, scored))
+        return strength, bool(self.test(fit, scored).passed)
 
 
 def surveyed(trial: Trial, log: Channels, h: Hypothesis, whitening: Whitening | None) -> Fit:

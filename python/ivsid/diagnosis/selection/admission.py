@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
@@ -14,6 +14,8 @@ from ivsid.diagnosis.estimation.fit import Fit, Noise, chi2_of
 from ivsid.diagnosis.estimation.gauss_newton import DeclaredColumns, declared_columns, improve
 from ivsid.diagnosis.estimation.learning import learn
 from ivsid.diagnosis.estimation.noise import quick_enough
+from ivsid.diagnosis.null.family_wise import Screened, Threshold
+from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates
@@ -23,13 +25,13 @@ from ivsid.diagnosis.selection.rivals import (
     FAR_SHARE,
     FINALISTS,
     FULL_STEPS,
-    MARGIN,
     Found,
     Rival,
     contenders,
     fitted,
     possible,
 )
+from ivsid.diagnosis.selection.rules import FINALIST, NUMBERS, Place, compared, full_refused, refused_by
 
 # Multiples of the best limit from which a fit restarts: chi-squared has several minima along the scale of masses and drags.
 # Source: measured: make constants
@@ -37,37 +39,64 @@ RESTARTS: Final = (0.8, 0.92, 1.0, 1.1, 1.25, 1.5)
 # Rounds in which the filters are made quicker for a cause that damps an axis.
 # Source: resource: the noise is learnt again in each
 QUICKENED: Final = 3
-# Rejected candidates that are kept with a cause.
-# Source: resource: the length of a list in the report
-REJECTED: Final = 8
+
+
+@dataclass(frozen=True)
+class Admission:
+    """Outcome of an admission.
+
+    Attributes:
+        refused: refusals of causes that were fitted in full, by id.
+        waiting: refusals of causes that come after those that were fitted in full, by id; a further round may say more.
+        found: the cause with its rivals; None if no fit gives possible numbers.
+        best: its fit.
+        noise: learnt beside it.
+    """
+
+    refused: Mapping[str, Refusal]
+    waiting: Mapping[str, Refusal]
+    found: Found | None = None
+    best: Rival | None = None
+    noise: Noise | None = None
 
 
 def admit(
-    fit: Fit, passed: list[Scored], scored: list[Scored], fixed: Mapping[str, float], eligible: Callable[[Scored], bool]
-) -> tuple[Found, Rival, Noise] | None:
+    fit: Fit,
+    screened: Screened,
+    passed: Sequence[Scored],
+    fixed: Mapping[str, float],
+    test: Threshold,
+    beside: Sequence[str] = (),
+) -> Admission:
     """The best of the causes that pass, with its rivals, fitted in full under a noise that no longer holds the cause.
 
     Args:
         fit: of the model so far.
-        passed: causes that pass the test, the best first.
-        scored: all causes.
+        screened: all causes.
+        passed: causes that pass, the best first.
         fixed: parameters that are not fitted.
-        eligible: whether a cause may be named in this log.
-
-    Returns:
-        The cause, its fit and the noise beside it; None if no fit gives possible numbers.
+        test: of the log.
+        beside: causes that the model holds already.
     """
+    scored = screened.round.scored
     # A cause that does not pass by its score may do as well in a full fit.
     near = contenders(scored, passed[0].merit)
-    finalists = sorted(
-        {s.id: s for s in (*near, *passed) if s.physical and eligible(s)}.values(), key=lambda s: -s.merit
+    every = sorted(
+        {s.id: s for s in (*near, *passed) if s.physical and test.eligible(s)}.values(), key=lambda s: -s.merit
     )
-    finalists = finalists[:FINALISTS]
+    finalists = every[:FINALISTS]
+    ranked = {s.id: FINALIST.refuses(Place(every[0].id, k + 1), beside) for k, s in enumerate(every)}
+    waiting = {i: r for i, r in ranked.items() if r is not None}
+    refused: dict[str, Refusal] = {}
     known = declared_columns(fit.noise.predictor, fit.h, fit.states, fit.noise.whitening, fit.noise.good)
     tried = side_by_side([partial(fitted, fit, s, fit.noise, fixed, known) for s in finalists])
     rivals = [r for r in tried if r is not None and r.fall > 0]
+    for s, r in zip(finalists, tried, strict=True):
+        refusal = refused_by(NUMBERS, beside) if r is None else full_refused(test, s, min(r.fall, 0.0), beside)
+        if refusal is not None and (r is None or r.fall <= 0):
+            refused[s.id] = refusal
     if not rivals:
-        return None
+        return Admission(refused, waiting)
     best = max(rivals, key=lambda r: r.merit)
     noise = _learnt(fit.noise.predictor, best.h, best.states, fixed, fit.noise.left_out)
     # All are fitted once more under the better noise.
@@ -81,17 +110,18 @@ def admit(
     for r, (h, states, chi2) in zip(asked, done, strict=True):
         if possible(h, r.id, noise.predictor):
             again.append(replace(r, h=h, states=states, chi2=chi2, fall=base - chi2))
+        else:
+            refused[r.id] = refused_by(NUMBERS, beside)
+    far = [r for r in rivals if r not in asked]
     if not again:
-        return None
+        return Admission(compared(best, far, beside)[1] | refused, waiting)
     again.sort(key=lambda r: -r.merit)
     best = again[0]
-    close = tuple(r for r in again if best.merit - r.merit <= MARGIN)
-    # Those that passed know what declared errors may make of their score.
-    first = next(s for s in (*passed, *scored) if s.id == best.id)
-    others = {s.id: s.fall for s in scored if s.id not in {r.id for r in close}}
-    others |= {r.id: r.fall for r in again if r not in close}
-    rejected = tuple(sorted(others.items(), key=lambda q: -q[1])[:REJECTED])
-    return Found(best.id, close, rejected, best.fall, first.chance, first), best, noise
+    others = [*again, *far]
+    close, worse = compared(best, others, beside)
+    first = screened.measured(next(s for s in scored if s.id == best.id))
+    found = Found(best.id, close, {r.id: r.fall for r in others if r not in close}, best.fall, first.chance, first)
+    return Admission(worse | refused, waiting, found, best, noise)
 
 
 def _exact(

@@ -70,7 +70,7 @@ def _told(progress: Callable[[str], None], start: int, count: int, done: int) ->
 
 def strength(test: Threshold, found: Found) -> float:
     """Minus the natural logarithm of the chance of a finding's fall of chi-squared."""
-    return -float(np.log(max(test.chance(replace(found.first, fall=found.fall)), 1e-300)))
+    return -float(np.log(max(test.chance(found.first, found.fall), 1e-300)))
 
 
 def confirmed(

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 
@@ -89,7 +89,7 @@ class Found:
     Attributes:
         id: of the effect.
         rivals: the causes whose merit is within ``MARGIN`` of the best, the best first.
-        rejected: other causes with their falls of chi-squared, by a full fit or by their score.
+        tried: falls of chi-squared of the other causes that were fitted in full in its place, by id.
         fall: fall of chi-squared against the model without the cause.
         chance: probability of such a fall without the cause, over all of its values that were searched.
         first: the score by which the cause was found.
@@ -97,23 +97,10 @@ class Found:
 
     id: str
     rivals: tuple[Rival, ...]
-    rejected: tuple[tuple[str, float], ...]
+    tried: Mapping[str, float]
     fall: float
     chance: float
     first: Scored
-
-
-class Test(Protocol):
-    """Test of the families: which pass, and which may be named in this log."""
-
-    def __call__(self, fit: Fit, scored: list[Scored]) -> list[Scored]:
-        """Families that pass, in the given order."""
-
-    def eligible(self, s: Scored) -> bool:
-        """Whether a family may be named in this log."""
-
-    def stands(self, s: Scored, fall: float) -> bool:
-        """Whether a family's fall of chi-squared in a full fit is more than chance."""
 
 
 def contenders(scored: Sequence[Scored], best: float) -> list[Scored]:

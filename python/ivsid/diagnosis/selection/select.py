@@ -6,27 +6,22 @@ Source: docs/theory.md, "Diagnosis"; forward selection with backward elimination
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 from ivsid.diagnosis.candidates.families import score
 from ivsid.diagnosis.candidates.scored import Scored
-from ivsid.diagnosis.estimation.fit import Fit, survey
+from ivsid.diagnosis.estimation.fit import Fit, Noise, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
+from ivsid.diagnosis.null.family_wise import Screened, Threshold
+from ivsid.diagnosis.null.rule import Refusal, first_refusal
+from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.admission import admit
-from ivsid.diagnosis.selection.review import reviewed
-from ivsid.diagnosis.selection.rivals import FULL_STEPS, Found, Test
+from ivsid.diagnosis.selection.review import Reviewed, reviewed
+from ivsid.diagnosis.selection.rivals import FULL_STEPS, Found
+from ivsid.diagnosis.selection.rules import LATE, MOST, OWN, SETTLED, USUAL, Late, full_refused, refused_by
 
-# Causes at most.
-# Source: resource: a review takes a survey for each cause
-MOST: Final = 6
-# From this number of causes on, another one is added only where it explains enough of the rest.
-# Source: measured: make constants
-USUAL: Final = 4
-# Share of the unexplained chi-squared in its channels that such a cause has to explain.
-# Source: measured: make constants
-WORTH: Final = 0.5
 # Reviews after a cause is added, and causes that may fail their full fit.
 # Source: resource: a review takes a survey for each cause
 REVIEWS: Final = 3
@@ -43,6 +38,7 @@ class Selection:
         found: the causes, in the order in which they were found.
         screened: scores of the first round, the best first.
         leftover: scores beside all causes, the best first.
+        refused: for each cause that was not found, the refusal by the first rule that it did not keep, by id.
     """
 
     plain: Fit
@@ -50,9 +46,10 @@ class Selection:
     found: tuple[Found, ...]
     screened: tuple[Scored, ...]
     leftover: tuple[Scored, ...] = field(default=())
+    refused: Mapping[str, Refusal] = field(default_factory=dict)
 
 
-def select(plain: Fit, passes: Test, fixed: Mapping[str, float], progress: Progress = lambda _: None) -> Selection:
+def select(plain: Fit, passes: Threshold, fixed: Mapping[str, float], progress: Progress = lambda _: None) -> Selection:
     """Adds causes while one passes the test, and reviews the earlier ones after each.
 
     Args:
@@ -62,25 +59,32 @@ def select(plain: Fit, passes: Test, fixed: Mapping[str, float], progress: Progr
         progress: told of each candidate.
     """
     fit, scored = score(plain)
-    screened = tuple(scored)
+    every = tuple(scored)
     found: list[Found] = []
+    refused: dict[str, Refusal] = {}
+    waiting: dict[str, Refusal] = {}
     before: set[frozenset[str]] = set()
     tops: set[frozenset[str]] = set()
     again = 0
-    while len(found) < MOST:
-        passed = passes(fit, scored)
-        if len(found) >= USUAL and passed:
-            left = adequacy(fit)
-            passed = [s for s in passed if s.fall >= WORTH * left.beside(fit, s.columns)]
+    while True:
+        ids = tuple(f.id for f in found)
+        screened = passes(fit, scored, ids)
+        late, passed = _late(fit, screened, ids)
+        # The first rule that refuses a cause is the reason, whatever later rounds say.
+        gone = {q.id for q in every} - {q.id for q in scored} - {*ids}
+        refused = {**screened.refused, **late, **{i: refused_by(OWN, ids) for i in gone}, **refused}
         if not passed:
             break
         progress(f"{passed[0].id}?")
-        made = admit(fit, passed, scored, fixed, passes.eligible)
-        if made is None:
+        made = admit(fit, screened, passed, fixed, passes, ids)
+        refused = {**made.refused, **refused}
+        waiting |= made.waiting
+        if made.found is None or made.best is None or made.noise is None:
             break
-        one, best, noise = made
-        if not passes.stands(one.first, one.fall):
+        one, best, noise = made.found, made.best, made.noise
+        if (refusal := full_refused(passes, one.first, one.fall, ids)) is not None:
             # The model explains by itself what the cause seemed to explain, once it is fitted to the end.
+            refused = {**dict.fromkeys((r.id for r in one.rivals), refusal), **refused}
             again += 1
             if again > REVIEWS:
                 break
@@ -89,17 +93,62 @@ def select(plain: Fit, passes: Test, fixed: Mapping[str, float], progress: Progr
             continue
         found.append(one)
         h, states = improve(noise.predictor, best.h, best.states, noise.whitening, noise.good, fixed)
-        # Earlier causes are reviewed until none changes or a set of causes comes back.
-        for turn in range(REVIEWS if len(found) > 1 else 0):
-            asked = len(found) if turn else len(found) - 1
-            changed, found, h, states = reviewed(noise, h, states, found, asked, passes, plain.h, fixed)
-            ids = frozenset(f.id for f in found)
-            if not changed or ids in before:
-                break
-            before.add(ids)
+        review = _reviews(noise, Reviewed(True, found, h, states, {}), passes, plain.h, fixed, before)
+        found, h, states = review.found, review.h, review.states
+        refused = {**review.refused, **refused}
+        refused = {i: r for i, r in refused.items() if i not in {f.id for f in found}}
         fit, scored = score(survey(noise, h, states, fixed))
-        ids = frozenset(f.id for f in found)
-        if ids in tops:
+        now = frozenset(f.id for f in found)
+        if now in tops:
+            last = passes(fit, scored, tuple(now))
+            back = refused_by(SETTLED, tuple(now))
+            refused = {**dict.fromkeys((q.id for q in last.passed), back), **last.refused, **refused}
             break
-        tops.add(ids)
-    return Selection(plain, fit, tuple(found), screened, tuple(scored))
+        tops.add(now)
+    return Selection(plain, fit, tuple(found), every, tuple(scored), {**waiting, **refused})
+
+
+def _reviews(
+    noise: Noise,
+    last: Reviewed,
+    passes: Threshold,
+    plain: Hypothesis,
+    fixed: Mapping[str, float],
+    before: set[frozenset[str]],
+) -> Reviewed:
+    """Reviews of the earlier causes until none changes or a set of causes comes back.
+
+    Args:
+        noise: filters and whitening.
+        last: the causes, the newest last.
+        passes: the test.
+        plain: the hypothesis without any cause.
+        fixed: parameters that are not fitted.
+        before: sets of causes that were reviewed; those of this call join them.
+    """
+    refused: dict[str, Refusal] = {}
+    for turn in range(REVIEWS if len(last.found) > 1 else 0):
+        asked = len(last.found) if turn else len(last.found) - 1
+        last = reviewed(noise, last.h, last.states, last.found, asked, passes, plain, fixed)
+        refused = {**last.refused, **refused}
+        now = frozenset(f.id for f in last.found)
+        if not last.changed or now in before:
+            break
+        before.add(now)
+    return replace(last, refused=refused)
+
+
+def _late(fit: Fit, screened: Screened, found: tuple[str, ...]) -> tuple[dict[str, Refusal], list[Scored]]:
+    """Refusals by the rules on further causes, and the causes that keep those as well.
+
+    Args:
+        fit: of the model so far.
+        screened: its causes.
+        found: ids of the causes that were found.
+    """
+    if len(found) < min(USUAL, MOST) or not screened.passed:
+        return {}, list(screened.passed)
+    left = adequacy(fit)
+    cases = [(s, Late(s, len(found), left.beside(fit, s.columns))) for s in screened.passed]
+    said = {s.id: first_refusal(LATE, case, found) for s, case in cases}
+    return {i: r for i, r in said.items() if r is not None}, [s for s in screened.passed if said[s.id] is None]

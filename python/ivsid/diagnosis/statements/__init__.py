@@ -3,7 +3,8 @@
 About the causes:
 
 - ``findings``: causes that are named, with intervals and alternatives, and ``unknown`` for structure that no cause explains.
-- ``rejected``: candidates that are no findings, each with the reason.
+- ``rules``: what a cause that the extended model holds has to keep to be named.
+- ``rejected``: candidates that are no findings, each with the rule that refused it.
 - ``hints``: structure that declared errors explain.
 - ``not_tested``: effects that the log cannot test.
 - ``claims``: numbers that the vehicle file states, against the log.

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ivsid.diagnosis.candidates.intervals import Bound
+from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.null.visibility import Visibility
 from ivsid.diagnosis.selection.adequacy import Adequacy
 from ivsid.diagnosis.selection.select import Selection
@@ -44,6 +45,7 @@ class Diagnosis:
         proofs: on the plain model and TRAIN, and on the extended model if a guarantee was asked for.
         notes: sentences on the logs and the proofs.
         claims: of the vehicle file, each against the log.
+        withdrawn: refusals of causes that the extended model holds and that are no findings, by id.
     """
 
     verdict: str
@@ -62,11 +64,12 @@ class Diagnosis:
     proofs: tuple[Proof, Proof | None]
     notes: tuple[str, ...] = field(default=())
     claims: tuple[Claim, ...] = field(default=())
+    withdrawn: Mapping[str, Refusal] = field(default_factory=dict)
 
     @property
     def rejected(self) -> tuple[Rejected, ...]:
         """Candidates that are no findings, the best first, each with the reason."""
-        return rejected(self.findings, self.selection, self.visible, float(self.calibration["threshold"]))
+        return rejected(self.findings, self.selection, self.withdrawn)
 
     @property
     def allowed(self) -> dict[str, Bound]:

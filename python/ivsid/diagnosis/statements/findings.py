@@ -16,19 +16,15 @@ import numpy as np
 from ivsid.diagnosis.candidates.intervals import Bound, intervals
 from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.null.rule import Refusal, first_refusal
 from ivsid.diagnosis.selection.adequacy import RISK, Adequacy, energy_of
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.residuals import FindingEvidence
+from ivsid.diagnosis.statements.rules import ALTERNATIVES, HELD, UNNAMED, Held
 from ivsid.diagnosis.statements.shallow_water import Change
 from ivsid.effects import EFFECTS
 
-# A cause is named only if its fall exceeds this multiple of the unexplained chi-squared, where unexplained structure is left.
-# Source: measured: make constants
-DOMINANT: Final = 9.0
-# Alternatives that a finding names.
-# Source: resource: the length of a list in the report
-ALTERNATIVES: Final = 4
 # Half-width of the interval of shallow water, in standard deviations.
 # Source: definition: 6e-5 of normal errors lie beyond
 WIDE: Final = 4.0
@@ -73,10 +69,8 @@ class Finding:
 
 def findings_of(
     selection: Selection, evidence: Mapping[str, FindingEvidence], rest: Adequacy, *, complete: bool
-) -> tuple[Finding, ...]:
-    """Findings that are made of the selected causes.
-
-    Beside unexplained structure a cause needs a fall of chi-squared that dominates it, and an interval that excludes "no effect".
+) -> tuple[tuple[Finding, ...], dict[str, Refusal]]:
+    """Findings that are made of the selected causes, and the refusals of those that are none, by id.
 
     Args:
         selection: with the causes.
@@ -84,12 +78,20 @@ def findings_of(
         rest: adequacy of the extended model.
         complete: whether little enough structure is left.
     """
-    last, named = selection.last, selection.found
-    if not rest.quiet:
-        factor = 1.0 if complete else DOMINANT
-        named = tuple(f for f in named if f.fall >= factor * rest.beside(last, own_columns(last, f.id)))
-    made = tuple(finding(f, last, selection.leftover, evidence, rest) for f in named)
-    return made if rest.quiet else tuple(f for f in made if not may_be_none(f))
+    last = selection.last
+    made: list[Finding] = []
+    withdrawn: dict[str, Refusal] = {}
+    for found in selection.found:
+        one = finding(found, last, selection.leftover, evidence, rest)
+        left = rest.beside(last, own_columns(last, found.id))
+        case = Held(EFFECTS[found.id], found.fall, left, one.parameters, complete, rest.quiet)
+        refusal = first_refusal(HELD, case, [f.id for f in selection.found if f is not found])
+        if refusal is None:
+            made.append(one)
+        for rank, rival in enumerate(found.rivals):
+            if (said := refusal or UNNAMED.refuses(rank, [found.id])) is not None:
+                withdrawn[rival.id] = said
+    return tuple(made), withdrawn
 
 
 def finding(
@@ -133,16 +135,6 @@ def finding(
     )
 
 
-def may_be_none(finding: Finding) -> bool:
-    """Whether the interval of a cause's only parameter holds the value of "no effect"."""
-    parameters = EFFECTS[finding.effect].parameters
-    bounds = list(finding.parameters.values())
-    if not len(parameters) == len(bounds) == 1:
-        return False
-    lower, upper = bounds[0].within or (bounds[0].lower, bounds[0].upper)
-    return lower <= parameters[0].none <= upper
-
-
 def shallow(moved: Change) -> Finding:
     """Finding of shallow water.
 
@@ -182,8 +174,9 @@ def unknown(left: Adequacy, near: Sequence[str]) -> Finding:
             channel, z = left.pushed, float(np.sqrt(left.leaving))
         where = " and of ".join(f"{name} (fitted at {most:.1f} times its accuracy)" for name, most in left.outside)
         text = (
-            f"the errors that the model leaves ask for a thrust{f' of {where}' if where else ''} that differs from its curve by more than the stated "
-            "accuracy; all masses and drags may be wrong with it; measure the thrust curve (a bollard test), or state a larger accuracy"
+            "the errors that the model leaves follow the motion, and no thrust curve inside the stated accuracy takes them: either the thrust"
+            f"{f' of {where}' if where else ''} differs from its curve by more than that, or a force that the model lacks goes with the demands; "
+            "all masses and drags may be wrong with it; a bollard test of the thrust tells the two apart"
         )
     if near:
         text += f"; the nearest are {' and '.join(near)}, which the extended model holds and nothing proves"

@@ -20,7 +20,11 @@ def not_tested(fit: Fit, visible: Mapping[str, Visibility], named: Collection[st
     Returns:
         Entries of ``not_tested`` in result.json: ``effect``, ``reason`` and ``needs``.
     """
-    out = [{"effect": id_, "reason": why, "needs": ", ".join(EFFECTS[id_].needs)} for id_, why in fit.refused.items()]
+    out = [
+        {"effect": id_, "reason": why, "needs": ", ".join(EFFECTS[id_].needs)}
+        for id_, why in fit.refused.items()
+        if id_ not in named
+    ]
     for id_, v in visible.items():
         if id_ in named:
             continue

@@ -1,22 +1,13 @@
-"""Rejected candidates, ranked, each with the reason in a sentence."""
+"""Rejected candidates, ranked, each with the rule that refused it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import dataclass
 
-from ivsid.diagnosis.candidates.scored import Scored
-from ivsid.diagnosis.null.family_wise import FAINT
-from ivsid.diagnosis.null.thresholds import HIGH_SIDE
-from ivsid.diagnosis.null.visibility import VISIBLE, Visibility
-from ivsid.diagnosis.selection.rivals import MARGIN
+from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.findings import Finding
-
-# A candidate that keeps less than this share of its fall of chi-squared beside the findings is explained by them.
-# Source: measured: make constants
-EXPLAINED: Final = 0.2
 
 
 @dataclass(frozen=True)
@@ -30,7 +21,7 @@ class Rejected:
         chance: probability of such a fall without the effect.
         full: its fall in a full fit in the place of a finding, and the fall of that finding; None without a full fit.
         beside: its fall beside all findings; None if it was not scored there.
-        reason: sentence.
+        refusal: by the first rule that it did not keep.
     """
 
     effect: str
@@ -39,7 +30,13 @@ class Rejected:
     chance: float
     full: tuple[float, float] | None
     beside: float | None
-    reason: str
+    refusal: Refusal
+
+    @property
+    def reason(self) -> str:
+        """The refusal in a sentence, with what stood beside the candidate."""
+        others = " and ".join(self.refusal.beside)
+        return f"beside {others}: {self.refusal.sentence}" if others else self.refusal.sentence
 
     def record(self) -> dict[str, object]:
         """An entry of ``rejected`` in result.json."""
@@ -50,79 +47,33 @@ class Rejected:
             "chance": self.chance,
             "full_fit": None if self.full is None else list(self.full),
             "beside_findings": self.beside,
+            "rule": self.refusal.rule,
+            "statistic": self.refusal.value,
+            "limit": self.refusal.limit,
             "reason": self.reason,
         }
 
 
 def rejected(
-    findings: Sequence[Finding], selection: Selection, visible: Mapping[str, Visibility], threshold: float
+    findings: Sequence[Finding], selection: Selection, withdrawn: Mapping[str, Refusal]
 ) -> tuple[Rejected, ...]:
     """Candidates of the first round that no finding names, the best first.
 
     Args:
         findings: of the diagnosis.
         selection: behind them.
-        visible: visibility by id.
-        threshold: of the chance.
+        withdrawn: refusals of causes that the extended model holds and that are no findings, by id.
     """
     named = {i for f in findings for i in (f.effect, *f.alternatives)}
     beside = {s.id: s.fall for s in selection.leftover}
-    full: dict[str, tuple[float, float, str]] = {}
+    full: dict[str, tuple[float, float]] = {}
     for one in selection.found:
-        for id_, fall in one.rejected:
+        for id_, fall in one.tried.items():
             if id_ not in full or fall > full[id_][0]:
-                full[id_] = (fall, one.fall, one.id)
-    made = []
-    for s in selection.screened:
-        if s.id in named:
-            continue
-        tried = full.get(s.id)
-        if tried is not None and tried[0] == s.fall:
-            # Candidates without a full fit are listed with their score of the first round.
-            tried = None
-        left = beside.get(s.id)
-        made.append(
-            Rejected(
-                s.id,
-                s.fall,
-                s.count,
-                s.chance,
-                None if tried is None else tried[:2],
-                left,
-                _why(s, visible.get(s.id), threshold, tried, left, bool(findings)),
-            )
-        )
-    return tuple(made)
-
-
-def _why(
-    s: Scored,
-    seen: Visibility | None,
-    threshold: float,
-    tried: tuple[float, float, str] | None,
-    left: float | None,
-    found: bool,
-) -> str:
-    """Reason in a sentence: the first of the conditions of a finding that the candidate fails."""
-    if seen is not None and seen.z < VISIBLE:
-        return f"this log does not test it: at its typical size it would stand out by {seen.z:.1f} standard deviations, and {VISIBLE:g} are needed"
-    if seen is not None and seen.blind:
-        return "this log does not test it: its signature is mostly made of the sensors' own errors"
-    if not s.physical:
-        return "its sign is one that the cause cannot have"
-    # The test divides the fall by the same factor.
-    taken = s.fall / HIGH_SIDE
-    if s.fall < FAINT:
-        return f"no more than chance: a fall of chi² of {s.fall:.1f} is less than the {FAINT:.0f} that count"
-    if found and left is not None and left < EXPLAINED * s.fall:
-        return f"explained by what was found: beside it {max(left, 0.0):.1f} of its {s.fall:.0f} in chi² are left"
-    if tried is not None and tried[1] - tried[0] > MARGIN:
-        return f"fitted in full in the place of {tried[2]} it explains {tried[0]:.0f} in chi² against {tried[1]:.0f}; within {MARGIN:.0f} it would be a rival"
-    if s.chance > threshold or _chance(s, taken) > threshold:
-        return f"no more than chance: a fall of chi² of {s.fall:.1f} has probability {_chance(s, taken):.1g}, and {threshold:.1g} is the limit"
-    return "the half-minutes of the log do not agree on it, or its size is none that it can have"
-
-
-def _chance(s: Scored, fall: float) -> float:
-    """Chance of another fall of chi-squared of the same candidate."""
-    return replace(s, fall=fall).chance
+                full[id_] = (fall, one.fall)
+    said = {**selection.refused, **withdrawn}
+    return tuple(
+        Rejected(s.id, s.fall, s.count, s.chance, full.get(s.id), beside.get(s.id), said[s.id])
+        for s in selection.screened
+        if s.id not in named
+    )

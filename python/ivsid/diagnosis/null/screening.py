@@ -1,0 +1,247 @@
+"""Rules of the screening: what a cause has to keep by its score before it is fitted in full.
+
+The rules stand in the order in which they are asked, the quick ones first. The first rule that a cause does not keep is its refusal.
+
+Source: docs/theory.md, "Diagnosis"; the table docs/rules.md is made of these objects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+
+from ivsid.diagnosis.candidates.scored import Scored
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.null.any_curve import AnyCurve, lost
+from ivsid.diagnosis.null.rule import Rule
+from ivsid.diagnosis.null.second_opinion import second_opinion
+from ivsid.diagnosis.null.thresholds import HIGH_SIDE
+from ivsid.diagnosis.null.visibility import EXCITED, VISIBLE, Visibility
+
+# Chance that the second opinion may give: its blocks are few, so it is asked for less than the calibrated test.
+# Source: measured: make constants
+SECOND_OPINION: Final = 5e-3
+# A fall of chi-squared from here on is no error of the noise model, and needs no second opinion: its few blocks may disagree because the
+# fit is not finished. The largest fall in a hundred turning logs without an effect was 14.
+# Source: measured: make constants
+BEYOND_DOUBT: Final = 40.0
+# The same where axes are left out: the largest fall without an effect was 90 there.
+# Source: measured: make constants
+BEYOND_DOUBT_AXES_LEFT_OUT: Final = 60.0
+# A smaller fall of chi-squared is no finding, whatever its chance: below five standard deviations the model of the noise is not trusted, and
+# fresh logs without an effect reach 19.
+# Source: measured: make null-logs
+FAINT: Final = 25.0
+# Below this share of its typical size a cause is smaller than the errors of the equations.
+# Source: measured: make constants
+NEGLIGIBLE: Final = 0.01
+# A cause beyond this multiple of its typical size is not possible.
+# Source: measured: make constants
+IMPOSSIBLE: Final = 50.0
+
+
+@dataclass(frozen=True)
+class Round:
+    """What all causes of one screening share.
+
+    Attributes:
+        fit: of the model without them.
+        scored: the scores of all causes.
+        chance: threshold of the calibration.
+        seen: visibility by id.
+    """
+
+    fit: Fit
+    scored: Sequence[Scored]
+    chance: float
+    seen: Mapping[str, Visibility]
+
+    @cached_property
+    def curve(self) -> AnyCurve | None:
+        """The base beside any thrust curve; None for a vehicle without thrusters."""
+        return AnyCurve(self.fit) if self.fit.noise.predictor.vehicle.thrusters else None
+
+    def lost(self, s: Scored) -> float:
+        """Standard deviations of a score that declared errors inside their bounds may make."""
+        return 0.0 if self.curve is None else lost(s.fall, self.curve.of(s))
+
+    def blind(self, id_: str) -> bool:
+        """Whether a cause's signature is mostly made of the errors of the filtered states."""
+        return id_ in self.seen and self.seen[id_].blind
+
+
+@dataclass(frozen=True)
+class Case:
+    """A cause in its round."""
+
+    round: Round
+    s: Scored
+
+    @cached_property
+    def share(self) -> float:
+        """Size of the cause in typical sizes."""
+        return self.s.share(self.round.fit.noise.predictor.vehicle.hull.mass)
+
+    @cached_property
+    def lost(self) -> float:
+        """Standard deviations of the score that declared errors inside their bounds may make."""
+        return self.round.lost(self.s)
+
+    @property
+    def least_beside_blind(self) -> float:
+        """Least fall of chi-squared beside a stronger cause that cannot be named in this log; infinite if there is none."""
+        fit, s = self.round.fit, self.s
+        blind = [q for q in self.round.scored if self.round.blind(q.id) and q.fall > s.fall]
+        return min((_beside(fit, s, q) for q in blind), default=float("inf"))
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether an error of the noise model could make the fall."""
+        left_out = self.round.fit.noise.left_out
+        return self.s.fall < (BEYOND_DOUBT_AXES_LEFT_OUT if left_out else BEYOND_DOUBT)
+
+
+def chance(s: Scored) -> float:
+    """Probability of a family's fall of chi-squared without the effect, with the fall divided by ``HIGH_SIDE``."""
+    return replace(s, fall=s.fall / HIGH_SIDE).chance
+
+
+def chance_beside(s: Scored, fall: float) -> float:
+    """Probability of another fall of the same family, less what declared errors inside their bounds make of the score."""
+    left = max(float(np.sqrt(max(fall, 0.0))) - s.lost, 0.0) ** 2
+    return chance(replace(s, fall=left))
+
+
+def _beside(fit: Fit, s: Scored, other: Scored) -> float:
+    """Fall of chi-squared of one family beside another; infinite if the other is not physical, shares columns, or either is a step in time."""
+    if not other.physical or "step" in (s.family.kind, other.family.kind) or set(s.columns) & set(other.columns):
+        return float(np.inf)
+    return Projection(fit.gram, [*fit.base, *other.columns]).solve(s.columns)[1]
+
+
+VISIBLE_RULE: Final = Rule[Case](
+    "visible",
+    "z of the cause at its typical size",
+    f"at least {VISIBLE:g}",
+    "A log that would hardly show the usual size shows an unusual size or another cause. A fall beyond doubt, and causes that are "
+    "searched, are not asked.",
+    "make exam",
+    lambda c: c.round.seen[c.s.id].z if c.s.id in c.round.seen else 0.0,
+    lambda _: VISIBLE,
+    "this log does not test it: at its typical size it would stand out by {value:.1f} standard deviations, and {limit:g} are needed",
+    lambda c: not c.round.blind(c.s.id) and c.s.fall < BEYOND_DOUBT and c.s.family.kind not in ("wave", "tether"),
+)
+SIGHTED: Final = Rule[Case](
+    "sighted",
+    "whether the signature is the motion's and not the sensors' own error (1 or 0)",
+    f"1: the signature exceeds its part from errors of the states {EXCITED:g} times",
+    "A regressor that is mostly noise is biased, whatever its score.",
+    "make constants",
+    lambda c: 0.0 if c.round.blind(c.s.id) else 1.0,
+    lambda _: 1.0,
+    "this log does not test it: its signature is mostly made of the sensors' own errors",
+)
+PHYSICAL: Final = Rule[Case](
+    "physical",
+    "whether the sign is one that the cause can have (1 or 0)",
+    "1",
+    "A drag that drives and a lag that foresees do not exist.",
+    "definition",
+    lambda c: 1.0 if c.s.physical else 0.0,
+    lambda _: 1.0,
+    "its sign is one that the cause cannot have",
+)
+FAINT_RULE: Final = Rule[Case](
+    "faint",
+    "fall of chi²",
+    f"at least {FAINT:g}",
+    "Below five standard deviations the model of the noise is not trusted, whatever the chance.",
+    "make null-logs",
+    lambda c: c.s.fall,
+    lambda _: FAINT,
+    "no more than chance: a fall of chi² of {value:.1f} is less than the {limit:.0f} that count",
+)
+CHANCE: Final = Rule[Case](
+    "chance",
+    "chance of the fall of chi² over all values that were searched",
+    "at most the calibrated threshold of this log",
+    "Over all causes together, 0.5 % of logs with nothing hidden may give a finding.",
+    "make null-logs",
+    lambda c: chance(c.s),
+    lambda c: c.round.chance,
+    "no more than chance: its fall of chi² has probability {value:.1g}, and {limit:.1g} is the limit",
+    least=False,
+)
+NEGLIGIBLE_RULE: Final = Rule[Case](
+    "negligible",
+    "size over the typical size, where the fall is not beyond doubt",
+    f"at least {NEGLIGIBLE:g}",
+    "A cause far below its usual size is an error of the equations.",
+    "make constants",
+    lambda c: c.share,
+    lambda _: NEGLIGIBLE,
+    "its size is {value:.2g} of the usual one, and below {limit:g} it is no more than an error of the equations",
+    lambda c: c.s.fall < BEYOND_DOUBT,
+)
+POSSIBLE: Final = Rule[Case](
+    "possible size",
+    "size over the typical size",
+    f"at most {IMPOSSIBLE:g}",
+    "A cause far beyond its usual size stands for another one.",
+    "make constants",
+    lambda c: c.share,
+    lambda _: IMPOSSIBLE,
+    "its size is {value:.3g} times the usual one, and beyond {limit:g} times it is none that it can have",
+    least=False,
+)
+BESIDE_BLIND: Final = Rule[Case](
+    "beside blind causes",
+    "fall of chi² beside a stronger cause that cannot be named in this log",
+    f"at least {FAINT:g}",
+    "A cause that cannot be named here explains the same and more.",
+    "make null-logs",
+    lambda c: c.least_beside_blind,
+    lambda _: FAINT,
+    "a cause that this log cannot name explains the same and more: {value:.1f} of its fall of chi² are left beside it, and {limit:.0f} count",
+)
+OPINION: Final = Rule[Case](
+    "second opinion",
+    "chance by the scatter of half-minutes, where the fall is not beyond doubt",
+    f"at most {SECOND_OPINION:g}",
+    "An error of the noise model shows in some half-minutes, a cause in most.",
+    "make constants",
+    lambda c: second_opinion(c.round.fit, c.s),
+    lambda _: SECOND_OPINION,
+    "the half-minutes of the log do not agree on it: by their scatter it has probability {value:.1g}, and {limit:.1g} is the limit",
+    lambda c: c.doubtful,
+    least=False,
+)
+ANY_CURVE: Final = Rule[Case](
+    "any curve",
+    "chance of the fall of chi² that no declared error inside its bound can make",
+    "at most the calibrated threshold of this log",
+    "Any thrust curve inside the stated accuracy is possible.",
+    "theorem: docs/theory.md, Any thrust curve inside its accuracy",
+    lambda c: chance_beside(replace(c.s, lost=c.lost), c.s.fall),
+    lambda c: c.round.chance,
+    "errors inside the stated accuracies may explain it: beside the worst of them its fall of chi² has probability {value:.1g}, "
+    "and {limit:.1g} is the limit",
+    least=False,
+)
+SCREENING: Final = (
+    VISIBLE_RULE,
+    SIGHTED,
+    PHYSICAL,
+    FAINT_RULE,
+    CHANCE,
+    NEGLIGIBLE_RULE,
+    POSSIBLE,
+    BESIDE_BLIND,
+    OPINION,
+    ANY_CURVE,
+)

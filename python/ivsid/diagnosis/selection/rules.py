@@ -1,0 +1,204 @@
+"""Rules of the full fits: what a cause has to keep after the screening to be found, in the order in which they are asked.
+
+Source: docs/theory.md, "Diagnosis"; the table docs/rules.md is made of these objects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from ivsid.diagnosis.candidates.scored import Scored
+from ivsid.diagnosis.null.family_wise import Threshold
+from ivsid.diagnosis.null.rule import Refusal, Rule
+from ivsid.diagnosis.selection.rivals import FINALISTS, MARGIN, Rival
+
+# From this number of causes on, another one is added only where it explains enough of the rest.
+# Source: measured: make constants
+USUAL: Final = 4
+# Share of the unexplained chi-squared in its channels that such a cause has to explain.
+# Source: measured: make constants
+WORTH: Final = 0.5
+# Causes at most.
+# Source: resource: a review takes a survey for each cause
+MOST: Final = 6
+
+
+@dataclass(frozen=True)
+class Late:
+    """A cause that passes where several were found already.
+
+    Attributes:
+        s: the cause.
+        found: number of the causes that were found.
+        left: unexplained chi-squared in its channels.
+    """
+
+    s: Scored
+    found: int
+    left: float
+
+
+@dataclass(frozen=True)
+class Place:
+    """The rank of a cause that passes among all that do.
+
+    Attributes:
+        best: id of the cause with the largest merit.
+        rank: place of the cause by merit, from 1.
+    """
+
+    best: str
+    rank: int
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A cause that was fitted in full in the place of another.
+
+    Attributes:
+        rival: the cause.
+        best: the one that fits best.
+    """
+
+    rival: Rival
+    best: Rival
+
+
+@dataclass(frozen=True)
+class Full:
+    """A cause with its full fit.
+
+    Attributes:
+        fall: fall of chi-squared in the full fit.
+        chance: of that fall, less what declared errors inside their bounds may make.
+        level: threshold of the chance.
+    """
+
+    fall: float
+    chance: float
+    level: float
+
+
+MOST_RULE: Final = Rule[Late](
+    "most",
+    "causes that were found already",
+    f"below {MOST}",
+    "So many causes at once are a model of another vehicle.",
+    "resource: a review takes a survey for each cause",
+    lambda c: c.found,
+    lambda _: MOST - 1,
+    "it comes after {value:g} others, and beyond {limit:g} no further cause is looked for",
+    least=False,
+)
+WORTH_RULE: Final = Rule[Late](
+    "worth",
+    f"share of the unexplained chi² in its channels, where {USUAL} causes or more were found",
+    f"at least {WORTH:g}",
+    "Beside many causes a further small one fits what an unknown cause leaves.",
+    "make constants",
+    lambda c: c.s.fall / c.left if c.left > 0 else float("inf"),
+    lambda _: WORTH,
+    "beside so many causes it explains {value:.0%} of what is left in its channels, and {limit:.0%} count",
+    lambda c: c.found >= USUAL,
+)
+FINALIST: Final = Rule[Place](
+    "finalist",
+    "rank by merit among the causes that pass",
+    f"at most {FINALISTS}",
+    "The time of a round grows with its full fits.",
+    "resource: the time of a round grows with its full fits",
+    lambda c: c.rank,
+    lambda _: FINALISTS,
+    "by its score it has the rank {value:g} beside {case.best}, and {limit:g} are fitted in full",
+    least=False,
+)
+NUMBERS: Final = Rule[bool](
+    "possible numbers",
+    "whether the fitted numbers are ones that the cause can have (1 or 0)",
+    "1",
+    "A drag that drives, a delay of zero and a tide longer than several logs stand for another cause.",
+    "definition",
+    float,
+    lambda _: 1.0,
+    "fitted in full it has numbers that it cannot have",
+)
+RIVAL: Final = Rule[Tried](
+    "rival",
+    "merit behind the best cause, both fitted in full",
+    f"at most {MARGIN:g}",
+    "Beyond three standard deviations the log tells the two apart.",
+    "definition: 0.3 % of normal errors lie beyond",
+    lambda c: c.best.merit - c.rival.merit,
+    lambda _: MARGIN,
+    "fitted in full in the place of {case.best.id} it explains {case.rival.fall:.0f} in chi² against {case.best.fall:.0f}; "
+    "within {limit:.0f} it would be a rival",
+    least=False,
+)
+FULL: Final = Rule[Full](
+    "full fit",
+    "chance of the fall of chi² in a full fit, less what declared errors inside their bounds may make",
+    "at most the calibrated threshold of this log",
+    "What the model explains by itself once it is fitted to the end, or beside other causes, needs no cause.",
+    "make null-logs",
+    lambda c: c.chance,
+    lambda c: c.level,
+    "fitted in full its fall of chi² of {case.fall:.1f} has probability {value:.1g}, and {limit:.1g} is the limit",
+    least=False,
+)
+SETTLED: Final = Rule[bool](
+    "settled",
+    "whether a further round leads to a new set of causes (1 or 0)",
+    "1",
+    "Two sets of causes that take turns would never end.",
+    "definition",
+    float,
+    lambda _: 1.0,
+    "a further round leads back to causes that stood in the model before",
+)
+OWN: Final = Rule[bool](
+    "own signature",
+    "whether the cause has a signature of its own beside what was found (1 or 0)",
+    "1",
+    "A cause that the model holds in another form cannot be told from itself.",
+    "definition",
+    float,
+    lambda _: 1.0,
+    "it has no signature of its own there",
+)
+LATE: Final = (MOST_RULE, WORTH_RULE)
+FULL_FITS: Final = (FINALIST, NUMBERS, RIVAL, FULL, OWN, SETTLED)
+
+
+def full_refused(test: Threshold, s: Scored, fall: float, beside: Sequence[str] = ()) -> Refusal | None:
+    """The refusal of a cause by its full fit, or None.
+
+    Args:
+        test: of the log.
+        s: the score by which the cause came in.
+        fall: of chi-squared in the full fit.
+        beside: other causes that the model holds.
+    """
+    return FULL.refuses(Full(fall, test.chance(s, fall), test.level), beside)
+
+
+def refused_by(rule: Rule[bool], beside: Sequence[str]) -> Refusal:
+    """The refusal of a cause that fails a rule of yes or no."""
+    refusal = rule.refuses(False, beside)
+    assert refusal is not None
+    return refusal
+
+
+def compared(
+    best: Rival, tried: Sequence[Rival], beside: Sequence[str]
+) -> tuple[tuple[Rival, ...], dict[str, Refusal]]:
+    """Causes that the log does not tell from the best, in the given order, and the refusals of the others by id.
+
+    Args:
+        best: the cause that fits best.
+        tried: causes that were fitted in full in its place, itself among them.
+        beside: other causes that the model holds.
+    """
+    said = {r.id: RIVAL.refuses(Tried(r, best), beside) for r in tried}
+    return tuple(r for r in tried if said[r.id] is None), {i: q for i, q in said.items() if q is not None}

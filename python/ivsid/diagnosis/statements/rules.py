@@ -1,0 +1,88 @@
+"""Rules of the findings: what a cause that the extended model holds has to keep to be named.
+
+Source: docs/theory.md, "Diagnosis"; the table docs/rules.md is made of these objects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from ivsid.diagnosis.candidates.intervals import Bound
+from ivsid.diagnosis.null.rule import Rule
+from ivsid.effects import Effect
+
+# A cause is named only if its fall exceeds this multiple of the unexplained chi-squared, where unexplained structure is left.
+# Source: measured: make constants
+DOMINANT: Final = 9.0
+# Alternatives that a finding names.
+# Source: resource: the length of a list in the report
+ALTERNATIVES: Final = 4
+
+
+@dataclass(frozen=True)
+class Held:
+    """A cause that the extended model holds.
+
+    Attributes:
+        effect: the cause.
+        fall: of chi-squared against the model without it.
+        left: unexplained chi-squared in its channels.
+        parameters: its intervals.
+        complete: whether little enough structure is left for a verdict.
+        quiet: whether no structure is left.
+    """
+
+    effect: Effect
+    fall: float
+    left: float
+    parameters: Mapping[str, Bound]
+    complete: bool
+    quiet: bool
+
+    @property
+    def distance(self) -> float:
+        """Distance of "no effect" from the interval of an only parameter, in half-widths beyond its end; infinite for several."""
+        parameters, bounds = self.effect.parameters, list(self.parameters.values())
+        if not len(parameters) == len(bounds) == 1:
+            return float("inf")
+        lower, upper = bounds[0].within or (bounds[0].lower, bounds[0].upper)
+        outside = max(lower - parameters[0].none, parameters[0].none - upper)
+        return outside / max(0.5 * (upper - lower), 1e-300)
+
+
+DOMINANT_RULE: Final = Rule[Held](
+    "dominant",
+    "fall of chi² over the unexplained chi² in its channels, where structure is left",
+    f"at least {DOMINANT:g}, or 1 where little is left",
+    "What no cause explains may be most of what this cause seems to explain.",
+    "make constants",
+    lambda c: c.fall / c.left if c.left > 0 else float("inf"),
+    lambda c: 1.0 if c.complete else DOMINANT,
+    "its fall of chi² is {value:.2g} times what stays unexplained in its channels, and {limit:g} times count",
+    lambda c: not c.quiet,
+)
+EXCLUDES: Final = Rule[Held](
+    "excludes no effect",
+    "distance of the value without effect from the interval, in half-widths, where structure is left",
+    "above 0",
+    "A number that may be none, with unexplained structure beside it, names nothing.",
+    "definition",
+    lambda c: c.distance,
+    lambda _: 5e-324,
+    "with what stays unexplained, its interval holds the value without effect",
+    lambda c: not c.quiet,
+)
+UNNAMED: Final = Rule[int](
+    "alternative",
+    "rank among the causes that a log does not tell from a finding",
+    f"at most {ALTERNATIVES}",
+    "A set of more causes helps nobody.",
+    "resource: the length of a list in the report",
+    float,
+    lambda _: ALTERNATIVES,
+    "the log does not tell it from the finding, whose set names {limit:g} others that fit as well or better",
+    least=False,
+)
+HELD: Final = (DOMINANT_RULE, EXCLUDES)

@@ -7,6 +7,8 @@ Let s = w'y be the score of a direction beside the base, with y = A e + n, decla
 errors move s by at most W = sum_i |(A'w)_i| b_i, the support function of the box. If F is the fall of chi-squared along the direction that
 was found, the noise alone has a fall of at least ((F - W) / sqrt(F))^2.
 
+A cause may also stand by what it takes off errors that would have to leave their bounds (``Boxed``).
+
 Source: docs/theory.md, "Any thrust curve inside its accuracy"; Rockafellar, *Convex Analysis*, 1970, section 13 (support functions).
 """
 
@@ -19,6 +21,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
+from scipy.stats import chi2
 
 from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.declared_errors import SCALE, through_water, thrust_answers
@@ -38,6 +41,9 @@ _SHARES: Final = {"~rudder.": BOUNDED, "~scale.": SCALE}
 # Values at the knots, in bounds, up to which an error may lie inside its bound: a straight line beside a jump overshoots.
 # Source: geometry: least squares of a saw's teeth by straight pieces of a third of their length, which exceeds them by a quarter
 OVERSHOOT: Final = 1.3
+# Least chance that has a fall of chi-squared.
+# Source: definition: the smallest normal double is 2e-308
+LEAST: Final = 1e-300
 # Eigenvalues of the information on thrust errors below this share of the largest belong to directions that nothing determines.
 # Source: geometry: seven digits above the rounding of a double
 DETERMINED: Final = 1e-9
@@ -107,48 +113,79 @@ def lost(fall: float, left: float) -> float:
     return max(float(np.sqrt(max(fall, 0.0)) - np.sqrt(left)), 0.0)
 
 
-def leaving(fit: Fit) -> tuple[float, int]:
-    """Fall of chi-squared where thrust errors may leave their bounds, and the number of knots that may; zeros if none is declared.
+class Boxed:
+    """Chi-squared of a fit with the thrust errors at the knots inside their bounds.
 
-    Chi-squared is minimised with the errors at the knots inside the box, and without a bound. If the true errors lie inside, the difference
-    is at most chi-squared with as many degrees of freedom as there are knots: the truth is one of the points of the box.
+    Chi-squared is minimised over all other columns of the base, with the errors at the knots inside the box or free of it. If the true errors
+    lie inside, then the truth is one of the points of the box, and a minimum over more columns lies below it by chi-squared with as many
+    degrees of freedom as there are knots and further columns, at most.
+
+    Attributes:
+        knots: number of knots that may leave their bounds; 0 if no accuracy is declared.
     """
-    g, p = fit.gram, fit.projection
-    predictor = fit.noise.predictor
-    curves = {
-        f"~thrust.{t.name}.": e
-        for t, e in zip(predictor.vehicle.thrusters, predictor.propulsion.errors, strict=True)
-        if e.functions
-    }
-    own = [[k for k in p.base if g.names[k].startswith(words)] for words in curves]
-    at = [k for group in own for k in group]
-    if not at:
-        return 0.0, 0
-    others = [k for k in p.base if k not in at]
-    # Errors of the log without the part that the hypothesis holds of these: the box is that of the whole errors.
-    score = (
-        p.score
-        + p.total[:, at] @ g.centre[at]
-        + np.where(np.isin(np.arange(len(g.names)), at), g.prior * g.centre, 0.0)
-    )
-    N = p.total[np.ix_(others, others)] + np.diag(g.prior[others] + RIDGE)
-    cross = np.linalg.solve(N, p.total[np.ix_(others, at)])
-    S = p.total[np.ix_(at, at)] - p.total[np.ix_(at, others)] @ cross
-    r = score[at] - cross.T @ score[others]
-    # From sizes of the functions in unit lengths to the values at the knots.
-    turn = np.zeros((len(at), len(at)))
-    first = 0
-    for errors in curves.values():
-        here = slice(first, first + len(errors.functions))
-        turn[here, here] = errors.knots.T
-        first += len(errors.functions)
-    turn *= g.unit[at][:, None]
-    values, vectors = np.linalg.eigh(turn.T @ S @ turn)
-    kept = values > DETERMINED * max(float(values.max()), 1e-300)
-    root = np.sqrt(values[kept])
-    left = vectors[:, kept].T @ (turn.T @ r) / root
-    solved = lsq_linear((vectors[:, kept] * root).T, left, bounds=(-OVERSHOOT, OVERSHOOT))
-    return 2.0 * float(solved.cost), int(kept.sum())
+
+    def __init__(self, fit: Fit) -> None:
+        g, p = fit.gram, fit.projection
+        predictor = fit.noise.predictor
+        curves = {
+            f"~thrust.{t.name}.": e
+            for t, e in zip(predictor.vehicle.thrusters, predictor.propulsion.errors, strict=True)
+            if e.functions
+        }
+        own = [[k for k in p.base if g.names[k].startswith(words)] for words in curves]
+        self.g, self.total = g, p.total
+        self.at = [k for group in own for k in group]
+        self.others = [k for k in p.base if k not in self.at]
+        # Errors of the log without the part that the hypothesis holds of these: the box is that of the whole errors.
+        self.score = (
+            p.score
+            + p.total[:, self.at] @ g.centre[self.at]
+            + np.where(np.isin(np.arange(len(g.names)), self.at), g.prior * g.centre, 0.0)
+        )
+        # From sizes of the functions in unit lengths to the values at the knots.
+        self.turn = np.zeros((len(self.at), len(self.at)))
+        first = 0
+        for errors in curves.values():
+            here = slice(first, first + len(errors.functions))
+            self.turn[here, here] = errors.knots.T
+            first += len(errors.functions)
+        self.turn *= g.unit[self.at][:, None]
+        self.free, self.inside, self.knots = self._falls(()) if self.at else (0.0, 0.0, 0)
+
+    def _falls(self, columns: Sequence[int]) -> tuple[float, float, int]:
+        """Falls of chi-squared from no errors and no columns: with free errors, and with errors inside the box; and the number of knots."""
+        at, others = self.at, [*self.others, *columns]
+        N = self.total[np.ix_(others, others)] + np.diag(self.g.prior[others] + RIDGE)
+        alone = np.linalg.solve(N, self.score[others])
+        cross = np.linalg.solve(N, self.total[np.ix_(others, at)])
+        S = self.total[np.ix_(at, at)] - self.total[np.ix_(at, others)] @ cross
+        r = self.score[at] - cross.T @ self.score[others]
+        values, vectors = np.linalg.eigh(self.turn.T @ S @ self.turn)
+        kept = values > DETERMINED * max(float(values.max()), 1e-300)
+        root = np.sqrt(values[kept])
+        left = vectors[:, kept].T @ (self.turn.T @ r) / root
+        solved = lsq_linear((vectors[:, kept] * root).T, left, bounds=(-OVERSHOOT, OVERSHOOT))
+        base = float(self.score[others] @ alone)
+        free = base + float(left @ left)
+        return free, free - 2.0 * float(solved.cost), int(kept.sum())
+
+    @property
+    def leaving(self) -> float:
+        """Fall of chi-squared where the errors may leave their bounds; chi-squared with ``knots`` degrees of freedom at most if they need not."""
+        return self.free - self.inside
+
+    def beside(self, columns: Sequence[int]) -> float:
+        """Fall of chi-squared by columns beside errors inside their bounds; chi-squared with ``knots`` and as many more degrees of freedom at most without the cause."""
+        return self._falls(columns)[1] - self.inside if self.at else 0.0
+
+    def of(self, s: Scored) -> float:
+        """Fall of chi-squared of a family by its own numbers alone that is as rare as its fall beside errors inside their bounds.
+
+        Zero for a step in time, whose column is a sum over later blocks.
+        """
+        if s.family.kind == "step" or not self.at:
+            return 0.0
+        return float(chi2.isf(max(chi2.sf(self.beside(s.columns), self.knots + len(s.columns)), LEAST), s.count))
 
 
 def outside(fit: Fit) -> tuple[tuple[str, float], ...]:

@@ -13,11 +13,12 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
+from scipy.stats import chi2
 
 from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.null.any_curve import AnyCurve, lost
+from ivsid.diagnosis.null.any_curve import AnyCurve, Boxed, lost
 from ivsid.diagnosis.null.rule import Rule
 from ivsid.diagnosis.null.second_opinion import second_opinion
 from ivsid.diagnosis.null.thresholds import HIGH_SIDE
@@ -66,9 +67,23 @@ class Round:
         """The base beside any thrust curve; None for a vehicle without thrusters."""
         return AnyCurve(self.fit) if self.fit.noise.predictor.vehicle.thrusters else None
 
+    @cached_property
+    def boxed(self) -> Boxed:
+        """The errors at the knots inside their bounds."""
+        return Boxed(self.fit)
+
     def lost(self, s: Scored) -> float:
-        """Standard deviations of a score that declared errors inside their bounds may make."""
-        return 0.0 if self.curve is None else lost(s.fall, self.curve.of(s))
+        """Standard deviations of a score that declared errors inside their bounds may make.
+
+        A fall stands beside all of them if the worst of them leaves it, or if it takes what errors at the knots would have to leave their
+        bounds for.
+        """
+        if self.curve is None:
+            return 0.0
+        left = self.curve.of(s)
+        if chi2.sf(self.boxed.leaving, max(self.boxed.knots, 1)) <= self.chance:
+            left = max(left, min(self.boxed.of(s), s.fall))
+        return lost(s.fall, left)
 
     def blind(self, id_: str) -> bool:
         """Whether a cause's signature is mostly made of the errors of the filtered states."""

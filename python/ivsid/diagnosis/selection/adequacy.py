@@ -18,7 +18,7 @@ from scipy.stats import chi2
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.null.any_curve import AnyCurve, beyond, leaving, outside
+from ivsid.diagnosis.null.any_curve import AnyCurve, Boxed, beyond, outside
 from ivsid.effects import CHANNELS
 
 Array = NDArray[np.float64]
@@ -136,7 +136,8 @@ def adequacy(fit: Fit) -> Adequacy:
     first = len(g.names)
     wide = g.joined(names, x.reshape(-1, *g.y.shape), unit)
     found = _structure(Projection(wide, range(first)), range(first, len(wide.names)), names, np.zeros(first))
-    left, knots = leaving(fit)
+    boxed = Boxed(fit)
+    left, knots = boxed.leaving, boxed.knots
     far = outside(fit)
     found = replace(found, leaving=left, knots=knots, pushed=_pushed(fit, far), outside=far)
     if found.white or not fit.noise.predictor.vehicle.thrusters:

@@ -168,6 +168,7 @@ class Effect:
             with which a finding lists them. Empty where the equivalence holds only in some logs.
         confusable: ids that only an exciting log tells apart.
         separate: the manoeuvre that tells them apart.
+        of_hull: least and most that a hull has of an only parameter, in its mass [kg], or in mass times squared length [kg m^2].
         plain: whether it is a term of the plain model, which is an effect only for a model that lacks it.
         per_thruster: whether ``id.NAME`` is the effect on one thruster alone.
         measured: the form for logs that hold the cause itself (wind columns), with parameters of its own.
@@ -185,6 +186,7 @@ class Effect:
     per_thruster: bool = False
     measured: Effect | None = None
     equivalent_odds: tuple[float, ...] = ()
+    of_hull: tuple[float, float] | None = None
 
     @property
     def parts(self) -> tuple[str, ...]:
@@ -205,6 +207,7 @@ class Described(TypedDict, total=False):
     confusable: tuple[str, ...]
     separate: str
     plain: bool
+    of_hull: tuple[float, float] | None
 
 
 def term_effect(

@@ -33,6 +33,16 @@ SHARED_MUNK: Final = Term(
 )
 
 
+# Least and most sum of dry and added mass, in the dry mass. The water that moves along with a sphere is half of its mass, with a disc across
+# the flow up to twice that of a blunt hull; flat sides take three times the mass along. Half allows for a mass that is stated badly.
+# Source: Newman, *Marine Hydrodynamics*, 1977, table 4.3 (added mass of bodies)
+SURGE_OF_HULL: Final = (0.5, 3.0)
+SWAY_OF_HULL: Final = (0.5, 6.0)
+# Least and most moment of inertia with its added part, in mass times squared length; a uniform rod has 1/12, two weights at its ends 1/4.
+# Source: geometry: no part of a hull lies farther out than half its length, and water at most trebles that
+YAW_OF_HULL: Final = (0.01, 1.0)
+
+
 def _payload(plain: Mapping[str, Quantity], p: Numbers, t: Quantity) -> dict[str, Quantity]:
     extra = p[0] * after(t, p[1])
     return {id_: plain[id_] + extra for id_ in ("mass.surge", "mass.sway") if id_ in plain}
@@ -45,6 +55,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         "mass and added mass in surge",
         plain=True,
         equivalents=("thruster.gain",),
+        of_hull=SURGE_OF_HULL,
         separate="weigh the vehicle, or tow it at a known acceleration",
     ),
     term_effect(
@@ -52,6 +63,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         75.0,
         "mass and added mass in sway",
         plain=True,
+        of_hull=SWAY_OF_HULL,
         separate="sideways accelerations, or turns at speed",
     ),
     term_effect(
@@ -60,6 +72,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         "moment of inertia and its added part",
         plain=True,
         equivalents=("thruster.gain",),
+        of_hull=YAW_OF_HULL,
         separate="a known arm of the thrusters, or a swing test",
     ),
     term_effect(

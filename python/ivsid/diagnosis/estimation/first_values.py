@@ -14,7 +14,7 @@ from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.diagnosis.plant.thruster_forces import thruster_force
-from ivsid.diagnosis.plant.usual_hull import hull_length
+from ivsid.diagnosis.plant.usual_hull import hull_limits
 from ivsid.effects import CHANNELS, EFFECTS, Place, State, Term, rigid_body
 from ivsid.vehicle import Vehicle
 
@@ -31,12 +31,6 @@ ROUNDS: Final = 3
 # Least singular value that counts, in the largest.
 # Source: geometry: half the digits of a double
 RCOND: Final = 1e-8
-# Least mass, sum of dry and added mass, in the dry mass.
-# Source: measured: make constants
-LEAST_MASS: Final = 0.3
-# Least inertia in yaw, in mass times squared length.
-# Source: measured: make constants
-LEAST_INERTIA: Final = 0.01
 
 
 def first_values(vehicle: Vehicle, log: Channels, terms: Sequence[Term], claimed: dict[str, float]) -> Hypothesis:
@@ -88,11 +82,8 @@ def first_values(vehicle: Vehicle, log: Channels, terms: Sequence[Term], claimed
     values = dict(claimed)
     for term, value in zip(free, found, strict=True):
         values[term.id] = float(value)
-    inertia = LEAST_INERTIA * m * hull_length(vehicle) ** 2
-    floors = {"mass.surge": LEAST_MASS * m, "mass.sway": LEAST_MASS * m, "inertia.yaw": inertia}
-    for id_, floor in floors.items():
-        if id_ in values and id_ not in claimed:
-            values[id_] = max(values[id_], floor)
+    for id_, (low, high) in hull_limits(vehicle, free).items():
+        values[id_] = float(np.clip(values[id_], low, high))
     return Hypothesis(tuple(terms), values)
 
 

@@ -14,6 +14,7 @@ from ivsid.diagnosis.estimation.projection import Gram, Projection, gram
 from ivsid.diagnosis.estimation.signatures import BENT, Signatures, free_parameters
 from ivsid.diagnosis.estimation.whitening import Whitening
 from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.plant.usual_hull import hull_limits
 from ivsid.diagnosis.prediction.innovations import Predictor, replaced
 from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import Parameter
@@ -176,7 +177,7 @@ def within(value: float, p: Parameter) -> float:
 
 
 def stepped(h: Hypothesis, moves: Mapping[str, float], predictor: Predictor) -> Hypothesis:
-    """The hypothesis with its parameters moved: masses within a factor, and every number inside the limits of its physics.
+    """The hypothesis with its parameters moved: masses within a factor, and every number inside the limits of its physics and of hulls.
 
     Args:
         h: the hypothesis.
@@ -184,12 +185,14 @@ def stepped(h: Hypothesis, moves: Mapping[str, float], predictor: Predictor) -> 
         predictor: of the log.
     """
     values = {}
+    limits = hull_limits(predictor.vehicle, h.terms)
     for term in h.terms:
         if term.id in moves:
             new = h.values[term.id] + moves[term.id]
-            if term.id in ("mass.surge", "mass.sway", "inertia.yaw"):
+            least, most = limits.get(term.id, (-np.inf, np.inf))
+            if least > 0:
                 new = float(np.clip(new, h.values[term.id] / MASS_FACTOR, h.values[term.id] * MASS_FACTOR))
-            values[term.id] = float(new)
+            values[term.id] = float(np.clip(new, least, most))
     h = replaced(h, values)
     known = {n: h.declared_errors.get(n, 0.0) + m for n, m in moves.items() if n.startswith("~")}
     h = replace(h, declared_errors={**h.declared_errors, **known})

@@ -1,9 +1,13 @@
-"""Length and plain numbers of a usual hull, for a vehicle file that states none: one of 60 kg and 1 m, scaled after Froude."""
+"""Length and plain numbers of a usual hull, for a vehicle file that states none: one of 60 kg and 1 m, scaled after Froude; and what no hull has."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Final
 
+import numpy as np
+
+from ivsid.effects import EFFECTS, Term
 from ivsid.vehicle import Vehicle
 
 # Mass over length cubed [kg/m^3].
@@ -33,3 +37,22 @@ def usual_numbers(vehicle: Vehicle) -> dict[str, float]:
         "inertia.yaw": YAW_INERTIA * m * length**2,
         "drag.sway.quadratic": SWAY_DRAG * m / length,
     }
+
+
+def hull_limits(vehicle: Vehicle, terms: Iterable[Term]) -> dict[str, tuple[float, float]]:
+    """Least and most value of the terms' parameters that a hull of this mass and length has, by id; terms without limits are left out.
+
+    A mass lies between shares of the dry mass, and a drag that cannot drive is not negative.
+    """
+    m, length = vehicle.hull.mass, hull_length(vehicle)
+    found = {}
+    for term in terms:
+        effect = EFFECTS.get(term.id)
+        if effect is None or len(effect.parameters) != 1:
+            continue
+        if effect.of_hull is not None:
+            one = m * length**2 if effect.parameters[0].unit == "kg m^2" else m
+            found[term.id] = (effect.of_hull[0] * one, effect.of_hull[1] * one)
+        elif not effect.parameters[0].signed:
+            found[term.id] = (0.0, float(np.inf))
+    return found

@@ -19,6 +19,7 @@ from scipy.stats import chi2
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import AnyCurve, Boxed, beyond, outside
+from ivsid.diagnosis.selection.hulls import Asked, asked_of_hulls
 from ivsid.effects import CHANNELS
 
 Array = NDArray[np.float64]
@@ -58,6 +59,7 @@ class Adequacy:
         knots: number of values of these errors that may.
         pushed: channel in which the thruster pushes whose error is farthest outside of its bound.
         outside: names of the thrusters whose fitted error leaves its bound, with its largest value in bounds.
+        hulls: numbers that the log asks for and that no hull has.
     """
 
     fall: float
@@ -70,6 +72,7 @@ class Adequacy:
     knots: int = 0
     pushed: str = ""
     outside: tuple[tuple[str, float], ...] = ()
+    hulls: tuple[Asked, ...] = ()
 
     @property
     def statistic(self) -> float:
@@ -93,17 +96,17 @@ class Adequacy:
 
     @property
     def quiet(self) -> bool:
-        """Whether the innovations hold no more structure than chance, with every thrust error inside its bound."""
-        return self.white and self.inside > RISK
+        """Whether the innovations hold no more structure than chance, with every thrust error inside its bound and every number one of hulls."""
+        return self.white and self.inside > RISK and not self.hulls
 
     def sufficient(self, before: Adequacy, findings: int) -> bool:
-        """Whether the structure is chance, or less than the share ``REST`` of the structure before.
+        """Whether the structure is chance, or less than the share ``REST`` of the structure before, with numbers of hulls.
 
         Args:
             before: adequacy of the plain model.
             findings: number of causes that were found.
         """
-        return self.quiet or (findings > 0 and self.unexplained < REST * before.unexplained)
+        return self.quiet or (findings > 0 and not self.hulls and self.unexplained < REST * before.unexplained)
 
     def beside(self, fit: Fit, columns: Sequence[int]) -> float:
         """Excess in the channels where a cause acts, weighted by the energy of its signature in each.
@@ -139,14 +142,15 @@ def adequacy(fit: Fit) -> Adequacy:
     boxed = Boxed(fit)
     left, knots = boxed.leaving, boxed.knots
     far = outside(fit)
-    found = replace(found, leaving=left, knots=knots, pushed=_pushed(fit, far), outside=far)
+    hulls = asked_of_hulls(fit)
+    found = replace(found, leaving=left, knots=knots, pushed=_pushed(fit, far), outside=far, hulls=hulls)
     if found.white or not fit.noise.predictor.vehicle.thrusters:
         return found
     free = AnyCurve(fit)
     first = len(free.g.names)
     wide = free.g.joined(names, x.reshape(len(x), *free.g.y.shape), unit)
     beside = _structure(Projection(wide, free.projection.base), range(first, len(wide.names)), names, free.box)
-    return replace(beside, leaving=left, knots=knots, pushed=found.pushed, outside=far)
+    return replace(beside, leaving=left, knots=knots, pushed=found.pushed, outside=far, hulls=hulls)
 
 
 def _pushed(fit: Fit, far: Sequence[tuple[str, float]]) -> str:

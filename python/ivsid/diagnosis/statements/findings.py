@@ -84,7 +84,7 @@ def findings_of(
     for found in selection.found:
         one = finding(found, last, selection.leftover, evidence, rest)
         left = rest.beside(last, own_columns(last, found.id))
-        case = Held(EFFECTS[found.id], found.fall, left, one.parameters, complete, rest.quiet)
+        case = Held(EFFECTS[found.id], found.fall, left, one.parameters, complete, rest.quiet, len(rest.hulls))
         refusal = first_refusal(HELD, case, [f.id for f in selection.found if f is not found])
         if refusal is None:
             made.append(one)
@@ -178,6 +178,15 @@ def unknown(left: Adequacy, near: Sequence[str]) -> Finding:
             f"{f' of {where}' if where else ''} differs from its curve by more than that, or a force that the model lacks goes with the demands; "
             "all masses and drags may be wrong with it; a bollard test of the thrust tells the two apart"
         )
+    if left.hulls:
+        numbers = " and ".join(
+            f"{a.id} {'above' if a.estimate > a.limit else 'below'} {a.limit:.3g}" for a in left.hulls
+        )
+        text += (
+            f"; the log asks for {numbers}, which no hull of this mass and length has: masses, thrust curves, units or signs in the vehicle "
+            "file may be wrong, and the fit stops at the limit"
+        )
+        z = max(z, left.hulls[0].deviations)
     if near:
         text += f"; the nearest are {' and '.join(near)}, which the extended model holds and nothing proves"
     evidence: FindingEvidence = {

@@ -32,6 +32,7 @@ class Held:
         parameters: its intervals.
         complete: whether little enough structure is left for a verdict.
         quiet: whether no structure is left.
+        hulls: numbers that the extended model would need and no hull has.
     """
 
     effect: Effect
@@ -40,6 +41,7 @@ class Held:
     parameters: Mapping[str, Bound]
     complete: bool
     quiet: bool
+    hulls: int = 0
 
     @property
     def distance(self) -> float:
@@ -85,4 +87,15 @@ UNNAMED: Final = Rule[int](
     "the log does not tell it from the finding, whose set names {limit:g} others that fit as well or better",
     least=False,
 )
-HELD: Final = (DOMINANT_RULE, EXCLUDES)
+HULLS: Final = Rule[Held](
+    "hulls",
+    "numbers of the extended model that the log asks for and no hull of this mass and length has",
+    "0",
+    "A cause beside an absurd mass or a drag that drives is named by a model of no vehicle.",
+    "definition: limits of hulls in docs/constants.md",
+    lambda c: c.hulls,
+    lambda _: 0,
+    "{value:.0f} numbers of the model that it stands in are none that a hull of this mass and length has",
+    least=False,
+)
+HELD: Final = (HULLS, DOMINANT_RULE, EXCLUDES)

@@ -1,0 +1,56 @@
+"""Numbers that no hull has: what a log asks for beyond the limits of hulls, where the fit has stopped."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.plant.usual_hull import hull_limits
+
+# Standard deviations beyond a limit from which a number is none that a hull has.
+# Source: definition: below five standard deviations the model of the noise is not trusted
+BEYOND: Final = 5.0
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A number that a log asks for and that no hull of this mass and length has.
+
+    Attributes:
+        id: of the parameter.
+        estimate: the number without the limit, in its unit.
+        limit: of hulls of this mass and length, in its unit.
+        deviations: standard deviations between them.
+    """
+
+    id: str
+    estimate: float
+    limit: float
+    deviations: float
+
+
+def asked_of_hulls(fit: Fit) -> tuple[Asked, ...]:
+    """Numbers that a log asks for beyond the limits of hulls, the farthest first.
+
+    The estimate is one linear step from the fit, without limits.
+
+    Args:
+        fit: of a hypothesis whose parameters lie inside the limits.
+    """
+    p, g = fit.projection, fit.gram
+    deviation = np.sqrt(np.diag(np.linalg.inv(p.normal)))
+    found = []
+    for id_, (least, most) in hull_limits(fit.noise.predictor.vehicle, fit.h.terms).items():
+        if id_ not in fit.free:
+            continue
+        j = p.base.index(g.index[id_])
+        estimate = fit.h.values[id_] + float(p.coefficients[j] / g.unit[p.base[j]])
+        sigma = float(deviation[j] / g.unit[p.base[j]])
+        limit = least if estimate < least else most
+        off = max(least - estimate, estimate - most) / max(sigma, 1e-300)
+        if off > BEYOND:
+            found.append(Asked(id_, estimate, limit, off))
+    return tuple(sorted(found, key=lambda a: -a.deviations))

@@ -54,7 +54,7 @@ def test_the_evidence_is_the_force_that_was_hidden(result, seen):
 
 def test_every_paragraph_is_made_of_the_numbers(result, seen):
     (paragraphs,) = explain(result, seen)
-    what, much, sure, other, following = paragraphs
+    what, much, sure, other, changed, following = paragraphs
     bound = result.findings[0].parameters["drag.surge.linear"]
     assert what.startswith("drag.surge.linear: laminar skin friction")
     low, high = map(float, re.search(r"lies between (\S+) and (\S+) kg/s \(statistical, not proved", much).groups())
@@ -65,9 +65,12 @@ def test_every_paragraph_is_made_of_the_numbers(result, seen):
     numbers = re.findall(r"explains (\d+) % of the fall", other)
     assert result.findings[0].alternatives or (numbers and 0 <= int(numbers[0]) <= 100) or "comes near" in other
     assert "ivsid identify" in following
+    f = result.findings[0]
+    assert f"by less than {f.evidence['z'] - 3 * 2**0.5:.0f} standard deviations" in changed
+    assert f.record()["refuted_below"] == pytest.approx(f.evidence["z"] - 3 * 2**0.5)
     # A set is taken for the finding, and the manoeuvre that would decide stands there.
     made = explain(_with_alternatives(result), seen)[0]
-    assert "does not tell it from friction.coulomb" in made[3] and "coast" in made[4]
+    assert "does not tell it from friction.coulomb" in made[3] and "coast" in made[4] and "coast" in made[5]
 
 
 def _with_alternatives(result):

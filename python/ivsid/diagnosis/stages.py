@@ -31,6 +31,7 @@ from ivsid.diagnosis.statements.not_tested import left_out_note, not_tested
 from ivsid.diagnosis.statements.proved import proof_of, proved_findings
 from ivsid.diagnosis.statements.residuals import before_and_after, unexplained
 from ivsid.diagnosis.statements.shallow_water import change
+from ivsid.diagnosis.statements.share import shares
 from ivsid.log import Log
 from ivsid.vehicle import Vehicle
 
@@ -105,6 +106,9 @@ def diagnose(
     )
     if moved is not None and moved.factor is not None:
         findings = (*findings, shallow(moved))
+    named = [f.effect for f in findings if f.effect != "unknown"]
+    shown = shares(predictor, fit, selection.last, [i for i in named if i in {q.id for q in selection.found}])
+    findings = tuple(replace(f, matters=shown.get(f.effect)) for f in findings)
     verdict = verdict_of(findings)
     said = [n for n in (confirmation.note, proof.sentence(verdict) if proof.refuted else "") if n]
     return Diagnosis(

@@ -16,6 +16,7 @@ About the model:
 - ``residuals``: unexplained energy, missing force and falsified rows, before and after.
 - ``falsified``: rows that a hypothesis contradicts.
 - ``proved``: contradictions and intervals with certificates.
+- ``share``: the error in position that a cause explains on TEST.
 - ``comparison``, with the simulations in ``windows``: the gain of the extended model on TEST.
 - ``extended``: the extended model as a vehicle file.
 

@@ -23,11 +23,15 @@ from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.residuals import FindingEvidence
 from ivsid.diagnosis.statements.rules import ALTERNATIVES, HELD, UNNAMED, Held
 from ivsid.diagnosis.statements.shallow_water import Change
+from ivsid.diagnosis.statements.share import Share
 from ivsid.effects import EFFECTS
 
 # Half-width of the interval of shallow water, in standard deviations.
 # Source: definition: 6e-5 of normal errors lie beyond
 WIDE: Final = 4.0
+# Standard deviations between what two logs of one programme show of a cause, that chance does not make: three of a difference.
+# Source: definition: 0.1 % of differences of two normal errors lie beyond on one side
+REPEATED: Final = 3.0 * 2.0**0.5
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,7 @@ class Finding:
         parameters: intervals by parameter.
         evidence: numbers of the log that show the cause.
         description: of an ``unknown``, in a sentence.
+        matters: share of the simulation's error in position that the cause explains; None without a position.
     """
 
     effect: str
@@ -51,6 +56,16 @@ class Finding:
     parameters: dict[str, Bound]
     evidence: FindingEvidence
     description: str = ""
+    matters: Share | None = None
+
+    @property
+    def refuted_below(self) -> float | None:
+        """Standard deviations that a second log of the same programme has to show, or the cause is another one; None for an ``unknown``.
+
+        Both logs show the cause with an error of one standard deviation.
+        """
+        z = self.evidence.get("z")
+        return None if z is None or self.effect == "unknown" else max(z - REPEATED, 0.0)
 
     def record(self) -> dict[str, object]:
         """An entry of ``findings`` in result.json."""
@@ -62,6 +77,10 @@ class Finding:
             "parameters": {k: b.record() for k, b in self.parameters.items()},
             "evidence": self.evidence,
         }
+        if self.refuted_below is not None:
+            out["refuted_below"] = self.refuted_below
+        if self.matters is not None:
+            out["matters"] = self.matters.record()
         if self.description:
             out["description"] = self.description
         return out

@@ -10,6 +10,7 @@ from ivsid.diagnosis.statements.comparison import BAND, POSITION_WINDOW, VELOCIT
 from ivsid.diagnosis.statements.diagnosis import Diagnosis
 from ivsid.diagnosis.statements.evidence import Evidence
 from ivsid.diagnosis.statements.findings import Finding
+from ivsid.diagnosis.statements.share import AFTER
 from ivsid.effects import CATALOGUE, EFFECTS, Effect
 
 # Chances below this are printed as a bound.
@@ -51,9 +52,10 @@ def _paragraphs(result: Diagnosis, f: Finding, seen: Evidence | None) -> list[st
     effect = EFFECTS[f.effect]
     return [
         f"{f.effect}: {effect.cause}.",
-        " ".join(["How much:", *_sizes(result, f, effect), *_explained(seen)]),
+        " ".join(["How much:", *_sizes(result, f, effect), *_explained(seen), *_matters(f)]),
         f"How sure: {_sure(result, f)}",
         f"What else: {_else(result, f)}",
+        f"What would change this: {_changed(f, effect)}",
         f"What next: {_next(f, effect)}",
     ]
 
@@ -89,6 +91,36 @@ def _explained(seen: Evidence | None) -> list[str]:
         f"In {seen.channel} it accounts for {own:.2g} {seen.unit} (rms below {BAND:g} Hz): without it {before:.3g} {seen.unit} are missing, with it {after:.3g}. "
         f"It goes with {seen.quantity}."
     ]
+
+
+def _matters(f: Finding) -> list[str]:
+    """Sentence on the part of the simulation's error that a finding explains."""
+    if f.matters is None:
+        return []
+    m = f.matters
+    return [
+        f"On the other log the simulated position is off by {m.without:.3g} m after {AFTER:g} s without it and by {m.held:.3g} m with it: "
+        + (
+            f"it explains {100 * max(m.interval[0], 0.0):.0f} to {100 * m.interval[1]:.0f} % of the squared error."
+            if m.told and m.share > 0
+            else "the log cannot tell that it matters there."
+            if not m.told
+            else "the model without it runs closer there."
+        )
+    ]
+
+
+def _changed(f: Finding, effect: Effect) -> str:
+    """Sentence on the log that would refute a finding."""
+    how = f.separate_by or effect.separate
+    words = []
+    if f.refuted_below is not None and f.refuted_below > 0:
+        words.append(
+            f"a second log of this programme that shows it by less than {f.refuted_below:.0f} standard deviations"
+        )
+    if how:
+        words.append(f"{'or ' if words else ''}a log of this manoeuvre that shows nothing of it: {how}")
+    return f"{', '.join(words)}." if words else "a log that shows it with another size."
 
 
 def _sure(result: Diagnosis, f: Finding) -> str:

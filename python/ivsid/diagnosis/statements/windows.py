@@ -53,6 +53,28 @@ def windows(
     return [_against(predictor, real, *w) for w in zip(out, starts, counts, strict=True)]
 
 
+def drift(predictor: Predictor, h: Hypothesis, states: FilteredStates, length: float, apart: float) -> Array:
+    """Distance at the end of free runs [m], shape (runs,).
+
+    Args:
+        predictor: of a log with a position.
+        h: the hypothesis.
+        states: filtered under the hypothesis, from which the runs start.
+        length: of a run [s].
+        apart: time between two starts [s].
+    """
+    log = predictor.log
+    assert log.place is not None
+    count = round(length / log.h)
+    starts = np.arange(0, log.n - count, max(1, round(apart / log.h)))
+    starts = starts[[bool(log.good[s : s + count + 1].all()) for s in starts]]
+    if not starts.size:
+        return np.zeros(0)
+    (out,) = _simulated(predictor, h, states, [starts], [count])
+    off = (out[-1, 4:] - out[0, 4:]) - (log.place[:, starts + count] - log.place[:, starts])
+    return np.asarray(np.hypot(*np.clip(np.nan_to_num(off, nan=RUNAWAY), -RUNAWAY, RUNAWAY)))
+
+
 def _simulated(
     predictor: Predictor,
     h: Hypothesis,

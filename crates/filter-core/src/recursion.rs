@@ -4,6 +4,8 @@ use pulp::{Arch, Simd, WithSimd};
 
 /// Rows that one recursion carries side by side: it waits for its own last value, and other rows fill the wait.
 const LANES: usize = 8;
+/// Coefficients of a polynomial, at most.
+const TAPS: usize = 4;
 /// Samples that are turned at once, so that the rows of one moment lie together.
 const STRETCH: usize = 64;
 
@@ -20,7 +22,7 @@ const STRETCH: usize = 64;
 /// Lengths that do not fit each other, or a recursion of an order above 3.
 pub fn respond(inputs: &[&[f64]], numerators: &[f64], denominators: &[f64], taps: usize, n: usize, out: &mut [f64]) {
     let rows = denominators.len() / taps.max(1);
-    assert!((1..=4).contains(&taps), "a recursion of order 0 to 3 is needed");
+    assert!((1..=TAPS).contains(&taps), "a recursion of order 0 to 3 is needed");
     assert!(inputs.iter().all(|x| x.len() == n) && out.len() == rows * n, "signals of one length are needed");
     assert_eq!(numerators.len(), rows * inputs.len() * taps, "a numerator for each output and input is needed");
     if n == 0 {
@@ -73,12 +75,21 @@ impl WithSimd for Add<'_> {
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "it is compiled for the vectors of its caller")]
     fn with_simd<S: Simd>(self, _: S) {
-        for (k, &b) in self.b.iter().enumerate() {
-            if b != 0.0 {
-                for (y, &x) in self.row[k.min(self.x.len())..].iter_mut().zip(self.x) {
-                    *y += b * x;
-                }
+        // All taps in one pass, each sum in the order of its taps.
+        let mut b = [0.0; TAPS];
+        b[..self.b.len()].copy_from_slice(self.b);
+        let (x, n) = (self.x, self.x.len());
+        for t in 0..n.min(TAPS - 1) {
+            for k in 0..=t {
+                self.row[t] += b[k] * x[t - k];
             }
+        }
+        if n < TAPS {
+            return;
+        }
+        let past = x[2..n - 1].iter().zip(&x[1..n - 2]).zip(&x[..n - 3]);
+        for ((y, &now), ((&one, &two), &three)) in self.row[3..].iter_mut().zip(&x[3..]).zip(past) {
+            *y = *y + b[0] * now + b[1] * one + b[2] * two + b[3] * three;
         }
     }
 }

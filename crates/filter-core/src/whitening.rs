@@ -117,7 +117,8 @@ impl WithSimd for One<'_> {
 fn one(column: &[f64], groups: &[Group], layout: Layout, scratch: &mut Vec<f64>, out: &mut [f64]) -> f64 {
     let n = layout.n;
     let stretches = n.div_ceil(STRETCH);
-    out.fill(0.0);
+    let mut square = 0.0;
+    let mut still = vec![true; layout.rows];
     for group in groups {
         let r = group.rows.len();
         let lags = group.taps.len() / (r * r) - 1;
@@ -144,12 +145,23 @@ fn one(column: &[f64], groups: &[Group], layout: Layout, scratch: &mut Vec<f64>,
                     place(&one, start, group.rows[first], layout, out);
                 }
             }
+            for &row in &group.rows[first..r.min(first + 2)] {
+                still[row] = false;
+                if layout.unit {
+                    square += squared(out, row, layout);
+                }
+            }
+        }
+    }
+    for (row, part) in out.chunks_exact_mut(layout.length).enumerate() {
+        if still[row % layout.rows] {
+            part.fill(0.0);
         }
     }
     if !layout.unit {
         return 1.0;
     }
-    let length = squared(out).max(NOTHING).sqrt();
+    let length = square.max(NOTHING).sqrt();
     let factor = 1.0 / length;
     for x in out.iter_mut() {
         *x *= factor;
@@ -203,16 +215,19 @@ fn place(sum: &[f64; STRETCH], start: usize, row: usize, layout: Layout, out: &m
     }
 }
 
-/// The sum of squares, in sixteen sums that are added in pairs.
+/// The sum of squares of a row, in sixteen sums that are added in pairs.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "it is compiled for the vectors of its caller")]
-fn squared(x: &[f64]) -> f64 {
+fn squared(out: &[f64], row: usize, layout: Layout) -> f64 {
     let mut sum = [0.0; 16];
-    let whole = x.chunks_exact(16);
-    let rest: f64 = whole.remainder().iter().map(|v| v * v).sum();
-    for part in whole {
-        for k in 0..16 {
-            sum[k] += part[k] * part[k];
+    let mut rest = 0.0;
+    for block in out.chunks_exact(layout.rows * layout.length) {
+        let whole = block[row * layout.length..(row + 1) * layout.length].chunks_exact(16);
+        rest += whole.remainder().iter().map(|v| v * v).sum::<f64>();
+        for part in whole {
+            for k in 0..16 {
+                sum[k] += part[k] * part[k];
+            }
         }
     }
     let mut half = 8;

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
 from ivsid.diagnosis.estimation.whitening import Whitening
+from ivsid.intervals.pieces import over_pieces, pieces, processors
 
 Array = NDArray[np.float64]
 # Length of a block [s].
@@ -64,7 +66,7 @@ class Gram:
     length: int
     white: Whitening
 
-    @property
+    @cached_property
     def index(self) -> dict[str, int]:
         """Column by name."""
         return {n: k for k, n in enumerate(self.names)}
@@ -137,13 +139,12 @@ class Gram:
         blocks = np.empty((len(self.y), old + new, old + new))
         blocks[:, :old, :old] = self.blocks
         first = 0
-        turned = x.transpose(1, 2, 0)
         for part in self.parts:
-            cross = part.transpose(1, 0, 2) @ turned
+            cross = _products(part, x)
             blocks[:, first : first + len(part), old:] = cross
             blocks[:, old:, first : first + len(part)] = cross.transpose(0, 2, 1)
             first += len(part)
-        _squares(x, blocks[:, old:, old:])
+        blocks[:, old:, old:] = _products(x, x)
         return replace(
             self,
             names=(*self.names, *names),
@@ -161,11 +162,18 @@ def _times(x: Array, y: Array) -> Array:
     return np.asarray((x.transpose(1, 0, 2) @ y[:, :, None])[:, :, 0])
 
 
-def _squares(x: Array, out: Array) -> None:
-    """Cross-products of all columns within each block; a matrix times its own transpose is half the work."""
-    for b, into in enumerate(out):
-        one = x[:, b]
-        into[...] = one @ one.T
+def _products(x: Array, y: Array) -> Array:
+    """Products of columns with others, or with each other, within each block, shape (blocks, columns, others)."""
+    out = np.empty((x.shape[1], len(x), len(y)))
+
+    def work(part: slice) -> None:
+        for b in range(part.start, part.stop):
+            # A matrix times its own transpose is half the work.
+            left = x[:, b]
+            out[b] = left @ (left if y is x else y[:, b]).T
+
+    over_pieces(pieces(len(out), -(-len(out) // processors())), work)
+    return out
 
 
 def gram(
@@ -193,15 +201,13 @@ def gram(
     length = max(1, round(BLOCK / h))
     y = white.blocks([errors], good, length, unit=False)[0][0]
     x, unit = white.blocks(columns, good, length) if names else (np.zeros((0, *y.shape)), np.zeros(0))
-    blocks = np.empty((len(y), len(x), len(x)))
-    _squares(x, blocks)
     rows = good[: len(y) * length].reshape(len(y), length).sum(axis=1) * errors.shape[0]
     precision = np.array([1 / (prior[n] * u) ** 2 if n in prior else 0.0 for n, u in zip(names, unit, strict=True)])
     return Gram(
         tuple(names),
         (x,),
         y,
-        blocks,
+        _products(x, x),
         _times(x, y),
         np.einsum("bi,bi->b", y, y),
         rows.astype(float),
@@ -238,7 +244,7 @@ class Projection:
         self.left_score = self.score - self.total[:, self.base] @ self.coefficients
         self.chi2 = self.energy - float(self.score[self.base] @ self.coefficients)
 
-    @property
+    @cached_property
     def normal(self) -> Array:
         """The normal matrix of the base, priors included, shape (base, base)."""
         return np.asarray(self.total[np.ix_(self.base, self.base)] + np.diag(self.g.prior[self.base] + RIDGE))

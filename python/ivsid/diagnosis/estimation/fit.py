@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,7 +68,7 @@ class Fit:
     refused: Mapping[str, str]
     fixed: Mapping[str, float]
 
-    @property
+    @cached_property
     def projection(self) -> Projection:
         """Least squares on the base, over the whole log."""
         return Projection(self.gram, self.base)

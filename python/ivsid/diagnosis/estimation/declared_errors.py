@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
@@ -82,33 +82,32 @@ def _thrusts(s: Signatures, out: Columns, relative: tuple[Array, Array, Array]) 
     """Errors of each thruster's curve."""
     for k, thruster in enumerate(s.predictor.vehicle.thrusters):
         spreads = s.predictor.propulsion.errors[k].spreads.tolist()
-        answers = thrust_answers(s, k, s.predictor.driving.shapes(s.h, k), relative)
+        answers = thrust_answers(s, k, s.predictor.driving.slopes(s.h, k), relative)
         for j, (answer, spread) in enumerate(zip(answers, spreads, strict=True)):
             out.add(f"~thrust.{thruster.name}.{j}", answer, spread)
 
 
-def thrust_answers(
-    s: Signatures, k: int, errors: Iterable[Array], relative: tuple[Array, Array, Array]
-) -> Iterator[Array]:
+def thrust_answers(s: Signatures, k: int, errors: Array, relative: tuple[Array, Array, Array]) -> Iterator[Array]:
     """Signatures of errors of one thruster's thrust.
 
     Args:
         s: signatures at a hypothesis.
         k: index of the thruster.
-        errors: of its thrust [N], shape (2 n,) each.
+        errors: of its thrust [N], shape (errors, 2 n).
         relative: u, v, r relative to the water.
     """
     predictor, p = s.predictor, s.states.points
     thruster = predictor.vehicle.thrusters[k]
     angle, (x, y) = predictor.driving.turned[k], thruster.position
     c, sine = np.cos(angle), np.sin(angle)
+    blade = blade_force(predictor.vehicle, k, p, p.thrusts[k], relative)
     # The loss by inflow of an error is small: it takes the same share of the error as of the thrust.
     shares = np.stack([c, sine, x * sine - y * c])
-    blade = blade_force(predictor.vehicle, k, p, p.thrusts[k], relative)
+    pushed = s.mass.solve(shares)
     for error in errors:
-        force = shares * error
+        process = pushed * error
         if thruster.rudder is not None:
             # The stream on the blade changes with the thrust, and with it the blade's force.
-            pushed = p.thrusts[k] + BLADE_STEP * error
-            force = force + (blade_force(predictor.vehicle, k, p, pushed, relative) - blade) / BLADE_STEP
-        yield predictor.answer(s.mass.solve(force))
+            more = blade_force(predictor.vehicle, k, p, p.thrusts[k] + BLADE_STEP * error, relative)
+            process = process + s.mass.solve(more - blade) / BLADE_STEP
+        yield predictor.answer(process)

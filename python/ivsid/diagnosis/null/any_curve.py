@@ -61,7 +61,8 @@ class AnyCurve:
     def __init__(self, fit: Fit) -> None:
         self.fit = fit
         found = list(cells(fit))
-        g = fit.gram.whole()
+        # Further columns join when they are asked for: most candidates are never held against a curve.
+        g = fit.gram.only(fit.base).whole()
         first = len(g.names)
         if found:
             x, unit = g.white.blocks([answer for _, answer in found], fit.gram.good, fit.gram.length)
@@ -70,7 +71,7 @@ class AnyCurve:
             prior[first:] = 1.0 / (BOUNDED * np.maximum(unit, 1e-300)) ** 2
             g = replace(g, prior=prior)
         self.g = g
-        self.projection = Projection(g, [*fit.base, *range(first, len(g.names))])
+        self.projection = Projection(g, range(len(g.names)))
         # The cells alone make any curve, so that the knots of the fit have no bound of their own here.
         self.box = np.zeros(len(self.projection.base))
         self.box[len(fit.base) :] = g.unit[first:]
@@ -79,28 +80,21 @@ class AnyCurve:
                 if g.names[k].startswith(words):
                     self.box[i] = 1.0 / (np.sqrt(g.prior[k]) * share)
 
-    def beyond(self, columns: Sequence[int], p: Projection | None = None) -> float:
-        """Fall of chi-squared by further columns that no declared error inside its bound can make.
-
-        Args:
-            columns: indices among the cross-products.
-            p: least squares on the same base; that of all columns by default.
-        """
-        p = p or self.projection
-        theta, fall = p.solve(columns)
-        return beyond(fall, float(np.abs(p.held_back(columns) @ theta) @ self.box))
-
     def of(self, s: Scored) -> float:
         """Fall of chi-squared of a family that no declared error inside its bound can make."""
-        if s.family.kind != "step":
-            return self.beyond(s.columns)
-        fit, g = self.fit, self.fit.gram
-        log = fit.noise.predictor.log
-        x = g.columns(s.columns).copy()
-        x[:, : round((s.values[-1] - float(log.t[0])) / (g.length * log.h))] = 0.0
-        unit = np.sqrt(np.maximum(np.einsum("cbi,cbi->c", x, x), 1e-300))
-        wide = self.g.joined([f"{s.id}@"], x.reshape(len(x), *self.g.y.shape) / unit[:, None, None], unit)
-        return self.beyond([len(wide.names) - 1], Projection(wide, self.projection.base))
+        g = self.fit.gram
+        x, unit = g.columns(s.columns), g.unit[list(s.columns)]
+        if s.family.kind == "step":
+            log = self.fit.noise.predictor.log
+            x[:, : round((s.values[-1] - float(log.t[0])) / (g.length * log.h))] = 0.0
+            unit = np.sqrt(np.maximum(np.einsum("cbi,cbi->c", x, x), 1e-300))
+            x = x / unit[:, None, None]
+        first = len(self.g.names)
+        wide = self.g.joined([f"{s.id}@{k}" for k in s.columns], x.reshape(len(x), *self.g.y.shape), unit)
+        p = Projection(wide, self.projection.base)
+        columns = range(first, len(wide.names))
+        theta, fall = p.solve(columns)
+        return beyond(fall, float(np.abs(p.held_back(columns) @ theta) @ self.box))
 
 
 def beyond(fall: float, worst: float) -> float:
@@ -130,7 +124,7 @@ class Boxed:
         curves = {
             f"~thrust.{t.name}.": e
             for t, e in zip(predictor.vehicle.thrusters, predictor.propulsion.errors, strict=True)
-            if e.functions
+            if len(e.spreads)
         }
         own = [[k for k in p.base if g.names[k].startswith(words)] for words in curves]
         self.g, self.total = g, p.total
@@ -146,9 +140,9 @@ class Boxed:
         self.turn = np.zeros((len(self.at), len(self.at)))
         first = 0
         for errors in curves.values():
-            here = slice(first, first + len(errors.functions))
+            here = slice(first, first + len(errors.spreads))
             self.turn[here, here] = errors.knots.T
-            first += len(errors.functions)
+            first += len(errors.spreads)
         self.turn *= g.unit[self.at][:, None]
         self.free, self.inside, self.knots = self._falls(()) if self.at else (0.0, 0.0, 0)
 
@@ -193,7 +187,7 @@ def outside(fit: Fit) -> tuple[tuple[str, float], ...]:
     found = []
     predictor = fit.noise.predictor
     for thruster, errors in zip(predictor.vehicle.thrusters, predictor.propulsion.errors, strict=True):
-        held = [fit.h.declared_errors.get(f"~thrust.{thruster.name}.{j}", 0.0) for j in range(len(errors.functions))]
+        held = [fit.h.declared_errors.get(f"~thrust.{thruster.name}.{j}", 0.0) for j in range(len(errors.spreads))]
         largest = float(np.abs(errors.knots @ held).max(initial=0.0))
         if largest > 1.0:
             found.append((thruster.name, largest))
@@ -204,15 +198,15 @@ def cells(fit: Fit) -> Iterator[tuple[str, Array]]:
     """Name and signature of a thrust error of one bound in each cell of demand that the log visits."""
     s = fit.signatures
     propulsion = s.predictor.propulsion
-    thrusters = [k for k, e in enumerate(propulsion.errors) if e.functions]
+    thrusters = [k for k, e in enumerate(propulsion.errors) if len(e.spreads)]
     relative = through_water(s)
     for k in thrusters:
         count = min(MOST_CELLS, max(CELLS // (2 * len(thrusters)), 1))
         place = _places(propulsion.demands[k], count)
-        visited = np.unique(place(propulsion.demands[k])).tolist()
-        shapes = (s.predictor.driving.error(s.h, k, _in_cell(fit, k, place, cell)) for cell in visited)
+        visited = np.unique(place(propulsion.demands[k]))
+        errors = s.predictor.driving.slopes(s.h, k, _in_cells(fit, k, place, visited))
         name = s.predictor.vehicle.thrusters[k].name
-        for cell, answer in zip(visited, thrust_answers(s, k, shapes, relative), strict=True):
+        for cell, answer in zip(visited, thrust_answers(s, k, errors, relative), strict=True):
             if np.any(answer):
                 yield f"~cell.{name}.{cell}", answer
 
@@ -227,10 +221,12 @@ def _places(demand: Array, count: int) -> Callable[[Array], NDArray[np.int64]]:
     return place
 
 
-def _in_cell(fit: Fit, k: int, place: Callable[[Array], NDArray[np.int64]], cell: int) -> Callable[[Array], Array]:
-    """The error [N] of one bound in one cell of a thruster's demands."""
+def _in_cells(
+    fit: Fit, k: int, place: Callable[[Array], NDArray[np.int64]], visited: NDArray[np.int64]
+) -> Callable[[Array], Array]:
+    """The errors [N] of one bound in each cell of a thruster's demands."""
     vehicle, propulsion = fit.noise.predictor.vehicle, fit.noise.predictor.propulsion
-    return lambda d: bound_of(vehicle.thrusters[k], propulsion.curves[k], d) * (place(d) == cell)
+    return lambda d: bound_of(vehicle.thrusters[k], propulsion.curves[k], d) * (place(d) == visited[:, None])
 
 
 def upward(d: Array) -> NDArray[np.bool_]:

@@ -155,7 +155,7 @@ def _declared_errors(
     propulsion = Propulsion(programme.vehicle, programme.log)
     curves: list[Array | None] = []
     for k, thruster in enumerate(programme.vehicle.thrusters):
-        names = [f"~thrust.{thruster.name}.{j}" for j in range(len(propulsion.errors[k].functions))]
+        names = [f"~thrust.{thruster.name}.{j}" for j in range(len(propulsion.errors[k].spreads))]
         if not names or names[0] not in drawn:
             curves.append(None)
             continue
@@ -164,7 +164,7 @@ def _declared_errors(
         low, high = (end - thruster.neutral for end in propulsion.curves[k].range)
         if not np.isfinite(high - low):
             low, high = float(grid[0]), float(grid[-1])
-        waves = np.stack([error(grid) for error in propulsion.errors[k].functions])
+        waves = propulsion.errors[k].at(grid)
         bound = bound_of(thruster, propulsion.curves[k], grid)
         # The waves are fitted where demands were sent, weighted by how often.
         weight = np.sqrt(np.histogram(sent, np.r_[grid, grid[-1] + GRID_MARGIN])[0] / sent.size)

@@ -16,9 +16,6 @@ from ivsid.effects import Response, Thrust
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
-# Difference of a declared error from which a slope is taken, in units of the error's bound.
-# Source: geometry: thrust is linear in the error up to a limit or a dead band, and rounding costs 1e-13 of such a difference
-ERROR_STEP: Final = 1e-3
 # Hypotheses whose thrusts are kept: those that a fit compares, so that most of its steps work none out.
 # Source: resource: memory of thrusts, of shape (thrusters, 2 n) each
 KEPT: Final = 4
@@ -84,38 +81,18 @@ class Driving:
 
     def _sizes(self, h: Hypothesis, k: int) -> list[float]:
         name = self.vehicle.thrusters[k].name
-        return [
-            h.declared_errors.get(f"~thrust.{name}.{j}", 0.0) for j in range(len(self.propulsion.errors[k].functions))
-        ]
+        count = len(self.propulsion.errors[k].spreads)
+        return [h.declared_errors.get(f"~thrust.{name}.{j}", 0.0) for j in range(count)]
 
-    def error(self, h: Hypothesis, k: int, beside: Callable[[Array], Array]) -> Array:
-        """Thrust [N] that a further error of a thruster's curve adds, shape (2 n,).
-
-        Args:
-            h: the hypothesis.
-            k: index of the thruster.
-            beside: the error [N] of demands from neutral in the order of time.
-        """
-        sizes = self._sizes(h, k)
-        base = self.propulsion.one(k, h.given, sizes)
-        moved = self.propulsion.one(k, h.given, sizes, lambda d: ERROR_STEP * beside(d))
-        return np.concatenate([b - a for a, b in zip(base, moved, strict=True)]) / ERROR_STEP
-
-    def shapes(self, h: Hypothesis, k: int) -> list[Array]:
-        """Slopes of a thruster's thrust [N] with the sizes of its declared errors, shape (2 n,) each.
+    def slopes(self, h: Hypothesis, k: int, beside: Callable[[Array], Array] | None = None) -> Array:
+        """Slopes of a thruster's thrust [N] with errors of its curve, shape (errors, 2 n).
 
         Args:
-            h: the hypothesis, with the sizes at which the slopes are taken.
+            h: the hypothesis, with the sizes of declared errors at which the slopes are taken.
             k: index of the thruster.
+            beside: the errors [N], shape (errors, m), of m demands from neutral in the order of time; the declared ones by default.
         """
-        sizes = self._sizes(h, k)
-        base = self.propulsion.one(k, h.given, sizes)
-        found = []
-        for j in range(len(sizes)):
-            more = [s + (ERROR_STEP if i == j else 0.0) for i, s in enumerate(sizes)]
-            moved = self.propulsion.one(k, h.given, more)
-            found.append(np.concatenate([b - a for a, b in zip(base, moved, strict=True)]) / ERROR_STEP)
-        return found
+        return self.propulsion.slopes(k, h.given, self._sizes(h, k), beside)
 
 
 def _over(x: Array, *, held: bool) -> Array:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from ivsid.diagnosis.data.channels import Channels
-from ivsid.diagnosis.plant.thrust_errors import thrust_errors
+from ivsid.diagnosis.plant.thrust_errors import ThrustErrors, thrust_errors
 from ivsid.effects import EFFECTS, Drive, Given, Response, Thrust, for_thruster
 from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.vehicle import Thruster, Vehicle
@@ -23,6 +24,9 @@ Array = NDArray[np.float64]
 # Shortest lag that is followed [s]; a shorter one is none.
 # Source: geometry: 4e-5 of the shortest step, 1/25 s, over which a lag of this length is over
 SHORTEST_LAG: Final = 1e-6
+# Difference of an error of a thrust curve from which a slope is taken, in units of the error.
+# Source: geometry: thrust is linear in the error up to a limit or a dead band, and rounding costs 1e-13 of such a difference
+ERROR_STEP: Final = 1e-3
 # Rounding of a number of steps that is rounded to a whole one.
 # Source: geometry: far above the rounding of a quotient of times, far below a step
 WHOLE: Final = 1e-9
@@ -50,23 +54,21 @@ class Thrusts:
 
 
 class _At:
-    """One thruster at given demands: its thrust by the curve, and the shapes of its declared errors, worked out when first asked for.
+    """One thruster at given demands: its thrust by the curve, and its declared errors, worked out when first asked for.
 
     Attributes:
-        demand: from the thruster's neutral, in its own unit, any shape.
-        thrust: by the curve [N], of the same shape.
+        demand: from the thruster's neutral, in its own unit, shape (n,).
+        thrust: by the curve [N], shape (n,).
     """
 
-    def __init__(self, demand: Array, thrust: Array, errors: Sequence[Callable[[Array], Array]]) -> None:
+    def __init__(self, demand: Array, thrust: Array, declared: ThrustErrors) -> None:
         self.demand, self.thrust = demand, thrust
-        self._errors = errors
-        self._known: dict[int, Array] = {}
+        self._declared = declared
 
-    def error(self, j: int) -> Array:
-        """The thrust error [N] of one unit of the j-th declared error."""
-        if j not in self._known:
-            self._known[j] = self._errors[j](self.demand)
-        return self._known[j]
+    @cached_property
+    def errors(self) -> Array:
+        """Thrust errors [N] of one unit of each declared error, shape (errors, n)."""
+        return self._declared.at(self.demand)
 
 
 class Propulsion:
@@ -87,7 +89,7 @@ class Propulsion:
             thrust_errors(t, c, d) for t, c, d in zip(vehicle.thrusters, self.curves, self.demands, strict=True)
         ]
         self._samples = [
-            _At(self.demands[k], np.asarray(c.value(log.demands[k]), dtype=np.float64), self.errors[k].functions)
+            _At(self.demands[k], np.asarray(c.value(log.demands[k]), dtype=np.float64), self.errors[k])
             for k, c in enumerate(self.curves)
         ]
         # Every hypothesis asks for the thrusts of the same demands between samples: they are worked out once.
@@ -108,27 +110,35 @@ class Propulsion:
         fine = [p for p in parts if p is not None]
         return Thrusts(np.stack(now), np.stack(mean), np.stack(fine) if fine else None)
 
-    def one(
+    def slopes(
         self,
         k: int,
         given: Sequence[Given],
-        sizes: Sequence[float] = (),
+        sizes: Sequence[float],
         beside: Callable[[Array], Array] | None = None,
-    ) -> tuple[Array, Array]:
-        """Thrusts of one thruster [N]: at samples, and means over the steps after them, shape (n,) each.
+    ) -> Array:
+        """Slopes of one thruster's thrust [N] with errors of its curve, at samples and then over the steps after them, shape (errors, 2 n).
 
         Args:
             k: index of the thruster.
             given: effects of a hypothesis.
             sizes: of its declared errors, in units of their bounds.
-            beside: a further error of its curve [N], of demands from neutral in the order of time.
+            beside: the errors [N], shape (errors, m), of m demands from neutral in the order of time; the declared ones by default.
         """
-        return self._worked(k, given, sizes, beside)[:2]
+        errors = _declared if beside is None else lambda at: beside(at.demand)
+        return np.concatenate(self._worked(k, given, sizes, errors)[:2], axis=1)
 
     def _worked(
-        self, k: int, given: Sequence[Given], sizes: Sequence[float], beside: Callable[[Array], Array] | None = None
+        self,
+        k: int,
+        given: Sequence[Given],
+        sizes: Sequence[float],
+        errors: Callable[[_At], Array] | None = None,
     ) -> tuple[Array, Array, Array | None]:
-        """Thrusts of one thruster at samples, means over steps, and means over the parts of steps, shape (n, parts), or None."""
+        """Thrusts of one thruster at samples, means over steps, and means over the parts of steps, shape (n, parts), or None.
+
+        With errors of its curve the slopes with each of them, with the errors as a further axis in front.
+        """
         h, n = self.log.h, self.log.n
         thruster = self.vehicle.thrusters[k]
         changes = _changes(thruster, given)
@@ -140,15 +150,7 @@ class Propulsion:
         lag = late.get("lag", thruster.time_constant or 0.0)
         delay = max(late.get("delay", 0.0), 0.0)
 
-        def static(at: _At) -> Array:
-            thrust = at.thrust
-            d = at.demand
-            # The error of the curve comes before any limit or dead band.
-            for j, size in enumerate(sizes):
-                if size:
-                    thrust = thrust + size * at.error(j)
-            if beside is not None:
-                thrust = thrust + beside(d)
+        def changed(thrust: Array, d: Array) -> Array:
             parts = d.size // n
             time = self.log.t if parts == 1 else (self.log.t[:, None] + np.arange(parts) * (h / parts)).ravel()
             voltage = self.log.voltage if parts == 1 or self.log.voltage is None else np.repeat(self.log.voltage, parts)
@@ -157,6 +159,18 @@ class Propulsion:
                 if isinstance(g.effect.acts, Thrust):
                     thrust = g.effect.acts.function(thrust, drive, g.values)
             return np.asarray(thrust, dtype=np.float64) * np.ones(d.size)
+
+        def static(at: _At) -> Array:
+            # The error of the curve comes before any limit or dead band.
+            thrust = at.thrust + np.asarray(sizes) @ at.errors if any(sizes) else at.thrust
+            if errors is None:
+                return changed(thrust, at.demand)
+            each = errors(at)
+            if not changes:
+                return each
+            base = changed(thrust, at.demand)
+            moved = [changed(thrust + ERROR_STEP * error, at.demand) - base for error in each]
+            return np.stack(moved) / ERROR_STEP if moved else np.zeros((0, at.demand.size))
 
         d = self.demands[k]
         if self.log.between is not None:
@@ -169,7 +183,8 @@ class Propulsion:
         mean = now
         if not self.log.held:
             # Simpson's rule over a demand that runs straight to the next.
-            mean = (now + 4 * static(self._known(k, lambda: _midway(d, held=False))) + np.r_[now[1:], now[-1:]]) / 6
+            middle = static(self._known(k, lambda: _midway(d, held=False)))
+            mean = (now + 4 * middle + np.concatenate([now[..., 1:], now[..., -1:]], axis=-1)) / 6
         now, mean = _late(now, mean, delay, h)
         if lag > SHORTEST_LAG:
             now, mean, _ = _behind(now, mean, lag, h)
@@ -197,7 +212,7 @@ class Propulsion:
     def _at(self, k: int, demand: Array) -> _At:
         """One thruster at demands from its neutral."""
         thrust = np.asarray(self.curves[k].value(demand + self.vehicle.thrusters[k].neutral), dtype=np.float64)
-        return _At(demand, thrust, self.errors[k].functions)
+        return _At(demand, thrust, self.errors[k])
 
     def _known(self, k: int, demand: Callable[[], Array]) -> _At:
         """One thruster at the log's own demands between samples."""
@@ -220,8 +235,8 @@ class Propulsion:
             now, mean = _late(now, now, delay, h)
             if lag > SHORTEST_LAG:
                 now, mean, _ = _behind(now, mean, lag, h)
-        fine = mean.reshape(-1, parts)
-        return now[::parts], fine.mean(axis=1), fine
+        fine = mean.reshape(*mean.shape[:-1], -1, parts)
+        return now[..., ::parts], fine.mean(axis=-1), fine
 
 
 def _changes(thruster: Thruster, given: Sequence[Given]) -> list[Given]:
@@ -247,21 +262,31 @@ def _late(now: Array, mean: Array, delay: float, h: float) -> tuple[Array, Array
         return now, mean
     whole = int(np.floor(delay / h + WHOLE))
     part = delay / h - whole
-    newer = np.r_[np.full(whole, mean[0]), mean][: mean.size]
-    older = np.r_[newer[0], newer[:-1]]
+    newer = _earlier(mean, whole)
+    older = _earlier(newer, 1)
     over = part * older + (1 - part) * newer
     if mean is not now:
         # A quantity on straight lines stands between two samples.
-        late = np.r_[np.full(whole, now[0]), now][: now.size]
-        return (1 - part) * late + part * np.r_[late[0], late[:-1]], over
+        late = _earlier(now, whole)
+        return (1 - part) * late + part * _earlier(late, 1), over
     return (newer if part < WHOLE else older), over
+
+
+def _earlier(x: Array, steps: int) -> Array:
+    """A quantity as it was some steps before; before its first sample it keeps its first value."""
+    steps = min(steps, x.shape[-1])
+    return np.concatenate([np.repeat(x[..., :1], steps, axis=-1), x[..., : x.shape[-1] - steps]], axis=-1)
 
 
 def _behind(now: Array, held: Array, lag: float, h: float) -> tuple[Array, Array, Array]:
     """A quantity that holds over each step, behind a first-order lag: at samples, means over the steps after them, and at their ends."""
     decay = float(np.exp(-h / lag))
     # x at the end of step k is decay x at its start + (1 - decay) goal.
-    end, _ = lfilter([1 - decay], [1, -decay], held, zi=[decay * now[0]])
-    start = np.r_[now[0], end[:-1]]
+    end, _ = lfilter([1 - decay], [1, -decay], held, zi=decay * now[..., :1])
+    start = np.concatenate([now[..., :1], end[..., :-1]], axis=-1)
     share = (1 - decay) * lag / h
     return start, held + (start - held) * share, np.asarray(end, dtype=np.float64)
+
+
+def _declared(at: _At) -> Array:
+    return at.errors

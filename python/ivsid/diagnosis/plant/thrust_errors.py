@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -34,26 +35,44 @@ SMOOTH: Final = 0.6
 CORRELATED: Final = 0.3
 
 
-@dataclass(frozen=True)
-class ThrustErrors:
-    """Declared errors of one thruster.
-
-    Attributes:
-        functions: thrust errors [N] of one unit of each, as functions of the demand from neutral.
-        spreads: standard deviation of the size of each beforehand, shape (functions,).
-        knots: value of each at the knots, in units of the bound, shape (knots, functions).
-    """
-
-    functions: tuple[Callable[[Array], Array], ...]
-    spreads: Array
-    knots: Array
-
-
 def bound_of(thruster: Thruster, curve: ThrustCurve, demand: Array) -> Array:
     """Bound of the thrust error [N] at demands from neutral: no thrust has no error."""
     accuracy = thruster.accuracy
     thrust = np.abs(np.asarray(curve.value(demand + thruster.neutral), dtype=np.float64))
     return np.asarray(np.minimum(accuracy.absolute + accuracy.relative * thrust, thrust), dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class ThrustErrors:
+    """Declared errors of one thruster.
+
+    Attributes:
+        bound: of the thrust error [N], as a function of demands from neutral.
+        places: of the knots, as such demands, shape (knots,).
+        spreads: standard deviation of the size of each error beforehand, shape (errors,).
+        knots: value of each error at the knots, in units of the bound, shape (knots, errors).
+    """
+
+    bound: Callable[[Array], Array]
+    places: Array
+    spreads: Array
+    knots: Array
+
+    @property
+    def functions(self) -> tuple[Callable[[Array], Array], ...]:
+        """Thrust errors [N] of one unit of each, as functions of the demand from neutral."""
+        return tuple(partial(self._one, j) for j in range(len(self.spreads)))
+
+    def _one(self, j: int, demand: Array) -> Array:
+        return np.asarray(self.bound(demand) * np.interp(demand, self.places, self.knots[:, j]))
+
+    def at(self, demand: Array) -> Array:
+        """Thrust errors [N] of one unit of each at demands from neutral, shape (errors, n)."""
+        if not len(self.spreads):
+            return np.zeros((0, demand.size))
+        return np.asarray(
+            self.bound(demand) * np.stack([np.interp(demand, self.places, column) for column in self.knots.T])
+        )
 
 
 def thrust_errors(thruster: Thruster, curve: ThrustCurve, demand: Array) -> ThrustErrors:
@@ -66,20 +85,15 @@ def thrust_errors(thruster: Thruster, curve: ThrustCurve, demand: Array) -> Thru
     """
     accuracy = thruster.accuracy
     if not accuracy.absolute and not accuracy.relative:
-        return ThrustErrors((), np.zeros(0), np.zeros((0, 0)))
+        return ThrustErrors(partial(bound_of, thruster, curve), np.zeros(0), np.zeros(0), np.zeros((0, 0)))
     low, high = float(demand.min()), float(demand.max())
     knots = np.linspace(low, high, KNOTS) if high > low else np.array([low])
     apart = (knots[:, None] - knots) / max(high - low, 1e-300)
     covariance = SMOOTH * np.exp(-0.5 * (apart / CORRELATED) ** 2) + (1 - SMOOTH) * np.eye(knots.size)
     values, vectors = np.linalg.eigh(covariance)
 
-    def shape(at_knots: Array) -> Callable[[Array], Array]:
-        def error(d: Array) -> Array:
-            return bound_of(thruster, curve, d) * np.interp(d, knots, at_knots)
-
-        return error
-
     # The smoothest first.
     order = np.argsort(-values)
-    functions = tuple(shape(vectors[:, j].copy()) for j in order)
-    return ThrustErrors(functions, BOUNDED * np.sqrt(values[order]), vectors[:, order])
+    return ThrustErrors(
+        partial(bound_of, thruster, curve), knots, BOUNDED * np.sqrt(values[order]), vectors[:, order].copy()
+    )

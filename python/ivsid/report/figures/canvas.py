@@ -31,6 +31,11 @@ def finish(name: str, title: str, caption: str, figure: Figure) -> Drawing:
     files = []
     # No date and a fixed salt: the same input gives the same bytes.
     with mpl.rc_context({"svg.hashsalt": "ivsid", "path.simplify_threshold": 0.5}):
+        engine = figure.get_layout_engine()
+        if engine is not None:
+            # One layout serves both files; each file would else lay the figure out twice.
+            engine.execute(figure)
+            figure.set_layout_engine(None)
         for kind in ("png", "svg"):
             buffer = io.BytesIO()
             metadata: dict[str, str | None] = {"Date": None} if kind == "svg" else {"Software": None}

@@ -1,11 +1,14 @@
 """Null logs: that they are the log's own programme without an effect, that their scores are those that the Gaussian draws promise, and their cache."""
 
 import json
+import multiprocessing
+import os
 import subprocess
 import sys
 import time
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,7 +20,7 @@ from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null import simulated_logs
 from ivsid.diagnosis.null.cache import keep, kept, key_of
-from ivsid.diagnosis.null.calibration import NullTest, examined, trial_of
+from ivsid.diagnosis.null.calibration import LOOKS, NullTest, examined, scores, trial_of
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.simulated_logs import FASTEST, null_logs, thinned
 from ivsid.diagnosis.null.thresholds import calibrate
@@ -210,6 +213,45 @@ def test_only_a_finding_close_to_its_threshold_asks_for_null_logs(zigzags, tmp_p
     again = confirmed(fit, test, [close(fit, test, 2.6)], 1, 20, tmp_path, told.append)
     assert again.nulls.cached == 20 and not told
     np.testing.assert_array_equal(again.nulls.strengths, near.nulls.strengths)
+
+
+def test_looks_decide_wrongly_as_seldom_as_they_state():
+    """Strengths without an effect are exponential: a finding just at the level falls early, and one below it stands, in a few of a hundred."""
+    rng = np.random.default_rng(4)
+    level, looks = 0.01, [*LOOKS, 400]
+    at_level = -np.log(level)
+
+    def early(strength):
+        """Whether a finding stands, falls, or neither before the last look."""
+        x = rng.exponential(size=looks[-1])
+        for count in looks[:-1]:
+            used = NullTest(x[:count], np.zeros(count, dtype=bool), level)
+            if used.decides(strength, len(looks)):
+                return "stands" if strength >= used.threshold() else "falls"
+        return "doubt"
+
+    said = {q: [early(at_level + q) for _ in range(400)] for q in (-3.0, -1e-9, 1e-9, 3.0)}
+    # Both sides of the level, by counts that a rate of 2.3 % exceeds once in a thousand.
+    assert said[1e-9].count("falls") <= 19 and said[-1e-9].count("stands") <= 19
+    assert said[-3.0].count("falls") > 350 and not said[-3.0].count("stands")
+    assert said[3.0].count("stands") > 250 and not said[3.0].count("falls")
+
+
+def test_scores_come_in_order_and_no_process_outlives_the_last_that_is_asked_for():
+    """The first numbers decide, whichever process is quicker, and what a process does not come to is done here."""
+    here = os.getpid()
+
+    def strengths(seed, part):
+        for k in part:
+            if k == 5 and os.getpid() != here:
+                os._exit(1)
+            time.sleep(0.02 if k % 2 else 0.0)
+            yield float(k), False
+
+    made = scores(SimpleNamespace(strengths=strengths), 1, range(8))
+    assert [next(made) for _ in range(7)] == [(float(k), False) for k in range(7)]
+    made.close()
+    assert not multiprocessing.active_children()
 
 
 def test_processes_end_when_the_one_that_started_them_is_killed(tmp_path):

@@ -1,6 +1,6 @@
 """Parametric bootstrap of the largest score: null logs are simulated, examined like the log, and give the threshold of a finding.
 
-Null logs are examined on all processors, in parts of forked processes.
+Null logs are examined on all processors, in forked processes, until those that are done decide.
 
 Source: Efron and Tibshirani, *An Introduction to the Bootstrap*, 1993, section 6.5; for the tail Pickands, "Statistical inference using
 extreme order statistics", Annals of Statistics 3, 1975.
@@ -10,14 +10,17 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
 from threading import Thread
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import binom, norm
 
 from ivsid.diagnosis.candidates.families import score
 from ivsid.diagnosis.data.channels import Channels
@@ -36,9 +39,9 @@ from ivsid.diagnosis.prediction.axes import Ambient
 from ivsid.diagnosis.prediction.innovations import Predictor
 
 Array = NDArray[np.float64]
-# Null logs of the first look: all of them are simulated only where these leave doubt.
-# Source: resource: a twentieth of the time of 400 null logs
-FEW: Final = 20
+# Numbers of null logs after which their scores may decide; all of them are examined only where these leave doubt.
+# Source: resource: each look costs about twice as much as those before it
+LOOKS: Final = (20, 60, 160)
 # Null logs from which the whitening is learnt.
 # Source: resource: each takes as long as a null log that is examined
 LEARN: Final = 2
@@ -47,7 +50,7 @@ LEARN: Final = 2
 APART: Final = 1_000_000
 # Null logs that are simulated together share the steps of the integration.
 # Source: resource: 0.6 GB a process for logs of 600 s at 20 Hz
-TOGETHER: Final = 40
+TOGETHER: Final = 200
 # From this number of logs on the tail starts at the last tenth, whose mean excess is then known to a third.
 # Source: definition: standard error of the mean of ten exponential excesses
 MANY: Final = 100
@@ -57,9 +60,9 @@ TAIL_OF_FEW: Final = 0.5
 # Fewest null logs that give a threshold.
 # Source: definition: standard error of the mean of ten exponential excesses
 FEWEST: Final = 10
-# Standard deviations by which a threshold from few logs may be too low.
-# Source: definition: 2.3 % of normal errors lie beyond on one side
-UNSURE: Final = 2.0
+# Probability that a look decides wrongly, over all looks and on each side.
+# Source: definition: 2.3 % of normal errors lie beyond two standard deviations on one side
+UNSURE: Final = 0.023
 # Share of null logs that leave the programme beyond which null logs give no threshold.
 # Source: measured: make constants
 MOST_LOST: Final = 0.2
@@ -118,6 +121,22 @@ class NullTest:
         slope *= 1.0 + sigmas / np.sqrt(max(excess.size, 1))
         return float(start + slope * np.log(share / self.level))
 
+    def decides(self, strength: float, looks: int) -> bool:
+        """Whether these null logs decide about a finding, so that further ones need not be examined.
+
+        It stands if it exceeds the threshold by more than the threshold may be too low. It falls if null logs exceed it more often than the
+        level allows, by the exact binomial probability.
+
+        Args:
+            strength: of the finding.
+            looks: number of looks among which the probability of a wrong decision is divided.
+        """
+        chance = UNSURE / looks
+        if strength >= self.threshold(float(norm.isf(chance))):
+            return True
+        beyond = int((self.kept > strength).sum())
+        return strength < self.threshold() and float(binom.sf(beyond - 1, self.kept.size, self.level)) <= chance
+
     def record(self) -> dict[str, object]:
         """The entry ``calibration.simulated`` of result.json."""
         return {
@@ -136,7 +155,7 @@ class Trial:
     Attributes:
         programme: from which they are simulated.
         filters: the ambient acceleration of the filters, as of the log.
-        whitening: of their innovations.
+        whitening: of the log's innovations, where none is learnt from null logs.
         left_out: indices of the axes that are left out.
         fixed: parameters that are not fitted, with their values.
         test: of the families.
@@ -149,17 +168,27 @@ class Trial:
     fixed: dict[str, float]
     test: Threshold
 
-    def strengths(self, seed: int, numbers: Sequence[int]) -> list[tuple[float, bool]]:
-        """The largest strength of each null log, and whether a family of it passed the test."""
-        return [
-            (float("nan"), False) if made is None else self._one(*made)
-            for made in null_logs(self.programme, seed, numbers)
-        ]
+    def strengths(self, seed: int, numbers: Sequence[int]) -> Iterator[tuple[float, bool]]:
+        """The largest strength of each null log, and whether a family of it passed the test, in the order of the numbers."""
+        # The null logs that teach the whitening are simulated with the others: the steps of the integration cost the same for all.
+        made = null_logs(self.programme, seed, [*range(APART, APART + LEARN), *numbers])
+        whitening = self._learnt([one for one in made[:LEARN] if one is not None])
+        for one in made[LEARN:]:
+            yield (float("nan"), False) if one is None else self._one(*one, whitening)
 
-    def _one(self, log: Channels, h: Hypothesis) -> tuple[float, bool]:
+    def _learnt(self, made: Sequence[tuple[Channels, Hypothesis]]) -> Whitening:
+        """The whitening that null logs teach as the log did."""
+        fits = [surveyed(self, *one, None) for one in made]
+        if not fits:
+            return self.whitening
+        left = np.concatenate([remaining(f) for f in fits], axis=1)
+        good = np.concatenate([f.noise.good for f in fits])
+        return whiten(fits[0].noise.predictor, left, good, self.left_out)
+
+    def _one(self, log: Channels, h: Hypothesis, whitening: Whitening) -> tuple[float, bool]:
         """Strength of one null log, and whether a family of it passed the test; NaN if it cannot be fitted."""
         try:
-            fit = surveyed(self, log, h, self.whitening)
+            fit = surveyed(self, log, h, whitening)
         except (np.linalg.LinAlgError, ValueError):
             return float("nan"), False
         families = tuple(f for f in fit.families if f.variants and f.id in self.test.visible)
@@ -225,17 +254,7 @@ def trial_of(fit: Fit, test: Threshold, seed: int) -> Trial:
         replace(back, at=back.at[:, : thin.n * q : q]),
         reference,
     )
-    trial = Trial(programme, predictor.ambient, fit.noise.whitening, fit.noise.left_out, dict(fit.fixed), test)
-    fits = [
-        surveyed(trial, *made, None)
-        for made in null_logs(programme, seed, range(APART, APART + LEARN))
-        if made is not None
-    ]
-    if not fits:
-        return trial
-    left = np.concatenate([remaining(f) for f in fits], axis=1)
-    good = np.concatenate([f.noise.good for f in fits])
-    return replace(trial, whitening=whiten(fits[0].noise.predictor, left, good, fit.noise.left_out))
+    return Trial(programme, predictor.ambient, fit.noise.whitening, fit.noise.left_out, dict(fit.fixed), test)
 
 
 def examined(trial: Trial, seed: int, numbers: Sequence[int], told: Callable[[int], None] = lambda _: None) -> NullTest:
@@ -247,51 +266,64 @@ def examined(trial: Trial, seed: int, numbers: Sequence[int], told: Callable[[in
         numbers: of the null logs.
         told: called with the number of null logs that are done.
     """
+    every = []
+    for one in scores(trial, seed, numbers):
+        every.append(one)
+        told(len(every))
+    return null_test(every, trial.test.calibration.level)
+
+
+def null_test(every: Sequence[tuple[float, bool]], level: float) -> NullTest:
+    """The scores of null logs, and whether a family passed, in order."""
+    return NullTest(np.array([s for s, _ in every]), np.array([p for _, p in every], dtype=bool), level)
+
+
+def scores(trial: Trial, seed: int, numbers: Sequence[int]) -> Generator[tuple[float, bool]]:
+    """Scores of null logs in the order of their numbers, each as soon as it is there; processes end when nobody asks for more.
+
+    The scores do not depend on the number of processors.
+    """
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
-    size = min(TOGETHER, max(1, -(-len(numbers) // cores)))
-    parts = [numbers[k : k + size] for k in range(0, len(numbers), size)]
-    found: dict[int, list[tuple[float, bool]]] = {}
-    if cores > 1 and len(parts) > 1 and "fork" in multiprocessing.get_all_start_methods():
-        for k, done in _forked(trial, seed, parts, cores):
-            found[k] = done
-            told(sum(map(len, found.values())))
-    for k, part in enumerate(parts):
-        # Parts that no other process has done are done here.
-        if k not in found:
-            found[k] = trial.strengths(seed, part)
-            told(sum(map(len, found.values())))
-    every = [one for k in range(len(parts)) for one in found[k]]
-    passed = np.array([p for _, p in every], dtype=bool)
-    return NullTest(np.array([s for s, _ in every]), passed, trial.test.calibration.level)
-
-
-def _forked(
-    trial: Trial, seed: int, parts: Sequence[Sequence[int]], cores: int
-) -> Iterator[tuple[int, list[tuple[float, bool]]]]:
-    """Scores of parts of the numbers, as forked processes finish them. A term's function cannot be pickled, so processes are copies of this one."""
+    cores = min(cores, len(numbers))
+    if cores < 2 or "fork" not in multiprocessing.get_all_start_methods():
+        yield from _in_parts(trial, seed, numbers)
+        return
     context = multiprocessing.get_context("fork")
-    readers: list[Connection] = []
-    workers = []
-    for w in range(min(cores, len(parts))):
-        reader, writer = context.Pipe(duplex=False)
-        mine = list(range(w, len(parts), cores))
-        worker = context.Process(target=_work, args=(trial, seed, parts, mine, writer), daemon=True)
-        worker.start()
-        writer.close()
-        readers.append(reader)
-        workers.append(worker)
+    workers: list[BaseProcess] = []
+    found = []
     try:
-        while readers:
-            ready = wait(readers)
-            for reader in [q for q in readers if q in ready]:
-                try:
-                    yield reader.recv()
-                except EOFError:
-                    readers.remove(reader)
+        # A term's function cannot be pickled, so processes are copies of this one.
+        for w in range(cores):
+            reader, writer = context.Pipe(duplex=False)
+            mine = numbers[w::cores]
+            worker = context.Process(target=_work, args=(trial, seed, mine, writer), daemon=True)
+            worker.start()
+            writer.close()
+            workers.append(worker)
+            found.append(_received(reader, trial, seed, mine))
+        for k in range(len(numbers)):
+            yield next(found[k % cores])
     finally:
-        for worker in workers:
-            worker.terminate()
-            worker.join()
+        for started in workers:
+            started.terminate()
+            started.join()
+
+
+def _in_parts(trial: Trial, seed: int, numbers: Sequence[int]) -> Iterator[tuple[float, bool]]:
+    """Scores of null logs, of which some are simulated together: first as many as the first look asks for."""
+    edges = [0, *range(LOOKS[0], len(numbers), TOGETHER), len(numbers)]
+    for first, end in pairwise(edges):
+        yield from trial.strengths(seed, numbers[first:end])
+
+
+def _received(reader: Connection, trial: Trial, seed: int, mine: Sequence[int]) -> Iterator[tuple[float, bool]]:
+    """Scores that another process sends; those that it did not come to are worked out here."""
+    for k in range(len(mine)):
+        try:
+            yield reader.recv()
+        except EOFError:
+            yield from _in_parts(trial, seed, mine[k:])
+            return
 
 
 def _end_with_parent() -> None:
@@ -302,9 +334,9 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-def _work(trial: Trial, seed: int, parts: Sequence[Sequence[int]], mine: Sequence[int], writer: Connection) -> None:
-    """Work of one process: its parts in turn, each sent with its index."""
+def _work(trial: Trial, seed: int, mine: Sequence[int], writer: Connection) -> None:
+    """Work of one process: the scores of its null logs in turn."""
     Thread(target=_end_with_parent, daemon=True).start()
-    for k in mine:
-        writer.send((k, trial.strengths(seed, parts[k])))
+    for one in _in_parts(trial, seed, mine):
+        writer.send(one)
     writer.close()

@@ -18,6 +18,7 @@ from ivsid.diagnosis.null.feedback import Feedback
 from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration
 from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.propulsion import Propulsion
+from ivsid.diagnosis.plant.thruster_forces import bollard_force
 from ivsid.diagnosis.prediction.axes import Ambient
 from ivsid.vehicle import Vehicle
 
@@ -91,8 +92,8 @@ class _Thrusters:
         table, share = self.tables[k], place - cell
         return np.asarray((1 - share) * table[self.row, cell] + share * table[self.row, cell + 1])
 
-    def step(self, now: Array, later: Array, share: float) -> tuple[Array, Array, Array]:
-        """Thrusts at the start, in the middle and at the end of a step of ``share`` samples, each of shape (thrusters, count)."""
+    def step(self, now: Array, later: Array, share: float) -> Array:
+        """Thrusts at the start, in the middle and at the end of a step of ``share`` samples, shape (3, thrusters, count)."""
         out = np.empty((3, len(self.behind), self.count))
         for k, thruster in enumerate(self.vehicle.thrusters):
             middle = 0.5 * (now[k] + later[k]) if later is not now else now[k]
@@ -111,7 +112,7 @@ class _Thrusters:
             self.behind[k] = last[1]
             for part, x in enumerate((first, *last)):
                 out[part, k] = self.static(k, x) if of_demand else x
-        return out[0], out[1], out[2]
+        return out
 
 
 class _Motion:
@@ -136,7 +137,19 @@ class _Motion:
             x[4:] = log.place[:, :1]
         return x
 
-    def rates(self, x: Array, push: Array, sent: Array, i: int, time: float) -> Array:
+    def bollard(self, push: Array, sent: Array, i: int) -> Array:
+        """X, Y [N], N [N m] of thrusts at no speed and of the known force during the step after sample i, shape (3, parts, count).
+
+        Args:
+            push: thrusts at several moments of the step, shape (parts, thrusters, count).
+            sent: commands, shape (sent, count).
+            i: the sample.
+        """
+        angles = sent[2 * self.thrusters :]
+        force = np.broadcast_to(self.log.force[:, i, None, None], (3, len(push), self.wide.size))
+        return bollard_force(self.vehicle, push.transpose(1, 0, 2), (np.cos(angles), np.sin(angles)), force)
+
+    def rates(self, x: Array, push: Array, bollard: Array, sent: Array, i: int, time: float) -> Array:
         """Rates of u, v, r, psi, x, y under thrusts and commands during the step after sample i, shape (6, count)."""
         log, m = self.log, self.thrusters
         p = Points(
@@ -149,6 +162,7 @@ class _Motion:
             self.wide + log.force[:, i, None],
             None if log.wind is None else self.wide + log.wind[:, i, None],
             sent[m : 2 * m],
+            bollard,
         )
         nudot = acceleration(self.vehicle, self.h, p, self.mass)
         c, s = np.cos(x[3]), np.sin(x[3])
@@ -219,11 +233,12 @@ def simulated(
                     middle = 0.5 * (first + last)
                 push = thrusters.step(first, last, 1.0 / parts)
                 time = float(log.t[i]) + (part + 0.5) * step
-                k1 = motion.rates(x, push[0], middle, i, time) + ahead
+                force = motion.bollard(push, middle, i)
+                k1 = motion.rates(x, push[0], force[:, 0], middle, i, time) + ahead
                 if not part:
                     rates[:, i] = k1[:3]
-                k2 = motion.rates(x + 0.5 * step * k1, push[1], middle, i, time) + ahead
-                k3 = motion.rates(x + 0.5 * step * k2, push[1], middle, i, time) + ahead
-                k4 = motion.rates(x + step * k3, push[2], middle, i, time) + ahead
+                k2 = motion.rates(x + 0.5 * step * k1, push[1], force[:, 1], middle, i, time) + ahead
+                k3 = motion.rates(x + 0.5 * step * k2, push[1], force[:, 1], middle, i, time) + ahead
+                k4 = motion.rates(x + step * k3, push[2], force[:, 2], middle, i, time) + ahead
                 x = x + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
     return states, rates, sent

@@ -1,14 +1,17 @@
 """Confirmation of findings that are close to their threshold, by simulated null logs.
 
-Few null logs are simulated first, and all of them only if a finding is not clear of their threshold. Null logs make the threshold stricter,
-and never looser.
+Null logs are examined until they decide about every finding that is close, and all of them only where doubt is left. They make the threshold
+stricter, and never looser.
+
+Source: docs/theory.md, "Null logs"; Clopper and Pearson, "The use of confidence or fiducial limits illustrated in the case of the binomial",
+Biometrika 26, 1934.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Final
 
@@ -16,7 +19,7 @@ import numpy as np
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.null.cache import keep, kept, key_of
-from ivsid.diagnosis.null.calibration import FEW, UNSURE, NullTest, examined, trial_of
+from ivsid.diagnosis.null.calibration import LOOKS, NullTest, null_test, scores, trial_of
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.effects import own_digest
@@ -61,11 +64,6 @@ class Confirmation:
             "achieved": said["achieved"],
             "simulated": {**said, "gaussian_threshold": self.nulls.first},
         }
-
-
-def _told(progress: Callable[[str], None], start: int, count: int, done: int) -> None:
-    """Tells the number of null logs that are done."""
-    progress(f"null logs {start + done} of {count}")
 
 
 def strength(test: Threshold, found: Found) -> float:
@@ -115,17 +113,27 @@ def confirmed(
     known = None if folder is None else kept(folder, key, test.calibration.level)
     nulls = NullTest(np.zeros(0), np.zeros(0, dtype=bool), test.calibration.level) if known is None else known
     before = nulls.strengths.size
-    trial = None
-    for count in sorted({min(FEW, most), most}):
-        if nulls.strengths.size < count:
-            progress(f"null logs 0 of {count}")
-            trial = trial or trial_of(fit, test, seed)
+    looks = sorted({*(count for count in LOOKS if count < most), most})
+    level = test.calibration.level
+    more: Generator[tuple[float, bool]] | None = None
+    try:
+        for count in looks:
             start = nulls.strengths.size
-            told = partial(_told, progress, start, count)
-            nulls = nulls.joined(examined(trial, seed, range(start, count), told))
-        used = nulls.first_of(count)
-        if not used.usable or min(near) >= used.threshold(UNSURE):
-            break
+            if start < count:
+                if more is None:
+                    progress(f"null logs {start} of {most}")
+                    more = scores(trial_of(fit, test, seed), seed, range(start, most))
+                every = []
+                for one in islice(more, count - start):
+                    every.append(one)
+                    progress(f"null logs {start + len(every)} of {most}")
+                nulls = nulls.joined(null_test(every, level))
+            used = nulls.first_of(count)
+            if not used.usable or all(used.decides(s, len(looks)) for s in near):
+                break
+    finally:
+        if more is not None:
+            more.close()
     if folder is not None and nulls.strengths.size > before:
         keep(folder, key, nulls)
     used = replace(used, cached=min(before, used.strengths.size), first=test.calibration.chance)

@@ -19,7 +19,7 @@ from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.confirmation import NULL_LOGS, confirmed
-from ivsid.diagnosis.selection.parallel import at_once, one_blas_thread
+from ivsid.diagnosis.selection.parallel import Apart, at_once, one_blas_thread
 from ivsid.diagnosis.selection.rules import full_refused
 from ivsid.diagnosis.selection.select import select
 from ivsid.diagnosis.statements.claims import claims
@@ -75,7 +75,7 @@ def diagnose(
     fit = plain_fit(vehicle, log, everything)
     visible = visibility(fit)
     seen = frozenset(i for i, v in visible.items() if v.tested)
-    calibration = calibrate(fit, seen, LEVEL, seed)
+    calibration, before = at_once(partial(calibrate, fit, seen, LEVEL, seed), partial(adequacy, fit))
     test_of = Threshold(calibration, visible)
     progress("looking for causes")
     selection = select(fit, test_of, fit.fixed, progress)
@@ -83,7 +83,11 @@ def diagnose(
     if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in selection.found):
         progress("looking again, at the threshold of the null logs")
         selection = select(fit, confirmation.test, fit.fixed, progress)
-    before = adequacy(fit)
+    # Errors of TRAIN's sensors and thrusters are no part of the model: TEST has its own.
+    plain = replace(fit.h, declared_errors={})
+    extended_h = plain if selection.last.h is fit.h else replace(selection.last.h, declared_errors={})
+    predictor = Predictor(vehicle, other, selection.last.noise.predictor.ambient)
+    compared = Apart(partial(compare, predictor, plain, extended_h, seed))
     after = adequacy(selection.last) if selection.found else before
     complete = after.sufficient(before, len(selection.found))
     residuals = before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
@@ -97,13 +101,8 @@ def diagnose(
         findings = (*findings, unknown(after, [f.id for f in selection.found if f.id not in kept]))
     claimed = claims(selection.last, selection.leftover, findings, unknown=not after.quiet)
     progress("trying both models on the other log")
-    # Errors of TRAIN's sensors and thrusters are no part of the model: TEST has its own.
-    plain = replace(fit.h, declared_errors={})
-    extended_h = plain if selection.last.h is fit.h else replace(selection.last.h, declared_errors={})
-    predictor = Predictor(vehicle, other, selection.last.noise.predictor.ambient)
-    moved, gain = at_once(
-        partial(change, vehicle, selection.last, other), partial(compare, predictor, plain, extended_h, seed)
-    )
+    moved = change(vehicle, selection.last, other)
+    gain = compared.result()
     if moved is not None and moved.factor is not None:
         findings = (*findings, shallow(moved))
     named = [f.effect for f in findings if f.effect != "unknown"]

@@ -14,7 +14,7 @@ ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 FIXED := PROPTEST_RNG_SEED=1
 
 .PHONY: demo test test-rust test-python dependencies check rustfmt clippy clippy-built lint rules null-logs constants constants-page rules-page types stubs imports docs docs-rust docs-python nightly \
-	bench same same-compare vessels peers inverse-peers throughput exhaustive twins itf1788 differential fuzz exam handbook build release venv format clean
+	bench same same-compare vessels peers inverse-peers throughput diagnosis-time exhaustive twins itf1788 differential fuzz exam handbook build release venv format clean
 
 demo: release
 	$(BIN)/ivsid demo --out $(OUT)
@@ -147,6 +147,10 @@ inverse-peers: release
 throughput: release
 	cargo bench --locked --bench inverse -- sweep
 	$(BIN)/python benches/throughput.py docs/throughput.png
+
+# Seconds of a diagnosis with figures and files, 600 s at 20 Hz, beside a fit by hand in the same run.
+diagnosis-time: release
+	$(ONE_THREAD) $(BIN)/python benches/diagnosis.py
 
 # Seconds of mutated literals for the text parser.
 SECONDS ?= 600

@@ -1,6 +1,6 @@
 """How much each number matters: ``python benches/constants.py OUT.md [NAME ...]`` (``make constants``).
 
-Every constant whose source is this measurement is halved and doubled in turn, in a process of its own. For one of ivsid.diagnosis a fixed set
+Every constant whose source is this measurement is halved and doubled in turn, in a process of its own. For one of ivsid.diagnosis and ivsid.effects a fixed set
 of short simulated logs is diagnosed again: two with nothing hidden, some with one cause each, one with a drag that is no cause of the
 catalogue. A number that those do not read has a case of ``constants_rare.py``. For one of another chapter the tasks of
 ``constants_tasks.py`` run again. The table counts the verdicts that change, names the
@@ -40,6 +40,8 @@ CASES: dict[str, dict[str, float]] = {
     },
 }
 FACTORS = (0.5, 2.0)
+# Files whose constants the diagnosed logs judge: effects declare the values that a diagnosis tries.
+DIAGNOSIS = ("diagnosis/", "effects/")
 UNREAD = "not read by the cases"
 HEAD = """# Numbers, halved and doubled
 
@@ -97,7 +99,7 @@ def outcomes(file: str, name: str) -> dict[str, Any]:
 
     if file == "rare" or f"{file} {name}" in served():
         return rare(f"{file} {name}")
-    return diagnosed() if file.startswith("diagnosis/") else worked()
+    return diagnosed() if file.startswith(DIAGNOSIS) else worked()
 
 
 def diagnosed() -> dict[str, Any]:
@@ -167,7 +169,7 @@ def _kind(file: str, name: str) -> str:
     """A file without constants that is judged by the same cases."""
     from constants_rare import served  # noqa: PLC0415 - beside this file
 
-    return "rare" if f"{file} {name}" in served() else "diagnosis/none" if file.startswith("diagnosis/") else "none"
+    return "rare" if f"{file} {name}" in served() else "diagnosis/none" if file.startswith(DIAGNOSIS) else "none"
 
 
 def head() -> str:

@@ -65,13 +65,13 @@ def drawn(style: str, rate: float):
 
 
 def fitted(vehicle, log):
-    """The fit of a log, its test, and the largest strength over the tested families."""
+    """The fit of a log, its test, and the largest strength over the tested candidates."""
     fit = plain_fit(vehicle, channels(log, vehicle), everything)
     visible = visibility(fit)
     seen = frozenset(i for i, v in visible.items() if v.tested)
     test = Threshold(calibrate(fit, seen, LEVEL, 1), visible)
-    families = tuple(f for f in fit.families if f.variants and f.id in seen)
-    other, scored = score(replace(fit, families=families))
+    tested = tuple(c for c in fit.candidates if c.variants and c.id in seen)
+    other, scored = score(replace(fit, candidates=tested))
     best = min((s.chance for s in scored if s.physical), default=1.0)
     return fit, test, -np.log(max(best, 1e-300)), bool(test(other, scored).passed)
 

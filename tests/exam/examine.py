@@ -12,7 +12,7 @@ def examine(folder: Path) -> dict:
     from tests.exam.peers import PEERS, regression
 
     from ivsid.diagnosis import diagnose
-    from ivsid.diagnosis.null.visibility import levels
+    from ivsid.diagnosis.estimation.kinds.grid import GridCandidate
     from ivsid.log import read_log
     from ivsid.vehicle import read_vehicle
 
@@ -30,7 +30,9 @@ def examine(folder: Path) -> dict:
         "cpu": spent,
         "visible": {i: v.z for i, v in d.visible.items()},
         "levels": {
-            f.id: sorted(levels(d.selection.plain, f)) for f in d.selection.plain.families if f.idle is not None
+            c.id: sorted(c.levels(d.selection.plain.projection))
+            for c in d.selection.plain.candidates
+            if isinstance(c, GridCandidate) and c.idle is not None
         },
         "left": [(s.id, round(s.fall, 1)) for s in d.selection.leftover[:4]],
         "adequacy": [(a.fall, a.freedom, a.chance, a.chance_of_one, a.strongest[:2]) for a in d.adequacy],

@@ -6,9 +6,9 @@ from functools import cache
 import numpy as np
 
 from ivsid.diagnosis.candidates.families import everything, score
-from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.thresholds import calibrate

@@ -180,7 +180,7 @@ def test_channels_that_are_missing_are_said_and_not_tested():
     )
     fit = plain_fit(vehicle, channels(bare, vehicle), everything)
     assert "psi" in fit.refused["current.steady"] and "ax" in fit.refused["sensor.acceleration.bias"]
-    ids = {f.id for f in fit.families}
+    ids = {c.id for c in fit.candidates}
     assert "drag.surge.linear" in ids and not any(i.startswith("sensor.") for i in ids)
     assert np.isfinite([s.fall for s in score(fit)[1]]).all()
 

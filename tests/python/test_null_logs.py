@@ -17,6 +17,7 @@ from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS
 from ivsid.diagnosis import cache_folder
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.kinds.linear import LinearCandidate
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null import simulated_logs
 from ivsid.diagnosis.null.cache import keep, kept, key_of
@@ -186,7 +187,9 @@ def test_simulated_and_gaussian_strengths_agree(zigzags):
 
 def close(fit, test, times):
     """A finding of so many times the strength that the threshold asks for."""
-    best = next(s for s in score(fit)[1] if s.count == 1 and s.id in test.visible and s.family.kind == "linear")
+    best = next(
+        s for s in score(fit)[1] if s.count == 1 and s.id in test.visible and isinstance(s.candidate, LinearCandidate)
+    )
     gain = next(
         g
         for g in np.arange(1.0, 500.0, 0.25)

@@ -52,7 +52,7 @@ def test_the_draws_score_as_noise_does(fit, seen):
     """
     rng = np.random.default_rng(4)
     at_ten = calibrate(fit, seen, 0.1, 1, draws=4000)
-    families = tuple(f for f in fit.families if f.variants and f.id in seen)
+    tested = tuple(c for c in fit.candidates if c.variants and c.id in seen)
 
     passed, logs = 0, 400 if NIGHTLY else 60
     g = fit.gram
@@ -63,7 +63,7 @@ def test_the_draws_score_as_noise_does(fit, seen):
         y = y + g.explained(known, sizes)
         scores = np.concatenate([np.einsum("cbi,bi->bc", part, y) for part in g.parts], axis=1)
         noise = replace(g, y=y, score=scores, energy=np.einsum("bi,bi->b", y, y), centre=np.zeros(len(g.names)))
-        _, scored = score(replace(fit, gram=noise, families=families))
+        _, scored = score(replace(fit, gram=noise, candidates=tested))
         passed += min(s.chance if s.physical else 1.0 for s in scored) <= at_ten.chance
     # Three standard deviations of a count on either side; a level of 1 % or of 25 % lies outside.
     assert abs(passed - 0.1 * logs) < 3 * np.sqrt(0.09 * logs), passed

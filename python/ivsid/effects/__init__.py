@@ -9,6 +9,7 @@ Other effects are forces, currents, and changes of parameters, thrusts or readin
 
 - ``effect``: the definition of an effect, its parameters, and the classes of physics; ``terms``: states, terms and their columns.
 - ``inertia``, ``drag``, ``environment``, ``thrusters``, ``sensing``: the effects, one file a family.
+- ``forms``: how a diagnosis searches for the numbers of an effect; ``applicability``: what a vehicle lacks for an effect.
 - ``catalogue``: all of them by id, and the models that are sets of ids.
 - ``values``: effects with values, from numbers by id.
 - ``registration``: effects of a user, from a Python file or from code.
@@ -20,6 +21,7 @@ Other effects are forces, currents, and changes of parameters, thrusts or readin
 The chapter may use ``vehicle`` and the chapters below it. It knows no log, no rows and no noise.
 """
 
+from ivsid.effects.applicability import lacking
 from ivsid.effects.catalogue import (
     ADDED_MASS_TERMS,
     CATALOGUE,
@@ -38,16 +40,18 @@ from ivsid.effects.effect import (
     Effect,
     Force,
     Inflow,
+    Key,
     Parameter,
     Reading,
     Response,
     Terms,
     Thrust,
 )
+from ivsid.effects.forms import Anchored, Form, Grid, Harmonic, Linear, Step
 from ivsid.effects.registration import own_digest, own_files, own_ids, read_effects, register, unregister
 from ivsid.effects.rigid_body import rigid_body
 from ivsid.effects.terms import CHANNELS, Columns, Place, State, Term
-from ivsid.effects.values import Given, for_thruster, of_kind, sort_given, spread
+from ivsid.effects.values import Given, acting, for_thruster, of_kind, sort_given, spread, with_stated
 
 __all__ = [
     "ADDED_MASS_TERMS",
@@ -58,23 +62,32 @@ __all__ = [
     "PAPER_TERMS",
     "PLAIN_TERMS",
     "WITH_HEADING",
+    "Anchored",
     "Change",
     "Columns",
     "Current",
     "Drive",
     "Effect",
     "Force",
+    "Form",
     "Given",
+    "Grid",
+    "Harmonic",
     "Inflow",
+    "Key",
+    "Linear",
     "Parameter",
     "Place",
     "Reading",
     "Response",
     "State",
+    "Step",
     "Term",
     "Terms",
     "Thrust",
+    "acting",
     "for_thruster",
+    "lacking",
     "of_kind",
     "on_hull",
     "own_digest",
@@ -87,4 +100,5 @@ __all__ = [
     "spread",
     "terms_of",
     "unregister",
+    "with_stated",
 ]

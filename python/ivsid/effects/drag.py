@@ -59,7 +59,9 @@ FAMILY: Final[tuple[Effect, ...]] = (
         150.0,
         "form drag in sway",
         plain=True,
+        shares=SURGE_QUADRATIC.id,
         confusable=("drag.cross_flow",),
+        turning=True,
         separate="drift sideways without turning, then turn on the spot",
     ),
     term_effect(
@@ -88,6 +90,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         30.0,
         "induced drag of sideslip in turns",
         confusable=("coupling.cg_x", "drag.surge.linear"),
+        turning=True,
         separate="vary sideslip against yaw rate: a zigzag, then a slow turn on the spot",
     ),
     term_effect(
@@ -95,6 +98,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         8.0,
         "linear damping of sideways motion",
         confusable=("drag.lift.sway",),
+        turning=True,
         separate="circles at two speeds",
     ),
     term_effect(
@@ -103,6 +107,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         "a stern appendage or lateral area off the centre pushes sideways in a turn",
         signed=True,
         confusable=("sensor.velocity.lever_arm", "coupling.cg_x"),
+        turning=True,
         separate="measure the sideways acceleration in a zigzag: the kinematic residual stays clean for a force",
     ),
     term_effect(
@@ -110,6 +115,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         1.0,
         "linear damping of turning",
         confusable=("drag.yaw.quadratic", "coupling.cg_x", "added_mass.munk"),
+        turning=True,
         separate="zigzags of two amplitudes",
     ),
     term_effect(
@@ -117,6 +123,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         2.0,
         "quadratic damping of turning",
         confusable=("drag.yaw.linear", "drag.cross_flow", "coupling.cg_x"),
+        turning=True,
         separate="turns whose rates span a factor of four",
     ),
     term_effect(
@@ -124,6 +131,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         25.0,
         "cross-flow drag along the hull's length, in sway and yaw at once",
         confusable=("drag.yaw.quadratic", "drag.yaw.linear", "drag.sway.quadratic"),
+        turning=True,
         separate="circles and turns on the spot: one coefficient must explain both force and moment",
     ),
     term_effect(
@@ -131,6 +139,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         10.0,
         "lift of the hull or a keel in sideslip",
         confusable=("drag.sway.linear",),
+        turning=True,
         separate="circles at several speeds",
     ),
     term_effect(
@@ -141,6 +150,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         equivalents=("added_mass.munk",),
         equivalent_odds=(1.0,),
         confusable=("coupling.cg_x",),
+        turning=True,
         separate="sideways accelerations strong enough to give m_v: the Munk coefficient must equal m_v - m_u; a chirp in yaw",
     ),
 )

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Final, Literal, TypeAlias, TypedDict, Unpack
+from typing import ClassVar, Final, Literal, TypeAlias, TypedDict, Unpack
 
+from ivsid.effects.forms import DELAYS, Form, Grid, Linear, Step
 from ivsid.effects.quantity import Quantity
 from ivsid.effects.scaling import froude_power
 from ivsid.effects.terms import Columns, State, Term
@@ -36,6 +38,7 @@ class Parameter:
         none: the value at which the effect vanishes: 1 for a factor.
         lowest: the smallest value that the physics can take.
         exclusive: whether ``lowest`` itself is impossible, as for a period of 0.
+        most: the largest value that is drawn or fitted first, as for a share.
     """
 
     part: str
@@ -48,6 +51,7 @@ class Parameter:
     none: float = 0.0
     lowest: float | None = None
     exclusive: bool = False
+    most: float = math.inf
 
     def scaled(self, mass: float) -> float:
         """The typical size for a vehicle of another mass [kg], by Froude's law of similarity."""
@@ -62,29 +66,44 @@ class Parameter:
         return f"it must be above {self.lowest:g}" if self.exclusive else f"it must not be below {self.lowest:g}"
 
 
+class Physics:
+    """A class of physics.
+
+    Attributes:
+        form: in which a diagnosis searches for such effects, where they declare none.
+        at_thruster: whether it acts at each thruster.
+        additive: whether it leaves the masses, the water and all other forces as they are.
+    """
+
+    form: ClassVar[Form] = Linear()
+    at_thruster: ClassVar[bool] = False
+    additive: ClassVar[bool] = False
+
+
 @dataclass(frozen=True)
-class Terms:
+class Terms(Physics):
     """Physics that is linear in each parameter: columns on the left of the equations of motion, one ``Term`` a parameter."""
 
     terms: tuple[Term, ...]
 
 
 @dataclass(frozen=True)
-class Force:
+class Force(Physics):
     """A force on the right-hand side: from a state with its place, and the parameters, to X, Y [N] and N [N m] by channel."""
 
+    additive: ClassVar[bool] = True
     function: Callable[[State, Numbers], Columns]
 
 
 @dataclass(frozen=True)
-class Change:
+class Change(Physics):
     """A change of other parameters: from their values by id, this effect's parameters and the time [s] to the new values."""
 
     function: Callable[[Mapping[str, Quantity], Numbers, Quantity], dict[str, Quantity]]
 
 
 @dataclass(frozen=True)
-class Current:
+class Current(Physics):
     """A current: from the parameters and the time [s] to the water's velocity north, east [m/s] and the rates of both."""
 
     function: Callable[[Numbers, Quantity], tuple[Quantity, Quantity, Quantity, Quantity]]
@@ -112,28 +131,41 @@ class Drive:
 
 
 @dataclass(frozen=True)
-class Thrust:
-    """A change of a thrust at rest: from the thrust [N], its drive and the parameters to the new thrust [N]."""
+class Thrust(Physics):
+    """A change of a thrust at rest: from the thrust [N], its drive and the parameters to the new thrust [N].
 
+    Attributes:
+        function: the change.
+        timed: whether it depends on the time or the voltage of its drive.
+    """
+
+    at_thruster: ClassVar[bool] = True
+    additive: ClassVar[bool] = True
     function: Callable[[Quantity, Drive, Numbers], Quantity]
+    timed: bool = False
 
 
 @dataclass(frozen=True)
-class Inflow:
+class Inflow(Physics):
     """A change of a thrust by inflow: from thrust [N], the water's speed along its axis [m/s] and the parameters to [N]."""
 
+    at_thruster: ClassVar[bool] = True
+    additive: ClassVar[bool] = True
     function: Callable[[Quantity, Quantity, Numbers], Quantity]
 
 
 @dataclass(frozen=True)
-class Response:
+class Response(Physics):
     """A late thrust: a first-order lag or a pure delay, whose time [s] is the only parameter."""
 
+    form: ClassVar[Form] = Grid(DELAYS, "seconds")
+    at_thruster: ClassVar[bool] = True
+    additive: ClassVar[bool] = True
     kind: Literal["lag", "delay"]
 
 
 @dataclass(frozen=True)
-class Reading:
+class Reading(Physics):
     """A change of a sensor's reading: from the channels it senses and the parameters to the channels that differ.
 
     The channels are arrays by the log's names, and ``thrust`` [N]. Two more entries serve velocity sensors: ``r_v`` is the yaw
@@ -145,11 +177,30 @@ class Reading:
         order: place among the changes of the same log, lowest first.
     """
 
+    additive: ClassVar[bool] = True
     function: Callable[[Mapping[str, Quantity], Numbers], dict[str, Quantity]]
     sensor: Literal["velocity", "acceleration", "yaw_rate"]
     order: int = 0
 
 
+@dataclass(frozen=True)
+class Key:
+    """A key of a vehicle file's thruster that states an effect.
+
+    Attributes:
+        name: of the key.
+        share_left: whether the key states one minus the effect's number: the share that is left.
+    """
+
+    name: str
+    share_left: bool = False
+
+    def __call__(self, value: float) -> float:
+        """The key's number from the effect's, and the other way round."""
+        return 1.0 - value if self.share_left else value
+
+
+Ask: TypeAlias = Literal["both_sides", "largest_thrust"]
 Acts: TypeAlias = Terms | Force | Change | Current | Thrust | Inflow | Response | Reading
 
 
@@ -172,6 +223,15 @@ class Effect:
         plain: whether it is a term of the plain model, which is an effect only for a model that lacks it.
         per_thruster: whether ``id.NAME`` is the effect on one thruster alone.
         measured: the form for logs that hold the cause itself (wind columns), with parameters of its own.
+        searched: how a diagnosis searches for it, where its physics does not say (``form``).
+        key: of a vehicle file's thruster that states the same.
+        asks: what it needs of a vehicle: thrusters on both sides, or thrust curves with an end.
+        turning: whether it has no signature of its own where the vehicle does not turn.
+        shares: the plain term with which it shares one column in the paper's model.
+        needed: whether every model has it, since no mass matrix is regular without it.
+        one_factor: whether it changes all masses and drags by one factor: no log without a claimed number shows it.
+        hidden: the reason why no single log shows it; empty for all others.
+        stated: the entry of a scenario's environment that states it.
     """
 
     id: str
@@ -187,6 +247,30 @@ class Effect:
     measured: Effect | None = None
     equivalent_odds: tuple[float, ...] = ()
     of_hull: tuple[float, float] | None = None
+    searched: Form | None = None
+    key: Key | None = None
+    asks: tuple[Ask, ...] = ()
+    turning: bool = False
+    shares: str = ""
+    needed: bool = False
+    one_factor: bool = False
+    hidden: str = ""
+    stated: str = ""
+
+    @property
+    def form(self) -> Form:
+        """How a diagnosis searches for it: as declared, else by its start, else as usual for its physics."""
+        return self.searched or (Step() if "time" in self.draws else self.acts.form)
+
+    @property
+    def draws(self) -> tuple[Draw, ...]:
+        """The rules by which hidden values of its parameters are drawn."""
+        return tuple(p.draw for p in self.parameters)
+
+    @property
+    def terms(self) -> tuple[Term, ...]:
+        """The terms that it adds to a model; none for physics that is not linear in its parameters."""
+        return self.acts.terms if isinstance(self.acts, Terms) else ()
 
     @property
     def parts(self) -> tuple[str, ...]:
@@ -208,6 +292,9 @@ class Described(TypedDict, total=False):
     separate: str
     plain: bool
     of_hull: tuple[float, float] | None
+    turning: bool
+    shares: str
+    needed: bool
 
 
 def term_effect(

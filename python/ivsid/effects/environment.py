@@ -6,8 +6,11 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Final
 
+from ivsid.effects.drag import SURGE_QUADRATIC, SWAY_QUADRATIC
 from ivsid.effects.effect import Change, Current, Effect, Force, Numbers, Parameter, Terms
+from ivsid.effects.forms import Anchored, Harmonic
 from ivsid.effects.functions import cos, sin, sqrt, square
+from ivsid.effects.inertia import MASS_SURGE, MASS_SWAY
 from ivsid.effects.quantity import Quantity
 from ivsid.effects.terms import Columns, Place, State, Term
 from ivsid.errors import IvsidError
@@ -15,6 +18,8 @@ from ivsid.errors import IvsidError
 # Above its anchor a tether hangs straight down and has no horizontal pull: within this distance [m] the pull fades.
 # Source: definition: the effect tether.tension of the catalogue.
 TETHER_RADIUS: Final = 0.05
+# The parameters that shallow water changes by one factor.
+SHALLOW_SCALED: Final = (MASS_SURGE.id, MASS_SWAY.id, SURGE_QUADRATIC.id, SWAY_QUADRATIC.id)
 
 
 def _place(state: State) -> Place:
@@ -86,12 +91,11 @@ def _tether(state: State, p: Numbers) -> Columns:
 
 
 def _shallow(plain: Mapping[str, Quantity], p: Numbers, _t: Quantity) -> dict[str, Quantity]:
-    scaled = ("mass.surge", "mass.sway", "drag.surge.quadratic", "drag.sway.quadratic")
-    return {id_: plain[id_] * p[0] for id_ in scaled if id_ in plain}
+    return {id_: plain[id_] * p[0] for id_ in SHALLOW_SCALED if id_ in plain}
 
 
 def _fouling(plain: Mapping[str, Quantity], p: Numbers, t: Quantity) -> dict[str, Quantity]:
-    id_ = "drag.surge.quadratic"
+    id_ = SURGE_QUADRATIC.id
     return {id_: plain[id_] * (t * p[0] + 1.0)} if id_ in plain else {}
 
 
@@ -118,17 +122,31 @@ _MEASURED_WIND: Final = Effect(
     separate="full turns at rest and at speed",
 )
 
+STEADY_CURRENT: Final = Effect(
+    "current.steady",
+    "the water moves at a constant velocity over ground",
+    (Parameter("north", "V_N", "m/s", 0.08, draw="north"), Parameter("east", "V_E", "m/s", 0.05, draw="east")),
+    Current(_steady),
+    needs=("psi",),
+    equivalents=("wind.steady",),
+    confusable=("wind.steady", "drag.surge.linear"),
+    separate="two or more headings, each at two speeds",
+    stated="current",
+)
+
+SHALLOW_WATER: Final = Effect(
+    "environment.shallow_water",
+    "little water under the keel: masses and drags grow alike",
+    (Parameter("", "", "1", 1.2, none=1.0, lowest=0.0, exclusive=True),),
+    Change(_shallow),
+    needs=("depth",),
+    equivalents=SHALLOW_SCALED,
+    separate="the same programme in deep water",
+    hidden="one log at one depth does not tell it from other masses and drags",
+)
+
 FAMILY: Final[tuple[Effect, ...]] = (
-    Effect(
-        "current.steady",
-        "the water moves at a constant velocity over ground",
-        (Parameter("north", "V_N", "m/s", 0.08, draw="north"), Parameter("east", "V_E", "m/s", 0.05, draw="east")),
-        Current(_steady),
-        needs=("psi",),
-        equivalents=("wind.steady",),
-        confusable=("wind.steady", "drag.surge.linear"),
-        separate="two or more headings, each at two speeds",
-    ),
+    STEADY_CURRENT,
     Effect(
         "current.oscillating",
         "the water moves to and fro: a tide or a seiche",
@@ -141,6 +159,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         Current(_oscillating),
         needs=("psi",),
         confusable=("fouling.drift", "wave.force"),
+        searched=Harmonic("flow"),
         separate="a log of several periods, on more than one heading",
     ),
     Effect(
@@ -165,17 +184,10 @@ FAMILY: Final[tuple[Effect, ...]] = (
         ),
         Force(_wave),
         needs=("psi",),
+        searched=Harmonic("force"),
         separate="a log of more than twenty periods",
     ),
-    Effect(
-        "environment.shallow_water",
-        "little water under the keel: masses and drags grow alike",
-        (Parameter("", "", "1", 1.2, none=1.0, lowest=0.0, exclusive=True),),
-        Change(_shallow),
-        needs=("depth",),
-        equivalents=("mass.surge", "mass.sway", "drag.surge.quadratic", "drag.sway.quadratic"),
-        separate="the same programme in deep water",
-    ),
+    SHALLOW_WATER,
     Effect(
         "tether.tension",
         "a tether pulls toward its anchor with a constant force, which fades within some 0.05 m of it",
@@ -188,6 +200,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         Force(_tether),
         needs=("psi", "x", "y"),
         confusable=("wind.steady", "drag.surge.linear"),
+        searched=Anchored(),
         separate="go round the anchor",
     ),
     Effect(

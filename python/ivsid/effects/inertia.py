@@ -45,7 +45,7 @@ YAW_OF_HULL: Final = (0.01, 1.0)
 
 def _payload(plain: Mapping[str, Quantity], p: Numbers, t: Quantity) -> dict[str, Quantity]:
     extra = p[0] * after(t, p[1])
-    return {id_: plain[id_] + extra for id_ in ("mass.surge", "mass.sway") if id_ in plain}
+    return {id_: plain[id_] + extra for id_ in (MASS_SURGE.id, MASS_SWAY.id) if id_ in plain}
 
 
 FAMILY: Final[tuple[Effect, ...]] = (
@@ -54,6 +54,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         58.0,
         "mass and added mass in surge",
         plain=True,
+        needed=True,
         equivalents=("thruster.gain",),
         of_hull=SURGE_OF_HULL,
         separate="weigh the vehicle, or tow it at a known acceleration",
@@ -64,6 +65,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         "mass and added mass in sway",
         plain=True,
         of_hull=SWAY_OF_HULL,
+        shares=MASS_SURGE.id,
         separate="sideways accelerations, or turns at speed",
     ),
     term_effect(
@@ -71,6 +73,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         9.0,
         "moment of inertia and its added part",
         plain=True,
+        needed=True,
         equivalents=("thruster.gain",),
         of_hull=YAW_OF_HULL,
         separate="a known arm of the thrusters, or a swing test",
@@ -81,6 +84,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         "the centre of gravity lies ahead of where the file says, or the hull is not symmetric fore and aft",
         signed=True,
         confusable=("added_mass.munk", "drag.yaw.linear"),
+        turning=True,
         separate="yaw-rate steps at rest: turning acceleration without speed",
     ),
     term_effect(
@@ -89,6 +93,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         "the centre of gravity lies off the centre line",
         signed=True,
         confusable=("thruster.asymmetry",),
+        turning=True,
         separate="surge steps followed by steady runs: this one follows acceleration, asymmetry follows thrust",
     ),
     term_effect(
@@ -98,6 +103,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         equivalents=("drag.lift.yaw",),
         equivalent_odds=(1.0,),
         confusable=("coupling.cg_x", "drag.yaw.linear"),
+        turning=True,
         separate="sideways accelerations strong enough to give m_v: this coefficient must equal m_v - m_u; a chirp in yaw",
     ),
     Effect(

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Final, TypeAlias
 
 from ivsid.effects.effect import Effect, Numbers, Parameter, Reading
+from ivsid.effects.forms import DELAYS, Grid
 from ivsid.effects.quantity import Quantity
 
 Channels: TypeAlias = Mapping[str, Quantity]
@@ -42,6 +43,17 @@ def _bias(c: Channels, p: Numbers) -> dict[str, Quantity]:
     return {"ax": c["ax"] + p[0], "ay": c["ay"] + p[1]}
 
 
+VELOCITY_SCALE: Final = Effect(
+    "sensor.velocity.scale",
+    "the speed sensor reads in wrong units by a few per cent: speed of sound, calibration",
+    (Parameter("", "", "1", 0.02, signed=True),),
+    Reading(_velocity_scale, "velocity", 4),
+    needs=("ax|udot",),
+    equivalents=("drag.surge.quadratic", "mass.surge"),
+    confusable=("drag.surge.quadratic",),
+    separate="strong accelerations with an accelerometer, or a measured position",
+)
+
 FAMILY: Final[tuple[Effect, ...]] = (
     Effect(
         "sensor.acceleration.bias",
@@ -63,6 +75,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         Reading(_acceleration_arm, "acceleration", 1),
         needs=("ax|udot", "ay|vdot"),
         confusable=("sensor.velocity.lever_arm", "coupling.cg_x"),
+        turning=True,
         separate="a zigzag with measured accelerations",
     ),
     Effect(
@@ -81,6 +94,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         Reading(lambda c, p: {"r": c["r"] + p[0]}, "yaw_rate", 5),
         needs=("psi",),
         confusable=("drag.yaw.linear", "drag.yaw.quadratic"),
+        turning=True,
         separate="a heading that does not come from the gyro",
     ),
     Effect(
@@ -90,18 +104,10 @@ FAMILY: Final[tuple[Effect, ...]] = (
         Reading(lambda c, p: {"r": c["r"] * (1.0 + p[0])}, "yaw_rate", 4),
         needs=("psi",),
         confusable=("sensor.yaw_rate.bias",),
+        turning=True,
         separate="turns both ways, with a heading that does not come from the gyro",
     ),
-    Effect(
-        "sensor.velocity.scale",
-        "the speed sensor reads in wrong units by a few per cent: speed of sound, calibration",
-        (Parameter("", "", "1", 0.02, signed=True),),
-        Reading(_velocity_scale, "velocity", 4),
-        needs=("ax|udot",),
-        equivalents=("drag.surge.quadratic", "mass.surge"),
-        confusable=("drag.surge.quadratic",),
-        separate="strong accelerations with an accelerometer, or a measured position",
-    ),
+    VELOCITY_SCALE,
     Effect(
         "sensor.velocity.misalignment",
         "the speed sensor is turned about the vertical",
@@ -109,6 +115,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         Reading(_misalignment, "velocity", 2),
         needs=("ay|vdot",),
         confusable=("drag.lift.sway",),
+        turning=True,
         separate="accelerations straight ahead",
     ),
     Effect(
@@ -118,6 +125,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         Reading(_velocity_arm, "velocity", 1),
         needs=("ay|vdot",),
         confusable=("sensor.velocity.delay", "drag.sway.yaw_rate"),
+        turning=True,
         separate="a zigzag with measured accelerations",
     ),
     Effect(
@@ -127,6 +135,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         Reading(_delay, "velocity", 0),
         needs=("ax|udot", "ay|vdot"),
         confusable=("sensor.velocity.lever_arm", "thruster.lag"),
+        searched=Grid(DELAYS, "seconds"),
         separate="a PRBS or a zigzag with measured accelerations",
     ),
 )

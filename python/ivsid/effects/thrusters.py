@@ -6,9 +6,18 @@ from typing import Final
 
 import numpy as np
 
-from ivsid.effects.effect import Drive, Effect, Inflow, Numbers, Parameter, Response, Thrust
+from ivsid.effects.effect import Drive, Effect, Inflow, Key, Numbers, Parameter, Response, Thrust
+from ivsid.effects.forms import Grid
 from ivsid.effects.functions import after
 from ivsid.effects.quantity import Quantity
+
+# Dead bands that are tried, in the demand below which most demands stay: levels lie closer below, because a small band shows little of the
+# signature of a larger one.
+# Source: measured: make constants
+BANDS: Final = (0.03, 0.05, 0.08, 0.125, 0.19, 0.28, 0.4, 0.55, 0.75, 1.0)
+# Limits that are tried, in the largest thrust of the log.
+# Source: measured: make constants
+LIMITS: Final = (0.97, 0.92, 0.85, 0.77, 0.68, 0.58, 0.47, 0.35)
 
 
 def _asymmetry(thrust: Quantity, drive: Drive, p: Numbers) -> Quantity:
@@ -75,6 +84,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         _one("1", 0.05, signed=True),
         Thrust(lambda thrust, _drive, p: thrust * (1.0 + p[0])),
         equivalents=("mass.surge", "mass.sway", "inertia.yaw", "drag.surge.quadratic", "drag.sway.quadratic"),
+        one_factor=True,
         separate="weigh the vehicle, tow it, or repeat the bollard pull",
         per_thruster=True,
     ),
@@ -86,6 +96,8 @@ FAMILY: Final[tuple[Effect, ...]] = (
         equivalents=("thruster.failure",),
         equivalent_odds=(0.3,),
         confusable=("coupling.cg_y",),
+        asks=("both_sides",),
+        turning=True,
         separate="straight runs at several thrusts",
     ),
     Effect(
@@ -93,10 +105,10 @@ FAMILY: Final[tuple[Effect, ...]] = (
         "one thruster loses a share of its thrust at a time",
         (
             Parameter("thruster", "", "1", 0.0, draw="thruster"),
-            Parameter("loss", "", "1", 0.15),
+            Parameter("loss", "", "1", 0.15, most=1.0),
             Parameter("time", "", "s", 0.0, draw="time"),
         ),
-        Thrust(_failure),
+        Thrust(_failure, timed=True),
         confusable=("thruster.asymmetry",),
         separate="straight runs before and after",
     ),
@@ -106,6 +118,8 @@ FAMILY: Final[tuple[Effect, ...]] = (
         _one("demand", 8.0, lowest=0.0),
         Thrust(_deadband),
         confusable=("friction.coulomb",),
+        searched=Grid(BANDS, "demand"),
+        key=Key("dead_band"),
         separate="demands just above and just below",
         per_thruster=True,
     ),
@@ -115,6 +129,8 @@ FAMILY: Final[tuple[Effect, ...]] = (
         _one("N", 30.0, inverse=True, lowest=0.0, exclusive=True),
         Thrust(_saturation),
         confusable=("thruster.advance_loss", "thruster.curve"),
+        searched=Grid(LIMITS, "thrust"),
+        key=Key("limit"),
         separate="full demand at rest, as in a bollard pull",
         per_thruster=True,
     ),
@@ -125,6 +141,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         Response("lag"),
         equivalents=("thruster.delay",),
         confusable=("thruster.delay", "sensor.velocity.delay"),
+        key=Key("time_constant"),
         separate="steps, sampled faster than a third of the time constant",
         per_thruster=True,
     ),
@@ -144,6 +161,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         _one("s/m", 0.08),
         Inflow(_advance),
         confusable=("drag.surge.linear", "thruster.curve", "thruster.saturation"),
+        key=Key("advance_loss"),
         separate="high thrust at rest against high thrust at speed; a zigzag",
         per_thruster=True,
     ),
@@ -153,6 +171,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         _one("1", 0.2),
         Thrust(_reverse),
         confusable=("drag.surge.astern",),
+        key=Key("reverse_factor", share_left=True),
         separate="turns on the spot and braking, with demands of both signs",
         per_thruster=True,
     ),
@@ -160,14 +179,14 @@ FAMILY: Final[tuple[Effect, ...]] = (
         "thruster.voltage_sag",
         "the battery runs down and every thrust with it",
         _one("1/s", 2.5e-4),
-        Thrust(_sag),
+        Thrust(_sag, timed=True),
         confusable=("fouling.drift", "payload.step"),
         separate="the same programme at the start and the end; turns on the spot need thrust without drag",
         measured=Effect(
             "thruster.voltage_sag",
             "thrust follows the supply's voltage by a power",
             (Parameter("power", "", "1", 1.0),),
-            Thrust(_sag_measured),
+            Thrust(_sag_measured, timed=True),
             needs=("voltage",),
         ),
     ),
@@ -177,6 +196,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         _one("1", 0.1, signed=True),
         Thrust(_curve),
         confusable=("thruster.advance_loss", "drag.surge.linear", "friction.coulomb"),
+        asks=("largest_thrust",),
         separate="a bollard pull",
         per_thruster=True,
     ),

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 from ivsid.effects.catalogue import EFFECTS
-from ivsid.effects.effect import Effect
+from ivsid.effects.effect import Change, Current, Effect, Force, Inflow, Numbers, Physics, Reading, Response, Thrust
 from ivsid.errors import IvsidError
+from ivsid.vehicle import Thruster
+
+Kind = TypeVar("Kind", Force, Change, Current, Thrust, Inflow, Response, Reading)
 
 
 @dataclass(frozen=True)
@@ -23,6 +27,12 @@ class Given:
     effect: Effect
     values: tuple[float, ...]
     thruster: str | None = None
+
+    @property
+    def start(self) -> float | None:
+        """The time from which on it acts [s], if it starts at one."""
+        draws = self.effect.draws
+        return self.values[draws.index("time")] if "time" in draws else None
 
     @property
     def named(self) -> dict[str, float]:
@@ -126,12 +136,17 @@ def _check(effect: Effect, values: tuple[float, ...]) -> None:
             raise IvsidError(f"{name} = {value:g} is not usable; {fault}")
 
 
-def of_kind(given: Sequence[Given], kind: type) -> list[Given]:
-    """Effects whose physics is of one class, such as ``Thrust``."""
-    return [g for g in given if isinstance(g.effect.acts, kind)]
+def of_kind(given: Iterable[Given], *kinds: type[Physics]) -> list[Given]:
+    """Effects whose physics is of one of some classes, such as ``Thrust``."""
+    return [g for g in given if isinstance(g.effect.acts, kinds)]
 
 
-def for_thruster(given: Sequence[Given], kind: type, thruster: str) -> list[Given]:
+def acting(given: Iterable[Given], kind: type[Kind]) -> list[tuple[Kind, Numbers]]:
+    """The physics of one class among effects, each with its numbers, in their order."""
+    return [(g.effect.acts, g.values) for g in given if isinstance(g.effect.acts, kind)]
+
+
+def for_thruster(given: Iterable[Given], kind: type[Physics], thruster: str) -> list[Given]:
     """Effects of one class that act on a thruster, in the catalogue's order.
 
     An effect that names the thruster replaces the same effect for all thrusters.
@@ -139,3 +154,21 @@ def for_thruster(given: Sequence[Given], kind: type, thruster: str) -> list[Give
     found = [g for g in of_kind(given, kind) if g.thruster in (None, thruster)]
     own = {g.effect.id for g in found if g.thruster is not None}
     return [g for g in found if g.thruster is not None or g.effect.id not in own]
+
+
+def with_stated(given: Iterable[Given], kind: type[Physics], thruster: Thruster) -> list[Given]:
+    """Effects of one class on a thruster, with those that its keys in the vehicle file state, in the catalogue's order.
+
+    An effect replaces the key that states the same.
+    """
+    found = for_thruster(given, kind, thruster.name)
+    taken = {g.effect.key for g in found}
+    for effect in EFFECTS.values():
+        if effect.key is None or effect.key in taken or not isinstance(effect.acts, kind):
+            continue
+        taken.add(effect.key)
+        value = getattr(thruster, effect.key.name)
+        if value is not None and effect.key(value) != effect.parameters[0].none:
+            found.append(Given(effect, (effect.key(value),)))
+    order = list(EFFECTS)
+    return sorted(found, key=lambda g: order.index(g.effect.id))

@@ -15,7 +15,6 @@ import numpy as np
 
 from ivsid.effects import (
     CHANNELS,
-    EFFECTS,
     PAPER_TERMS,
     PLAIN_TERMS,
     Change,
@@ -26,14 +25,14 @@ from ivsid.effects import (
     Place,
     State,
     Term,
-    Terms,
-    for_thruster,
+    acting,
     on_hull,
     rigid_body,
+    with_stated,
 )
 from ivsid.effects.environment import earth_to_body
 from ivsid.effects.functions import cos, sin
-from ivsid.effects.inertia import SHARED_MUNK
+from ivsid.effects.inertia import MASS_SWAY, SHARED_MASS, SHARED_MUNK
 from ivsid.effects.quantity import Quantity
 from ivsid.errors import IvsidError
 from ivsid.propulsion.foil import rudder_force
@@ -80,46 +79,44 @@ def plant(vehicle: Vehicle, wanted: Sequence[Term], given: Sequence[Given]) -> P
         IvsidError: a term without a value, or an effect that the vehicle cannot have.
     """
     shared = vehicle.model.terms == "paper"
-    by_id = {g.effect.id: g for g in given}
     terms = {t.id: t for t in wanted}
     plain = {t.id: t for t in PLAIN_TERMS}
-    for id_, other in (("mass.sway", "mass.surge"), ("drag.sway.quadratic", "drag.surge.quadratic")):
-        if shared and id_ in by_id:
+    for g in given:
+        if shared and g.effect.shares:
             # A separate value for sway ends the sharing of the paper's column.
-            terms[other] = plain[other]
+            terms[g.effect.shares] = plain[g.effect.shares]
     values: dict[str, float] = {}
     for g in given:
-        if not isinstance(g.effect.acts, Terms):
+        if not g.effect.terms:
             continue
-        for term, value in zip(g.effect.acts.terms, g.values, strict=True):
+        for term, value in zip(g.effect.terms, g.values, strict=True):
             values[term.id] = value
             if term.id not in terms:
-                own = SHARED_MUNK if term.id == "added_mass.munk" and _one_mass(terms) else term
+                own = SHARED_MUNK if term.id == SHARED_MUNK.id and _one_mass(terms) else term
                 terms[term.id] = on_hull(own, vehicle)
     missing = [t.id for t in (PAPER_TERMS if shared else terms.values()) if t.id not in values]
     if missing:
         raise IvsidError(f"the scenario's [truth] has no value for {', '.join(missing)}; add it")
-    others = tuple(g for g in given if not isinstance(g.effect.acts, Terms))
+    others = tuple(g for g in given if not g.effect.terms)
     _check(vehicle, others)
     return Plant(vehicle, tuple(terms.values()), values, others)
 
 
 def _one_mass(terms: Mapping[str, Term]) -> bool:
-    return "mass.sway" not in terms and terms.get("mass.surge") is PAPER_TERMS[0]
+    return MASS_SWAY.id not in terms and terms.get(SHARED_MASS.id) is SHARED_MASS
 
 
 def _check(vehicle: Vehicle, given: Sequence[Given]) -> None:
     for g in given:
         endless = [t.name for t in vehicle.thrusters if not ThrustCurve(t).largest and g.thruster in (None, t.name)]
-        if g.effect.id == "thruster.curve" and endless:
+        if "largest_thrust" in g.effect.asks and endless:
             raise IvsidError(
-                f"thruster.curve bends the curve between rest and its largest thrust, and {endless[0]} has no end; give a table or "
+                f"{g.effect.id} bends the curve between rest and its largest thrust, and {endless[0]} has no end; give a table or "
                 "demand_range"
             )
-        if g.effect.id == "thruster.failure" and g.values[0] >= len(vehicle.thrusters):
-            raise IvsidError(
-                f"thruster.failure.thruster = {g.values[0]:g}, but the vehicle has {len(vehicle.thrusters)} thrusters, from 0"
-            )
+        for draw, (name, value) in zip(g.effect.draws, g.named.items(), strict=True):
+            if draw == "thruster" and value >= len(vehicle.thrusters):
+                raise IvsidError(f"{name} = {value:g}, but the vehicle has {len(vehicle.thrusters)} thrusters, from 0")
 
 
 def equations(plant: Plant, *, arrays: bool = False) -> Rates:
@@ -193,11 +190,10 @@ def _written(plant: Plant) -> tuple[Tape, list[str], tuple[Quantity, ...]]:
     matrix = inertia()
     free = left(State(u_r, v_r, r, 0.0, 0.0, 0.0, place=place))
     force = _thrust(plant, thrusts, angles, (u_r, v_r, r))
-    for g in plant.given:
-        if isinstance(g.effect.acts, Force):
-            moving = State(u_r, v_r, r, 0.0, 0.0, 0.0, place=place)
-            for channel, value in g.effect.acts.function(moving, g.values).items():
-                force[CHANNELS.index(channel)] = force[CHANNELS.index(channel)] + value
+    for push, numbers in acting(plant.given, Force):
+        moving = State(u_r, v_r, r, 0.0, 0.0, 0.0, place=place)
+        for channel, value in push.function(moving, numbers).items():
+            force[CHANNELS.index(channel)] = force[CHANNELS.index(channel)] + value
     # M_RB acts on the velocity over ground, so that the acceleration of the water counts as a force on the rigid body.
     a_u, a_v = earth_to_body(heading, north_rate, east_rate)
     inertial = (a_u * mass, a_v * mass, a_v * (mass * x_g) - a_u * (mass * y_g))
@@ -214,17 +210,15 @@ def _written(plant: Plant) -> tuple[Tape, list[str], tuple[Quantity, ...]]:
 
 def _current(given: Sequence[Given], t: Symbol) -> list[Quantity]:
     total: list[Quantity] = [0.0, 0.0, 0.0, 0.0]
-    for g in given:
-        if isinstance(g.effect.acts, Current):
-            total = [a + b for a, b in zip(total, g.effect.acts.function(g.values, t), strict=True)]
+    for current, numbers in acting(given, Current):
+        total = [a + b for a, b in zip(total, current.function(numbers, t), strict=True)]
     return total
 
 
 def _changed(plant: Plant, t: Quantity) -> dict[str, Quantity]:
     values: dict[str, Quantity] = dict(plant.values)
-    for g in plant.given:
-        if isinstance(g.effect.acts, Change):
-            values.update(g.effect.acts.function(values, g.values, t))
+    for change, numbers in acting(plant.given, Change):
+        values.update(change.function(values, numbers, t))
     return values
 
 
@@ -260,12 +254,8 @@ def _thrust(
             c, s = axis(thruster.azimuth)
         inflow = (u - r * py) * c + (v + r * px) * s
         push: Quantity = thrusts[k]
-        losses = for_thruster(plant.given, Inflow, thruster.name)
-        if not losses and thruster.advance_loss:
-            losses = [Given(EFFECTS["thruster.advance_loss"], (thruster.advance_loss,))]
-        for g in losses:
-            if isinstance(g.effect.acts, Inflow):
-                push = g.effect.acts.function(push, inflow, g.values)
+        for loss, numbers in acting(with_stated(plant.given, Inflow, thruster), Inflow):
+            push = loss.function(push, inflow, numbers)
         parts = [push * c, push * s, push * (s * px - c * py)]
         if thruster.rudder is not None:
             blade = [

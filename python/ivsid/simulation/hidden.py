@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from ivsid.effects import EFFECTS, Effect, Reading, Terms, terms_of
+from ivsid.effects import EFFECTS, Effect, Reading, lacking, terms_of
 from ivsid.errors import IvsidError
 from ivsid.programme.scenario import Scenario
 from ivsid.propulsion.thrust import ThrustCurve
@@ -66,21 +66,16 @@ def can_hide(effect: Effect, vehicle: Vehicle, scenario: Scenario) -> bool:
     """Whether the effect can act on this vehicle and is neither in its model nor in the scenario's truth."""
     if any(key == effect.id or key.startswith(f"{effect.id}.") for key in scenario.truth):
         return False
-    if effect.id == "current.steady" and scenario.environment.current is not None:
+    if effect.stated and getattr(scenario.environment, effect.stated) is not None:
         return False
     if effect.plain:
         # A term of the plain model is an effect only for the paper's model, in which surge and sway share a column.
-        return vehicle.model.terms == "paper" and effect.id in ("mass.sway", "drag.sway.quadratic")
-    if isinstance(effect.acts, Terms) and {t.id for t in terms_of(vehicle)} & {effect.id, *effect.parts}:
+        return vehicle.model.terms == "paper" and bool(effect.shares)
+    if effect.terms and {t.id for t in terms_of(vehicle)} & {effect.id, *effect.parts}:
         return False
     if isinstance(effect.acts, Reading):
         return getattr(vehicle.sensors, effect.acts.sensor) is not None
-    if effect.id == "thruster.asymmetry":
-        sides = [t.position[1] for t in vehicle.thrusters]
-        return min(sides) < 0 < max(sides)
-    if effect.id == "thruster.curve":
-        return all(ThrustCurve(t).largest for t in vehicle.thrusters)
-    return effect.id != "drag.cross_flow" or vehicle.hull.length is not None
+    return lacking(effect, vehicle, [ThrustCurve(t).largest for t in vehicle.thrusters]) is None
 
 
 def draw(
@@ -96,7 +91,7 @@ def draw(
     found = {}
     for name, p in zip(effect.parts, effect.parameters, strict=True):
         typical = p.scaled(vehicle.hull.mass)
-        if effect.id == "thruster.deadband":
+        if p.unit == "demand":
             typical = p.typical / 100 * _span(vehicle, scenario)
         match p.draw:
             case "size":
@@ -114,20 +109,20 @@ def draw(
                 value = float(rng.integers(len(vehicle.thrusters)))
             case _:
                 value = typical
-        found[name] = min(value, 1.0) if name == "thruster.failure.loss" else value
+        found[name] = min(value, p.most)
     return found
 
 
 def _own_sway(effect: Effect, size: float, truth: Mapping[str, float]) -> dict[str, float]:
     """A sway mass or drag that differs from the shared one by the ratio of their typical sizes."""
-    other = effect.id.replace("sway", "surge")
+    other = effect.shares
     ratio = effect.parameters[0].typical / EFFECTS[other].parameters[0].typical
     return {effect.id: truth.get(other, EFFECTS[other].parameters[0].typical) * (1 + (ratio - 1) * size)}
 
 
 def _measured(effect: Effect, scenario: Scenario) -> bool:
-    where = scenario.environment
-    return (where.voltage if effect.id == "thruster.voltage_sag" else where.wind_speed) is not None
+    needs = () if effect.measured is None else effect.measured.needs
+    return all(getattr(scenario.environment, n, 0.0) is not None for n in needs)
 
 
 def _span(vehicle: Vehicle, scenario: Scenario) -> float:

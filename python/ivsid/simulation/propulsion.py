@@ -7,18 +7,10 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from typing import Final
 
-from ivsid.effects import EFFECTS, Drive, Given, Response, Thrust, for_thruster
+from ivsid.effects import Drive, Response, Thrust, acting, for_thruster, with_stated
 from ivsid.effects.quantity import Quantity
 from ivsid.simulation.equations import Plant
 from ivsid.simulation.true_thrust import TrueThrust
-from ivsid.vehicle import Thruster
-
-# Keys of a thruster in the vehicle file by the effect of the same physics. The effect is the truth if both are given.
-_KEYS: Final = {
-    "thruster.deadband": "dead_band",
-    "thruster.saturation": "limit",
-    "thruster.reverse_loss": "reverse_factor",
-}
 
 # Share of a step by which its ends are evaluated from inside, because a thrust may jump at the very end.
 # Source: definition: far above the relative rounding of float64 times, far below any step that matters.
@@ -46,22 +38,14 @@ class Propulsion:
     def __init__(self, plant: Plant, curves: Sequence[TrueThrust]) -> None:
         self.curves = curves
         thrusters = plant.vehicle.thrusters
-        self._changes = [_changes(plant, t) for t in thrusters]
-        self._bands = [next((g.values[0] for g in c if g.effect.id == "thruster.deadband"), 0.0) for c in self._changes]
-        self._timed = [
-            any(g.effect.id in ("thruster.failure", "thruster.voltage_sag") for g in c) for c in self._changes
-        ]
-        self.events = sorted(
-            g.values[-1]
-            for g in plant.given
-            if g.effect.id in ("thruster.failure", "payload.step") and g.values[-1] > 0
-        )
+        # An effect of the scenario is the truth if the vehicle file states the same.
+        changes = [with_stated(plant.given, Thrust, t) for t in thrusters]
+        self._changes = [acting(c, Thrust) for c in changes]
+        self._bands = [next((g.values[0] for g in c if g.effect.form.jumps), 0.0) for c in changes]
+        self._timed = [any(change.timed for change, _ in c) for c in self._changes]
+        self.events = sorted(g.start for g in plant.given if g.start is not None and g.start > 0)
         responses = [
-            {
-                g.effect.acts.kind: g.values[0]
-                for g in for_thruster(plant.given, Response, t.name)
-                if isinstance(g.effect.acts, Response)
-            }
+            {r.kind: numbers[0] for r, numbers in acting(for_thruster(plant.given, Response, t.name), Response)}
             for t in thrusters
         ]
         self.lags = [r.get("lag", t.time_constant or 0.0) for r, t in zip(responses, thrusters, strict=True)]
@@ -147,9 +131,8 @@ class Propulsion:
             return float(thrust)
         voltage = None if self._voltage is None else self._voltage(time)
         drive = Drive(demand - self._neutral[k], time, k, curve.thruster.position[1], curve.reference, voltage)
-        for g in changes:
-            if isinstance(g.effect.acts, Thrust):
-                thrust = g.effect.acts.function(thrust, drive, g.values)
+        for change, numbers in changes:
+            thrust = change.function(thrust, drive, numbers)
         return float(thrust)
 
     def over(self, start: float, step: float) -> tuple[list[float], list[float], list[float]]:
@@ -204,15 +187,3 @@ class Propulsion:
             else:
                 found.append(self._lagged[k])
         return found
-
-
-def _changes(plant: Plant, thruster: Thruster) -> list[Given]:
-    """Changes of a thrust at rest, in the catalogue's order: the effects, and the keys of the file that no effect replaces."""
-    given = for_thruster(plant.given, Thrust, thruster.name)
-    named = {g.effect.id for g in given}
-    for id_, key in _KEYS.items():
-        value = getattr(thruster, key)
-        if value is not None and id_ not in named:
-            given.append(Given(EFFECTS[id_], (1.0 - value if key == "reverse_factor" else value,)))
-    order = list(EFFECTS)
-    return sorted(given, key=lambda g: order.index(g.effect.id))

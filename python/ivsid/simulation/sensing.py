@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.effects import Given, Reading
+from ivsid.effects import Given, Reading, acting
 from ivsid.effects.quantity import Quantity
 from ivsid.programme.scenario import Faults, Scenario
 from ivsid.sensors.noise import count_errors, half_width, rule_for
@@ -60,10 +60,8 @@ def sensed(
         channels.update(_averaged(t, exact))
     channels["r_v"] = channels["r_true"] = exact["r"]
     channels["at"] = _earlier(t, exact)
-    readings = [g for g in given if isinstance(g.effect.acts, Reading)]
-    for g in sorted(readings, key=lambda g: g.effect.acts.order if isinstance(g.effect.acts, Reading) else 0):
-        if isinstance(g.effect.acts, Reading):
-            channels.update(g.effect.acts.function(channels, g.values))
+    for reading, numbers in sorted(acting(given, Reading), key=lambda q: q[0].order):
+        channels.update(reading.function(channels, numbers))
     _mounted(vehicle, channels)
     return {name: channels[name] for name in exact}
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.effects import Given, Reading, Terms, sort_given, terms_of
+from ivsid.effects import Given, Reading, of_kind, sort_given, terms_of
 from ivsid.errors import IvsidError
 from ivsid.programme.manoeuvres import Command, Programme
 from ivsid.programme.scenario import Scenario, Start
@@ -282,7 +282,7 @@ def _truth(
 ) -> dict[str, Any]:
     parameters = {term.id: model.values[term.id] for term in model.terms}
     for g in given:
-        if not isinstance(g.effect.acts, Terms):
+        if not g.effect.terms:
             parameters |= g.named
     error = dict(zip(("u", "v", "r"), path.error, strict=True))
     return {
@@ -293,7 +293,7 @@ def _truth(
         "environment": scenario.environment.model_dump(exclude_none=True),
         "start": scenario.start.model_dump(),
         "sensors": sensors,
-        "sensor_effects": [g.effect.id for g in given if isinstance(g.effect.acts, Reading)],
+        "sensor_effects": [g.effect.id for g in of_kind(given, Reading)],
         "thrust_error": {c.thruster.name: c.description for c in curves},
         "integration": {"method": "Runge-Kutta of order 4", "steps_per_sample": path.steps, "error": error},
     }

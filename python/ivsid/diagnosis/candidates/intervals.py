@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.candidates.profile import bent, ends, first_step, profile, rise, slack
-from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.gauss_newton import declared_columns
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.effects import EFFECTS, Parameter
 from ivsid.files.records import Lower, Upper
@@ -113,7 +113,7 @@ def intervals(
         within = (value - reach + moved[0, i] / unit, value + reach + moved[1, i] / unit)
         lower, upper = value - reach + hidden[0, i] / unit, value + reach + hidden[1, i] / unit
         out[name] = Bound(lower, upper, parameter.unit, parameter.symbol, within=within)
-    _turned(out, id_)
+    _canonical(out, id_)
     for given in fit.h.given:
         if given.effect.id != id_:
             continue
@@ -127,7 +127,7 @@ def intervals(
             around = slack(fit.noise, given, j)
             lower, upper = max(lower - around, 0.0), upper + around
             parameter = given.effect.parameters[j]
-            if parameter.unit == "N":
+            if given.effect.form.limits:
                 # A limit is one of the true thrust, which the curve gives within its accuracy.
                 error = max(
                     t.accuracy.absolute + t.accuracy.relative * upper for t in fit.noise.predictor.vehicle.thrusters
@@ -137,29 +137,14 @@ def intervals(
     return out
 
 
-def _turned(out: dict[str, Bound], id_: str) -> None:
-    """Chooses one of two equal descriptions: a wave or a tide half a turn later, in the opposite direction, is the same."""
-    phase, direction = out.get(f"{id_}.phase"), out.get(f"{id_}.direction")
-    if phase is None:
-        return
-    shift = 0.0
-    parts = [out[f"{id_}.{q}"] for q in ("north", "east") if f"{id_}.{q}" in out]
-    if parts:
-        # The larger component is counted positive.
-        most = max(parts, key=lambda b: abs(b.lower + b.upper))
-        if most.lower + most.upper < 0:
-            shift = np.pi
-            for q in ("north", "east"):
-                b = out[f"{id_}.{q}"]
-                out[f"{id_}.{q}"] = replace(b, lower=-b.upper, upper=-b.lower)
-    if direction is not None:
-        middle = 0.5 * (direction.lower + direction.upper)
-        half = np.floor(middle / np.pi) * np.pi
-        out[f"{id_}.direction"] = replace(direction, lower=direction.lower - half, upper=direction.upper - half)
-        shift = half
-    middle = 0.5 * (phase.lower + phase.upper) + shift
-    shift -= np.floor(middle / (2 * np.pi)) * 2 * np.pi
-    out[f"{id_}.phase"] = replace(phase, lower=phase.lower + shift, upper=phase.upper + shift)
+def _canonical(out: dict[str, Bound], id_: str) -> None:
+    """Chooses one of several equal descriptions of an effect."""
+    effect = EFFECTS[id_]
+    own = {p.part: name for p, name in zip(effect.parameters, effect.parts, strict=True) if name in out}
+    for part, (lower, upper) in effect.form.canonical(
+        {q: (out[n].lower, out[n].upper) for q, n in own.items()}
+    ).items():
+        out[own[part]] = replace(out[own[part]], lower=lower, upper=upper)
 
 
 def _moved(fit: Fit, left: Sequence[Scored]) -> Array:
@@ -168,7 +153,7 @@ def _moved(fit: Fit, left: Sequence[Scored]) -> Array:
     span = np.zeros((2, len(p.base)))
     for s in left:
         # The column of a step in time begins at its start, and no cross-products hold it.
-        if s.fall < DOUBTFUL or not s.physical or not s.columns or s.family.kind == "step":
+        if s.fall < DOUBTFUL or not s.physical or not s.columns or s.candidate.starts:
             continue
         wide = Projection(fit.gram, [*p.base, *s.columns])
         shift = wide.coefficients[: len(p.base)] - p.coefficients
@@ -183,7 +168,7 @@ def _hidden(fit: Fit, left: Sequence[Scored]) -> Array:
     inner = p.normal
     span = np.zeros((2, len(base)))
     for s in left:
-        if len(s.columns) != 1 or s.family.kind == "step":
+        if len(s.columns) != 1 or s.candidate.starts:
             continue
         k = s.columns[0]
         seen = float(p.information([k])[0, 0])
@@ -193,7 +178,7 @@ def _hidden(fit: Fit, left: Sequence[Scored]) -> Array:
         theta, _ = p.solve([k])
         spread = HIDDEN / np.sqrt(seen)
         ends = np.array([theta[0] - spread, theta[0] + spread])
-        if not s.family.effect.parameters[0].signed:
+        if not s.candidate.effect.parameters[0].signed:
             ends = np.maximum(ends, 0.0)
         shift = -np.outer(np.linalg.solve(inner, p.total[base, k]), ends)
         span[0], span[1] = np.minimum(span[0], shift.min(axis=1)), np.maximum(span[1], shift.max(axis=1))

@@ -15,19 +15,15 @@ import numpy as np
 from ivsid.diagnosis.estimation.fit import Noise, crossed
 from ivsid.diagnosis.estimation.gauss_newton import DeclaredColumns
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.estimation.signatures import BENT
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import Given
 
-LIMITED: Final = "thruster.saturation"
-# The effect whose anchor is searched: a hull that sails around it has no slope that leads there.
-MOORED: Final = "tether.tension"
 # Directions of the search for an anchor, north and east.
 # Source: geometry: eight directions of the compass
 COMPASS: Final = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (0.7, 0.7), (0.7, -0.7), (-0.7, 0.7), (-0.7, -0.7))
 # First step of a search for an anchor, in extents of the track.
-# Source: geometry: one and three quarters of the distance between two anchors of the grid (tethers.GRID)
+# Source: geometry: one and three quarters of the distance between two anchors of the grid (kinds.tether.GRID)
 ANCHOR_STEP: Final = 0.25
 # Halvings of that step.
 # Source: geometry: the last step is a sixty-fourth of the extent
@@ -72,14 +68,15 @@ START_SLACK_STEPS: Final = 3
 
 def bent(given: Given) -> list[int]:
     """Indices of an effect's numbers that are profiled."""
-    if given.effect.id in BENT:
+    if given.effect.form.bends:
         return [0]
     return [j for j, p in enumerate(given.effect.parameters) if p.draw == "time"]
 
 
 def sought(given: Given) -> bool:
     """Whether an effect has numbers that a coarse search found, and that are refined before slopes are followed."""
-    return bool(bent(given)) or given.effect.id == MOORED
+    # No slope leads a hull that sails around an anchor to its place.
+    return bool(bent(given) or given.effect.form.place)
 
 
 def first_step(noise: Noise, given: Given, j: int) -> float:
@@ -130,7 +127,7 @@ def moved(h: Hypothesis, fixed: Mapping[str, float], given: Given, values: Seque
     Masses and drags that are fitted change with a limit: if most thrusts stand at it, little else tells it from their scale.
     """
     other = h.with_effect(replace(given, values=tuple(values)))
-    if given.effect.id != LIMITED:
+    if not given.effect.form.limits:
         return other
     share = values[0] / given.values[0]
     return replace(other, values={k: x if k in fixed else x * share for k, x in other.values.items()})
@@ -157,13 +154,13 @@ def refined(
         given: the effect as it stands in the hypothesis.
         wide: whether ``SHARES`` of the first value are tried before.
     """
-    if given.effect.id == MOORED:
+    if given.effect.form.place:
         return _moored(noise, h, states, fixed, known, given)
     for j in bent(given):
         chi2 = profile(noise, h, states, fixed, known, given, j)
         step, best = first_step(noise, given, j), given.values[j]
         tried = {best: chi2(best)}
-        if wide and given.effect.id in BENT:
+        if wide and given.effect.form.bends:
             tried |= {best * share: chi2(best * share) for share in SHARES}
             best = min(tried, key=lambda q: tried[q])
         for _ in range(PASSES):
@@ -192,8 +189,9 @@ def _moored(
     log = noise.predictor.log
     if log.place is None:
         return h
-    chi2 = profile(noise, h, states, fixed, known, given, 1, 2)
-    here = (float(given.values[1]), float(given.values[2]))
+    north, east = given.effect.form.place
+    chi2 = profile(noise, h, states, fixed, known, given, north, east)
+    here = (float(given.values[north]), float(given.values[east]))
     least = chi2(*here)
     step = ANCHOR_STEP * max(float(np.ptp(log.place[0])), float(np.ptp(log.place[1])), LEAST_EXTENT)
     for _ in range(ANCHOR_HALVINGS):
@@ -204,7 +202,9 @@ def _moored(
                 break
             least, here = worth, best
         step /= 2
-    return h.with_effect(replace(given, values=(given.values[0], *here, *given.values[3:])))
+    values = list(given.values)
+    values[north], values[east] = here
+    return h.with_effect(replace(given, values=tuple(values)))
 
 
 def rise(given: Given, j: int, sigmas: float, worse: float) -> float:

@@ -13,6 +13,7 @@ from ivsid.diagnosis.estimation.signatures import Signatures
 from ivsid.diagnosis.plant.physics import water
 from ivsid.diagnosis.plant.thrust_errors import BOUNDED
 from ivsid.diagnosis.plant.thruster_forces import blade_force
+from ivsid.effects.sensing import VELOCITY_SCALE
 
 Array = NDArray[np.float64]
 # Standard deviation of the scale of the velocity, in units of its bound.
@@ -64,7 +65,7 @@ def _sensors(s: Signatures, out: Columns) -> None:
                     size,
                 )
     if sensors.velocity is not None and sensors.velocity.scale_factor_error:
-        out.add("~scale.velocity", s.reading("sensor.velocity.scale")[0], SCALE * sensors.velocity.scale_factor_error)
+        out.add("~scale.velocity", s.reading(VELOCITY_SCALE)[0], SCALE * sensors.velocity.scale_factor_error)
 
 
 def _blades(s: Signatures, out: Columns, relative: tuple[Array, Array, Array]) -> None:

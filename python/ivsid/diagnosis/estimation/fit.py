@@ -9,10 +9,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.estimation.candidate_columns import Family, candidate_columns
+from ivsid.diagnosis.estimation.candidate_columns import candidate_columns
 from ivsid.diagnosis.estimation.columns import Columns
 from ivsid.diagnosis.estimation.declared_errors import nuisances
 from ivsid.diagnosis.estimation.gauss_newton import DeclaredColumns, declared_columns, small_gram
+from ivsid.diagnosis.estimation.kinds.candidate import Candidate
 from ivsid.diagnosis.estimation.projection import Gram, Projection, gram
 from ivsid.diagnosis.estimation.signatures import Signatures
 from ivsid.diagnosis.estimation.whitening import Whitening
@@ -52,7 +53,7 @@ class Fit:
         gram: cross-products of everything below.
         base: columns that are fitted: free parameters, then declared errors.
         free: names of the free parameters.
-        families: candidates.
+        candidates: effects that the log can show and that the hypothesis lacks, with the claims of the vehicle file.
         refused: reasons why the log cannot show an effect, by id.
         fixed: values of parameters that are not fitted, by id: claims, and those that only axes that are left out determine.
     """
@@ -64,7 +65,7 @@ class Fit:
     gram: Gram
     base: tuple[int, ...]
     free: tuple[str, ...]
-    families: tuple[Family, ...]
+    candidates: tuple[Candidate, ...]
     refused: Mapping[str, str]
     fixed: Mapping[str, float]
 
@@ -125,7 +126,7 @@ def survey(
     predictor = noise.predictor
     signatures = Signatures(predictor, h, states)
     fitted, stated = signatures.fitted(claimed), nuisances(signatures)
-    extra, families, refused = candidate_columns(signatures, only)
+    extra, candidates, refused = candidate_columns(signatures, only)
     every = _joined(fitted, stated, extra)
     errors = predictor.errors(h, states)
     g = gram(
@@ -140,7 +141,7 @@ def survey(
         g,
         tuple(range(count)),
         tuple(fitted.names),
-        tuple(families),
+        tuple(candidates),
         dict(refused),
         dict(claimed),
     )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.declared_errors import nuisances
 from ivsid.diagnosis.estimation.projection import Gram, Projection, gram
-from ivsid.diagnosis.estimation.signatures import BENT, Signatures, free_parameters
+from ivsid.diagnosis.estimation.signatures import Signatures, free_parameters
 from ivsid.diagnosis.estimation.whitening import Whitening
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.usual_hull import hull_limits
@@ -133,7 +133,7 @@ def improve(
 def _movable(g: Gram, h: Hypothesis) -> Iterator[Projection]:
     """Steps of all numbers, then of all but those in which the errors may jump: chi-squared can be a wall beside one, and stop the others."""
     yield Projection(g, range(len(g.names)))
-    jumps = {name for given in h.given if given.effect.id in BENT for name, _, _ in free_parameters(given)}
+    jumps = {name for given in h.given if given.effect.form.bends for name, _, _ in free_parameters(given)}
     if jumps:
         yield Projection(g, [k for k, name in enumerate(g.names) if name not in jumps])
 

@@ -20,6 +20,7 @@ from ivsid.diagnosis.plant.usual_hull import usual_numbers
 from ivsid.diagnosis.prediction.innovations import Predictor, replaced
 from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import terms_of
+from ivsid.effects.inertia import MASS_SWAY
 from ivsid.errors import IvsidError
 from ivsid.vehicle import Vehicle
 
@@ -127,7 +128,7 @@ def _plain(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
     h = replaced(h, usual)
     predictor = quick_enough(predictor, predictor.damping(h, predictor.start(h)))
     # The sway mass still acts in surge, through turning.
-    fixed = {**claimed, **{i: x for i, x in usual.items() if i != "mass.sway"}}
+    fixed = {**claimed, **{i: x for i, x in usual.items() if i != MASS_SWAY.id}}
     noise, h, states = learn(predictor, h, predictor.settle(h, predictor.start(h), 2), search, fixed, left_out)
     h, states = improve(noise.predictor, h, states, noise.whitening, noise.good, fixed)
     return survey(noise, h, states, fixed)

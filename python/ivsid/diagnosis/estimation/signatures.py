@@ -15,14 +15,14 @@ from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import (
     CATALOGUE,
-    EFFECTS,
     PAPER_TERMS,
+    Effect,
     Given,
     Parameter,
     Term,
     on_hull,
 )
-from ivsid.effects.environment import TETHER_RADIUS
+from ivsid.effects.environment import STEADY_CURRENT, TETHER_RADIUS
 from ivsid.effects.inertia import SHARED_MUNK
 
 Array = NDArray[np.float64]
@@ -41,8 +41,6 @@ INVERSE_STEP: Final = 0.02
 # Least size of a number in such a difference, in its usual size.
 # Source: geometry: a number near zero still needs a difference above rounding
 LEAST_SIZE: Final = 0.1
-# Effects in whose first number the errors bend or jump.
-BENT: Final = ("thruster.deadband", "thruster.saturation", "thruster.lag", "thruster.delay", "sensor.velocity.delay")
 
 
 class Signatures:
@@ -81,9 +79,8 @@ class Signatures:
         other = self.h.with_effect(replace(g, values=tuple(values)))
         return self.predictor.difference(self.h, self.states, other, self.mass) / step
 
-    def reading(self, id_: str) -> list[Array]:
+    def reading(self, effect: Effect) -> list[Array]:
         """Slopes of the errors with the parameters of a sensor effect at none."""
-        effect = EFFECTS[id_]
         found = []
         for j, parameter in enumerate(effect.parameters):
             step = STEP_FROM_NONE * parameter.typical
@@ -98,7 +95,7 @@ class Signatures:
     def fitting(self, term: Term) -> Term:
         """The term as it acts beside those of the hypothesis."""
         shared = any(t is PAPER_TERMS[0] for t in self.h.terms)
-        if term.id == "added_mass.munk" and shared:
+        if term.id == SHARED_MUNK.id and shared:
             return SHARED_MUNK
         return on_hull(term, self.predictor.vehicle) if term.id in CATALOGUE else term
 
@@ -117,22 +114,23 @@ class Signatures:
                 found.append(self.force(np.stack([north * c + east * s, east * c - north * s, 0.0 * wave])))
         return found
 
-    def earth_flow(self, period: float) -> list[Array]:
+    def earth_flow(self, effect: Effect, period: float) -> list[Array]:
         """Signatures of a tide of 1 m/s with this period [s]: sine north, sine east, cosine north, cosine east."""
-        effect = EFFECTS["current.oscillating"]
         size = FLOW_STEP
         found = []
         for phase in (0.0, 0.5 * np.pi):
             for north, east in ((size, 0.0), (0.0, size)):
-                found.append(self.whole(Given(effect, (north, east, period, phase))) / size)
+                numbers = {"north": north, "east": east, "period": period, "phase": phase}
+                values = tuple(numbers[p.part] for p in effect.parameters)
+                found.append(self.whole(Given(effect, values)) / size)
         return found
 
     def flow_columns(self) -> Array:
         """Accelerations at samples by a steady current of 1 m/s north, and east, shape (2, 3, n)."""
-        effect, size, n = EFFECTS["current.steady"], FLOW_STEP, self.predictor.log.n
+        size, n = FLOW_STEP, self.predictor.log.n
         found = []
         for values in ((size, 0.0), (0.0, size)):
-            other = self.h.with_effect(Given(effect, values))
+            other = self.h.with_effect(Given(STEADY_CURRENT, values))
             found.append(acceleration(self.predictor.vehicle, other, self.states.points) - self.states.nudot)
         return np.stack(found)[:, :, :n] / size
 
@@ -180,9 +178,9 @@ class Signatures:
 def free_parameters(g: Given) -> list[tuple[str, Parameter, int]]:
     """Name, parameter and index of each number of an effect that a fit moves.
 
-    The index of a thruster, a start and a dead band have no slope, and are not among them.
+    The index of a thruster, a start, and a number with which the errors jump have no slope, and are not among them.
     """
-    if g.effect.id == "thruster.deadband":
+    if g.effect.form.jumps:
         return []
     names = g.named if g.thruster is not None else None
     parts = list(names) if names is not None else list(g.effect.parts)

@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 from scipy.stats import chi2
 
-from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.declared_errors import SCALE, through_water, thrust_answers
 from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import RIDGE, Projection
 from ivsid.diagnosis.plant.thrust_errors import BOUNDED, bound_of
 
@@ -84,9 +84,8 @@ class AnyCurve:
         """Fall of chi-squared of a family that no declared error inside its bound can make."""
         g = self.fit.gram
         x, unit = g.columns(s.columns), g.unit[list(s.columns)]
-        if s.family.kind == "step":
-            log = self.fit.noise.predictor.log
-            x[:, : round((s.values[-1] - float(log.t[0])) / (g.length * log.h))] = 0.0
+        if s.candidate.starts:
+            x[:, : s.first_block(g, self.fit.noise.predictor.log)] = 0.0
             unit = np.sqrt(np.maximum(np.einsum("cbi,cbi->c", x, x), 1e-300))
             x = x / unit[:, None, None]
         first = len(self.g.names)
@@ -177,7 +176,7 @@ class Boxed:
 
         Zero for a step in time, whose column is a sum over later blocks.
         """
-        if s.family.kind == "step" or not self.at:
+        if s.candidate.starts or not self.at:
             return 0.0
         return float(chi2.isf(max(chi2.sf(self.beside(s.columns), self.knots + len(s.columns)), LEAST), s.count))
 

@@ -191,8 +191,8 @@ class Trial:
             fit = surveyed(self, log, h, whitening)
         except (np.linalg.LinAlgError, ValueError):
             return float("nan"), False
-        families = tuple(f for f in fit.families if f.variants and f.id in self.test.visible)
-        fit, scored = score(replace(fit, families=families))
+        tested = tuple(c for c in fit.candidates if c.variants and c.id in self.test.visible)
+        fit, scored = score(replace(fit, candidates=tested))
         real = [s for s in scored if s.physical]
         # As in the test of the log, what is below the threshold has to stand beside any thrust curve inside its accuracy.
         low = [s for s in real if s.chance <= self.test.calibration.chance]

@@ -15,8 +15,8 @@ from typing import Final
 import numpy as np
 from scipy.stats import chi2
 
-from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import AnyCurve, Boxed, lost
 from ivsid.diagnosis.null.rule import Rule
@@ -134,7 +134,7 @@ def chance_beside(s: Scored, fall: float) -> float:
 
 def _beside(fit: Fit, s: Scored, other: Scored) -> float:
     """Fall of chi-squared of one family beside another; infinite if the other is not physical, shares columns, or either is a step in time."""
-    if not other.physical or "step" in (s.family.kind, other.family.kind) or set(s.columns) & set(other.columns):
+    if not other.physical or s.candidate.starts or other.candidate.starts or set(s.columns) & set(other.columns):
         return float(np.inf)
     return Projection(fit.gram, [*fit.base, *other.columns]).solve(s.columns)[1]
 
@@ -149,7 +149,7 @@ VISIBLE_RULE: Final = Rule[Case](
     lambda c: c.round.seen[c.s.id].z if c.s.id in c.round.seen else 0.0,
     lambda _: VISIBLE,
     "this log does not test it: at its typical size it would stand out by {value:.1f} standard deviations, and {limit:g} are needed",
-    lambda c: not c.round.blind(c.s.id) and c.s.fall < BEYOND_DOUBT and c.s.family.kind not in ("wave", "tether"),
+    lambda c: not c.round.blind(c.s.id) and c.s.fall < BEYOND_DOUBT and not c.s.candidate.searched,
 )
 SIGHTED: Final = Rule[Case](
     "sighted",

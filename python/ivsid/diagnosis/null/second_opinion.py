@@ -14,8 +14,8 @@ from typing import Final
 import numpy as np
 from scipy.stats import f as fisher
 
-from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
 
 # Blocks of the Gram matrix side by side that make half a minute.
 # Source: definition: three blocks of 10 s
@@ -35,11 +35,7 @@ def second_opinion(fit: Fit, s: Scored) -> float:
     p = fit.projection
     g = fit.gram
     at = list(s.columns)
-    if s.family.kind == "step":
-        first = round((s.values[-1] - float(fit.noise.predictor.log.t[0])) / (g.length * fit.noise.predictor.log.h))
-        keep = np.arange(len(g.blocks)) >= first
-    else:
-        keep = np.ones(len(g.blocks), dtype=bool)
+    keep = np.arange(len(g.blocks)) >= s.first_block(g, fit.noise.predictor.log)
     solved = np.linalg.solve(p.normal, p.total[np.ix_(p.base, at)])
     # Scores of the projected columns block by block, at the fit of the base.
     own = g.blocks[:, at][:, :, at] * keep[:, None, None]

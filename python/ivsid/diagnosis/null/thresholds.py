@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from ivsid.diagnosis.candidates.families import EDGE, LOOKS_A_VALUE, STARTS_A_LOOK
-from ivsid.diagnosis.estimation.candidate_columns import Family
 from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.kinds.candidate import Candidate
+from ivsid.diagnosis.estimation.kinds.step import beside
+from ivsid.diagnosis.estimation.projection import Projection
 
 Array = NDArray[np.float64]
 # Probability of a false finding in a round: half of the 1 % of a diagnosis, since waves and tethers are searched beside it.
@@ -40,12 +41,6 @@ TAIL_SLOPE: Final = 1.0
 # A fall of chi-squared is divided by this before the test: the noise is estimated, and fresh logs exceed the draws of a known noise.
 # Source: measured: make null-logs
 HIGH_SIDE: Final = 1.15
-# Share of its own signature that a step must keep beside the base to be scored.
-# Source: measured: make constants
-LEAST_SHARE: Final = 1e-6
-# Eigenvalues of the information below this share of the largest belong to directions that the base explains.
-# Source: definition: square root of the rounding unit of doubles
-DEPENDENT: Final = 1e-8
 
 
 @dataclass(frozen=True)
@@ -89,7 +84,7 @@ def calibrate(fit: Fit, visible: frozenset[str], level: float, seed: int, draws:
         seed: of the draws.
         draws: their number.
     """
-    tested = [f for f in fit.families if f.variants and f.id in visible]
+    tested = [c for c in fit.candidates if c.variants and c.id in visible]
     if not tested:
         return Calibration(level, level, 0, seed, np.zeros(0))
     scores = _Scores(fit, tested, np.random.default_rng(seed))
@@ -105,16 +100,17 @@ def calibrate(fit: Fit, visible: frozenset[str], level: float, seed: int, draws:
 class _Scores:
     """Gaussian draws of the scores of all columns over the log, and of steps from each block on, without any effect."""
 
-    def __init__(self, fit: Fit, families: Sequence[Family], rng: np.random.Generator) -> None:
-        self.fit, self.families, self.rng = fit, families, rng
+    def __init__(self, fit: Fit, candidates: Sequence[Candidate], rng: np.random.Generator) -> None:
+        self.candidates, self.rng = candidates, rng
         g, self.p = fit.gram, fit.projection
         p = self.p
         self.base, self.inner = np.array(fit.base, dtype=int), p.normal
-        names = [n for f in families if f.kind != "step" for v in f.variants for n in v]
+        names = [n for c in candidates for n in c.names()]
         self.columns: list[int] = sorted({*fit.base, *g.at(names)})
         self.place = {k: i for i, k in enumerate(self.columns)}
-        self.steps = [g.at(f.variants[0])[0] for f in families if f.kind == "step"]
+        self.steps = [g.at(c.variants[0])[0] for c in candidates if c.starts]
         blocks, c = len(g.blocks), len(self.columns)
+        self.blocks = blocks
         size = c + len(self.steps) * blocks
         covariance = np.empty((size, size))
         covariance[:c, :c] = p.total[np.ix_(self.columns, self.columns)]
@@ -138,58 +134,38 @@ class _Scores:
         self.spread = covariance[at]
 
     def smallest(self, draws: int) -> Array:
-        """Smallest chance over the families in each of some draws, shape (draws,)."""
+        """Smallest chance over the candidates in each of some draws, shape (draws,)."""
         drawn = self.rng.standard_normal((draws, len(self.root))) @ self.root
         # Declared errors scatter by their priors, and that scatter belongs to the draw of a score.
         drawn += (self.rng.standard_normal((draws, self.known.size)) * self.deviation) @ self.spread
-        c, p, blocks = len(self.columns), self.p, len(self.fit.gram.blocks)
         fitted = np.linalg.solve(self.inner, drawn[:, [self.place[k] for k in self.base]].T).T
-        left = drawn[:, :c] - fitted @ p.total[self.base][:, self.columns]
-        # Families of the same number of columns and the same number of looks share the largest fall: the chance is monotone in it.
+        batch = _Batch(self, drawn, fitted)
+        # Candidates of the same number of columns and the same number of looks share the largest fall: the chance is monotone in it.
         best: dict[tuple[int, float], Array] = {}
-        step = 0
-        for family in self.families:
-            if family.kind == "step":
-                here = drawn[:, c + step * blocks : c + (step + 1) * blocks]
-                kind, fall = (2, blocks / STARTS_A_LOOK), self._step(self.steps[step], self.later[step], here, fitted)
-                step += 1
-            else:
-                kind, fall = _looks(family), self._family(family, left)
-            best[kind] = np.maximum(best[kind], fall) if kind in best else fall
+        for candidate in self.candidates:
+            looks, fall = candidate.looks(self.blocks), candidate.null_fall(batch)
+            best[looks] = np.maximum(best[looks], fall) if looks in best else np.asarray(fall)
         chances = [np.minimum(1.0, chi2.sf(fall, k) * looks) for (k, looks), fall in best.items()]
         return np.asarray(np.min(chances, axis=0), dtype=np.float64)
 
-    def _step(self, j: int, later: Array, score: Array, fitted: Array) -> Array:
-        """Fall of chi-squared by the best step in each draw, shape (draws,)."""
-        cross = later[:, self.base]
-        H = later[:, j] - np.einsum("bi,bi->b", cross, np.linalg.solve(self.inner, cross.T).T)
-        usable = H / max(float(later[0, j]), 1e-300) > LEAST_SHARE
-        usable[:EDGE] = usable[len(usable) - EDGE :] = False
-        s = score - fitted @ cross.T
-        return np.asarray(np.where(usable, s**2 / np.where(usable, H, 1.0), 0.0).max(axis=1))
 
-    def _family(self, family: Family, left: Array) -> Array:
-        """Fall of chi-squared by the best variant of a family in each draw, shape (draws,)."""
-        g, p = self.fit.gram, self.p
-        parameters = family.effect.parameters
-        best = np.zeros(len(left))
-        for names in family.variants:
-            columns = g.at(names)
-            at = [self.place[k] for k in columns]
-            values, vectors = np.linalg.eigh(p.information(columns))
-            keep = values > DEPENDENT * max(float(values.max()), 1e-300)
-            z = left[:, at] @ vectors[:, keep] / np.sqrt(values[keep])
-            fall = (z**2).sum(axis=1)
-            if len(at) == 1 and not parameters[0].signed and family.kind != "claim":
-                fall = np.where(left[:, at[0]] > 0, fall, 0.0)
-            best = np.maximum(best, fall)
-        return best
+class _Batch:
+    """Some draws of all scores, as a candidate asks for them (``NullScores``)."""
 
+    def __init__(self, scores: _Scores, drawn: Array, fitted: Array) -> None:
+        self.p: Projection = scores.p
+        self._scores, self._drawn, self._fitted = scores, drawn, fitted
+        self._left = drawn[:, : len(scores.columns)] - fitted @ scores.p.total[scores.base][:, scores.columns]
 
-def _looks(family: Family) -> tuple[int, float]:
-    """Number of columns of a family that is no step, and the factor of its chance by the values that are searched and by its sign."""
-    parameters = family.effect.parameters
-    looks = 1.0 + LOOKS_A_VALUE * len(family.variants) if family.kind == "secant" else 1.0
-    count = 1 if family.kind == "secant" else len(family.variants[0])
-    sided = family.kind != "claim" and len(parameters) == 1 and not parameters[0].signed
-    return count, looks * (0.5 if sided else 1.0)
+    def of(self, names: Sequence[str]) -> Array:
+        """Scores of columns over the log beside the base, shape (draws, columns)."""
+        found: Array = self._left[:, [self._scores.place[k] for k in self.p.g.at(names)]]
+        return found
+
+    def since(self, name: str) -> tuple[Array, Array]:
+        """Scores of a column from each block on beside the base, shape (draws, blocks), and their information, shape (blocks,)."""
+        s = self._scores
+        k = s.steps.index(self.p.g.at([name])[0])
+        H, cross = beside(self.p, s.steps[k], s.later[k])
+        first = len(s.columns) + k * s.blocks
+        return self._drawn[:, first : first + s.blocks] - self._fitted @ cross.T, H

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import Channels, channels
-from ivsid.diagnosis.estimation.candidate_columns import Family
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.visibility import Visibility, visibility
@@ -182,20 +181,21 @@ def separability(
     """
     if visible is None:
         visible = visibility(fit)
-    chosen: dict[str, tuple[Family, tuple[str, ...], float]] = {}
-    for family in fit.families:
-        if not family.variants or family.id in chosen:
+    chosen: dict[str, tuple[tuple[str, ...], float]] = {}
+    for candidate in fit.candidates:
+        id_ = candidate.id
+        if candidate.searched or id_ in chosen:
             continue
-        if not visible[family.id].tested if wanted is None else family.id not in wanted:
+        if not visible[id_].tested if wanted is None else id_ not in wanted:
             continue
-        chosen[family.id] = (family, family.variants[len(family.variants) // 2], visible[family.id].z)
+        chosen[id_] = (candidate.variants[len(candidate.variants) // 2], visible[id_].z)
     ids = tuple(chosen)
     p = fit.projection
     k = len(ids)
     rho = np.eye(k)
     bases = []
     for id_ in ids:
-        at = fit.gram.at(chosen[id_][1])
+        at = fit.gram.at(chosen[id_][0])
         values, vectors = np.linalg.eigh(p.information(at))
         keep = values > DEPENDENT * max(float(values.max()), 1e-300)
         bases.append((at, vectors[:, keep] / np.sqrt(values[keep])))
@@ -204,7 +204,7 @@ def separability(
             (a, x), (b, y) = bases[i], bases[j]
             cross = x.T @ p.left(a, b) @ y
             rho[i, j] = rho[j, i] = min(float(np.linalg.svd(cross, compute_uv=False).max(initial=0.0)), 1.0)
-    z = np.array([chosen[i][2] for i in ids])
+    z = np.array([chosen[i][1] for i in ids])
     distance = z[:, None] * np.sqrt(np.maximum(1 - rho**2, 0.0))
     classes = tuple((members, EFFECTS[members[0]].separate) for members in _classes(ids, distance) if len(members) > 1)
     return Isolability(visible, ids, rho, distance, classes, fit.refused, inputs)

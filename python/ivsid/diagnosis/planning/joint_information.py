@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.candidate_columns import Family
 from ivsid.diagnosis.estimation.fit import Fit, Noise, survey
+from ivsid.diagnosis.estimation.kinds.grid import GridCandidate
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.noise import usable_rows
 from ivsid.diagnosis.estimation.projection import Gram
@@ -162,20 +162,20 @@ def _matched(fit: Fit, more: Fit, names: list[str]) -> list[str]:
     """Names of the second log's columns, with those of dead bands and limits after the nearest level of the first log."""
     out = list(names)
     own = set(fit.gram.names)
-    for family in more.families:
-        if family.kind != "secant":
+    for candidate in more.candidates:
+        if not isinstance(candidate, GridCandidate):
             continue
-        levels = {v[0][0]: n[0] for f in fit.families if f.id == family.id for n, v in _each(f)}
-        used = {n[0] for n in family.variants}
+        levels = {
+            v: n
+            for c in fit.candidates
+            if isinstance(c, GridCandidate) and c.id == candidate.id
+            for (n,), v in zip(c.variants, c.values, strict=True)
+        }
+        used = set(candidate.names())
         free = {v: n for v, n in levels.items() if n not in used}
-        for (name,), (value,) in zip(family.variants, family.values, strict=True):
+        for (name,), value in zip(candidate.variants, candidate.values, strict=True):
             if name in own or not free:
                 continue
             near = min(free, key=lambda q: abs(np.log(max(q, 1e-12) / max(value, 1e-12))))
             out[out.index(name)] = free.pop(near)
     return out
-
-
-def _each(family: Family) -> list[tuple[tuple[str, ...], tuple[tuple[float, ...], ...]]]:
-    """Variants of a family, each with its values."""
-    return [(n, (v,)) for n, v in zip(family.variants, family.values, strict=True)]

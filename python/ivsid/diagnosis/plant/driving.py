@@ -12,7 +12,7 @@ from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.diagnosis.plant.thruster_forces import bollard_force
-from ivsid.effects import Response, Thrust
+from ivsid.effects import Response, Thrust, of_kind
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -55,7 +55,7 @@ class Driving:
         The moment is positive for a force that comes early in its step; it exists if demands come faster than the clock.
         """
         sizes = [self._sizes(h, k) for k in range(len(self.vehicle.thrusters))]
-        acting = [g for g in h.given if isinstance(g.effect.acts, (Thrust, Response))]
+        acting = of_kind(h.given, Thrust, Response)
         key = (tuple((g.effect.id, g.values, g.thruster) for g in acting), tuple(map(tuple, sizes)))
         found = self._known.get(key)
         if found is None:

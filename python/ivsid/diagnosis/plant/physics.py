@@ -20,13 +20,10 @@ from ivsid.effects import (
     Current,
     Force,
     Given,
-    Inflow,
     Place,
-    Reading,
-    Response,
     State,
     Term,
-    Thrust,
+    acting,
     rigid_body,
 )
 from ivsid.effects.environment import earth_to_body
@@ -77,9 +74,8 @@ class Hypothesis:
 def water(h: Hypothesis, p: Points) -> tuple[Number, Number, Number, Number]:
     """The water's velocity in body axes [m/s], and its rate of change in body axes apart from turning [m/s^2], along x and y each."""
     total: list[Number] = [0.0, 0.0, 0.0, 0.0]
-    for g in h.given:
-        if isinstance(g.effect.acts, Current):
-            total = [a + b for a, b in zip(total, g.effect.acts.function(g.values, p.t), strict=True)]
+    for current, numbers in acting(h.given, Current):
+        total = [a + b for a, b in zip(total, current.function(numbers, p.t), strict=True)]
     if all(isinstance(q, float) and q == 0.0 for q in total):
         return 0.0, 0.0, 0.0, 0.0
     here = Place(p.psi, None, None, None)
@@ -89,9 +85,8 @@ def water(h: Hypothesis, p: Points) -> tuple[Number, Number, Number, Number]:
 def changed(h: Hypothesis, t: Array) -> dict[str, Number]:
     """The values of the terms by id, of which effects may change some in time, shape (n,)."""
     values: dict[str, Number] = dict(h.values)
-    for g in h.given:
-        if isinstance(g.effect.acts, Change):
-            values.update(g.effect.acts.function(values, g.values, t))
+    for change, numbers in acting(h.given, Change):
+        values.update(change.function(values, numbers, t))
     return values
 
 
@@ -160,10 +155,9 @@ def acceleration(vehicle: Vehicle, h: Hypothesis, p: Points, mass: Mass | None =
             right[CHANNELS.index(channel)] -= column * values[term.id]
     for channel, column in rigid_body(state, m * x_g, m * y_g).items():
         right[CHANNELS.index(channel)] -= column
-    for g in h.given:
-        if isinstance(g.effect.acts, Force):
-            for channel, value in g.effect.acts.function(state, g.values).items():
-                right[CHANNELS.index(channel)] += value
+    for force, numbers in acting(h.given, Force):
+        for channel, value in force.function(state, numbers).items():
+            right[CHANNELS.index(channel)] += value
     # The rigid body's mass acts on the acceleration over ground, of which the water's own is a part.
     right[0] -= a_u * m
     right[1] -= a_v * m
@@ -172,10 +166,6 @@ def acceleration(vehicle: Vehicle, h: Hypothesis, p: Points, mass: Mass | None =
     nudot[0] += r * v_c + a_u
     nudot[1] += -r * u_c + a_v
     return nudot
-
-
-# Kinds of effects that leave the masses, the water and every other force as they are.
-ADDED = (Force, Thrust, Response, Inflow, Reading)
 
 
 def same_given(a: Given, b: Given) -> bool:
@@ -197,21 +187,20 @@ def added_force(vehicle: Vehicle, h: Hypothesis, p: Points, other: Hypothesis, u
         return None
     gone = [g for g in h.given if not any(same_given(g, q) for q in other.given)]
     new = [g for g in other.given if not any(same_given(g, q) for q in h.given)]
-    if not all(isinstance(g.effect.acts, ADDED) for g in (*gone, *new)):
+    if not all(g.effect.acts.additive for g in (*gone, *new)):
         return None
     u_c, v_c, _, _ = water(h, p)
     relative = (p.nu[0] - u_c, p.nu[1] - v_c, p.nu[2])
     found = np.zeros_like(p.nu)
-    if any(isinstance(g.effect.acts, (Thrust, Response, Inflow)) for g in (*gone, *new)):
+    if any(g.effect.acts.at_thruster for g in (*gone, *new)):
         found += thruster_force(vehicle, other.given, under, relative, other.declared_errors)
         found -= thruster_force(vehicle, h.given, p, relative, h.declared_errors)
     zero = np.zeros_like(p.psi)
     state = State(*relative, zero, zero, zero, place=place_of(p))
     for sign, some in ((1.0, new), (-1.0, gone)):
-        for g in some:
-            if isinstance(g.effect.acts, Force):
-                for channel, value in g.effect.acts.function(state, g.values).items():
-                    found[CHANNELS.index(channel)] += sign * value
+        for force, numbers in acting(some, Force):
+            for channel, value in force.function(state, numbers).items():
+                found[CHANNELS.index(channel)] += sign * value
     return found
 
 

@@ -16,9 +16,9 @@ from scipy.signal import lfilter
 
 from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.plant.thrust_errors import ThrustErrors, thrust_errors
-from ivsid.effects import EFFECTS, Drive, Given, Response, Thrust, for_thruster
+from ivsid.effects import Drive, Given, Response, Thrust, acting, for_thruster, with_stated
 from ivsid.propulsion.thrust import ThrustCurve
-from ivsid.vehicle import Thruster, Vehicle
+from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 # Shortest lag that is followed [s]; a shorter one is none.
@@ -30,12 +30,6 @@ ERROR_STEP: Final = 1e-3
 # Rounding of a number of steps that is rounded to a whole one.
 # Source: geometry: far above the rounding of a quotient of times, far below a step
 WHOLE: Final = 1e-9
-# The keys of a thruster in the vehicle file that mean the same as an effect.
-_STATED: Final = {
-    "thruster.deadband": "dead_band",
-    "thruster.saturation": "limit",
-    "thruster.reverse_loss": "reverse_factor",
-}
 
 
 @dataclass(frozen=True)
@@ -141,12 +135,8 @@ class Propulsion:
         """
         h, n = self.log.h, self.log.n
         thruster = self.vehicle.thrusters[k]
-        changes = _changes(thruster, given)
-        late = {
-            g.effect.acts.kind: g.values[0]
-            for g in for_thruster(given, Response, thruster.name)
-            if isinstance(g.effect.acts, Response)
-        }
+        changes = acting(with_stated(given, Thrust, thruster), Thrust)
+        late = {r.kind: numbers[0] for r, numbers in acting(for_thruster(given, Response, thruster.name), Response)}
         lag = late.get("lag", thruster.time_constant or 0.0)
         delay = max(late.get("delay", 0.0), 0.0)
 
@@ -155,9 +145,8 @@ class Propulsion:
             time = self.log.t if parts == 1 else (self.log.t[:, None] + np.arange(parts) * (h / parts)).ravel()
             voltage = self.log.voltage if parts == 1 or self.log.voltage is None else np.repeat(self.log.voltage, parts)
             drive = Drive(d, time, k, thruster.position[1], self.curves[k].largest, voltage)
-            for g in changes:
-                if isinstance(g.effect.acts, Thrust):
-                    thrust = g.effect.acts.function(thrust, drive, g.values)
+            for change, numbers in changes:
+                thrust = change.function(thrust, drive, numbers)
             return np.asarray(thrust, dtype=np.float64) * np.ones(d.size)
 
         def static(at: _At) -> Array:
@@ -204,9 +193,8 @@ class Propulsion:
         if error is not None:
             thrust = thrust + error
         drive = Drive(d, 0.0, k, thruster.position[1], self.curves[k].largest, None)
-        for g in _changes(thruster, ()):
-            if isinstance(g.effect.acts, Thrust):
-                thrust = g.effect.acts.function(thrust, drive, g.values)
+        for change, numbers in acting(with_stated((), Thrust, thruster), Thrust):
+            thrust = change.function(thrust, drive, numbers)
         return np.asarray(thrust, dtype=np.float64)
 
     def _at(self, k: int, demand: Array) -> _At:
@@ -237,18 +225,6 @@ class Propulsion:
                 now, mean, _ = _behind(now, mean, lag, h)
         fine = mean.reshape(*mean.shape[:-1], -1, parts)
         return now[..., ::parts], fine.mean(axis=-1), fine
-
-
-def _changes(thruster: Thruster, given: Sequence[Given]) -> list[Given]:
-    """Effects on a thruster's thrust in the catalogue's order: those of a hypothesis, and those that the vehicle file states."""
-    found = for_thruster(given, Thrust, thruster.name)
-    named = {g.effect.id for g in found}
-    for id_, key in _STATED.items():
-        value = getattr(thruster, key)
-        if value is not None and id_ not in named:
-            found.append(Given(EFFECTS[id_], (1.0 - value if key == "reverse_factor" else value,)))
-    order = list(EFFECTS)
-    return sorted(found, key=lambda g: order.index(g.effect.id))
 
 
 def _midway(x: Array, *, held: bool) -> Array:

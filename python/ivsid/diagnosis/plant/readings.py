@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.propulsion import WHOLE
-from ivsid.effects import Given, Reading
+from ivsid.effects import Given, Reading, acting
 
 Array = NDArray[np.float64]
 NAMES: Final = ("u", "v", "r", "ax", "ay", "rdot")
@@ -30,17 +30,16 @@ def added_readings(
         h: step [s].
     """
     n = nudot.shape[1] // 2
-    acting = [g for g in given if isinstance(g.effect.acts, Reading)]
-    if not acting:
+    readings = acting(given, Reading)
+    if not readings:
         return {q: np.zeros(n) for q in NAMES}
     nu = points.nu[:, :n]
     exact = dict(zip(NAMES, (*nu, specific[0], specific[1], nudot[2, :n] + ambient), strict=True))
     c: dict[str, Any] = dict(exact)
     c |= {"r_v": nu[2], "r_true": nu[2], "thrust": points.thrusts[:, :n].sum(axis=0)}
     c["at"] = lambda delay: _earlier(nu, nudot[:, n:], delay, h)
-    for g in sorted(acting, key=lambda g: g.effect.acts.order if isinstance(g.effect.acts, Reading) else 0):
-        if isinstance(g.effect.acts, Reading):
-            c.update(g.effect.acts.function(c, g.values))
+    for reading, numbers in sorted(readings, key=lambda q: q[0].order):
+        c.update(reading.function(c, numbers))
     return {q: np.asarray(c[q] - exact[q], dtype=np.float64) for q in NAMES}
 
 

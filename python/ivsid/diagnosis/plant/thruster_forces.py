@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.plant.points import Points
-from ivsid.effects import EFFECTS, Given, Inflow, for_thruster
+from ivsid.effects import Given, Inflow, acting, with_stated
 from ivsid.propulsion.foil import rudder_force
-from ivsid.vehicle import Thruster, Vehicle
+from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 # u, v, r relative to the water.
@@ -51,7 +51,7 @@ def thruster_force(
         declared_errors: sizes of declared errors, of which those of rudders act here.
     """
     u, v, r = relative
-    lost = [_losses(thruster, given) for thruster in vehicle.thrusters]
+    lost = [acting(with_stated(given, Inflow, thruster), Inflow) for thruster in vehicle.thrusters]
     if p.bollard is not None and not any(lost) and all(t.rudder is None for t in vehicle.thrusters):
         return p.bollard.copy()
     total = p.force.copy()
@@ -59,22 +59,13 @@ def thruster_force(
         c, s = np.cos(p.angles[k]), np.sin(p.angles[k])
         x, y = thruster.position
         push = p.thrusts[k]
-        for g in lost[k]:
-            if isinstance(g.effect.acts, Inflow):
-                push = g.effect.acts.function(push, (u - r * y) * c + (v + r * x) * s, g.values)
+        for loss, numbers in lost[k]:
+            push = loss.function(push, (u - r * y) * c + (v + r * x) * s, numbers)
         total += np.stack([push * c, push * s, push * (s * x - c * y)])
         if thruster.rudder is not None:
             off = (declared_errors or {}).get(f"~rudder.{thruster.name}", 0.0)
             total += (1.0 + off) * blade_force(vehicle, k, p, push, relative)
     return total
-
-
-def _losses(thruster: Thruster, given: Sequence[Given]) -> list[Given]:
-    """Losses of thrust by the inflow: those of the effects, else the one that the vehicle file states."""
-    losses = for_thruster(given, Inflow, thruster.name)
-    if not losses and thruster.advance_loss:
-        return [Given(EFFECTS["thruster.advance_loss"], (thruster.advance_loss,))]
-    return losses
 
 
 def bollard_force(vehicle: Vehicle, thrusts: Array, turn: tuple[Array, Array], force: Array) -> Array:

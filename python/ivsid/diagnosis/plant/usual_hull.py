@@ -8,6 +8,8 @@ from typing import Final
 import numpy as np
 
 from ivsid.effects import EFFECTS, Term
+from ivsid.effects.drag import SWAY_QUADRATIC
+from ivsid.effects.inertia import INERTIA_YAW, MASS_SWAY
 from ivsid.vehicle import Vehicle
 
 # Mass over length cubed [kg/m^3].
@@ -33,9 +35,9 @@ def usual_numbers(vehicle: Vehicle) -> dict[str, float]:
     """Sway mass [kg], inertia in yaw [kg m^2] and quadratic sway drag [kg/m] of a usual hull of this mass and length."""
     m, length = vehicle.hull.mass, hull_length(vehicle)
     return {
-        "mass.sway": SWAY_MASS * m,
-        "inertia.yaw": YAW_INERTIA * m * length**2,
-        "drag.sway.quadratic": SWAY_DRAG * m / length,
+        MASS_SWAY.id: SWAY_MASS * m,
+        INERTIA_YAW.id: YAW_INERTIA * m * length**2,
+        SWAY_QUADRATIC.id: SWAY_DRAG * m / length,
     }
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration, added_force, changed, term_column
 from ivsid.diagnosis.prediction.axes import Ambient
 from ivsid.diagnosis.prediction.states import FilteredStates, StateFilter, over_ground, specific_force, twice
-from ivsid.effects import Reading, Response, Term, Thrust
+from ivsid.effects import Reading, Response, Term, Thrust, of_kind
 
 Array = NDArray[np.float64]
 # Difference of a velocity from which damping is read, as a share of its standard deviation.
@@ -91,13 +91,12 @@ class Predictor(StateFilter):
             other: the true one.
             mass: the mass matrix of ``h``, if it is known already.
         """
-        thrust_kind = (Thrust, Response)
-        moved = any(isinstance(g.effect.acts, thrust_kind) for g in (*h.given, *other.given))
+        moved = of_kind((*h.given, *other.given), Thrust, Response)
         points = states.points.under(*self.driving.force(other)) if moved else states.points
         mass = mass or self.mass(h, states)
         added = added_force(self.vehicle, h, states.points, other, points)
         process = acceleration(self.vehicle, other, points) - states.nudot if added is None else mass.solve(added)
-        if not any(isinstance(g.effect.acts, Reading) for g in (*h.given, *other.given)):
+        if not of_kind((*h.given, *other.given), Reading):
             return self.answer(process)
         wrong, before = self.sensed(other.given, states), self.sensed(h.given, states)
         reading = {k: wrong[k] - before[k] for k in wrong}

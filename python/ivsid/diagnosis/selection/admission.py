@@ -8,10 +8,10 @@ from functools import partial
 from typing import Final
 
 from ivsid.diagnosis.candidates.families import everything
-from ivsid.diagnosis.candidates.profile import LIMITED, moved, refined, sought
-from ivsid.diagnosis.candidates.scored import Scored
+from ivsid.diagnosis.candidates.profile import moved, refined, sought
 from ivsid.diagnosis.estimation.fit import Fit, Noise, chi2_of
 from ivsid.diagnosis.estimation.gauss_newton import DeclaredColumns, declared_columns, improve
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.learning import learn
 from ivsid.diagnosis.estimation.noise import quick_enough
 from ivsid.diagnosis.null.family_wise import Screened, Threshold
@@ -137,7 +137,7 @@ def _exact(
         states = noise.predictor.settle(h, states, 2)
         h, states = improve(noise.predictor, h, states, noise.whitening, noise.good, fixed, known=known)
     chi2 = chi2_of(noise, h, states, fixed, known)
-    for given in [g for g in h.given if g.effect.id == id_ == LIMITED]:
+    for given in [g for g in h.given if g.effect.id == id_ and g.effect.form.limits]:
         for share in RESTARTS:
             # Fitted errors of the thrust keep a wrong scale of the parameters in place, so the fit restarts without them.
             start = replace(moved(h, fixed, given, [share * given.values[0]]), declared_errors={})

@@ -15,9 +15,9 @@ import numpy as np
 
 from ivsid.diagnosis.candidates.families import adopted
 from ivsid.diagnosis.candidates.profile import refined, sought
-from ivsid.diagnosis.candidates.scored import PRICE, Scored
 from ivsid.diagnosis.estimation.fit import Fit, Noise, chi2_of
 from ivsid.diagnosis.estimation.gauss_newton import DeclaredColumns, improve
+from ivsid.diagnosis.estimation.kinds.candidate import PRICE, Scored
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates
@@ -79,7 +79,7 @@ class Rival:
     def merit(self) -> float:
         """Fall of chi-squared less a price for each parameter beyond the first."""
         # A gain of all thrusts fits exactly as a single wrong claim does, by moving everything else: the claim is the simpler cause.
-        return self.fall - PRICE * (self.count - 1) - (TIE if self.id == "thruster.gain" else 0.0)
+        return self.fall - PRICE * (self.count - 1) - (TIE if EFFECTS[self.id].one_factor else 0.0)
 
 
 @dataclass(frozen=True)

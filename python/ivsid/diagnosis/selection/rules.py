@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from ivsid.diagnosis.candidates.scored import Scored
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.rule import Refusal, Rule
 from ivsid.diagnosis.selection.rivals import FINALISTS, MARGIN, Rival

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field, replace
 from typing import Final
 
 from ivsid.diagnosis.candidates.families import score
-from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.fit import Fit, Noise, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.null.family_wise import Screened, Threshold
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
 from ivsid.diagnosis.plant.physics import Hypothesis

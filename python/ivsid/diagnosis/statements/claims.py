@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 
 from ivsid.diagnosis.candidates.intervals import Bound, intervals
-from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.statements.findings import Finding
 from ivsid.effects import EFFECTS

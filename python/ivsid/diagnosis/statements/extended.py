@@ -2,20 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Final
-
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.effects import CATALOGUE, PAPER_TERMS, WITH_HEADING, own_ids
 from ivsid.vehicle import Vehicle, parse_vehicle
-
-# Keys of a vehicle file's thruster, by the effect that they state.
-_THRUSTER_KEYS: Final = {
-    "thruster.lag": "time_constant",
-    "thruster.deadband": "dead_band",
-    "thruster.saturation": "limit",
-    "thruster.advance_loss": "advance_loss",
-    "thruster.reverse_loss": "reverse_factor",
-}
 
 
 def extended_text(vehicle: Vehicle, h: Hypothesis) -> str:
@@ -27,9 +16,7 @@ def extended_text(vehicle: Vehicle, h: Hypothesis) -> str:
     """
     lines: list[str] = []
     given = {g.effect.id: g for g in h.given}
-    keys = {_THRUSTER_KEYS[i]: g.values[0] for i, g in given.items() if i in _THRUSTER_KEYS and g.thruster is None}
-    if "reverse_factor" in keys:
-        keys["reverse_factor"] = 1.0 - keys["reverse_factor"]
+    keys = {k.name: k(g.values[0]) for g in given.values() if (k := g.effect.key) and g.thruster is None}
     inside = ""
     for line in vehicle.text.splitlines():
         head = line.strip()
@@ -58,7 +45,7 @@ def extended_text(vehicle: Vehicle, h: Hypothesis) -> str:
     for id_ in (i for i in ids if i in own_ids()):
         lines.append(f"# {id_} is an effect of your own: read this file with ivsid --own-effects FILE")
     lines += [f"# fitted: {t.id} = {float(h.values[t.id]):.6g} {t.unit}" for t in h.terms if t.id not in unstated]
-    unstated |= {n: value for i, g in given.items() if i not in _THRUSTER_KEYS for n, value in g.named.items()}
+    unstated |= {n: value for g in given.values() if g.effect.key is None for n, value in g.named.items()}
     if unstated:
         lines.append("# found, and not part of a vehicle file:")
         lines += [f"#   {name} = {value:.6g}" for name, value in unstated.items()]

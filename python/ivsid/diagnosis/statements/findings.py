@@ -14,8 +14,8 @@ from typing import Final
 import numpy as np
 
 from ivsid.diagnosis.candidates.intervals import Bound, intervals
-from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
 from ivsid.diagnosis.selection.adequacy import RISK, Adequacy, energy_of
 from ivsid.diagnosis.selection.rivals import Found
@@ -25,6 +25,7 @@ from ivsid.diagnosis.statements.rules import ALTERNATIVES, HELD, UNNAMED, Held
 from ivsid.diagnosis.statements.shallow_water import Change
 from ivsid.diagnosis.statements.share import Share
 from ivsid.effects import EFFECTS
+from ivsid.effects.environment import SHALLOW_WATER
 
 # Half-width of the interval of shallow water, in standard deviations.
 # Source: definition: 6e-5 of normal errors lie beyond
@@ -162,7 +163,7 @@ def shallow(moved: Change) -> Finding:
     """
     assert moved.factor is not None
     factor, sigma = moved.factor
-    p = EFFECTS["environment.shallow_water"].parameters[0]
+    p = SHALLOW_WATER.parameters[0]
     bound = Bound(factor - WIDE * sigma, factor + WIDE * sigma, p.unit, p.symbol)
     evidence: FindingEvidence = {
         "channel": "surge",
@@ -170,7 +171,7 @@ def shallow(moved: Change) -> Finding:
         "ratio": {k: r for k, (r, _) in moved.ratio.items()},
         "ratio_deviation": {k: sigma for k, (_, sigma) in moved.ratio.items()},
     }
-    id_ = "environment.shallow_water"
+    id_ = SHALLOW_WATER.id
     return Finding(id_, 1.0, (), "", {id_: bound}, evidence)
 
 

@@ -22,10 +22,10 @@ from ivsid.diagnosis.estimation.projection import Gram, Projection
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.adequacy import RISK, adequacy
+from ivsid.effects.environment import SHALLOW_SCALED
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
-SCALED: Final = ("mass.surge", "mass.sway", "drag.surge.quadratic", "drag.sway.quadratic")
 # Parameters that have to be fitted and to change: a factor of fewer may be chance.
 # Source: measured: make constants
 MEMBERS: Final = 3
@@ -77,7 +77,7 @@ def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
         The change; None if the logs differ in channels or clock, if too few parameters are fitted, or if the fit fails.
     """
     fixed = last.fixed
-    wanted = [i for i in SCALED if i in last.h.values and i not in fixed]
+    wanted = [i for i in SHALLOW_SCALED if i in last.h.values and i not in fixed]
     if len(wanted) < MEMBERS:
         return None
     predictor = Predictor(vehicle, test, last.noise.predictor.ambient)

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
 
 import numpy as np
 
 from ivsid.diagnosis.candidates.intervals import SAME, SIGMAS, Bound, intervals, scatter
-from ivsid.diagnosis.candidates.scored import Scored
 from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.effects import Terms
-
-# Parameters of a tether that a column gives: the pull; the other columns give its place.
-# Source: definition: columns of ``tether.tension``
-_PULL: Final = 1
 
 
 def allowed(last: Fit, left: Sequence[Scored], unnamed: Sequence[str] = ()) -> dict[str, Bound]:
@@ -33,18 +27,16 @@ def allowed(last: Fit, left: Sequence[Scored], unnamed: Sequence[str] = ()) -> d
     for id_ in unnamed:
         found |= intervals(last, id_, last.fixed)
     for s in left:
-        if s.family.kind not in ("linear", "tether") or not _seen(last, s):
+        if not s.candidate.limited or not _seen(last, s):
             continue
         p = Projection(last.gram, [*last.base, *s.columns])
         covariance = np.asarray(np.linalg.inv(p.normal), dtype=np.float64)
         variance = np.maximum(np.diag(covariance), scatter(p, covariance))
-        effect = s.family.effect
-        count = _PULL if s.family.kind == "tether" else len(s.columns)
-        for j in range(count):
+        effect = s.candidate.effect
+        for j in range(s.candidate.limited):
             parameter, k = effect.parameters[j], len(last.base) + j
             unit = float(last.gram.unit[s.columns[j]])
-            none = 0.0 if isinstance(effect.acts, Terms) else parameter.none
-            value, reach = none + float(p.coefficients[k]) / unit, SIGMAS * float(np.sqrt(variance[k])) / unit
+            value, reach = parameter.none + float(p.coefficients[k]) / unit, SIGMAS * float(np.sqrt(variance[k])) / unit
             found[effect.parts[j]] = Bound(value - reach, value + reach, parameter.unit, parameter.symbol)
     return found
 

@@ -17,7 +17,7 @@ from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration
 from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates
-from ivsid.effects import Change
+from ivsid.effects import Change, of_kind
 
 Array = NDArray[np.float64]
 # Error that a simulation which runs away is given [m/s, rad/s, m].
@@ -89,7 +89,7 @@ def _simulated(
     place = np.zeros((2, n)) if log.place is None else log.place
     step = log.h
     # Masses that change in time, as with a payload, are inverted again at each step.
-    steady = not any(isinstance(g.effect.acts, Change) for g in h.given)
+    steady = not of_kind(h.given, Change)
     mass = Mass(predictor.vehicle, h.terms, h.values) if steady else None
 
     def rates(x: Array, t: Array, at: NDArray[np.int64]) -> Array:

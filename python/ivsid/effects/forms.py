@@ -1,0 +1,117 @@
+"""Forms: how the numbers of an effect enter the errors of a model, and with it how a diagnosis searches for them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar, Final, Literal, TypeAlias
+
+# Lower and upper end of an interval by part.
+Ends: TypeAlias = Mapping[str, tuple[float, float]]
+# Lags and delays that are tried [s].
+# Source: geometry: neighbours differ by a factor of 2.5 at most, less than the factor that a coefficient corrects (kinds.grid.SECANT)
+DELAYS: Final = (0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0)
+
+
+@dataclass(frozen=True)
+class Form:
+    """How the numbers of an effect enter the errors.
+
+    Attributes:
+        bends: whether the errors bend or jump with the first number, which is then profiled.
+        place: indices of the numbers that are a place over ground, which has to be searched.
+    """
+
+    bends: ClassVar[bool] = False
+    place: ClassVar[tuple[int, ...]] = ()
+
+    @property
+    def jumps(self) -> bool:
+        """Whether the errors jump with the first number, so that it has no slope."""
+        return False
+
+    @property
+    def limits(self) -> bool:
+        """Whether the first number caps the thrusts; masses and drags are then known up to a scale that follows it."""
+        return False
+
+    def canonical(self, ends: Ends) -> Ends:
+        """One of several equal descriptions of an effect, by the ends of its numbers' intervals."""
+        return ends
+
+
+@dataclass(frozen=True)
+class Linear(Form):
+    """Errors in proportion to each number: a column a number, the slope at none."""
+
+
+@dataclass(frozen=True)
+class Grid(Form):
+    """Errors that bend or jump with the only number: a column for each value that is tried, the whole effect at it.
+
+    Attributes:
+        values: that are tried, in ``of``.
+        of: ``seconds`` (a time by which something is late), ``demand`` (a band of demands, in the demand below which most of the log's stay) or
+            ``thrust`` (a cap, in the largest thrust of the log).
+    """
+
+    bends: ClassVar[bool] = True
+    values: tuple[float, ...]
+    of: Literal["seconds", "demand", "thrust"]
+
+    @property
+    def jumps(self) -> bool:
+        """Whether the errors jump with the number: where demands are sent, at the edge of a band."""
+        return self.of == "demand"
+
+    @property
+    def limits(self) -> bool:
+        """Whether the number caps the thrusts."""
+        return self.of == "thrust"
+
+
+@dataclass(frozen=True)
+class Step(Form):
+    """An effect that starts at a time, the parameter of draw ``time``: its size has a column from each moment on."""
+
+
+@dataclass(frozen=True)
+class Harmonic(Form):
+    """A sine in time along one direction over ground, of unknown period, with the parts ``period`` and ``phase``.
+
+    Its size is ``amplitude`` with ``direction``, or ``north`` with ``east``.
+
+    Attributes:
+        of: ``force``, a swell of 1 N, or ``flow``, a tide of 1 m/s.
+    """
+
+    of: Literal["force", "flow"]
+
+    def canonical(self, ends: Ends) -> Ends:
+        """The wave with its larger component positive, or its direction in [0, pi): half a turn later, the opposite direction is the same."""
+        found = dict(ends)
+        shift = 0.0
+        parts = {q: ends[q] for q in ("north", "east") if q in ends}
+        if parts:
+            # The larger component is counted positive.
+            lower, upper = max(parts.values(), key=lambda b: abs(b[0] + b[1]))
+            if lower + upper < 0:
+                shift = math.pi
+                found |= {q: (-b[1], -b[0]) for q, b in parts.items()}
+        if "direction" in ends:
+            lower, upper = ends["direction"]
+            shift = math.floor(0.5 * (lower + upper) / math.pi) * math.pi
+            found["direction"] = (lower - shift, upper - shift)
+        if "phase" in ends:
+            lower, upper = ends["phase"]
+            shift -= math.floor((0.5 * (lower + upper) + shift) / (2 * math.pi)) * 2 * math.pi
+            found["phase"] = (lower + shift, upper + shift)
+        return found
+
+
+@dataclass(frozen=True)
+class Anchored(Form):
+    """A constant pull toward a place over ground: the numbers are the pull, the place north and east, and the arm."""
+
+    place: ClassVar[tuple[int, ...]] = (1, 2)

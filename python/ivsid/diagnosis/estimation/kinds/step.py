@@ -13,7 +13,7 @@ from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.estimation.columns import Columns
 from ivsid.diagnosis.estimation.kinds.candidate import Candidate, NullScores, Scored
 from ivsid.diagnosis.estimation.projection import Gram, Projection
-from ivsid.diagnosis.estimation.signatures import Signatures
+from ivsid.diagnosis.estimation.signatures import STEP_FROM_NONE, Signatures
 from ivsid.effects import Effect, Given
 
 Array = NDArray[np.float64]
@@ -23,12 +23,6 @@ EDGE: Final = 3
 # Neighbouring starts of a step that count as one independent start.
 # Source: measured: make constants
 STARTS_A_LOOK: Final = 6.0
-# Loss of a thruster, as a share, from which the slope of a failure is taken.
-# Source: geometry: thrust is linear in the loss
-SMALL_LOSS: Final = 0.01
-# Load, as a share of the dry mass, from which the slope of a payload is taken.
-# Source: geometry: accelerations are linear in a small load, up to its square
-SMALL_LOAD: Final = 1e-3
 # A step's column has to keep this share of its squared length beside the base.
 # Source: measured: make constants
 STEP_LEFT: Final = 1e-6
@@ -53,7 +47,7 @@ class StepCandidate(Candidate):
         found = []
         for k, name in enumerate([t.name for t in vehicle.thrusters] if several else [""]):
             one = cls(effect, thruster=k if several else None)
-            step = SMALL_LOSS if several else SMALL_LOAD * vehicle.hull.mass
+            step = STEP_FROM_NONE * effect.parameters[one.number].scaled(vehicle.hull.mass)
             column = f"{effect.id}.{name}" if several else effect.parts[one.number]
             out.add(column, s.whole(Given(effect, one.numbers(step, float(s.predictor.log.t[0]) - 1.0))) / step)
             found.append(cls(effect, ((column,),), one.thruster))

@@ -34,8 +34,7 @@ def hidden_effect(vehicle: Vehicle, scenario: Scenario, seed: int) -> dict[str, 
     if nothing or not possible:
         return {}
     effect = possible[int(rng.integers(len(possible)))]
-    if effect.measured is not None and _measured(effect, scenario):
-        effect = effect.measured
+    effect = as_logged(effect, scenario)
     size = float(np.exp(rng.uniform(np.log(SIZES[0]), np.log(SIZES[1]))))
     return draw(effect, size, vehicle, scenario, rng)
 
@@ -54,9 +53,7 @@ def hidden_effects(vehicle: Vehicle, scenario: Scenario, seed: int, count: int) 
         )
     found: dict[str, float] = {}
     for k in rng.choice(len(possible), count, replace=False):
-        effect = possible[int(k)]
-        if effect.measured is not None and _measured(effect, scenario):
-            effect = effect.measured
+        effect = as_logged(possible[int(k)], scenario)
         size = float(np.exp(rng.uniform(np.log(SIZES[0]), np.log(SIZES[1]))))
         found |= draw(effect, size, vehicle, scenario, rng)
     return found
@@ -120,9 +117,12 @@ def _own_sway(effect: Effect, size: float, truth: Mapping[str, float]) -> dict[s
     return {effect.id: truth.get(other, EFFECTS[other].parameters[0].typical) * (1 + (ratio - 1) * size)}
 
 
-def _measured(effect: Effect, scenario: Scenario) -> bool:
-    needs = () if effect.measured is None else effect.measured.needs
-    return all(getattr(scenario.environment, n, 0.0) is not None for n in needs)
+def as_logged(effect: Effect, scenario: Scenario) -> Effect:
+    """The form of an effect for the logs of a scenario: its numbers multiply the cause itself where the log will hold it."""
+    measured = effect.measured
+    if measured is None or any(getattr(scenario.environment, n, 0.0) is None for n in measured.needs):
+        return effect
+    return measured
 
 
 def _span(vehicle: Vehicle, scenario: Scenario) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.effects import Given, Reading, of_kind, sort_given, terms_of
+from ivsid.effects.environment import STEADY_CURRENT
 from ivsid.errors import IvsidError
 from ivsid.programme.manoeuvres import Command, Programme
 from ivsid.programme.scenario import Scenario, Start
@@ -196,9 +197,9 @@ def _numbers(scenario: Scenario, effects: Mapping[str, float]) -> dict[str, floa
     values = {**scenario.truth, **effects}
     current = scenario.environment.current
     if current is not None:
-        if any(k.startswith("current.steady.") for k in values):
-            raise IvsidError("the current is given twice, in [environment] and as current.steady; leave one out")
-        values |= {"current.steady.north": current[0], "current.steady.east": current[1]}
+        if any(k.startswith(f"{STEADY_CURRENT.id}.") for k in values):
+            raise IvsidError(f"the current is given twice, in [environment] and as {STEADY_CURRENT.id}; leave one out")
+        values |= dict(zip(STEADY_CURRENT.parts, current, strict=True))
     return values
 
 

@@ -10,13 +10,14 @@ from pathlib import Path
 import numpy as np
 
 from ivsid import simulation
-from ivsid.effects import spread
+from ivsid.effects import EFFECTS, spread
 from ivsid.errors import IvsidError
 from ivsid.files.records import envelope, to_json
 from ivsid.log import Log
-from ivsid.programme.scenario import Scenario, read_scenario
+from ivsid.programme.scenario import read_scenario
 from ivsid.report import figures, page
 from ivsid.report.page import Report, Section
+from ivsid.simulation.hidden import as_logged
 from ivsid.vehicle import read_vehicle
 from ivsid.workflow.log_files import csv, parquet
 from ivsid.workflow.progress import Progress, silent
@@ -56,7 +57,9 @@ def simulate(
     given: dict[str, float] = {}
     for id_, values in (effects or {}).items():
         numbers = [values] if isinstance(values, (int, float)) else list(values)
-        given |= spread(id_, numbers, measured=_measured(id_, programme))
+        effect = EFFECTS.get(id_)
+        measured = effect is not None and as_logged(effect, programme) is not effect
+        given |= spread(id_, numbers, measured=measured)
     if table not in TABLES:
         raise IvsidError(f"a log is not written as '{table}'; use {' or '.join(TABLES)}")
     if hide is not None:
@@ -103,12 +106,6 @@ def simulate(
 
 def _noise_seed(hide: int) -> int:
     return int(np.random.default_rng([hide, 0x5EED]).integers(2**53))
-
-
-def _measured(id_: str, scenario: Scenario) -> bool:
-    """Whether the log will hold the cause of an effect as a channel, so that the effect's numbers multiply it."""
-    where = scenario.environment
-    return (where.voltage if id_ == "thruster.voltage_sag" else where.wind_speed) is not None
 
 
 def shipped(path: str | Path, suffix: str) -> Path:

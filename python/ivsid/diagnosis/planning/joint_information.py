@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.fit import Fit, Noise, survey
-from ivsid.diagnosis.estimation.kinds.grid import GridCandidate
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.noise import usable_rows
 from ivsid.diagnosis.estimation.projection import Gram
@@ -163,17 +162,10 @@ def _matched(fit: Fit, more: Fit, names: list[str]) -> list[str]:
     out = list(names)
     own = set(fit.gram.names)
     for candidate in more.candidates:
-        if not isinstance(candidate, GridCandidate):
-            continue
-        levels = {
-            v: n
-            for c in fit.candidates
-            if isinstance(c, GridCandidate) and c.id == candidate.id
-            for (n,), v in zip(c.variants, c.values, strict=True)
-        }
-        used = set(candidate.names())
-        free = {v: n for v, n in levels.items() if n not in used}
-        for (name,), value in zip(candidate.variants, candidate.values, strict=True):
+        tried = candidate.tried()
+        levels = {v: n for c in fit.candidates if c.id == candidate.id for n, v in c.tried().items()}
+        free = {v: n for v, n in levels.items() if n not in tried}
+        for name, value in tried.items():
             if name in own or not free:
                 continue
             near = min(free, key=lambda q: abs(np.log(max(q, 1e-12) / max(value, 1e-12))))

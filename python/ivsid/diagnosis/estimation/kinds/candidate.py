@@ -96,6 +96,10 @@ class Candidate(ABC):
         """Names of its columns over the log."""
         return [n for names in self.variants for n in names]
 
+    def tried(self) -> dict[str, float]:
+        """Values of the effect's number that are tried, by column; empty for a number that is not tried by value."""
+        return {}
+
     def looks(self, blocks: int) -> tuple[int, float]:
         """Number of columns, and factor of the chance by the values that are searched and by the sign.
 

@@ -63,6 +63,10 @@ class GridCandidate(Candidate):
                 kept.append(value)
         return [cls(effect, tuple(names), tuple(kept), idle)] if names else []
 
+    def tried(self) -> dict[str, float]:
+        """The value of each column."""
+        return {name: value for (name,), value in zip(self.variants, self.values, strict=True)}
+
     def looks(self, _blocks: int) -> tuple[int, float]:
         """One column, and a share of a look for each value beside it."""
         return 1, (1.0 + LOOKS_A_VALUE * len(self.variants)) * (0.5 if self.sided else 1.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Final, Literal, TypeAlias
 
@@ -40,6 +40,15 @@ class Form:
         """One of several equal descriptions of an effect, by the ends of its numbers' intervals."""
         return ends
 
+    def asks(self, _draws: Sequence[str], _parts: Sequence[str]) -> str | None:
+        """The parameters that the form asks for, in words, if those of an effect are others.
+
+        Args:
+            draws: rules by which the effect's parameters are drawn.
+            parts: their names.
+        """
+        return None
+
 
 @dataclass(frozen=True)
 class Linear(Form):
@@ -60,6 +69,10 @@ class Grid(Form):
     values: tuple[float, ...]
     of: Literal["seconds", "demand", "thrust"]
 
+    def asks(self, draws: Sequence[str], _parts: Sequence[str]) -> str | None:
+        """One parameter."""
+        return None if tuple(draws) == ("size",) else "a single parameter, of draw size"
+
     @property
     def jumps(self) -> bool:
         """Whether the errors jump with the number: where demands are sent, at the edge of a band."""
@@ -75,6 +88,14 @@ class Grid(Form):
 class Step(Form):
     """An effect that starts at a time, the parameter of draw ``time``: its size has a column from each moment on."""
 
+    def asks(self, draws: Sequence[str], _parts: Sequence[str]) -> str | None:
+        """One size, one time."""
+        return (
+            None
+            if draws.count("size") == draws.count("time") == 1
+            else "one parameter of draw size and one of draw time"
+        )
+
 
 @dataclass(frozen=True)
 class Harmonic(Form):
@@ -87,6 +108,12 @@ class Harmonic(Form):
     """
 
     of: Literal["force", "flow"]
+
+    def asks(self, _draws: Sequence[str], parts: Sequence[str]) -> str | None:
+        """The parts of a sine."""
+        known = ({"amplitude", "direction"}, {"north", "east"})
+        fits = {"period", "phase"} <= set(parts) and set(parts) - {"period", "phase"} in known
+        return None if fits else "the parts period, phase and either amplitude and direction, or north and east"
 
     def canonical(self, ends: Ends) -> Ends:
         """The wave with its larger component positive, or its direction in [0, pi): half a turn later, the opposite direction is the same."""
@@ -115,3 +142,11 @@ class Anchored(Form):
     """A constant pull toward a place over ground: the numbers are the pull, the place north and east, and the arm."""
 
     place: ClassVar[tuple[int, ...]] = (1, 2)
+
+    def asks(self, draws: Sequence[str], _parts: Sequence[str]) -> str | None:
+        """A pull, a place and an arm."""
+        return (
+            None
+            if tuple(draws[:3]) == ("size", "north", "east") and len(draws) == 4
+            else "a pull, a place north and east, and an arm"
+        )

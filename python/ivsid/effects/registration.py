@@ -11,9 +11,11 @@ from typing import Final
 
 from ivsid.effects.catalogue import CATALOGUE, EFFECTS, WITH_HEADING
 from ivsid.effects.effect import Effect, Force, Terms
+from ivsid.effects.forms import Grid
 from ivsid.effects.scaling import froude_power
 from ivsid.effects.terms import CHANNELS, Place, State
 from ivsid.errors import IvsidError
+from ivsid.vehicle import Thruster
 
 _ID: Final = re.compile(r"[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)+")
 _SHIPPED: Final = frozenset(EFFECTS)
@@ -132,7 +134,22 @@ def _check(effect: Effect, taken: Sequence[str]) -> None:
         raise IvsidError(
             f"effect {effect.id} has the terms {', '.join(t.id for t in effect.acts.terms)}; its parameters ask for {', '.join(effect.parts)}"
         )
+    _check_declarations(effect)
     _try(effect)
+
+
+def _check_declarations(effect: Effect) -> None:
+    """Form, key and measured form against the parameters and the physics."""
+    if (asked := effect.form.asks(effect.draws, [p.part for p in effect.parameters])) is not None:
+        raise IvsidError(f"effect {effect.id} is searched as {type(effect.form).__name__}; that form asks for {asked}")
+    if isinstance(effect.form, Grid) and effect.form.of != "seconds" and not effect.acts.at_thruster:
+        raise IvsidError(
+            f"effect {effect.id} is searched in {effect.form.of}s, and acts at no thruster; give its values in seconds, or no form"
+        )
+    if effect.key is not None and effect.key.name not in Thruster.model_fields:
+        raise IvsidError(f"effect {effect.id} has the key {effect.key.name}, which no thruster has; leave it out")
+    if effect.measured is not None and effect.measured.id != effect.id:
+        raise IvsidError(f"effect {effect.id} has a measured form of the id {effect.measured.id}; give both the same")
 
 
 def _try(effect: Effect) -> None:

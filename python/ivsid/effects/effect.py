@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Final, Literal, TypeAlias, TypedDict, Unpack
 
-from ivsid.effects.forms import DELAYS, Form, Grid, Linear, Step
+from ivsid.effects.forms import Form, Grid, Linear, Step
 from ivsid.effects.quantity import Quantity
 from ivsid.effects.scaling import froude_power
 from ivsid.effects.terms import Columns, State, Term
@@ -158,7 +158,7 @@ class Inflow(Physics):
 class Response(Physics):
     """A late thrust: a first-order lag or a pure delay, whose time [s] is the only parameter."""
 
-    form: ClassVar[Form] = Grid(DELAYS, "seconds")
+    form: ClassVar[Form] = Grid("seconds")
     at_thruster: ClassVar[bool] = True
     additive: ClassVar[bool] = True
     kind: Literal["lag", "delay"]

@@ -12,6 +12,13 @@ Ends: TypeAlias = Mapping[str, tuple[float, float]]
 # Lags and delays that are tried [s].
 # Source: geometry: neighbours differ by a factor of 2.5 at most, less than the factor that a coefficient corrects (kinds.grid.SECANT)
 DELAYS: Final = (0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0)
+# Dead bands that are tried, in the demand below which most demands stay: levels lie closer below, because a small band shows little of the
+# signature of a larger one.
+# Source: measured: make constants
+BANDS: Final = (0.03, 0.05, 0.08, 0.125, 0.19, 0.28, 0.4, 0.55, 0.75, 1.0)
+# Limits that are tried, in the largest thrust of the log.
+# Source: measured: make constants
+LIMITS: Final = (0.97, 0.92, 0.85, 0.77, 0.68, 0.58, 0.47, 0.35)
 
 
 @dataclass(frozen=True)
@@ -60,14 +67,19 @@ class Grid(Form):
     """Errors that bend or jump with the only number: a column for each value that is tried, the whole effect at it.
 
     Attributes:
-        values: that are tried, in ``of``.
         of: ``seconds`` (a time by which something is late), ``demand`` (a band of demands, in the demand below which most of the log's stay) or
             ``thrust`` (a cap, in the largest thrust of the log).
+        own: values that are tried instead of the usual ones, in ``of``.
     """
 
     bends: ClassVar[bool] = True
-    values: tuple[float, ...]
     of: Literal["seconds", "demand", "thrust"]
+    own: tuple[float, ...] = ()
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """Values that are tried, in ``of``."""
+        return self.own or {"seconds": DELAYS, "demand": BANDS, "thrust": LIMITS}[self.of]
 
     def asks(self, draws: Sequence[str], _parts: Sequence[str]) -> str | None:
         """One parameter."""

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Final, TypeAlias
 
 from ivsid.effects.effect import Effect, Numbers, Parameter, Reading
-from ivsid.effects.forms import DELAYS, Grid
+from ivsid.effects.forms import Grid
 from ivsid.effects.quantity import Quantity
 
 Channels: TypeAlias = Mapping[str, Quantity]
@@ -135,7 +135,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         Reading(_delay, "velocity", 0),
         needs=("ax|udot", "ay|vdot"),
         confusable=("sensor.velocity.lever_arm", "thruster.lag"),
-        searched=Grid(DELAYS, "seconds"),
+        searched=Grid("seconds"),
         separate="a PRBS or a zigzag with measured accelerations",
     ),
 )

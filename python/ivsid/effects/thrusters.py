@@ -11,14 +11,6 @@ from ivsid.effects.forms import Grid
 from ivsid.effects.functions import after
 from ivsid.effects.quantity import Quantity
 
-# Dead bands that are tried, in the demand below which most demands stay: levels lie closer below, because a small band shows little of the
-# signature of a larger one.
-# Source: measured: make constants
-BANDS: Final = (0.03, 0.05, 0.08, 0.125, 0.19, 0.28, 0.4, 0.55, 0.75, 1.0)
-# Limits that are tried, in the largest thrust of the log.
-# Source: measured: make constants
-LIMITS: Final = (0.97, 0.92, 0.85, 0.77, 0.68, 0.58, 0.47, 0.35)
-
 
 def _asymmetry(thrust: Quantity, drive: Drive, p: Numbers) -> Quantity:
     # The side is the sign of the arm; a thruster on the centre line has none.
@@ -118,7 +110,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         _one("demand", 8.0, lowest=0.0),
         Thrust(_deadband),
         confusable=("friction.coulomb",),
-        searched=Grid(BANDS, "demand"),
+        searched=Grid("demand"),
         key=Key("dead_band"),
         separate="demands just above and just below",
         per_thruster=True,
@@ -129,7 +121,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         _one("N", 30.0, inverse=True, lowest=0.0, exclusive=True),
         Thrust(_saturation),
         confusable=("thruster.advance_loss", "thruster.curve"),
-        searched=Grid(LIMITS, "thrust"),
+        searched=Grid("thrust"),
         key=Key("limit"),
         separate="full demand at rest, as in a bollard pull",
         per_thruster=True,

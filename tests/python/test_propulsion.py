@@ -26,8 +26,9 @@ def test_what_is_kept_between_hypotheses_changes_no_bit(slow, held):
         log = with_columns(log, lambda name, x: np.where(fifth, np.nan, x) if name in ("u", "v", "r") else x)
     data = channels(log, vehicle)
     assert (data.between is not None) == (slow and held)
-    sizes = [[0.3, 0.0, -0.2, 0.1, 0.0, 0.0, 0.4]] * len(vehicle.thrusters)
     kept = Propulsion(vehicle, data)
+    some = [0.3, 0.0, -0.2, 0.1, 0.0, 0.0, 0.4]
+    sizes = [[*some, *[0.0] * (len(e.functions) - len(some))] for e in kept.errors]
     for given in (*HYPOTHESES, *HYPOTHESES):
         for errors in (None, sizes):
             seen, alone = kept.thrusts(given, errors), Propulsion(vehicle, data).thrusts(given, errors)

@@ -99,14 +99,16 @@ def diagnose(
     else:
         kept = {f.effect for f in findings}
         findings = (*findings, unknown(after, [f.id for f in selection.found if f.id not in kept]))
+    causes = {q.id for q in selection.found}
+    named = [f.effect for f in findings if f.effect in causes]
+    shared = Apart(partial(shares, predictor, fit, selection.last, named))
     claimed = claims(selection.last, selection.leftover, findings, unknown=not after.quiet)
     progress("trying both models on the other log")
     moved = change(vehicle, selection.last, other)
     gain = compared.result()
     if moved is not None and moved.factor is not None:
         findings = (*findings, shallow(moved))
-    named = [f.effect for f in findings if f.effect != "unknown"]
-    shown = shares(predictor, fit, selection.last, [i for i in named if i in {q.id for q in selection.found}])
+    shown = shared.result()
     findings = tuple(replace(f, matters=shown.get(f.effect)) for f in findings)
     verdict = verdict_of(findings)
     said = [n for n in (confirmation.note, proof.sentence(verdict) if proof.refuted else "") if n]

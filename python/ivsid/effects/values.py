@@ -170,5 +170,7 @@ def with_stated(given: Iterable[Given], kind: type[Physics], thruster: Thruster)
         value = getattr(thruster, effect.key.name)
         if value is not None and effect.key(value) != effect.parameters[0].none:
             found.append(Given(effect, (effect.key(value),)))
+    if len(found) < 2:
+        return found
     order = list(EFFECTS)
     return sorted(found, key=lambda g: order.index(g.effect.id))

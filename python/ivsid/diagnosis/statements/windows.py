@@ -12,6 +12,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
 
 from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration
 from ivsid.diagnosis.plant.points import Points
@@ -23,6 +24,9 @@ Array = NDArray[np.float64]
 # Error that a simulation which runs away is given [m/s, rad/s, m].
 # Source: definition: beyond any error of a simulation that stays with the vehicle
 RUNAWAY: Final = 1e3
+# Longest step of a free run [s].
+# Source: geometry: below a third of the time in which a small hull loses its way
+LONGEST_STEP: Final = 0.2
 
 
 def windows(
@@ -70,7 +74,9 @@ def drift(predictor: Predictor, h: Hypothesis, states: FilteredStates, length: f
     starts = starts[[bool(log.good[s : s + count + 1].all()) for s in starts]]
     if not starts.size:
         return np.zeros(0)
-    (out,) = _simulated(predictor, h, states, [starts], [count])
+    stride = max(1, int(LONGEST_STEP / log.h + 1e-9))
+    count -= count % stride
+    (out,) = _simulated(predictor, h, states, [starts], [count], stride)
     off = (out[-1, 4:] - out[0, 4:]) - (log.place[:, starts + count] - log.place[:, starts])
     return np.asarray(np.hypot(*np.clip(np.nan_to_num(off, nan=RUNAWAY), -RUNAWAY, RUNAWAY)))
 
@@ -81,13 +87,21 @@ def _simulated(
     states: FilteredStates,
     starts: Sequence[NDArray[np.int64]],
     counts: Sequence[int],
+    stride: int = 1,
 ) -> list[Array]:
-    """Simulated u, v, r, psi, x, y from the states at each start, for each group of starts, each of shape (count + 1, 6, starts)."""
+    """Simulated u, v, r, psi, x, y from the states at each start, for each group of starts, each of shape (count / stride + 1, 6, starts).
+
+    Steps of several samples take the mean thrust over the step.
+    """
     log, n = predictor.log, predictor.log.n
     thrusts, bollard = (x[:, n:] for x in predictor.driving.force(h))
     points = states.points
     place = np.zeros((2, n)) if log.place is None else log.place
-    step = log.h
+    step = stride * log.h
+    if stride > 1:
+        thrusts, bollard = (
+            uniform_filter1d(x, stride, origin=-(stride // 2), mode="nearest") for x in (thrusts, bollard)
+        )
     # Masses that change in time, as with a payload, are inverted again at each step.
     steady = not of_kind(h.given, Change)
     mass = Mass(predictor.vehicle, h.terms, h.values) if steady else None
@@ -113,6 +127,7 @@ def _simulated(
     begin = np.concatenate([starts[k] for k in order])
     state = np.concatenate([points.nu[:, begin], points.psi[None, begin], place[:, begin]])
     edges = np.cumsum([0, *(starts[k].size for k in order)])
+    counts = [count // stride for count in counts]
     out = [np.empty((count + 1, 6, some.size)) for some, count in zip(starts, counts, strict=True)]
     with np.errstate(over="ignore", invalid="ignore"):
         for i in range(max(counts) + 1):
@@ -121,7 +136,7 @@ def _simulated(
                     out[k][i] = state[:, first:last]
             # Longer windows stand first, so those that go on are the leading columns.
             left = int(max((e for k, e in zip(order, edges[1:], strict=True) if counts[k] > i), default=0))
-            state, at = state[:, :left], begin[:left] + i
+            state, at = state[:, :left], begin[:left] + i * stride
             if not left:
                 break
             t = log.t[at]

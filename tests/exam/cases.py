@@ -1,0 +1,215 @@
+"""Cases of the examination, drawn from a seed and written by the examiner's own simulator."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from tests.exam.catalogue import CLAIMED, EFFECTS, ON_TEST_ALONE, OUTSIDE, drawn, possible
+from tests.exam.readings import exact as clean_readings
+from tests.exam.readings import log as noisy
+from tests.exam.shown import Sailed, shown
+from tests.exam.simulator import Vessel, gauss_markov, grouped, sail
+from tests.exam.thrust_curves import Curve, errors
+from tests.exam.thrust_errors import SHAPES
+from tests.exam.vessels import KINDS, programme, vehicle_of
+
+from ivsid.programme.scenario import Scenario, parse_scenario
+
+FAMILIES = (*sorted(SHAPES), "hysteresis")
+# The share of cases in which all thrusters have the same error.
+ALIKE = 0.25
+
+
+@dataclass
+class Case:
+    """A drawn case.
+
+    Attributes:
+        seed: of every draw.
+        text: of the vehicle file.
+        logs: the columns of both logs with their times, ``t``.
+        truth: the hidden effects by id and part.
+        exact: the numbers of the plain model.
+        z: of each hidden effect, by the examiner (tests/exam/shown.py).
+        stratum: everything else that was drawn.
+    """
+
+    seed: int
+    text: str
+    logs: tuple[dict[str, np.ndarray], ...]
+    truth: dict[str, float]
+    exact: dict[str, float]
+    z: dict[str, float]
+    stratum: dict[str, object]
+
+
+@dataclass
+class Setting:
+    """Everything about a case but what is hidden in it: whatever that is, the draws of the sea and the sensors stay the same."""
+
+    seed: int
+    text: str
+    exact: dict[str, float]
+    programmes: tuple[Scenario, ...]
+    scale: float
+    family: str | None
+    share: float
+    alike: bool
+    noise: str
+    stratum: dict[str, object]
+
+    @property
+    def vessel(self) -> Vessel:
+        return Vessel.read(self.text, self.exact)
+
+    def sailed(self, truth: Mapping[str, float], which: int, *, calm: bool = False) -> tuple[Sailed, list[np.ndarray]]:
+        """One of the logs: its motion and its readings without noise."""
+        vessel, scenario = self.vessel, self.programmes[which]
+        effects = grouped(truth, {**EFFECTS, **OUTSIDE})
+        if which == 0:
+            effects = {k: p for k, p in effects.items() if k not in ON_TEST_ALONE}
+        streams = [np.random.default_rng([self.seed, which, k]) for k in range(3)]
+        n, h = round(scenario.duration * scenario.rate), 1 / scenario.rate
+        sea = vessel.table["ambient"]
+        ambient = np.stack(
+            [gauss_markov(n, h, sea[k], sea["time"], streams[0]) for k in ("force", "force", "moment")], axis=1
+        )
+        # The curves belong to the vehicle: both logs have the same errors.
+        own = errors(self.family, len(vessel.thrusters), self.alike, np.random.default_rng([self.seed, 3]))
+        curves = [Curve(t, e, self.share) for t, e in zip(vessel.thrusters, own, strict=True)]
+        motion = sail(vessel, scenario, effects, curves, 0.0 * ambient if calm else ambient, streams[1])
+        return Sailed(vessel, motion, clean_readings(motion, effects), tuple(curves)), streams
+
+    def logs(self, truth: Mapping[str, float]) -> tuple[dict[str, np.ndarray], ...]:
+        """The columns of both logs, and their times."""
+        out = []
+        for k in range(2):
+            q, streams = self.sailed(truth, k)
+            out.append({"t": q.motion.t, **noisy(q.vessel, q.motion, q.clean, self.noise, streams[2])})
+        return tuple(out)
+
+    def z(self, truth: Mapping[str, float]) -> float:
+        """How far the effects stand out of this log, or of both where they differ between them."""
+        both = any(k in truth for k in ON_TEST_ALONE)
+        claimed = tuple(c for k, ids in CLAIMED.items() if any(q.startswith(k) for q in truth) for c in ids)
+        return shown([self.sailed(truth, k)[0] for k in range(2 if both else 1)], claimed)
+
+    def draw(self, id_: str, size: float) -> dict[str, float]:
+        """The numbers of an effect at a multiple of its typical size: of another size they are the same otherwise."""
+        thrusters = self.vessel.thrusters
+        rng = np.random.default_rng([self.seed, 4, *id_.encode()])
+        value = drawn(id_, size, self.vessel.body.mass, len(thrusters), self.programmes[0].duration, rng)
+        if id_ == "thruster.deadband":
+            # A percentage of the largest demand.
+            value[id_] *= max(abs(d) for t in thrusters for d in t["table"]["demand"]) / 100
+        return value
+
+
+def setting(
+    seed: int,
+    style: str | None = None,
+    kind: str | None = None,
+    ambient: float | None = None,
+    duration: float | None = None,
+    rate: float | None = None,
+    noise: str = "gaussian",
+    thrust: str | None = None,
+    share: float | None = None,
+    claims: tuple[str, ...] = (),
+) -> Setting:
+    """What a seed draws; what is given is not drawn. ``thrust`` is a family of errors (tests/exam/thrust_errors.py), or ``none``."""
+    rng = np.random.default_rng([seed, 1077])
+    k = str(rng.choice(KINDS)) if kind is None else kind
+    text, exact, scale = vehicle_of(k, rng)
+    choices = ([0.3, 1.0, 3.0, 10.0], [0.2, 0.5, 0.2, 0.1])
+    drawn_ambient = float(rng.choice(choices[0], p=choices[1]))
+    a = drawn_ambient if ambient is None else ambient
+    force = 0.15 * scale**3 * a
+    text += f"[ambient]\nforce = {force:.5g}\nmoment = {0.2 * force * scale:.5g}\ntime = {2.0 * math.sqrt(scale):.4g}\n"
+    if claims:
+        text += "[model.values]\n" + "".join(f'"{c}" = {exact[c]!r}\n' for c in claims)
+    st = str(rng.choice(["rich", "zigzag", "circle", "line"], p=[0.5, 0.5 / 3, 0.5 / 3, 0.5 / 3]))
+    d, f = float(rng.choice([300.0, 600.0])), float(rng.choice([10.0, 20.0]))
+    st, d, f = style or st, duration or d, rate or f
+    head = f"duration = {d}\nrate = {f}\n[truth]\n"
+    programmes = tuple(parse_scenario(head + programme(rng, d, k, scale, s), "s.toml") for s in (st, "rich"))
+    family, part, alike = str(rng.choice(FAMILIES)), float(rng.uniform()), bool(rng.uniform() < ALIKE)
+    family = thrust or family
+    part = part if share is None else share
+    stratum = {"kind": k, "style": st, "ambient": a, "duration": d, "rate": f, "family": family, "share": part}
+    family = None if family == "none" else family
+    return Setting(seed, text, exact, programmes, scale, family, part, alike, noise, stratum)
+
+
+def case(
+    seed: int,
+    what: str | None = None,
+    effect: str | None = None,
+    size: float | None = None,
+    z: float | None = None,
+    **given,
+) -> Case:
+    """The case of a seed.
+
+    Args:
+        seed: of every draw.
+        what: ``none``, ``one``, ``two`` or ``outside``.
+        effect: the one that is hidden; ``each`` takes them in turn, seed by seed.
+        size: as a multiple of the typical one.
+        z: how far the effect shall stand out; the size follows.
+        given: as ``setting`` takes it.
+    """
+    rng = np.random.default_rng([seed, 1078])
+    w = what or str(rng.choice(["none", "one", "two", "outside"], p=[0.34, 0.46, 0.1, 0.1]))
+    probe = setting(seed, **given)
+    sides = tuple(t["position"][1] for t in probe.vessel.thrusters)
+    able = [i for i in EFFECTS if possible(i, sides)]
+    if effect == "each":
+        effect = list(EFFECTS)[seed % len(EFFECTS)]
+    if effect in EFFECTS and effect not in able:
+        raise ValueError(f"the vehicle of seed {seed} cannot have {effect}")
+    ids = {
+        "none": [],
+        "one": [effect or str(rng.choice(able))],
+        "two": [str(i) for i in rng.choice(able, 2, replace=False)],
+        "outside": [effect or str(rng.choice(list(OUTSIDE)))],
+    }[w]
+    claims = tuple(dict.fromkeys(c for i in ids for c in CLAIMED.get(i, ())))
+    here = setting(seed, claims=claims, **given)
+    truth: dict[str, float] = {}
+    sizes, seen = {}, {}
+    for id_ in ids:
+        s = size or (1.0 if w == "outside" else float(np.exp(rng.uniform(math.log(0.1), math.log(3.0)))))
+        s = s if z is None else sized(here, id_, z)
+        own = here.draw(id_, s)
+        truth |= own
+        sizes[id_], seen[id_] = s, here.z(own)
+    return Case(seed, here.text, here.logs(truth), truth, here.exact, seen, {"what": w, "sizes": sizes, **here.stratum})
+
+
+def sized(here: Setting, id_: str, z: float) -> float:
+    """The multiple of an effect's typical size at which it stands out by z.
+
+    Raises:
+        ValueError: no size up to 64 times the typical one does.
+    """
+    low, size, at = 0.0, 1.0, 0.0
+    below = 0.0
+    # z is nearly proportional to the size for most effects, and bends for limits and dead bands.
+    for _ in range(12):
+        at = here.z(here.draw(id_, size))
+        if abs(at / z - 1) < 0.03:
+            return size
+        if at < z:
+            low, below = size, at
+            size = min(size * (z / at if at > 0 else 4.0), size * 4.0)
+        else:
+            size = low + (size - low) * (z - below) / (at - below)
+        if size > 64:
+            break
+    raise ValueError(
+        f"{id_} of seed {here.seed} stands out by {at:.1f} at {size:.3g} times its typical size, not by {z:g}"
+    )

@@ -1,0 +1,249 @@
+"""The examiner's z: how far hidden effects stand out of a log, whatever is examined.
+
+The case is simulated with its effects and read without noise. The plain model (masses, drags) predicts from each row's readings
+
+    the acceleration there,                       d_a = (ax, ay) - prediction of (udot - v r, vdot + u r)
+    the velocities one sample later,              d_1 = (reading - prediction) / h of u, v, r
+    the heading and the place one sample later,   d_p = (reading - prediction) / h of psi, north, east
+
+with the true thrust curves and the true ambient force, so that every d is 0 where nothing is hidden. Its spread in a log is that of
+the sensors' stated noise and of the stated ambient force. At the frequency w, with S_x the spectrum of a sample of x and
+D = (exp(i w h) - 1) / h, the errors of one channel are
+
+    surge, sway:   d_1 = D n_v + f,   d_a = n_a + f          n_v, n_a: noise of velocity and acceleration, f: ambient force / mass
+    yaw:           d_1 = D n_r + f,   d_p = D n_psi - n_r    and what n of other channels does to the predicted acceleration adds to f
+    place:         d_p = D n_x - n_v - speed across * n_psi
+
+Each frequency's rows are whitened by the Cholesky factor of that covariance (Whittle 1953). Then
+
+    z^2 = min over theta of |W (d - J theta)|^2
+
+over the masses and drags, which are free, the velocity's scale error inside its bound, and for each thruster a piecewise linear error
+of its curve over nine demands, inside its accuracy. It is the least squared distance, in standard deviations, between the log with
+its effects and any log that the vehicle file allows without them. Effects are never turned into columns: dead bands, delays, waves
+and sensors are treated alike, by simulation. No code of the package is used.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import cholesky
+from scipy.optimize import lsq_linear
+from tests.exam.physics import Body, accelerations
+from tests.exam.simulator import Motion, Vessel
+from tests.exam.thrust_curves import Curve
+
+# Demands at which the error of a thrust curve is free, and Gauss-Newton steps of the model's numbers.
+NODES = 9
+ROUNDS = 4
+# Relative step of a difference.
+SMALL = 1e-4
+# Keeps the products of columns of unit length positive definite.
+RIDGE = 1e-12
+PARAMETERS = {
+    "mass.surge": "m_u",
+    "mass.sway": "m_v",
+    "inertia.yaw": "i_r",
+    "drag.surge.quadratic": "d_u",
+    "drag.sway.quadratic": "d_v",
+}
+LINEAR = {"drag.yaw.linear": lambda r: r, "drag.yaw.quadratic": lambda r: r * abs(r)}
+
+
+@dataclass
+class Sailed:
+    """A log of the examiner before its noise.
+
+    Attributes:
+        vessel: its numbers.
+        motion: the true one.
+        clean: readings without noise by column.
+        curves: the thrust curves with their bounds.
+    """
+
+    vessel: Vessel
+    motion: Motion
+    clean: dict[str, np.ndarray]
+    curves: tuple[Curve, ...]
+
+
+def shown(logs: list[Sailed], claimed: tuple[str, ...] = ()) -> float:
+    """z of everything that is hidden in the logs together.
+
+    Args:
+        logs: of one vehicle; the numbers of its model are the same in all.
+        claimed: parameters of the model that the vehicle file states.
+    """
+    body = logs[0].vessel.body
+    free = [i for i in (*PARAMETERS, *body.more) if i not in claimed]
+    whiteners = [whitener(q) for q in logs]
+    least = math.inf
+    for _ in range(ROUNDS):
+        base = [discrepancy(q, body) for q in logs]
+        columns: list[np.ndarray] = []
+        for id_ in free:
+            moved = _with(body, id_, _value(body, id_) * (1 + SMALL))
+            rows = [w((discrepancy(q, moved) - d) / SMALL) for w, q, d in zip(whiteners, logs, base, strict=True)]
+            columns.append(np.concatenate(rows))
+        # Errors of thrust and of the velocity's scale belong to one log.
+        for j, (w, q, d) in enumerate(zip(whiteners, logs, base, strict=True)):
+            for column in _nuisance(q, body, d):
+                rows = [np.zeros(_rows(p)) for p in logs]
+                rows[j] = w(column)
+                columns.append(np.concatenate(rows))
+        target = np.concatenate([w(d) for w, d in zip(whiteners, base, strict=True)])
+        A = np.stack(columns, axis=1)
+        reach = np.r_[np.full(len(free), np.inf), np.ones(A.shape[1] - len(free))]
+        # No mass and no drag falls below a twentieth of its value in a step.
+        lower = np.r_[np.full(len(free), -0.95), -reach[len(free) :]]
+        scale = np.linalg.norm(A, axis=0) + 1e-12
+        # The triangular factor of the columns and the target, by way of their products: 40 columns of unit length.
+        joined = np.column_stack([A / scale, target / (size := np.linalg.norm(target) + 1e-300)])
+        R, q = cholesky(joined.T @ joined + RIDGE * np.eye(A.shape[1] + 1)), A.shape[1]
+        R[:, q] *= size
+        x = lsq_linear(R[:q, :q], -R[:q, q], (lower * scale, reach * scale)).x / scale
+        left = float(np.linalg.norm(R[:q, :q] @ (x * scale) + R[:q, q]) ** 2 + R[q, q] ** 2)
+        if left > least * 0.999:
+            break
+        least = min(least, left)
+        for id_, step in zip(free, x, strict=False):
+            body = _with(body, id_, _value(body, id_) * (1 + step))
+    return math.sqrt(least)
+
+
+def _value(body: Body, id_: str) -> float:
+    return getattr(body, PARAMETERS[id_]) if id_ in PARAMETERS else body.more[id_]
+
+
+def _with(body: Body, id_: str, value: float) -> Body:
+    if id_ in PARAMETERS:
+        return replace(body, **{PARAMETERS[id_]: value})
+    return replace(body, more={**body.more, id_: value})
+
+
+def _rows(q: Sailed) -> int:
+    # Eight series, each of real and imaginary parts.
+    return 16 * ((q.motion.t.size - 1) // 2 + 1)
+
+
+def _rates(q: Sailed, body: Body, u, v, r, ambient, thrust):
+    """udot, vdot, rdot of the plain model for arrays."""
+    total = [ambient[:, j] for j in range(3)]
+    for k in range(thrust.shape[1]):
+        push = q.vessel.push(k, thrust[:, k], q.motion.angles[: len(u), k], u, v, r, m=np)
+        total = [a + b for a, b in zip(total, push, strict=True)]
+    for id_, value in body.more.items():
+        total[2] = total[2] - value * LINEAR[id_](r)
+    return accelerations(body, u, v, r, total)
+
+
+def discrepancy(q: Sailed, body: Body) -> np.ndarray:
+    """d_a of ax and ay, d_1 of u, v and r, d_p of heading, north and east, shape (8, n - 1)."""
+    motion, c = q.motion, q.clean
+    h, n = motion.t[1] - motion.t[0], motion.t.size - 1
+    u, v, r, psi = (c[k][:n] for k in ("u", "v", "r", "psi"))
+    near, far = motion.ambient[:n], motion.ambient[1:]
+    thrust = motion.static[:n]
+
+    def rates(s, share):
+        a, b, w, heading = s
+        udot, vdot, rdot = _rates(q, body, a, b, w, near + share * (far - near), thrust)
+        co, si = np.cos(heading), np.sin(heading)
+        return np.array([udot, vdot, rdot, w, co * a - si * b, si * a + co * b])
+
+    s = np.array([u, v, r, psi])
+    k1 = rates(s, 0.0)
+    k2 = rates(s + 0.5 * h * k1[:4], 0.5)
+    k3 = rates(s + 0.5 * h * k2[:4], 0.5)
+    k4 = rates(s + h * k3[:4], 1.0)
+    mean = (k1 + 2 * k2 + 2 * k3 + k4) / 6
+    moved = np.stack([np.diff(c[k]) / h for k in ("u", "v", "r", "psi", "x", "y")]) - mean
+    here = np.stack([c["ax"][:n] - (k1[0] - v * r), c["ay"][:n] - (k1[1] + u * r)])
+    return np.concatenate([here, moved])
+
+
+def _nuisance(q: Sailed, body: Body, base: np.ndarray):
+    """What each declared error at its bound does to the discrepancies ``base`` of a log."""
+    sensors, n = q.vessel.table["sensors"], base.shape[1]
+    if e := sensors["velocity"].get("scale_factor_error"):
+        clean = q.clean | {k: q.clean[k] * (1 + SMALL * e) for k in ("u", "v")}
+        yield (discrepancy(replace(q, clean=clean), body) - base) / SMALL
+    for k, curve in enumerate(q.curves):
+        demand = q.motion.demands[:, k]
+        static = q.motion.static.copy()
+        static[:, k] += SMALL * curve.bound(demand)
+        whole = (discrepancy(replace(q, motion=replace(q.motion, static=static)), body) - base) / SMALL
+        # A demand holds for a sample, so that each sample answers to its own error alone.
+        nodes = np.linspace(curve.low, curve.high, NODES)
+        for hat in np.eye(NODES):
+            share = np.interp(demand[:n], nodes, hat)
+            if (share * curve.bound(demand[:n])).any():
+                yield whole * share
+
+
+def whitener(q: Sailed):
+    """A function from discrepancies, shape (8, n), to independent rows of unit variance, real."""
+    motion, body, sensors = q.motion, q.vessel.body, q.vessel.table["sensors"]
+    h, n = motion.t[1] - motion.t[0], motion.t.size - 1
+    w = 2 * np.pi * np.fft.rfftfreq(n, h)
+    D = (np.exp(1j * w * h) - 1) / h
+
+    def wander(deviation: float, time: float) -> np.ndarray:
+        memory = math.exp(-h / time)
+        return deviation**2 * (1 - memory**2) / np.abs(1 - memory * np.exp(-1j * w * h)) ** 2
+
+    def inertial(s) -> np.ndarray:
+        return s["random_walk"] ** 2 / h + wander(s["bias_instability"], s.get("bias_time", 300.0))
+
+    flat = np.ones_like(w)
+    velocity = (sensors["velocity"]["accuracy"] / 3) ** 2 * flat
+    heading = (sensors["heading"]["accuracy"] / 3) ** 2 * flat
+    place = (sensors["position"]["accuracy"] / 3) ** 2 * flat
+    gyro, accelerometer = inertial(sensors["yaw_rate"]), inertial(sensors["acceleration"])
+    noise = (velocity, velocity, gyro)
+    sea = q.vessel.table["ambient"]
+    forces = [
+        wander(sea[k], sea["time"]) / m**2
+        for k, m in zip(("force", "force", "moment"), (body.m_u, body.m_v, body.i_r), strict=True)
+    ]
+    # Noise of a reading moves the predicted acceleration by its slope.
+    u, v, r = motion.states[:n, 0], motion.states[:n, 1], motion.states[:n, 2]
+    ambient, thrust = motion.ambient[:n], motion.static[:n]
+    here = np.array(_rates(q, body, u, v, r, ambient, thrust))
+    for j, step in enumerate(np.eye(3) * 1e-5):
+        slope = (np.array(_rates(q, body, u + step[0], v + step[1], r + step[2], ambient, thrust)) - here) / 1e-5
+        forces = [f + np.mean(s**2) * noise[j] for f, s in zip(forces, slope, strict=True)]
+    across = [np.mean(r**2) * velocity + np.mean(q_**2) * gyro for q_ in (v, u)]
+    # The first and the last reading stand in one difference each, and what they leave is in every frequency.
+    size = np.abs(D) ** 2 + 2 / (h * h * n)
+    pairs = [
+        # Rows of ``discrepancy``, their variances, and the covariance of the first with the second.
+        ((0, 2), accelerometer + across[0] + forces[0], size * velocity + forces[0], forces[0]),
+        ((1, 3), accelerometer + across[1] + forces[1], size * velocity + forces[1], forces[1]),
+        ((4, 5), size * gyro + forces[2], size * heading + gyro, -D * gyro),
+    ]
+    # An error of the heading turns the velocity that is summed to the place.
+    alone = size * place + velocity + np.mean(u**2 + v**2) / 2 * heading
+
+    def white(d: np.ndarray) -> np.ndarray:
+        f = np.fft.rfft(d, axis=1, norm="ortho")
+        # Every frequency but the first and, of an even length, the last stands for two.
+        weight = np.full(w.size, math.sqrt(2.0))
+        weight[0] = 1.0
+        if n % 2 == 0:
+            weight[-1] = 1.0
+        out = []
+        for (a, b), first, second, cross in pairs:
+            # The Cholesky factor of [[first, cross], [conj(cross), second]], by hand.
+            lower = np.conj(cross) / np.sqrt(first)
+            rest = np.sqrt(np.maximum(second - np.abs(lower) ** 2, 1e-12 * second))
+            one = f[a] / np.sqrt(first)
+            out += [one, (f[b] - lower * one) / rest]
+        out += [f[6] / np.sqrt(alone), f[7] / np.sqrt(alone)]
+        rows = np.concatenate(out) * np.tile(weight, 8)
+        return np.concatenate([rows.real, rows.imag])
+
+    return white

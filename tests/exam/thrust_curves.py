@@ -1,0 +1,84 @@
+"""The examiner's own thrusters: curves that are wrong inside their accuracy, and the effects on a thrust at rest."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+from tests.exam.thrust_errors import SHAPES
+
+
+class Curve:
+    """A thrust curve that is wrong by a share of its accuracy; demands come in their order, because one kind of error remembers."""
+
+    def __init__(self, thruster: dict, error=None, share: float = 0.0) -> None:
+        table, accuracy = thruster["table"], thruster["accuracy"]
+        self.low, self.high = table["demand"][0], table["demand"][-1]
+        self.largest = max(map(abs, table["thrust"]))
+        self.nominal = PchipInterpolator(table["demand"], table["thrust"])
+        self._knots, self._cubics = table["demand"], self.nominal.c.T.tolist()
+        self.absolute, self.relative = accuracy["absolute"], accuracy["relative"]
+        self.error, self.share = error, share
+        self.demand, self.side, self.thrust = 0.0, 1.0, 0.0
+
+    def bound(self, demand):
+        """Of the error [N]: no thrust has none."""
+        amount = np.abs(self.nominal(demand))
+        return np.minimum(self.absolute + self.relative * amount, amount)
+
+    def __call__(self, demand: float) -> float:
+        if demand == self.demand:
+            return self.thrust
+        self.side = math.copysign(1.0, demand - self.demand)
+        i = min(max(bisect_right(self._knots, demand) - 1, 0), len(self._cubics) - 1)
+        a, b, c, d = self._cubics[i]
+        x = demand - self._knots[i]
+        self.demand, self.thrust = demand, ((a * x + b) * x + c) * x + d
+        if self.error is not None and self.share:
+            amount = abs(self.thrust)
+            bound = self.share * min(self.absolute + self.relative * amount, amount)
+            self.thrust += bound * self._shape(demand)
+        return self.thrust
+
+    def _shape(self, demand: float) -> float:
+        """The error as a share of its bound; ``hysteresis`` follows the side from which the demand came."""
+        if isinstance(self.error, float):
+            return self.side * self.error
+        width = self.high - self.low
+        return float(self.error(np.array([(demand - self.low) / width]), -self.low / width)[0])
+
+
+def errors(family: str | None, count: int, alike: bool, rng: np.random.Generator) -> list:
+    """The error of each thruster as a shape over its demands; of ``hysteresis`` the sign for a rising demand."""
+    if family is None:
+        return [None] * count
+    make = (lambda q: float(q.choice([-1, 1]))) if family == "hysteresis" else SHAPES[family]
+    return [make(rng)] * count if alike else [make(rng) for _ in range(count)]
+
+
+def changed_thrust(effects, name: str, index: int, arm: float, demand: float, thrust: float, largest: float, t: float):
+    """A thrust at rest [N] after the effects on it, in the order of docs/effects.md."""
+
+    def number(id_: str) -> float | None:
+        p = effects.get(f"{id_}.{name}", effects.get(id_))
+        return None if p is None else p[""]
+
+    if (q := number("thruster.gain")) is not None:
+        thrust *= 1 + q
+    if (q := number("thruster.asymmetry")) is not None and arm:
+        thrust *= 1 - math.copysign(q, arm)
+    if (p := effects.get("thruster.failure")) and index == p["thruster"] and t >= p["time"]:
+        thrust *= 1 - p["loss"]
+    if (q := number("thruster.deadband")) is not None and abs(demand) < q:
+        thrust = 0.0
+    if (q := number("thruster.saturation")) is not None:
+        thrust = math.copysign(min(abs(thrust), q), thrust)
+    if (q := number("thruster.reverse_loss")) is not None and thrust < 0:
+        thrust *= 1 - q
+    if (q := number("thruster.voltage_sag")) is not None:
+        thrust *= max(1 - q * t, 0.0)
+    if (q := number("thruster.curve")) is not None:
+        thrust += q * thrust * (1 - abs(thrust) / largest)
+    return thrust

@@ -12,7 +12,6 @@ def examine(folder: Path) -> dict:
     from tests.exam.peers import PEERS, regression
 
     from ivsid.diagnosis import diagnose
-    from ivsid.diagnosis.estimation.kinds.grid import GridCandidate
     from ivsid.log import read_log
     from ivsid.vehicle import read_vehicle
 
@@ -29,11 +28,6 @@ def examine(folder: Path) -> dict:
         "record": d.record(),
         "cpu": spent,
         "visible": {i: v.z for i, v in d.visible.items()},
-        "levels": {
-            c.id: sorted(c.levels(d.selection.plain.projection))
-            for c in d.selection.plain.candidates
-            if isinstance(c, GridCandidate) and c.idle is not None
-        },
         "left": [(s.id, round(s.fall, 1)) for s in d.selection.leftover[:4]],
         "adequacy": [(a.fall, a.freedom, a.chance, a.chance_of_one, a.strongest[:2]) for a in d.adequacy],
         "peers": {name: peer(others) for name, peer in PEERS.items()},

@@ -5,20 +5,18 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-import numpy as np
+from tests.exam.catalogue import EFFECTS
+from tests.exam.criteria import hit, judged, passed, seen, spurious
 from tests.exam.worth import worth
-
-from ivsid.effects import EFFECTS
 
 
 def grade(folder: Path, said: dict, truth: dict) -> dict:
     """One case."""
-    row = {"seed": int(folder.name), "stratum": truth["stratum"], "truth": truth["truth"]}
+    row = {"seed": truth["seed"], "stratum": truth["stratum"], "truth": truth["truth"]}
     if "crash" in said:
         return row | said
     record = said["record"]
     findings = record["findings"]
-    sizes = dict(truth["stratum"]["sizes"])
     held = {}
     for f in findings:
         ways = [w for w in same(truth["truth"]) if set(f["parameters"]) & set(w)]
@@ -31,29 +29,24 @@ def grade(folder: Path, said: dict, truth: dict) -> dict:
             for w in ways
         ]
         held |= max(scored, key=lambda s: sum(h[0] for h in s.values()), default={})
-    z = {i: shown(said, i, s, truth["truth"]) for i, s in sizes.items()}
-    known = sizes and all(i in EFFECTS for i in sizes)
+    z = truth["z"]
+    known = z and all(i in EFFECTS for i in z) and truth["exact"] and "gain" in record
+    sizes = truth["stratum"]["sizes"]
     return row | {
         "verdict": record["verdict"],
         "found": [f["effect"] for f in findings],
         "sets": [[f["effect"], *f["alternatives"]] for f in findings],
         "z": z,
+        # What the product predicts for the same size: it need not agree, and is compared.
+        "predicted": {i: said["visible"][i] * (s or 0) for i, s in sizes.items() if i in said.get("visible", {})},
         "held": held,
-        "cpu": said["cpu"],
+        "cpu": said.get("cpu", 0.0),
         "evidence": [f["evidence"] for f in findings],
-        "left": said["left"],
-        "adequacy": said["adequacy"],
+        "left": said.get("left", []),
+        "adequacy": said.get("adequacy", []),
         "worth": worth(folder, record["gain"], truth) if known else {},
-        "peers": said["peers"],
+        "peers": said.get("peers", {}),
     }
-
-
-def shown(said: dict, id_: str, size: float, truth: dict[str, float]) -> float:
-    """The z that the log predicts for what was hidden; negative where it has none for such an effect."""
-    if id_ in said["levels"]:
-        values, z = zip(*said["levels"][id_], strict=True)
-        return float(np.interp(truth[EFFECTS[id_].parts[0]], values, z))
-    return said["visible"].get(id_, -1) * size
 
 
 def same(truth):
@@ -76,74 +69,42 @@ def same(truth):
     return ways
 
 
-def hit(row):
-    """Whether each hidden effect is named, or in a set."""
-    return all(any(i in s for s in row["sets"]) for i in row["z"])
-
-
-def score(rows):
+def score(rows) -> str:
+    """What is demanded beside what was reached, and every case that counts against it."""
     out = []
-    crashes = [r for r in rows if "crash" in r]
-    skipped = [r for r in rows if "skipped" in r]
-    rows = [r for r in rows if "verdict" in r]
-    none = [r for r in rows if r["stratum"]["what"] == "none"]
-    bad = [r for r in none if r["verdict"] != "adequate"]
-    out.append(
-        f"cases {len(rows)}, crashes {len(crashes)}, skipped {len(skipped)}, cpu median {sorted(r['cpu'] for r in rows)[len(rows) // 2]:.1f} s"
-        if rows
-        else "no rows"
-    )
-    out.append(
-        f"nulls {len(none)}: not adequate {len(bad)} {[(r['seed'], r['found'], r['stratum']['style'], r['stratum']['ambient']) for r in bad]}"
-    )
-    singles = [r for r in rows if r["stratum"]["what"] == "one"]
-    visible = [r for r in singles if max(r["z"].values()) >= 8 or max(r["z"].values()) < 0]
-    named = [r for r in visible if hit(r)]
-    out.append(f"singles {len(singles)}, z >= 8: {len(visible)}, named or in set {len(named)}")
-    for r in singles:
-        i = next(iter(r["z"]))
-        mark = (
-            "ok "
-            if hit(r)
-            else ("-- " if r["verdict"] == "adequate" else ("?? " if "unknown" in r["found"] else "XX "))
-        )
-        extra = [f for f, s in zip(r["found"], r["sets"], strict=True) if i not in s]
-        if (mark != "ok " and r in visible) or extra or any(not h[0] for h in r["held"].values()):
-            out.append(
-                f"  {mark}{r['seed']} {i} z {r['z'][i]:.1f} {r['stratum']['style']} {r['stratum']['kind']} amb {r['stratum']['ambient']} -> {r['sets']} ad {[round(r['adequacy'][1][k], 4) for k in (0, 1, 2, 3)]} of {r['adequacy'][0][0]:.0f} {[round(e.get('z', 0), 1) for e in r['evidence']]} held {[(k, h) for k, h in r['held'].items() if not h[0]]}"
-            )
-    held = [h for r in rows for h in r["held"].values()]
-    out.append(f"intervals {len(held)}, hold {sum(h[0] for h in held)}")
-    two = [r for r in rows if r["stratum"]["what"] == "two"]
-    out.append(
-        f"pairs {len(two)}: both {sum(hit(r) for r in two)}, extra {sum(len([f for f, s in zip(r['found'], r['sets'], strict=True) if not set(s) & set(r['z'])]) for r in two)}"
-    )
-    for r in two:
-        if not hit(r):
-            out.append(f"  {r['seed']} {r['z']} -> {r['sets']}")
-    outside = [r for r in rows if r["stratum"]["what"] == "outside"]
-    ok = [r for r in outside if "unknown" in r["found"] or r["verdict"] == "adequate"]
-    out.append(
-        f"outside {len(outside)}: unknown or adequate {len(ok)} {[(r['truth'], r['found']) for r in outside if r not in ok]}"
-    )
-    shown = (*visible, *(q for q in two if min(q["z"].values()) >= 8))
-    for label, lines in (("turning", False), ("straight", True)):
-        here = [r["worth"] for r in shown if (r["stratum"]["style"] == "line") == lines and r["worth"]]
-        every = sorted(x for w in here for x in w.values())
-        if every:
-            out.append(
-                f"gain over the true model's, z >= 8, {label} TRAIN: median {every[len(every) // 2]:.3f}, tenth {every[len(every) // 10]:.3f} "
-                f"of {len(every)} channels in {len(here)} cases"
-            )
-    for name in rows[0]["peers"] if rows else ():
-        alarms = sum(bool(r["peers"][name]) for r in none)
-        first = sum(r["peers"][name][:1] == list(r["z"]) for r in visible)
-        among = sum(set(r["z"]) <= set(r["peers"][name]) for r in visible)
-        more = sum(len(set(r["peers"][name]) - set(r["z"])) for r in visible)
+    done = [r for r in rows if "verdict" in r]
+    if done:
+        cpu = sorted(r["cpu"] for r in done)
+        out.append(f"cases {len(done)} of {len(rows)}, cpu median {cpu[len(cpu) // 2]:.1f} s, largest {cpu[-1]:.0f} s")
+    for j in judged(rows):
+        bound = "at most" if j.criterion.most else "at least"
         out.append(
-            f"{name}: alarms {alarms} of {len(none)} nulls; truth first {first}, among its names {among} of {len(visible)}, other names {more}; "
-            f"outside: no name {sum(not r['peers'][name] for r in outside)} of {len(outside)}"
+            f"{j.verdict:9s} {j.criterion.text}: {j.hits} of {j.cases}, {bound} {j.criterion.rate:g} "
+            f"({j.low:.3f} to {j.high:.3f} by exact limits)"
         )
-    for r in crashes[:3]:
+    out.append("the examination is " + ("passed" if passed(rows) else "failed"))
+    visible = [id(r) for what in ("one", "two") for r in seen(rows, what)]
+    for r in done:
+        what = r["stratum"]["what"]
+        lost = [k for k, h in r["held"].items() if not h[0]]
+        bad = {
+            "none": r["verdict"] != "adequate",
+            "one": (id(r) in visible and not hit(r)) or spurious(r) > 0,
+            "two": (id(r) in visible and not hit(r)) or spurious(r) > 0,
+            "outside": r["found"] != ["unknown"]
+            and not (r["verdict"] == "adequate" and max(r["z"].values(), default=0.0) < 8),
+        }[what]
+        if bad or lost:
+            out.append("  " + line(r) + (f" outside their intervals: {lost}" if lost else ""))
+    for r in [r for r in rows if "crash" in r][:3]:
         out.append(f"CRASH {r['seed']} {r['stratum']} {r['truth']}\n{r['crash'][-900:]}")
+    out += [f"skipped {r['seed']}: {r['skipped']}" for r in rows if "skipped" in r]
     return "\n".join(out)
+
+
+def line(r: dict) -> str:
+    """A case in a line."""
+    s = r["stratum"]
+    words = " ".join(f"{i} z {z:.1f}" for i, z in r["z"].items()) or "nothing"
+    where = f"{s['kind']} {s['style']} amb {s['ambient']} {s.get('family', '')} {s.get('share', 0):.2f}"
+    return f"{r['seed']} {words} ({where}) -> {r['verdict']} {r['sets']}"

@@ -1,7 +1,11 @@
 """Draws cases, examines them sealed, and scores them: python -m tests.exam.run FIRST COUNT [key=value ...].
 
-Keys: ``out`` (a file for the rows), ``table`` (one for the table of the documentation), ``workers``, and what is not to be drawn: ``what``, ``effect``, ``size``, ``style``, ``kind``,
-``ambient``, ``duration``, ``rate`` (tests/exam/draw.py).
+Keys: ``out`` (a file for the rows), ``table`` (one for the table of the documentation), ``workers``, ``folders`` (a folder of cases by
+another simulator, which replace the drawn ones; tests/exam/seal.py), and what is not to be drawn: ``what``, ``effect`` (``each`` takes
+all in turn), ``size`` (a multiple of the typical one) or ``z`` (how far it shall stand out), ``style``, ``kind``, ``ambient``, ``duration``, ``rate``, ``noise``,
+``thrust`` (the family of the thrust errors, or ``none``) and ``share`` (of the accuracy that they fill; tests/exam/cases.py).
+
+The run fails if the counts contradict a demanded rate (tests/exam/criteria.py).
 """
 
 from __future__ import annotations
@@ -10,28 +14,28 @@ import json
 import os
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-NUMBERS = ("size", "ambient", "duration", "rate")
+NUMBERS = ("size", "z", "ambient", "duration", "rate", "share")
 # Cases that are drawn or graded while candidates work.
 AHEAD = 2
 
 
-def drawn(seed: int, options: dict, papers: Path, answers: Path) -> Path | str:
-    """The folder of a drawn case, or why it cannot be."""
-    from tests.exam.draw import case
-    from tests.exam.seal import seal
+def drawn(job: int | Path, options: dict, papers: Path, answers: Path) -> Path | str:
+    """The folder of a drawn or given case, or why it cannot be."""
+    from tests.exam.cases import case
+    from tests.exam.seal import adopt, seal
 
-    from ivsid import IvsidError
-
+    if isinstance(job, Path):
+        return adopt(job, papers, answers)
     try:
-        return seal(case(seed, **options), papers, answers)
-    except IvsidError as error:
+        return seal(case(job, **options), papers, answers)
+    except ValueError as error:
         return str(error)
 
 
@@ -43,37 +47,41 @@ def graded(folder: Path, answers: Path, said: dict) -> dict:
     return grade(folder, said, answer(folder, answers))
 
 
-def examination(seeds: range, options: dict, workers: int = 1) -> Iterator[dict]:
-    """Rows in the order of the seeds. Those who examine are processes of their own, and are told a folder."""
+def examination(jobs: Iterable[int | Path], options: dict, workers: int = 1) -> Iterator[dict]:
+    """Rows in the order of the seeds, or of the folders. Those who examine are processes of their own, and are told a folder."""
     from tests.exam.examine import examine
 
-    with tempfile.TemporaryDirectory() as top:
-        papers, answers = Path(top, "papers"), Path(top, "answers")
+    # The answers lie where no path of the papers leads.
+    with tempfile.TemporaryDirectory() as one, tempfile.TemporaryDirectory() as other:
+        papers, answers = Path(one), Path(other)
         spawn = get_context("spawn")
         with ProcessPoolExecutor(workers, spawn) as candidates, ProcessPoolExecutor(workers + 1, spawn) as judge:
 
-            def examined(seed: int) -> dict:
-                folder = judge.submit(drawn, seed, options, papers, answers).result()
+            def examined(job: int | Path) -> dict:
+                folder = judge.submit(drawn, job, options, papers, answers).result()
                 if isinstance(folder, str):
-                    return {"seed": seed, "skipped": folder}
+                    return {"seed": job, "skipped": folder}
                 said = candidates.submit(examine, folder).result()
                 return judge.submit(graded, folder, answers, said).result()
 
             # Judges draw and grade while candidates work: each case waits in a thread of its own, and a few are always under way.
             with ThreadPoolExecutor(workers + AHEAD) as cases:
-                yield from cases.map(examined, seeds)
+                yield from cases.map(examined, jobs)
 
 
-def main() -> None:
+def main() -> int:
+    from tests.exam.criteria import passed
     from tests.exam.grade import score
     from tests.exam.table import table
 
     first, count = int(sys.argv[1]), int(sys.argv[2])
     given = dict(a.split("=", 1) for a in sys.argv[3:])
     path, page, workers = given.pop("out", None), given.pop("table", None), int(given.pop("workers", 2))
+    folders = given.pop("folders", None)
+    jobs = range(first, first + count) if folders is None else sorted(q for q in Path(folders).iterdir() if q.is_dir())
     options = {k: float(v) if k in NUMBERS else v for k, v in given.items()}
     rows = []
-    for row in examination(range(first, first + count), options, workers):
+    for row in examination(jobs, options, workers):
         rows.append(row)
         if path:
             # After each case: a run that is stopped leaves what it has.
@@ -82,7 +90,8 @@ def main() -> None:
     if page:
         Path(page).write_text(table(rows, first, count))
     sys.stdout.write(score(rows) + "\n")
+    return 0 if passed(rows) else 1
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -1,14 +1,28 @@
-"""A small draw of the examination: no crash, and no more false findings than the allowed rates explain. The nightly run draws fresh cases."""
+"""The examination: what it demands, that it tells bad examinees from good ones, and a small draw. The nightly run draws fresh cases."""
 
+import json
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+import polars as pl
 import pytest
-from scipy.stats import binom
+from scipy.stats import binom, binomtest
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
+from tests.exam.cases import setting
+from tests.exam.catalogue import EFFECTS
+from tests.exam.criteria import CRITERIA, clopper_pearson, judged, passed
+from tests.exam.grade import grade
+from tests.exam.readings import log as noisy
 from tests.exam.run import examination
+from tests.exam.seal import adopt, answer, seal
+from tests.exam.shown import discrepancy, whitener
+
+from conftest import SHARED
+from ivsid.vehicle import read_vehicle
 
 FRESH = int(os.environ.get("IVSID_SEED", "2000"))
 # Null logs with a verdict other than adequate, and single names that are wrong.
@@ -20,9 +34,178 @@ def most(n):
     return int(binom.ppf(0.999, n, RATE)) if n else 0
 
 
+# What an examinee may say of a truth.
+def nothing(truth, rng):
+    return []
+
+
+def puzzled(truth, rng):
+    return ["unknown"]
+
+
+def guessing(truth, rng):
+    """Names at random, on as many logs as there are effects in."""
+    return [str(rng.choice(list(EFFECTS)))] if rng.uniform() < 0.5 else []
+
+
+def alarmed(truth, rng):
+    """Right where something is hidden, and unable to say that nothing is."""
+    return knowing(truth, rng) or ["unknown"]
+
+
+def knowing(truth, rng):
+    return ["unknown"] if truth["stratum"]["what"] == "outside" else list(truth["z"])
+
+
+def graded(examinee, counts, seed=0):
+    """Rows of drawn answers: through the grading of the examination, but for the logs."""
+    rng = np.random.default_rng(seed)
+    rows = []
+    for what, count in counts.items():
+        for k in range(count):
+            ids = {
+                "none": [],
+                "one": [str(rng.choice(list(EFFECTS)))],
+                "two": [str(q) for q in rng.choice(list(EFFECTS), 2, replace=False)],
+                "outside": ["x.cubic"],
+            }[what]
+            # A third of them is too small to be seen.
+            z = {i: float(rng.choice([2.0, 12.0, 40.0])) for i in ids}
+            truth = {"seed": k, "truth": dict.fromkeys(ids, 1.0), "exact": {}, "z": z}
+            truth["stratum"] = {"what": what, "sizes": dict.fromkeys(ids, 1.0)}
+            names = examinee(truth, rng)
+            bound = {"lower": 0.5, "upper": 1.5, "guaranteed": True}
+            findings = [{"effect": n, "alternatives": [], "parameters": {n: bound}, "evidence": {}} for n in names]
+            verdict = "adequate" if not names else "unknown" if "unknown" in names else "diagnosed"
+            rows.append(grade(Path(), {"record": {"verdict": verdict, "findings": findings}}, truth))
+    return rows
+
+
+MANY = {"none": 400, "one": 300, "two": 100, "outside": 100}
+FEW = {"none": 16, "one": 20, "two": 8, "outside": 10}
+
+
+@pytest.mark.parametrize("counts", [MANY, FEW], ids=["many", "few"])
+@pytest.mark.parametrize("examinee", [nothing, puzzled, guessing, alarmed], ids=lambda e: e.__name__)
+def test_who_always_says_the_same_or_guesses_fails(examinee, counts):
+    assert not passed(graded(examinee, counts))
+
+
+def test_who_knows_passes_and_few_cases_show_little():
+    for counts, shown in ((MANY, True), (FEW, False)):
+        rows = graded(knowing, counts)
+        assert passed(rows)
+        found = {j.criterion.text: j.verdict for j in judged(rows)}
+        assert (found["null logs with a verdict other than `adequate`"] == "shown") == shown
+    # No count shows that something never happens, and no case shows anything.
+    assert all(j.verdict == "not shown" for j in judged([]))
+
+
+@pytest.fixture(scope="module")
+def good():
+    """Rows of an examinee who knows."""
+    return graded(knowing, MANY)
+
+
+@pytest.mark.parametrize("criterion", CRITERIA, ids=lambda c: c.text)
+def test_no_criterion_always_passes(criterion, good):
+    assert criterion.judge(good).passes
+    spoilt = [dict(r) for r in good]
+    for r in spoilt:
+        what, names = r["stratum"]["what"], [n for n in EFFECTS if n not in r["truth"]]
+        if criterion.text.startswith("cases that end"):
+            del r["verdict"]
+        elif "intervals" in criterion.text:
+            r["held"] = {k: [False, *h[1:]] for k, h in r["held"].items()}
+        elif what == "none":
+            r["verdict"] = "unknown"
+        else:
+            r["found"], r["sets"] = [names[0]], [[names[0]]]
+    assert not criterion.judge(spoilt).passes
+
+
+@pytest.mark.parametrize(("k", "n"), [(0, 30), (1, 16), (29, 30), (30, 30), (7, 7)])
+def test_limits_are_those_of_the_exact_test(k, n):
+    low, high = clopper_pearson(k, n)
+    assert low == pytest.approx(binomtest(k, n, alternative="greater").proportion_ci(0.95).low)
+    assert high == pytest.approx(binomtest(k, n, alternative="less").proportion_ci(0.95).high)
+
+
+def test_a_set_of_six_is_no_name():
+    (row,) = graded(knowing, {"one": 1})
+    row |= {"z": {"drag.surge.linear": 40.0}, "found": ["drag.surge.linear"]}
+    for size, hits in ((5, 1), (6, 0)):
+        row["sets"] = [["drag.surge.linear", *list(EFFECTS)[20 : 19 + size]]]
+        assert CRITERIA[1].judge([row]).hits == hits
+
+
+def short(**given):
+    """A log of half a minute."""
+    return setting(7, kind="twin", style="rich", ambient=1.0, duration=30.0, rate=10.0, **given)
+
+
+def test_z_is_nothing_without_an_effect_and_grows_with_it():
+    here = short(thrust="spline", share=1.0)
+    assert here.z({}) < 0.05
+    for id_, sizes in (("thruster.deadband", (3.0, 5.0)), ("sensor.velocity.delay", (0.5, 1.0))):
+        small, large = (here.z(here.draw(id_, s)) for s in sizes)
+        assert 1.0 < small < large, id_
+
+
+def test_z_takes_noise_for_what_it_is():
+    """The discrepancies of a noisy log without effects have unit variance, in every channel, slow or quick; caution stays below 2."""
+    here = setting(40, kind="vectored", style="rich", ambient=1.0, duration=120.0, rate=10.0, thrust="none")
+    q, streams = here.sailed({}, 0)
+    # The scale error of the velocity is one number of a log, which z fits.
+    q.vessel.table["sensors"]["velocity"]["scale_factor_error"] = 0.0
+    read = noisy(q.vessel, q.motion, q.clean, "gaussian", streams[2])
+    calm = replace(q.motion, ambient=0 * q.motion.ambient)
+    rows = whitener(q)(discrepancy(replace(q, clean={k: read[k] for k in q.clean}, motion=calm), q.vessel.body))
+    power = (rows.reshape(2, 8, -1) ** 2).sum(axis=0) / 2
+    slow = power.shape[1] // 5
+    for part in (power[:, :slow], power[:, slow:]):
+        assert (part.mean(axis=1) < 1.3).all() and (part.mean(axis=1) > 0.4).all(), part.mean(axis=1)
+
+
+def test_z_counts_no_curve_inside_its_accuracy():
+    """A side that is weaker by 2 % is what a relative accuracy of 2 % says; ten times as much is not."""
+    small, large = (short(thrust="none").z({"thruster.asymmetry": q}) for q in (0.02, 0.2))
+    assert small < 0.5 < 8 < large
+
+
+def test_folders_say_nothing_and_answers_map_them(tmp_path):
+    here = setting(3, kind="twin", duration=20.0, rate=10.0, style="rich")
+    case = type("Case", (), {})()
+    case.seed, case.text, case.truth, case.exact, case.z, case.stratum = 3, here.text, {}, here.exact, {}, {}
+    case.logs = ({"t": np.arange(3.0)}, {"t": np.arange(3.0)})
+    folders = [seal(case, tmp_path / "papers", tmp_path / "answers") for _ in range(2)]
+    assert folders[0].name != folders[1].name and all(f.name.lstrip("0") != "3" for f in folders)
+    assert sorted(q.name for q in folders[0].iterdir()) == ["1.csv", "2.csv", "vehicle.toml"]
+    assert all(answer(f, tmp_path / "answers")["seed"] == 3 for f in folders)
+
+
+def test_a_case_of_another_simulator_is_sealed_like_ours(tmp_path):
+    """The Otter of PythonVehicleSimulator, in its own format: calm water, and the same boat in a current."""
+    data = SHARED / "sim_truth_pvs"
+    if not data.is_dir():
+        pytest.skip(f"{data} is not there; it holds the logs of another simulator")
+    source = tmp_path / "otter_current"
+    source.mkdir()
+    vehicle = (Path(__file__).parents[2] / "examples" / "otter_extended.toml").read_text()
+    (source / "vehicle.toml").write_text(vehicle)
+    for name, log in (("1", "otter_current_0p4_30deg"), ("2", "otter_calm")):
+        pl.read_csv(data / f"{log}.csv.gz").write_csv(source / f"{name}.csv")
+    truth = {"current.steady.north": 0.4 * np.cos(np.pi / 6), "current.steady.east": 0.4 * np.sin(np.pi / 6)}
+    (source / "truth.json").write_text(json.dumps({"truth": truth, "z": {"current.steady": None}}))
+    folder = adopt(source, tmp_path / "papers", tmp_path / "answers")
+    assert "otter" not in folder.name and read_vehicle(folder / "vehicle.toml").text == vehicle
+    known = answer(folder, tmp_path / "answers")
+    assert known["truth"] == truth and known["stratum"]["what"] == "one" and known["z"]["current.steady"] == np.inf
+
+
 def test_a_case_is_drawn_sealed_examined_and_graded():
     """One short case through the whole examination, by processes that are told a folder and nothing of the answer."""
-    (row,) = examination(range(1000, 1001), {"duration": 120.0, "what": "none"})
+    (row,) = examination([1000], {"duration": 120.0, "what": "none", "kind": "twin"})
     assert row["seed"] == 1000 and "crash" not in row and "skipped" not in row, row
     assert row["stratum"]["what"] == "none" and row["verdict"] == "adequate", row
 

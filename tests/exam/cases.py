@@ -21,6 +21,8 @@ from ivsid.programme.scenario import Scenario, parse_scenario
 FAMILIES = (*sorted(SHAPES), "hysteresis")
 # The share of cases in which all thrusters have the same error.
 ALIKE = 0.25
+# Largest multiple of a typical size.
+LARGEST = 64.0
 
 
 @dataclass
@@ -191,25 +193,37 @@ def case(
 
 
 def sized(here: Setting, id_: str, z: float) -> float:
-    """The multiple of an effect's typical size at which it stands out by z.
+    """The least multiple of an effect's typical size at which it stands out by z, to three per cent of z or one of the size.
+
+    z is proportional to the size of most effects. It is 0 up to a size for those that a thrust curve may hide, and a staircase for a
+    dead band, so that the two sizes that enclose the answer close in by interpolation of the logarithms, and by halving otherwise.
 
     Raises:
-        ValueError: no size up to 64 times the typical one does.
+        ValueError: no size up to 64 times the typical one does, or any size does: a thrust that is late by nothing misses the reading
+            of the very moment at which its demand jumps.
     """
-    low, size, at = 0.0, 1.0, 0.0
-    below = 0.0
-    # z is nearly proportional to the size for most effects, and bends for limits and dead bands.
-    for _ in range(12):
+    low, high, size = (0.0, 0.0), None, 1.0
+    while True:
         at = here.z(here.draw(id_, size))
-        if abs(at / z - 1) < 0.03:
-            return size
-        if at < z:
-            low, below = size, at
-            size = min(size * (z / at if at > 0 else 4.0), size * 4.0)
+        if at >= z:
+            high = (size, at)
         else:
-            size = low + (size - low) * (z - below) / (at - below)
-        if size > 64:
-            break
-    raise ValueError(
-        f"{id_} of seed {here.seed} stands out by {at:.1f} at {size:.3g} times its typical size, not by {z:g}"
-    )
+            low = (size, at)
+        if high is None:
+            size *= 4 if at < z / 4 else 1.02 * z / at
+            if size > LARGEST:
+                raise ValueError(
+                    f"{id_} of seed {here.seed} stands out by {at:.1f} at {low[0]:.3g} times its typical size"
+                )
+            continue
+        if high[1] <= 1.03 * z or high[0] <= 1.01 * low[0]:
+            return high[0]
+        if high[0] < 1 / LARGEST**2:
+            raise ValueError(f"{id_} of seed {here.seed} stands out by {high[1]:.1f} at any size")
+        if not low[0]:
+            size = 1.01 * high[0] * z / high[1]
+            continue
+        span, power = math.log(high[0] / low[0]), 0.5
+        if low[1] > z / 20:
+            power = min(max(math.log(1.01 * z / low[1]) / math.log(high[1] / low[1]), 0.1), 0.9)
+        size = low[0] * math.exp(power * span)

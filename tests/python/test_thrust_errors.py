@@ -17,7 +17,10 @@ from tests.exam.thrust_errors import SHAPES, with_errors
 
 from diagnosis_logs import screened
 from ivsid import diagnose
+from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import OVERSHOOT, AnyCurve, Boxed, beyond, lost, upward
+from ivsid.diagnosis.null.detection import detection_limits
+from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.plant.thrust_errors import BOUNDED, bound_of, thrust_errors
 from ivsid.diagnosis.selection.adequacy import RISK, adequacy
 from ivsid.log import Log
@@ -119,6 +122,25 @@ def test_falls_with_errors_inside_their_bounds_are_those_of_the_whole_problem(wr
     inside, free, beside = least([], OVERSHOOT), least([], np.inf), least([j], OVERSHOOT)
     assert boxed.leaving == pytest.approx(inside - free, rel=1e-3, abs=0.05) and boxed.leaving > boxed.knots
     assert boxed.beside([j]) == pytest.approx(inside - beside, rel=1e-3, abs=0.05)
+
+
+def test_detection_limits_leave_eight_deviations_beside_the_worst_errors(wrong):
+    """Errors at the ends of their bounds, with drawn signs and with the worst ones, move the score of a cause by no more than the limit allows."""
+    fit, rng = wrong.fit, np.random.default_rng(5)
+    limits, free = detection_limits(fit), AnyCurve(fit)
+    names = ["drag.surge.linear", "drag.yaw.linear", "thruster.curve"]
+    p = Projection(free.joined(names), free.projection.base)
+    plain = {i: next(iter(v.detectable.values())) for i, v in visibility(fit).items() if v.detectable}
+    for name in names:
+        (j,) = p.g.at([name])
+        (least,) = limits[name].values()
+        assert least > plain[name] > 0
+        deviation = np.sqrt(p.information([j])[0, 0])
+        moved = p.held_back([j])[:, 0] * free.box
+        worst = np.abs(moved).sum()
+        assert least * p.g.unit[j] * deviation - worst / deviation == pytest.approx(8.0, rel=1e-6)
+        for _ in range(50):
+            assert abs(moved @ rng.choice([-1.0, 1.0], moved.size)) <= worst * (1 + 1e-12)
 
 
 # The fall of each was lost beside soft priors: half of the curve was taken by errors of twice their accuracy.

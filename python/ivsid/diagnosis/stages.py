@@ -13,6 +13,7 @@ import numpy as np
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.null.detection import detection_limits
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.thresholds import LEVEL, calibrate
 from ivsid.diagnosis.null.visibility import visibility
@@ -75,6 +76,7 @@ def diagnose(
     fit = plain_fit(vehicle, log, everything)
     visible = visibility(fit)
     seen = frozenset(i for i, v in visible.items() if v.tested)
+    limits = Apart(partial(detection_limits, fit))
     calibration, before = at_once(partial(calibrate, fit, seen, LEVEL, seed), partial(adequacy, fit))
     test_of = Threshold(calibration, visible)
     progress("looking for causes")
@@ -109,6 +111,8 @@ def diagnose(
     if moved is not None and moved.factor is not None:
         findings = (*findings, shallow(moved))
     shown = shared.result()
+    least = limits.result()
+    visible = {i: replace(v, detectable=least.get(i, v.detectable)) for i, v in visible.items()}
     findings = tuple(replace(f, matters=shown.get(f.effect)) for f in findings)
     verdict = verdict_of(findings)
     said = [n for n in (confirmation.note, proof.sentence(verdict) if proof.refuted else "") if n]

@@ -4,10 +4,11 @@
 2. ``thresholds``: Gaussian draws of all scores at once, from the Gram matrix of this log.
 3. ``family_wise``: the test of all families against one threshold, by the rules in ``screening`` (a ``rule`` is an object), among them a
    ``second_opinion`` from half-minutes of the log and ``any_curve``, the worst of all thrust errors inside their bounds.
-4. ``feedback``: the feedback behind the logged demands.
-5. ``simulated_logs``, with the motion in ``closed_loop``: logs of the same programme and feedback without an effect.
-6. ``calibration``: the parametric bootstrap, which examines simulated logs like the log and gives the stricter threshold.
-7. ``cache``: scores of simulated logs in the user's cache.
+4. ``detection``: the size at which each cause stands out beside the worst declared errors.
+5. ``feedback``: the feedback behind the logged demands.
+6. ``simulated_logs``, with the motion in ``closed_loop``: logs of the same programme and feedback without an effect.
+7. ``calibration``: the parametric bootstrap, which examines simulated logs like the log and gives the stricter threshold.
+8. ``cache``: scores of simulated logs in the user's cache.
 
 Gaussian draws come first because they cost a tenth of a second. Simulated logs cost about a minute, and are asked only where a finding is
 close to its threshold (``selection.confirmation``). The chapter may use ``candidates`` and the chapters below it.

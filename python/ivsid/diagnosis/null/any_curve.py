@@ -26,7 +26,7 @@ from scipy.stats import chi2
 from ivsid.diagnosis.estimation.declared_errors import SCALE, through_water, thrust_answers
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
-from ivsid.diagnosis.estimation.projection import RIDGE, Projection
+from ivsid.diagnosis.estimation.projection import RIDGE, Gram, Projection
 from ivsid.diagnosis.plant.thrust_errors import BOUNDED, bound_of
 
 Array = NDArray[np.float64]
@@ -79,6 +79,12 @@ class AnyCurve:
             for words, share in _SHARES.items():
                 if g.names[k].startswith(words):
                     self.box[i] = 1.0 / (np.sqrt(g.prior[k]) * share)
+
+    def joined(self, names: Sequence[str]) -> Gram:
+        """The cross-products with further columns of the fit, by name."""
+        g = self.fit.gram
+        at = g.at(names)
+        return self.g.joined(names, g.columns(at).reshape(len(at), *self.g.y.shape), g.unit[at])
 
     def of(self, s: Scored) -> float:
         """Fall of chi-squared of a family that no declared error inside its bound can make."""

@@ -28,12 +28,7 @@ LATE = ("thruster.lag", "thruster.delay")
 # Effects that the diagnosis does not find, or names too early: a repair shows, because these tests may not pass. Its own z is that of a
 # log of the same seed without an effect.
 MISSED = {
-    "coupling.cg_x": "adequate, although its own z is 9.6 and its own limit lies below this size",
-    "drag.yaw.linear": "adequate, although its own z is 9.0 and its own limit lies below this size",
-    "drag.yaw.quadratic": "adequate, although its own z is 9.2 and its own limit lies below this size",
     "environment.shallow_water": "adequate: a change of 2.7 % between the logs",
-    "tether.tension": "adequate: a pull of 0.06 N from an anchor 8 m away",
-    "thruster.curve": "unknown, although its own z is 13.7",
     "sensor.velocity.scale": "adequate at 1.15 %, where the file allows 0.4 %: the diagnosis states a limit of 2.3 %",
 }
 EARLY: dict[str, str] = {}

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
-from ivsid.diagnosis.null.screening import SCREENING, Case, Round, chance_beside
+from ivsid.diagnosis.null.screening import SCREENING, WORST, Case, Round, chance, chance_beside
 from ivsid.diagnosis.null.thresholds import Calibration
 from ivsid.diagnosis.null.visibility import Visibility
 
@@ -76,8 +76,11 @@ class Threshold:
         return s.id not in self.seen or not self.seen[s.id].blind
 
     def chance(self, s: Scored, fall: float) -> float:
-        """Probability of a family's fall of chi-squared in a full fit, less what declared errors inside their bounds may make."""
-        return chance_beside(s, fall)
+        """Probability of a family's fall of chi-squared in a full fit.
+
+        Beside the worst declared errors inside their bounds it has to be below ``WORST``, and counts in that proportion to the threshold.
+        """
+        return max(chance(replace(s, fall=fall)), chance_beside(s, fall) * self.level / WORST)
 
     @property
     def level(self) -> float:

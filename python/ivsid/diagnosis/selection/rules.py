@@ -72,7 +72,7 @@ class Full:
 
     Attributes:
         fall: fall of chi-squared in the full fit.
-        chance: of that fall, less what declared errors inside their bounds may make.
+        chance: of that fall; beside the worst declared errors inside their bounds in proportion to the limit there.
         level: threshold of the chance.
     """
 
@@ -138,7 +138,7 @@ RIVAL: Final = Rule[Tried](
 )
 FULL: Final = Rule[Full](
     "full fit",
-    "chance of the fall of chi² in a full fit, less what declared errors inside their bounds may make",
+    "chance of the fall of chi² in a full fit; beside the worst declared errors in proportion to the limit there",
     "at most the calibrated threshold of this log",
     "What the model explains by itself once it is fitted to the end, or beside other causes, needs no cause.",
     "make null-logs",

@@ -10,7 +10,7 @@ from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.noise import declared_ambient
 from ivsid.diagnosis.estimation.whitening import Whitening
-from ivsid.diagnosis.plant.physics import ADDED, Hypothesis, acceleration, added_force
+from ivsid.diagnosis.plant.physics import Hypothesis, acceleration, added_force
 from ivsid.diagnosis.plant.thruster_forces import bollard_force, thruster_force
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.parallel import at_once, side_by_side
@@ -95,7 +95,7 @@ def test_shapes_that_do_not_fit_are_refused(call):
         call()
 
 
-@pytest.mark.parametrize("id_", [i for i, e in EFFECTS.items() if isinstance(e.acts, ADDED)])
+@pytest.mark.parametrize("id_", [i for i, e in EFFECTS.items() if e.acts.additive])
 def test_what_a_force_adds_is_the_difference_of_both_models(predictor, plain, id_):
     effect = EFFECTS[id_]
     if "wind" in id_ or (effect.measured is None and any(not predictor.log.has(n) for n in effect.needs)):

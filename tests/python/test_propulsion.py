@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from diagnosis_logs import train_of, vehicle_of, with_columns
+from diagnosis_logs import TWIN, train_of, vehicle_of, with_columns
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.effects import EFFECTS, Given
@@ -39,3 +39,17 @@ def test_what_is_kept_between_hypotheses_changes_no_bit(slow, held):
         # The mean over a step is that of its parts, worked out here by the curve alone.
         parts = np.stack([c.value(d) for c, d in zip(kept.curves, data.between.demands, strict=True)])
         assert np.allclose(kept.thrusts().mean, parts.mean(axis=2), atol=1e-12)
+
+
+@pytest.mark.parametrize("slow", [True, False])
+@pytest.mark.parametrize("held", [True, False])
+@pytest.mark.parametrize("given", HYPOTHESES)
+def test_a_thruster_without_a_stated_accuracy_has_no_slopes(slow, held, given):
+    hold = f'[log]\ndemand = "{"hold" if held else "linear"}"\n'
+    vehicle = vehicle_of(TWIN.replace("accuracy = { absolute = 0.1, relative = 0.02 }", ""), hold)
+    log = train_of(vehicle, duration=80.0)
+    if slow:
+        fifth = np.arange(log.t.size) % 5 > 0
+        log = with_columns(log, lambda name, x: np.where(fifth, np.nan, x) if name in ("u", "v", "r") else x)
+    kept = Propulsion(vehicle, channels(log, vehicle))
+    assert kept.slopes(0, given, []).shape == (0, 2 * kept.log.n)

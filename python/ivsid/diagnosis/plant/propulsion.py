@@ -223,7 +223,7 @@ class Propulsion:
             now, mean = _late(now, now, delay, h)
             if lag > SHORTEST_LAG:
                 now, mean, _ = _behind(now, mean, lag, h)
-        fine = mean.reshape(*mean.shape[:-1], -1, parts)
+        fine = mean.reshape(*mean.shape[:-1], mean.shape[-1] // parts, parts)
         return now[..., ::parts], fine.mean(axis=-1), fine
 
 

@@ -20,6 +20,7 @@ from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.diagnosis.plant.thruster_forces import bollard_force
 from ivsid.diagnosis.prediction.axes import Ambient
+from ivsid.effects import Change, Reading, Response, Thrust, acting
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -68,27 +69,45 @@ class Programme:
     reference: Array
 
 
+def not_followed(h: Hypothesis) -> tuple[str, ...]:
+    """Ids of the causes of a model that null logs do not follow: late thrusts, thrusts that change in time, and sensors."""
+    return tuple(
+        g.effect.id
+        for g in h.given
+        if isinstance(g.effect.acts, (Response, Reading)) or (isinstance(g.effect.acts, Thrust) and g.effect.acts.timed)
+    )
+
+
+def ends(log: Channels) -> tuple[Array, Array]:
+    """The smallest and the largest demand of each thruster, also between the samples of a slow clock, shape (thrusters,) each."""
+    sent = log.demands if log.between is None else np.concatenate([log.demands[..., None], log.between.demands], axis=2)
+    sent = sent.reshape(len(sent), -1)
+    return sent.min(axis=1), sent.max(axis=1)
+
+
 class _Thrusters:
     """Thrusts of all logs at the demands that are sent, step by step, with the lags of the vehicle file."""
 
-    def __init__(self, vehicle: Vehicle, log: Channels, errors: list[Array | None], count: int) -> None:
+    def __init__(self, programme: Programme, errors: list[Array | None], count: int) -> None:
+        vehicle, log, given = programme.vehicle, programme.log, programme.h.given
         self.vehicle, self.log, self.count = vehicle, log, count
         self.behind: list[Array | None] = [None for _ in vehicle.thrusters]
         propulsion = Propulsion(vehicle, log)
-        self.low = log.demands.min(axis=1)
-        self.pace = np.maximum(log.demands.max(axis=1) - self.low, GRID_MARGIN) / (TABLE - 1)
+        self.low, high = ends(log)
+        self.pace = np.maximum(high - self.low, GRID_MARGIN) / (TABLE - 1)
         self.row = np.arange(count)
         self.tables = []
         for k in range(len(vehicle.thrusters)):
             grid = self.low[k] + self.pace[k] * np.arange(TABLE)
             off = errors[k]
             rows = [None] * count if off is None else list(off)
-            self.tables.append(np.stack([propulsion.static(k, grid, row) for row in rows]))
+            self.tables.append(np.stack([propulsion.static(k, grid, row, given) for row in rows]))
 
     def static(self, k: int, demand: Array) -> Array:
         """Thrust of one thruster at its demands without any lag, shape (count,)."""
         place = np.clip((demand - self.low[k]) / self.pace[k], 0.0, TABLE - BELOW_END)
-        cell = place.astype(np.int64)
+        # A lost motion asks for no demand, and gets no thrust.
+        cell = np.nan_to_num(place).astype(np.int64)
         table, share = self.tables[k], place - cell
         return np.asarray((1 - share) * table[self.row, cell] + share * table[self.row, cell + 1])
 
@@ -123,7 +142,9 @@ class _Motion:
         declared_errors = cast("dict[str, float]", {k: x for k, x in drawn.items() if k.startswith("~rudder.")})
         self.vehicle, self.log = programme.vehicle, programme.log
         self.h = replace(programme.h, declared_errors=declared_errors)
-        self.mass = Mass(self.vehicle, self.h.terms, self.h.values)
+        # A change of parameters in time may change masses, too.
+        steady = not acting(self.h.given, Change)
+        self.mass = Mass(self.vehicle, self.h.terms, self.h.values) if steady else None
         self.wide = np.zeros(count)
         self.thrusters = len(self.log.demands)
 
@@ -180,6 +201,17 @@ class _Controller:
         none = np.zeros((count, log.n))
         self.noise = np.stack([noise.get(q, none) for q in ("u", "v", "r", "psi")])
         self.wide = np.zeros(count)
+        # Commands inside the steps of a clock that is slower than they are, as differences from those at the samples.
+        self.inside = None
+        if log.between is not None:
+            fine = np.concatenate([log.between.demands, log.between.rudders, log.between.angles])
+            self.inside = fine - self.logged[:, :, None]
+
+    def within(self, now: Array, i: int, share: float) -> Array:
+        """Commands at a share of the step after sample i, for those at the sample, shape (sent, count)."""
+        if self.inside is None:
+            return now
+        return np.asarray(now + self.inside[:, i, int(share * self.inside.shape[2]), None])
 
     def sent(self, x: Array, i: int) -> tuple[Array, Array]:
         """Commands at sample i and at the end of its step, each of shape (sent, count); the same array under a zero-order hold."""
@@ -212,9 +244,10 @@ def simulated(
         States u, v, r, psi, x, y at samples, shape (6, n, count); rates of u, v, r, shape (3, n, count); commands, shape (sent, n, count).
     """
     log, n, count = programme.log, programme.log.n, pushed.shape[-1]
-    thrusters, motion = _Thrusters(programme.vehicle, log, errors, count), _Motion(programme, drawn, count)
+    thrusters, motion = _Thrusters(programme, errors, count), _Motion(programme, drawn, count)
     controller = _Controller(programme, noise, count)
-    parts = max(1, int(np.ceil(log.h / LONGEST - RATIO_ROUNDING)))
+    whole = 1 if log.between is None else log.between.demands.shape[2]
+    parts = whole * max(1, int(np.ceil(log.h / (whole * LONGEST) - RATIO_ROUNDING)))
     step = log.h / parts
     x = motion.start(programme.start)
     states, rates = np.empty((6, n, count)), np.empty((3, n, count))
@@ -227,7 +260,7 @@ def simulated(
             sent[:, i] = now
             ahead[:3] = pushed[:, i]
             for part in range(parts):
-                first = last = middle = now
+                first = last = middle = controller.within(now, i, (part + 0.5) / parts)
                 if later is not now:
                     first, last = (now + (later - now) * (q / parts) for q in (part, part + 1))
                     middle = 0.5 * (first + last)

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from ivsid.diagnosis.data.channels import Channels
-from ivsid.diagnosis.null.closed_loop import GRID_MARGIN, RATIO_ROUNDING, TABLE, Programme, simulated
+from ivsid.diagnosis.data.channels import Between, Channels
+from ivsid.diagnosis.null.closed_loop import GRID_MARGIN, RATIO_ROUNDING, TABLE, Programme, ends, simulated
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.diagnosis.plant.thrust_errors import bound_of
@@ -124,17 +124,15 @@ def null_logs(programme: Programme, seed: int, numbers: Sequence[int]) -> list[t
             made.append(None)
             continue
         read = _readings(log, states[..., j], rates[..., j], {k: x[j] for k, x in noise.items()}, _at(drawn, j))
-        thrusters = len(log.demands)
-        parts = sent[..., j]
-        read = replace(
-            read,
-            demands=parts[:thrusters],
-            rudders=parts[thrusters : 2 * thrusters],
-            angles=parts[2 * thrusters :],
-            between=None
-            if log.between is None
-            else replace(log.between, demands=log.between.demands + (parts[:thrusters] - log.demands)[:, :, None]),
-        )
+        demands, rudders, angles = np.split(sent[..., j], 3)
+        between = None
+        if log.between is not None:
+            between = Between(
+                log.between.demands + (demands - log.demands)[:, :, None],
+                log.between.angles + (angles - log.angles)[:, :, None],
+                log.between.rudders + (rudders - log.rudders)[:, :, None],
+            )
+        read = replace(read, demands=demands, rudders=rudders, angles=angles, between=between)
         made.append((read, replace(programme.h, declared_errors=_at(drawn, j))))
     return made
 
@@ -153,6 +151,7 @@ def _declared_errors(
         name: np.array([rng.standard_normal() for rng in rngs]) * s for name, s in programme.declared_errors.items()
     }
     propulsion = Propulsion(programme.vehicle, programme.log)
+    least, most = ends(programme.log)
     curves: list[Array | None] = []
     for k, thruster in enumerate(programme.vehicle.thrusters):
         names = [f"~thrust.{thruster.name}.{j}" for j in range(len(propulsion.errors[k].spreads))]
@@ -160,7 +159,7 @@ def _declared_errors(
             curves.append(None)
             continue
         sent = propulsion.demands[k]
-        grid = np.linspace(sent.min(), sent.max() + GRID_MARGIN, TABLE)
+        grid = np.linspace(least[k] - thruster.neutral, most[k] - thruster.neutral + GRID_MARGIN, TABLE)
         low, high = (end - thruster.neutral for end in propulsion.curves[k].range)
         if not np.isfinite(high - low):
             low, high = float(grid[0]), float(grid[-1])

@@ -179,13 +179,14 @@ class Propulsion:
             now, mean, _ = _behind(now, mean, lag, h)
         return now, mean, None
 
-    def static(self, k: int, demand: Array, error: Array | None = None) -> Array:
-        """Thrusts of one thruster [N] without lag, delay or effects of a hypothesis, shape of the demand.
+    def static(self, k: int, demand: Array, error: Array | None = None, given: Sequence[Given] = ()) -> Array:
+        """Thrusts of one thruster [N] without lag or delay, at the time zero, shape of the demand.
 
         Args:
             k: index of the thruster.
             demand: as it is logged.
             error: of its curve [N], of the same shape.
+            given: effects of a hypothesis.
         """
         thruster = self.vehicle.thrusters[k]
         d = demand - thruster.neutral
@@ -193,7 +194,7 @@ class Propulsion:
         if error is not None:
             thrust = thrust + error
         drive = Drive(d, 0.0, k, thruster.position[1], self.curves[k].largest, None)
-        for change, numbers in acting(with_stated((), Thrust, thruster), Thrust):
+        for change, numbers in acting(with_stated(given, Thrust, thruster), Thrust):
             thrust = change.function(thrust, drive, numbers)
         return np.asarray(thrust, dtype=np.float64)
 

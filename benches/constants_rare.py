@@ -144,7 +144,7 @@ RARE: dict[str, tuple[Callable[[], Task], tuple[str, ...]]] = {
     "unlike": (
         lambda: _diagnosed({"drag.yaw.linear": 1.5}, unlike=True),
         (
-            "selection/adequacy.py REST",
+            "selection/verdict.py REST",
             "statements/rules.py DOMINANT",
             "statements/binning.py BINS",
             "statements/binning.py PREFERRED",

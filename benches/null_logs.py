@@ -25,6 +25,7 @@ from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.calibration import examined, trial_of
+from ivsid.diagnosis.null.examination import Families
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.thresholds import calibrate
 from ivsid.diagnosis.null.visibility import visibility
@@ -85,7 +86,7 @@ def main() -> None:
         fit, test, _, _ = fitted(vehicle, log(100))
         gauss = -np.log(np.maximum(test.calibration.smallest, 1e-300))
         start = time.perf_counter()
-        found = examined(trial_of(fit, test, 1), 1, range(nulls))
+        found = examined(trial_of(fit, test.visible, Families(test)), 1, range(nulls))
         spent = time.perf_counter() - start
         real = [fitted(vehicle, log(200 + k))[2:] for k in range(fresh)]
         cells = [

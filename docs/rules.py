@@ -12,6 +12,7 @@ from typing import Any, Final
 from ivsid.diagnosis.null.rule import Rule
 from ivsid.diagnosis.null.screening import SCREENING
 from ivsid.diagnosis.selection.rules import FULL_FITS, LATE
+from ivsid.diagnosis.selection.verdict import VERDICT
 from ivsid.diagnosis.statements.rules import HELD, UNNAMED
 
 PAGE: Final = Path(__file__).with_name("rules.md")
@@ -19,11 +20,13 @@ STAGES: Final[dict[str, Sequence[Rule[Any]]]] = {
     "Screening, by the scores": SCREENING,
     "Where several causes were found already": LATE,
     "Full fits": FULL_FITS,
+    "Verdict": VERDICT,
     "Findings": (*HELD, UNNAMED),
 }
 HEAD: Final = """# Rules
 
-A cause is a finding if it keeps every rule below. The rules are objects of the package, and `make rules-page` writes this page from them.
+A cause is a finding if it keeps every rule of causes below, and a model without findings is adequate if it keeps those of the verdict. The
+rules are objects of the package, and `make rules-page` writes this page from them.
 A cause that is refused carries the first rule that it did not keep: `rejected` in result.json has the rule's name, the statistic, the limit
 and the sentence.
 """

@@ -1,64 +1,201 @@
-"""The shape of the package: who may touch the core, and what the tests may see."""
+"""The threshold of structure that no cause explains: theory alone where it is far, null logs of the last model where it is close."""
 
-import ast
-import re
-import tomllib
+import sys
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
-import ivsid
+import numpy as np
+import pytest
+from scipy.stats import binom, chi2
 
-PACKAGE = Path(ivsid.__file__).parent
-DOORS = {"__init__.py", "intervals/array.py", "linear/filters.py", "linear/linalg.py", "linear/regression.py"}
+sys.path.insert(0, str(Path(__file__).parents[2]))
+from tests.exam.draw import case
 
-
-def imports(path: Path) -> set[str]:
-    found = set()
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.Import):
-            found |= {a.name for a in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            found |= {f"{node.module}.{a.name}" for a in node.names}
-    return found
-
-
-def test_only_the_doors_import_the_core():
-    users = {p.relative_to(PACKAGE).as_posix() for p in PACKAGE.rglob("*.py") if any("_core" in i for i in imports(p))}
-    assert users == DOORS
-
-
-def test_only_figures_draws_and_only_the_edge_reads_and_writes():
-    for path in PACKAGE.rglob("*.py"):
-        names = imports(path)
-        if "figures" not in path.parts:
-            assert not any(n.startswith("matplotlib") for n in names), path
-        if "cli" not in path.parts:
-            assert not any(n.startswith(("typer", "click", "rich")) for n in names), path
-        assert "print(" not in path.read_text(), path
+from ivsid import diagnose
+from ivsid.diagnosis.candidates.families import everything
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.null.calibration import NullTest, examined, trial_of
+from ivsid.diagnosis.null.levels import NAMES, SHALLOW_WATER, STRUCTURE, VERDICT
+from ivsid.diagnosis.null.visibility import visibility
+from ivsid.diagnosis.selection import confirmation
+from ivsid.diagnosis.selection.adequacy import RISK, Adequacy
+from ivsid.diagnosis.selection.confirmation import CLOSE, StructureTest, confirmed_structure
+from ivsid.diagnosis.selection.hulls import Asked
+from ivsid.diagnosis.selection.verdict import Left
+from ivsid.effects import EFFECTS, Given
+from ivsid.log import Log
 
 
-def test_files_stay_readable():
-    for path in PACKAGE.rglob("*.py"):
-        assert len(path.read_text().splitlines()) <= 560, f"{path} has more than one subject"
+def structure(strength, **more):
+    """An adequacy whose dictionary finds structure of a strength."""
+    p = float(np.exp(-strength))
+    return Adequacy(200.0, 40, p, (("u", "surge", 30.0),), p, {}, **more)
 
 
-def test_every_command_of_the_makefile_has_a_recipe():
-    text = (PACKAGE.parents[1] / "Makefile").read_text()
-    named = re.search(r"^\.PHONY: ((?:.*\\\n)*.*)", text, re.M)
-    assert named
-    phony = set(named.group(1).replace("\\", " ").split())
-    assert phony == set(re.findall(r"^([a-z][a-z0-9-]*):", text, re.M))
+def left(strength, **more):
+    return Left(structure(strength, **more), structure(strength), 0)
 
 
-def test_no_chapter_holds_one_file():
-    for folder in (p.parent for p in PACKAGE.rglob("__init__.py")):
-        inside = [p for p in folder.iterdir() if p.suffix == ".py" or (p / "__init__.py").exists()]
-        assert len(inside) > 2, folder
+def model(*given):
+    """As much of a fit as is asked for before null logs are simulated."""
+    predictor = SimpleNamespace(vehicle=None, log=None)
+    return SimpleNamespace(h=SimpleNamespace(given=given), noise=SimpleNamespace(predictor=predictor))
 
 
-def test_every_chapter_stands_in_the_layers_contract():
-    contract = tomllib.loads((PACKAGE.parents[1] / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"][
-        0
-    ]
-    assert len(contract["layers"]) <= 10
-    listed = {name.strip().removeprefix("ivsid.") for row in contract["layers"] for name in row.split("|")}
-    assert listed == {p.parent.name for p in PACKAGE.glob("*/__init__.py")}
+@pytest.fixture
+def nulls(monkeypatch):
+    """Null logs whose strengths are exponential with a scale; without any call of this they must not be asked for."""
+    monkeypatch.setattr(confirmation, "trial_of", lambda *_: pytest.fail("null logs were asked for"))
+    monkeypatch.setattr(confirmation, "key_of", lambda *_: "a" * 64)
+
+    def drawn(scale, lost=0.0):
+        def strengths(seed, numbers):
+            for k in numbers:
+                rng = np.random.default_rng([seed, k])
+                x = rng.exponential(scale)
+                yield (float("nan") if rng.random() < lost else x), bool(x > -np.log(RISK))
+
+        monkeypatch.setattr(confirmation, "trial_of", lambda *_: SimpleNamespace(strengths=strengths))
+
+    return drawn
+
+
+def asked(of, last=None, most=400, folder=None, told=lambda _: None):
+    return confirmed_structure(last or model(), frozenset(), of, 1, most, folder, told)
+
+
+@pytest.mark.parametrize(
+    ("found", "strength"),
+    [((1e-9, 1e-2, 1.0), 4.6), ((1e-2, 1e-9, 1.0), 4.6), ((1e-9, 1e-8, 1.0), 18.4), ((0.5, 0.5, 1e-5), 11.5)],
+)
+def test_the_strength_is_that_of_the_rarer_of_regressors_and_thrust_errors(found, strength):
+    """Of the regressors both statistics have to be rare."""
+    chance, one, inside = found
+    a = Adequacy(0.0, 1, chance, (), one, {}, leaving=float(chi2.isf(inside, 3)), knots=3)
+    assert a.strength == pytest.approx(strength, abs=0.1)
+    for threshold in (strength - 0.2, strength + 0.2):
+        at = replace(a, risk=float(np.exp(-threshold)))
+        assert at.quiet == (strength < threshold) == (at.white and at.bounded)
+        assert Left(at, at, 0).sufficient == at.quiet
+        assert not replace(at, hulls=(Asked("mass.surge", 90.0, 60.0, 9.0),)).quiet
+
+
+def test_null_logs_of_as_much_structure_make_a_borderline_model_adequate(nulls):
+    """Exponential strengths of scale 2 exceed twelve once in four hundred logs, where theory says once in a million."""
+    close = left(8.0)
+    assert not close.sufficient
+    nulls(2.0)
+    found = asked(close)
+    assert 9.5 < -np.log(found.risk) < 15.0
+    assert replace(close, after=replace(close.after, risk=found.risk)).sufficient
+    said = found.record()
+    assert said["threshold"] == found.risk < said["theory"] and 0 < said["achieved"] < 0.1 and said["logs"] >= 20
+    strong = left(19.0)
+    found = asked(strong)
+    assert found.nulls is not None and not replace(strong, after=replace(strong.after, risk=found.risk)).sufficient
+
+
+def test_null_logs_make_the_threshold_never_looser(nulls):
+    nulls(0.3)
+    found = asked(left(8.0))
+    assert found.nulls is not None and found.nulls.threshold() < -np.log(RISK) and found.risk == RISK
+
+
+def test_null_logs_are_asked_only_where_they_could_decide(nulls, tmp_path):
+    """The fixture fails a test that asks for null logs before it drew any."""
+    far, near = -CLOSE * np.log(RISK) + 0.1, -np.log(RISK) + 0.1
+    hulls = (Asked("mass.surge", 90.0, 60.0, 9.0),)
+    little = Left(structure(near), replace(structure(near), fall=1e6), 1)
+    for one in (left(near - 0.2), left(far), left(near, hulls=hulls), little):
+        assert asked(one).record()["logs"] == 0
+    assert asked(left(near), most=0).risk == RISK
+    # The same structure is asked where nothing else decides, and once only.
+    nulls(2.0)
+    told = []
+    first = asked(left(near), folder=tmp_path, told=told.append)
+    assert first.nulls is not None and told
+    told.clear()
+    again = asked(left(near), folder=tmp_path, told=told.append)
+    assert again.risk == first.risk and again.record()["cached"] == again.record()["logs"] and not told
+
+
+def test_a_note_says_where_null_logs_do_not_follow(nulls):
+    late = Given(EFFECTS["thruster.delay"], (0.3,))
+    found = asked(left(8.0), model(late))
+    assert found.risk == RISK and "do not follow thruster.delay" in found.note
+    nulls(2.0, lost=0.5)
+    found = asked(left(8.0))
+    assert found.risk == RISK and "leave the motion" in found.note and found.record()["lost"] > 0
+
+
+def test_the_parts_of_the_verdict_add_up_to_one_per_cent():
+    assert NAMES + STRUCTURE + SHALLOW_WATER == pytest.approx(VERDICT) == pytest.approx(0.01)
+    # The chances of theory, of regressors and of thrust errors, lie inside the part of structure.
+    assert 2 * RISK < STRUCTURE
+
+
+def exceeds(test, fresh, level):
+    """Whether more fresh strengths exceed the threshold than the level makes once in a thousand times."""
+    count = int((fresh > test.threshold()).sum())
+    return count > binom.isf(1e-3, fresh.size, level)
+
+
+@pytest.mark.nightly
+def test_structure_of_null_logs_exceeds_its_threshold_as_seldom_as_the_level_says():
+    """A threshold of one part of the null logs is kept by the others, and one of the level 10 % is not."""
+    from test_null_logs import drawn
+
+    vehicle, log = drawn()
+    fit = plain_fit(vehicle, channels(log, vehicle), everything)
+    library = frozenset(i for i, v in visibility(fit).items() if v.tested)
+    found = examined(trial_of(fit, library, StructureTest()), 1, range(400))
+    assert found.usable and found.level == STRUCTURE
+    half = found.first_of(160)
+    fresh = found.strengths[160:]
+    fresh = fresh[np.isfinite(fresh)]
+    assert not exceeds(half, fresh, STRUCTURE)
+    assert exceeds(NullTest(half.strengths, half.passed, 0.1), fresh, STRUCTURE)
+    # Theory keeps the level as well on a programme that its filters describe.
+    assert found.passed.sum() <= binom.isf(1e-3, found.kept.size, STRUCTURE)
+
+
+def diagnosed(c, every=1, **more):
+    """The diagnosis of a drawn case whose velocities come in one row of so many."""
+    logs = []
+    for k, made in ((1, c.train), (2, c.test)):
+        there = np.arange(made.t.size) % every == 0
+        columns = {n: np.where(there, x, np.nan) if n in ("u", "v") else x for n, x in made.columns.items()}
+        logs.append(Log(f"{k}.csv", "0" * 64, made.t, columns))
+    return diagnose(c.vehicle, *logs, **more)
+
+
+@pytest.mark.nightly
+def test_a_sound_log_whose_equations_are_coarse_is_adequate():
+    """At a clock of 0.8 s the equations of turned thrusters are no longer exact: null logs show that structure as well."""
+    c = case(7048, what="none", kind="azimuth", style="zigzag", ambient=0.3, duration=150.0, rate=5.0)
+    found = diagnosed(c, 4)
+    assert found.verdict == "adequate" and -np.log(RISK) < found.adequacy[1].strength < -CLOSE * np.log(RISK)
+    said = found.calibration["structure"]
+    assert said["logs"] >= 20 and said["threshold"] < np.exp(-found.adequacy[1].strength) < said["theory"]
+    assert diagnosed(c, 4, null_logs=0).verdict == "unknown"
+
+
+@pytest.mark.nightly
+def test_a_small_force_outside_the_catalogue_stays_unknown():
+    """Its structure is close to the threshold, so null logs are asked, and none of them shows as much."""
+    c = case(
+        8002,
+        what="outside",
+        effect="x.side",
+        size=0.12,
+        kind="twin",
+        style="rich",
+        ambient=1.0,
+        duration=150.0,
+        rate=10.0,
+    )
+    found = diagnosed(c)
+    assert found.verdict == "unknown" and -np.log(RISK) < found.adequacy[1].strength < -CLOSE * np.log(RISK)
+    assert found.calibration["structure"]["logs"] >= 20

@@ -9,7 +9,8 @@ from diagnosis_logs import TWIN, train_of, vehicle_of
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.null.thresholds import LEVEL, calibrate
+from ivsid.diagnosis.null.levels import NAMES
+from ivsid.diagnosis.null.thresholds import calibrate
 from ivsid.diagnosis.null.visibility import visibility
 from sampling import NIGHTLY
 
@@ -27,12 +28,12 @@ def seen(fit):
 
 def test_seeds_agree_on_the_threshold(fit, seen):
     """Before, 400 draws by block moved it by a factor of 1.6 between five seeds."""
-    found = [calibrate(fit, seen, LEVEL, seed).chance for seed in range(5)]
+    found = [calibrate(fit, seen, NAMES, seed).chance for seed in range(5)]
     assert max(found) < 1.35 * min(found)
 
 
 def test_the_sign_of_an_eigenvector_changes_nothing(fit, seen, monkeypatch):
-    before = calibrate(fit, seen, LEVEL, 1, draws=500)
+    before = calibrate(fit, seen, NAMES, 1, draws=500)
     real = np.linalg.eigh
 
     def flipped(a):
@@ -40,7 +41,7 @@ def test_the_sign_of_an_eigenvector_changes_nothing(fit, seen, monkeypatch):
         return values, vectors * np.where(np.arange(len(values)) % 2, -1.0, 1.0)
 
     monkeypatch.setattr("numpy.linalg.eigh", flipped)
-    after = calibrate(fit, seen, LEVEL, 1, draws=500)
+    after = calibrate(fit, seen, NAMES, 1, draws=500)
     np.testing.assert_allclose(after.smallest, before.smallest, rtol=1e-6)
 
 

@@ -24,7 +24,7 @@ def diagnose(
         typer.Option(
             "--null-logs",
             min=0,
-            help="Simulated null logs that a finding close to its threshold has to pass, at most; 0: the Gaussian draws alone.",
+            help="Simulated null logs that a finding or structure close to its threshold has to pass, at most; 0: theory alone.",
         ),
     ] = 400,
     no_cache: Annotated[bool, typer.Option("--no-cache", help="Neither read nor keep what null logs gave.")] = False,

@@ -15,14 +15,16 @@ from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.detection import detection_limits
 from ivsid.diagnosis.null.family_wise import Threshold
-from ivsid.diagnosis.null.thresholds import LEVEL, calibrate
+from ivsid.diagnosis.null.levels import NAMES
+from ivsid.diagnosis.null.thresholds import calibrate
 from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.adequacy import adequacy
-from ivsid.diagnosis.selection.confirmation import NULL_LOGS, confirmed
+from ivsid.diagnosis.selection.confirmation import NULL_LOGS, confirmed, confirmed_structure
 from ivsid.diagnosis.selection.parallel import Apart, at_once, one_blas_thread
 from ivsid.diagnosis.selection.rules import full_refused
 from ivsid.diagnosis.selection.select import select
+from ivsid.diagnosis.selection.verdict import Left
 from ivsid.diagnosis.statements.claims import claims
 from ivsid.diagnosis.statements.comparison import compare
 from ivsid.diagnosis.statements.diagnosis import Diagnosis, inputs_of
@@ -62,7 +64,7 @@ def diagnose(
         test: another log, on which the gain of the extended model is measured.
         seed: of the random draws.
         progress: told of each step.
-        null_logs: largest number of null logs that a finding close to its threshold has to pass; 0 leaves it to the Gaussian draws.
+        null_logs: largest number of null logs that a finding or structure close to its threshold has to pass; 0 leaves it to theory.
         cache: folder in which scores of null logs are kept, or None.
 
     Raises:
@@ -77,7 +79,7 @@ def diagnose(
     visible = visibility(fit)
     seen = frozenset(i for i, v in visible.items() if v.tested)
     limits = Apart(partial(detection_limits, fit))
-    calibration, before = at_once(partial(calibrate, fit, seen, LEVEL, seed), partial(adequacy, fit))
+    calibration, before = at_once(partial(calibrate, fit, seen, NAMES, seed), partial(adequacy, fit))
     test_of = Threshold(calibration, visible)
     progress("looking for causes")
     selection = select(fit, test_of, fit.fixed, progress)
@@ -91,7 +93,12 @@ def diagnose(
     predictor = Predictor(vehicle, other, selection.last.noise.predictor.ambient)
     compared = Apart(partial(compare, predictor, plain, extended_h, seed))
     after = adequacy(selection.last) if selection.found else before
-    complete = after.sufficient(before, len(selection.found))
+    count = len(selection.found)
+    structure = confirmed_structure(
+        selection.last, test_of.visible, Left(after, before, count), seed, null_logs, cache, progress
+    )
+    before, after = (replace(a, risk=structure.risk) for a in (before, after))
+    complete = Left(after, before, count).sufficient
     residuals = before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
     findings, withdrawn = findings_of(selection, residuals, after, complete=complete)
     proof = proof_of(vehicle, train)
@@ -115,14 +122,14 @@ def diagnose(
     visible = {i: replace(v, detectable=least.get(i, v.detectable)) for i, v in visible.items()}
     findings = tuple(replace(f, matters=shown.get(f.effect)) for f in findings)
     verdict = verdict_of(findings)
-    said = [n for n in (confirmation.note, proof.sentence(verdict) if proof.refuted else "") if n]
+    said = [n for n in (confirmation.note, structure.note, proof.sentence(verdict) if proof.refuted else "") if n]
     return Diagnosis(
         verdict,
         findings,
         hints(selection.last),
         not_tested(fit, visible, {n for f in findings for n in (f.effect, *f.alternatives)}),
         visible,
-        confirmation.record(),
+        {**confirmation.record(), "structure": structure.record()},
         unexplained(selection.last),
         gain,
         (before, after),

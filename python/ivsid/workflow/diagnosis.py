@@ -183,7 +183,8 @@ def _assumptions(result: Diagnosis) -> list[str]:
     c = result.calibration
     words = [
         f"probability of any false finding: {c['family_wise']} ({c['method']})",
-        *_null_logs(c["simulated"]),
+        *_null_logs(c["simulated"], "a finding", "made a finding"),
+        *_null_logs(c["structure"], "structure", "been unknown at the threshold of theory"),
         "declared errors inside their bounds are no findings: sensor biases and scale, smooth thrust errors, ambient force",
     ]
     return [*words, *result.notes]
@@ -225,12 +226,12 @@ def _proved(result: Diagnosis) -> list[str]:
     return words
 
 
-def _null_logs(said: dict[str, Any] | None) -> list[str]:
-    if said is None:
+def _null_logs(said: dict[str, Any] | None, of: str, done: str) -> list[str]:
+    if said is None or not said["logs"]:
         return []
     return [
-        f"{said['logs']} null logs were simulated for a finding close to its threshold ({said['cached']} of them earlier): "
-        f"a share of {said['achieved']:.3g} of them would have made a finding"
+        f"{said['logs']} null logs were simulated for {of} close to its threshold ({said['cached']} of them earlier): "
+        f"a share of {said['achieved']:.3g} of them would have {done}"
     ]
 
 

@@ -7,9 +7,10 @@
 4. ``detection``: the size at which each cause stands out beside the worst declared errors.
 5. ``feedback``: the feedback behind the logged demands.
 6. ``simulated_logs``, with the motion in ``closed_loop``: logs of the same programme and feedback without an effect.
-7. ``calibration``: the parametric bootstrap, which examines simulated logs like the log and gives the stricter threshold.
-8. ``cache``: scores of simulated logs in the user's cache.
+7. ``calibration``: the parametric bootstrap, which examines simulated logs like the log (``examination``) and gives the stricter threshold.
+8. ``looks``: null logs until they decide, with their scores in the user's ``cache``.
+9. ``levels``: the parts of the probability of a wrong verdict.
 
-Gaussian draws come first because they cost a tenth of a second. Simulated logs cost about a minute, and are asked only where a finding is
-close to its threshold (``selection.confirmation``). The chapter may use ``candidates`` and the chapters below it.
+Gaussian draws come first because they cost a tenth of a second. Simulated logs cost about a minute, and are asked only where a finding or
+structure is close to its threshold (``selection.confirmation``). The chapter may use ``candidates`` and the chapters below it.
 """

@@ -14,6 +14,7 @@ import numpy as np
 
 from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.null.calibration import NullTest
+from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.effects import own_digest
 from ivsid.errors import IvsidError
 from ivsid.files.records import sealed, to_json, write_whole
@@ -36,7 +37,15 @@ def cache_folder() -> Path:
     return (Path(base) if Path(base).is_absolute() else Path.home() / ".cache") / "ivsid" / FOLDER
 
 
-def key_of(vehicle: Vehicle, log: Channels, seed: int, level: float, tested: frozenset[str], threshold: float) -> str:
+def key_of(
+    vehicle: Vehicle,
+    log: Channels,
+    seed: int,
+    level: float,
+    tested: frozenset[str],
+    threshold: float,
+    model: Hypothesis | None = None,
+) -> str:
     """Digest of everything that null logs depend on, 64 hexadecimal digits.
 
     Args:
@@ -45,12 +54,17 @@ def key_of(vehicle: Vehicle, log: Channels, seed: int, level: float, tested: fro
         seed: of the draws.
         level: probability of a false finding.
         tested: ids of the families under test.
-        threshold: of the chance by the Gaussian draws.
+        threshold: of the chance by theory.
+        model: whose structure is under test, with its causes; None for the plain model under the test of the families.
 
     The version of the package and the files of own effects count as well.
     """
     digest = hashlib.sha256()
     said = [version("ivsid"), vehicle.text, seed, level.hex(), sorted(tested), threshold.hex(), own_digest()]
+    if model is not None:
+        # Causes and all other numbers, as the null logs are simulated from them.
+        said += [sorted((i, float(v).hex()) for i, v in model.values.items())]
+        said += [[g.effect.id, g.thruster, [float(v).hex() for v in g.values]] for g in model.given]
     digest.update(json.dumps(said).encode())
     for field in fields(Channels):
         value = getattr(log, field.name)

@@ -1,4 +1,4 @@
-"""Parametric bootstrap of the largest score: null logs are simulated, examined like the log, and give the threshold of a finding.
+"""Parametric bootstrap of the largest score: null logs are simulated, examined like the log, and give the threshold of a finding or of structure.
 
 Null logs are examined on all processors, in forked processes, until those that are done decide.
 
@@ -22,15 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binom, norm
 
-from ivsid.diagnosis.candidates.families import score
 from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.estimation.fit import Fit, Noise, survey
 from ivsid.diagnosis.estimation.learning import remaining
 from ivsid.diagnosis.estimation.noise import ambient_of, usable_rows
 from ivsid.diagnosis.estimation.whitening import Whitening, plain_scale, whiten
-from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.null.closed_loop import Programme
-from ivsid.diagnosis.null.family_wise import Threshold
+from ivsid.diagnosis.null.examination import Examination
 from ivsid.diagnosis.null.feedback import feedback_of
 from ivsid.diagnosis.null.simulated_logs import null_logs, thinned
 from ivsid.diagnosis.null.thresholds import TAIL, TAIL_SLOPE
@@ -76,11 +74,11 @@ class NullTest:
     """Scores of null logs.
 
     Attributes:
-        strengths: minus the natural logarithm of the smallest chance over all families, by null log, shape (logs,); NaN for a lost motion.
-        passed: whether a family passed the whole test at the threshold of the Gaussian draws, by null log, shape (logs,).
-        level: probability of a false finding.
+        strengths: minus the natural logarithm of the smallest chance, by null log, shape (logs,); NaN for a lost motion.
+        passed: whether the null log passed the threshold of theory, by null log, shape (logs,).
+        level: probability with which a null log may exceed the threshold.
         cached: number of these null logs that were read from the cache.
-        first: threshold of the chance by the Gaussian draws.
+        first: threshold of the chance by theory: of the Gaussian draws for names, of chi-squared for structure.
     """
 
     strengths: Array
@@ -128,7 +126,7 @@ class NullTest:
         level allows, by the exact binomial probability.
 
         Args:
-            strength: of the finding.
+            strength: of the finding, or of the structure.
             looks: number of looks among which the probability of a wrong decision is divided.
         """
         chance = UNSURE / looks
@@ -158,7 +156,8 @@ class Trial:
         whitening: of the log's innovations, where none is learnt from null logs.
         left_out: indices of the axes that are left out.
         fixed: parameters that are not fitted, with their values.
-        test: of the families.
+        library: ids of the effects whose signatures are taken out of the errors from which the whitening is learnt.
+        examination: what is asked of each.
     """
 
     programme: Programme
@@ -166,10 +165,11 @@ class Trial:
     whitening: Whitening
     left_out: frozenset[int]
     fixed: dict[str, float]
-    test: Threshold
+    library: frozenset[str]
+    examination: Examination
 
     def strengths(self, seed: int, numbers: Sequence[int]) -> Iterator[tuple[float, bool]]:
-        """The largest strength of each null log, and whether a family of it passed the test, in the order of the numbers."""
+        """The largest strength of each null log, and whether it passed the threshold of theory, in the order of the numbers."""
         # The null logs that teach the whitening are simulated with the others: the steps of the integration cost the same for all.
         made = null_logs(self.programme, seed, [*range(APART, APART + LEARN), *numbers])
         whitening = self._learnt([one for one in made[:LEARN] if one is not None])
@@ -178,7 +178,7 @@ class Trial:
 
     def _learnt(self, made: Sequence[tuple[Channels, Hypothesis]]) -> Whitening:
         """The whitening that null logs teach as the log did."""
-        fits = [surveyed(self, *one, None) for one in made]
+        fits = [surveyed(self, *one, None, self.library) for one in made]
         if not fits:
             return self.whitening
         left = np.concatenate([remaining(f) for f in fits], axis=1)
@@ -186,24 +186,16 @@ class Trial:
         return whiten(fits[0].noise.predictor, left, good, self.left_out)
 
     def _one(self, log: Channels, h: Hypothesis, whitening: Whitening) -> tuple[float, bool]:
-        """Strength of one null log, and whether a family of it passed the test; NaN if it cannot be fitted."""
+        """Strength of one null log, and whether it passed the threshold of theory; NaN if it cannot be fitted."""
         try:
-            fit = surveyed(self, log, h, whitening)
+            fit = surveyed(self, log, h, whitening, self.examination.surveyed)
         except (np.linalg.LinAlgError, ValueError):
             return float("nan"), False
-        tested = tuple(c for c in fit.candidates if c.variants and c.id in self.test.visible)
-        fit, scored = score(replace(fit, candidates=tested))
-        real = [s for s in scored if s.physical]
-        # As in the test of the log, what is below the threshold has to stand beside any thrust curve inside its accuracy.
-        low = [s for s in real if s.chance <= self.test.calibration.chance]
-        free = AnyCurve(fit) if low and fit.noise.predictor.vehicle.thrusters else None
-        chances = [s.chance if free is None or s not in low else replace(s, fall=free.of(s)).chance for s in real]
-        strength = -float(np.log(max(min(chances, default=1.0), 1e-300)))
-        return strength, bool(self.test(fit, scored).passed)
+        return self.examination(fit)
 
 
-def surveyed(trial: Trial, log: Channels, h: Hypothesis, whitening: Whitening | None) -> Fit:
-    """The plain model on a null log, with the signatures of the tested families.
+def surveyed(trial: Trial, log: Channels, h: Hypothesis, whitening: Whitening | None, only: frozenset[str]) -> Fit:
+    """The model on a null log, with the signatures of some effects.
 
     The fit is one linear step from the true parameters, which are known.
 
@@ -212,6 +204,7 @@ def surveyed(trial: Trial, log: Channels, h: Hypothesis, whitening: Whitening | 
         log: a null log.
         h: the hypothesis that is true of it.
         whitening: of the innovations; None takes the robust size of each.
+        only: ids of the effects whose signatures are made.
     """
     p = trial.programme
     predictor = Predictor(p.vehicle, log, trial.filters)
@@ -219,16 +212,16 @@ def surveyed(trial: Trial, log: Channels, h: Hypothesis, whitening: Whitening | 
     states = predictor.settle(h, predictor.start(h), SETTLED)
     good = usable_rows(predictor)
     white = whitening or plain_scale(predictor.errors(h, states), good, predictor, trial.left_out)
-    return survey(Noise(predictor, white, good, trial.left_out), h, states, trial.fixed, trial.test.visible)
+    return survey(Noise(predictor, white, good, trial.left_out), h, states, trial.fixed, only)
 
 
-def trial_of(fit: Fit, test: Threshold, seed: int) -> Trial:
+def trial_of(fit: Fit, library: frozenset[str], examination: Examination) -> Trial:
     """The null logs of a fitted model, with a whitening that is learnt from two of them as from a log.
 
     Args:
-        fit: of the plain model to the log.
-        test: of the families.
-        seed: of the draws.
+        fit: of the model to the log.
+        library: ids of the effects whose signatures are taken out of the errors from which the whitening is learnt.
+        examination: what is asked of each null log.
     """
     predictor, log = fit.noise.predictor, fit.noise.predictor.log
     g = fit.gram
@@ -254,7 +247,8 @@ def trial_of(fit: Fit, test: Threshold, seed: int) -> Trial:
         replace(back, at=back.at[:, : thin.n * q : q]),
         reference,
     )
-    return Trial(programme, predictor.ambient, fit.noise.whitening, fit.noise.left_out, dict(fit.fixed), test)
+    white, left_out = fit.noise.whitening, fit.noise.left_out
+    return Trial(programme, predictor.ambient, white, left_out, dict(fit.fixed), library, examination)
 
 
 def examined(trial: Trial, seed: int, numbers: Sequence[int], told: Callable[[int], None] = lambda _: None) -> NullTest:
@@ -270,11 +264,11 @@ def examined(trial: Trial, seed: int, numbers: Sequence[int], told: Callable[[in
     for one in scores(trial, seed, numbers):
         every.append(one)
         told(len(every))
-    return null_test(every, trial.test.calibration.level)
+    return null_test(every, trial.examination.level)
 
 
 def null_test(every: Sequence[tuple[float, bool]], level: float) -> NullTest:
-    """The scores of null logs, and whether a family passed, in order."""
+    """The scores of null logs, and whether each passed, in order."""
     return NullTest(np.array([s for s, _ in every]), np.array([p for _, p in every], dtype=bool), level)
 
 

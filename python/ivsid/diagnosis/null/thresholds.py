@@ -21,11 +21,9 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Candidate
 from ivsid.diagnosis.estimation.kinds.step import beside
 from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.null.levels import split
 
 Array = NDArray[np.float64]
-# Probability of a false finding in a round: half of the 1 % of a diagnosis, since waves and tethers are searched beside it.
-# Source: definition: at most 1 % of logs without an effect give a finding
-LEVEL: Final = 0.005
 # Gaussian draws of all scores.
 # Source: resource: a third of a second; the tail of 1200 gives the threshold to 9 %, ln(0.1 / 0.005) / sqrt(1200)
 DRAWS: Final = 12_000
@@ -71,6 +69,7 @@ class Calibration:
             "threshold": self.chance,
             "achieved": float(np.mean(self.smallest <= self.chance)) if self.draws else None,
             "simulated": None,
+            "verdict": split(),
         }
 
 

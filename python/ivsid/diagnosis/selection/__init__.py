@@ -7,8 +7,9 @@
 5. ``admission``: the best of the causes that pass the test, fitted under a noise that is learnt beside it.
 6. ``review``: earlier causes taken out again, and dropped or swapped.
 7. ``select``: the loop over the causes.
-8. ``confirmation``: findings close to their threshold have to pass simulated null logs.
-9. ``parallel``: threads for rivals.
+8. ``verdict``: what the structure that is left has to keep for a model to be adequate.
+9. ``confirmation``: findings and structure close to their threshold have to pass simulated null logs.
+10. ``parallel``: threads for rivals.
 
 Scores are linear in a cause and find candidates. A full fit decides between them, because lags, delays and limits are not linear, and
 because the other parameters move with the cause. Causes whose merits cannot be told apart stay together as one finding. The chapter may

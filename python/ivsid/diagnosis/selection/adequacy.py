@@ -24,12 +24,9 @@ from ivsid.effects import CHANNELS
 
 Array = NDArray[np.float64]
 SYMBOLS: Final = re.compile(r"[a-z]+")
-# Probability with which a true model is called insufficient.
+# Probability with which a true model is called insufficient by its regressors, and by its thrust errors, where no null logs are asked.
 # Source: definition: a tenth of the 1 % of logs without an effect that may give a finding
 RISK: Final = 1e-3
-# Share of the excess of the plain model that the right causes may leave.
-# Source: measured: make constants
-REST: Final = 0.02
 # Information of a regressor in unit length below which the model explains it.
 # Source: measured: make constants
 EXPLAINED: Final = 1e-6
@@ -60,6 +57,7 @@ class Adequacy:
         pushed: channel in which the thruster pushes whose error is farthest outside of its bound.
         outside: names of the thrusters whose fitted error leaves its bound, with its largest value in bounds.
         hulls: numbers that the log asks for and that no hull has.
+        risk: probability below which structure is more than chance.
     """
 
     fall: float
@@ -73,6 +71,7 @@ class Adequacy:
     pushed: str = ""
     outside: tuple[tuple[str, float], ...] = ()
     hulls: tuple[Asked, ...] = ()
+    risk: float = RISK
 
     @property
     def statistic(self) -> float:
@@ -90,23 +89,29 @@ class Adequacy:
         return max(self.fall - self.freedom, 0.0) + max(self.leaving - self.knots, 0.0)
 
     @property
+    def probability(self) -> float:
+        """Probability of the structure: of the regressors, where both statistics are rare, or of the thrust errors, whichever is smaller."""
+        return min(max(self.chance, self.chance_of_one), self.inside)
+
+    @property
+    def strength(self) -> float:
+        """Minus the natural logarithm of the probability of the structure."""
+        return -float(np.log(max(self.probability, 1e-300)))
+
+    @property
     def white(self) -> bool:
         """Whether the innovations hold no more structure than chance."""
-        return self.chance > RISK or self.chance_of_one > RISK
+        return max(self.chance, self.chance_of_one) >= self.risk
+
+    @property
+    def bounded(self) -> bool:
+        """Whether the log allows every thrust error inside its bound."""
+        return self.inside >= self.risk
 
     @property
     def quiet(self) -> bool:
         """Whether the innovations hold no more structure than chance, with every thrust error inside its bound and every number one of hulls."""
-        return self.white and self.inside > RISK and not self.hulls
-
-    def sufficient(self, before: Adequacy, findings: int) -> bool:
-        """Whether the structure is chance, or less than the share ``REST`` of the structure before, with numbers of hulls.
-
-        Args:
-            before: adequacy of the plain model.
-            findings: number of causes that were found.
-        """
-        return self.quiet or (findings > 0 and not self.hulls and self.unexplained < REST * before.unexplained)
+        return self.white and self.bounded and not self.hulls
 
     def beside(self, fit: Fit, columns: Sequence[int]) -> float:
         """Excess in the channels where a cause acts, weighted by the energy of its signature in each.

@@ -1,7 +1,7 @@
-"""Confirmation of findings that are close to their threshold, by simulated null logs.
+"""Confirmation of findings, and of structure that no cause explains, where they are close to their threshold, by simulated null logs.
 
-Null logs are examined until they decide about every finding that is close, and all of them only where doubt is left. They make the threshold
-stricter, and never looser.
+Null logs are examined until they decide about all that is close, and all of them only where doubt is left. They make a threshold stricter,
+and never looser. Those of findings follow the plain model, those of structure the last one with the causes that were found.
 
 Source: docs/theory.md, "Null logs"; Clopper and Pearson, "The use of confidence or fiducial limits illustrated in the case of the binomial",
 Biometrika 26, 1934.
@@ -9,26 +9,30 @@ Biometrika 26, 1934.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Sequence
-from dataclasses import dataclass, replace
-from itertools import islice
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
 from ivsid.diagnosis.estimation.fit import Fit
-from ivsid.diagnosis.null.cache import keep, kept, key_of
-from ivsid.diagnosis.null.calibration import LOOKS, NullTest, null_test, scores, trial_of
+from ivsid.diagnosis.null.cache import key_of
+from ivsid.diagnosis.null.calibration import NullTest, trial_of
+from ivsid.diagnosis.null.closed_loop import not_followed
+from ivsid.diagnosis.null.examination import Families
 from ivsid.diagnosis.null.family_wise import Threshold
+from ivsid.diagnosis.null.levels import STRUCTURE
+from ivsid.diagnosis.null.looks import decided
+from ivsid.diagnosis.selection.adequacy import RISK, adequacy
 from ivsid.diagnosis.selection.rivals import Found
-from ivsid.effects import own_digest
+from ivsid.diagnosis.selection.verdict import Left
 
 # Null logs at most, by default: two of them exceed a threshold of 0.5 %.
 # Source: resource: a minute on two processors
 NULL_LOGS: Final = 400
-# A finding is close if it is less strong than this multiple of its threshold, in minus the logarithm of the chance. The null logs of a
-# stronger finding would follow a plain model that is far from the motion.
+# A finding or structure is close if it is less strong than this multiple of its threshold, in minus the logarithm of the chance. The null
+# logs of anything stronger would follow a model that is far from the motion.
 # Source: measured: make constants
 CLOSE: Final = 3.0
 
@@ -95,49 +99,105 @@ def confirmed(
     near = [s for s in (strength(test, f) for f in found) if s < CLOSE * asked]
     if not near or most <= 0:
         return Confirmation(test)
-    if own_digest() is None:
-        # An effect that was registered without a file has no digest: the cache could not tell it from another of the same id.
-        folder = None
-    key = (
-        ""
-        if folder is None
-        else key_of(
-            fit.noise.predictor.vehicle,
-            fit.noise.predictor.log,
-            seed,
-            test.calibration.level,
-            test.visible,
-            test.calibration.chance,
-        )
+    level, first = test.calibration.level, test.calibration.chance
+    predictor = fit.noise.predictor
+    used = decided(
+        lambda: trial_of(fit, test.visible, Families(test)),
+        lambda: key_of(predictor.vehicle, predictor.log, seed, level, test.visible, first),
+        NullTest(np.zeros(0), np.zeros(0, dtype=bool), level, first=first),
+        near,
+        seed,
+        most,
+        folder,
+        progress,
     )
-    known = None if folder is None else kept(folder, key, test.calibration.level)
-    nulls = NullTest(np.zeros(0), np.zeros(0, dtype=bool), test.calibration.level) if known is None else known
-    before = nulls.strengths.size
-    looks = sorted({*(count for count in LOOKS if count < most), most})
-    level = test.calibration.level
-    more: Generator[tuple[float, bool]] | None = None
-    try:
-        for count in looks:
-            start = nulls.strengths.size
-            if start < count:
-                if more is None:
-                    progress(f"null logs {start} of {most}")
-                    more = scores(trial_of(fit, test, seed), seed, range(start, most))
-                every = []
-                for one in islice(more, count - start):
-                    every.append(one)
-                    progress(f"null logs {start + len(every)} of {most}")
-                nulls = nulls.joined(null_test(every, level))
-            used = nulls.first_of(count)
-            if not used.usable or all(used.decides(s, len(looks)) for s in near):
-                break
-    finally:
-        if more is not None:
-            more.close()
-    if folder is not None and nulls.strengths.size > before:
-        keep(folder, key, nulls)
-    used = replace(used, cached=min(before, used.strengths.size), first=test.calibration.chance)
     if not used.usable:
         return Confirmation(test, used, "null logs of this programme leave its motion: the Gaussian draws stand alone")
-    chance = min(test.calibration.chance, float(np.exp(-used.threshold())))
+    chance = min(first, float(np.exp(-used.threshold())))
     return Confirmation(replace(test, calibration=replace(test.calibration, chance=chance)), used)
+
+
+@dataclass(frozen=True)
+class StructureTest:
+    """The examination of the structure that a model leaves in a null log.
+
+    Attributes:
+        level: probability with which the structure of a null log may exceed the threshold.
+        surveyed: none: the dictionary needs no signatures of effects.
+    """
+
+    level: float = STRUCTURE
+    surveyed: frozenset[str] = field(default_factory=frozenset)
+
+    def __call__(self, fit: Fit) -> tuple[float, bool]:
+        """The strength of the structure, and whether it is more than chance by theory."""
+        left = adequacy(fit)
+        return left.strength, not (left.white and left.bounded)
+
+
+@dataclass(frozen=True)
+class StructureConfirmation:
+    """Outcome of the confirmation of structure.
+
+    Attributes:
+        risk: probability below which structure is more than chance.
+        nulls: strengths of the null logs, or None if the structure was not close to its threshold.
+        note: sentence for the notes of the result, or an empty string.
+    """
+
+    risk: float = RISK
+    nulls: NullTest | None = None
+    note: str = ""
+
+    def record(self) -> dict[str, object]:
+        """The entry ``calibration.structure`` of result.json."""
+        out: dict[str, object] = {"level": STRUCTURE, "logs": 0, "lost": 0, "achieved": None, "cached": 0}
+        said = {} if self.nulls is None else self.nulls.record()
+        return {**out, **said, "theory": RISK, "threshold": self.risk}
+
+
+def confirmed_structure(
+    last: Fit,
+    library: frozenset[str],
+    left: Left,
+    seed: int,
+    most: int,
+    folder: Path | None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> StructureConfirmation:
+    """Confirms structure that is close to its threshold and would make the verdict ``unknown``.
+
+    Args:
+        last: fit of the model with the causes that were found.
+        library: ids of the effects that the log can show.
+        left: the structure before and after.
+        seed: of the null logs.
+        most: null logs at most; 0 leaves the threshold of chi-squared.
+        folder: of the cache, or None.
+        progress: told of the null logs that are done.
+    """
+    strength_left = left.after.strength
+    # Numbers of no hull make the model inadequate whatever the structure.
+    if most <= 0 or left.sufficient or left.after.hulls or strength_left >= -CLOSE * np.log(RISK):
+        return StructureConfirmation()
+    if causes := not_followed(last.h):
+        return StructureConfirmation(
+            note=f"null logs do not follow {' and '.join(causes)}: the threshold of structure is that of chi-squared"
+        )
+    predictor = last.noise.predictor
+    used = decided(
+        lambda: trial_of(last, library, StructureTest()),
+        lambda: key_of(predictor.vehicle, predictor.log, seed, STRUCTURE, library, RISK, last.h),
+        NullTest(np.zeros(0), np.zeros(0, dtype=bool), STRUCTURE, first=RISK),
+        [strength_left],
+        seed,
+        most,
+        folder,
+        progress,
+    )
+    if not used.usable:
+        return StructureConfirmation(
+            nulls=used,
+            note="null logs of the model leave the motion of the log: the threshold of structure is that of chi-squared",
+        )
+    return StructureConfirmation(min(RISK, float(np.exp(-used.threshold()))), used)

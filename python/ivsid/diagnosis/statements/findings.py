@@ -17,7 +17,7 @@ from ivsid.diagnosis.candidates.intervals import Bound, intervals
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
-from ivsid.diagnosis.selection.adequacy import RISK, Adequacy, energy_of
+from ivsid.diagnosis.selection.adequacy import Adequacy, energy_of
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.residuals import FindingEvidence
@@ -189,7 +189,7 @@ def unknown(left: Adequacy, near: Sequence[str]) -> Finding:
         f"left), strongest with {likely}; no cause of the catalogue explains it"
     )
     z = float(np.sqrt(left.strongest[0][2]))
-    if left.inside <= RISK:
+    if not left.bounded:
         if left.pushed and left.leaving > left.strongest[0][2]:
             channel, z = left.pushed, float(np.sqrt(left.leaving))
         where = " and of ".join(f"{name} (fitted at {most:.1f} times its accuracy)" for name, most in left.outside)

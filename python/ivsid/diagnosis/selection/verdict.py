@@ -1,0 +1,67 @@
+"""Rules of the verdict: what the structure that a model leaves has to keep for the model to be adequate.
+
+Source: docs/theory.md, "Diagnosis"; the table docs/rules.md is made of these objects.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from ivsid.diagnosis.null.levels import STRUCTURE
+from ivsid.diagnosis.null.rule import Rule, first_refusal
+from ivsid.diagnosis.selection.adequacy import RISK, Adequacy
+
+# Share of the excess of the plain model that the right causes may leave.
+# Source: measured: make constants
+REST: Final = 0.02
+
+
+@dataclass(frozen=True)
+class Left:
+    """The structure that a model leaves.
+
+    Attributes:
+        after: adequacy of the model with the causes that were found.
+        before: adequacy of the plain model.
+        findings: number of causes that were found.
+    """
+
+    after: Adequacy
+    before: Adequacy
+    findings: int
+
+    @property
+    def little(self) -> bool:
+        """Whether causes leave less than the share ``REST`` of the structure before."""
+        return self.findings > 0 and self.after.unexplained < REST * self.before.unexplained
+
+    @property
+    def sufficient(self) -> bool:
+        """Whether the structure is chance, or little beside the structure before, with numbers of hulls."""
+        return first_refusal(VERDICT, self) is None
+
+
+STRUCTURE_RULE: Final = Rule[Left](
+    "structure",
+    f"chance of the structure, where {100 * REST:g} % or more of the structure before is left, or no cause was found",
+    f"at least {RISK:g}, or less where null logs of this programme say so",
+    f"Over regressors and thrust errors together, {100 * STRUCTURE:g} % of logs with nothing hidden may be called unknown.",
+    "definition: levels of the verdict in docs/constants.md",
+    lambda c: c.after.probability,
+    lambda c: c.after.risk,
+    "the structure that is left has probability {value:.1g}, and {limit:.1g} is the limit",
+    lambda c: not c.little,
+)
+OF_HULLS: Final = Rule[Left](
+    "numbers of hulls",
+    "numbers that the log asks for and no hull of this mass and length has",
+    "0",
+    "A model with an absurd mass or a drag that drives is adequate for no vehicle.",
+    "definition: limits of hulls in docs/constants.md",
+    lambda c: len(c.after.hulls),
+    lambda _: 0,
+    "{value:.0f} numbers that the log asks for are none that a hull of this mass and length has",
+    least=False,
+)
+VERDICT: Final = (STRUCTURE_RULE, OF_HULLS)

@@ -120,7 +120,7 @@ def case(
     true = vehicle if thrust is None else with_errors(vehicle, thrust, share, np.random.default_rng([seed, 78]))
     try:
         train = simulate(true, scenario, seed, truth)
-        test = None if train_alone else simulate(true, other, seed + 1_000_000, truth)
+        test = None if train_alone else simulate(true, other, seed + 1_000_000, truth, thrusters=seed)
     finally:
         for id_ in OUTSIDE:
             EFFECTS.pop(id_, None)

@@ -123,8 +123,8 @@ def vehicle_of(text=TWIN, extra=""):
 
 
 def logs_of(vehicle, effects=None, *, segments=ZIGZAGS, duration=240.0, rate=10.0, seed=21):
-    """TRAIN and TEST."""
-    how = {"segments": segments, "duration": duration, "rate": rate}
+    """TRAIN and TEST of the same thrusters."""
+    how = {"segments": segments, "duration": duration, "rate": rate, "thrusters": seed}
     return [_log(name, vehicle, effects, seed=number, **how) for name, number in (("train", seed), ("test", seed + 1))]
 
 
@@ -133,18 +133,18 @@ def train_of(vehicle, effects=None, *, seed=21, **how):
     return _log("train", vehicle, effects, seed=seed, **how)
 
 
-def _log(name, vehicle, effects, *, seed, segments=ZIGZAGS, duration=240.0, rate=10.0):
+def _log(name, vehicle, effects, *, seed, segments=ZIGZAGS, duration=240.0, rate=10.0, thrusters=None):
     # A log is simulated once, unless a user's effects are registered: those may change between two tests.
     known = SHIPPED.issuperset(EFFECTS) and vehicle == parse_vehicle(vehicle.text, vehicle.source)
-    how = (tuple((effects or {}).items()), segments, duration, rate, seed)
+    how = (tuple((effects or {}).items()), segments, duration, rate, seed, seed if thrusters is None else thrusters)
     t, columns = _remembered(vehicle.text, vehicle.source, *how) if known else _simulated(vehicle, *how)
     return Log(f"{name}.csv", "0" * 64, t.copy(), {k: x.copy() for k, x in columns.items()})
 
 
-def _simulated(vehicle, effects, segments, duration, rate, number):
+def _simulated(vehicle, effects, segments, duration, rate, number, thrusters):
     head = f"duration = {duration}\nrate = {rate}\nseed = {number}\n[truth]\n"
     head += "".join(f'"{k}" = {v}\n' for k, v in TRUTH.items())
-    done = simulate(vehicle, parse_scenario(head + segments, "s.toml"), number, dict(effects))
+    done = simulate(vehicle, parse_scenario(head + segments, "s.toml"), number, dict(effects), thrusters=thrusters)
     return done.t, done.columns
 
 

@@ -46,7 +46,9 @@ def logs(effects=None, vehicle=None, duration=300.0, rate=10.0, seed=0):
     for name, number in SEEDS.items():
         head = f"duration = {duration}\nrate = {rate}\nseed = {number}\n[truth]\n"
         head += "".join(f'"{k}" = {v}\n' for k, v in TRUTH.items())
-        done = simulate(vehicle, parse_scenario(head + SEGMENTS, "s.toml"), number + seed, effects or {})
+        same = SEEDS["train"] + seed
+        scenario = parse_scenario(head + SEGMENTS, "s.toml")
+        done = simulate(vehicle, scenario, number + seed, effects or {}, thrusters=same)
         made.append(Log(f"{name}.csv", "0" * 64, done.t, done.columns))
     return vehicle, *made
 

@@ -40,7 +40,12 @@ class Simulated:
 
 
 def simulate(
-    vehicle: Vehicle, scenario: Scenario, seed: int | None = None, effects: Mapping[str, float] | None = None
+    vehicle: Vehicle,
+    scenario: Scenario,
+    seed: int | None = None,
+    effects: Mapping[str, float] | None = None,
+    *,
+    thrusters: int | None = None,
 ) -> Simulated:
     """Runs a scenario.
 
@@ -49,6 +54,7 @@ def simulate(
         scenario: manoeuvres and true values.
         seed: replaces the scenario's.
         effects: further numbers of the catalogue, by id, id.part, or id.NAME for one thruster.
+        thrusters: seed of another log of the same thrusters, whose errors are static; by default this log has thrusters of its own.
 
     Raises:
         IvsidError: unknown ids, missing values, a vehicle without thrusters, or a motion that does not settle.
@@ -60,7 +66,11 @@ def simulate(
     given = sort_given(_numbers(scenario, effects or {}), [t.name for t in vehicle.thrusters])
     model = plant(vehicle, terms_of(vehicle), given)
     _known_causes(scenario, given)
+    # The errors of the thrusters are a generator's first numbers.
     curves = [TrueThrust(t, rng) for t in vehicle.thrusters]
+    if thrusters is not None:
+        same = np.random.default_rng(thrusters)
+        curves = [TrueThrust(t, same) for t in vehicle.thrusters]
     samples, h = round(scenario.duration * scenario.rate), 1.0 / scenario.rate
     t = np.arange(samples, dtype=np.float64) * h
     ambient = _ambient(vehicle, samples, h, rng)

@@ -52,15 +52,19 @@ DETERMINED: Final = 1e-9
 class AnyCurve:
     """The base of a fit, with a free thrust error in each cell of demand beside it.
 
+    Args:
+        fit: of the log.
+        over: demands of each thruster from its neutral over which the cells stand; those of the log by default.
+
     Attributes:
         g: cross-products over the whole log, the cells last.
         projection: least squares on the base and the cells.
         box: bound of each error of the base that has one, else 0, in unit lengths, shape (base,).
     """
 
-    def __init__(self, fit: Fit) -> None:
+    def __init__(self, fit: Fit, over: Sequence[Array] | None = None) -> None:
         self.fit = fit
-        found = list(cells(fit))
+        found = list(cells(fit, over))
         # Further columns join when they are asked for: most candidates are never held against a curve.
         g = fit.gram.only(fit.base).whole()
         first = len(g.names)
@@ -199,15 +203,20 @@ def outside(fit: Fit) -> tuple[tuple[str, float], ...]:
     return tuple(found)
 
 
-def cells(fit: Fit) -> Iterator[tuple[str, Array]]:
-    """Name and signature of a thrust error of one bound in each cell of demand that the log visits."""
+def cells(fit: Fit, over: Sequence[Array] | None = None) -> Iterator[tuple[str, Array]]:
+    """Name and signature of a thrust error of one bound in each cell of demand that the log visits.
+
+    Args:
+        fit: of the log.
+        over: demands of each thruster from its neutral over which the cells stand; those of the log by default.
+    """
     s = fit.signatures
     propulsion = s.predictor.propulsion
     thrusters = [k for k, e in enumerate(propulsion.errors) if len(e.spreads)]
     relative = through_water(s)
     for k in thrusters:
         count = min(MOST_CELLS, max(CELLS // (2 * len(thrusters)), 1))
-        place = _places(propulsion.demands[k], count)
+        place = _places((over or propulsion.demands)[k], count)
         visited = np.unique(place(propulsion.demands[k]))
         errors = s.predictor.driving.slopes(s.h, k, _in_cells(fit, k, place, visited))
         name = s.predictor.vehicle.thrusters[k].name

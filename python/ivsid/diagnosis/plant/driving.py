@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Final
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.propulsion import Propulsion
+from ivsid.diagnosis.plant.thrust_errors import ThrustErrors
 from ivsid.diagnosis.plant.thruster_forces import bollard_force
 from ivsid.effects import Response, Thrust, of_kind
 from ivsid.vehicle import Vehicle
@@ -24,6 +25,11 @@ KEPT: Final = 4
 class Driving:
     """Thrusts and angles of a log; each array has the samples first, then the steps after them.
 
+    Args:
+        vehicle: with its thrusters.
+        log: with their demands.
+        errors: declared errors of the thrusters as another log has them; those of this log by default.
+
     Attributes:
         propulsion: the thrusters.
         turned: angles of azimuth thrusters [rad], shape (thrusters, 2 n).
@@ -31,9 +37,9 @@ class Driving:
         sent: known X, Y [N], N [N m] beside the thrusters, shape (3, 2 n).
     """
 
-    def __init__(self, vehicle: Vehicle, log: Channels) -> None:
+    def __init__(self, vehicle: Vehicle, log: Channels, errors: Sequence[ThrustErrors] | None = None) -> None:
         self.vehicle, self.log = vehicle, log
-        self.propulsion = Propulsion(vehicle, log)
+        self.propulsion = Propulsion(vehicle, log, errors)
         self.turned, self.steered, self.sent = (_over(x, held=log.held) for x in (log.angles, log.rudders, log.force))
         if log.between is not None:
             self.turned = np.concatenate([log.angles, log.between.angles.mean(axis=2)], axis=1)

@@ -68,20 +68,27 @@ class _At:
 class Propulsion:
     """The thrusters of a vehicle under the demands of a log.
 
+    Args:
+        vehicle: with its thrusters.
+        log: with their demands.
+        errors: declared errors by thruster as another log of the same thrusters has them; by default they stand over the demands of this one.
+
     Attributes:
         curves: thrust curves, without dead bands, limits and losses, which are effects.
         demands: of each thruster from its neutral, shape (n,) each.
         errors: declared errors by thruster, as functions of such a demand.
     """
 
-    def __init__(self, vehicle: Vehicle, log: Channels) -> None:
+    def __init__(self, vehicle: Vehicle, log: Channels, errors: Sequence[ThrustErrors] | None = None) -> None:
         self.vehicle, self.log = vehicle, log
         bare = {"dead_band": None, "limit": None, "reverse_factor": None}
         self.curves = [ThrustCurve(t.model_copy(update={**bare, "outside": "hold"})) for t in vehicle.thrusters]
         self.demands = [log.demands[k] - t.neutral for k, t in enumerate(vehicle.thrusters)]
-        self.errors = [
-            thrust_errors(t, c, d) for t, c, d in zip(vehicle.thrusters, self.curves, self.demands, strict=True)
-        ]
+        self.errors = (
+            [thrust_errors(t, c, d) for t, c, d in zip(vehicle.thrusters, self.curves, self.demands, strict=True)]
+            if errors is None
+            else list(errors)
+        )
         self._samples = [
             _At(self.demands[k], np.asarray(c.value(log.demands[k]), dtype=np.float64), self.errors[k])
             for k, c in enumerate(self.curves)

@@ -27,7 +27,7 @@ from ivsid.diagnosis.statements.share import Share
 from ivsid.effects import EFFECTS
 from ivsid.effects.environment import SHALLOW_WATER
 
-# Half-width of the interval of shallow water, in standard deviations.
+# Half-width of the interval of shallow water, in standard deviations beside the worst declared errors.
 # Source: definition: 6e-5 of normal errors lie beyond
 WIDE: Final = 4.0
 # Standard deviations between what two logs of one programme show of a cause, that chance does not make: three of a difference.
@@ -162,12 +162,11 @@ def shallow(moved: Change) -> Finding:
         moved: change between the logs, with a common factor.
     """
     assert moved.factor is not None
-    factor, sigma = moved.factor
     p = SHALLOW_WATER.parameters[0]
-    bound = Bound(factor - WIDE * sigma, factor + WIDE * sigma, p.unit, p.symbol)
+    bound = Bound(*moved.factor.within(WIDE), p.unit, p.symbol)
     evidence: FindingEvidence = {
         "channel": "surge",
-        "z": abs(np.log(factor)) * factor / sigma,
+        "z": moved.factor.z,
         "ratio": {k: r for k, (r, _) in moved.ratio.items()},
         "ratio_deviation": {k: sigma for k, (_, sigma) in moved.ratio.items()},
     }

@@ -1,13 +1,12 @@
 """Shallow water: masses and drags that change by one factor from TRAIN to TEST.
 
-Added masses and drags grow together where the water is shallow.
+Added masses and drags grow together where the water is shallow. Thrusters, and with them the errors of their curves, are the same in both logs.
 
 Source: docs/theory.md, "The catalogue of effects".
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -18,14 +17,14 @@ from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.estimation.fit import Fit, Noise, fitted_gram, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.noise import usable_rows
-from ivsid.diagnosis.estimation.projection import Gram, Projection
-from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.null.any_curve import AnyCurve
+from ivsid.diagnosis.plant.driving import Driving
 from ivsid.diagnosis.prediction.innovations import Predictor
-from ivsid.diagnosis.selection.adequacy import RISK, adequacy
+from ivsid.diagnosis.selection.adequacy import adequacy
+from ivsid.diagnosis.statements.two_logs import SHARED, Changes, changes, one_log
 from ivsid.effects.environment import SHALLOW_SCALED
 from ivsid.vehicle import Vehicle
 
-Array = NDArray[np.float64]
 # Parameters that have to be fitted and to change: a factor of fewer may be chance.
 # Source: measured: make constants
 MEMBERS: Final = 3
@@ -41,9 +40,6 @@ MOVED: Final = 3.0
 # Least relative change that counts.
 # Source: measured: make constants
 LEAST: Final = 0.02
-# Thrust errors of two logs differ by twice the declared accuracy at most.
-# Source: definition: one error at either end of its bound
-TWO_LOGS: Final = 2.0
 # Relative difference of the clocks of two logs that counts as none.
 # Source: definition: rounding of time stamps
 SAME_CLOCK: Final = 1e-6
@@ -53,16 +49,46 @@ FLOOR: Final = 1e-8
 
 
 @dataclass(frozen=True)
+class Factor:
+    """Factor by which all parameters change.
+
+    Attributes:
+        mean: its natural logarithm.
+        error: standard deviation of it by the noise.
+        worst: most that declared errors inside their bounds move it.
+    """
+
+    mean: float
+    error: float
+    worst: float
+
+    def within(self, sigmas: float) -> tuple[float, float]:
+        """The factors that errors of so many standard deviations allow beside the worst declared errors."""
+        half = sigmas * self.error + self.worst
+        return float(np.exp(self.mean - half)), float(np.exp(self.mean + half))
+
+    @property
+    def counts(self) -> bool:
+        """Whether neither noise nor declared errors explain it."""
+        return abs(self.mean) >= max(SIGMAS * self.error, LEAST) + self.worst
+
+    @property
+    def z(self) -> float:
+        """Standard deviations of the noise that no declared error explains."""
+        return (abs(self.mean) - self.worst) / self.error
+
+
+@dataclass(frozen=True)
 class Change:
     """Change of the model between two logs.
 
     Attributes:
         ratio: TEST over TRAIN of each parameter, with its relative standard deviation.
-        factor: the common factor with its standard deviation; None without a common factor.
+        factor: the common factor; None without one.
     """
 
     ratio: dict[str, tuple[float, float]]
-    factor: tuple[float, float] | None
+    factor: Factor | None
 
 
 def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
@@ -80,62 +106,62 @@ def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
     wanted = [i for i in SHALLOW_SCALED if i in last.h.values and i not in fixed]
     if len(wanted) < MEMBERS:
         return None
-    predictor = Predictor(vehicle, test, last.noise.predictor.ambient)
-    if predictor.labels != last.noise.predictor.labels or abs(test.h / last.noise.predictor.log.h - 1) > SAME_CLOCK:
+    train = last.noise.predictor
+    # The thrusters are the same, and so are the errors of their curves: one set of errors serves both logs.
+    driving = Driving(vehicle, test, train.propulsion.errors)
+    predictor = Predictor(vehicle, test, train.ambient, driving=driving)
+    if predictor.labels != train.labels or abs(test.h / train.log.h - 1) > SAME_CLOCK:
         return None
     noise = Noise(predictor, last.noise.whitening, usable_rows(predictor), last.noise.left_out)
-    # Biases and thrust errors belong to one log, so they are fitted again from zero.
-    first = replace(last.h, declared_errors={})
+    # Biases belong to one log, so they are fitted again from zero.
+    first = replace(last.h, declared_errors={k: e for k, e in last.h.declared_errors.items() if k.startswith(SHARED)})
     try:
         states = predictor.settle(first, predictor.start(first), 2)
         h, states = improve(predictor, first, states, noise.whitening, noise.good, fixed)
         g = fitted_gram(noise, h, states, fixed)
+        before, after = ({i: q.values[i] for i in wanted} for q in (last.h, h))
+        if min(*before.values(), *after.values()) <= 0:
+            return None
+        logs = np.array([np.log(after[i] / before[i]) for i in wanted])
+        found = changes(one_log(last.gram, last.base, before), one_log(g, range(len(g.names)), after), logs)
+        factor = None
+        if factor_of(found)[0].counts:
+            # A curve may bend or jump between its knots: what is left has to stand beside any curve, the same in both logs.
+            there = survey(noise, h, states, fixed)
+            over = [np.r_[p, q] for p, q in zip(train.propulsion.demands, predictor.propulsion.demands, strict=True)]
+            one, other = AnyCurve(last, over), AnyCurve(there, over)
+            found = changes(
+                one_log(one.g, one.projection.base, before, one.box),
+                one_log(other.g, other.projection.base, after, other.box),
+                logs,
+            )
+            # The other log may have further structure, which may move the parameters.
+            factor = common(found) if adequacy(there).white else None
     except np.linalg.LinAlgError:
         return None
-    before, after = (np.array([q.values[i] for i in wanted]) for q in (last.h, h))
-    if (before <= 0).any() or (after <= 0).any():
-        return None
-    # An error of the thrust moves all parameters alike, so their covariance counts.
-    spread = _covariance(last.gram, last.base, wanted) / np.outer(before, before)
-    spread += _covariance(g, range(len(g.names)), wanted) / np.outer(after, after) + FLOOR * np.eye(len(wanted))
-    sigma = np.sqrt(np.diag(spread))
-    ratio = {i: (float(b / a), float(s)) for i, a, b, s in zip(wanted, before, after, sigma, strict=True)}
-    factor = _common(np.log(after / before), spread, _declared(predictor, h))
-    if factor is not None and adequacy(survey(noise, h, states, fixed)).chance < RISK:
-        # The other log has further structure, which may move the parameters.
-        factor = None
+    sigma = np.sqrt(np.diag(found.covariance))
+    ratio = {i: (float(np.exp(m)), float(s)) for i, m, s in zip(wanted, found.mean, sigma, strict=True)}
     return Change(ratio, factor)
 
 
-def _declared(predictor: Predictor, h: Hypothesis) -> float:
-    """Relative change of masses and drags that the declared accuracy of the thrusters allows between two logs with other demands."""
-    found = 0.0
-    thrusts = predictor.propulsion.thrusts(h.given).mean
-    for thruster, thrust in zip(predictor.vehicle.thrusters, thrusts, strict=True):
-        usual = float(np.sqrt(np.mean(thrust**2)))
-        found = max(found, thruster.accuracy.relative + thruster.accuracy.absolute / max(usual, 1e-9))
-    return TWO_LOGS * found
-
-
-def _common(logs: Array, spread: Array, declared: float) -> tuple[float, float] | None:
-    """Common factor by generalised least squares, with its standard deviation; None if the declared accuracy explains it."""
-    sigma = np.sqrt(np.diag(spread))
-    weight = np.linalg.solve(spread, np.ones(len(logs)))
-    mean = float(weight @ logs / weight.sum())
+def factor_of(found: Changes) -> tuple[Factor, NDArray[np.float64]]:
+    """Factor by generalised least squares, and the weight of each change in it, shape (parameters,)."""
+    n = len(found.mean)
+    solved = np.linalg.solve(found.covariance + FLOOR * np.eye(n), np.ones(n))
+    weight = np.asarray(solved / solved.sum(), dtype=np.float64)
     # The correlations are an estimate, so the error is at least that without them.
-    error = max(float(1 / np.sqrt(weight.sum())), float(1 / np.sqrt(np.sum(sigma**-2.0))))
-    agree = bool((np.abs(logs - mean) < AGREE * sigma).all())
+    alone = float(1 / np.sqrt(np.sum(1 / np.maximum(np.diag(found.noise), FLOOR))))
+    error = max(float(np.sqrt(weight @ found.noise @ weight)), alone)
+    return Factor(float(weight @ found.mean), error, found.worst(weight)), weight
+
+
+def common(found: Changes) -> Factor | None:
+    """Common factor; None if the changes differ, or if noise and declared errors explain it."""
+    (factor, weight), each = factor_of(found), np.eye(len(found.mean))
+    sigma = np.sqrt(np.diag(found.noise) + FLOOR)
+    apart = np.array([found.worst(e - weight) for e in each])
+    agree = bool((np.abs(found.mean - factor.mean) < AGREE * sigma + apart).all())
     # Enough parameters have to change by themselves, and not only their mean.
-    moved = bool((np.abs(logs) > MOVED * sigma).sum() >= MEMBERS)
-    if abs(mean) < max(SIGMAS * error, LEAST) + declared or not agree or not moved:
-        return None
-    return float(np.exp(mean)), float(np.exp(mean) * (error + declared / 3))
-
-
-def _covariance(g: Gram, base: Sequence[int], ids: Sequence[str]) -> Array:
-    """Covariance of fitted parameters, shape (ids, ids)."""
-    p = Projection(g, base)
-    inverse = np.linalg.inv(p.normal)
-    at = [p.base.index(k) for k in g.at(ids)]
-    unit = g.unit[g.at(ids)]
-    return np.asarray(inverse[np.ix_(at, at)] / np.outer(unit, unit))
+    own = np.array([found.worst(e) for e in each])
+    moved = bool((np.abs(found.mean) > MOVED * sigma + own).sum() >= MEMBERS)
+    return factor if factor.counts and agree and moved else None

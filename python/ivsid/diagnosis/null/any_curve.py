@@ -7,7 +7,7 @@ Let s = w'y be the score of a direction beside the base, with y = A e + n, decla
 errors move s by at most W = sum_i |(A'w)_i| b_i, the support function of the box. If F is the fall of chi-squared along the direction that
 was found, the noise alone has a fall of at least ((F - W) / sqrt(F))^2.
 
-A cause may also stand by what it takes off errors that would have to leave their bounds (``Boxed``).
+``Boxed`` asks whether values at the knots leave their bounds. Where they do, ``null.reached`` asks what all curves inside their accuracy reach.
 
 Source: docs/theory.md, "Any thrust curve inside its accuracy"; Rockafellar, *Convex Analysis*, 1970, section 13 (support functions).
 """
@@ -21,7 +21,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
-from scipy.stats import chi2
 
 from ivsid.diagnosis.estimation.declared_errors import SCALE, through_water, thrust_answers
 from ivsid.diagnosis.estimation.fit import Fit
@@ -180,15 +179,6 @@ class Boxed:
     def beside(self, columns: Sequence[int]) -> float:
         """Fall of chi-squared by columns beside errors inside their bounds; chi-squared with ``knots`` and as many more degrees of freedom at most without the cause."""
         return self._falls(columns)[1] - self.inside if self.at else 0.0
-
-    def of(self, s: Scored) -> float:
-        """Fall of chi-squared of a family by its own numbers alone that is as rare as its fall beside errors inside their bounds.
-
-        Zero for a step in time, whose column is a sum over later blocks.
-        """
-        if s.candidate.starts or not self.at:
-            return 0.0
-        return float(chi2.isf(max(chi2.sf(self.beside(s.columns), self.knots + len(s.columns)), LEAST), s.count))
 
 
 def outside(fit: Fit) -> tuple[tuple[str, float], ...]:

@@ -19,6 +19,7 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import AnyCurve, Boxed, lost
+from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.null.rule import Rule
 from ivsid.diagnosis.null.second_opinion import second_opinion
 from ivsid.diagnosis.null.thresholds import HIGH_SIDE
@@ -76,17 +77,21 @@ class Round:
         """The errors at the knots inside their bounds."""
         return Boxed(self.fit)
 
+    @cached_property
+    def reached(self) -> Reached:
+        """What curves inside their accuracy reach of the errors at the knots."""
+        return Reached(self.curve or AnyCurve(self.fit))
+
     def lost(self, s: Scored) -> float:
         """Standard deviations of a score that declared errors inside their bounds may make.
 
-        A fall stands beside all of them if the worst of them leaves it, or if it takes what errors at the knots would have to leave their
-        bounds for.
+        A fall stands beside all of them if the worst of them leaves it, or if it takes what no curve inside its accuracy reaches.
         """
         if self.curve is None:
             return 0.0
         left = self.curve.of(s)
         if chi2.sf(self.boxed.leaving, max(self.boxed.knots, 1)) <= self.chance:
-            left = max(left, min(self.boxed.of(s), s.fall))
+            left = max(left, min(self.reached.of(s), s.fall))
         return lost(s.fall, left)
 
     def blind(self, id_: str) -> bool:

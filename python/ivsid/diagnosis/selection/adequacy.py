@@ -19,6 +19,7 @@ from scipy.stats import chi2
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import AnyCurve, Boxed, beyond, outside
+from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.selection.hulls import Asked, asked_of_hulls
 from ivsid.effects import CHANNELS
 
@@ -33,6 +34,9 @@ EXPLAINED: Final = 1e-6
 # Eigenvalues of the correlation matrix below this belong to directions that other regressors explain to one per cent of their length.
 # Source: measured: make constants
 DEPENDENT: Final = 1e-4
+# Probability of the errors at the knots from which on all curves inside their accuracy are asked.
+# Source: resource: such curves cost half a second
+DOUBT: Final = 0.05
 # Thrusters that have regressors of their own.
 # Source: resource: each adds three columns
 THRUSTERS: Final = 4
@@ -146,6 +150,10 @@ def adequacy(fit: Fit) -> Adequacy:
     found = _structure(Projection(wide, range(first)), range(first, len(wide.names)), names, np.zeros(first))
     boxed = Boxed(fit)
     left, knots = boxed.leaving, boxed.knots
+    if knots and chi2.sf(left, knots) <= DOUBT:
+        # Curves that jump between knots reach more than values at the knots do.
+        reached = Reached(AnyCurve(fit))
+        left = min(left, reached.leaving)
     far = outside(fit)
     hulls = asked_of_hulls(fit)
     found = replace(found, leaving=left, knots=knots, pushed=_pushed(fit, far), outside=far, hulls=hulls)

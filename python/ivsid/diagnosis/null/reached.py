@@ -1,0 +1,72 @@
+"""What curves inside their accuracy can reach of the thrust errors at the knots, and whether a log asks for more.
+
+Free errors at the knots are estimated from a log. A curve that is a constant share e_i of its bound in each of many cells of demand, |e_i| <= 1,
+moves these estimates by linear functions of e, so that what it can reach is a zonotope. The distance of the estimates from it, in their own
+noise, is at most that from the true e: chi-squared with as many degrees of freedom as there are knots.
+
+Source: docs/theory.md, "Errors that leave their bound"; Ziegler, *Lectures on Polytopes*, 1995, section 7.3 (zonotopes).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
+from scipy.stats import chi2
+
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
+from ivsid.diagnosis.estimation.projection import RIDGE, Gram
+from ivsid.diagnosis.null.any_curve import DETERMINED, LEAST, AnyCurve
+
+Array = NDArray[np.float64]
+
+
+class Reached:
+    """Distance of a log from all curves inside their accuracy.
+
+    Attributes:
+        leaving: squared distance from them, in standard deviations.
+        knots: its degrees of freedom at most; 0 if no accuracy is declared.
+    """
+
+    def __init__(self, free: AnyCurve) -> None:
+        names = free.g.names
+        self.free = free
+        self.at = [k for k, n in enumerate(names) if n.startswith("~thrust.")]
+        self.cells = [k for k, n in enumerate(names) if n.startswith("~cell.")]
+        self.others = [k for k in range(len(names)) if k not in {*self.at, *self.cells}]
+        self.leaving, self.knots = self._distance(free.g, self.at, self.others) if self.at and self.cells else (0.0, 0)
+
+    def _distance(self, g: Gram, data: Sequence[int], others: Sequence[int]) -> tuple[float, int]:
+        """Least squared distance, over the curves, of the scores of some columns beside others, and its degrees of freedom."""
+        total, score = g.blocks.sum(axis=0), g.score.sum(axis=0)
+        known = np.isin(np.arange(len(g.names)), self.at)
+        # Errors of the log without the part that the hypothesis holds: the bounds are those of the whole errors.
+        score = score + total[:, self.at] @ g.centre[self.at] - np.where(known, 0.0, g.prior * g.centre)
+        N = total[np.ix_(others, others)] + np.diag(g.prior[others] + RIDGE)
+        cross = np.linalg.solve(N, total[np.ix_(others, [*data, *self.cells])])
+        left = total[np.ix_(data, [*data, *self.cells])] - total[np.ix_(data, others)] @ cross
+        S, C = left[:, : len(data)], left[:, len(data) :] * g.unit[self.cells]
+        r = score[list(data)] - cross[:, : len(data)].T @ score[list(others)]
+        values, vectors = np.linalg.eigh(0.5 * (S + S.T))
+        kept = values > DETERMINED * max(float(values.max()), 1e-300)
+        root = vectors[:, kept] / np.sqrt(values[kept])
+        solved = lsq_linear(root.T @ C, root.T @ r, bounds=(-1.0, 1.0))
+        return 2.0 * float(solved.cost), int(kept.sum())
+
+    def of(self, s: Scored) -> float:
+        """Fall of chi-squared of a family by its own numbers alone that is as rare as what it takes off the distance.
+
+        Zero for a step in time, whose column is a sum over later blocks.
+        """
+        if s.candidate.starts or not self.knots:
+            return 0.0
+        own = self.free.fit.gram.names
+        g = self.free.joined([own[k] for k in s.columns])
+        first = len(self.free.g.names)
+        columns = list(range(first, len(g.names)))
+        without, freedom = self._distance(g, [*self.at, *columns], self.others)
+        held, _ = self._distance(g, self.at, [*self.others, *columns])
+        return float(chi2.isf(max(chi2.sf(without - held, freedom), LEAST), s.count))

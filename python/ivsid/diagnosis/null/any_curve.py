@@ -119,10 +119,11 @@ class Boxed:
     """Chi-squared of a fit with the thrust errors at the knots inside their bounds.
 
     Chi-squared is minimised over all other columns of the base, with the errors at the knots inside the box or free of it. If the true errors
-    lie inside, then the truth is one of the points of the box, and a minimum over more columns lies below it by chi-squared with as many
-    degrees of freedom as there are knots and further columns, at most.
+    lie inside, then the truth is one of the points of the box, and the minimum lies below it by chi-squared with as many degrees of freedom as
+    there are knots, at most.
 
     Attributes:
+        leaving: fall of chi-squared where the errors may leave their bounds.
         knots: number of knots that may leave their bounds; 0 if no accuracy is declared.
     """
 
@@ -152,13 +153,12 @@ class Boxed:
             self.turn[here, here] = errors.knots.T
             first += len(errors.spreads)
         self.turn *= g.unit[self.at][:, None]
-        self.free, self.inside, self.knots = self._falls(()) if self.at else (0.0, 0.0, 0)
+        self.leaving, self.knots = self._leaving() if self.at else (0.0, 0)
 
-    def _falls(self, columns: Sequence[int]) -> tuple[float, float, int]:
-        """Falls of chi-squared from no errors and no columns: with free errors, and with errors inside the box; and the number of knots."""
-        at, others = self.at, [*self.others, *columns]
+    def _leaving(self) -> tuple[float, int]:
+        """Fall of chi-squared from errors inside the box to free ones, and the number of knots."""
+        at, others = self.at, self.others
         N = self.total[np.ix_(others, others)] + np.diag(self.g.prior[others] + RIDGE)
-        alone = np.linalg.solve(N, self.score[others])
         cross = np.linalg.solve(N, self.total[np.ix_(others, at)])
         S = self.total[np.ix_(at, at)] - self.total[np.ix_(at, others)] @ cross
         r = self.score[at] - cross.T @ self.score[others]
@@ -167,18 +167,7 @@ class Boxed:
         root = np.sqrt(values[kept])
         left = vectors[:, kept].T @ (self.turn.T @ r) / root
         solved = lsq_linear((vectors[:, kept] * root).T, left, bounds=(-OVERSHOOT, OVERSHOOT))
-        base = float(self.score[others] @ alone)
-        free = base + float(left @ left)
-        return free, free - 2.0 * float(solved.cost), int(kept.sum())
-
-    @property
-    def leaving(self) -> float:
-        """Fall of chi-squared where the errors may leave their bounds; chi-squared with ``knots`` degrees of freedom at most if they need not."""
-        return self.free - self.inside
-
-    def beside(self, columns: Sequence[int]) -> float:
-        """Fall of chi-squared by columns beside errors inside their bounds; chi-squared with ``knots`` and as many more degrees of freedom at most without the cause."""
-        return self._falls(columns)[1] - self.inside if self.at else 0.0
+        return 2.0 * float(solved.cost), int(kept.sum())
 
 
 def outside(fit: Fit) -> tuple[tuple[str, float], ...]:

@@ -136,8 +136,13 @@ def chance(s: Scored) -> float:
 
 
 def chance_beside(s: Scored, fall: float) -> float:
-    """Probability of another fall of the same family, less what declared errors inside their bounds make of the score."""
-    left = max(float(np.sqrt(max(fall, 0.0))) - s.lost, 0.0) ** 2
+    """Probability of another fall of the same family, less what declared errors inside their bounds make of the score.
+
+    Where a full fit learns a smaller noise, errors stand out of it as much more as the cause does.
+    """
+    shown = float(np.sqrt(max(fall, 0.0)))
+    scale = max(shown / float(np.sqrt(s.fall)), 1.0) if s.fall > 0 else 1.0
+    left = max(shown - s.lost * scale, 0.0) ** 2
     return chance(replace(s, fall=left))
 
 

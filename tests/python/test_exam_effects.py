@@ -28,7 +28,6 @@ LATE = ("thruster.lag", "thruster.delay")
 # Effects that the diagnosis does not find, or names too early: a repair shows, because these tests may not pass. Its own z is that of a
 # log of the same seed without an effect.
 MISSED = {
-    "environment.shallow_water": "adequate: a change of 2.7 % between the logs",
     "sensor.velocity.scale": "adequate at 1.15 %, where the file allows 0.4 %: the diagnosis states a limit of 2.3 %",
 }
 EARLY: dict[str, str] = {}

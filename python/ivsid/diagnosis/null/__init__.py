@@ -3,7 +3,8 @@
 1. ``visibility``: the size at which each cause stands out in this log, and whether its signature is more than noise.
 2. ``thresholds``: Gaussian draws of all scores at once, from the Gram matrix of this log.
 3. ``family_wise``: the test of all families against one threshold, by the rules in ``screening`` (a ``rule`` is an object), among them a
-   ``second_opinion`` from half-minutes of the log and ``any_curve``, the worst of all thrust errors inside their bounds.
+   ``second_opinion`` from half-minutes of the log and ``any_curve``, the worst of all thrust errors inside their bounds;
+   ``reached``: what curves inside their bounds reach of the errors at knots.
 4. ``detection``: the size at which each cause stands out beside the worst declared errors.
 5. ``feedback``: the feedback behind the logged demands.
 6. ``simulated_logs``, with the motion in ``closed_loop``: logs of the same programme and feedback without an effect.

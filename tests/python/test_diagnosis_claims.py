@@ -1,5 +1,7 @@
 """Statements of a result beside its findings: claimed numbers, causes that are none, the extended model."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -13,7 +15,7 @@ from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.statements.extended import extended_text, stated
 from ivsid.diagnosis.statements.proved import extended_proof
-from ivsid.effects import EFFECTS, PLAIN_TERMS
+from ivsid.effects import EFFECTS, PLAIN_TERMS, Given
 from ivsid.vehicle import parse_vehicle
 
 
@@ -49,6 +51,14 @@ def test_a_wrong_claim_stands_far_from_the_log_and_bends_the_others():
     for id_, c in record.items():
         assert c["contradicted"] == (id_ in named)
         assert set(c) == {"parameter", "value", "unit", "contradicted", "z", "interval", "without_claims"}
+
+
+def test_a_start_that_the_log_hardly_shows_lies_in_the_log():
+    vehicle = vehicle_of()
+    fit = plain_fit(vehicle, channels(train_of(vehicle, duration=120.0), vehicle, None), everything)
+    late = replace(fit, h=fit.h.with_effect(Given(EFFECTS["payload.step"], (1.0, 118.0))))
+    bound = intervals(late, "payload.step", {})["payload.step.time"]
+    assert 0.0 <= bound.lower < 118.0 < bound.upper <= 120.0
 
 
 # Nightly: the gate has the claims of a diagnosis with some.

@@ -127,6 +127,10 @@ def intervals(
             around = slack(fit.noise, given, j)
             lower, upper = max(lower - around, 0.0), upper + around
             parameter = given.effect.parameters[j]
+            if parameter.draw == "time":
+                # What starts outside the log acts in all of it or in none.
+                begin, end = float(fit.noise.predictor.log.t[0]), float(fit.noise.predictor.log.t[-1])
+                lower, upper = min(max(lower, begin), end), max(min(upper, end), begin)
             if given.effect.form.limits:
                 # A limit is one of the true thrust, which the curve gives within its accuracy.
                 error = max(

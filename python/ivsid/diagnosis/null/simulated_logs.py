@@ -37,6 +37,9 @@ PIECES: Final = (3, 10)
 # Jumps of a curve over the range of demands, at least and below.
 # Source: geometry: a drive switches once or a few times
 JUMPS: Final = (1, 4)
+# Teeth of a curve over the range of demands, at least and at most.
+# Source: geometry: a coarse table that is read at its lower entry falls behind and catches up once an entry
+TEETH: Final = (1.0, 8.0)
 # Amplitude of a thrust error, as a share of its declared bound.
 # Source: measured: make constants
 SIZES: Final = (0.2, 1.0)
@@ -142,7 +145,7 @@ def _declared_errors(
 ) -> tuple[dict[str, Array], list[Array | None]]:
     """Declared errors of every null log.
 
-    Sizes are normal. A thrust error is a wave, a broken line or a few steps inside its bound, and the model of declared errors is fitted to it.
+    Sizes are normal. A thrust error is a wave, a broken line, a few steps or teeth inside its bound, and the model of declared errors is fitted to it.
 
     Returns:
         Sizes by name, each of shape (count,), and thrust errors by thruster, each of shape (count, TABLE) or None.
@@ -179,13 +182,16 @@ def _declared_errors(
 
 
 def _shape(x: Array, rng: np.random.Generator) -> Array:
-    """An error in units of its bound, over places from 0 to 1: one of three kinds that thrusters have.
+    """An error in units of its bound, over places from 0 to 1: one of four kinds that thrusters have.
 
-    A calibration error is a wave; a table with wrong entries is a broken line; a worn or limited drive jumps.
+    A calibration error is a wave; a table with wrong entries is a broken line; a worn or limited drive jumps; a coarse table, read at its
+    lower entry, has teeth.
     """
-    kind = int(rng.integers(3))
+    kind = int(rng.integers(4))
     if kind == 0:
         return np.asarray(np.sin(np.pi * rng.uniform(*ORDERS) * x + rng.uniform(0, 2 * np.pi)))
+    if kind == 3:
+        return np.asarray(rng.choice([-1.0, 1.0]) * (2.0 * np.mod(rng.uniform(*TEETH) * x + rng.uniform(), 1.0) - 1.0))
     places = np.sort(rng.uniform(0.0, 1.0, int(rng.integers(*(PIECES if kind == 1 else JUMPS)))))
     levels = rng.uniform(-1.0, 1.0, places.size + 1)
     levels /= np.abs(levels).max()

@@ -99,19 +99,23 @@ def findings_of(
         complete: whether little enough structure is left.
     """
     last = selection.last
-    made: list[Finding] = []
+    made: dict[str, Finding] = {}
     withdrawn: dict[str, Refusal] = {}
-    for found in selection.found:
+    nothing = 0.0
+    # The weakest first: what a cause takes that is none stays unexplained beside the stronger ones.
+    for found in sorted(selection.found, key=lambda f: f.fall):
         one = finding(found, last, selection.leftover, evidence, rest)
-        left = rest.beside(last, own_columns(last, found.id))
+        left = nothing + (rest.beside(last, own_columns(last, found.id)) if complete else rest.unexplained)
         case = Held(EFFECTS[found.id], found.fall, left, one.parameters, complete, rest.quiet, len(rest.hulls))
         refusal = first_refusal(HELD, case, [f.id for f in selection.found if f is not found])
         if refusal is None:
-            made.append(one)
+            made[found.id] = one
+        else:
+            nothing += found.fall
         for rank, rival in enumerate(found.rivals):
             if (said := refusal or UNNAMED.refuses(rank, [found.id])) is not None:
                 withdrawn[rival.id] = said
-    return tuple(made), withdrawn
+    return tuple(made[f.id] for f in selection.found if f.id in made), withdrawn
 
 
 def finding(

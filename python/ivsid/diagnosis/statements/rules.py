@@ -28,7 +28,7 @@ class Held:
     Attributes:
         effect: the cause.
         fall: of chi-squared against the model without it.
-        left: unexplained chi-squared in its channels.
+        left: unexplained chi-squared, in its channels alone where little is left, and what refused causes take that are weaker.
         parameters: its intervals.
         complete: whether little enough structure is left for a verdict.
         quiet: whether no structure is left.
@@ -56,13 +56,13 @@ class Held:
 
 DOMINANT_RULE: Final = Rule[Held](
     "dominant",
-    "fall of chi² over the unexplained chi² in its channels, where structure is left",
-    f"at least {DOMINANT:g}, or 1 where little is left",
-    "What no cause explains may be most of what this cause seems to explain.",
+    "fall of chi² over the unexplained chi² and what weaker causes take that are refused, where structure is left",
+    f"at least {DOMINANT:g}, or 1 (in its channels) where little is left",
+    "What no cause explains may be most of what this cause seems to explain, and several wrong causes imitate what no single one does.",
     "make constants",
     lambda c: c.fall / c.left if c.left > 0 else float("inf"),
     lambda c: 1.0 if c.complete else DOMINANT,
-    "its fall of chi² is {value:.2g} times what stays unexplained in its channels, and {limit:g} times count",
+    "its fall of chi² is {value:.2g} times what stays unexplained, and {limit:g} times count",
     lambda c: not c.quiet,
 )
 EXCLUDES: Final = Rule[Held](

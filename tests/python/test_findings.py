@@ -1,0 +1,51 @@
+"""Findings of a selection: which causes are named where structure is left, by falls of chi-squared alone."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from ivsid.diagnosis.candidates.intervals import Bound
+from ivsid.diagnosis.selection.adequacy import Adequacy
+from ivsid.diagnosis.statements import findings
+from ivsid.diagnosis.statements.findings import findings_of
+
+IDS = ("coupling.cg_y", "thruster.asymmetry", "drag.lift.yaw", "sensor.yaw_rate.scale")
+
+
+@pytest.fixture(autouse=True)
+def _made(monkeypatch):
+    """A finding of any cause has an interval that excludes no effect."""
+    bound = Bound(1.9, 2.1, "1", "")
+    monkeypatch.setattr(
+        findings, "finding", lambda f, *_: SimpleNamespace(effect=f.id, parameters={f.id: bound}, evidence={})
+    )
+    monkeypatch.setattr(findings, "own_columns", lambda *_: [])
+    monkeypatch.setattr(Adequacy, "beside", lambda rest, *_: rest.unexplained / 10)
+
+
+def named(falls, left, *, complete=False):
+    """Names of causes with these falls, where a dictionary of 100 columns finds ``left`` more than chance."""
+    found = [SimpleNamespace(id=i, fall=f, rivals=[SimpleNamespace(id=i)]) for i, f in zip(IDS, falls, strict=False)]
+    selection = SimpleNamespace(found=found, last=None, leftover=[])
+    rest = Adequacy(100.0 + left, 100, 1e-12, (("u", "surge", left),), 1e-12, {})
+    made, withdrawn = findings_of(selection, {}, rest, complete=complete)
+    assert {f.effect for f in made} | set(withdrawn) == {f.id for f in found}
+    assert all(r.rule == "dominant" for r in withdrawn.values())
+    return [f.effect for f in made]
+
+
+def test_a_cause_beside_unexplained_structure_takes_nine_times_as_much():
+    assert named([910.0], 100.0) == [IDS[0]]
+    assert named([890.0], 100.0) == []
+    # Little is left: a tenth of it acts in the channels of the cause.
+    assert named([9.0], 100.0, complete=True) == []
+    assert named([11.0], 100.0, complete=True) == [IDS[0]]
+
+
+def test_what_refused_causes_take_stays_unexplained_beside_stronger_ones():
+    assert named([3750.0], 380.0) == [IDS[0]]
+    assert named([3750.0, 440.0, 300.0, 350.0], 380.0) == []
+    # The order in which they were found does not matter, and a cause that is named takes its share away.
+    assert named([300.0, 3750.0, 440.0], 380.0) == []
+    assert named([1000.0, 9000.0], 100.0) == [IDS[0], IDS[1]]
+    assert named([1000.0, 12000.0, 20.0], 100.0) == [IDS[1]]

@@ -63,8 +63,8 @@ def test_a_true_model_leaves_white_errors():
     data = channels(train, vehicle)
     predictor = Predictor(vehicle, data, declared_ambient(vehicle))
     h = Hypothesis(terms_of(vehicle), TRUTH)
-    states = predictor.settle(h, predictor.start(h), 4)
-    errors, good = predictor.errors(h, states), usable_rows(predictor)
+    states = predictor.settle(predictor.start(h), 4)
+    errors, good = predictor.errors(states), usable_rows(predictor)
     for (axis, name), row in zip(predictor.labels, errors, strict=True):
         x = row[good] - row[good].mean()
         memory = [float(x[lag:] @ x[:-lag] / (x @ x)) for lag in (1, 2, 3)]

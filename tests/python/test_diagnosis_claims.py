@@ -56,8 +56,8 @@ def test_a_wrong_claim_stands_far_from_the_log_and_bends_the_others():
 def test_a_start_that_the_log_hardly_shows_lies_in_the_log():
     vehicle = vehicle_of()
     fit = plain_fit(vehicle, channels(train_of(vehicle, duration=120.0), vehicle, None), everything)
-    late = replace(fit, h=fit.h.with_effect(Given(EFFECTS["payload.step"], (1.0, 118.0))))
-    bound = intervals(late, "payload.step", {})["payload.step.time"]
+    late = replace(fit, states=fit.states.under(fit.h.with_effect(Given(EFFECTS["payload.step"], (1.0, 118.0)))))
+    bound = intervals(late, "payload.step")["payload.step.time"]
     assert 0.0 <= bound.lower < 118.0 < bound.upper <= 120.0
 
 
@@ -89,7 +89,7 @@ def test_a_cause_without_any_signature_hides_nothing():
     vehicle = vehicle_of(extra=f"[model]\nterms = [{terms}]\n")
     fit, left = score(plain_fit(vehicle, channels(train_of(vehicle_of()), vehicle), everything))
     assert any(s.id == "fouling.drift" and s.fall == 0 for s in left)
-    bound = intervals(fit, "drag.surge.linear", fit.fixed, left, unknown=True)["drag.surge.linear"]
+    bound = intervals(fit, "drag.surge.linear", left, unknown=True)["drag.surge.linear"]
     assert np.isfinite([bound.lower, bound.upper]).all() and bound.lower < bound.upper
 
 

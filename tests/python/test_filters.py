@@ -104,12 +104,12 @@ def test_what_a_force_adds_is_the_difference_of_both_models(predictor, plain, id
         0.0 if p.draw == "thruster" else (float(predictor.log.t[200]) if p.draw == "time" else p.none + p.scaled(60.0))
         for p in effect.parameters
     )
-    states = predictor.settle(plain, predictor.start(plain))
+    states = predictor.settle(predictor.start(plain))
     other = plain.with_effect(Given(effect, values))
     under = states.points.under(*predictor.driving.force(other))
     added = added_force(predictor.vehicle, plain, states.points, other, under)
     expected = acceleration(predictor.vehicle, other, under) - states.nudot
-    found = predictor.mass(plain, states).solve(added)
+    found = predictor.mass(states).solve(added)
     assert np.allclose(found, expected, rtol=1e-9, atol=1e-11)
     assert isinstance(effect.acts, Reading) == (not np.any(found)) or not np.any(expected)
     # Taken out again, it is the same with the other sign.
@@ -141,10 +141,10 @@ def test_thrusts_that_are_remembered_are_those_that_are_asked_for(predictor, pla
 
 
 def test_windows_sail_together_as_they_do_alone(predictor, plain):
-    states = predictor.settle(plain, predictor.start(plain))
-    together = windows(predictor, plain, states, (10.0, 30.0))
+    states = predictor.settle(predictor.start(plain))
+    together = windows(predictor, states, (10.0, 30.0))
     for found, length in zip(together, (10.0, 30.0), strict=True):
-        (alone,) = windows(predictor, plain, states, (length,))
+        (alone,) = windows(predictor, states, (length,))
         for a, b in zip(found, alone, strict=True):
             assert np.allclose(a, b, rtol=1e-12, atol=1e-12, equal_nan=True)
 

@@ -177,7 +177,7 @@ def test_null_logs_follow_demands_that_come_faster_than_the_velocities():
     # The filter of a yaw rate and a heading at a slow clock warns of a root of rounding.
     with np.errstate(invalid="ignore"):
         predictor = Predictor(vehicle, one, fit.noise.predictor.ambient)
-        errors = predictor.errors(true, predictor.settle(true, predictor.start(true), 6))
+        errors = predictor.errors(predictor.settle(predictor.start(true), 6))
     for row, (_, name) in enumerate(predictor.labels):
         assert np.sqrt(np.mean(errors[row] ** 2)) < 0.5 * data.noise[name]
 

@@ -82,11 +82,11 @@ def diagnose(
     calibration, before = at_once(partial(calibrate, fit, seen, NAMES, seed), partial(adequacy, fit))
     test_of = Threshold(calibration, visible)
     progress("looking for causes")
-    selection = select(fit, test_of, fit.fixed, progress)
+    selection = select(fit, test_of, progress)
     confirmation = confirmed(fit, test_of, selection.found, seed, null_logs, cache, progress)
     if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in selection.found):
         progress("looking again, at the threshold of the null logs")
-        selection = select(fit, confirmation.test, fit.fixed, progress)
+        selection = select(fit, confirmation.test, progress)
     # Errors of TRAIN's sensors and thrusters are no part of the model: TEST has its own.
     plain = replace(fit.h, declared_errors={})
     extended_h = plain if selection.last.h is fit.h else replace(selection.last.h, declared_errors={})

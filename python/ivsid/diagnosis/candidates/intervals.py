@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.candidates.profile import bent, ends, first_step, profile, rise, slack
 from ivsid.diagnosis.estimation.fit import Fit
-from ivsid.diagnosis.estimation.gauss_newton import declared_columns
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.effects import EFFECTS, Parameter
@@ -75,9 +74,7 @@ class Bound:
         }
 
 
-def intervals(
-    fit: Fit, id_: str, fixed: Mapping[str, float], left: Sequence[Scored] = (), *, unknown: bool = False
-) -> dict[str, Bound]:
+def intervals(fit: Fit, id_: str, left: Sequence[Scored] = (), *, unknown: bool = False) -> dict[str, Bound]:
     """Intervals of an effect's numbers, by name.
 
     The standard deviation of a number is the larger of two: by the noise model, and by the scatter of half-minutes. An interval is widened by
@@ -86,7 +83,6 @@ def intervals(
     Args:
         fit: of the last model.
         id_: of the effect.
-        fixed: values of parameters that are not fitted, by id.
         left: scores of the causes that were not found.
         unknown: whether something unknown is left; then each of these causes may hide in it, at up to ``HIDDEN`` standard deviations beyond
             its score.
@@ -121,10 +117,9 @@ def intervals(
             if parameter.draw == "thruster":
                 out[name] = Bound(value, value, parameter.unit, parameter.symbol)
         for j in bent(given):
-            known = declared_columns(fit.noise.predictor, fit.h, fit.states, fit.noise.whitening, fit.noise.good)
-            chi2 = profile(fit.noise, fit.h, fit.states, fixed, known, given, j)
-            lower, upper = ends(chi2, given.values[j], first_step(fit.noise, given, j), rise(given, j, SIGMAS, worse))
-            around = slack(fit.noise, given, j)
+            chi2 = profile(fit.problem, fit.states, given, j)
+            lower, upper = ends(chi2, given.values[j], first_step(fit.problem, given, j), rise(given, j, SIGMAS, worse))
+            around = slack(fit.problem, given, j)
             lower, upper = max(lower - around, 0.0), upper + around
             parameter = given.effect.parameters[j]
             if parameter.draw == "time":

@@ -12,8 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from ivsid.diagnosis.estimation.fit import Noise, crossed
-from ivsid.diagnosis.estimation.gauss_newton import DeclaredColumns
+from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.states import FilteredStates
@@ -79,43 +78,33 @@ def sought(given: Given) -> bool:
     return bool(bent(given) or given.effect.form.place)
 
 
-def first_step(noise: Noise, given: Given, j: int) -> float:
+def first_step(problem: Problem, given: Given, j: int) -> float:
     """A small change of an effect's j-th number: two seconds, or a fiftieth."""
     if given.effect.parameters[j].draw == "time":
-        return max(TIME_STEP, TIME_STEPS * noise.predictor.log.h)
+        return max(TIME_STEP, TIME_STEPS * problem.noise.predictor.log.h)
     return NUMBER_STEP * max(abs(given.values[j]), 1e-9)
 
 
-def profile(
-    noise: Noise,
-    h: Hypothesis,
-    states: FilteredStates,
-    fixed: Mapping[str, float],
-    known: DeclaredColumns,
-    given: Given,
-    *places: int,
-) -> Callable[..., float]:
+def profile(problem: Problem, states: FilteredStates, given: Given, *places: int) -> Callable[..., float]:
     """Chi-squared as a function of one number of an effect of the hypothesis, or of several.
 
     Args:
-        noise: filters and whitening.
-        h: the hypothesis.
-        states: its states.
-        fixed: values of parameters that are not fitted, by id.
-        known: signatures of the declared errors.
+        problem: the log.
+        states: of the hypothesis.
         given: the effect as it stands in the hypothesis.
         places: indices of the numbers among the effect's.
     """
-    g = crossed(noise, h, states, fixed, known)
+    g = problem.gram(states, sums=False)
     own = {given.effect.parts[j] if given.thruster is None else next(iter(given.named)) for j in places}
     base = [k for k, name in enumerate(g.names) if name not in own]
-    errors = noise.predictor.errors(h, states)
+    predictor = problem.noise.predictor
+    errors = predictor.errors(states)
 
     def chi2(*numbers: float) -> float:
         values = list(given.values)
         for j, value in zip(places, numbers, strict=True):
             values[j] = value
-        gone = noise.predictor.difference(h, states, moved(h, fixed, given, values))
+        gone = predictor.difference(states, moved(states.h, problem.fixed, given, values))
         return Projection(g.of(errors - gone), base).chi2
 
     return chi2
@@ -133,32 +122,20 @@ def moved(h: Hypothesis, fixed: Mapping[str, float], given: Given, values: Seque
     return replace(other, values={k: x if k in fixed else x * share for k, x in other.values.items()})
 
 
-def refined(
-    noise: Noise,
-    h: Hypothesis,
-    states: FilteredStates,
-    fixed: Mapping[str, float],
-    known: DeclaredColumns,
-    given: Given,
-    *,
-    wide: bool,
-) -> Hypothesis:
+def refined(problem: Problem, states: FilteredStates, given: Given, *, wide: bool) -> FilteredStates:
     """The hypothesis with the profiled numbers of an effect at the least chi-squared nearby.
 
     Args:
-        noise: filters and whitening.
-        h: the hypothesis.
-        states: its states.
-        fixed: values of parameters that are not fitted, by id.
-        known: signatures of the declared errors.
+        problem: the log.
+        states: of the hypothesis.
         given: the effect as it stands in the hypothesis.
         wide: whether ``SHARES`` of the first value are tried before.
     """
     if given.effect.form.place:
-        return _moored(noise, h, states, fixed, known, given)
+        return _moored(problem, states, given)
     for j in bent(given):
-        chi2 = profile(noise, h, states, fixed, known, given, j)
-        step, best = first_step(noise, given, j), given.values[j]
+        chi2 = profile(problem, states, given, j)
+        step, best = first_step(problem, given, j), given.values[j]
         tried = {best: chi2(best)}
         if wide and given.effect.form.bends:
             tried |= {best * share: chi2(best * share) for share in SHARES}
@@ -172,25 +149,18 @@ def refined(
             step /= AROUND
         values = list(given.values)
         values[j] = best
-        h = moved(h, fixed, given, values)
+        states = states.under(moved(states.h, problem.fixed, given, values))
         given = replace(given, values=tuple(values))
-    return h
+    return states
 
 
-def _moored(
-    noise: Noise,
-    h: Hypothesis,
-    states: FilteredStates,
-    fixed: Mapping[str, float],
-    known: DeclaredColumns,
-    given: Given,
-) -> Hypothesis:
+def _moored(problem: Problem, states: FilteredStates, given: Given) -> FilteredStates:
     """The hypothesis with a tether's anchor at the least chi-squared, by a search in eight directions."""
-    log = noise.predictor.log
+    log = problem.noise.predictor.log
     if log.place is None:
-        return h
+        return states
     north, east = given.effect.form.place
-    chi2 = profile(noise, h, states, fixed, known, given, north, east)
+    chi2 = profile(problem, states, given, north, east)
     here = (float(given.values[north]), float(given.values[east]))
     least = chi2(*here)
     step = ANCHOR_STEP * max(float(np.ptp(log.place[0])), float(np.ptp(log.place[1])), LEAST_EXTENT)
@@ -204,7 +174,7 @@ def _moored(
         step /= 2
     values = list(given.values)
     values[north], values[east] = here
-    return h.with_effect(replace(given, values=tuple(values)))
+    return states.under(states.h.with_effect(replace(given, values=tuple(values))))
 
 
 def rise(given: Given, j: int, sigmas: float, worse: float) -> float:
@@ -219,10 +189,10 @@ def rise(given: Given, j: int, sigmas: float, worse: float) -> float:
     return sigmas**2 * worse * (START_RISE if given.effect.parameters[j].draw == "time" else 1.0)
 
 
-def slack(noise: Noise, given: Given, j: int) -> float:
+def slack(problem: Problem, given: Given, j: int) -> float:
     """Distance by which the ends of an interval are moved apart: a start is not known within a few samples, nor within a filter's memory."""
     return (
-        max(START_SLACK, START_SLACK_STEPS * noise.predictor.log.h)
+        max(START_SLACK, START_SLACK_STEPS * problem.noise.predictor.log.h)
         if given.effect.parameters[j].draw == "time"
         else 0.0
     )

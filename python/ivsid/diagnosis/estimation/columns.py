@@ -30,3 +30,12 @@ class Columns:
         self.arrays.append(array)
         if prior is not None:
             self.prior[name] = prior
+
+    def joined(self, *others: Columns) -> Columns:
+        """These columns, then others."""
+        every = (self, *others)
+        return Columns(
+            [name for c in every for name in c.names],
+            [array for c in every for array in c.arrays],
+            {name: sigma for c in every for name, sigma in c.prior.items()},
+        )

@@ -61,7 +61,7 @@ def _sensors(s: Signatures, out: Columns) -> None:
             for j, wave in enumerate(predictor.slow):
                 out.add(
                     f"~bias.r.{j}",
-                    predictor.misread(s.h, s.states, {"r": wave * YAW_RATE_STEP}, mass=s.mass) / YAW_RATE_STEP,
+                    predictor.misread(s.states, {"r": wave * YAW_RATE_STEP}, mass=s.mass) / YAW_RATE_STEP,
                     size,
                 )
     if sensors.velocity is not None and sensors.velocity.scale_factor_error:

@@ -6,39 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ivsid.diagnosis.estimation.candidate_columns import candidate_columns
-from ivsid.diagnosis.estimation.columns import Columns
 from ivsid.diagnosis.estimation.declared_errors import nuisances
-from ivsid.diagnosis.estimation.gauss_newton import DeclaredColumns, declared_columns, small_gram
 from ivsid.diagnosis.estimation.kinds.candidate import Candidate
+from ivsid.diagnosis.estimation.noise import Noise
+from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.estimation.projection import Gram, Projection, gram
 from ivsid.diagnosis.estimation.signatures import Signatures
-from ivsid.diagnosis.estimation.whitening import Whitening
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates
-
-Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Noise:
-    """The noise of a log, as it was learnt.
-
-    Attributes:
-        predictor: the log with its filters.
-        whitening: of its prediction errors.
-        good: samples that count, shape (n,).
-        left_out: indices of the axes that are left out of the fit.
-    """
-
-    predictor: Predictor
-    whitening: Whitening
-    good: NDArray[np.bool_]
-    left_out: frozenset[int] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -47,8 +23,7 @@ class Fit:
 
     Attributes:
         noise: filters and whitening.
-        h: the hypothesis with its numbers.
-        states: its states.
+        states: of the hypothesis with its numbers.
         signatures: at the hypothesis, for further columns.
         gram: cross-products of everything below.
         base: columns that are fitted: free parameters, then declared errors.
@@ -59,7 +34,6 @@ class Fit:
     """
 
     noise: Noise
-    h: Hypothesis
     states: FilteredStates
     signatures: Signatures
     gram: Gram
@@ -69,79 +43,43 @@ class Fit:
     refused: Mapping[str, str]
     fixed: Mapping[str, float]
 
+    @property
+    def h(self) -> Hypothesis:
+        """The hypothesis with its numbers."""
+        return self.states.h
+
     @cached_property
     def projection(self) -> Projection:
         """Least squares on the base, over the whole log."""
         return Projection(self.gram, self.base)
 
-
-def _joined(*parts: Columns) -> Columns:
-    out = Columns()
-    for part in parts:
-        for name, array in zip(part.names, part.arrays, strict=True):
-            out.add(name, array, part.prior.get(name))
-    return out
+    @cached_property
+    def problem(self) -> Problem:
+        """The log as it is for other hypotheses, with the signatures of the declared errors at this one."""
+        return Problem.at(self.noise, self.fixed, self.states)
 
 
-def crossed(
-    noise: Noise, h: Hypothesis, states: FilteredStates, fixed: Mapping[str, float], known: DeclaredColumns
-) -> Gram:
-    """Cross-products of declared errors and fitted parameters, with the columns themselves."""
-    errors = noise.predictor.errors(h, states)
-    return small_gram(noise.predictor, h, states, fixed, known, errors, sums=False)
-
-
-def fitted_gram(noise: Noise, h: Hypothesis, states: FilteredStates, fixed: Mapping[str, float]) -> Gram:
-    """Cross-products of declared errors and fitted parameters, as sums over the log."""
-    known = declared_columns(noise.predictor, h, states, noise.whitening, noise.good)
-    errors = noise.predictor.errors(h, states)
-    return small_gram(noise.predictor, h, states, fixed, known, errors)
-
-
-def chi2_of(
-    noise: Noise, h: Hypothesis, states: FilteredStates, fixed: Mapping[str, float], known: DeclaredColumns
-) -> float:
-    """Chi-squared of the log under a hypothesis, with the declared errors fitted beside it."""
-    errors = noise.predictor.errors(h, states)
-    g = small_gram(noise.predictor, h, states, fixed, known, errors)
-    return Projection(g, range(len(g.names))).chi2
-
-
-def survey(
-    noise: Noise,
-    h: Hypothesis,
-    states: FilteredStates,
-    claimed: Mapping[str, float],
-    only: frozenset[str] | None = None,
-) -> Fit:
+def survey(noise: Noise, states: FilteredStates, fixed: Mapping[str, float], only: frozenset[str] | None = None) -> Fit:
     """All signatures at a fitted hypothesis, whitened and crossed.
 
     Args:
         noise: of the log.
-        h: the hypothesis.
-        states: its states.
-        claimed: values of parameters that are not fitted, by id.
+        states: of the hypothesis.
+        fixed: values of parameters that are not fitted, by id.
         only: ids of effects whose signatures are made; all by default.
     """
-    predictor = noise.predictor
-    signatures = Signatures(predictor, h, states)
-    fitted, stated = signatures.fitted(claimed), nuisances(signatures)
+    signatures = Signatures(noise.predictor, states)
+    fitted, stated = signatures.fitted(fixed), nuisances(signatures)
     extra, candidates, refused = candidate_columns(signatures, only)
-    every = _joined(fitted, stated, extra)
-    errors = predictor.errors(h, states)
-    g = gram(
-        every.names, every.arrays, errors, noise.whitening, noise.good, predictor.log.h, every.prior, h.declared_errors
-    )
-    count = len(fitted.names) + len(stated.names)
+    g = gram(fitted.joined(stated, extra), noise.predictor.errors(states), noise, states.h)
     return Fit(
         noise,
-        h,
         states,
         signatures,
         g,
-        tuple(range(count)),
+        tuple(range(len(fitted.names) + len(stated.names))),
         tuple(fitted.names),
         tuple(candidates),
         dict(refused),
-        dict(claimed),
+        dict(fixed),
     )

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ivsid.diagnosis.estimation.declared_errors import nuisances
-from ivsid.diagnosis.estimation.projection import Gram, Projection, gram
-from ivsid.diagnosis.estimation.signatures import Signatures, free_parameters
-from ivsid.diagnosis.estimation.whitening import Whitening
+from ivsid.diagnosis.estimation.problem import Problem
+from ivsid.diagnosis.estimation.projection import Gram, Projection
+from ivsid.diagnosis.estimation.signatures import free_parameters
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.usual_hull import hull_limits
 from ivsid.diagnosis.prediction.innovations import Predictor, replaced
 from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import Parameter
 
-Array = NDArray[np.float64]
 # Most steps of a fit.
 # Source: measured: make constants
 STEPS: Final = 3
@@ -46,88 +43,49 @@ LEAST_SIZE: Final = 0.2
 EXCLUDED: Final = 1e-6
 
 
-@dataclass(frozen=True)
-class DeclaredColumns:
-    """Whitened signatures of the declared errors; they hardly depend on the hypothesis, and are made once for many."""
-
-    gram: Gram
-
-    @property
-    def count(self) -> int:
-        """Their number; they stand first among the columns of a fit."""
-        return len(self.gram.names)
-
-
-def declared_columns(
-    predictor: Predictor, h: Hypothesis, states: FilteredStates, white: Whitening, good: NDArray[np.bool_]
-) -> DeclaredColumns:
-    """The signatures of the declared errors at a hypothesis, whitened."""
-    c = nuisances(Signatures(predictor, h, states))
-    none = np.zeros((len(predictor.labels), predictor.log.n))
-    return DeclaredColumns(
-        gram(c.names, c.arrays, none, white, good, predictor.log.h, c.prior, h.declared_errors).whole()
-    )
-
-
-def improve(
-    predictor: Predictor,
-    h: Hypothesis,
-    states: FilteredStates,
-    white: Whitening,
-    good: NDArray[np.bool_],
-    fixed: Mapping[str, float],
-    steps: int = STEPS,
-    known: DeclaredColumns | None = None,
-) -> tuple[Hypothesis, FilteredStates]:
+def improve(problem: Problem, states: FilteredStates, steps: int = STEPS) -> FilteredStates:
     """Gauss-Newton steps of all free parameters, with the declared errors beside them; a step that raises chi-squared is made shorter.
 
     Args:
-        predictor: of the log.
-        h: the hypothesis to start from.
-        states: its states.
-        white: the whitening.
-        good: samples that count, shape (n,).
-        fixed: parameters that are not fitted, by id.
+        problem: the log.
+        states: of the hypothesis to start from.
         steps: at most.
-        known: signatures of the declared errors under the same whitening, if they are made already.
 
     Returns:
-        The best hypothesis found, and its states.
+        The states of the best hypothesis found.
     """
-    known = known or declared_columns(predictor, h, states, white, good)
+    predictor = problem.noise.predictor
 
-    def cost(h: Hypothesis, errors: Array) -> tuple[float, Gram]:
-        g = _expected(known.gram.of(errors), h)
+    def cost(states: FilteredStates) -> tuple[float, Gram]:
+        errors = predictor.errors(states)
+        g = problem.bare(states.h, errors)
         # A step that goes much too far leaves states that run away.
         finite = bool(np.isfinite(errors).all())
-        return Projection(g, range(known.count)).chi2 if finite else float(np.inf), g
+        return Projection(g, range(problem.count)).chi2 if finite else float(np.inf), g
 
     # Chi-squared belongs to a hypothesis only at its own states.
-    states = predictor.settle(h, states, 2)
-    errors = predictor.errors(h, states)
-    here, base = cost(h, errors)
+    states = predictor.settle(states, 2)
+    here, base = cost(states)
     for _ in range(steps):
-        g = _beside(base, predictor, h, states, fixed)
-        for p in _movable(g, h):
+        for p in _movable(problem.beside(base, states), states.h):
             at = np.array(p.base)
-            moves = dict(zip((g.names[k] for k in at), (p.coefficients / g.unit[at]).tolist(), strict=True))
+            moves = dict(zip((p.g.names[k] for k in at), (p.coefficients / p.g.unit[at]).tolist(), strict=True))
             for share in SHORTER:
-                other = stepped(h, {k: share * m for k, m in moves.items()}, predictor)
-                there = predictor.settle(other, states, 2)
-                errors = predictor.errors(other, there)
-                now, there_base = cost(other, errors)
+                other = stepped(states.h, {k: share * m for k, m in moves.items()}, predictor)
+                there = predictor.settle(states.under(other), 2)
+                now, there_base = cost(there)
                 if now < here + WORSE:
                     break
             else:
                 continue
             break
         else:
-            return h, states
-        h, states, here, base = other, there, now, there_base
+            return states
+        states, here, base = there, now, there_base
         sigma = np.sqrt(np.diag(np.linalg.inv(p.normal)))
-        if (np.abs(p.coefficients) < CONVERGED * sigma)[known.count :].all():
+        if (np.abs(p.coefficients) < CONVERGED * sigma)[problem.count :].all():
             break
-    return h, states
+    return states
 
 
 def _movable(g: Gram, h: Hypothesis) -> Iterator[Projection]:
@@ -136,39 +94,6 @@ def _movable(g: Gram, h: Hypothesis) -> Iterator[Projection]:
     jumps = {name for given in h.given if given.effect.form.bends for name, _, _ in free_parameters(given)}
     if jumps:
         yield Projection(g, [k for k, name in enumerate(g.names) if name not in jumps])
-
-
-def small_gram(
-    predictor: Predictor,
-    h: Hypothesis,
-    states: FilteredStates,
-    fixed: Mapping[str, float],
-    known: DeclaredColumns,
-    errors: Array,
-    *,
-    sums: bool = True,
-) -> Gram:
-    """Cross-products of the declared errors, then of the fitted parameters."""
-    return _beside(_expected(known.gram.of(errors), h), predictor, h, states, fixed, sums=sums)
-
-
-def _beside(
-    g: Gram,
-    predictor: Predictor,
-    h: Hypothesis,
-    states: FilteredStates,
-    fixed: Mapping[str, float],
-    *,
-    sums: bool = True,
-) -> Gram:
-    """With the signatures of the fitted parameters."""
-    fitted = Signatures(predictor, h, states).fitted(fixed)
-    return g.extended(fitted.names, fitted.arrays, sums=sums) if fitted.names else g
-
-
-def _expected(g: Gram, h: Hypothesis) -> Gram:
-    """With the part of each declared error that the hypothesis holds."""
-    return replace(g, centre=np.array([h.declared_errors.get(n, 0.0) for n in g.names]) * g.unit)
 
 
 def within(value: float, p: Parameter) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -10,9 +11,17 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.estimation.first_values import first_values
-from ivsid.diagnosis.estimation.fit import Fit, Noise, survey
+from ivsid.diagnosis.estimation.fit import Fit, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
-from ivsid.diagnosis.estimation.noise import ambient_of, axes_left_out, declared_ambient, quick_enough, usable_rows
+from ivsid.diagnosis.estimation.noise import (
+    Noise,
+    ambient_of,
+    axes_left_out,
+    declared_ambient,
+    quick_enough,
+    usable_rows,
+)
+from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.whitening import plain_scale, whiten
 from ivsid.diagnosis.plant.physics import Hypothesis
@@ -34,13 +43,12 @@ Search: TypeAlias = "Callable[[Fit], Fit]"
 
 def learn(
     predictor: Predictor,
-    h: Hypothesis,
     states: FilteredStates,
     search: Search,
     fixed: Mapping[str, float],
     left_out: frozenset[int],
     rounds: int = 2,
-) -> tuple[Noise, Hypothesis, FilteredStates]:
+) -> tuple[Noise, FilteredStates]:
     """The noise of a log from the errors that the whole catalogue leaves, and the hypothesis fitted on the way.
 
     An effect that is taken for noise would hide itself. So every cause of the catalogue is taken out of the errors first, whether it is
@@ -48,15 +56,14 @@ def learn(
 
     Args:
         predictor: of the log, with first filters.
-        h: the hypothesis to start from.
-        states: its states.
+        states: of the hypothesis to start from.
         search: adds the columns of searched causes.
         fixed: values of parameters that are not fitted, by id.
         left_out: indices of the axes that are left out.
         rounds: of fitting and learning; the last one learns the whitening alone.
 
     Returns:
-        The noise, the fitted hypothesis and its states.
+        The noise, and the states of the fitted hypothesis.
 
     Raises:
         IvsidError: the log has too few samples that count.
@@ -68,16 +75,15 @@ def learn(
             "log with fewer missing samples"
         )
     for turn in range(rounds):
-        scale = plain_scale(predictor.errors(h, states), good, predictor, left_out)
-        h, states = improve(predictor, h, states, scale, good, fixed)
-        scale = plain_scale(predictor.errors(h, states), good, predictor, left_out)
-        fit = search(survey(Noise(predictor, scale, good, left_out), h, states, fixed))
-        left = remaining(fit)
+        noise = Noise(predictor, plain_scale(predictor.errors(states), good, predictor, left_out), good, left_out)
+        states = improve(Problem.at(noise, fixed, states), states)
+        noise = replace(noise, whitening=plain_scale(predictor.errors(states), good, predictor, left_out))
+        left = remaining(search(survey(noise, states, fixed)))
         if turn == rounds - 1:
-            return Noise(predictor, whiten(predictor, left, good, left_out), good, left_out), h, states
+            return replace(noise, whitening=whiten(predictor, left, good, left_out)), states
         predictor = predictor.adopt(ambient_of(predictor, left, good, left_out))
-        predictor = quick_enough(predictor, predictor.damping(h, states))
-        states = predictor.settle(h, states)
+        predictor = quick_enough(predictor, predictor.damping(states))
+        states = predictor.settle(states)
     raise AssertionError("rounds must be positive")
 
 
@@ -126,12 +132,11 @@ def _plain(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
     left_out = axes_left_out(predictor)
     usual = _usual(h, vehicle, left_out)
     h = replaced(h, usual)
-    predictor = quick_enough(predictor, predictor.damping(h, predictor.start(h)))
+    predictor = quick_enough(predictor, predictor.damping(predictor.start(h)))
     # The sway mass still acts in surge, through turning.
     fixed = {**claimed, **{i: x for i, x in usual.items() if i != MASS_SWAY.id}}
-    noise, h, states = learn(predictor, h, predictor.settle(h, predictor.start(h), 2), search, fixed, left_out)
-    h, states = improve(noise.predictor, h, states, noise.whitening, noise.good, fixed)
-    return survey(noise, h, states, fixed)
+    noise, states = learn(predictor, predictor.settle(predictor.start(h), 2), search, fixed, left_out)
+    return survey(noise, improve(Problem.at(noise, fixed, states), states), fixed)
 
 
 def _usual(h: Hypothesis, vehicle: Vehicle, left_out: frozenset[int]) -> dict[str, float]:

@@ -1,13 +1,15 @@
-"""The ambient force behind a log, the samples that count, and filters that forget quickly."""
+"""The noise of a log: the ambient force behind it, the samples that count, and filters that forget quickly."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
+from ivsid.diagnosis.estimation.whitening import Whitening
 from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.diagnosis.prediction.axes import Ambient
 from ivsid.diagnosis.prediction.innovations import Predictor
@@ -78,6 +80,23 @@ LOOSE: Final = 100.0
 # Least standard deviation of the yaw rate of a hull of 1 m that turns [rad/s]; longer hulls turn more slowly, after Froude.
 # Source: measured: make constants
 TURNING: Final = 0.015
+
+
+@dataclass(frozen=True)
+class Noise:
+    """The noise of a log, as it was learnt.
+
+    Attributes:
+        predictor: the log with its filters.
+        whitening: of its prediction errors.
+        good: samples that count, shape (n,).
+        left_out: indices of the axes that are left out of the fit.
+    """
+
+    predictor: Predictor
+    whitening: Whitening
+    good: NDArray[np.bool_]
+    left_out: frozenset[int] = frozenset()
 
 
 def declared_ambient(vehicle: Vehicle) -> Ambient:

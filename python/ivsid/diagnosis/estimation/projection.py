@@ -5,7 +5,7 @@ Fits, falls of chi-squared and their errors are small linear algebra from there.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
@@ -14,7 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
+from ivsid.diagnosis.estimation.columns import Columns
+from ivsid.diagnosis.estimation.noise import Noise
 from ivsid.diagnosis.estimation.whitening import Whitening
+from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.intervals.pieces import over_pieces, pieces, processors
 
 Array = NDArray[np.float64]
@@ -176,31 +179,19 @@ def _products(x: Array, y: Array) -> Array:
     return out
 
 
-def gram(
-    names: Sequence[str],
-    columns: Sequence[Array],
-    errors: Array,
-    white: Whitening,
-    good: NDArray[np.bool_],
-    h: float,
-    prior: Mapping[str, float],
-    centre: Mapping[str, float],
-) -> Gram:
+def gram(columns: Columns, errors: Array, noise: Noise, h: Hypothesis) -> Gram:
     """Cross-products of signatures and errors, whitened.
 
     Args:
-        names: of the columns.
-        columns: signatures, each of shape (rows, n).
+        columns: signatures, with the standard deviations of the coefficients that are known beforehand.
         errors: of the log, shape (rows, n).
-        white: the whitening of both.
-        good: samples that count, shape (n,).
-        h: step [s].
-        prior: standard deviation of the coefficients that are known beforehand, by name; infinite for the others.
-        centre: the part of each coefficient that the hypothesis holds already, by name.
+        noise: of the log.
+        h: the hypothesis, which holds a part of each declared error already.
     """
-    length = max(1, round(BLOCK / h))
+    names, prior, white, good = columns.names, columns.prior, noise.whitening, noise.good
+    length = max(1, round(BLOCK / noise.predictor.log.h))
     y = white.blocks([errors], good, length, unit=False)[0][0]
-    x, unit = white.blocks(columns, good, length) if names else (np.zeros((0, *y.shape)), np.zeros(0))
+    x, unit = white.blocks(columns.arrays, good, length) if names else (np.zeros((0, *y.shape)), np.zeros(0))
     rows = good[: len(y) * length].reshape(len(y), length).sum(axis=1) * errors.shape[0]
     precision = np.array([1 / (prior[n] * u) ** 2 if n in prior else 0.0 for n, u in zip(names, unit, strict=True)])
     return Gram(
@@ -212,7 +203,7 @@ def gram(
         np.einsum("bi,bi->b", y, y),
         rows.astype(float),
         precision,
-        np.array([centre.get(n, 0.0) for n in names]) * unit,
+        np.array([h.declared_errors.get(n, 0.0) for n in names]) * unit,
         unit,
         good,
         length,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.columns import Columns
-from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration
+from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration, term_column
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import (
@@ -47,12 +47,14 @@ class Signatures:
     """All signatures at one hypothesis and its states; each has shape (rows, n).
 
     Attributes:
-        mass: the mass matrix of the hypothesis.
+        h: the hypothesis.
+        mass: its mass matrix.
     """
 
-    def __init__(self, predictor: Predictor, h: Hypothesis, states: FilteredStates) -> None:
-        self.predictor, self.h, self.states = predictor, h, states
-        self.mass: Mass = predictor.mass(h, states)
+    def __init__(self, predictor: Predictor, states: FilteredStates) -> None:
+        self.predictor, self.states = predictor, states
+        self.h: Hypothesis = states.h
+        self.mass: Mass = predictor.mass(states)
 
     def fitted(self, claimed: Iterable[str]) -> Columns:
         """Signatures of the model's free parameters, and of the free parameters of the hypothesis's effects.
@@ -64,7 +66,7 @@ class Signatures:
         fixed = set(claimed) - self.h.freed
         for term in self.h.terms:
             if term.id not in fixed:
-                out.add(term.id, self.predictor.term(self.h, self.states, self.mass, term))
+                out.add(term.id, self.term(term))
         for g in self.h.given:
             for name, parameter, j in free_parameters(g):
                 out.add(name, self._slope(g, parameter, j))
@@ -77,7 +79,7 @@ class Signatures:
         values = list(g.values)
         values[j] += step
         other = self.h.with_effect(replace(g, values=tuple(values)))
-        return self.predictor.difference(self.h, self.states, other, self.mass) / step
+        return self.predictor.difference(self.states, other, self.mass) / step
 
     def reading(self, effect: Effect) -> list[Array]:
         """Slopes of the errors with the parameters of a sensor effect at none."""
@@ -90,7 +92,12 @@ class Signatures:
 
     def whole(self, given: Given) -> Array:
         """The errors that an effect with these numbers leaves."""
-        return self.predictor.difference(self.h, self.states, self.h.with_effect(given), self.mass)
+        return self.predictor.difference(self.states, self.h.with_effect(given), self.mass)
+
+    def term(self, term: Term) -> Array:
+        """The errors that one unit of a term's parameter leaves if the model lacks it."""
+        p = self.predictor
+        return p.answer(term_column(p.vehicle, self.h, self.mass, self.states.points, self.states.nudot, term))
 
     def fitting(self, term: Term) -> Term:
         """The term as it acts beside those of the hypothesis."""

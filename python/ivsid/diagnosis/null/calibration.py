@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 from scipy.stats import binom, norm
 
 from ivsid.diagnosis.data.channels import Channels
-from ivsid.diagnosis.estimation.fit import Fit, Noise, survey
+from ivsid.diagnosis.estimation.fit import Fit, survey
 from ivsid.diagnosis.estimation.learning import remaining
-from ivsid.diagnosis.estimation.noise import ambient_of, usable_rows
+from ivsid.diagnosis.estimation.noise import Noise, ambient_of, usable_rows
 from ivsid.diagnosis.estimation.whitening import Whitening, plain_scale, whiten
 from ivsid.diagnosis.null.closed_loop import Programme
 from ivsid.diagnosis.null.examination import Examination
@@ -209,10 +209,10 @@ def surveyed(trial: Trial, log: Channels, h: Hypothesis, whitening: Whitening | 
     p = trial.programme
     predictor = Predictor(p.vehicle, log, trial.filters)
     # Filtered states forget the noisy readings from which they start within some rounds.
-    states = predictor.settle(h, predictor.start(h), SETTLED)
+    states = predictor.settle(predictor.start(h), SETTLED)
     good = usable_rows(predictor)
-    white = whitening or plain_scale(predictor.errors(h, states), good, predictor, trial.left_out)
-    return survey(Noise(predictor, white, good, trial.left_out), h, states, trial.fixed, only)
+    white = whitening or plain_scale(predictor.errors(states), good, predictor, trial.left_out)
+    return survey(Noise(predictor, white, good, trial.left_out), states, trial.fixed, only)
 
 
 def trial_of(fit: Fit, library: frozenset[str], examination: Examination) -> Trial:

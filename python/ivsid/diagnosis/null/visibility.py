@@ -72,7 +72,7 @@ def excitation(fit: Fit, seed: int = 0) -> dict[str, float]:
         shift[k] = lfilter([np.sqrt(1 - pole**2)], [1, -pole], rng.standard_normal(n)) * here.spread
     points = fit.states.points.moved(np.concatenate([shift, shift], axis=1))
     other = replace(fit.states, points=points, nudot=acceleration(predictor.vehicle, fit.h, points))
-    signatures = Signatures(predictor, fit.h, other)
+    signatures = Signatures(predictor, other)
     names: list[str] = []
     arrays: list[Array] = []
     index = fit.gram.index

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.fit import Fit, Noise, survey
+from ivsid.diagnosis.estimation.fit import Fit, survey
 from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.estimation.noise import usable_rows
+from ivsid.diagnosis.estimation.noise import Noise, usable_rows
 from ivsid.diagnosis.estimation.projection import Gram
 from ivsid.diagnosis.estimation.whitening import Whitening
 from ivsid.diagnosis.prediction.axes import Ambient
@@ -70,8 +70,8 @@ def manoeuvre_fit(fit: Fit, log: Log, turning: Fit | None) -> Fit:
         raise IvsidError("the manoeuvre has other channels than the log")
     # Declared errors were fitted to the log, and are zero in the manoeuvre.
     h = replace(fit.h, declared_errors={})
-    states = predictor.settle(h, predictor.start(h), 2)
-    return survey(Noise(predictor, white, usable_rows(predictor), frozenset()), h, states, fixed)
+    states = predictor.settle(predictor.start(h), 2)
+    return survey(Noise(predictor, white, usable_rows(predictor), frozenset()), states, fixed)
 
 
 def _ambient(fit: Fit, turning: Fit) -> Ambient:

@@ -9,10 +9,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration, added_force, changed, term_column
+from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration, added_force, changed
 from ivsid.diagnosis.prediction.axes import Ambient
 from ivsid.diagnosis.prediction.states import FilteredStates, StateFilter, over_ground, specific_force, twice
-from ivsid.effects import Reading, Response, Term, Thrust, of_kind
+from ivsid.effects import Reading, Response, Thrust, of_kind
 
 Array = NDArray[np.float64]
 # Difference of a velocity from which damping is read, as a share of its standard deviation.
@@ -62,38 +62,34 @@ class Predictor(StateFilter):
             inputs |= {(k, "process"): -track[k - 3] for k in range(3, len(self.axes))}
         return self.filters.errors(inputs)
 
-    def term(self, h: Hypothesis, states: FilteredStates, mass: Mass, term: Term) -> Array:
-        """Prediction errors that one unit of a term's parameter leaves if the model lacks it, shape (rows, n)."""
-        return self.answer(term_column(self.vehicle, h, mass, states.points, states.nudot, term))
-
-    def damping(self, h: Hypothesis, states: FilteredStates) -> tuple[float, float, float]:
+    def damping(self, states: FilteredStates) -> tuple[float, float, float]:
         """Rate at which each of surge, sway and yaw by itself comes to rest, as a mean over the log [1/s]."""
         found = []
-        here = acceleration(self.vehicle, h, states.points)
+        here = acceleration(self.vehicle, states.h, states.points)
         for k in range(3):
             size = DAMPING_STEP * max(float(np.std(states.points.nu[k])), LEAST_SPREAD)
             shift = np.zeros((3, 1))
             shift[k] = size
-            rate = acceleration(self.vehicle, h, states.points.moved(shift)) - here
+            rate = acceleration(self.vehicle, states.h, states.points.moved(shift)) - here
             found.append(max(float(-np.mean(rate[k]) / size), 0.0))
         return found[0], found[1], found[2]
 
-    def mass(self, h: Hypothesis, states: FilteredStates) -> Mass:
+    def mass(self, states: FilteredStates) -> Mass:
         """The mass matrix at the times of the states."""
-        return Mass(self.vehicle, h.terms, changed(h, states.points.t))
+        return Mass(self.vehicle, states.h.terms, changed(states.h, states.points.t))
 
-    def difference(self, h: Hypothesis, states: FilteredStates, other: Hypothesis, mass: Mass | None = None) -> Array:
+    def difference(self, states: FilteredStates, other: Hypothesis, mass: Mass | None = None) -> Array:
         """Prediction errors that remain under one hypothesis if another is true, shape (rows, n).
 
         Args:
-            h: the hypothesis.
-            states: its states.
+            states: of the hypothesis.
             other: the true one.
-            mass: the mass matrix of ``h``, if it is known already.
+            mass: the mass matrix of the hypothesis, if it is known already.
         """
+        h = states.h
         moved = of_kind((*h.given, *other.given), Thrust, Response)
         points = states.points.under(*self.driving.force(other)) if moved else states.points
-        mass = mass or self.mass(h, states)
+        mass = mass or self.mass(states)
         added = added_force(self.vehicle, h, states.points, other, points)
         process = acceleration(self.vehicle, other, points) - states.nudot if added is None else mass.solve(added)
         if not of_kind((*h.given, *other.given), Reading):
@@ -102,11 +98,10 @@ class Predictor(StateFilter):
         reading = {k: wrong[k] - before[k] for k in wrong}
         if not any(np.any(x) for x in reading.values()):
             return self.answer(process)
-        return self.misread(h, states, reading, process, mass)
+        return self.misread(states, reading, process, mass)
 
     def misread(
         self,
-        h: Hypothesis,
         states: FilteredStates,
         reading: Mapping[str, Array],
         process: Array | float = 0.0,
@@ -115,8 +110,7 @@ class Predictor(StateFilter):
         """Prediction errors that wrong readings leave, in themselves and in the model's acceleration at them, shape (rows, n).
 
         Args:
-            h: the hypothesis.
-            states: its states.
+            states: of the hypothesis.
             reading: errors of the readings, shape (n,) each, by channel.
             process: acceleration of a cause beside them, shape (3, 2 n).
             mass: the mass matrix, if it is known already.
@@ -126,7 +120,7 @@ class Predictor(StateFilter):
         track = None
         if np.any(g):
             shifted = states.points.moved(g)
-            there = acceleration(self.vehicle, h, shifted, mass)
+            there = acceleration(self.vehicle, states.h, shifted, mass)
             believed = there - states.nudot
             process = process - believed
             specific = specific - (specific_force(shifted.nu, there) - specific_force(states.points.nu, states.nudot))

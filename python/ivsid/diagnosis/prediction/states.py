@@ -36,11 +36,13 @@ class FilteredStates:
     Each depends on the past alone: a state at a sample is predicted without its readings, a state in a step is filtered with them.
 
     Attributes:
+        h: the hypothesis under which they are filtered.
         points: the states.
         nudot: the model's accelerations there, shape (3, 2 n).
         ambient: rdot of the ambient moment that the past lets expect at each sample [rad/s^2], shape (n,); a sensor off the origin reads it.
     """
 
+    h: Hypothesis
     points: Points
     nudot: Array
     ambient: Array | float = 0.0
@@ -50,6 +52,10 @@ class FilteredStates:
         """Cosine and sine of the heading over the steps, shape (n,) each; every signature is made at one heading."""
         psi = self.points.psi[self.points.psi.size // 2 :]
         return np.cos(psi), np.sin(psi)
+
+    def under(self, h: Hypothesis) -> FilteredStates:
+        """The same states as a start for another hypothesis."""
+        return replace(self, h=h)
 
 
 class StateFilter:
@@ -104,16 +110,15 @@ class StateFilter:
         psi = np.zeros(log.n) if log.psi is None else log.psi
         return self._evaluated(h, nu, psi, None)
 
-    def settle(self, h: Hypothesis, states: FilteredStates, times: int = 1) -> FilteredStates:
+    def settle(self, states: FilteredStates, times: int = 1) -> FilteredStates:
         """The filtered states under a hypothesis.
 
         Args:
-            h: the hypothesis.
-            states: filtered under another hypothesis, or a start.
+            states: its start.
             times: passes of the filters; each evaluates the model at the states of the pass before.
         """
         for _ in range(times):
-            readings = self.readings(h, states)
+            readings = self.readings(states)
             errors = self._errors(readings, states)
             nu = np.empty((3, self.log.n))
             before = np.empty_like(nu)
@@ -130,7 +135,7 @@ class StateFilter:
                     psi = readings[k]["position"] - e[0] + here.kalman_gain[0] @ e
                 if k == 2:
                     ambient = here.ambient(e)
-            states = replace(self._evaluated(h, nu, psi, states.nudot, before), ambient=ambient)
+            states = replace(self._evaluated(states.h, nu, psi, states.nudot, before), ambient=ambient)
         return states
 
     def _evaluated(
@@ -159,11 +164,11 @@ class StateFilter:
             self.driving.steered,
             bollard,
         )
-        return FilteredStates(points, acceleration(self.vehicle, h, points))
+        return FilteredStates(h, points, acceleration(self.vehicle, h, points))
 
-    def readings(self, h: Hypothesis, states: FilteredStates) -> list[dict[str, Array]]:
+    def readings(self, states: FilteredStates) -> list[dict[str, Array]]:
         """The readings without the hypothesis's sensor effects and declared sensor errors, shape (n,) each, by axis and output."""
-        log = self.log
+        log, h = self.log, states.h
         wrong = self.sensed(h.given, states)
         scale = h.declared_errors.get("~scale.velocity", 0.0)
         nu = [
@@ -207,9 +212,9 @@ class StateFilter:
                 inputs[3 + k, "velocity"], inputs[3 + k, "process"] = x - x[0], over[k]
         return self.filters.errors(inputs)
 
-    def errors(self, h: Hypothesis, states: FilteredStates) -> Array:
-        """Prediction errors of a hypothesis at these states, shape (rows, n)."""
-        return self._errors(self.readings(h, states), states)
+    def errors(self, states: FilteredStates) -> Array:
+        """Prediction errors of a hypothesis at its states, shape (rows, n)."""
+        return self._errors(self.readings(states), states)
 
     def at_samples(self, x: Array) -> Array:
         """An accelerometer's view of a quantity at samples and over steps, shape (..., 2 n) to (..., n).

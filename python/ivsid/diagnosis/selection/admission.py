@@ -9,15 +9,14 @@ from typing import Final
 
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.candidates.profile import moved, refined, sought
-from ivsid.diagnosis.estimation.fit import Fit, Noise, chi2_of
-from ivsid.diagnosis.estimation.gauss_newton import DeclaredColumns, declared_columns, improve
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.learning import learn
-from ivsid.diagnosis.estimation.noise import quick_enough
+from ivsid.diagnosis.estimation.noise import Noise, quick_enough
+from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.family_wise import Screened, Threshold
 from ivsid.diagnosis.null.rule import Refusal
-from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.diagnosis.selection.parallel import side_by_side
 from ivsid.diagnosis.selection.rivals import (
@@ -64,7 +63,6 @@ def admit(
     fit: Fit,
     screened: Screened,
     passed: Sequence[Scored],
-    fixed: Mapping[str, float],
     test: Threshold,
     beside: Sequence[str] = (),
 ) -> Admission:
@@ -74,7 +72,6 @@ def admit(
         fit: of the model so far.
         screened: all causes.
         passed: causes that pass, the best first.
-        fixed: parameters that are not fitted.
         test: of the log.
         beside: causes that the model holds already.
     """
@@ -88,8 +85,7 @@ def admit(
     ranked = {s.id: FINALIST.refuses(Place(every[0].id, k + 1), beside) for k, s in enumerate(every)}
     waiting = {i: r for i, r in ranked.items() if r is not None}
     refused: dict[str, Refusal] = {}
-    known = declared_columns(fit.noise.predictor, fit.h, fit.states, fit.noise.whitening, fit.noise.good)
-    tried = side_by_side([partial(fitted, fit, s, fit.noise, fixed, known) for s in finalists])
+    tried = side_by_side([partial(fitted, fit.problem, fit, s) for s in finalists])
     rivals = [r for r in tried if r is not None and r.fall > 0]
     for s, r in zip(finalists, tried, strict=True):
         refusal = refused_by(NUMBERS, beside) if r is None else full_refused(test, s, min(r.fall, 0.0), beside)
@@ -98,18 +94,16 @@ def admit(
     if not rivals:
         return Admission(refused, waiting)
     best = max(rivals, key=lambda r: r.merit)
-    noise = _learnt(fit.noise.predictor, best.h, best.states, fixed, fit.noise.left_out)
     # All are fitted once more under the better noise.
-    known = declared_columns(noise.predictor, best.h, best.states, noise.whitening, noise.good)
-
+    problem = Problem.at(_learnt(fit, best.states), fit.fixed, best.states)
     asked = sorted(rivals, key=lambda r: -r.merit)
     asked = [r for r in asked if best.merit - r.merit <= max(FAR, FAR_SHARE * best.merit)]
-    starts = [(fit.h, fit.states, ""), *((r.h, r.states, r.id) for r in asked)]
-    (_, _, base), *done = side_by_side([partial(_exact, noise, fixed, known, *start) for start in starts])
+    starts = [(fit.states, ""), *((r.states, r.id) for r in asked)]
+    (_, base), *done = side_by_side([partial(_exact, problem, *start) for start in starts])
     again = []
-    for r, (h, states, chi2) in zip(asked, done, strict=True):
-        if possible(h, r.id, noise.predictor):
-            again.append(replace(r, h=h, states=states, chi2=chi2, fall=base - chi2))
+    for r, (states, chi2) in zip(asked, done, strict=True):
+        if possible(states.h, r.id, problem.noise.predictor):
+            again.append(replace(r, states=states, chi2=chi2, fall=base - chi2))
         else:
             refused[r.id] = refused_by(NUMBERS, beside)
     far = [r for r in rivals if r not in asked]
@@ -121,42 +115,36 @@ def admit(
     close, worse = compared(best, others, beside)
     first = screened.measured(next(s for s in scored if s.id == best.id))
     found = Found(best.id, close, {r.id: r.fall for r in others if r not in close}, best.fall, first.chance, first)
-    return Admission(worse | refused, waiting, found, best, noise)
+    return Admission(worse | refused, waiting, found, best, problem.noise)
 
 
-def _exact(
-    noise: Noise, fixed: Mapping[str, float], known: DeclaredColumns, h: Hypothesis, states: FilteredStates, id_: str
-) -> tuple[Hypothesis, FilteredStates, float]:
-    """A hypothesis fitted to the end, with its states and chi-squared; numbers of the effect ``id_`` that bend are searched again."""
-    h, states = improve(noise.predictor, h, states, noise.whitening, noise.good, fixed, FULL_STEPS, known)
+def _exact(problem: Problem, states: FilteredStates, id_: str) -> tuple[FilteredStates, float]:
+    """States of a hypothesis fitted to the end, with its chi-squared; numbers of the effect ``id_`` that bend are searched again."""
+    states = improve(problem, states, FULL_STEPS)
     # Gauss-Newton steps do not cross a jump of the errors, as where a delay is a sample long.
-    bends = [g for g in h.given if g.effect.id == id_ and sought(g)]
+    bends = [g for g in states.h.given if g.effect.id == id_ and sought(g)]
     for given in bends:
-        h = refined(noise, h, states, fixed, known, given, wide=False)
+        states = refined(problem, states, given, wide=False)
     if bends:
-        states = noise.predictor.settle(h, states, 2)
-        h, states = improve(noise.predictor, h, states, noise.whitening, noise.good, fixed, known=known)
-    chi2 = chi2_of(noise, h, states, fixed, known)
-    for given in [g for g in h.given if g.effect.id == id_ and g.effect.form.limits]:
+        states = improve(problem, problem.noise.predictor.settle(states, 2))
+    chi2 = problem.chi2(states)
+    for given in [g for g in states.h.given if g.effect.id == id_ and g.effect.form.limits]:
         for share in RESTARTS:
             # Fitted errors of the thrust keep a wrong scale of the parameters in place, so the fit restarts without them.
-            start = replace(moved(h, fixed, given, [share * given.values[0]]), declared_errors={})
-            there, there_states = improve(
-                noise.predictor, start, states, noise.whitening, noise.good, fixed, FULL_STEPS, known
-            )
-            if (better := chi2_of(noise, there, there_states, fixed, known)) < chi2:
-                h, states, chi2 = there, there_states, better
-    return h, states, chi2
+            start = moved(states.h, problem.fixed, given, [share * given.values[0]])
+            there = improve(problem, states.under(replace(start, declared_errors={})), FULL_STEPS)
+            if (better := problem.chi2(there)) < chi2:
+                states, chi2 = there, better
+    return states, chi2
 
 
-def _learnt(
-    predictor: Predictor, h: Hypothesis, states: FilteredStates, fixed: Mapping[str, float], left_out: frozenset[int]
-) -> Noise:
+def _learnt(fit: Fit, states: FilteredStates) -> Noise:
     """The noise beside a hypothesis, with filters that are quick enough for its damping: a cause may be most of the damping of an axis."""
+    predictor, left_out = fit.noise.predictor, fit.noise.left_out
     for _ in range(QUICKENED):
-        quicker = quick_enough(predictor, predictor.damping(h, states))
+        quicker = quick_enough(predictor, predictor.damping(states))
         if quicker is predictor:
             break
         predictor = quicker
-        _, h, states = learn(predictor, h, states, everything, fixed, left_out, rounds=1)
-    return learn(predictor, h, states, everything, fixed, left_out, rounds=1)[0]
+        _, states = learn(predictor, states, everything, fit.fixed, left_out, rounds=1)
+    return learn(predictor, states, everything, fit.fixed, left_out, rounds=1)[0]

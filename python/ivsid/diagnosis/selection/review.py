@@ -13,8 +13,9 @@ from typing import Final
 import numpy as np
 
 from ivsid.diagnosis.candidates.families import score
-from ivsid.diagnosis.estimation.fit import Noise, chi2_of, survey
-from ivsid.diagnosis.estimation.gauss_newton import declared_columns, improve
+from ivsid.diagnosis.estimation.fit import survey
+from ivsid.diagnosis.estimation.gauss_newton import improve
+from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.plant.physics import Hypothesis
@@ -35,62 +36,44 @@ class Reviewed:
     Attributes:
         changed: whether a cause was dropped or swapped.
         found: the causes with their rivals beside the others.
-        h: the hypothesis with them.
-        states: filtered under it.
+        states: of the hypothesis with them.
         refused: refusals of the causes that were dropped or compared, by id.
     """
 
     changed: bool
     found: list[Found]
-    h: Hypothesis
     states: FilteredStates
     refused: Mapping[str, Refusal]
 
 
-def reviewed(
-    noise: Noise,
-    h: Hypothesis,
-    states: FilteredStates,
-    found: list[Found],
-    asked: int,
-    passes: Threshold,
-    plain: Hypothesis,
-    fixed: Mapping[str, float],
-) -> Reviewed:
+def reviewed(problem: Problem, last: Reviewed, asked: int, passes: Threshold, plain: Hypothesis) -> Reviewed:
     """Review of the first ``asked`` causes, until one is dropped or swapped.
 
     Args:
-        noise: filters and whitening.
-        h: the hypothesis with all causes.
-        states: filtered under the hypothesis.
-        found: the causes.
+        problem: the log.
+        last: the causes, and the hypothesis with all of them.
         asked: number of the causes that are reviewed, from the first on.
         passes: the test.
         plain: the hypothesis without any cause.
-        fixed: parameters that are not fitted.
     """
-    known = declared_columns(noise.predictor, h, states, noise.whitening, noise.good)
-    now = chi2_of(noise, h, states, fixed, known)
-    found = list(found)
+    states, found = last.states, list(last.found)
+    now = problem.chi2(states)
     refused: dict[str, Refusal] = {}
     for i, one in enumerate(found[:asked]):
         try:
-            bare_h = h.without(one.id, plain)
-            bare_h, bare_states = improve(
-                noise.predictor, bare_h, states, noise.whitening, noise.good, fixed, known=known
-            )
-            bare, scored = score(survey(noise, bare_h, bare_states, fixed))
-            base = chi2_of(noise, bare_h, bare_states, fixed, known)
+            without = improve(problem, states.under(states.h.without(one.id, plain)))
+            bare, scored = score(survey(problem.noise, without, problem.fixed))
+            base = problem.chi2(without)
         except np.linalg.LinAlgError:
             continue
-        mine = Rival(one.id, h, states, now, one.first.count, base - now)
+        mine = Rival(one.id, states, now, one.first.count, base - now)
         others = tuple(f.id for f in found if f is not one)
         if (refusal := full_refused(passes, one.first, mine.fall, others)) is not None:
-            return Reviewed(True, [f for f in found if f is not one], bare_h, bare_states, refused | {one.id: refusal})
+            return Reviewed(True, [f for f in found if f is not one], without, refused | {one.id: refusal})
         near = contenders(scored, mine.merit)
         near = [s for s in near if s.id not in others and s.id != one.id and s.physical and passes.eligible(s)]
         near = near[: FINALISTS - 1]
-        tried = side_by_side([partial(fitted, bare, s, noise, fixed, known) for s in near])
+        tried = side_by_side([partial(fitted, problem, bare, s) for s in near])
         rivals = sorted(
             [mine, *(replace(r, fall=base - r.chi2) for r in tried if r is not None)], key=lambda r: -r.merit
         )
@@ -103,5 +86,5 @@ def reviewed(
             continue
         first = passes(bare, scored, others).measured(next(s for s in near if s.id == best.id))
         found[i] = Found(best.id, close, behind, best.fall, first.chance, first)
-        return Reviewed(True, found, best.h, best.states, refused)
-    return Reviewed(False, found, h, states, refused)
+        return Reviewed(True, found, best.states, refused)
+    return Reviewed(False, found, states, refused)

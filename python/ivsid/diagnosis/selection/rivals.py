@@ -15,9 +15,10 @@ import numpy as np
 
 from ivsid.diagnosis.candidates.families import adopted
 from ivsid.diagnosis.candidates.profile import refined, sought
-from ivsid.diagnosis.estimation.fit import Fit, Noise, chi2_of
-from ivsid.diagnosis.estimation.gauss_newton import DeclaredColumns, improve
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.kinds.candidate import PRICE, Scored
+from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.thrust_errors import bound_of
 from ivsid.diagnosis.prediction.innovations import Predictor
@@ -62,15 +63,13 @@ class Rival:
 
     Attributes:
         id: of the effect.
-        h: the hypothesis with it.
-        states: filtered under the hypothesis.
+        states: of the hypothesis with it.
         chi2: of the log under the hypothesis, priors included.
         count: number of its parameters.
         fall: fall of chi-squared against the hypothesis without either.
     """
 
     id: str
-    h: Hypothesis
     states: FilteredStates
     chi2: float
     count: int
@@ -114,38 +113,35 @@ def contenders(scored: Sequence[Scored], best: float) -> list[Scored]:
     return [s for s in scored if best - s.merit <= max(FAR, FAR_SHARE * best) and s.fall > WEAK]
 
 
-def fitted(fit: Fit, s: Scored, noise: Noise, fixed: Mapping[str, float], known: DeclaredColumns) -> Rival | None:
+def fitted(problem: Problem, fit: Fit, s: Scored) -> Rival | None:
     """A cause fitted in full by Gauss-Newton steps from the values of its score; None if the fit fails or its numbers are not possible.
 
     Args:
+        problem: the log.
         fit: of the model without the cause.
         s: the cause with its score.
-        noise: filters and whitening.
-        fixed: parameters that are not fitted.
-        known: signatures of the declared errors.
     """
-    base = fit.projection.chi2
-    h = adopted(fit.h, s, fit)
+    base, predictor = fit.projection.chi2, problem.noise.predictor
+    states = fit.states.under(adopted(fit.h, s, fit))
     try:
-        states = noise.predictor.settle(h, fit.states)
+        states = predictor.settle(states)
         for turn in range(2):
-            own = [g for g in h.given if g.effect.id == s.id and sought(g)]
+            own = [g for g in states.h.given if g.effect.id == s.id and sought(g)]
             for given in own:
-                h = refined(noise, h, states, fixed, known, given, wide=not turn)
-                states = noise.predictor.settle(h, states, 2)
+                states = predictor.settle(refined(problem, states, given, wide=not turn), 2)
             if turn and not own:
                 break
-            h, states = improve(noise.predictor, h, states, noise.whitening, noise.good, fixed, known=known)
-        chi2 = chi2_of(noise, h, states, fixed, known)
+            states = improve(problem, states)
+        chi2 = problem.chi2(states)
         if chi2 > base - SLOW * s.fall:
             # States that follow a hypothesis slowly hide the fall of chi-squared for some steps.
-            h, states = improve(noise.predictor, h, states, noise.whitening, noise.good, fixed, FULL_STEPS, known)
-            chi2 = chi2_of(noise, h, states, fixed, known)
+            states = improve(problem, states, FULL_STEPS)
+            chi2 = problem.chi2(states)
     except (np.linalg.LinAlgError, ValueError, FloatingPointError):
         return None
-    if not np.isfinite(chi2) or not possible(h, s.id, noise.predictor):
+    if not np.isfinite(chi2) or not possible(states.h, s.id, predictor):
         return None
-    return Rival(s.id, h, states, chi2, s.count, base - chi2)
+    return Rival(s.id, states, chi2, s.count, base - chi2)
 
 
 def possible(h: Hypothesis, id_: str, predictor: Predictor) -> bool:

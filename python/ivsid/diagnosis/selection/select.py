@@ -10,12 +10,13 @@ from dataclasses import dataclass, field, replace
 from typing import Final
 
 from ivsid.diagnosis.candidates.families import score
-from ivsid.diagnosis.estimation.fit import Fit, Noise, survey
+from ivsid.diagnosis.estimation.fit import Fit, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
+from ivsid.diagnosis.estimation.noise import Noise
+from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.family_wise import Screened, Threshold
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
-from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.admission import admit
 from ivsid.diagnosis.selection.review import Reviewed, reviewed
@@ -49,13 +50,12 @@ class Selection:
     refused: Mapping[str, Refusal] = field(default_factory=dict)
 
 
-def select(plain: Fit, passes: Threshold, fixed: Mapping[str, float], progress: Progress = lambda _: None) -> Selection:
+def select(plain: Fit, passes: Threshold, progress: Progress = lambda _: None) -> Selection:
     """Adds causes while one passes the test, and reviews the earlier ones after each.
 
     Args:
         plain: fit of the model without causes.
         passes: the test.
-        fixed: parameters that are not fitted.
         progress: told of each candidate.
     """
     fit, scored = score(plain)
@@ -76,7 +76,7 @@ def select(plain: Fit, passes: Threshold, fixed: Mapping[str, float], progress: 
         if not passed:
             break
         progress(f"{passed[0].id}?")
-        made = admit(fit, screened, passed, fixed, passes, ids)
+        made = admit(fit, screened, passed, passes, ids)
         refused = {**made.refused, **refused}
         waiting |= made.waiting
         if made.found is None or made.best is None or made.noise is None:
@@ -88,16 +88,16 @@ def select(plain: Fit, passes: Threshold, fixed: Mapping[str, float], progress: 
             again += 1
             if again > REVIEWS:
                 break
-            h, states = improve(noise.predictor, fit.h, fit.states, noise.whitening, noise.good, fixed, FULL_STEPS)
-            fit, scored = score(survey(noise, h, states, fixed))
+            states = improve(Problem.at(noise, plain.fixed, fit.states), fit.states, FULL_STEPS)
+            fit, scored = score(survey(noise, states, plain.fixed))
             continue
         found.append(one)
-        h, states = improve(noise.predictor, best.h, best.states, noise.whitening, noise.good, fixed)
-        review = _reviews(noise, Reviewed(True, found, h, states, {}), passes, plain.h, fixed, before)
-        found, h, states = review.found, review.h, review.states
+        states = improve(Problem.at(noise, plain.fixed, best.states), best.states)
+        review = _reviews(noise, Reviewed(True, found, states, {}), passes, plain, before)
+        found = review.found
         refused = {**review.refused, **refused}
         refused = {i: r for i, r in refused.items() if i not in {f.id for f in found}}
-        fit, scored = score(survey(noise, h, states, fixed))
+        fit, scored = score(survey(noise, review.states, plain.fixed))
         now = frozenset(f.id for f in found)
         if now in tops:
             last = passes(fit, scored, tuple(now))
@@ -108,28 +108,20 @@ def select(plain: Fit, passes: Threshold, fixed: Mapping[str, float], progress: 
     return Selection(plain, fit, tuple(found), every, tuple(scored), {**waiting, **refused})
 
 
-def _reviews(
-    noise: Noise,
-    last: Reviewed,
-    passes: Threshold,
-    plain: Hypothesis,
-    fixed: Mapping[str, float],
-    before: set[frozenset[str]],
-) -> Reviewed:
+def _reviews(noise: Noise, last: Reviewed, passes: Threshold, plain: Fit, before: set[frozenset[str]]) -> Reviewed:
     """Reviews of the earlier causes until none changes or a set of causes comes back.
 
     Args:
         noise: filters and whitening.
         last: the causes, the newest last.
         passes: the test.
-        plain: the hypothesis without any cause.
-        fixed: parameters that are not fitted.
+        plain: fit of the model without causes.
         before: sets of causes that were reviewed; those of this call join them.
     """
     refused: dict[str, Refusal] = {}
     for turn in range(REVIEWS if len(last.found) > 1 else 0):
         asked = len(last.found) if turn else len(last.found) - 1
-        last = reviewed(noise, last.h, last.states, last.found, asked, passes, plain, fixed)
+        last = reviewed(Problem.at(noise, plain.fixed, last.states), last, asked, passes, plain.h)
         refused = {**last.refused, **refused}
         now = frozenset(f.id for f in last.found)
         if not last.changed or now in before:

@@ -84,9 +84,7 @@ def claims(last: Fit, left: Sequence[Scored], findings: Sequence[Finding], *, un
         if id_ not in shown:
             out.append(replace(made, reason="nothing in this log shows it"))
             continue
-        beside, alone = (
-            intervals(fit, id_, fit.fixed, hidden, unknown=unknown)[id_] for fit in (_freed(last, [id_]), without)
-        )
+        beside, alone = (intervals(fit, id_, hidden, unknown=unknown)[id_] for fit in (_freed(last, [id_]), without))
         out.append(replace(made, z=_away(last, id_), beside=beside, alone=alone))
     return tuple(out)
 
@@ -117,4 +115,4 @@ def _freed(last: Fit, ids: Collection[str]) -> Fit:
     moved = replace(g, y=y, score=g.score - blocks @ step, energy=np.einsum("bi,bi->b", y, y))
     values = {g.names[k]: float(last.h.values[g.names[k]] + s / g.unit[k]) for k, s in zip(columns, step, strict=True)}
     h = replace(last.h, values={**last.h.values, **values}, freed=last.h.freed | set(values))
-    return replace(last, gram=moved, base=base, h=h)
+    return replace(last, gram=moved, base=base, states=last.states.under(h))

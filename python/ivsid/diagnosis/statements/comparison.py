@@ -92,11 +92,11 @@ def compare(predictor: Predictor, before: Hypothesis, after: Hypothesis, seed: i
     """
     # An adequate model is simulated once.
     both = (before,) if after is before else (before, after)
-    states_of = [predictor.settle(h, predictor.start(h), 2) for h in both]
-    force = np.stack([missing(predictor, h, a) for h, a in zip(both, states_of, strict=True)])[[0, -1]]
+    states_of = [predictor.settle(predictor.start(h), 2) for h in both]
+    force = np.stack([missing(predictor, a) for a in states_of])[[0, -1]]
     placed = predictor.log.place is not None and predictor.log.psi is not None
     lengths = (VELOCITY_WINDOW, POSITION_WINDOW) if placed else (VELOCITY_WINDOW,)
-    simulated = [windows(predictor, h, a, lengths) for h, a in zip(both, states_of, strict=True)]
+    simulated = [windows(predictor, a, lengths) for a in states_of]
     velocity = [simulated[0][0], simulated[-1][0]]
     rms, interval = {}, {}
     rng = np.random.default_rng(seed)
@@ -126,7 +126,7 @@ def compare(predictor: Predictor, before: Hypothesis, after: Hypothesis, seed: i
         predictor.log.nu,
         predictor.log.t,
         predictor.log.name,
-        _net(predictor, both, states_of),
+        _net(predictor, states_of),
     )
 
 
@@ -148,10 +148,10 @@ def _force_interval(force: Array, predictor: Predictor, rng: np.random.Generator
     return {n: _middle(*np.sqrt(drawn[:, k])) for k, n in enumerate(("X", "Y", "N"))}
 
 
-def _net(predictor: Predictor, both: Sequence[Hypothesis], states_of: Sequence[FilteredStates]) -> Array:
+def _net(predictor: Predictor, states_of: Sequence[FilteredStates]) -> Array:
     """Low-passed mass times acceleration: measured, of the first and of the last hypothesis, all with the masses of the last, shape (3, 3, n)."""
-    mass = np.linalg.inv(predictor.mass(both[-1], states_of[-1]).inverse).mean(axis=0)
-    found = [_accelerations(predictor, h, a) for h, a in zip(both, states_of, strict=True)]
+    mass = np.linalg.inv(predictor.mass(states_of[-1]).inverse).mean(axis=0)
+    found = [_accelerations(predictor, a) for a in states_of]
     measured = found[-1][0]
     rows = [measured, found[0][0] - found[0][1], measured - found[-1][1]]
     return np.stack([_low(predictor, mass @ x) for x in rows])
@@ -163,23 +163,23 @@ def _low(predictor: Predictor, x: Array) -> Array:
     return np.asarray(sosfiltfilt(sos, x, axis=1))
 
 
-def missing_force(predictor: Predictor, h: Hypothesis, states: FilteredStates) -> dict[str, float]:
+def missing_force(predictor: Predictor, states: FilteredStates) -> dict[str, float]:
     """Rms of the low-passed force that a hypothesis lacks, by channel [N, N m]."""
-    force = missing(predictor, h, states)[:, predictor.log.good]
+    force = missing(predictor, states)[:, predictor.log.good]
     return dict(zip(CHANNELS, np.sqrt(np.mean(force**2, axis=1)).tolist(), strict=True))
 
 
-def missing(predictor: Predictor, h: Hypothesis, states: FilteredStates) -> Array:
+def missing(predictor: Predictor, states: FilteredStates) -> Array:
     """Force that a hypothesis lacks, low-passed without a shift in time [N, N m], shape (3, n)."""
-    mass = np.linalg.inv(predictor.mass(h, states).inverse)
+    mass = np.linalg.inv(predictor.mass(states).inverse)
     # A step of mass changes the force by little, so the mean of the masses serves.
-    return _low(predictor, mass.mean(axis=0) @ _accelerations(predictor, h, states)[1])
+    return _low(predictor, mass.mean(axis=0) @ _accelerations(predictor, states)[1])
 
 
-def _accelerations(predictor: Predictor, h: Hypothesis, states: FilteredStates) -> tuple[Array, Array]:
+def _accelerations(predictor: Predictor, states: FilteredStates) -> tuple[Array, Array]:
     """Accelerations measured by the sensors of a hypothesis, and the part that the hypothesis does not explain, each of shape (3, n)."""
     n, log = predictor.log.n, predictor.log
-    readings = predictor.readings(h, states)
+    readings = predictor.readings(states)
     measured = np.stack([np.gradient(readings[k]["velocity"], log.h) for k in range(3)])
     mean = 0.5 * (states.nudot[:, n:] + np.concatenate([states.nudot[:, n : n + 1], states.nudot[:, n:-1]], 1))
     return measured, measured - mean

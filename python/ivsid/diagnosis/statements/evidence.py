@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.gauss_newton import improve
+from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.diagnosis.selection.rivals import FULL_STEPS
@@ -61,7 +62,7 @@ def evidence(result: Diagnosis) -> tuple[Evidence, ...]:
     """Evidence of each finding that TRAIN shows, in the order of the findings."""
     last = result.selection.last
     predictor = last.noise.predictor
-    after = missing(predictor, last.h, last.states)
+    after = missing(predictor, last.states)
     found = []
     for f in result.findings:
         if f.effect == "unknown":
@@ -76,16 +77,16 @@ def evidence(result: Diagnosis) -> tuple[Evidence, ...]:
 def _without(id_: str, result: Diagnosis) -> Array | None:
     """Force that is missing without a finding, with the rest fitted again, shape (3, n); None if the fit fails."""
     last, plain = result.selection.last, result.selection.plain
-    noise = last.noise
     h = last.h.without(id_, plain.h)
     # The fit starts from the plain model's numbers: those beside the finding may be far from the best ones without it.
     own = {t.id for t in h.terms}
     h = replace(h, values={**h.values, **{k: v for k, v in plain.h.values.items() if k in own}})
+    start = plain.states.under(h)
     try:
-        h, states = improve(noise.predictor, h, plain.states, noise.whitening, noise.good, last.fixed, FULL_STEPS)
+        states = improve(Problem.at(last.noise, last.fixed, start), start, FULL_STEPS)
     except np.linalg.LinAlgError:
         return None
-    return missing(noise.predictor, h, states)
+    return missing(last.noise.predictor, states)
 
 
 def _of(f: Finding, last: Fit, predictor: Predictor, before: Array, after: Array) -> Evidence:

@@ -149,7 +149,7 @@ def finding(
         confidence,
         alternatives,
         effect.separate if alternatives else "",
-        intervals(last, found.id, last.fixed, left, unknown=not rest.quiet),
+        intervals(last, found.id, left, unknown=not rest.quiet),
         {
             "channel": channel,
             **evidence.get(channel, {}),

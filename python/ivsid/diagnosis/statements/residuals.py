@@ -65,7 +65,7 @@ def before_and_after(vehicle: Vehicle, log: Log, plain: Fit, last: Fit) -> dict[
         plain: fit of the plain model to it.
         last: fit of the extended model to it.
     """
-    rms = [missing_force(f.noise.predictor, f.h, f.states) for f in (plain, last)]
+    rms = [missing_force(f.noise.predictor, f.states) for f in (plain, last)]
     rows = [falsified(vehicle, log, f.h) for f in (plain, last)]
     return {
         c: {

@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.channels import Channels
-from ivsid.diagnosis.estimation.fit import Fit, Noise, fitted_gram, survey
+from ivsid.diagnosis.estimation.fit import Fit, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
-from ivsid.diagnosis.estimation.noise import usable_rows
+from ivsid.diagnosis.estimation.noise import Noise, usable_rows
+from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.plant.driving import Driving
 from ivsid.diagnosis.prediction.innovations import Predictor
@@ -116,10 +117,10 @@ def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
     # Biases belong to one log, so they are fitted again from zero.
     first = replace(last.h, declared_errors={k: e for k, e in last.h.declared_errors.items() if k.startswith(SHARED)})
     try:
-        states = predictor.settle(first, predictor.start(first), 2)
-        h, states = improve(predictor, first, states, noise.whitening, noise.good, fixed)
-        g = fitted_gram(noise, h, states, fixed)
-        before, after = ({i: q.values[i] for i in wanted} for q in (last.h, h))
+        states = predictor.settle(predictor.start(first), 2)
+        states = improve(Problem.at(noise, fixed, states), states)
+        g = Problem.at(noise, fixed, states).gram(states)
+        before, after = ({i: q.values[i] for i in wanted} for q in (last.h, states.h))
         if min(*before.values(), *after.values()) <= 0:
             return None
         logs = np.array([np.log(after[i] / before[i]) for i in wanted])
@@ -127,7 +128,7 @@ def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
         factor = None
         if factor_of(found)[0].counts:
             # A curve may bend or jump between its knots: what is left has to stand beside any curve, the same in both logs.
-            there = survey(noise, h, states, fixed)
+            there = survey(noise, states, fixed)
             over = [np.r_[p, q] for p, q in zip(train.propulsion.demands, predictor.propulsion.demands, strict=True)]
             one, other = AnyCurve(last, over), AnyCurve(there, over)
             found = changes(

@@ -18,6 +18,7 @@ from scipy.stats import t as student
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.gauss_newton import improve
+from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.statements.windows import drift
@@ -112,8 +113,8 @@ def _without(plain: Fit, last: Fit, id_: str) -> Hypothesis:
     bare = last.h.without(id_, plain.h)
     if {t.id for t in bare.terms} == {t.id for t in plain.h.terms} and not bare.given and bare.freed == plain.h.freed:
         return plain.h
-    noise = last.noise
-    return improve(noise.predictor, bare, last.states, noise.whitening, noise.good, last.fixed)[0]
+    start = last.states.under(bare)
+    return improve(Problem.at(last.noise, last.fixed, start), start).h
 
 
 def _middle(off: Array) -> float:
@@ -125,8 +126,8 @@ def _off(predictor: Predictor, h: Hypothesis) -> Array:
     """Median distance after free runs on a log, by part of ``TOGETHER`` [m]; the last part that is not full is left out."""
     # Errors of TRAIN's sensors and thrusters are no part of the model.
     bare = replace(h, declared_errors={})
-    states = predictor.settle(bare, predictor.start(bare), 2)
-    off = drift(predictor, bare, states, AFTER, APART)
+    states = predictor.settle(predictor.start(bare), 2)
+    off = drift(predictor, states, AFTER, APART)
     runs = round(TOGETHER / APART)
     parts = off[: off.size // runs * runs].reshape(-1, runs)
     return np.asarray(np.maximum(np.median(parts, axis=1), LEAST))

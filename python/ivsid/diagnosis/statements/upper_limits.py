@@ -25,7 +25,7 @@ def allowed(last: Fit, left: Sequence[Scored], unnamed: Sequence[str] = ()) -> d
     """
     found: dict[str, Bound] = {}
     for id_ in unnamed:
-        found |= intervals(last, id_, last.fixed)
+        found |= intervals(last, id_)
     for s in left:
         if not s.candidate.limited or not _seen(last, s):
             continue

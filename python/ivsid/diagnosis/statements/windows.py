@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration
+from ivsid.diagnosis.plant.physics import Mass, acceleration
 from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates
@@ -29,15 +29,12 @@ RUNAWAY: Final = 1e3
 LONGEST_STEP: Final = 0.2
 
 
-def windows(
-    predictor: Predictor, h: Hypothesis, states: FilteredStates, lengths: Sequence[float]
-) -> list[tuple[Array, Array, Array]]:
+def windows(predictor: Predictor, states: FilteredStates, lengths: Sequence[float]) -> list[tuple[Array, Array, Array]]:
     """Simulations over windows of several lengths, from the filtered states and without feedback from the log.
 
     Args:
         predictor: of the log.
-        h: the hypothesis.
-        states: filtered under the hypothesis.
+        states: of the hypothesis.
         lengths: of the windows [s].
 
     Returns:
@@ -51,19 +48,18 @@ def windows(
         some[[bool(log.good[s : s + count + 1].all()) for s in some]]
         for some, count in zip(starts, counts, strict=True)
     ]
-    out = _simulated(predictor, h, states, starts, counts)
-    readings = predictor.readings(h, states)
+    out = _simulated(predictor, states, starts, counts)
+    readings = predictor.readings(states)
     real = np.stack([readings[k]["velocity"] for k in range(3)])
     return [_against(predictor, real, *w) for w in zip(out, starts, counts, strict=True)]
 
 
-def drift(predictor: Predictor, h: Hypothesis, states: FilteredStates, length: float, apart: float) -> Array:
+def drift(predictor: Predictor, states: FilteredStates, length: float, apart: float) -> Array:
     """Distance at the end of free runs [m], shape (runs,).
 
     Args:
         predictor: of a log with a position.
-        h: the hypothesis.
-        states: filtered under the hypothesis, from which the runs start.
+        states: of the hypothesis, from which the runs start.
         length: of a run [s].
         apart: time between two starts [s].
     """
@@ -76,14 +72,13 @@ def drift(predictor: Predictor, h: Hypothesis, states: FilteredStates, length: f
         return np.zeros(0)
     stride = max(1, int(LONGEST_STEP / log.h + 1e-9))
     count -= count % stride
-    (out,) = _simulated(predictor, h, states, [starts], [count], stride)
+    (out,) = _simulated(predictor, states, [starts], [count], stride)
     off = (out[-1, 4:] - out[0, 4:]) - (log.place[:, starts + count] - log.place[:, starts])
     return np.asarray(np.hypot(*np.clip(np.nan_to_num(off, nan=RUNAWAY), -RUNAWAY, RUNAWAY)))
 
 
 def _simulated(
     predictor: Predictor,
-    h: Hypothesis,
     states: FilteredStates,
     starts: Sequence[NDArray[np.int64]],
     counts: Sequence[int],
@@ -94,8 +89,8 @@ def _simulated(
     Steps of several samples take the mean thrust over the step.
     """
     log, n = predictor.log, predictor.log.n
+    h, points = states.h, states.points
     thrusts, bollard = (x[:, n:] for x in predictor.driving.force(h))
-    points = states.points
     place = np.zeros((2, n)) if log.place is None else log.place
     step = stride * log.h
     if stride > 1:

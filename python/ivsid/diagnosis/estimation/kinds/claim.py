@@ -22,7 +22,7 @@ class ClaimCandidate(Candidate):
     def made(cls, s: Signatures, effect: Effect, out: Columns) -> Sequence[Self]:
         """The candidate of a term whose parameter is claimed."""
         term = next(t for t in s.h.terms if t.id == effect.id)
-        out.add(term.id, s.predictor.term(s.h, s.states, s.mass, term))
+        out.add(term.id, s.term(term))
         return [cls(effect, ((term.id,),))]
 
     @classmethod

@@ -28,7 +28,7 @@ class LinearCandidate(Candidate):
         """The candidate of an effect; terms have exact columns, other physics slopes at none."""
         if effect.terms:
             for term in effect.terms:
-                out.add(term.id, s.predictor.term(s.h, s.states, s.mass, s.fitting(term)))
+                out.add(term.id, s.term(s.fitting(term)))
             return [cls(effect, (tuple(t.id for t in effect.terms),))]
         none = [p.none for p in effect.parameters]
         for j, (name, parameter) in enumerate(zip(effect.parts, effect.parameters, strict=True)):
@@ -57,7 +57,7 @@ class LinearCandidate(Candidate):
             return list(zip(self.variants[0], s.reading(self.effect), strict=True))
         if "psi" in self.effect.needs:
             return []
-        return [(t.id, s.predictor.term(s.h, s.states, s.mass, s.fitting(t))) for t in self.effect.terms]
+        return [(t.id, s.term(s.fitting(t))) for t in self.effect.terms]
 
     def adopted(self, h: Hypothesis, values: Sequence[float], s: Signatures) -> Hypothesis:
         """The hypothesis with the effect in it, or with its terms in the model."""

@@ -88,8 +88,7 @@ def intervals(fit: Fit, id_: str, left: Sequence[Scored] = (), *, unknown: bool 
             its score.
     """
     p, g = fit.projection, fit.gram
-    covariance: Array = np.asarray(np.linalg.inv(p.normal), dtype=np.float64)
-    robust = scatter(p, covariance)
+    variance, robust = np.diag(p.covariance), scatter(p)
     out: dict[str, Bound] = {}
     worse = 1.0
     moved = _moved(fit, left)
@@ -99,12 +98,12 @@ def intervals(fit: Fit, id_: str, left: Sequence[Scored] = (), *, unknown: bool 
         name = g.names[k]
         if name != id_ and not name.startswith(f"{id_}."):
             continue
-        sigma = float(np.sqrt(max(covariance[i, i], robust[i]))) / float(g.unit[k])
+        sigma = float(np.sqrt(max(variance[i], robust[i]))) / float(g.unit[k])
         value, parameter = _number(fit, name)
         # The last step of the fit is not taken, so that the interval has to hold it.
         rest = abs(float(p.coefficients[i])) / float(g.unit[k])
         reach = SIGMAS * sigma + rest
-        worse = max(worse, robust[i] / covariance[i, i])
+        worse = max(worse, robust[i] / variance[i])
         unit = float(g.unit[k])
         within = (value - reach + moved[0, i] / unit, value + reach + moved[1, i] / unit)
         lower, upper = value - reach + hidden[0, i] / unit, value + reach + hidden[1, i] / unit
@@ -163,9 +162,7 @@ def _moved(fit: Fit, left: Sequence[Scored]) -> Array:
 def _hidden(fit: Fit, left: Sequence[Scored]) -> Array:
     """Largest shifts down and up of the coefficients by causes that were not found, shape (2, base)."""
     p = fit.projection
-    base = list(p.base)
-    inner = p.normal
-    span = np.zeros((2, len(base)))
+    span = np.zeros((2, len(p.base)))
     for s in left:
         if len(s.columns) != 1 or s.candidate.starts:
             continue
@@ -179,19 +176,18 @@ def _hidden(fit: Fit, left: Sequence[Scored]) -> Array:
         ends = np.array([theta[0] - spread, theta[0] + spread])
         if not s.candidate.effect.parameters[0].signed:
             ends = np.maximum(ends, 0.0)
-        shift = -np.outer(np.linalg.solve(inner, p.total[base, k]), ends)
+        shift = -np.outer(p.g.regression([k], p.base), ends)
         span[0], span[1] = np.minimum(span[0], shift.min(axis=1)), np.maximum(span[1], shift.max(axis=1))
     return span
 
 
-def scatter(p: Projection, covariance: Array) -> Array:
+def scatter(p: Projection) -> Array:
     """Variances of the coefficients by the scatter of the scores of half-minutes, shape (base,).
 
     Source: the sandwich estimator (White 1982), with sums over half-minutes as its independent terms.
 
     Args:
         p: least squares on the base.
-        covariance: inverse of its normal matrix, shape (base, base).
     """
     g = p.g
     score = g.score[:, p.base] - g.blocks[:, p.base][:, :, p.base] @ p.coefficients
@@ -199,7 +195,7 @@ def scatter(p: Projection, covariance: Array) -> Array:
     side = score[:blocks].reshape(-1, TOGETHER, score.shape[1]).sum(axis=1)
     n = side.shape[0]
     middle = side.T @ side * n / max(n - 1, 1)
-    return np.asarray(np.diag(covariance @ middle @ covariance))
+    return np.asarray(np.diag(p.covariance @ middle @ p.covariance))
 
 
 def _number(fit: Fit, name: str) -> tuple[float, Parameter]:

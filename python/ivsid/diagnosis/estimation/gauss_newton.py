@@ -82,7 +82,7 @@ def improve(problem: Problem, states: FilteredStates, steps: int = STEPS) -> Fil
         else:
             return states
         states, here, base = there, now, there_base
-        sigma = np.sqrt(np.diag(np.linalg.inv(p.normal)))
+        sigma = np.sqrt(np.diag(p.covariance))
         if (np.abs(p.coefficients) < CONVERGED * sigma)[problem.count :].all():
             break
     return states

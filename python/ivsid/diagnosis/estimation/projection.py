@@ -74,6 +74,19 @@ class Gram:
         """Column by name."""
         return {n: k for k, n in enumerate(self.names)}
 
+    @cached_property
+    def total(self) -> Array:
+        """Cross-products over the whole log, shape (columns, columns)."""
+        return np.asarray(self.blocks.sum(axis=0))
+
+    def normal(self, base: Sequence[int]) -> Array:
+        """The normal matrix of a base, priors included, shape (base, base)."""
+        return np.asarray(self.total[np.ix_(base, base)] + np.diag(self.prior[base] + RIDGE))
+
+    def regression(self, columns: Sequence[int], base: Sequence[int]) -> Array:
+        """Coefficients of columns in a base by least squares, shape (base, columns)."""
+        return np.asarray(np.linalg.solve(self.normal(base), self.total[np.ix_(base, columns)]), dtype=np.float64)
+
     def at(self, names: Sequence[str]) -> list[int]:
         """Indices of names."""
         index = self.index
@@ -217,17 +230,18 @@ class Projection:
     Attributes:
         g: the cross-products.
         base: indices of the columns that are fitted.
+        total: cross-products over the whole log, shape (columns, columns).
+        normal: the normal matrix of the base, priors included, shape (base, base).
         coefficients: of the base, in unit lengths of the columns, shape (base,).
         chi2: that the fit leaves, deviations of declared errors from their priors included.
         left_score: every column times the errors that the fit leaves, shape (columns,).
     """
 
-    def __init__(self, g: Gram, base: Sequence[int], blocks: NDArray[np.bool_] | None = None) -> None:
+    def __init__(self, g: Gram, base: Sequence[int]) -> None:
         self.g, self.base = g, list(base)
-        use = slice(None) if blocks is None else blocks
-        self.total = g.blocks[use].sum(axis=0)
-        self.score = g.score[use].sum(axis=0) - g.prior * g.centre
-        self.energy = float(g.energy[use].sum()) + float(g.prior @ g.centre**2)
+        self.total, self.normal = g.total, g.normal(self.base)
+        self.score = g.score.sum(axis=0) - g.prior * g.centre
+        self.energy = float(g.energy.sum()) + float(g.prior @ g.centre**2)
         self._factor = cho_factor(self.normal)
         self.coefficients: Array = cho_solve(self._factor, self.score[self.base])
         # Cross-products of the residualised columns follow from this.
@@ -236,9 +250,9 @@ class Projection:
         self.chi2 = self.energy - float(self.score[self.base] @ self.coefficients)
 
     @cached_property
-    def normal(self) -> Array:
-        """The normal matrix of the base, priors included, shape (base, base)."""
-        return np.asarray(self.total[np.ix_(self.base, self.base)] + np.diag(self.g.prior[self.base] + RIDGE))
+    def covariance(self) -> Array:
+        """Covariance of the coefficients of the base by the noise model, shape (base, base)."""
+        return np.asarray(np.linalg.inv(self.normal), dtype=np.float64)
 
     def left(self, i: Sequence[int], j: Sequence[int]) -> Array:
         """Cross-products of the residualised columns."""

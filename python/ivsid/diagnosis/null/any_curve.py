@@ -25,7 +25,7 @@ from scipy.optimize import lsq_linear
 from ivsid.diagnosis.estimation.declared_errors import SCALE, through_water, thrust_answers
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
-from ivsid.diagnosis.estimation.projection import RIDGE, Gram, Projection
+from ivsid.diagnosis.estimation.projection import Gram, Projection
 from ivsid.diagnosis.plant.thrust_errors import BOUNDED, bound_of
 
 Array = NDArray[np.float64]
@@ -136,13 +136,13 @@ class Boxed:
             if len(e.spreads)
         }
         own = [[k for k in p.base if g.names[k].startswith(words)] for words in curves]
-        self.g, self.total = g, p.total
+        self.g = g
         self.at = [k for group in own for k in group]
         self.others = [k for k in p.base if k not in self.at]
         # Errors of the log without the part that the hypothesis holds of these: the box is that of the whole errors.
         self.score = (
             p.score
-            + p.total[:, self.at] @ g.centre[self.at]
+            + g.total[:, self.at] @ g.centre[self.at]
             + np.where(np.isin(np.arange(len(g.names)), self.at), g.prior * g.centre, 0.0)
         )
         # From sizes of the functions in unit lengths to the values at the knots.
@@ -157,10 +157,9 @@ class Boxed:
 
     def _leaving(self) -> tuple[float, int]:
         """Fall of chi-squared from errors inside the box to free ones, and the number of knots."""
-        at, others = self.at, self.others
-        N = self.total[np.ix_(others, others)] + np.diag(self.g.prior[others] + RIDGE)
-        cross = np.linalg.solve(N, self.total[np.ix_(others, at)])
-        S = self.total[np.ix_(at, at)] - self.total[np.ix_(at, others)] @ cross
+        at, others, total = self.at, self.others, self.g.total
+        cross = self.g.regression(at, others)
+        S = total[np.ix_(at, at)] - total[np.ix_(at, others)] @ cross
         r = self.score[at] - cross.T @ self.score[others]
         values, vectors = np.linalg.eigh(self.turn.T @ S @ self.turn)
         kept = values > DETERMINED * max(float(values.max()), 1e-300)

@@ -18,6 +18,7 @@ from scipy.ndimage import uniform_filter1d
 
 from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.data.sensor_noise import NORMAL_MEDIAN
+from ivsid.diagnosis.estimation.projection import RIDGE
 from ivsid.diagnosis.prediction.states import FilteredStates
 
 Array = NDArray[np.float64]
@@ -57,9 +58,6 @@ READ: Final = 0.5
 # A residual beyond this multiple of the median size is a jump, and says nothing of the noise in the demands.
 # Source: definition: four standard deviations of normal errors
 FAR: Final = 6.0
-# Ridge of the weighted regression, as a share of the sum of the weights: states have a mean square of 1.
-# Source: geometry: above the rounding of doubles, and far below the share of a state that is independent of the others
-RIDGE: Final = 1e-9
 
 
 @dataclass(frozen=True)
@@ -141,6 +139,7 @@ def _robust(x: Array, y: Array) -> tuple[Array, float]:
     weight = np.ones(y.size)
     c = np.zeros(len(a))
     for _ in range(ROUNDS):
+        # States have a mean square of 1, so that the sum of the weights is their squared length.
         normal = (a * weight) @ a.T + RIDGE * np.eye(len(a)) * weight.sum()
         c = np.linalg.solve(normal, (a * weight) @ y)
         left = y - c @ a

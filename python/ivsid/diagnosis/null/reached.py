@@ -17,7 +17,7 @@ from scipy.optimize import lsq_linear
 from scipy.stats import chi2
 
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
-from ivsid.diagnosis.estimation.projection import RIDGE, Gram
+from ivsid.diagnosis.estimation.projection import Gram
 from ivsid.diagnosis.null.any_curve import DETERMINED, LEAST, AnyCurve
 
 Array = NDArray[np.float64]
@@ -41,12 +41,11 @@ class Reached:
 
     def _distance(self, g: Gram, data: Sequence[int], others: Sequence[int]) -> tuple[float, int]:
         """Least squared distance, over the curves, of the scores of some columns beside others, and its degrees of freedom."""
-        total, score = g.blocks.sum(axis=0), g.score.sum(axis=0)
+        total, score = g.total, g.score.sum(axis=0)
         known = np.isin(np.arange(len(g.names)), self.at)
         # Errors of the log without the part that the hypothesis holds: the bounds are those of the whole errors.
         score = score + total[:, self.at] @ g.centre[self.at] - np.where(known, 0.0, g.prior * g.centre)
-        N = total[np.ix_(others, others)] + np.diag(g.prior[others] + RIDGE)
-        cross = np.linalg.solve(N, total[np.ix_(others, [*data, *self.cells])])
+        cross = g.regression([*data, *self.cells], others)
         left = total[np.ix_(data, [*data, *self.cells])] - total[np.ix_(data, others)] @ cross
         S, C = left[:, : len(data)], left[:, len(data) :] * g.unit[self.cells]
         r = score[list(data)] - cross[:, : len(data)].T @ score[list(others)]

@@ -36,7 +36,7 @@ def second_opinion(fit: Fit, s: Scored) -> float:
     g = fit.gram
     at = list(s.columns)
     keep = np.arange(len(g.blocks)) >= s.first_block(g, fit.noise.predictor.log)
-    solved = np.linalg.solve(p.normal, p.total[np.ix_(p.base, at)])
+    solved = g.regression(at, p.base)
     # Scores of the projected columns block by block, at the fit of the base.
     own = g.blocks[:, at][:, :, at] * keep[:, None, None]
     cross = g.blocks[:, at][:, :, p.base] * keep[:, None, None]

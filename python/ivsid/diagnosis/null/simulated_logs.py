@@ -49,7 +49,8 @@ LOST: Final = 5.0
 # Largest speed that is granted to an axis that hardly moves in the log [m/s, rad/s].
 # Source: measured: make constants
 LEAST_SPEED: Final = 0.1
-# Ridge of the fit of waves to a thrust error, as a share of the sum of their squares.
+# Ridge of the fit of waves to a thrust error, as a share of the sum of their squares; larger than that of a log's fit, since few demands leave
+# waves undetermined, whose sizes have to stay near that of the error.
 # Source: geometry: far above the rounding of doubles and far below the share of a wave that the demands tell apart
 RIDGE: Final = 1e-6
 

@@ -41,7 +41,7 @@ def asked_of_hulls(fit: Fit) -> tuple[Asked, ...]:
         fit: of a hypothesis whose parameters lie inside the limits.
     """
     p, g = fit.projection, fit.gram
-    deviation = np.sqrt(np.diag(np.linalg.inv(p.normal)))
+    deviation = np.sqrt(np.diag(p.covariance))
     found = []
     for id_, (least, most) in hull_limits(fit.noise.predictor.vehicle, fit.h.terms).items():
         if id_ not in fit.free:

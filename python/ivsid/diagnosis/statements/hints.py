@@ -25,14 +25,13 @@ _BIAS: Final = {
 def hints(fit: Fit) -> tuple[str, ...]:
     """Sentences on biases, scale factors and thrust errors that the log shows inside their bounds, and on a strong ambient force."""
     g, p = fit.gram, fit.projection
-    bare = np.linalg.inv(p.normal)
     out: list[str] = []
     for i, k in enumerate(p.base):
         name = g.names[k]
         if not name.startswith("~") or name.startswith(("~thrust", "~rudder")):
             continue
         size = fit.h.declared_errors.get(name, 0.0)
-        sigma = float(np.sqrt(bare[i, i])) / float(g.unit[k])
+        sigma = float(np.sqrt(p.covariance[i, i])) / float(g.unit[k])
         if abs(size) < SHOWN * sigma:
             continue
         if name == "~scale.velocity":
@@ -46,7 +45,7 @@ def hints(fit: Fit) -> tuple[str, ...]:
         if not own:
             continue
         sizes = np.array([fit.h.declared_errors.get(g.names[p.base[i]], 0.0) * g.unit[p.base[i]] for i in own])
-        if float(sizes @ np.linalg.solve(bare[np.ix_(own, own)], sizes)) > SHOWN**2 + len(own):
+        if float(sizes @ np.linalg.solve(p.covariance[np.ix_(own, own)], sizes)) > SHOWN**2 + len(own):
             most = far.get(thruster.name, 0.0)
             where = f"by up to {most:.1f} times its accuracy" if most > OVERSHOOT else "inside its accuracy"
             out.append(f"the thrust of {thruster.name} differs from its curve, {where}")

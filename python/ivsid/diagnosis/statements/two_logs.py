@@ -55,11 +55,11 @@ def one_log(g: Gram, base: Sequence[int], values: Mapping[str, float], box: Arra
     errors = [k for k in base if g.names[k].startswith((*SHARED, *OWN))]
     x = [*g.at(list(values)), *errors]
     others = [k for k in base if k not in set(x)]
-    total, score = g.blocks.sum(axis=0), g.score.sum(axis=0)
+    total, score = g.total, g.score.sum(axis=0)
     # Errors are whole errors, so the part that the hypothesis holds of them goes back into the score.
     score = score + total[:, errors] @ g.centre[errors] - g.prior * g.centre
-    N = total[np.ix_(others, others)] + np.diag(g.prior[others] + RIDGE)
-    cross = np.linalg.solve(N, total[np.ix_(others, x)])
+    cross = g.regression(x, others)
+    # Numbers that are kept have the ridge of a base as well; their priors join later, once for both logs.
     S = total[np.ix_(x, x)] + RIDGE * np.eye(len(x)) - total[np.ix_(x, others)] @ cross
     r = score[x] - cross.T @ score[others]
     r[len(values) :] += (g.prior * g.centre)[errors]

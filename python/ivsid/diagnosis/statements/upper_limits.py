@@ -30,8 +30,7 @@ def allowed(last: Fit, left: Sequence[Scored], unnamed: Sequence[str] = ()) -> d
         if not s.candidate.limited or not _seen(last, s):
             continue
         p = Projection(last.gram, [*last.base, *s.columns])
-        covariance = np.asarray(np.linalg.inv(p.normal), dtype=np.float64)
-        variance = np.maximum(np.diag(covariance), scatter(p, covariance))
+        variance = np.maximum(np.diag(p.covariance), scatter(p))
         effect = s.candidate.effect
         for j in range(s.candidate.limited):
             parameter, k = effect.parameters[j], len(last.base) + j

@@ -14,7 +14,7 @@ from tests.exam.shown import Sailed, shown
 from tests.exam.simulator import Vessel, gauss_markov, grouped, sail
 from tests.exam.thrust_curves import Curve, errors
 from tests.exam.thrust_errors import SHAPES
-from tests.exam.vessels import KINDS, programme, vehicle_of
+from tests.exam.vessels import KINDS, Conditions, programme, vehicle_of
 
 from ivsid.programme.scenario import Scenario, parse_scenario
 
@@ -110,40 +110,30 @@ class Setting:
         return value
 
 
-def setting(
-    seed: int,
-    style: str | None = None,
-    kind: str | None = None,
-    ambient: float | None = None,
-    duration: float | None = None,
-    rate: float | None = None,
-    noise: str = "gaussian",
-    thrust: str | None = None,
-    share: float | None = None,
-    claims: tuple[str, ...] = (),
-) -> Setting:
-    """What a seed draws; what is given is not drawn. ``thrust`` is a family of errors (tests/exam/thrust_errors.py), or ``none``."""
+def setting(seed: int, claims: tuple[str, ...] = (), **given) -> Setting:
+    """What a seed draws; what is given (``Conditions``) is not drawn."""
     rng = np.random.default_rng([seed, 1077])
-    k = str(rng.choice(KINDS)) if kind is None else kind
+    q = Conditions(**given)
+    k = str(rng.choice(KINDS)) if q.kind is None else q.kind
     text, exact, scale = vehicle_of(k, rng)
     choices = ([0.3, 1.0, 3.0, 10.0], [0.2, 0.5, 0.2, 0.1])
     drawn_ambient = float(rng.choice(choices[0], p=choices[1]))
-    a = drawn_ambient if ambient is None else ambient
+    a = drawn_ambient if q.ambient is None else q.ambient
     force = 0.15 * scale**3 * a
     text += f"[ambient]\nforce = {force:.5g}\nmoment = {0.2 * force * scale:.5g}\ntime = {2.0 * math.sqrt(scale):.4g}\n"
     if claims:
         text += "[model.values]\n" + "".join(f'"{c}" = {exact[c]!r}\n' for c in claims)
     st = str(rng.choice(["rich", "zigzag", "circle", "line"], p=[0.5, 0.5 / 3, 0.5 / 3, 0.5 / 3]))
     d, f = float(rng.choice([300.0, 600.0])), float(rng.choice([10.0, 20.0]))
-    st, d, f = style or st, duration or d, rate or f
+    st, d, f = q.style or st, q.duration or d, q.rate or f
     head = f"duration = {d}\nrate = {f}\n[truth]\n"
     programmes = tuple(parse_scenario(head + programme(rng, d, k, scale, s), "s.toml") for s in (st, "rich"))
     family, part, alike = str(rng.choice(FAMILIES)), float(rng.uniform()), bool(rng.uniform() < ALIKE)
-    family = thrust or family
-    part = part if share is None else share
+    family = q.thrust or family
+    part = part if q.share is None else q.share
     stratum = {"kind": k, "style": st, "ambient": a, "duration": d, "rate": f, "family": family, "share": part}
     family = None if family == "none" else family
-    return Setting(seed, text, exact, programmes, scale, family, part, alike, noise, stratum)
+    return Setting(seed, text, exact, programmes, scale, family, part, alike, q.noise, stratum)
 
 
 def case(
@@ -162,7 +152,7 @@ def case(
         effect: the one that is hidden; ``each`` takes them in turn, seed by seed.
         size: as a multiple of the typical one.
         z: how far the effect shall stand out; the size follows.
-        given: as ``setting`` takes it.
+        given: as ``Conditions`` names it.
     """
     rng = np.random.default_rng([seed, 1078])
     w = what or str(rng.choice(["none", "one", "two", "outside"], p=[0.34, 0.46, 0.1, 0.1]))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from tests.exam.thrust_errors import with_errors
-from tests.exam.vessels import KINDS, programme, vehicle_of
+from tests.exam.vessels import KINDS, Conditions, programme, vehicle_of
 
 from ivsid.effects import EFFECTS, Effect, Parameter
 from ivsid.effects.effect import Force
@@ -65,36 +65,30 @@ def case(
     what: str | None = None,
     effect: str | None = None,
     size: float | None = None,
-    style: str | None = None,
-    kind: str | None = None,
-    ambient: float | None = None,
-    duration: float | None = None,
-    rate: float | None = None,
-    noise: str = "gaussian",
-    thrust: str | None = None,
-    share: float = 0.5,
     train_alone: bool = False,
+    **given,
 ) -> Case:
-    """The case of a seed; what is given is not drawn. TEST may be left out: it takes half of the time.
+    """The case of a seed; what is given (``Conditions``) is not drawn. TEST may be left out: it takes half of the time.
 
-    ``thrust`` names a shape of tests/exam/thrust_errors.py, of which the true curves fill the ``share`` of their accuracy.
+    True curves of a family of thrust errors fill half of their accuracy, unless a share is given; without a family there are none.
     """
     rng = np.random.default_rng([seed, 77])
+    q = Conditions(**given)
     k = str(rng.choice(KINDS))
-    k = kind or k
+    k = q.kind or k
     text, exact, scale = vehicle_of(k, rng)
-    a = float(rng.choice([0.3, 1.0, 1.0, 3.0, 10.0], p=[0.2, 0.3, 0.2, 0.2, 0.1])) if ambient is None else ambient
+    a = float(rng.choice([0.3, 1.0, 1.0, 3.0, 10.0], p=[0.2, 0.3, 0.2, 0.2, 0.1])) if q.ambient is None else q.ambient
     force = scale**3
     text += f"[ambient]\nforce = {0.15 * force * a:.5g}\nmoment = {0.03 * force * scale * a:.5g}\ntime = {2.0 * scale**0.5:.4g}\n"
     st = str(rng.choice(["rich", "rich", "rich", "zigzag", "circle", "line"]))
-    st = style or st
-    d = float(rng.choice([300.0, 600.0])) if duration is None else duration
+    st = q.style or st
+    d = float(rng.choice([300.0, 600.0])) if q.duration is None else q.duration
     drawn = float(rng.choice([10.0, 20.0]))
-    rate = rate or drawn
+    rate = q.rate or drawn
     vehicle = parse_vehicle(text, "v.toml")
     w = what or str(rng.choice(["none", "one", "one", "two", "outside"], p=[0.34, 0.2, 0.26, 0.1, 0.1]))
     truth: dict[str, float] = {}
-    head = f'duration = {d}\nrate = {rate}\nseed = {seed}\nnoise = "{noise}"\n[truth]\n'
+    head = f'duration = {d}\nrate = {rate}\nseed = {seed}\nnoise = "{q.noise}"\n[truth]\n'
     head += "\n".join(f'"{n}" = {v}' for n, v in exact.items()) + "\n"
     scenario = parse_scenario(head + programme(rng, d, k, scale, st), "s.toml")
     other = parse_scenario(head + programme(rng, d, k, scale, "rich"), "s.toml")
@@ -117,7 +111,8 @@ def case(
         truth[id_] = value * (scale if id_ == "x.torque" else 1.0)
         sizes.append((id_, s))
         EFFECTS[id_] = OUTSIDE[id_]
-    true = vehicle if thrust is None else with_errors(vehicle, thrust, share, np.random.default_rng([seed, 78]))
+    share = 0.5 if q.share is None else q.share
+    true = vehicle if q.thrust is None else with_errors(vehicle, q.thrust, share, np.random.default_rng([seed, 78]))
     try:
         train = simulate(true, scenario, seed, truth)
         test = None if train_alone else simulate(true, other, seed + 1_000_000, truth, thrusters=seed)

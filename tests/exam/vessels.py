@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 SENSORS = """
@@ -26,6 +28,31 @@ yaw_acceleration = 3.0
 """
 KINDS = ("twin", "catamaran", "vectored", "tug", "rov", "steered", "azimuth")
 BY_ANGLE = ("steered", "azimuth")
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """Conditions of a case that are given; all else follows from its seed.
+
+    Attributes:
+        style: of the programme.
+        kind: of the vehicle, among ``KINDS``.
+        ambient: force, as a multiple of the usual one.
+        duration: of a log [s].
+        rate: of its samples [Hz].
+        noise: of the sensors.
+        thrust: family of the thrust errors (tests/exam/thrust_errors.py), or ``none``.
+        share: of the accuracy that these errors fill.
+    """
+
+    style: str | None = None
+    kind: str | None = None
+    ambient: float | None = None
+    duration: float | None = None
+    rate: float | None = None
+    noise: str = "gaussian"
+    thrust: str | None = None
+    share: float | None = None
 
 
 def vehicle_of(kind: str, rng: np.random.Generator) -> tuple[str, dict[str, float], float]:

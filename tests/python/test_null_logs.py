@@ -15,6 +15,7 @@ from ivsid.diagnosis.null.calibration import examined, trial_of
 from ivsid.diagnosis.null.closed_loop import not_followed
 from ivsid.diagnosis.null.examination import Families
 from ivsid.diagnosis.null.family_wise import Threshold
+from ivsid.diagnosis.null.looks import Looks
 from ivsid.diagnosis.null.simulated_logs import FASTEST, null_logs, thinned
 from ivsid.diagnosis.null.thresholds import calibrate
 from ivsid.diagnosis.null.visibility import visibility
@@ -267,15 +268,15 @@ def asked(test):
 
 def test_only_a_finding_close_to_its_threshold_asks_for_null_logs(zigzags, tmp_path):
     fit, test, _ = zigzags
-    assert confirmed(fit, test, [], 1, 400, None).nulls is None
-    assert confirmed(fit, test, [close(fit, test, CLOSE * 1.01)], 1, 400, None).nulls is None
-    assert confirmed(fit, test, [close(fit, test, 1.2)], 1, 0, None).nulls is None
-    near = confirmed(fit, test, [close(fit, test, 2.6)], 1, 20, tmp_path)
+    assert confirmed(fit, test, [], Looks(1, 400, None)).nulls is None
+    assert confirmed(fit, test, [close(fit, test, CLOSE * 1.01)], Looks(1, 400, None)).nulls is None
+    assert confirmed(fit, test, [close(fit, test, 1.2)], Looks(1, 0, None)).nulls is None
+    near = confirmed(fit, test, [close(fit, test, 2.6)], Looks(1, 20, tmp_path))
     assert near.nulls is not None and near.nulls.kept.size == 20 and near.nulls.cached == 0
     said = near.record()
     assert said["simulated"]["logs"] == 20 and 0 <= said["achieved"] <= 1 and said["family_wise"] == 0.005
     # The second time nothing is simulated.
     told = []
-    again = confirmed(fit, test, [close(fit, test, 2.6)], 1, 20, tmp_path, told.append)
+    again = confirmed(fit, test, [close(fit, test, 2.6)], Looks(1, 20, tmp_path, told.append))
     assert again.nulls.cached == 20 and not told
     np.testing.assert_array_equal(again.nulls.strengths, near.nulls.strengths)

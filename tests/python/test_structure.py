@@ -18,6 +18,7 @@ from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.calibration import NullTest, examined, trial_of
 from ivsid.diagnosis.null.levels import NAMES, SHALLOW_WATER, STRUCTURE, VERDICT
+from ivsid.diagnosis.null.looks import Looks
 from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.selection import confirmation
 from ivsid.diagnosis.selection.adequacy import RISK, Adequacy
@@ -63,7 +64,7 @@ def nulls(monkeypatch):
 
 
 def asked(of, last=None, most=400, folder=None, told=lambda _: None):
-    return confirmed_structure(last or model(), frozenset(), of, 1, most, folder, told)
+    return confirmed_structure(last or model(), frozenset(), of, Looks(1, most, folder, told))
 
 
 @pytest.mark.parametrize(

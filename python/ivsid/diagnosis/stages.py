@@ -16,6 +16,7 @@ from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.detection import detection_limits
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.levels import NAMES
+from ivsid.diagnosis.null.looks import Looks
 from ivsid.diagnosis.null.thresholds import calibrate
 from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.prediction.innovations import Predictor
@@ -80,10 +81,10 @@ def diagnose(
     seen = frozenset(i for i, v in visible.items() if v.tested)
     limits = Apart(partial(detection_limits, fit))
     calibration, before = at_once(partial(calibrate, fit, seen, NAMES, seed), partial(adequacy, fit))
-    test_of = Threshold(calibration, visible)
+    test_of, looks = Threshold(calibration, visible), Looks(seed, null_logs, cache, progress)
     progress("looking for causes")
     selection = select(fit, test_of, progress)
-    confirmation = confirmed(fit, test_of, selection.found, seed, null_logs, cache, progress)
+    confirmation = confirmed(fit, test_of, selection.found, looks)
     if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in selection.found):
         progress("looking again, at the threshold of the null logs")
         selection = select(fit, confirmation.test, progress)
@@ -94,9 +95,7 @@ def diagnose(
     compared = Apart(partial(compare, predictor, plain, extended_h, seed))
     after = adequacy(selection.last) if selection.found else before
     count = len(selection.found)
-    structure = confirmed_structure(
-        selection.last, test_of.visible, Left(after, before, count), seed, null_logs, cache, progress
-    )
+    structure = confirmed_structure(selection.last, test_of.visible, Left(after, before, count), looks)
     before, after = (replace(a, risk=structure.risk) for a in (before, after))
     complete = Left(after, before, count).sufficient
     residuals = before_and_after(vehicle, train, fit, selection.last) if selection.found else {}

@@ -9,9 +9,8 @@ Biometrika 26, 1934.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -23,7 +22,7 @@ from ivsid.diagnosis.null.closed_loop import not_followed
 from ivsid.diagnosis.null.examination import Families
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.levels import STRUCTURE
-from ivsid.diagnosis.null.looks import decided
+from ivsid.diagnosis.null.looks import Looks
 from ivsid.diagnosis.selection.adequacy import RISK, adequacy
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.verdict import Left
@@ -75,41 +74,26 @@ def strength(test: Threshold, found: Found) -> float:
     return -float(np.log(max(test.chance(found.first, found.fall), 1e-300)))
 
 
-def confirmed(
-    fit: Fit,
-    test: Threshold,
-    found: Sequence[Found],
-    seed: int,
-    most: int,
-    folder: Path | None,
-    progress: Callable[[str], None] = lambda _: None,
-) -> Confirmation:
+def confirmed(fit: Fit, test: Threshold, found: Sequence[Found], looks: Looks) -> Confirmation:
     """Confirms the findings that are close to the threshold.
 
     Args:
         fit: of the plain model.
         test: with the threshold of the Gaussian draws.
         found: causes that passed the test.
-        seed: of the null logs.
-        most: null logs at most; 0 leaves the threshold of the Gaussian draws.
-        folder: of the cache, or None.
-        progress: told of the null logs that are done.
+        looks: null logs that may be looked at.
     """
     asked = -float(np.log(test.calibration.chance))
     near = [s for s in (strength(test, f) for f in found) if s < CLOSE * asked]
-    if not near or most <= 0:
+    if not near or looks.most <= 0:
         return Confirmation(test)
     level, first = test.calibration.level, test.calibration.chance
     predictor = fit.noise.predictor
-    used = decided(
+    used = looks.decided(
         lambda: trial_of(fit, test.visible, Families(test)),
-        lambda: key_of(predictor.vehicle, predictor.log, seed, level, test.visible, first),
+        lambda: key_of(predictor.vehicle, predictor.log, looks.seed, level, test.visible, first),
         NullTest(np.zeros(0), np.zeros(0, dtype=bool), level, first=first),
         near,
-        seed,
-        most,
-        folder,
-        progress,
     )
     if not used.usable:
         return Confirmation(test, used, "null logs of this programme leave its motion: the Gaussian draws stand alone")
@@ -156,44 +140,29 @@ class StructureConfirmation:
         return {**out, **said, "theory": RISK, "threshold": self.risk}
 
 
-def confirmed_structure(
-    last: Fit,
-    library: frozenset[str],
-    left: Left,
-    seed: int,
-    most: int,
-    folder: Path | None,
-    progress: Callable[[str], None] = lambda _: None,
-) -> StructureConfirmation:
+def confirmed_structure(last: Fit, library: frozenset[str], left: Left, looks: Looks) -> StructureConfirmation:
     """Confirms structure that is close to its threshold and would make the verdict ``unknown``.
 
     Args:
         last: fit of the model with the causes that were found.
         library: ids of the effects that the log can show.
         left: the structure before and after.
-        seed: of the null logs.
-        most: null logs at most; 0 leaves the threshold of chi-squared.
-        folder: of the cache, or None.
-        progress: told of the null logs that are done.
+        looks: null logs that may be looked at.
     """
     strength_left = left.after.strength
     # Numbers of no hull make the model inadequate whatever the structure.
-    if most <= 0 or left.sufficient or left.after.hulls or strength_left >= -CLOSE * np.log(RISK):
+    if looks.most <= 0 or left.sufficient or left.after.hulls or strength_left >= -CLOSE * np.log(RISK):
         return StructureConfirmation()
     if causes := not_followed(last.h):
         return StructureConfirmation(
             note=f"null logs do not follow {' and '.join(causes)}: the threshold of structure is that of chi-squared"
         )
     predictor = last.noise.predictor
-    used = decided(
+    used = looks.decided(
         lambda: trial_of(last, library, StructureTest()),
-        lambda: key_of(predictor.vehicle, predictor.log, seed, STRUCTURE, library, RISK, last.h),
+        lambda: key_of(predictor.vehicle, predictor.log, looks.seed, STRUCTURE, library, RISK, last.h),
         NullTest(np.zeros(0), np.zeros(0, dtype=bool), STRUCTURE, first=RISK),
         [strength_left],
-        seed,
-        most,
-        folder,
-        progress,
     )
     if not used.usable:
         return StructureConfirmation(

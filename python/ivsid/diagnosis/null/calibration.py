@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from multiprocessing.connection import Connection, wait
@@ -33,7 +33,6 @@ from ivsid.diagnosis.null.feedback import feedback_of
 from ivsid.diagnosis.null.simulated_logs import null_logs, thinned
 from ivsid.diagnosis.null.thresholds import TAIL, TAIL_SLOPE
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.axes import Ambient
 from ivsid.diagnosis.prediction.innovations import Predictor
 
 Array = NDArray[np.float64]
@@ -152,19 +151,15 @@ class Trial:
 
     Attributes:
         programme: from which they are simulated.
-        filters: the ambient acceleration of the filters, as of the log.
-        whitening: of the log's innovations, where none is learnt from null logs.
-        left_out: indices of the axes that are left out.
+        noise: of the log: null logs have its filters, its axes that are left out, and its whitening where they teach none.
         fixed: parameters that are not fitted, with their values.
         library: ids of the effects whose signatures are taken out of the errors from which the whitening is learnt.
         examination: what is asked of each.
     """
 
     programme: Programme
-    filters: Ambient
-    whitening: Whitening
-    left_out: frozenset[int]
-    fixed: dict[str, float]
+    noise: Noise
+    fixed: Mapping[str, float]
     library: frozenset[str]
     examination: Examination
 
@@ -180,10 +175,10 @@ class Trial:
         """The whitening that null logs teach as the log did."""
         fits = [surveyed(self, *one, None, self.library) for one in made]
         if not fits:
-            return self.whitening
+            return self.noise.whitening
         left = np.concatenate([remaining(f) for f in fits], axis=1)
         good = np.concatenate([f.noise.good for f in fits])
-        return whiten(fits[0].noise.predictor, left, good, self.left_out)
+        return whiten(fits[0].noise.predictor, left, good, self.noise.left_out)
 
     def _one(self, log: Channels, h: Hypothesis, whitening: Whitening) -> tuple[float, bool]:
         """Strength of one null log, and whether it passed the threshold of theory; NaN if it cannot be fitted."""
@@ -206,13 +201,12 @@ def surveyed(trial: Trial, log: Channels, h: Hypothesis, whitening: Whitening | 
         whitening: of the innovations; None takes the robust size of each.
         only: ids of the effects whose signatures are made.
     """
-    p = trial.programme
-    predictor = Predictor(p.vehicle, log, trial.filters)
+    predictor = Predictor(trial.programme.vehicle, log, trial.noise.predictor.ambient)
     # Filtered states forget the noisy readings from which they start within some rounds.
     states = predictor.settle(predictor.start(h), SETTLED)
-    good = usable_rows(predictor)
-    white = whitening or plain_scale(predictor.errors(states), good, predictor, trial.left_out)
-    return survey(Noise(predictor, white, good, trial.left_out), states, trial.fixed, only)
+    good, left_out = usable_rows(predictor), trial.noise.left_out
+    white = whitening or plain_scale(predictor.errors(states), good, predictor, left_out)
+    return survey(Noise(predictor, white, good, left_out), states, trial.fixed, only)
 
 
 def trial_of(fit: Fit, library: frozenset[str], examination: Examination) -> Trial:
@@ -247,8 +241,7 @@ def trial_of(fit: Fit, library: frozenset[str], examination: Examination) -> Tri
         replace(back, at=back.at[:, : thin.n * q : q]),
         reference,
     )
-    white, left_out = fit.noise.whitening, fit.noise.left_out
-    return Trial(programme, predictor.ambient, white, left_out, dict(fit.fixed), library, examination)
+    return Trial(programme, fit.noise, fit.fixed, library, examination)
 
 
 def examined(trial: Trial, seed: int, numbers: Sequence[int], told: Callable[[int], None] = lambda _: None) -> NullTest:

@@ -172,7 +172,8 @@ RARE: dict[str, tuple[Callable[[], Task], tuple[str, ...]]] = {
     "null logs": (
         _null_logs,
         (
-            *(f"null/calibration.py {n}" for n in ("TAIL_OF_FEW", "MOST_LOST", "SETTLED")),
+            "null/calibration.py SETTLED",
+            *(f"null/tail.py {n}" for n in ("TAIL_OF_FEW", "MOST_LOST")),
             *(f"null/simulated_logs.py {n}" for n in ("SIZES", "LOST", "LEAST_SPEED")),
             *(f"null/feedback.py {n}" for n in ("SPAN", "BLOCK", "EXPLAINED", "LONGER", "UNCHANGED", "USABLE")),
         ),

@@ -17,7 +17,8 @@ from diagnosis_logs import train_of, vehicle_of
 from ivsid.diagnosis import cache_folder
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.null.cache import keep, kept, key_of
-from ivsid.diagnosis.null.calibration import LOOKS, NullTest, scores
+from ivsid.diagnosis.null.calibration import LOOKS, scores
+from ivsid.diagnosis.null.tail import NullTest
 from ivsid.vehicle import parse_vehicle
 
 

@@ -16,9 +16,10 @@ from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.null.calibration import NullTest, examined, trial_of
+from ivsid.diagnosis.null.calibration import examined, trial_of
 from ivsid.diagnosis.null.levels import NAMES, SHALLOW_WATER, STRUCTURE, VERDICT
 from ivsid.diagnosis.null.looks import Looks
+from ivsid.diagnosis.null.tail import NullTest
 from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.selection import confirmation
 from ivsid.diagnosis.selection.adequacy import RISK, Adequacy

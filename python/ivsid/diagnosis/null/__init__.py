@@ -8,7 +8,8 @@
 4. ``detection``: the size at which each cause stands out beside the worst declared errors.
 5. ``feedback``: the feedback behind the logged demands.
 6. ``simulated_logs``, with the motion in ``closed_loop``: logs of the same programme and feedback without an effect.
-7. ``calibration``: the parametric bootstrap, which examines simulated logs like the log (``examination``) and gives the stricter threshold.
+7. ``calibration``: the parametric bootstrap, which examines simulated logs like the log (``examination``); the ``tail`` of their scores
+   gives the stricter threshold.
 8. ``looks``: null logs until they decide, with their scores in the user's ``cache``.
 9. ``levels``: the parts of the probability of a wrong verdict.
 

@@ -13,7 +13,7 @@ from typing import Final, Protocol
 import numpy as np
 
 from ivsid.diagnosis.data.channels import Channels
-from ivsid.diagnosis.null.calibration import NullTest
+from ivsid.diagnosis.null.tail import NullTest
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.effects import own_digest
 from ivsid.errors import IvsidError

@@ -11,7 +11,8 @@ from itertools import islice
 from pathlib import Path
 
 from ivsid.diagnosis.null.cache import keep, kept
-from ivsid.diagnosis.null.calibration import LOOKS, NullTest, Trial, null_test, scores
+from ivsid.diagnosis.null.calibration import LOOKS, Trial, scores
+from ivsid.diagnosis.null.tail import NullTest, null_test
 from ivsid.effects import own_digest
 
 

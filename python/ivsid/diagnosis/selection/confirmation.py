@@ -17,12 +17,13 @@ import numpy as np
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.null.cache import key_of
-from ivsid.diagnosis.null.calibration import NullTest, trial_of
+from ivsid.diagnosis.null.calibration import trial_of
 from ivsid.diagnosis.null.closed_loop import not_followed
 from ivsid.diagnosis.null.examination import Families
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.levels import STRUCTURE
 from ivsid.diagnosis.null.looks import Looks
+from ivsid.diagnosis.null.tail import NullTest
 from ivsid.diagnosis.selection.adequacy import RISK, adequacy
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.verdict import Left

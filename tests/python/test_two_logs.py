@@ -18,8 +18,8 @@ from tests.exam.thrust_errors import SHAPES
 from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.estimation.projection import Gram
 from ivsid.diagnosis.statements.findings import WIDE, shallow
 from ivsid.diagnosis.statements.shallow_water import LEAST, change
 from ivsid.diagnosis.statements.two_logs import changes, one_log

@@ -7,7 +7,7 @@ crossed in blocks of ten seconds; fits, falls of chi-squared and their scatter a
 - ``signatures``: the columns of the parameters of a model, of sensor effects and of forces; ``columns`` collects them by name.
 - ``declared_errors``: the columns of sensor biases, thrust errors and rudder errors that the vehicle file declares, with their priors.
 - ``candidate_columns``: the candidates that a log can show, with their columns; ``kinds`` holds one file a kind of candidate.
-- ``projection``: cross-products of columns, and least squares with soft priors on them.
+- ``cross_products`` of columns by block of time, and ``projection``: least squares with soft priors on them.
 - ``problem``: what of a log stays the same while hypotheses are compared on it.
 - ``noise``: the ambient force, the samples that count, and filters that forget quickly; ``whitening``: the whitening filter.
 - ``first_values``: numbers to start from. ``gauss_newton``: steps from there. ``fit``: the result, with all signatures around it.

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from ivsid.diagnosis.estimation.candidate_columns import candidate_columns
+from ivsid.diagnosis.estimation.cross_products import Gram, gram
 from ivsid.diagnosis.estimation.declared_errors import nuisances
 from ivsid.diagnosis.estimation.kinds.candidate import Candidate
 from ivsid.diagnosis.estimation.noise import Noise
 from ivsid.diagnosis.estimation.problem import Problem
-from ivsid.diagnosis.estimation.projection import Gram, Projection, gram
+from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.signatures import Signatures
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.states import FilteredStates

@@ -8,8 +8,9 @@ from typing import Final
 
 import numpy as np
 
+from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.problem import Problem
-from ivsid.diagnosis.estimation.projection import Gram, Projection
+from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.signatures import free_parameters
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.usual_hull import hull_limits

@@ -9,9 +9,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.diagnosis.estimation.cross_products import Gram, gram
 from ivsid.diagnosis.estimation.declared_errors import nuisances
 from ivsid.diagnosis.estimation.noise import Noise
-from ivsid.diagnosis.estimation.projection import Gram, Projection, gram
+from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.signatures import Signatures
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.states import FilteredStates

@@ -22,10 +22,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
+from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.declared_errors import SCALE, through_water, thrust_answers
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
-from ivsid.diagnosis.estimation.projection import Gram, Projection
+from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.plant.thrust_errors import BOUNDED, bound_of
 
 Array = NDArray[np.float64]

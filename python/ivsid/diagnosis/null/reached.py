@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 from scipy.stats import chi2
 
+from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
-from ivsid.diagnosis.estimation.projection import Gram
 from ivsid.diagnosis.null.any_curve import DETERMINED, LEAST, AnyCurve
 
 Array = NDArray[np.float64]

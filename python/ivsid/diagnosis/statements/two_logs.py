@@ -17,7 +17,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.estimation.projection import RIDGE, Gram
+from ivsid.diagnosis.estimation.cross_products import RIDGE, Gram
 
 Array = NDArray[np.float64]
 # Declared errors that two logs of one vehicle share, by the first words of their names: those of thrust curves and blades, which are static.

@@ -13,8 +13,9 @@ from scipy.stats import chi2
 
 from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.estimation.columns import Columns
+from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.gauss_newton import within
-from ivsid.diagnosis.estimation.projection import Gram, Projection
+from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.signatures import Signatures
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.effects import Effect, Given

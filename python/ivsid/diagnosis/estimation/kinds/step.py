@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.estimation.columns import Columns
+from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.kinds.candidate import Candidate, NullScores, Scored
-from ivsid.diagnosis.estimation.projection import Gram, Projection
+from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.signatures import STEP_FROM_NONE, Signatures
 from ivsid.effects import Effect, Given
 

@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.null.feedback import Feedback
-from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration
+from ivsid.diagnosis.plant.physics import Dynamics, Hypothesis
 from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.diagnosis.plant.thruster_forces import bollard_force
 from ivsid.diagnosis.prediction.axes import Ambient
-from ivsid.effects import Change, Reading, Response, Thrust, acting
+from ivsid.effects import Reading, Response, Thrust
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -105,9 +105,9 @@ class _Thrusters:
 
     def static(self, k: int, demand: Array) -> Array:
         """Thrust of one thruster at its demands without any lag, shape (count,)."""
-        place = np.clip((demand - self.low[k]) / self.pace[k], 0.0, TABLE - BELOW_END)
+        place = np.minimum(np.maximum((demand - self.low[k]) / self.pace[k], 0.0), TABLE - BELOW_END)
         # A lost motion asks for no demand, and gets no thrust.
-        cell = np.nan_to_num(place).astype(np.int64)
+        cell = np.fmax(place, 0.0).astype(np.int64)
         table, share = self.tables[k], place - cell
         return np.asarray((1 - share) * table[self.row, cell] + share * table[self.row, cell + 1])
 
@@ -141,10 +141,7 @@ class _Motion:
         # Each log has its own size of an error: an array stands for the one number of a hypothesis.
         declared_errors = cast("dict[str, float]", {k: x for k, x in drawn.items() if k.startswith("~rudder.")})
         self.vehicle, self.log = programme.vehicle, programme.log
-        self.h = replace(programme.h, declared_errors=declared_errors)
-        # A change of parameters in time may change masses, too.
-        steady = not acting(self.h.given, Change)
-        self.mass = Mass(self.vehicle, self.h.terms, self.h.values) if steady else None
+        self.dynamics = Dynamics(self.vehicle, replace(programme.h, declared_errors=declared_errors))
         self.wide = np.zeros(count)
         self.thrusters = len(self.log.demands)
 
@@ -170,22 +167,19 @@ class _Motion:
         force = np.broadcast_to(self.log.force[:, i, None, None], (3, len(push), self.wide.size))
         return bollard_force(self.vehicle, push.transpose(1, 0, 2), (np.cos(angles), np.sin(angles)), force)
 
-    def rates(self, x: Array, push: Array, bollard: Array, sent: Array, i: int, time: float) -> Array:
-        """Rates of u, v, r, psi, x, y under thrusts and commands during the step after sample i, shape (6, count)."""
+    def known(self, sent: Array, i: int, time: float) -> tuple[Array, Array, Array, Array | None, Array]:
+        """Time, angles of thrusters, known force, wind and angles of rudders during the step after sample i, as ``rates`` takes them."""
         log, m = self.log, self.thrusters
-        p = Points(
-            x[:3],
-            x[3],
-            x[4:],
-            self.wide + time,
-            push,
-            sent[2 * m :],
-            self.wide + log.force[:, i, None],
-            None if log.wind is None else self.wide + log.wind[:, i, None],
-            sent[m : 2 * m],
-            bollard,
-        )
-        nudot = acceleration(self.vehicle, self.h, p, self.mass)
+        wind = None if log.wind is None else self.wide + log.wind[:, i, None]
+        return self.wide + time, sent[2 * m :], self.wide + log.force[:, i, None], wind, sent[m : 2 * m]
+
+    def rates(
+        self, x: Array, push: Array, bollard: Array, known: tuple[Array, Array, Array, Array | None, Array]
+    ) -> Array:
+        """Rates of u, v, r, psi, x, y under thrusts and all else that is known of a step, shape (6, count)."""
+        time, angles, force, wind, rudders = known
+        p = Points(x[:3], x[3], x[4:], time, push, angles, force, wind, rudders, bollard)
+        nudot = self.dynamics.acceleration(p)
         c, s = np.cos(x[3]), np.sin(x[3])
         return np.concatenate([nudot, x[2:3], (x[0] * c - x[1] * s)[None], (x[0] * s + x[1] * c)[None]])
 
@@ -267,11 +261,12 @@ def simulated(
                 push = thrusters.step(first, last, 1.0 / parts)
                 time = float(log.t[i]) + (part + 0.5) * step
                 force = motion.bollard(push, middle, i)
-                k1 = motion.rates(x, push[0], force[:, 0], middle, i, time) + ahead
+                known = motion.known(middle, i, time)
+                k1 = motion.rates(x, push[0], force[:, 0], known) + ahead
                 if not part:
                     rates[:, i] = k1[:3]
-                k2 = motion.rates(x + 0.5 * step * k1, push[1], force[:, 1], middle, i, time) + ahead
-                k3 = motion.rates(x + 0.5 * step * k2, push[1], force[:, 1], middle, i, time) + ahead
-                k4 = motion.rates(x + step * k3, push[2], force[:, 2], middle, i, time) + ahead
+                k2 = motion.rates(x + 0.5 * step * k1, push[1], force[:, 1], known) + ahead
+                k3 = motion.rates(x + 0.5 * step * k2, push[1], force[:, 1], known) + ahead
+                k4 = motion.rates(x + step * k3, push[2], force[:, 2], known) + ahead
                 x = x + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
     return states, rates, sent

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.plant.points import Points, place_of
-from ivsid.diagnosis.plant.thruster_forces import thruster_force
+from ivsid.diagnosis.plant.thruster_forces import ThrusterForces, thruster_force
 from ivsid.effects import (
     CHANNELS,
     Change,
@@ -133,6 +133,57 @@ def _inertial(term: Term, state: State) -> dict[str, float]:
     return {k: c for k, c in columns.items() if isinstance(c, (int, float)) and c}
 
 
+class Dynamics:
+    """The equations of motion of a hypothesis, with all that does not depend on the states worked out once.
+
+    Args:
+        vehicle: of the hypothesis.
+        h: the hypothesis.
+        mass: its mass matrix, if it is known already.
+    """
+
+    def __init__(self, vehicle: Vehicle, h: Hypothesis, mass: Mass | None = None) -> None:
+        self.vehicle, self.h = vehicle, h
+        # Masses that change in time are inverted at each state.
+        self._mass = mass if mass or acting(h.given, Change) else Mass(vehicle, h.terms, h.values)
+        self._thrust = ThrusterForces(vehicle, h.given, h.declared_errors)
+        self._forces = acting(h.given, Force)
+        self._moving = bool(acting(h.given, Current))
+
+    def acceleration(self, p: Points) -> Array:
+        """udot, vdot [m/s^2], rdot [rad/s^2] over ground at some states, shape (3, n)."""
+        h, (u, v, r) = self.h, p.nu
+        m = self.vehicle.hull.mass
+        x_g, y_g = self.vehicle.hull.centre_of_gravity
+        if self._moving:
+            u_c, v_c, a_u, a_v = water(h, p)
+            u, v = u - u_c, v - v_c
+        values = changed(h, p.t)
+        zero = np.zeros_like(r)
+        state = State(u, v, r, zero, zero, zero, place=place_of(p))
+        right = self._thrust.at(p, (u, v, r))
+        rows = dict(zip(CHANNELS, right, strict=True))
+        for term in h.terms:
+            for channel, column in term.columns(state).items():
+                rows[channel] -= column * values[term.id]
+        for channel, column in rigid_body(state, m * x_g, m * y_g).items():
+            rows[channel] -= column
+        for force, numbers in self._forces:
+            for channel, value in force.function(state, numbers).items():
+                rows[channel] += value
+        mass = self._mass or Mass(self.vehicle, h.terms, values)
+        if not self._moving:
+            return mass.solve(right)
+        # The rigid body's mass acts on the acceleration over ground, of which the water's own is a part.
+        right[0] -= a_u * m
+        right[1] -= a_v * m
+        right[2] -= a_v * (m * x_g) - a_u * (m * y_g)
+        nudot = mass.solve(right)
+        nudot[0] += r * v_c + a_u
+        nudot[1] += -r * u_c + a_v
+        return nudot
+
+
 def acceleration(vehicle: Vehicle, h: Hypothesis, p: Points, mass: Mass | None = None) -> Array:
     """udot, vdot [m/s^2], rdot [rad/s^2] over ground, shape (3, n).
 
@@ -142,30 +193,7 @@ def acceleration(vehicle: Vehicle, h: Hypothesis, p: Points, mass: Mass | None =
         p: states.
         mass: its mass matrix, if it is known already.
     """
-    u_c, v_c, a_u, a_v = water(h, p)
-    u, v, r = p.nu[0] - u_c, p.nu[1] - v_c, p.nu[2]
-    values = changed(h, p.t)
-    m = vehicle.hull.mass
-    x_g, y_g = vehicle.hull.centre_of_gravity
-    zero = np.zeros_like(r)
-    state = State(u, v, r, zero, zero, zero, place=place_of(p))
-    right = thruster_force(vehicle, h.given, p, (u, v, r), h.declared_errors)
-    for term in h.terms:
-        for channel, column in term.columns(state).items():
-            right[CHANNELS.index(channel)] -= column * values[term.id]
-    for channel, column in rigid_body(state, m * x_g, m * y_g).items():
-        right[CHANNELS.index(channel)] -= column
-    for force, numbers in acting(h.given, Force):
-        for channel, value in force.function(state, numbers).items():
-            right[CHANNELS.index(channel)] += value
-    # The rigid body's mass acts on the acceleration over ground, of which the water's own is a part.
-    right[0] -= a_u * m
-    right[1] -= a_v * m
-    right[2] -= a_v * (m * x_g) - a_u * (m * y_g)
-    nudot = (mass or Mass(vehicle, h.terms, values)).solve(right)
-    nudot[0] += r * v_c + a_u
-    nudot[1] += -r * u_c + a_v
-    return nudot
+    return Dynamics(vehicle, h, mass).acceleration(p)
 
 
 def same_given(a: Given, b: Given) -> bool:

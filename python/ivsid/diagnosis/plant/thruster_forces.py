@@ -50,22 +50,47 @@ def thruster_force(
         relative: u, v [m/s] and r [rad/s] relative to the water, shape (n,) each.
         declared_errors: sizes of declared errors, of which those of rudders act here.
     """
-    u, v, r = relative
-    lost = [acting(with_stated(given, Inflow, thruster), Inflow) for thruster in vehicle.thrusters]
-    if p.bollard is not None and not any(lost) and all(t.rudder is None for t in vehicle.thrusters):
-        return p.bollard.copy()
-    total = p.force.copy()
-    for k, thruster in enumerate(vehicle.thrusters):
-        c, s = np.cos(p.angles[k]), np.sin(p.angles[k])
-        x, y = thruster.position
-        push = p.thrusts[k]
-        for loss, numbers in lost[k]:
-            push = loss.function(push, (u - r * y) * c + (v + r * x) * s, numbers)
-        total += np.stack([push * c, push * s, push * (s * x - c * y)])
-        if thruster.rudder is not None:
-            off = (declared_errors or {}).get(f"~rudder.{thruster.name}", 0.0)
-            total += (1.0 + off) * blade_force(vehicle, k, p, push, relative)
-    return total
+    return ThrusterForces(vehicle, given, declared_errors).at(p, relative)
+
+
+class ThrusterForces:
+    """Forces of all thrusters and rudders under some effects.
+
+    Args:
+        vehicle: with its thrusters.
+        given: effects of a hypothesis, of which losses by inflow act here.
+        declared_errors: sizes of declared errors, of which those of rudders act here.
+    """
+
+    def __init__(
+        self, vehicle: Vehicle, given: Sequence[Given], declared_errors: Mapping[str, float] | None = None
+    ) -> None:
+        self.vehicle, self._errors = vehicle, declared_errors or {}
+        self._lost = [acting(with_stated(given, Inflow, thruster), Inflow) for thruster in vehicle.thrusters]
+        self._at_no_speed = not any(self._lost) and all(t.rudder is None for t in vehicle.thrusters)
+
+    def at(self, p: Points, relative: Relative) -> Array:
+        """X, Y [N], N [N m], shape (3, n).
+
+        Args:
+            p: states and thrusts.
+            relative: u, v [m/s] and r [rad/s] relative to the water, shape (n,) each.
+        """
+        if p.bollard is not None and self._at_no_speed:
+            return p.bollard.copy()
+        u, v, r = relative
+        total = p.force.copy()
+        for k, thruster in enumerate(self.vehicle.thrusters):
+            c, s = np.cos(p.angles[k]), np.sin(p.angles[k])
+            x, y = thruster.position
+            push = p.thrusts[k]
+            for loss, numbers in self._lost[k]:
+                push = loss.function(push, (u - r * y) * c + (v + r * x) * s, numbers)
+            total += np.stack([push * c, push * s, push * (s * x - c * y)])
+            if thruster.rudder is not None:
+                off = self._errors.get(f"~rudder.{thruster.name}", 0.0)
+                total += (1.0 + off) * blade_force(self.vehicle, k, p, push, relative)
+        return total
 
 
 def bollard_force(vehicle: Vehicle, thrusts: Array, turn: tuple[Array, Array], force: Array) -> Array:

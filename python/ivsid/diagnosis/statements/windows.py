@@ -14,11 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from ivsid.diagnosis.plant.physics import Mass, acceleration
+from ivsid.diagnosis.plant.physics import Dynamics
 from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates
-from ivsid.effects import Change, of_kind
 
 Array = NDArray[np.float64]
 # Error that a simulation which runs away is given [m/s, rad/s, m].
@@ -97,9 +96,7 @@ def _simulated(
         thrusts, bollard = (
             uniform_filter1d(x, stride, origin=-(stride // 2), mode="nearest") for x in (thrusts, bollard)
         )
-    # Masses that change in time, as with a payload, are inverted again at each step.
-    steady = not of_kind(h.given, Change)
-    mass = Mass(predictor.vehicle, h.terms, h.values) if steady else None
+    dynamics = Dynamics(predictor.vehicle, h)
 
     def rates(x: Array, t: Array, at: NDArray[np.int64]) -> Array:
         p = Points(
@@ -114,7 +111,7 @@ def _simulated(
             predictor.driving.steered[:, n + at],
             bollard[:, at],
         )
-        nudot = acceleration(predictor.vehicle, h, p, mass)
+        nudot = dynamics.acceleration(p)
         c, s = np.cos(x[3]), np.sin(x[3])
         return np.concatenate([nudot, x[2:3], (x[0] * c - x[1] * s)[None], (x[0] * s + x[1] * c)[None]])
 

@@ -31,7 +31,9 @@ from ivsid.diagnosis.null.feedback import feedback_of
 from ivsid.diagnosis.null.simulated_logs import null_logs, thinned
 from ivsid.diagnosis.null.tail import NullTest, null_test
 from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.prediction.axes import motion_axes, track_axes
 from ivsid.diagnosis.prediction.innovations import Predictor
+from ivsid.diagnosis.prediction.kalman import Axis
 
 Array = NDArray[np.float64]
 # Numbers of null logs after which their scores may decide; all of them are examined only where these leave doubt.
@@ -57,7 +59,8 @@ class Trial:
 
     Attributes:
         programme: from which they are simulated.
-        noise: of the log: null logs have its filters, its axes that are left out, and its whitening where they teach none.
+        noise: of the log: null logs have its ambient force, its axes that are left out, and its whitening where they teach none.
+        axes: the filters: all null logs have the same clock and the same noise.
         fixed: parameters that are not fitted, with their values.
         library: ids of the effects whose signatures are taken out of the errors from which the whitening is learnt.
         examination: what is asked of each.
@@ -65,6 +68,7 @@ class Trial:
 
     programme: Programme
     noise: Noise
+    axes: tuple[Axis, ...]
     fixed: Mapping[str, float]
     library: frozenset[str]
     examination: Examination
@@ -107,7 +111,8 @@ def surveyed(trial: Trial, log: Channels, h: Hypothesis, whitening: Whitening | 
         whitening: of the innovations; None takes the robust size of each.
         only: ids of the effects whose signatures are made.
     """
-    predictor = Predictor(trial.programme.vehicle, log, trial.noise.predictor.ambient)
+    p = trial.programme
+    predictor = Predictor(p.vehicle, log, trial.noise.predictor.ambient, axes=trial.axes)
     # Filtered states forget the noisy readings from which they start within some rounds.
     states = predictor.settle(predictor.start(h), SETTLED)
     good, left_out = usable_rows(predictor), trial.noise.left_out
@@ -147,7 +152,8 @@ def trial_of(fit: Fit, library: frozenset[str], examination: Examination) -> Tri
         replace(back, at=back.at[:, : thin.n * q : q]),
         reference,
     )
-    return Trial(programme, fit.noise, fit.fixed, library, examination)
+    axes = (*motion_axes(thin, predictor.ambient), *track_axes(thin))
+    return Trial(programme, fit.noise, axes, fit.fixed, library, examination)
 
 
 def examined(trial: Trial, seed: int, numbers: Sequence[int], told: Callable[[int], None] = lambda _: None) -> NullTest:

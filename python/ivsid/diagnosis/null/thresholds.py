@@ -15,7 +15,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Candidate
@@ -144,7 +144,7 @@ class _Scores:
         for candidate in self.candidates:
             looks, fall = candidate.looks(self.blocks), candidate.null_fall(batch)
             best[looks] = np.maximum(best[looks], fall) if looks in best else np.asarray(fall)
-        chances = [np.minimum(1.0, chi2.sf(fall, k) * looks) for (k, looks), fall in best.items()]
+        chances = [np.minimum(1.0, chdtrc(k, fall) * looks) for (k, looks), fall in best.items()]
         return np.asarray(np.min(chances, axis=0), dtype=np.float64)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration, added_force, changed
-from ivsid.diagnosis.prediction.axes import Ambient
+from ivsid.diagnosis.prediction.axes import Ambient, motion_axes
 from ivsid.diagnosis.prediction.states import FilteredStates, StateFilter, over_ground, specific_force, twice
 from ivsid.effects import Reading, Response, Thrust, of_kind
 
@@ -28,7 +28,9 @@ class Predictor(StateFilter):
 
     def adopt(self, ambient: Ambient) -> Predictor:
         """The same log with filters for another ambient acceleration."""
-        return Predictor(self.vehicle, self.log, ambient, driving=self.driving, tracks=self.axes[3:])
+        # The filters of the position do not depend on the ambient acceleration.
+        axes = motion_axes(self.log, ambient) + self.axes[3:]
+        return Predictor(self.vehicle, self.log, ambient, driving=self.driving, axes=axes)
 
     def answer(
         self,

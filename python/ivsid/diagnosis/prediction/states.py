@@ -66,7 +66,7 @@ class StateFilter:
         log: on its clock.
         ambient: random acceleration that the filters expect.
         driving: thrusts of this log that another predictor has worked out already.
-        tracks: its filters of the position, which do not depend on the ambient acceleration.
+        axes: its filters, if they are known already.
 
     Attributes:
         propulsion: the thrusters.
@@ -84,7 +84,7 @@ class StateFilter:
         ambient: Ambient,
         *,
         driving: Driving | None = None,
-        tracks: Sequence[Axis] | None = None,
+        axes: Sequence[Axis] | None = None,
     ) -> None:
         self.vehicle, self.log, self.ambient = vehicle, log, ambient
         self.driving = driving or Driving(vehicle, log)
@@ -94,7 +94,7 @@ class StateFilter:
         low, high = log.nu.min(axis=1), log.nu.max(axis=1)
         margin = REACH * (high - low)
         self.reach = ((low - margin)[:, None], (high + margin)[:, None])
-        self.axes: list[Axis] = motion_axes(log, ambient) + list(track_axes(log) if tracks is None else tracks)
+        self.axes: list[Axis] = motion_axes(log, ambient) + track_axes(log) if axes is None else list(axes)
         self.labels: list[tuple[int, str]] = labels_of(self.axes)
         self.filters = Filters(self.axes)
 

@@ -9,7 +9,7 @@ from typing import ClassVar, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.estimation.columns import Columns
@@ -233,5 +233,5 @@ class Scored:
 
         A cause that can have one sign alone gets half of it.
         """
-        one = chi2.sf(self.fall, self.count) * self.looks
+        one = chdtrc(self.count, self.fall) * self.looks
         return float(min(1.0, one * (0.5 if self.candidate.sided else 1.0)))

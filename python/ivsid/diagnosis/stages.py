@@ -93,6 +93,8 @@ def diagnose(
     extended_h = plain if selection.last.h is fit.h else replace(selection.last.h, declared_errors={})
     predictor = Predictor(vehicle, other, selection.last.noise.predictor.ambient)
     compared = Apart(partial(compare, predictor, plain, extended_h, seed))
+    moved = Apart(partial(change, vehicle, selection.last, other))
+    shared = Apart(partial(shares, predictor, fit, selection.last, [q.id for q in selection.found]))
     after = adequacy(selection.last) if selection.found else before
     count = len(selection.found)
     structure = confirmed_structure(selection.last, test_of.visible, Left(after, before, count), looks)
@@ -107,16 +109,11 @@ def diagnose(
     else:
         kept = {f.effect for f in findings}
         findings = (*findings, unknown(after, [f.id for f in selection.found if f.id not in kept]))
-    causes = {q.id for q in selection.found}
-    named = [f.effect for f in findings if f.effect in causes]
-    shared = Apart(partial(shares, predictor, fit, selection.last, named))
     claimed = claims(selection.last, selection.leftover, findings, unknown=not after.quiet)
     progress("trying both models on the other log")
-    moved = change(vehicle, selection.last, other)
-    gain = compared.result()
-    if moved is not None and moved.factor is not None:
-        findings = (*findings, shallow(moved))
-    shown = shared.result()
+    gain, shown, water = compared.result(), shared.result(), moved.result()
+    if water is not None and water.factor is not None:
+        findings = (*findings, shallow(water))
     least = limits.result()
     visible = {i: replace(v, detectable=least.get(i, v.detectable)) for i, v in visible.items()}
     findings = tuple(replace(f, matters=shown.get(f.effect)) for f in findings)

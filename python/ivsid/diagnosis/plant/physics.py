@@ -108,13 +108,16 @@ class Mass:
                 for channel, column in _inertial(term, state).items():
                     total[channel] = column * values[term.id] + total.get(channel, 0.0)
             columns.append([total.get(c, 0.0) for c in CHANNELS])
-        entries = [[columns[j][i] for j in range(3)] for i in range(3)]
-        n = max(np.size(q) for row in entries for q in row)
-        matrix = np.zeros((n, 3, 3))
+        # Cramer's rule for all moments at once: LAPACK takes ten times as long for many small matrices.
+        cofactors = [[_cofactor(columns, j, i) for j in range(3)] for i in range(3)]
+        determinant = np.asarray(sum(columns[j][0] * cofactors[0][j] for j in range(3)))
+        if not determinant.all():
+            raise np.linalg.LinAlgError("Singular matrix")
+        n = max(np.size(q) for row in cofactors for q in row)
+        self.inverse: Array = np.empty((n, 3, 3))
         for i in range(3):
             for j in range(3):
-                matrix[:, i, j] = entries[i][j]
-        self.inverse: Array = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
+                self.inverse[:, j, i] = cofactors[i][j] / determinant
 
     def solve(self, force: Array) -> Array:
         """Accelerations udot, vdot [m/s^2], rdot [rad/s^2] of a force X, Y [N], N [N m], shape (3, n) each."""
@@ -123,6 +126,13 @@ class Mass:
             return out
         # A force at samples alone belongs to the first matrices: samples come before steps.
         return np.asarray(np.einsum("nij,jn->in", self.inverse[: force.shape[1]], force))
+
+
+def _cofactor(m: Sequence[Sequence[Number]], i: int, j: int) -> Number:
+    """The cofactor of an entry of a matrix of three rows."""
+    a, b = (i + 1) % 3, (i + 2) % 3
+    c, d = (j + 1) % 3, (j + 2) % 3
+    return m[a][c] * m[b][d] - m[a][d] * m[b][c]
 
 
 def _inertial(term: Term, state: State) -> dict[str, float]:

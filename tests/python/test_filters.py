@@ -1,14 +1,21 @@
 """The core's filters against SciPy and the sums that define them, and what the diagnosis saves against what it saves it from."""
 
 import multiprocessing
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+sys.path.insert(0, str(Path(__file__).parents[2]))
+from tests.exam.cases import case
+
 from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS
+from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.noise import declared_ambient
+from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.estimation.noise import CONTRACTION, declared_ambient, quick_enough
 from ivsid.diagnosis.estimation.whitening import Whitening
 from ivsid.diagnosis.plant.physics import Hypothesis, acceleration, added_force
 from ivsid.diagnosis.plant.thruster_forces import bollard_force, thruster_force
@@ -147,6 +154,37 @@ def test_windows_sail_together_as_they_do_alone(predictor, plain):
         (alone,) = windows(predictor, states, (length,))
         for a, b in zip(found, alone, strict=True):
             assert np.allclose(a, b, rtol=1e-12, atol=1e-12, equal_nan=True)
+
+
+def test_passes_settle_however_the_axes_act_on_one_another(predictor, plain):
+    calm = np.broadcast_to(np.diag([-0.1, -0.2, -0.1])[..., None], (3, 3, 50))
+    assert quick_enough(predictor, calm) is predictor
+    coupled = calm.copy()
+    # A rotation of sway and yaw: no damping tells of it.
+    coupled[1, 2], coupled[2, 1] = 4.0, -4.0
+    quicker = quick_enough(predictor, coupled)
+    memory = [axis.memory for axis in quicker.axes[:3]]
+    assert memory[1] * memory[2] * 16.0 <= CONTRACTION**2 * 1.01
+    assert all(m < axis.memory for m, axis in zip(memory, predictor.axes, strict=False))
+    # A push that is strong in half of the log counts.
+    coupled[1, 2, ::2] = 0.0
+    assert all(a.memory > m for a, m in zip(quick_enough(predictor, coupled).axes, memory, strict=False))
+
+
+# Nightly: the gate has the spectral radius.
+@pytest.mark.nightly
+def test_states_of_a_slow_vessel_that_turns_settle():
+    """Coriolis terms at 2 m/s, a calm sea and a vessel that hardly damps: its states ran away from pass to pass."""
+    c = case(52134, duration=300.0)
+    vehicle = parse_vehicle(c.text, "v.toml")
+    columns = {k: x for k, x in c.logs[0].items() if k != "t"}
+    fit = plain_fit(vehicle, channels(Log("1.csv", "0" * 64, c.logs[0]["t"], columns), vehicle), everything)
+    states, moves = fit.noise.predictor.settle(fit.states, 1), []
+    for _ in range(4):
+        new = fit.noise.predictor.settle(states, 1)
+        moves.append(np.abs(new.points.nu - states.points.nu).max())
+        states = new
+    assert moves[-1] < 0.5 * moves[0] < 1e-3
 
 
 def test_tasks_keep_their_order_their_faults_and_what_is_ignored():

@@ -82,7 +82,7 @@ def learn(
         if turn == rounds - 1:
             return replace(noise, whitening=whiten(predictor, left, good, left_out)), states
         predictor = predictor.adopt(ambient_of(predictor, left, good, left_out))
-        predictor = quick_enough(predictor, predictor.damping(states))
+        predictor = quick_enough(predictor, predictor.slopes(states))
         states = predictor.settle(states)
     raise AssertionError("rounds must be positive")
 
@@ -132,7 +132,7 @@ def _plain(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
     left_out = axes_left_out(predictor)
     usual = _usual(h, vehicle, left_out)
     h = replaced(h, usual)
-    predictor = quick_enough(predictor, predictor.damping(predictor.start(h)))
+    predictor = quick_enough(predictor, predictor.slopes(predictor.start(h)))
     # The sway mass still acts in surge, through turning.
     fixed = {**claimed, **{i: x for i, x in usual.items() if i != MASS_SWAY.id}}
     noise, states = learn(predictor, predictor.settle(predictor.start(h), 2), search, fixed, left_out)

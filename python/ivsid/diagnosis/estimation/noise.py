@@ -65,6 +65,9 @@ QUICKER: Final = 2.0
 # The memory of a filter is below the inverse of this rate [1/s].
 # Source: measured: make constants
 LEAST_RATE: Final = 0.3
+# Largest spectral radius of what a pass of the filters hands on of an error of the states.
+# Source: geometry/physics: below one; two passes leave a third of an error, and the slopes differ along a log
+CONTRACTION: Final = 0.6
 # Factor of the ambient acceleration by which a filter is made quicker.
 # Source: measured: make constants
 QUICKENING: Final = 1.6
@@ -215,16 +218,24 @@ def usable_rows(predictor: Predictor) -> NDArray[np.bool_]:
     return ~reach
 
 
-def quick_enough(predictor: Predictor, damping: tuple[float, float, float]) -> Predictor:
-    """A predictor whose filters forget faster than the vehicle, so that their states hardly depend on the hypothesis.
+def quick_enough(predictor: Predictor, slopes: Array) -> Predictor:
+    """A predictor whose filters forget faster than the vehicle, so that their states hardly depend on the hypothesis, and passes settle.
+
+    A pass of the filters hands an error of the states on by the slopes of the accelerations, each over the memory of its axis. The errors
+    die out if the spectral radius of that matrix is below one.
 
     Args:
         predictor: with filters of the estimated ambient force.
-        damping: of each axis [1/s].
+        slopes: of the accelerations with the velocities [1/s], shape (3, 3, samples).
     """
+    damping = [max(float(-np.mean(slopes[k, k])), 0.0) for k in range(3)]
+    handed_on = np.sqrt(np.mean(slopes**2, axis=2))
     deviation = list(predictor.ambient.deviation)
     for _ in range(MOST_QUICKENINGS):
-        slow = [k for k in range(3) if predictor.axes[k].memory * max(QUICKER * damping[k], LEAST_RATE) > 1]
+        memory = np.array([axis.memory for axis in predictor.axes[:3]])
+        slow = [k for k in range(3) if memory[k] * max(QUICKER * damping[k], LEAST_RATE) > 1]
+        if not slow and np.abs(np.linalg.eigvals(memory[:, None] * handed_on)).max() > CONTRACTION:
+            slow = [0, 1, 2]
         if not slow:
             return predictor
         for k in slow:

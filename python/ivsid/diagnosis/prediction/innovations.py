@@ -15,7 +15,7 @@ from ivsid.diagnosis.prediction.states import FilteredStates, StateFilter, over_
 from ivsid.effects import Reading, Response, Thrust, of_kind
 
 Array = NDArray[np.float64]
-# Difference of a velocity from which damping is read, as a share of its standard deviation.
+# Difference of a velocity from which slopes of accelerations are read, as a share of its standard deviation.
 # Source: geometry: the slope of a quadratic drag changes by this share over it
 DAMPING_STEP: Final = 1e-3
 # Least standard deviation of a velocity in such a difference, in its unit.
@@ -64,17 +64,16 @@ class Predictor(StateFilter):
             inputs |= {(k, "process"): -track[k - 3] for k in range(3, len(self.axes))}
         return self.filters.errors(inputs)
 
-    def damping(self, states: FilteredStates) -> tuple[float, float, float]:
-        """Rate at which each of surge, sway and yaw by itself comes to rest, as a mean over the log [1/s]."""
-        found = []
+    def slopes(self, states: FilteredStates) -> Array:
+        """Slopes of each acceleration (first axis) with each velocity (second) at the states [1/s], shape (3, 3, 2 n)."""
         here = acceleration(self.vehicle, states.h, states.points)
+        found = np.empty((3, *here.shape))
         for k in range(3):
             size = DAMPING_STEP * max(float(np.std(states.points.nu[k])), LEAST_SPREAD)
             shift = np.zeros((3, 1))
             shift[k] = size
-            rate = acceleration(self.vehicle, states.h, states.points.moved(shift)) - here
-            found.append(max(float(-np.mean(rate[k]) / size), 0.0))
-        return found[0], found[1], found[2]
+            found[:, k] = (acceleration(self.vehicle, states.h, states.points.moved(shift)) - here) / size
+        return found
 
     def mass(self, states: FilteredStates) -> Mass:
         """The mass matrix at the times of the states."""

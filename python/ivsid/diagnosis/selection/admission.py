@@ -142,7 +142,7 @@ def _learnt(fit: Fit, states: FilteredStates) -> Noise:
     """The noise beside a hypothesis, with filters that are quick enough for its damping: a cause may be most of the damping of an axis."""
     predictor, left_out = fit.noise.predictor, fit.noise.left_out
     for _ in range(QUICKENED):
-        quicker = quick_enough(predictor, predictor.damping(states))
+        quicker = quick_enough(predictor, predictor.slopes(states))
         if quicker is predictor:
             break
         predictor = quicker

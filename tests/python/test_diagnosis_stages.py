@@ -76,8 +76,16 @@ def test_readings_that_stand_far_out_are_said_and_a_short_log_tests_less():
     assert len(short.fit.refused) + sum(v.z < VISIBLE or v.blind for v in shown.values()) > 5
 
 
-@pytest.mark.parametrize("effects", [{"drag.surge.linear": 0.15}, {"friction.coulomb": 0.03}], ids=str)
-@pytest.mark.parametrize("half", [first_half, second_half])
+# Nightly: the other half of each.
+@pytest.mark.parametrize(
+    ("half", "effects"),
+    [
+        (first_half, {"drag.surge.linear": 0.15}),
+        (second_half, {"friction.coulomb": 0.03}),
+        pytest.param(second_half, {"drag.surge.linear": 0.15}, marks=pytest.mark.nightly),
+        pytest.param(first_half, {"friction.coulomb": 0.03}, marks=pytest.mark.nightly),
+    ],
+)
 def test_half_a_log_of_a_faint_cause_passes_nothing(effects, half):
     vehicle = vehicle_of()
     found = screened(vehicle, half(train_of(vehicle, effects), None))
@@ -89,8 +97,7 @@ def test_half_a_log_of_a_faint_cause_passes_nothing(effects, half):
     [
         ("drag.yaw.linear", {"drag.yaw.linear": 1.0}),
         ("current.steady", {"current.steady.north": 0.08, "current.steady.east": 0.05}),
-        # Nightly: the gate diagnoses the same log whole (test_diagnosis.py).
-        pytest.param("thruster.lag", {"thruster.lag": 0.25}, marks=pytest.mark.nightly),
+        ("thruster.lag", {"thruster.lag": 0.25}),
         ("sensor.velocity.lever_arm", {"sensor.velocity.lever_arm.x": 0.1, "sensor.velocity.lever_arm.y": 0.05}),
         ("wind.steady", {"wind.steady.north": 1.5, "wind.steady.east": -1.0}),
     ],
@@ -210,7 +217,12 @@ def test_an_effect_of_ones_own_with_two_channels_is_screened():
 
 
 @pytest.mark.parametrize(
-    ("name", "first"), [(otter.CALM, "drag.surge.linear"), (otter.CURRENT, "current.steady")], ids=["calm", "current"]
+    ("name", "first"),
+    [
+        # Nightly: the gate has the same drag beside a current.
+        pytest.param(otter.CALM, "drag.surge.linear", id="calm", marks=pytest.mark.nightly),
+        pytest.param(otter.CURRENT, "current.steady", id="current"),
+    ],
 )
 def test_the_otters_strongest_cause_passes_first(real, name, first):
     """The simulator's drag in calm water, and its current where one runs."""
@@ -250,10 +262,17 @@ def test_the_cause_of_a_drawn_case_is_among_those_that_pass(seed, given, effect)
     assert effect in found.passed, found.passed
 
 
-# Nightly: a longer sail of the same kind.
-@pytest.mark.parametrize("seed", [pytest.param(46502, marks=pytest.mark.nightly), 46503])
-def test_velocities_every_fourth_row_pass_nothing(seed):
-    c = case(seed, what="none")
+# Nightly: longer sails of the same kind.
+@pytest.mark.parametrize(
+    ("seed", "given"),
+    [
+        pytest.param(46502, {}, marks=pytest.mark.nightly),
+        pytest.param(46503, {}, marks=pytest.mark.nightly),
+        (46503, {"duration": 150.0}),
+    ],
+)
+def test_velocities_every_fourth_row_pass_nothing(seed, given):
+    c = case(seed, what="none", **given)
     kept = np.arange(c.train.t.size) % 4 == 0
     columns = {k: np.where(kept, x, np.nan) if k in ("u", "v") else x for k, x in c.train.columns.items()}
     found = screened(c.vehicle, Log("1.csv", "0" * 64, c.train.t, columns))

@@ -100,7 +100,7 @@ def test_no_branch_can_be_left_out(saved, tmp_path):
             assert verdict.proved == stands(edited), (name, node, verdict.failures[:2])
     # An orthant that is left out as a whole is never made up for.
     _, record, log = saved["one"]
-    for signs in {json.dumps(c["orthant"]) for c in record["certificates"]}:
+    for signs in spaced(sorted({json.dumps(c["orthant"]) for c in record["certificates"]}), 6):
         edited = copy.deepcopy(record)
         edited["certificates"] = [c for c in record["certificates"] if json.dumps(c["orthant"]) != signs]
         assert rejected(edited, log, tmp_path)[0], signs

@@ -3,6 +3,7 @@
 import multiprocessing
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.noise import CONTRACTION, declared_ambient, quick_enough
 from ivsid.diagnosis.estimation.whitening import Whitening
 from ivsid.diagnosis.plant.physics import Hypothesis, acceleration, added_force
+from ivsid.diagnosis.plant.readings import added_readings
 from ivsid.diagnosis.plant.thruster_forces import bollard_force, thruster_force
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.parallel import at_once, side_by_side
@@ -154,6 +156,27 @@ def test_windows_sail_together_as_they_do_alone(predictor, plain):
         (alone,) = windows(predictor, states, (length,))
         for a, b in zip(found, alone, strict=True):
             assert np.allclose(a, b, rtol=1e-12, atol=1e-12, equal_nan=True)
+
+
+@pytest.mark.parametrize("delay", [0.03, 0.05, 0.13])
+def test_a_late_velocity_is_the_one_that_the_motion_had(delay):
+    """A hull that comes to rest under a held thrust, whose acceleration falls by 4 % a step."""
+    h, k, t = 0.1, 0.4, 0.1 * np.arange(50)
+
+    def velocity(t):
+        return np.stack([1.0 - 1.2 * np.exp(-k * t), 0.3 * np.exp(-k * t), 0.1 * np.exp(-2 * k * t)])
+
+    def acceleration(t):
+        return np.stack([1.2 * k * np.exp(-k * t), -0.3 * k * np.exp(-k * t), -0.2 * k * np.exp(-2 * k * t)])
+
+    at = np.r_[t, t + h / 2]
+    points = SimpleNamespace(nu=velocity(at), thrusts=np.zeros((1, at.size)))
+    late = (Given(EFFECTS["sensor.velocity.delay"], (delay,)),)
+    added = added_readings(late, points, acceleration(at), np.zeros((3, t.size)), 0.0, h)
+    truth = velocity(t - delay) - velocity(t)
+    for name, change in zip("uv", truth, strict=False):
+        # The first steps have no past. A constant acceleration over the step would be off by one to two per cent.
+        assert np.allclose(added[name][4:], change[4:], rtol=2e-3), name
 
 
 def test_passes_settle_however_the_axes_act_on_one_another(predictor, plain):

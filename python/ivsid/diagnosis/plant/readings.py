@@ -37,25 +37,29 @@ def added_readings(
     exact = dict(zip(NAMES, (*nu, specific[0], specific[1], nudot[2, :n] + ambient), strict=True))
     c: dict[str, Any] = dict(exact)
     c |= {"r_v": nu[2], "r_true": nu[2], "thrust": points.thrusts[:, :n].sum(axis=0)}
-    c["at"] = lambda delay: _earlier(nu, nudot[:, n:], delay, h)
+    c["at"] = lambda delay: _earlier(nu, nudot, delay, h)
     for reading, numbers in sorted(readings, key=lambda q: q[0].order):
         c.update(reading.function(c, numbers))
     return {q: np.asarray(c[q] - exact[q], dtype=np.float64) for q in NAMES}
 
 
-def _earlier(nu: Array, rate: Array, delay: float, h: float) -> tuple[Array, ...]:
+def _earlier(nu: Array, nudot: Array, delay: float, h: float) -> tuple[Array, ...]:
     """Velocities a delay before each sample, shape (n,) each.
 
-    Within the step that ends at the sample they go back along the model's own acceleration.
+    Within the step that ends at the sample they go back along the model's own acceleration, which is that of the sample before at the begin of
+    the step, that over the step in its middle, and linear in time.
     """
+    n = nu.shape[1]
     whole = int(np.floor(delay / h + WHOLE))
     back = delay - whole * h
     # The state at the end of a step is predicted from its start.
-    step = np.concatenate([np.zeros((3, 1)), rate[:, :-1]], axis=1)
+    none = np.zeros((3, 1))
+    step = np.concatenate([none, nudot[:, n : 2 * n - 1]], axis=1)
+    change = np.concatenate([none, nudot[:, n : 2 * n - 1] - nudot[:, : n - 1]], axis=1)
     # Both samples around the moment count, weighted by how near they are, so that a delay grows past a whole sample without a jump.
     before = np.concatenate([nu[:, :1], nu[:, :-1]], axis=1)
     share = back / h
-    then = (1 - share) * (nu - back * step) + share * (before + (h - back) * step)
+    then = (1 - share) * (nu - back * step) + share * (before + (h - back) * step) - share * (h - back) * change
     if whole:
         then = np.concatenate([np.repeat(then[:, :1], whole, axis=1), then[:, :-whole]], axis=1)
     return then[0], then[1], then[2]

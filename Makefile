@@ -13,7 +13,7 @@ CRATES := --workspace --exclude benches
 ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 FIXED := PROPTEST_RNG_SEED=1
 
-.PHONY: demo test test-rust test-python dependencies check rustfmt clippy clippy-built lint rules null-logs constants constants-page rules-page types stubs imports docs docs-rust docs-python nightly \
+.PHONY: demo test test-rust test-python dependencies check rustfmt clippy lint rules null-logs constants constants-page rules-page types stubs imports docs docs-rust docs-python nightly \
 	bench same same-compare vessels peers inverse-peers throughput diagnosis-time exhaustive twins itf1788 differential fuzz exam handbook build release venv format clean
 
 demo: release
@@ -39,14 +39,6 @@ rustfmt:
 
 clippy:
 	cargo clippy $(GATE) --workspace --all-targets -- -D warnings
-
-# Clippy as the compiler of a build: what the tests compiled of the dependencies serves it, where `cargo clippy` reads each of
-# them again (two minutes on two cores). The code that it makes is not run, so it is not optimised. `make nightly` runs
-# `cargo clippy` itself, with the benchmarks.
-UNOPTIMISED := $(foreach crate,filter-core interval-core pyivsid,--config 'profile.gate.package.$(crate).opt-level=0')
-clippy-built:
-	RUSTC_WORKSPACE_WRAPPER=clippy-driver CLIPPY_ARGS=-Dwarnings__CLIPPY_HACKERY__ \
-		cargo build $(GATE) $(CRATES) --lib --tests $(UNOPTIMISED)
 
 lint: venv
 	$(BIN)/ruff format --check python tests examples benches docs/*.py

@@ -97,7 +97,7 @@ def test_a_pose_alone_never_makes_a_name():
     vehicle = vehicle_of(extra=extra)
     pose = [
         Log(log.name, log.sha256, log.t, {k: x for k, x in log.columns.items() if k not in ("u", "v", "r", "ax", "ay")})
-        for log in logs_of(vehicle)
+        for log in logs_of(vehicle, duration=120.0)
     ]
     try:
         result = diagnose(vehicle, *pose)

@@ -239,7 +239,8 @@ def test_the_otters_strongest_cause_passes_first(real, name, first):
         pytest.param(113018, {"what": "one"}, "thruster.delay", marks=pytest.mark.nightly),
         # Nightly: a longer sail with the cause of the one before.
         pytest.param(113027, {"what": "one"}, "thruster.delay", marks=pytest.mark.nightly),
-        (113002, {"what": "one"}, "tether.tension"),
+        # Nightly: the gate scores a copy of a tether (test_own_effects.py).
+        pytest.param(113002, {"what": "one"}, "tether.tension", marks=pytest.mark.nightly),
         # Nightly: the gate scores a copy of a dead band (test_own_effects.py).
         pytest.param(
             112004,

@@ -36,6 +36,8 @@ def trials(vehicle, truth="", effects=None):
     return logs
 
 
+# Nightly: causes are named in whole diagnoses of the gate in test_own_effects.py and test_diagnosis_claims.py.
+@pytest.mark.nightly
 def test_the_papers_model_shares_a_drag_that_the_hull_does_not(tmp_path):
     """model.terms = "paper" against a twin with two drags and damping in yaw: both are named, with their numbers."""
     twin = parse_vehicle(SWAN.replace('terms = "paper"', PLAIN), "twin.toml")

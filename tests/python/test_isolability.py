@@ -69,7 +69,7 @@ def test_the_library_is_sailed_by_every_kind_of_vehicle():
         } <= names  # fmt: skip
         assert ("turns on the spot" in names) == (text is TWIN)
         # A rudder's simulation takes ten times as long.
-        for trial in spaced(trials.library(vehicle), 5 if text is TWIN else 2):
+        for trial in spaced(trials.library(vehicle), 3 if text is TWIN else 1):
             made = simulate(vehicle, trials.scenario(trial, vehicle, 10.0, TRUTH))
             assert 120 <= made.t[-1] <= 200
             e = made.exact

@@ -229,7 +229,8 @@ def quick_enough(predictor: Predictor, slopes: Array) -> Predictor:
         slopes: of the accelerations with the velocities [1/s], shape (3, 3, samples).
     """
     damping = [max(float(-np.mean(slopes[k, k])), 0.0) for k in range(3)]
-    handed_on = np.sqrt(np.mean(slopes**2, axis=2))
+    # Where states have run away no slope says anything.
+    handed_on = np.nan_to_num(np.sqrt(np.mean(slopes**2, axis=2)), nan=0.0, posinf=0.0)
     deviation = list(predictor.ambient.deviation)
     for _ in range(MOST_QUICKENINGS):
         memory = np.array([axis.memory for axis in predictor.axes[:3]])

@@ -168,7 +168,7 @@ $(VENV)/.ready: requirements/lock.txt
 	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "Python 3.11 or later is needed; set PYTHON=/path/to/it")'
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-compile uv==$(UV) \
-		&& $(BIN)/uv pip install --quiet --python $(BIN)/python --no-cache --requirement requirements/lock.txt \
+		&& $(BIN)/uv pip install --system-certs --quiet --python $(BIN)/python --no-cache --requirement requirements/lock.txt \
 		|| $(BIN)/pip install --quiet --disable-pip-version-check --no-compile --requirement requirements/lock.txt
 	touch $@
 

@@ -36,7 +36,7 @@ from ivsid.diagnosis.statements.claims import Claim
 from ivsid.diagnosis.statements.diagnosis import Diagnosis, extended_vehicle
 from ivsid.diagnosis.statements.evidence import Evidence, evidence
 from ivsid.diagnosis.statements.findings import Finding
-from ivsid.diagnosis.statements.prose import explain, worth
+from ivsid.diagnosis.statements.prose import explain, lost, worth
 from ivsid.diagnosis.statements.proved import GUARANTEED, REFUTED, Proof
 
 __all__ = [
@@ -59,5 +59,6 @@ __all__ = [
     "explain",
     "extended_vehicle",
     "isolability",
+    "lost",
     "worth",
 ]

@@ -26,8 +26,8 @@ from ivsid.diagnosis.selection.parallel import Apart, at_once, one_blas_thread
 from ivsid.diagnosis.selection.rules import full_refused
 from ivsid.diagnosis.selection.select import select
 from ivsid.diagnosis.selection.verdict import Left
+from ivsid.diagnosis.statements.carried import failed, fails
 from ivsid.diagnosis.statements.claims import claims
-from ivsid.diagnosis.statements.comparison import compare
 from ivsid.diagnosis.statements.diagnosis import Diagnosis, inputs_of
 from ivsid.diagnosis.statements.findings import findings_of, shallow, unknown, verdict_of
 from ivsid.diagnosis.statements.hints import hints
@@ -35,7 +35,7 @@ from ivsid.diagnosis.statements.not_tested import left_out_note, not_tested
 from ivsid.diagnosis.statements.proved import proof_of, proved_findings
 from ivsid.diagnosis.statements.residuals import before_and_after, unexplained
 from ivsid.diagnosis.statements.shallow_water import change
-from ivsid.diagnosis.statements.share import shares
+from ivsid.diagnosis.statements.trial import Trial
 from ivsid.log import Log
 from ivsid.vehicle import Vehicle
 
@@ -88,13 +88,10 @@ def diagnose(
     if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in selection.found):
         progress("looking again, at the threshold of the null logs")
         selection = select(fit, confirmation.test, progress)
-    # Errors of TRAIN's sensors and thrusters are no part of the model: TEST has its own.
-    plain = replace(fit.h, declared_errors={})
-    extended_h = plain if selection.last.h is fit.h else replace(selection.last.h, declared_errors={})
     predictor = Predictor(vehicle, other, selection.last.noise.predictor.ambient)
-    compared = Apart(partial(compare, predictor, plain, extended_h, seed))
+    # Most findings stand, so their model is tried while they are examined.
+    trial = Trial(predictor, selection, seed)
     moved = Apart(partial(change, vehicle, selection.last, other))
-    shared = Apart(partial(shares, predictor, fit, selection.last, [q.id for q in selection.found]))
     after = adequacy(selection.last) if selection.found else before
     count = len(selection.found)
     structure = confirmed_structure(selection.last, test_of.visible, Left(after, before, count), looks)
@@ -102,16 +99,22 @@ def diagnose(
     complete = Left(after, before, count).sufficient
     residuals = before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
     findings, withdrawn = findings_of(selection, residuals, after, complete=complete)
+    trial = trial.of({f.effect for f in findings})
     proof = proof_of(vehicle, train)
-    extended = None
-    if complete:
-        findings, extended = proved_findings(findings, vehicle, train, selection.last.h)
-    else:
-        kept = {f.effect for f in findings}
-        findings = (*findings, unknown(after, [f.id for f in selection.found if f.id not in kept]))
-    claimed = claims(selection.last, selection.leftover, findings, unknown=not after.quiet)
+    proved, extended = proved_findings(findings, vehicle, train, trial.model) if complete else (findings, None)
     progress("trying both models on the other log")
-    gain, shown, water = compared.result(), shared.result(), moved.result()
+    (gain, shown), water = trial.result(), moved.result()
+    shoal = water is not None and water.factor is not None
+    # Masses that differ between the logs are a reason to fail on the other one.
+    if not shoal and (refusal := failed(gain, findings, complete=complete)) is not None:
+        withdrawn = {**withdrawn, **{i: refusal for f in findings for i in (f.effect, *f.alternatives)}}
+        extended = None
+        findings = (fails(gain, findings, after, [f.id for f in selection.found], complete=complete),)
+        trial = trial.of(())
+        gain, shown = trial.result()
+    else:
+        findings = proved if complete else (*findings, unknown(after, trial.out))
+    claimed = claims(selection.last, selection.leftover, findings, unknown=not after.quiet)
     if water is not None and water.factor is not None:
         findings = (*findings, shallow(water))
     least = limits.result()
@@ -130,6 +133,7 @@ def diagnose(
         gain,
         (before, after),
         selection,
+        trial.model,
         vehicle,
         inputs_of(vehicle, train, test),
         seed,

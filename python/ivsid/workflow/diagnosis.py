@@ -79,6 +79,8 @@ def diagnosis_report(result: Diagnosis) -> Report:
     summary = f"{result.vehicle.name}: {result.verdict}. {VERDICTS[result.verdict]}"
     if result.proofs[0].refuted:
         summary += f" {REFUTATION}"
+    if result.gain.losses:
+        summary += f" {diagnosis.lost(result.gain)}"
     return Report(
         f"Diagnosis of {result.vehicle.name}",
         summary,
@@ -251,6 +253,8 @@ def _lines(result: Diagnosis) -> list[str]:
     if result.findings:
         for what, unit, before, after, _, said in diagnosis.worth(result.gain)[:4]:
             lines.append(f"  {what} on {result.gain.log}: {before:.4g} {unit} before, {after:.4g} after: {said}")
+        if result.gain.losses:
+            lines.append(f"  {diagnosis.lost(result.gain)}")
     if result.claims:
         wrong = [c.parameter for c in result.claims if c.contradicted]
         lines.append(f"  {len(result.claims)} claims held against the log, contradicted: {', '.join(wrong) or 'none'}")

@@ -18,6 +18,9 @@ About the model:
 - ``proved``: contradictions and intervals with certificates.
 - ``share``: the error in position that a cause explains on TEST.
 - ``comparison``, with the simulations in ``windows``: the gain of the extended model on TEST.
+- ``losses``: quantities in which it is worse there.
+- ``carried``: whether it fails there, so that its causes are no findings.
+- ``trial``: both models on TEST, with ``without``: the model without some of its causes.
 - ``extended``: the extended model as a vehicle file.
 
 For the reader:

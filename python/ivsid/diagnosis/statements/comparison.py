@@ -17,6 +17,7 @@ from scipy.signal import butter, sosfiltfilt
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates
+from ivsid.diagnosis.statements.losses import losses
 from ivsid.diagnosis.statements.windows import windows
 from ivsid.effects import CHANNELS
 
@@ -36,6 +37,9 @@ ORDER: Final = 4
 # Bootstrap draws: ten lie beyond each end of a 95 % interval.
 # Source: resource: the time of the bootstrap grows with the draws
 DRAWS: Final = 400
+# Names of the missing forces.
+# Source: definition: SNAME 1950
+FORCES: Final = ("X", "Y", "N")
 # Ends of a 95 % interval.
 # Source: definition: equal tails of 2.5 %
 ENDS: Final = (0.025, 0.975)
@@ -56,6 +60,7 @@ class Gain:
         time: of the samples [s], shape (n,).
         log: name of the log.
         net: low-passed mass times acceleration: measured, before and after [N, N m], shape (3, 3, n).
+        losses: quantities in which the model after is worse than chance makes it, with the chance.
     """
 
     force_rms: dict[str, tuple[float, float]]
@@ -68,6 +73,7 @@ class Gain:
     time: Array
     log: str
     net: Array
+    losses: dict[str, float]
 
     def record(self) -> dict[str, object]:
         """The entry ``gain`` of result.json."""
@@ -77,6 +83,7 @@ class Gain:
             "position_rms": None if self.position_rms is None else list(self.position_rms),
             "windows": {"velocity": VELOCITY_WINDOW, "position": POSITION_WINDOW},
             "interval": {k: list(v) for k, v in self.interval.items()},
+            "losses": self.losses,
             "log": self.log,
         }
 
@@ -98,23 +105,21 @@ def compare(predictor: Predictor, before: Hypothesis, after: Hypothesis, seed: i
     lengths = (VELOCITY_WINDOW, POSITION_WINDOW) if placed else (VELOCITY_WINDOW,)
     simulated = [windows(predictor, a, lengths) for a in states_of]
     velocity = [simulated[0][0], simulated[-1][0]]
-    rms, interval = {}, {}
+    interval = {}
     rng = np.random.default_rng(seed)
-    for k, name in enumerate(("u", "v", "r")):
-        b, a = velocity[0][1][:, k], velocity[-1][1][:, k]
-        rms[name] = (float(np.median(b)), float(np.median(a)))
+    moved = {name: (velocity[0][1][:, k], velocity[-1][1][:, k]) for k, name in enumerate(("u", "v", "r"))}
+    if placed and simulated[0][1][2].size:
+        moved["position"] = (simulated[0][1][2], simulated[-1][1][2])
+    for name, (b, a) in moved.items():
         draws = rng.integers(0, max(b.size, 1), (DRAWS, max(b.size, 1)))
         interval[name] = _middle(np.median(b[draws], axis=1), np.median(a[draws], axis=1))
-    position = None
-    if placed:
-        errors = [w[1][2] for w in simulated]
-        if errors[0].size:
-            position = (float(np.median(errors[0])), float(np.median(errors[-1])))
-            draws = rng.integers(0, errors[0].size, (DRAWS, errors[0].size))
-            interval["position"] = _middle(np.median(errors[0][draws], axis=1), np.median(errors[-1][draws], axis=1))
-    interval |= _force_interval(force, predictor, rng)
+    rms = {name: (float(np.median(b)), float(np.median(a))) for name, (b, a) in moved.items()}
+    position = rms.pop("position", None)
+    pushed = _energies(force, predictor)
+    interval |= _force_interval(pushed, rng)
     size = np.sqrt(np.mean(force[:, :, predictor.log.good] ** 2, axis=2))
-    forces = {n: (float(size[0, k]), float(size[1, k])) for k, n in enumerate(("X", "Y", "N"))}
+    forces = {n: (float(size[0, k]), float(size[1, k])) for k, n in enumerate(FORCES)}
+    paired = {**moved, **{n: (np.sqrt(pushed[0, k]), np.sqrt(pushed[1, k])) for k, n in enumerate(FORCES)}}
     motion = np.stack([v[0] for v in velocity])
     return Gain(
         forces,
@@ -127,6 +132,7 @@ def compare(predictor: Predictor, before: Hypothesis, after: Hypothesis, seed: i
         predictor.log.t,
         predictor.log.name,
         _net(predictor, states_of),
+        losses(paired),
     )
 
 
@@ -136,16 +142,21 @@ def _middle(before: Array, after: Array) -> tuple[float, float]:
     return float(np.quantile(ratios, ENDS[0])), float(np.quantile(ratios, ENDS[1]))
 
 
-def _force_interval(force: Array, predictor: Predictor, rng: np.random.Generator) -> dict[str, tuple[float, float]]:
-    """95 % intervals of before over after in the rms of the missing forces, by a bootstrap over whole windows."""
+def _energies(force: Array, predictor: Predictor) -> Array:
+    """Energies of the missing forces before and after in whole windows, shape (2, 3, windows)."""
     count = round(VELOCITY_WINDOW / predictor.log.h)
     blocks = predictor.log.n // count
+    kept = np.where(predictor.log.good, force, 0.0)[:, :, : blocks * count]
+    return np.asarray((kept**2).reshape(2, 3, blocks, count).sum(axis=3))
+
+
+def _force_interval(energy: Array, rng: np.random.Generator) -> dict[str, tuple[float, float]]:
+    """95 % intervals of before over after in the rms of the missing forces, by a bootstrap over whole windows."""
+    blocks = energy.shape[2]
     if blocks < 2:
         return {}
-    kept = np.where(predictor.log.good, force, 0.0)[:, :, : blocks * count]
-    energy = (kept**2).reshape(2, 3, blocks, count).sum(axis=3)
     drawn = energy[:, :, rng.integers(0, blocks, (DRAWS, blocks))].sum(axis=3)
-    return {n: _middle(*np.sqrt(drawn[:, k])) for k, n in enumerate(("X", "Y", "N"))}
+    return {n: _middle(*np.sqrt(drawn[:, k])) for k, n in enumerate(FORCES)}
 
 
 def _net(predictor: Predictor, states_of: Sequence[FilteredStates]) -> Array:

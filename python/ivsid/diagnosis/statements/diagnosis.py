@@ -9,6 +9,7 @@ from typing import Any
 from ivsid.diagnosis.candidates.intervals import Bound
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.null.visibility import Visibility
+from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.selection.adequacy import Adequacy
 from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.claims import Claim
@@ -39,13 +40,14 @@ class Diagnosis:
         gain: of the extended model on TEST.
         adequacy: of the plain and of the extended model on TRAIN.
         selection: the causes with their rivals and scores.
+        model: the extended model: the plain one with the findings.
         vehicle: of the file.
         inputs: names and SHA-256 hashes of the files.
         seed: of every random draw.
         proofs: on the plain model and TRAIN, and on the extended model if a guarantee was asked for.
         notes: sentences on the logs and the proofs.
         claims: of the vehicle file, each against the log.
-        withdrawn: refusals of causes that the extended model holds and that are no findings, by id.
+        withdrawn: refusals of causes that the fit holds and that are no findings, by id.
     """
 
     verdict: str
@@ -58,6 +60,7 @@ class Diagnosis:
     gain: Gain
     adequacy: tuple[Adequacy, Adequacy]
     selection: Selection
+    model: Hypothesis
     vehicle: Vehicle
     inputs: tuple[tuple[str, str], ...]
     seed: int
@@ -96,14 +99,14 @@ class Diagnosis:
             "guarantees": None if self.proofs[1] is None else self.proofs[1].record(),
             "unexplained": self.unexplained,
             "gain": self.gain.record(),
-            "parameters": {k: float(v) for k, v in self.selection.last.h.values.items()},
+            "parameters": {k: float(v) for k, v in self.model.values.items()},
             "notes": list(self.notes),
         }
 
 
 def extended_vehicle(result: Diagnosis) -> str:
     """Text of the vehicle file with the findings in its model; numbers that a file cannot state stand in comments."""
-    return extended_text(result.vehicle, result.selection.last.h)
+    return extended_text(result.vehicle, result.model)
 
 
 def inputs_of(vehicle: Vehicle, *logs: Log) -> tuple[tuple[str, str], ...]:

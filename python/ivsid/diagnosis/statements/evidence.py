@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.fit import Fit
-from ivsid.diagnosis.estimation.gauss_newton import improve
-from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates
-from ivsid.diagnosis.selection.rivals import FULL_STEPS
 from ivsid.diagnosis.statements.binning import Binned, binned, ordered_by
 from ivsid.diagnosis.statements.comparison import missing
 from ivsid.diagnosis.statements.diagnosis import Diagnosis
 from ivsid.diagnosis.statements.findings import Finding
+from ivsid.diagnosis.statements.without import without
 from ivsid.effects import CHANNELS
 
 Array = NDArray[np.float64]
@@ -68,25 +66,9 @@ def evidence(result: Diagnosis) -> tuple[Evidence, ...]:
         if f.effect == "unknown":
             found.append(_of(f, last, predictor, after, after))
         elif any(f.effect == q.id for q in result.selection.found):
-            made = _without(f.effect, result)
-            if made is not None:
-                found.append(_of(f, last, predictor, made, after))
+            bare = without(result.selection.plain, last, (f.effect,))
+            found.append(_of(f, last, predictor, missing(predictor, bare), after))
     return tuple(found)
-
-
-def _without(id_: str, result: Diagnosis) -> Array | None:
-    """Force that is missing without a finding, with the rest fitted again, shape (3, n); None if the fit fails."""
-    last, plain = result.selection.last, result.selection.plain
-    h = last.h.without(id_, plain.h)
-    # The fit starts from the plain model's numbers: those beside the finding may be far from the best ones without it.
-    own = {t.id for t in h.terms}
-    h = replace(h, values={**h.values, **{k: v for k, v in plain.h.values.items() if k in own}})
-    start = plain.states.under(h)
-    try:
-        states = improve(Problem.at(last.noise, last.fixed, start), start, FULL_STEPS)
-    except np.linalg.LinAlgError:
-        return None
-    return missing(last.noise.predictor, states)
 
 
 def _of(f: Finding, last: Fit, predictor: Predictor, before: Array, after: Array) -> Evidence:

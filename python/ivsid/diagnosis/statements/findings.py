@@ -183,7 +183,7 @@ def unknown(left: Adequacy, near: Sequence[str]) -> Finding:
 
     Args:
         left: adequacy of the extended model.
-        near: causes that the extended model holds and that are no findings.
+        near: causes that the fit holds and that are no findings.
     """
     likely = ", ".join(f"{name} in {channel} ({np.sqrt(fall):.0f} sigma)" for name, channel, fall in left.strongest)
     channel = left.strongest[0][1]
@@ -211,7 +211,7 @@ def unknown(left: Adequacy, near: Sequence[str]) -> Finding:
         )
         z = max(z, left.hulls[0].deviations)
     if near:
-        text += f"; the nearest are {' and '.join(near)}, which the extended model holds and nothing proves"
+        text += f"; the nearest are {' and '.join(near)}, which the fit holds and nothing proves, so that the extended model leaves them out"
     evidence: FindingEvidence = {
         "channel": channel,
         "z": z,

@@ -10,6 +10,7 @@ from ivsid.diagnosis.statements.comparison import BAND, POSITION_WINDOW, VELOCIT
 from ivsid.diagnosis.statements.diagnosis import Diagnosis
 from ivsid.diagnosis.statements.evidence import Evidence
 from ivsid.diagnosis.statements.findings import Finding
+from ivsid.diagnosis.statements.losses import LEVEL
 from ivsid.diagnosis.statements.share import AFTER
 from ivsid.effects import CATALOGUE, EFFECTS, Effect
 
@@ -206,6 +207,17 @@ def worth(gain: Gain) -> list[tuple[str, str, float, float, tuple[float, float] 
         (*_WHAT[name], before, after, gain.interval.get(name), _verdict(before, after, gain.interval.get(name)))
         for name, (before, after) in pairs.items()
     ]
+
+
+def lost(gain: Gain) -> str:
+    """Sentence on the quantities in which the extended model is worse on the other log, by more than chance; empty if there are none."""
+    if not gain.losses:
+        return ""
+    return (
+        f"On {gain.log} the extended model is worse than the one before it in {', '.join(_WHAT[k][0] for k in gain.losses)}, by more than chance "
+        f"({100 * LEVEL:g} % over all quantities): what the first log taught does not carry over to this motion, so use model.toml for motion "
+        "like the first log's, and identify on both logs before you trust it elsewhere."
+    )
 
 
 def _verdict(before: float, after: float, interval: tuple[float, float] | None) -> str:

@@ -17,11 +17,10 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from ivsid.diagnosis.estimation.fit import Fit
-from ivsid.diagnosis.estimation.gauss_newton import improve
-from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.statements.windows import drift
+from ivsid.diagnosis.statements.without import without
 
 Array = NDArray[np.float64]
 # Length of a free run [s].
@@ -82,39 +81,33 @@ class Share:
         }
 
 
-def shares(predictor: Predictor, plain: Fit, last: Fit, ids: Sequence[str]) -> Mapping[str, Share]:
+def shares(
+    predictor: Predictor, plain: Fit, last: Fit, ids: Sequence[str], out: Sequence[str] = ()
+) -> Mapping[str, Share]:
     """Shares of causes, by id; none without a position and a heading, or where the log is too short.
 
     Args:
         predictor: of the other log.
         plain: fit of the model without causes.
-        last: fit of the extended model.
+        last: fit with every cause that was found.
         ids: of the causes.
+        out: causes that were found and that the extended model leaves out.
     """
     log = predictor.log
     if not ids or log.place is None or log.psi is None:
         return {}
-    held = _off(predictor, last.h)
+    held = _off(predictor, without(plain, last, out).h)
     count = held.size
     if count < FEWEST:
         return {}
     found = {}
-    for id_ in ids:
-        without = _off(predictor, _without(plain, last, id_))
-        logs = np.log(held / without)
+    for id_ in (i for i in ids if i not in out):
+        bare = _off(predictor, without(plain, last, (id_, *out)).h)
+        logs = np.log(held / bare)
         reach = float(student.ppf(0.5 + 0.5 * HELD, count - 1)) * float(np.std(logs, ddof=1)) / np.sqrt(count)
         ends = 1.0 - np.exp(2.0 * (float(logs.mean()) + np.array([reach, -reach])))
-        found[id_] = Share(_middle(without), _middle(held), (float(ends[0]), float(ends[1])))
+        found[id_] = Share(_middle(bare), _middle(held), (float(ends[0]), float(ends[1])))
     return found
-
-
-def _without(plain: Fit, last: Fit, id_: str) -> Hypothesis:
-    """The extended hypothesis without a cause, fitted again; the plain one if no other cause is left."""
-    bare = last.h.without(id_, plain.h)
-    if {t.id for t in bare.terms} == {t.id for t in plain.h.terms} and not bare.given and bare.freed == plain.h.freed:
-        return plain.h
-    start = last.states.under(bare)
-    return improve(Problem.at(last.noise, last.fixed, start), start).h
 
 
 def _middle(off: Array) -> float:

@@ -1,0 +1,51 @@
+"""Losses on the other log: quantities in which the extended model is worse than the plain one by more than chance.
+
+Both models are simulated over the same windows, so that each window gives a pair of errors. Without a loss the logarithm of their ratio
+is as often above zero as below it by as much. Seven quantities are tested at once.
+
+Source: Wilcoxon, "Individual comparisons by ranking methods", Biometrics Bulletin 1, 1945; Holm, "A simple sequentially rejective multiple
+test procedure", Scandinavian Journal of Statistics 6, 1979.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import wilcoxon
+
+Array = NDArray[np.float64]
+# Chance of calling any quantity worse on a log where none is.
+# Source: definition: the level of a whole verdict
+LEVEL: Final = 0.01
+# Factor of an error, in the mean of its logarithm, below which a loss is none.
+# Source: definition: nobody acts on a simulation that is worse by a fiftieth
+MATERIAL: Final = 1.02
+# Least error that is compared, in any unit.
+# Source: definition: keeps logarithms finite
+LEAST: Final = 1e-12
+
+
+def losses(pairs: Mapping[str, tuple[Array, Array]]) -> dict[str, float]:
+    """Quantities that are worse, with the chance of such ranks without a loss.
+
+    Args:
+        pairs: errors before and after in the same windows, each of shape (windows,), by quantity.
+    """
+    chances = {name: _chance(*pair) for name, pair in pairs.items()}
+    found = {}
+    for rank, (name, chance) in enumerate(sorted(chances.items(), key=lambda c: c[1])):
+        if chance * (len(chances) - rank) > LEVEL:
+            break
+        found[name] = chance
+    return found
+
+
+def _chance(before: Array, after: Array) -> float:
+    """Chance of ranks like these, or clearer ones, if errors after are no larger."""
+    ratio = np.log(np.maximum(after, LEAST) / np.maximum(before, LEAST))
+    if not ratio.size or ratio.mean() < np.log(MATERIAL):
+        return 1.0
+    return float(wilcoxon(ratio[ratio != 0.0], alternative="greater").pvalue)

@@ -33,7 +33,7 @@ class Criterion:
     text: str
     rate: float
     most: bool
-    count: Callable[[Rows], tuple[int, int]]
+    count: Callable[[Rows], tuple[int, float]]
     events: bool = False
 
     def judge(self, rows: Rows) -> Judged:
@@ -49,7 +49,7 @@ class Judged:
 
     criterion: Criterion
     hits: int
-    cases: int
+    cases: float
     low: float
     high: float
     verdict: str
@@ -65,7 +65,7 @@ def clopper_pearson(k: int, n: int) -> tuple[float, float]:
     return low, float(beta.ppf(SURE, k + 1, n - k)) if k < n else 1.0
 
 
-def poisson(k: int, n: int) -> tuple[float, float]:
+def poisson(k: int, n: float) -> tuple[float, float]:
     """One-sided limits of a number a case after k in n cases, each at 95 %."""
     if not n:
         return 0.0, float("inf")
@@ -99,6 +99,13 @@ def spurious(row: dict) -> int:
 
 def names(row: dict) -> int:
     return sum(f != "unknown" for f in row["found"])
+
+
+def mistaken(rows: Rows) -> tuple[int, float]:
+    """Findings that are wrong, and how many of them their probabilities let expect."""
+    said = [(s, p[0], r) for r in rows if "verdict" in r for s, p in zip(r["sets"], r["sure"], strict=True)]
+    wrongs = sum(not (r["truth"] if s == ["unknown"] else set(s) & set(r["z"])) for s, _, r in said)
+    return wrongs, round(sum(1.0 - p for _, p, _ in said), 1)
 
 
 def counted(rows: Rows, condition: Callable[[dict], bool]) -> tuple[int, int]:
@@ -151,6 +158,9 @@ CRITERIA = (
     ),
     Criterion("intervals that hold", 0.99, False, lambda rows: held(rows, guaranteed=False)),
     Criterion("guaranteed intervals that hold", 1.0, False, lambda rows: held(rows, guaranteed=True)),
+    Criterion(
+        "findings that are wrong, over those that their probabilities let expect", 1.0, True, mistaken, events=True
+    ),
     Criterion(
         "cases that end without a verdict",
         0.0,

@@ -42,6 +42,10 @@ def grade(folder: Path, said: dict, truth: dict) -> dict:
         "held": held,
         "cpu": said.get("cpu", 0.0),
         "evidence": [f["evidence"] for f in findings],
+        "sure": [
+            [f.get("probability", 1.0), f.get("confidence", 1.0), f.get("like", {}).get("kind", "")] for f in findings
+        ],
+        "losses": record.get("gain", {}).get("losses", {}),
         "left": said.get("left", []),
         "adequacy": said.get("adequacy", []),
         "worth": worth(folder, record["gain"], truth) if known else {},

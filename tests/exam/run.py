@@ -72,6 +72,7 @@ def examination(jobs: Iterable[int | Path], options: dict, workers: int = 1) -> 
 def main() -> int:
     from tests.exam.criteria import passed
     from tests.exam.grade import score
+    from tests.exam.reliability import drawing
     from tests.exam.table import table
 
     first, count = int(sys.argv[1]), int(sys.argv[2])
@@ -89,6 +90,7 @@ def main() -> int:
             Path(path).write_text(json.dumps(rows, default=float))
     if page:
         Path(page).write_text(table(rows, first, count))
+        drawing(rows, Path(page).with_name("reliability.svg"))
     sys.stdout.write(score(rows) + "\n")
     return 0 if passed(rows) else 1
 

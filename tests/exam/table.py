@@ -5,6 +5,7 @@ from __future__ import annotations
 import statistics
 
 from tests.exam.criteria import hit, judged, of, seen, spurious
+from tests.exam.reliability import lines
 
 
 def table(rows, first: int, count: int) -> str:
@@ -39,6 +40,7 @@ def table(rows, first: int, count: int) -> str:
             f"| gain on TEST over the true model's (turning TRAIN, z >= 8) | median 0.95, 0.90 in 90 % | median {statistics.median(gains):.3f}, 0.90 in {share(above, len(gains))} | | |"
         )
     out.append(f"| processor time, median and largest | 3 s | {times(done)} | | |")
+    out += ["", *lines(done), "", "![Share of right findings against the probability that was said](reliability.svg)"]
     out += ["", "| stratum | nulls not adequate | singles with z >= 8 named or in a set |", "|---|---|---|"]
     for key in ("kind", "style", "ambient", "rate", "duration", "family"):
         for value in sorted({r["stratum"][key] for r in done}, key=str):

@@ -120,7 +120,7 @@ def test_no_criterion_always_passes(criterion, good):
         elif what == "none":
             r["verdict"] = "unknown"
         else:
-            r["found"], r["sets"] = [names[0]], [[names[0]]]
+            r["found"], r["sets"], r["sure"] = [names[0]], [[names[0]]], [[0.97, 1.0, ""]]
     assert not criterion.judge(spoilt).passes
 
 

@@ -29,7 +29,7 @@ from ivsid.diagnosis.selection.verdict import Left
 from ivsid.diagnosis.statements.carried import failed, fails
 from ivsid.diagnosis.statements.claims import claims
 from ivsid.diagnosis.statements.diagnosis import Diagnosis, inputs_of
-from ivsid.diagnosis.statements.findings import findings_of, shallow, unknown, verdict_of
+from ivsid.diagnosis.statements.findings import findings_of, shallow, unknown, verdict_of, weighed
 from ivsid.diagnosis.statements.hints import hints
 from ivsid.diagnosis.statements.not_tested import left_out_note, not_tested
 from ivsid.diagnosis.statements.proved import proof_of, proved_findings
@@ -119,7 +119,7 @@ def diagnose(
         findings = (*findings, shallow(water))
     least = limits.result()
     visible = {i: replace(v, detectable=least.get(i, v.detectable)) for i, v in visible.items()}
-    findings = tuple(replace(f, matters=shown.get(f.effect)) for f in findings)
+    findings = weighed(findings, shown)
     verdict = verdict_of(findings)
     said = [n for n in (confirmation.note, structure.note, proof.sentence(verdict) if proof.refuted else "") if n]
     return Diagnosis(

@@ -99,8 +99,18 @@ def _findings(result: Diagnosis) -> Part:
             f"{k} {shown(b.lower, b.upper)} {b.unit}{' (guaranteed)' if b.guaranteed else ''}"
             for k, b in f.parameters.items()
         )
-        rows.append([f.effect, f.confidence, bounds or "–", ", ".join(f.alternatives) or "–", f.separate_by or "–"])
-    header = ["cause", "confidence in its set", "parameters", "could also be", "trial that would separate them"]
+        sure = None if f.like is None else f.like.probability
+        rows.append(
+            [f.effect, sure, f.confidence, bounds or "–", ", ".join(f.alternatives) or "–", f.separate_by or "–"]
+        )
+    header = [
+        "cause",
+        "probability of the set",
+        "weight in its set",
+        "parameters",
+        "could also be",
+        "trial that would separate them",
+    ]
     return page.table(header, rows, "No finding." if not rows else "Intervals are statistical unless marked.")
 
 
@@ -242,8 +252,8 @@ def _lines(result: Diagnosis) -> list[str]:
     if result.proofs[0].refuted:
         lines.append(f"  {result.proofs[0].sentence(result.verdict)}")
     for f in result.findings:
-        also = f"; could also be {', '.join(f.alternatives)}" if f.alternatives else ""
-        lines.append(f"  {f.effect} (confidence {f.confidence:.2f}{also})")
+        also = f", weight {f.confidence:.2f}; could also be {', '.join(f.alternatives)}" if f.alternatives else ""
+        lines.append(f"  {f.effect} (probability {0.0 if f.like is None else f.like.probability:.2f}{also})")
         lines += [
             f"    {k:<32} {shown(b.lower, b.upper):>32} {b.unit}{' (guaranteed)' if b.guaranteed else ''}"
             for k, b in f.parameters.items()

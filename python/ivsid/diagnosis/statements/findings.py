@@ -8,7 +8,7 @@ Source: Akaike 1974; Burnham and Anderson, *Model Selection and Multimodel Infer
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -20,6 +20,7 @@ from ivsid.diagnosis.null.rule import Refusal, first_refusal
 from ivsid.diagnosis.selection.adequacy import Adequacy, energy_of
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.select import Selection
+from ivsid.diagnosis.statements.probability import COUNTS, Alike, alike
 from ivsid.diagnosis.statements.residuals import FindingEvidence
 from ivsid.diagnosis.statements.rules import ALTERNATIVES, HELD, UNNAMED, Held
 from ivsid.diagnosis.statements.shallow_water import Change
@@ -48,6 +49,7 @@ class Finding:
         evidence: numbers of the log that show the cause.
         description: of an ``unknown``, in a sentence.
         matters: share of the simulation's error in position that the cause explains; None without a position.
+        like: findings of the examination that are like it; None before all findings are known.
     """
 
     effect: str
@@ -58,6 +60,7 @@ class Finding:
     evidence: FindingEvidence
     description: str = ""
     matters: Share | None = None
+    like: Alike | None = None
 
     @property
     def refuted_below(self) -> float | None:
@@ -80,6 +83,9 @@ class Finding:
         }
         if self.refuted_below is not None:
             out["refuted_below"] = self.refuted_below
+        if self.like is not None:
+            out["probability"] = self.like.probability
+            out["like"] = {"kind": self.like.words, "right": self.like.right, "of": self.like.of}
         if self.matters is not None:
             out["matters"] = self.matters.record()
         if self.description:
@@ -219,6 +225,15 @@ def unknown(left: Adequacy, near: Sequence[str]) -> Finding:
         "chance": left.chance,
     }
     return Finding("unknown", 1.0, (), "", {}, evidence, text)
+
+
+def weighed(findings: Sequence[Finding], shares: Mapping[str, Share]) -> tuple[Finding, ...]:
+    """Findings with what each explains of the error in position, and with those of the examination that are like it."""
+    made = []
+    for f in findings:
+        kind = alike(f.effect, f.evidence.get("z", 0.0), [g.effect for g in findings if g is not f])
+        made.append(replace(f, matters=shares.get(f.effect), like=COUNTS[kind]))
+    return tuple(made)
 
 
 def _channel(fit: Fit, id_: str) -> str:

@@ -131,6 +131,12 @@ def _sure(result: Diagnosis, f: Finding) -> str:
     chance = f.evidence.get("chance")
     if chance is not None:
         words.append(f"the chance of that without it is {f'below {TINY:g}' if chance < TINY else f'{chance:.1g}'}")
+    if f.like is not None:
+        words.insert(
+            0,
+            f"{f.like.right} of {f.like.of} findings like it ({f.like.words}) were right in the examination, so that its set is right with "
+            f"probability {f.like.probability:.2f}",
+        )
     share = result.calibration["family_wise"]
     words.append(f"of logs with nothing hidden, {100 * share:g} % or fewer are meant to give any finding")
     return "; ".join(words) + "."
@@ -177,6 +183,10 @@ def _next(f: Finding, effect: Effect) -> str:
 def _unknown(f: Finding, seen: Evidence | None) -> list[str]:
     """Paragraphs of an ``unknown``."""
     words = [f"Unknown: {f.description}."]
+    if f.like is not None:
+        words.append(
+            f"How sure: something was hidden in {f.like.right} of {f.like.of} logs of the examination that ended so; probability {f.like.probability:.2f}."
+        )
     if seen is not None:
         words.append(
             f"How much: in {seen.channel} {seen.rms[1]:.3g} {seen.unit} (rms below {BAND:g} Hz) are missing with everything that was found; "

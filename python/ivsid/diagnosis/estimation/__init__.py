@@ -9,7 +9,8 @@ crossed in blocks of ten seconds; fits, falls of chi-squared and their scatter a
 - ``candidate_columns``: the candidates that a log can show, with their columns; ``kinds`` holds one file a kind of candidate.
 - ``cross_products`` of columns by block of time, and ``projection``: least squares with soft priors on them.
 - ``problem``: what of a log stays the same while hypotheses are compared on it.
-- ``noise``: the ambient force, the samples that count, and filters that forget quickly; ``whitening``: the whitening filter.
+- ``noise``: the ambient force, the samples that count, and filters that forget quickly; ``roughness``: the ambient force beyond the
+  declared one; ``whitening``: the whitening filter.
 - ``first_values``: numbers to start from. ``gauss_newton``: steps from there. ``fit``: the result, with all signatures around it.
 - ``learning``: the order of all this for a log. The noise is learnt from errors from which every candidate was taken out, so that no effect is
   taken for noise.

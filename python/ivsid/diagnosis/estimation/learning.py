@@ -23,6 +23,7 @@ from ivsid.diagnosis.estimation.noise import (
 )
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.estimation.roughness import roughness
 from ivsid.diagnosis.estimation.whitening import plain_scale, whiten
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.usual_hull import usual_numbers
@@ -80,7 +81,8 @@ def learn(
         noise = replace(noise, whitening=plain_scale(predictor.errors(states), good, predictor, left_out))
         left = remaining(search(survey(noise, states, fixed)))
         if turn == rounds - 1:
-            return replace(noise, whitening=whiten(predictor, left, good, left_out)), states
+            a, b, c = roughness(predictor, left, good, left_out).tolist()
+            return replace(noise, whitening=whiten(predictor, left, good, left_out), rougher=(a, b, c)), states
         predictor = predictor.adopt(ambient_of(predictor, left, good, left_out))
         predictor = quick_enough(predictor, predictor.slopes(states))
         states = predictor.settle(states)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
@@ -94,12 +95,14 @@ class Noise:
         whitening: of its prediction errors.
         good: samples that count, shape (n,).
         left_out: indices of the axes that are left out of the fit.
+        rougher: ambient acceleration at the least over the declared one, by axis.
     """
 
     predictor: Predictor
     whitening: Whitening
     good: NDArray[np.bool_]
     left_out: frozenset[int] = frozenset()
+    rougher: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 def declared_ambient(vehicle: Vehicle) -> Ambient:
@@ -132,19 +135,9 @@ def ambient_of(
         rows: samples that count, shape (n,).
         left_out: indices of the axes that are left out of a fit.
     """
-    h = predictor.log.h
-    q = max(2, round(HALF / h))
     deviations, times = [], []
-    row = 0
-    for k in range(3):
-        here = predictor.axes[k]
-        count = len(here.outputs)
-        velocity = _data_of(predictor, k, residual[row : row + count])
-        row += count
-        mean = uniform_filter1d(velocity, q)
-        slope = (mean[2 * q :] - mean[: -2 * q]) / (2 * q * h)
-        good = rows[q:-q][: slope.size]
-        near, far = (_covariance(slope, good, round(s / h)) for s in LAGS)
+    for k, (slope, good) in enumerate(slopes_of(predictor, residual, rows)):
+        near, far = (_covariance(slope, good, round(s / predictor.log.h)) for s in LAGS)
         if near <= 0:
             deviations.append(predictor.ambient.deviation[k] * UNCORRELATED)
             times.append(predictor.ambient.time[k])
@@ -163,6 +156,28 @@ def ambient_of(
     if given:
         times = list(said.time)
     return Ambient((d[0], d[1], d[2]), (times[0], times[1], times[2]))
+
+
+def slopes_of(
+    predictor: Predictor, residual: Array, rows: NDArray[np.bool_]
+) -> Iterator[tuple[Array, NDArray[np.bool_]]]:
+    """Slopes over a second of the velocity readings that errors stand for, by axis, and the samples of them that count, each of shape (m,).
+
+    Args:
+        predictor: whose filters made the errors.
+        residual: prediction errors, shape (rows, n).
+        rows: samples that count, shape (n,).
+    """
+    h = predictor.log.h
+    q = max(2, round(HALF / h))
+    row = 0
+    for k, here in enumerate(predictor.axes[:3]):
+        count = len(here.outputs)
+        velocity = _data_of(predictor, k, residual[row : row + count])
+        row += count
+        mean = uniform_filter1d(velocity, q)
+        slope = (mean[2 * q :] - mean[: -2 * q]) / (2 * q * h)
+        yield slope, rows[q:-q][: slope.size]
 
 
 def _covariance(x: Array, good: NDArray[np.bool_], lag: int) -> float:

@@ -10,7 +10,7 @@ from typing import Final
 
 from ivsid.diagnosis.null.levels import STRUCTURE
 from ivsid.diagnosis.null.rule import Rule, first_refusal
-from ivsid.diagnosis.selection.adequacy import RISK, Adequacy
+from ivsid.diagnosis.selection.adequacy import RISK, ROUGHER, Adequacy
 
 # Share of the excess of the plain model that the right causes may leave.
 # Source: measured: make constants
@@ -64,4 +64,15 @@ OF_HULLS: Final = Rule[Left](
     "{value:.0f} numbers that the log asks for are none that a hull of this mass and length has",
     least=False,
 )
-VERDICT: Final = (STRUCTURE_RULE, OF_HULLS)
+OF_THE_SEA: Final = Rule[Left](
+    "declared ambient force",
+    "ambient acceleration that the log shows at the least, over the declared one, on the worst axis",
+    f"at most {ROUGHER:g}",
+    "The noise is learnt from the log, so that a force outside the catalogue may pass for ambient force, and would hide itself.",
+    "make exam",
+    lambda c: max(c.after.rougher),
+    lambda _: ROUGHER,
+    "the log shows at least {value:.2g} times the declared ambient force, and {limit:g} times are none",
+    least=False,
+)
+VERDICT: Final = (STRUCTURE_RULE, OF_HULLS, OF_THE_SEA)

@@ -17,7 +17,7 @@ from ivsid.diagnosis.candidates.intervals import Bound, intervals
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
-from ivsid.diagnosis.selection.adequacy import Adequacy, energy_of
+from ivsid.diagnosis.selection.adequacy import ROUGHER, Adequacy, energy_of
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.probability import COUNTS, Alike, alike
@@ -25,7 +25,7 @@ from ivsid.diagnosis.statements.residuals import FindingEvidence
 from ivsid.diagnosis.statements.rules import ALTERNATIVES, HELD, UNNAMED, Held
 from ivsid.diagnosis.statements.shallow_water import Change
 from ivsid.diagnosis.statements.share import Share
-from ivsid.effects import EFFECTS
+from ivsid.effects import CHANNELS, EFFECTS
 from ivsid.effects.environment import SHALLOW_WATER
 
 # Half-width of the interval of shallow water, in standard deviations beside the worst declared errors.
@@ -207,6 +207,16 @@ def unknown(left: Adequacy, near: Sequence[str]) -> Finding:
             f"{f' of {where}' if where else ''} differs from its curve by more than that, or a force that the model lacks goes with the demands; "
             "all masses and drags may be wrong with it; a bollard test of the thrust tells the two apart"
         )
+    if max(left.rougher) > ROUGHER:
+        k = int(np.argmax(left.rougher))
+        rough = (
+            f"{'the moment' if k == 2 else 'the force'} in {CHANNELS[k]} that nothing explains is at least {left.rougher[k]:.2g} times the ambient one that the "
+            "vehicle file declares: the sea was rougher than [ambient] says, or a cause that the catalogue lacks acts there"
+        )
+        if left.white and left.bounded:
+            channel, z, text = CHANNELS[k], 0.0, rough
+        else:
+            text += f"; {rough}"
     if left.hulls:
         numbers = " and ".join(
             f"{a.id} {'above' if a.estimate > a.limit else 'below'} {a.limit:.3g}" for a in left.hulls

@@ -1,0 +1,60 @@
+"""How much rougher a log is than its vehicle file declares: the ambient acceleration that it shows, at the least, over the declared one.
+
+The noise of a log is learnt from what no cause explains, so that a force outside the catalogue is learnt as ambient force, and hides itself.
+The declared ambient force is a bound all the same.
+
+Source: docs/theory.md, "Noise"; for means over blocks Künsch, "The jackknife and the bootstrap for general stationary observations",
+Annals of Statistics 17, 1989.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.estimation.noise import LAGS, declared_ambient, slopes_of
+from ivsid.diagnosis.prediction.innovations import Predictor
+
+Array = NDArray[np.float64]
+# Length of the blocks whose scatter tells how well a correlation is known [s].
+# Source: geometry: several correlation times of an ambient force
+BLOCK: Final = 20.0
+# Blocks from which a scatter is told.
+# Source: definition: fewer have hardly any
+FEWEST: Final = 4
+# Standard errors below the estimate that count as "at the least".
+# Source: definition: of twelve normal estimates three in a thousand lie below, over three axes one in a hundred logs
+ERRORS: Final = 3.0
+
+
+def roughness(predictor: Predictor, residual: Array, rows: NDArray[np.bool_], left_out: frozenset[int]) -> Array:
+    """Ambient acceleration at the least over the declared one, by axis, shape (3,); 0 where an axis is left out or nothing is declared.
+
+    Args:
+        predictor: whose filters made the errors.
+        residual: prediction errors without all that any column explains, shape (rows, n).
+        rows: samples that count, shape (n,).
+        left_out: indices of the axes that are left out of a fit.
+    """
+    out = np.zeros(3)
+    if predictor.vehicle.ambient is None:
+        return out
+    said = declared_ambient(predictor.vehicle)
+    lag, block = round(LAGS[0] / predictor.log.h), round(BLOCK / predictor.log.h)
+    for k, (slope, good) in enumerate(slopes_of(predictor, residual, rows)):
+        if k in left_out or not good.any():
+            continue
+        x = np.where(good, slope - slope[good].mean(), 0.0)
+        both = (good[lag:] & good[:-lag]).astype(float)
+        edges = np.arange(0, both.size - block + 1, block)
+        count = np.add.reduceat(both, edges) if edges.size else np.zeros(0)
+        whole = count > 0.5 * block
+        if whole.sum() < FEWEST:
+            continue
+        each = np.add.reduceat(x[lag:] * x[:-lag], edges)[whole] / count[whole]
+        least = each.mean() - ERRORS * each.std(ddof=1) / np.sqrt(each.size)
+        # The ambient force forgets at the declared rate, so that the correlation at a lag is a share of its variance.
+        out[k] = np.sqrt(max(least, 0.0) * np.exp(LAGS[0] / said.time[k])) / said.deviation[k]
+    return out

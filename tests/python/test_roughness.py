@@ -1,0 +1,43 @@
+"""The declared ambient force as a bound: a force that no cause explains may not pass for it."""
+
+import pytest
+from diagnosis_logs import logs_of, vehicle_of
+
+from ivsid import diagnose
+from ivsid.diagnosis.candidates.families import everything
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.selection.adequacy import ROUGHER
+from ivsid.vehicle import parse_vehicle
+
+DECLARED = "force = 0.15\nmoment = 0.03\ntime = 2.0"
+
+
+def sea(factor):
+    """Logs of a sea that is slower and rougher than the vehicle file says."""
+    vehicle = vehicle_of()
+    rough = vehicle.text.replace(DECLARED, f"force = {0.15 * factor}\nmoment = {0.03 * factor}\ntime = 8.0")
+    return logs_of(parse_vehicle(rough, "rough.toml"))
+
+
+@pytest.mark.parametrize("factor", [1.0, 30.0])
+def test_the_least_ambient_force_lies_below_the_true_one_and_not_far(factor):
+    vehicle = vehicle_of()
+    shown = plain_fit(vehicle, channels(sea(factor)[0], vehicle), everything).noise.rougher
+    assert all(x < factor for x in shown[:2])
+    # A log of minutes knows the variance of such a force to a third, and the least counts three errors less.
+    assert factor == 1.0 or all(x > 0.2 * factor for x in shown[:2])
+
+
+def test_nothing_is_rougher_than_what_nobody_declared():
+    text = vehicle_of().text
+    bare = parse_vehicle(text[: text.index("[ambient]")], "bare.toml")
+    assert plain_fit(bare, channels(sea(30.0)[0], bare), everything).noise.rougher == (0.0, 0.0, 0.0)
+
+
+def test_a_sea_rougher_than_declared_is_not_adequate_and_is_said():
+    made = diagnose(vehicle_of(), *sea(30.0))
+    assert made.verdict == "unknown" and [f.effect for f in made.findings] == ["unknown"]
+    assert max(made.adequacy[1].rougher) > ROUGHER
+    said = made.findings[0].description
+    assert "times the ambient one that the vehicle file declares" in said and "[ambient]" in said

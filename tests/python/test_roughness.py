@@ -1,8 +1,8 @@
 """The declared ambient force as a bound: a force that no cause explains may not pass for it."""
 
 import pytest
-from diagnosis_logs import logs_of, vehicle_of
 
+from diagnosis_logs import logs_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels

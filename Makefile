@@ -13,7 +13,7 @@ CRATES := --workspace --exclude benches
 ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 FIXED := PROPTEST_RNG_SEED=1
 
-.PHONY: demo test test-rust test-python dependencies check rustfmt clippy lint rules null-logs constants constants-page rules-page types stubs imports docs docs-rust docs-python nightly \
+.PHONY: demo test test-rust test-python dependencies check rustfmt clippy lint rules null-logs constants constants-page rules-page rule-counts types stubs imports docs docs-rust docs-python nightly \
 	bench same same-compare vessels peers inverse-peers throughput diagnosis-time exhaustive twins itf1788 differential fuzz exam handbook build release venv format clean
 
 demo: release
@@ -77,6 +77,10 @@ null-logs: release
 # Each measured number halved and doubled on a fixed set of logs and tasks, a minute of processor time each; NAMES takes some of them.
 constants: release
 	$(BIN)/python benches/constants.py docs/constants_measured.md $(NAMES)
+
+# How often each rule of the diagnosis decides, on cases of the examination.
+rule-counts: release
+	$(BIN)/python benches/rules.py
 
 docs: docs-rust docs-python
 

@@ -82,10 +82,10 @@ def _blades(s: Signatures, out: Columns, relative: tuple[Array, Array, Array]) -
 def _thrusts(s: Signatures, out: Columns, relative: tuple[Array, Array, Array]) -> None:
     """Errors of each thruster's curve."""
     for k, thruster in enumerate(s.predictor.vehicle.thrusters):
-        spreads = s.predictor.propulsion.errors[k].spreads.tolist()
+        errors = s.predictor.propulsion.errors[k]
         answers = thrust_answers(s, k, s.predictor.driving.slopes(s.h, k), relative)
-        for j, (answer, spread) in enumerate(zip(answers, spreads, strict=True)):
-            out.add(f"~thrust.{thruster.name}.{j}", answer, spread)
+        for name, answer, spread in zip(errors.names(thruster.name), answers, errors.spreads.tolist(), strict=True):
+            out.add(name, answer, spread)
 
 
 def thrust_answers(s: Signatures, k: int, errors: Array, relative: tuple[Array, Array, Array]) -> Iterator[Array]:

@@ -27,7 +27,7 @@ from ivsid.diagnosis.estimation.declared_errors import SCALE, through_water, thr
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.plant.thrust_errors import BOUNDED, bound_of
+from ivsid.diagnosis.plant.thrust_errors import BOUNDED, bound_of, upward
 
 Array = NDArray[np.float64]
 # Cells of all thrusters together.
@@ -134,7 +134,7 @@ class Boxed:
         curves = {
             f"~thrust.{t.name}.": e
             for t, e in zip(predictor.vehicle.thrusters, predictor.propulsion.errors, strict=True)
-            if len(e.spreads)
+            if e.knots.size
         }
         own = [[k for k in p.base if g.names[k].startswith(words)] for words in curves]
         self.g = g
@@ -150,9 +150,9 @@ class Boxed:
         self.turn = np.zeros((len(self.at), len(self.at)))
         first = 0
         for errors in curves.values():
-            here = slice(first, first + len(errors.spreads))
+            here = slice(first, first + len(errors.knots))
             self.turn[here, here] = errors.knots.T
-            first += len(errors.spreads)
+            first += len(errors.knots)
         self.turn *= g.unit[self.at][:, None]
         self.leaving, self.knots = self._leaving() if self.at else (0.0, 0)
 
@@ -175,7 +175,7 @@ def outside(fit: Fit) -> tuple[tuple[str, float], ...]:
     found = []
     predictor = fit.noise.predictor
     for thruster, errors in zip(predictor.vehicle.thrusters, predictor.propulsion.errors, strict=True):
-        held = [fit.h.declared_errors.get(f"~thrust.{thruster.name}.{j}", 0.0) for j in range(len(errors.spreads))]
+        held = [fit.h.declared_errors.get(f"~thrust.{thruster.name}.{j}", 0.0) for j in range(len(errors.knots))]
         largest = float(np.abs(errors.knots @ held).max(initial=0.0))
         if largest > 1.0:
             found.append((thruster.name, largest))
@@ -220,12 +220,3 @@ def _in_cells(
     """The errors [N] of one bound in each cell of a thruster's demands."""
     vehicle, propulsion = fit.noise.predictor.vehicle, fit.noise.predictor.propulsion
     return lambda d: bound_of(vehicle.thrusters[k], propulsion.curves[k], d) * (place(d) == visited[:, None])
-
-
-def upward(d: Array) -> NDArray[np.bool_]:
-    """Whether the last change of a demand was a rise, at each sample in the order of time; a first stretch counts as risen."""
-    moved = np.flatnonzero(np.diff(d, prepend=d[:1]))
-    if not moved.size:
-        return np.ones(d.size, dtype=bool)
-    last = np.searchsorted(moved, np.arange(d.size), side="right") - 1
-    return np.asarray((last < 0) | (d[moved[np.maximum(last, 0)]] > d[moved[np.maximum(last, 0)] - 1]))

@@ -158,7 +158,10 @@ def _declared_errors(
     least, most = ends(programme.log)
     curves: list[Array | None] = []
     for k, thruster in enumerate(programme.vehicle.thrusters):
-        names = [f"~thrust.{thruster.name}.{j}" for j in range(len(propulsion.errors[k].spreads))]
+        count = len(propulsion.errors[k].knots)
+        # A drawn curve is static: the functions of a hysteresis have no part in it.
+        every = propulsion.errors[k].names(thruster.name)
+        names = every[:count]
         if not names or names[0] not in drawn:
             curves.append(None)
             continue
@@ -167,7 +170,7 @@ def _declared_errors(
         low, high = (end - thruster.neutral for end in propulsion.curves[k].range)
         if not np.isfinite(high - low):
             low, high = float(grid[0]), float(grid[-1])
-        waves = propulsion.errors[k].at(grid)
+        waves = propulsion.errors[k].at(grid)[:count]
         bound = bound_of(thruster, propulsion.curves[k], grid)
         # The waves are fitted where demands were sent, weighted by how often.
         weight = np.sqrt(np.histogram(sent, np.r_[grid, grid[-1] + GRID_MARGIN])[0] / sent.size)
@@ -177,7 +180,7 @@ def _declared_errors(
         for i, rng in enumerate(rngs):
             errors[i] = rng.uniform(*SIZES) * bound * _shape((grid - low) / (high - low), rng)
         fitted = np.linalg.solve(inner, (waves * weight) @ (errors * weight).T)
-        drawn |= dict(zip(names, fitted, strict=True))
+        drawn |= dict(zip(names, fitted, strict=True)) | dict.fromkeys(every[count:], np.zeros(len(rngs)))
         curves.append(errors)
     return drawn, curves
 

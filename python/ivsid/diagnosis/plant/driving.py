@@ -86,9 +86,8 @@ class Driving:
         return np.asarray(total.reshape(3, self.log.n, -1).sum(axis=2))
 
     def _sizes(self, h: Hypothesis, k: int) -> list[float]:
-        name = self.vehicle.thrusters[k].name
-        count = len(self.propulsion.errors[k].spreads)
-        return [h.declared_errors.get(f"~thrust.{name}.{j}", 0.0) for j in range(count)]
+        names = self.propulsion.errors[k].names(self.vehicle.thrusters[k].name)
+        return [h.declared_errors.get(name, 0.0) for name in names]
 
     def slopes(self, h: Hypothesis, k: int, beside: Callable[[Array], Array] | None = None) -> Array:
         """Slopes of a thruster's thrust [N] with errors of its curve, shape (errors, 2 n).

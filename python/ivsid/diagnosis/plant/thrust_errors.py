@@ -1,8 +1,11 @@
-"""Declared errors of a thruster's curve: any continuous function of demand inside the stated accuracy.
+"""Declared errors of a thruster's curve: any continuous function of demand inside the stated accuracy, and a hysteresis beside it.
 
 The error is piecewise linear between knots over the demands of the log, in units of its bound. Its values at the knots are a Gaussian process
 beforehand: a smooth part, and a rough part that is independent from knot to knot. The functions of the diagnosis are the eigenvectors of its
 covariance, so that their sizes are independent. Values at the knots lie in [-1, 1] exactly where the error lies inside its bound.
+
+A hysteresis is half the difference of two such curves, of demands that have risen and of those that have fallen. Its smoothest functions stand
+beside those of the curve: what no declared error takes counts as noise, and a log with a hysteresis inside its accuracy would show no cause.
 
 Source: docs/theory.md, "Diagnosis"; Rasmussen and Williams, *Gaussian Processes for Machine Learning*, 2006, section 2.2; Loeve's expansion.
 """
@@ -33,6 +36,9 @@ SMOOTH: Final = 0.6
 # Distance over which the smooth part is correlated, as a share of the demands.
 # Source: geometry: a calibration error bends a few times over the range
 CORRELATED: Final = 0.3
+# Functions of a hysteresis: the smoothest ones of the same process.
+# Source: resource: each is a column of every fit; four hold 97 % of the variance of the smooth part
+BRANCHES: Final = 4
 
 
 def bound_of(thruster: Thruster, curve: ThrustCurve, demand: Array) -> Array:
@@ -49,30 +55,45 @@ class ThrustErrors:
     Attributes:
         bound: of the thrust error [N], as a function of demands from neutral.
         places: of the knots, as such demands, shape (knots,).
-        spreads: standard deviation of the size of each error beforehand, shape (errors,).
-        knots: value of each error at the knots, in units of the bound, shape (knots, errors).
+        spreads: standard deviation of the size of each error beforehand, those of the curve first, shape (errors,).
+        knots: value of each error of the curve at the knots, in units of the bound, shape (knots, knots).
+        branches: value of each error of a hysteresis at the knots where a demand has risen, and its negative where it has fallen, shape
+            (knots, functions).
     """
 
     bound: Callable[[Array], Array]
     places: Array
     spreads: Array
     knots: Array
+    branches: Array
 
-    @property
-    def functions(self) -> tuple[Callable[[Array], Array], ...]:
-        """Thrust errors [N] of one unit of each, as functions of the demand from neutral."""
-        return tuple(partial(self._one, j) for j in range(len(self.spreads)))
+    def names(self, thruster: str) -> list[str]:
+        """Names of the errors, in the order of their spreads.
 
-    def _one(self, j: int, demand: Array) -> Array:
-        return np.asarray(self.bound(demand) * np.interp(demand, self.places, self.knots[:, j]))
+        Args:
+            thruster: name of the thruster.
+        """
+        return [f"~thrust.{thruster}.{j}" for j in range(self.knots.shape[1])] + [
+            f"~hysteresis.{thruster}.{j}" for j in range(self.branches.shape[1])
+        ]
 
     def at(self, demand: Array) -> Array:
-        """Thrust errors [N] of one unit of each at demands from neutral, shape (errors, n)."""
+        """Thrust errors [N] of one unit of each at demands from neutral in the order of time, shape (errors, n)."""
         if not len(self.spreads):
             return np.zeros((0, demand.size))
-        return np.asarray(
-            self.bound(demand) * np.stack([np.interp(demand, self.places, column) for column in self.knots.T])
-        )
+        curve = [np.interp(demand, self.places, column) for column in self.knots.T]
+        side = np.where(upward(demand), 1.0, -1.0)
+        branch = [side * np.interp(demand, self.places, column) for column in self.branches.T]
+        return np.asarray(self.bound(demand) * np.stack([*curve, *branch]))
+
+
+def upward(d: Array) -> NDArray[np.bool_]:
+    """Whether the last change of a demand was a rise, at each sample in the order of time; a first stretch counts as risen."""
+    moved = np.flatnonzero(np.diff(d, prepend=d[:1]))
+    if not moved.size:
+        return np.ones(d.size, dtype=bool)
+    last = np.searchsorted(moved, np.arange(d.size), side="right") - 1
+    return np.asarray((last < 0) | (d[moved[np.maximum(last, 0)]] > d[moved[np.maximum(last, 0)] - 1]))
 
 
 def thrust_errors(thruster: Thruster, curve: ThrustCurve, demand: Array) -> ThrustErrors:
@@ -83,17 +104,17 @@ def thrust_errors(thruster: Thruster, curve: ThrustCurve, demand: Array) -> Thru
         curve: its thrust curve.
         demand: of the log from neutral, over whose range the knots stand.
     """
-    accuracy = thruster.accuracy
+    accuracy, bound = thruster.accuracy, partial(bound_of, thruster, curve)
     if not accuracy.absolute and not accuracy.relative:
-        return ThrustErrors(partial(bound_of, thruster, curve), np.zeros(0), np.zeros(0), np.zeros((0, 0)))
+        return ThrustErrors(bound, np.zeros(0), np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)))
     low, high = float(demand.min()), float(demand.max())
     knots = np.linspace(low, high, KNOTS) if high > low else np.array([low])
     apart = (knots[:, None] - knots) / max(high - low, 1e-300)
     covariance = SMOOTH * np.exp(-0.5 * (apart / CORRELATED) ** 2) + (1 - SMOOTH) * np.eye(knots.size)
     values, vectors = np.linalg.eigh(covariance)
 
-    # The smoothest first.
+    # The smoothest first. A demand that never changes has no second branch.
     order = np.argsort(-values)
-    return ThrustErrors(
-        partial(bound_of, thruster, curve), knots, BOUNDED * np.sqrt(values[order]), vectors[:, order].copy()
-    )
+    spreads, turned = BOUNDED * np.sqrt(values[order]), vectors[:, order].copy()
+    more = BRANCHES if high > low else 0
+    return ThrustErrors(bound, knots, np.r_[spreads, spreads[:more]], turned, turned[:, :more])

@@ -28,7 +28,7 @@ def hints(fit: Fit) -> tuple[str, ...]:
     out: list[str] = []
     for i, k in enumerate(p.base):
         name = g.names[k]
-        if not name.startswith("~") or name.startswith(("~thrust", "~rudder")):
+        if not name.startswith("~") or name.startswith(("~thrust", "~hysteresis", "~rudder")):
             continue
         size = fit.h.declared_errors.get(name, 0.0)
         sigma = float(np.sqrt(p.covariance[i, i])) / float(g.unit[k])

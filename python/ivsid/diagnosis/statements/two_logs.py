@@ -21,7 +21,7 @@ from ivsid.diagnosis.estimation.cross_products import RIDGE, Gram
 
 Array = NDArray[np.float64]
 # Declared errors that two logs of one vehicle share, by the first words of their names: those of thrust curves and blades, which are static.
-SHARED: Final = ("~thrust.", "~cell.", "~rudder.")
+SHARED: Final = ("~thrust.", "~hysteresis.", "~cell.", "~rudder.")
 # Declared errors with a bound of which each log has its own: the speed of sound in the water scales a velocity.
 OWN: Final = ("~scale.",)
 

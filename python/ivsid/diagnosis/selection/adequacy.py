@@ -146,12 +146,11 @@ def energy_of(fit: Fit, columns: Sequence[int]) -> Array:
 
 def adequacy(fit: Fit) -> Adequacy:
     """Adequacy of a fitted model; structure that is more than chance has to stand beside any thrust curve inside its accuracy."""
-    names, arrays = _dictionary(fit)
+    names, x, unit = regressors(fit)
     # The model's own columns stand beside the dictionary, and those of the causes do not.
     g = fit.gram.only(fit.base)
-    x, unit = g.white.blocks([fit.noise.predictor.answer(a) for a in arrays], g.good, g.length)
     first = len(g.names)
-    wide = g.joined(names, x.reshape(-1, *g.y.shape), unit)
+    wide = g.joined(names, x, unit)
     found = _structure(Projection(wide, range(first)), range(first, len(wide.names)), names, np.zeros(first))
     boxed = Boxed(fit)
     left, knots = boxed.leaving, boxed.knots
@@ -220,6 +219,14 @@ def _structure(p: Projection, at: Sequence[int], names: Sequence[str], box: Arra
     strongest = tuple((names[k].split("|")[1], names[k].split("|")[0], float(single[k])) for k in order)
     one = float(min(1.0, chi2.sf(float(single.max()), 1) * len(names)))
     return Adequacy(fall, freedom, float(chi2.sf(fall, freedom)), strongest, one, excess)
+
+
+def regressors(fit: Fit) -> tuple[list[str], Array, Array]:
+    """The dictionary's regressors: names ``channel|function``, whitened columns in unit length, (regressors, blocks, numbers), and their lengths."""
+    names, arrays = _dictionary(fit)
+    g = fit.gram
+    x, unit = g.white.blocks([fit.noise.predictor.answer(a) for a in arrays], g.good, g.length)
+    return names, x.reshape(-1, *g.y.shape), unit
 
 
 def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:

@@ -19,6 +19,7 @@ from ivsid.diagnosis.null.family_wise import Screened, Threshold
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.admission import admit
+from ivsid.diagnosis.selection.one_force import imitating
 from ivsid.diagnosis.selection.review import Reviewed, reviewed
 from ivsid.diagnosis.selection.rivals import FULL_STEPS, Found
 from ivsid.diagnosis.selection.rules import LATE, MOST, OWN, SETTLED, USUAL, Late, full_refused, refused_by
@@ -105,6 +106,14 @@ def select(plain: Fit, passes: Threshold, progress: Progress = lambda _: None) -
             refused = {**dict.fromkeys((q.id for q in last.passed), back), **last.refused, **refused}
             break
         tops.add(now)
+    if said := imitating(fit, found):
+        h = fit.h
+        for id_ in said:
+            h = h.without(id_, plain.h)
+        refused = {**{r.id: said[f.id] for f in found if f.id in said for r in f.rivals}, **refused}
+        found = [f for f in found if f.id not in said]
+        states = improve(Problem.at(fit.noise, plain.fixed, fit.states), fit.states.under(h), FULL_STEPS)
+        fit, scored = score(survey(fit.noise, states, plain.fixed))
     return Selection(plain, fit, tuple(found), every, tuple(scored), {**waiting, **refused})
 
 

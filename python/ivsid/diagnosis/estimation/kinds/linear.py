@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class LinearCandidate(Candidate):
     """A cause that is linear in its numbers."""
+
+    sums: ClassVar[bool] = True
 
     @classmethod
     def made(cls, s: Signatures, effect: Effect, out: Columns) -> Sequence[Self]:

@@ -106,15 +106,24 @@ def select(plain: Fit, passes: Threshold, progress: Progress = lambda _: None) -
             refused = {**dict.fromkeys((q.id for q in last.passed), back), **last.refused, **refused}
             break
         tops.add(now)
-    if said := imitating(fit, found):
-        h = fit.h
-        for id_ in said:
-            h = h.without(id_, plain.h)
-        refused = {**{r.id: said[f.id] for f in found if f.id in said for r in f.rivals}, **refused}
-        found = [f for f in found if f.id not in said]
-        states = improve(Problem.at(fit.noise, plain.fixed, fit.states), fit.states.under(h), FULL_STEPS)
-        fit, scored = score(survey(fit.noise, states, plain.fixed))
-    return Selection(plain, fit, tuple(found), every, tuple(scored), {**waiting, **refused})
+    chosen = Selection(plain, fit, tuple(found), every, tuple(scored), {**waiting, **refused})
+    return _without_one_force(chosen)
+
+
+def _without_one_force(s: Selection) -> Selection:
+    """The selection without causes that one force explains as well as they do together."""
+    said = imitating(s.last, s.found)
+    if not said:
+        return s
+    h = s.last.h
+    for id_ in said:
+        h = h.without(id_, s.plain.h)
+    noise, fixed = s.last.noise, s.plain.fixed
+    states = improve(s.last.problem, s.last.states.under(h), FULL_STEPS)
+    fit, scored = score(survey(noise, states, fixed))
+    refused = {r.id: said[f.id] for f in s.found if f.id in said for r in f.rivals}
+    found = tuple(f for f in s.found if f.id not in said)
+    return replace(s, last=fit, found=found, leftover=tuple(scored), refused={**refused, **s.refused})
 
 
 def _reviews(noise: Noise, last: Reviewed, passes: Threshold, plain: Fit, before: set[frozenset[str]]) -> Reviewed:

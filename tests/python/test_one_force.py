@@ -1,0 +1,95 @@
+"""Causes that add up to one force of no cause: the falls in their place against dense least squares, the rule, and whole logs."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
+from tests.exam.cases import case
+from tests.exam.seal import seal
+
+from ivsid import diagnose
+from ivsid.diagnosis.estimation.cross_products import Gram
+from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.selection.one_force import in_their_place
+from ivsid.diagnosis.selection.rules import ONE_FORCE, Together
+from ivsid.log import read_log
+from ivsid.vehicle import read_vehicle
+
+# Columns: two of the model, of which the second has a prior, two causes, and three forces.
+MODEL, CAUSES, FORCES = (0, 1), (2, 3), (4, 5, 6)
+PRECISION = 4.0
+
+
+def gram_of(x, y):
+    """Cross-products of columns, with their lengths."""
+    unit = np.linalg.norm(x, axis=0)
+    c, k = x / unit, x.shape[1]
+    prior = np.zeros(k)
+    prior[MODEL[1]] = PRECISION / unit[MODEL[1]] ** 2
+    one, none = np.array([y @ y]), np.ones(len(y), dtype=bool)
+    names = tuple(f"x{j}" for j in range(k))
+    return Gram(
+        names,
+        (),
+        y[None],
+        (c.T @ c)[None],
+        (c.T @ y)[None],
+        one,
+        np.array([float(len(y))]),
+        prior,
+        np.zeros(k),
+        unit,
+        none,
+        len(y),
+        None,
+    )
+
+
+def least(x, y, at):
+    """Least squares of dense rows, the prior a row of its own."""
+    rows = np.vstack([x[:, at], np.sqrt(PRECISION) * (np.array(at) == MODEL[1])])
+    return float(np.linalg.lstsq(rows, np.r_[y, 0.0], rcond=None)[1][0])
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=40, deadline=None)
+def test_falls_in_the_place_of_causes_are_those_of_the_whole_problem(seed):
+    rng = np.random.default_rng(seed)
+    x, y = rng.standard_normal((80, 7)) * rng.uniform(0.1, 10.0, 7), rng.standard_normal(80)
+    held = rng.standard_normal(2)
+    # The errors of a hypothesis hold its causes no more.
+    g = gram_of(x, y - x[:, CAUSES] @ held)
+    fall, alone = in_their_place(Projection(g, MODEL), CAUSES, held * g.unit[list(CAUSES)], FORCES)
+    bare = least(x, y, [*MODEL])
+    assert fall == pytest.approx(bare - least(x, y, [*MODEL, *CAUSES]), rel=1e-5, abs=1e-6)
+    for k, one in zip(FORCES, alone, strict=True):
+        assert one == pytest.approx(bare - least(x, y, [*MODEL, k]), rel=1e-5, abs=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_causes_that_add_up_to_one_force_are_refused_and_two_causes_are_not(seed):
+    rng = np.random.default_rng(seed)
+    x = rng.standard_normal((400, 7))
+    # The third force is nearly the sum of a hundred times a difference of the causes: -10 of one and 10 of the other make it.
+    x[:, 3] = x[:, 2] + 0.1 * x[:, 6] + 0.001 * rng.standard_normal(400)
+    for truth, refused in (((-20.0, 20.0), True), ((-18.0, 20.0), False), ((3.0, 0.0), False)):
+        y = x[:, CAUSES] @ truth + rng.standard_normal(400)
+        fall, alone = in_their_place(Projection(gram_of(x, y), MODEL), CAUSES, np.zeros(2), FORCES)
+        said = ONE_FORCE.refuses(Together(("a", "b"), fall, 2, "u^3 in yaw", float(alone.max())))
+        assert (said is not None) == refused
+    assert "a and b explain" in ONE_FORCE.refuses(Together(("a", "b"), 90.0, 2, "u^3 in yaw", 89.0)).sentence
+
+
+# An asymmetry beside a centre of gravity to the side, of 10 and 23 standard deviations, were the names of a moment with the cube of speed.
+@pytest.mark.nightly
+@pytest.mark.parametrize(("seed", "names"), [(90053, ["unknown"]), (54030, ["payload.step", "drag.cross_flow"])])
+def test_a_moment_outside_the_catalogue_has_no_name_and_a_pair_has_two(seed, names, tmp_path):
+    folder = seal(case(seed, duration=300.0), tmp_path, tmp_path / "answers")
+    vehicle = read_vehicle(folder / "vehicle.toml")
+    train, test = (read_log(folder / f"{k}.csv", vehicle.log) for k in (1, 2))
+    assert [f.effect for f in diagnose(vehicle, train, test, null_logs=0).findings] == names

@@ -28,7 +28,7 @@ def test_what_is_kept_between_hypotheses_changes_no_bit(slow, held):
     assert (data.between is not None) == (slow and held)
     kept = Propulsion(vehicle, data)
     some = [0.3, 0.0, -0.2, 0.1, 0.0, 0.0, 0.4]
-    sizes = [[*some, *[0.0] * (len(e.functions) - len(some))] for e in kept.errors]
+    sizes = [[*some, *[0.0] * (len(e.spreads) - len(some))] for e in kept.errors]
     for given in (*HYPOTHESES, *HYPOTHESES):
         for errors in (None, sizes):
             seen, alone = kept.thrusts(given, errors), Propulsion(vehicle, data).thrusts(given, errors)

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,14 +17,15 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.draw import case
 from tests.exam.thrust_errors import SHAPES, with_errors
 
-from diagnosis_logs import screened
+from diagnosis_logs import screened, train_of, vehicle_of
 from ivsid import diagnose
+from ivsid.diagnosis.estimation.declared_errors import through_water, thrust_answers
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.null.any_curve import OVERSHOOT, AnyCurve, Boxed, beyond, lost, upward
+from ivsid.diagnosis.null.any_curve import OVERSHOOT, AnyCurve, Boxed, beyond, lost
 from ivsid.diagnosis.null.detection import detection_limits
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.null.visibility import visibility
-from ivsid.diagnosis.plant.thrust_errors import BOUNDED, bound_of, thrust_errors
+from ivsid.diagnosis.plant.thrust_errors import BOUNDED, BRANCHES, KNOTS, bound_of, thrust_errors, upward
 from ivsid.diagnosis.selection.adequacy import RISK, adequacy
 from ivsid.log import Log
 from ivsid.propulsion.thrust import ThrustCurve
@@ -213,16 +215,52 @@ def test_values_at_the_knots_are_the_error_in_units_of_its_bound():
     d = np.linspace(-80.0, 90.0, 400)
     errors = thrust_errors(t, curve, d)
     rng = np.random.default_rng(1)
-    at_knots = rng.uniform(-1, 1, len(errors.functions))
+    at_knots = rng.uniform(-1, 1, len(errors.places))
     sizes = np.linalg.solve(errors.knots, at_knots)
-    error = sum(s * f(d) for s, f in zip(sizes, errors.functions, strict=True))
+    error = sizes @ errors.at(d)[: sizes.size]
     bound = bound_of(t, curve, d)
     assert (np.abs(error) <= bound * (1 + 1e-9)).all()
     np.testing.assert_allclose(error, bound * np.interp(d, np.linspace(-80, 90, at_knots.size), at_knots), atol=1e-9)
     # Beforehand the error at any knot has the stated deviation, and neighbours go together.
-    covariance = errors.knots * errors.spreads**2 @ errors.knots.T
+    covariance = errors.knots * errors.spreads[: sizes.size] ** 2 @ errors.knots.T
     np.testing.assert_allclose(np.diag(covariance), BOUNDED**2)
     assert covariance[0, 1] > 0.5 * BOUNDED**2 > covariance[0, -1]
+
+
+def test_the_smoothest_functions_of_a_hysteresis_change_sign_with_the_side_of_a_demand():
+    c = case(7, what="none", kind="twin", duration=30.0, style="rich", train_alone=True)
+    t = c.vehicle.thrusters[0]
+    curve = ThrustCurve(t.model_copy(update={"outside": "hold"}))
+    d = np.r_[np.linspace(-80.0, 90.0, 200), np.linspace(90.0, -80.0, 200)]
+    errors = thrust_errors(t, curve, d)
+    assert len(errors.names("a")) == len(errors.spreads) == len(errors.at(d)) == KNOTS + BRANCHES
+    sides = errors.at(d)[KNOTS:]
+    rising, falling = sides[:, :200], sides[:, 200:][:, ::-1]
+    np.testing.assert_allclose(rising[:, 1:-1], -falling[:, 1:-1], atol=1e-12)
+    # They hold nearly all of a hysteresis that is the same share of the bound everywhere.
+    whole = bound_of(t, curve, d) * np.where(upward(d), 1.0, -1.0)
+    left = whole - sides.T @ np.linalg.lstsq(sides.T, whole, rcond=None)[0]
+    assert left @ left < 0.02 * whole @ whole
+    # A demand that never changes has one branch, and a thruster without a stated accuracy has no error.
+    assert errors.names("a")[0] == "~thrust.a.0" and errors.names("a")[-1] == f"~hysteresis.a.{BRANCHES - 1}"
+    assert len(thrust_errors(t, curve, np.full(5, 20.0)).spreads) == 1
+
+
+def test_a_hysteresis_inside_its_accuracy_is_no_noise():
+    """Beside the base of a fit hardly anything is left of it, nor of its share in the ambient force that is learnt."""
+    vehicle = vehicle_of()
+    fit = screened(vehicle, train_of(vehicle, duration=120.0)).fit
+    s, bounds = fit.signatures, fit.noise.predictor.propulsion
+    errors = s.predictor.driving.slopes(
+        s.h,
+        0,
+        lambda d: (bound_of(s.predictor.vehicle.thrusters[0], bounds.curves[0], d) * np.where(upward(d), 1, -1))[None],
+    )
+    (answer,) = thrust_answers(s, 0, errors, through_water(s))
+    g = fit.gram.extended(["wrong"], [answer])
+    p = Projection(replace(g, prior=np.zeros(len(g.names))), fit.base)
+    k = g.index["wrong"]
+    assert p.information([k])[0, 0] < 0.1
 
 
 @given(st.integers(0, 10**6))

@@ -216,7 +216,7 @@ def _structure(p: Projection, at: Sequence[int], names: Sequence[str], box: Arra
         own, directions = gained(real & np.array([n.startswith(axis) for n in names]))
         excess[axis] = max(own - directions, 0.0)
     order = np.argsort(-single)[:3]
-    strongest = tuple((names[k].split("|")[1], names[k].split("|")[0], float(single[k])) for k in order)
+    strongest = tuple((names[k].split("|", 1)[1], names[k].split("|", 1)[0], float(single[k])) for k in order)
     one = float(min(1.0, chi2.sf(float(single.max()), 1) * len(names)))
     return Adequacy(fall, freedom, float(chi2.sf(fall, freedom)), strongest, one, excess)
 

@@ -58,7 +58,7 @@ def imitating(fit: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:
             p = Projection(wide, [k for k in range(first) if k not in at])
             fall, alone = in_their_place(p, at, held, range(first, len(wide.names)))
             best = int(np.argmax(alone))
-            channel, function = names[best].split("|")
+            channel, function = names[best].split("|", 1)
             case = Together(ids, fall, len(at), f"{function} in {channel}", float(alone[best]))
             others = [f.id for f in found if f.id not in ids]
             if (refusal := ONE_FORCE.refuses(case, others)) is not None:

@@ -20,6 +20,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 from scipy.optimize import lsq_linear
 
 from ivsid.diagnosis.estimation.cross_products import Gram
@@ -121,7 +122,8 @@ class Boxed:
 
     Chi-squared is minimised over all other columns of the base, with the errors at the knots inside the box or free of it. If the true errors
     lie inside, then the truth is one of the points of the box, and the minimum lies below it by chi-squared with as many degrees of freedom as
-    there are knots, at most.
+    there are knots, at most. A hysteresis parts the errors of rising demands from those of falling ones: each branch has a box, with that of the
+    hysteresis beside it, and the larger of the two falls is less than that from a box of both branches.
 
     Attributes:
         leaving: fall of chi-squared where the errors may leave their bounds.
@@ -131,14 +133,13 @@ class Boxed:
     def __init__(self, fit: Fit) -> None:
         g, p = fit.gram, fit.projection
         predictor = fit.noise.predictor
-        curves = {
-            f"~thrust.{t.name}.": e
+        errors = [
+            (e.names(t.name), e)
             for t, e in zip(predictor.vehicle.thrusters, predictor.propulsion.errors, strict=True)
             if e.knots.size
-        }
-        own = [[k for k in p.base if g.names[k].startswith(words)] for words in curves]
+        ]
         self.g = g
-        self.at = [k for group in own for k in group]
+        self.at = g.at([name for names, _ in errors for name in names])
         self.others = [k for k in p.base if k not in self.at]
         # Errors of the log without the part that the hypothesis holds of these: the box is that of the whole errors.
         self.score = (
@@ -146,14 +147,10 @@ class Boxed:
             + g.total[:, self.at] @ g.centre[self.at]
             + np.where(np.isin(np.arange(len(g.names)), self.at), g.prior * g.centre, 0.0)
         )
-        # From sizes of the functions in unit lengths to the values at the knots.
-        self.turn = np.zeros((len(self.at), len(self.at)))
-        first = 0
-        for errors in curves.values():
-            here = slice(first, first + len(errors.knots))
-            self.turn[here, here] = errors.knots.T
-            first += len(errors.knots)
-        self.turn *= g.unit[self.at][:, None]
+        # From sizes of the functions in unit lengths to the values at the knots, of either branch and of the hysteresis.
+        self.turns = [
+            block_diag(*(e.sizes(side) for _, e in errors)) * g.unit[self.at][:, None] for side in (1.0, -1.0)
+        ]
         self.leaving, self.knots = self._leaving() if self.at else (0.0, 0)
 
     def _leaving(self) -> tuple[float, int]:
@@ -162,12 +159,15 @@ class Boxed:
         cross = self.g.regression(at, others)
         S = total[np.ix_(at, at)] - total[np.ix_(at, others)] @ cross
         r = self.score[at] - cross.T @ self.score[others]
-        values, vectors = np.linalg.eigh(self.turn.T @ S @ self.turn)
-        kept = values > DETERMINED * max(float(values.max()), 1e-300)
-        root = np.sqrt(values[kept])
-        left = vectors[:, kept].T @ (self.turn.T @ r) / root
-        solved = lsq_linear((vectors[:, kept] * root).T, left, bounds=(-OVERSHOOT, OVERSHOOT))
-        return 2.0 * float(solved.cost), int(kept.sum())
+        found = []
+        for turn in self.turns:
+            values, vectors = np.linalg.eigh(turn.T @ S @ turn)
+            kept = values > DETERMINED * max(float(values.max()), 1e-300)
+            root = np.sqrt(values[kept])
+            left = vectors[:, kept].T @ (turn.T @ r) / root
+            solved = lsq_linear((vectors[:, kept] * root).T, left, bounds=(-OVERSHOOT, OVERSHOOT))
+            found.append((2.0 * float(solved.cost), int(kept.sum())))
+        return max(fall for fall, _ in found), max(count for _, count in found)
 
 
 def outside(fit: Fit) -> tuple[tuple[str, float], ...]:
@@ -175,8 +175,10 @@ def outside(fit: Fit) -> tuple[tuple[str, float], ...]:
     found = []
     predictor = fit.noise.predictor
     for thruster, errors in zip(predictor.vehicle.thrusters, predictor.propulsion.errors, strict=True):
-        held = [fit.h.declared_errors.get(f"~thrust.{thruster.name}.{j}", 0.0) for j in range(len(errors.knots))]
-        largest = float(np.abs(errors.knots @ held).max(initial=0.0))
+        held = np.array([fit.h.declared_errors.get(name, 0.0) for name in errors.names(thruster.name)])
+        curve, half = np.split(held, [len(errors.places)])
+        apart = np.interp(errors.places, errors.turns, errors.branches @ half) if half.size else 0.0
+        largest = float((np.abs(errors.knots @ curve) + np.abs(apart)).max(initial=0.0))
         if largest > 1.0:
             found.append((thruster.name, largest))
     return tuple(found)

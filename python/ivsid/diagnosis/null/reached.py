@@ -34,7 +34,7 @@ class Reached:
     def __init__(self, free: AnyCurve) -> None:
         names = free.g.names
         self.free = free
-        self.at = [k for k, n in enumerate(names) if n.startswith("~thrust.")]
+        self.at = [k for k, n in enumerate(names) if n.startswith(("~thrust.", "~hysteresis."))]
         self.cells = [k for k, n in enumerate(names) if n.startswith("~cell.")]
         self.others = [k for k in range(len(names)) if k not in {*self.at, *self.cells}]
         self.leaving, self.knots = self._distance(free.g, self.at, self.others) if self.at and self.cells else (0.0, 0)

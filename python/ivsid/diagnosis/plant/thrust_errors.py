@@ -4,8 +4,9 @@ The error is piecewise linear between knots over the demands of the log, in unit
 beforehand: a smooth part, and a rough part that is independent from knot to knot. The functions of the diagnosis are the eigenvectors of its
 covariance, so that their sizes are independent. Values at the knots lie in [-1, 1] exactly where the error lies inside its bound.
 
-A hysteresis is half the difference of two such curves, of demands that have risen and of those that have fallen. Its smoothest functions stand
-beside those of the curve: what no declared error takes counts as noise, and a log with a hysteresis inside its accuracy would show no cause.
+A hysteresis is half the difference of two such curves, of demands that have risen and of those that have fallen, between fewer knots. Its
+functions stand beside those of the curve: what no declared error takes counts as noise, and a log with a hysteresis inside its accuracy would
+show no cause.
 
 Source: docs/theory.md, "Diagnosis"; Rasmussen and Williams, *Gaussian Processes for Machine Learning*, 2006, section 2.2; Loeve's expansion.
 """
@@ -36,8 +37,8 @@ SMOOTH: Final = 0.6
 # Distance over which the smooth part is correlated, as a share of the demands.
 # Source: geometry: a calibration error bends a few times over the range
 CORRELATED: Final = 0.3
-# Functions of a hysteresis: the smoothest ones of the same process.
-# Source: resource: each is a column of every fit; four hold 97 % of the variance of the smooth part
+# Knots of a hysteresis over the demands of a log.
+# Source: resource: each is a column of every fit; three pieces follow half a difference that bends twice
 BRANCHES: Final = 4
 
 
@@ -57,14 +58,16 @@ class ThrustErrors:
         places: of the knots, as such demands, shape (knots,).
         spreads: standard deviation of the size of each error beforehand, those of the curve first, shape (errors,).
         knots: value of each error of the curve at the knots, in units of the bound, shape (knots, knots).
-        branches: value of each error of a hysteresis at the knots where a demand has risen, and its negative where it has fallen, shape
-            (knots, functions).
+        turns: knots of the hysteresis, shape (turns,).
+        branches: value of each error of the hysteresis at its knots where a demand has risen, and its negative where it has fallen, shape
+            (turns, turns).
     """
 
     bound: Callable[[Array], Array]
     places: Array
     spreads: Array
     knots: Array
+    turns: Array
     branches: Array
 
     def names(self, thruster: str) -> list[str]:
@@ -77,13 +80,27 @@ class ThrustErrors:
             f"~hysteresis.{thruster}.{j}" for j in range(self.branches.shape[1])
         ]
 
+    def sizes(self, side: float) -> Array:
+        """Sizes of the errors by the values at the knots of one branch, then those of the hysteresis, shape (errors, values).
+
+        Args:
+            side: 1 for the branch of demands that have risen, -1 for that of demands that have fallen.
+        """
+        there = np.array([np.interp(self.places, self.turns, one) for one in np.eye(self.turns.size)]).reshape(
+            -1, self.places.size
+        )
+        # The values are orthogonal combinations of the sizes.
+        upper = np.hstack([self.knots.T, -side * self.knots.T @ there.T])
+        lower = np.hstack([np.zeros((self.turns.size, self.places.size)), self.branches.T])
+        return np.vstack([upper, lower])
+
     def at(self, demand: Array) -> Array:
         """Thrust errors [N] of one unit of each at demands from neutral in the order of time, shape (errors, n)."""
         if not len(self.spreads):
             return np.zeros((0, demand.size))
         curve = [np.interp(demand, self.places, column) for column in self.knots.T]
         side = np.where(upward(demand), 1.0, -1.0)
-        branch = [side * np.interp(demand, self.places, column) for column in self.branches.T]
+        branch = [side * np.interp(demand, self.turns, column) for column in self.branches.T]
         return np.asarray(self.bound(demand) * np.stack([*curve, *branch]))
 
 
@@ -105,16 +122,22 @@ def thrust_errors(thruster: Thruster, curve: ThrustCurve, demand: Array) -> Thru
         demand: of the log from neutral, over whose range the knots stand.
     """
     accuracy, bound = thruster.accuracy, partial(bound_of, thruster, curve)
+    none, empty = np.zeros(0), np.zeros((0, 0))
     if not accuracy.absolute and not accuracy.relative:
-        return ThrustErrors(bound, np.zeros(0), np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)))
+        return ThrustErrors(bound, none, none, empty, none, empty)
     low, high = float(demand.min()), float(demand.max())
-    knots = np.linspace(low, high, KNOTS) if high > low else np.array([low])
-    apart = (knots[:, None] - knots) / max(high - low, 1e-300)
+    if high <= low:
+        # A demand that never changes has no second branch.
+        return ThrustErrors(bound, np.array([low]), np.array([BOUNDED]), np.eye(1), none, empty)
+    places, turns = np.linspace(low, high, KNOTS), np.linspace(low, high, BRANCHES)
+    (spreads, knots), (more, branches) = _functions(places), _functions(turns)
+    return ThrustErrors(bound, places, np.r_[spreads, more], knots, turns, branches)
+
+
+def _functions(knots: Array) -> tuple[Array, Array]:
+    """Standard deviations of the independent functions of an error, the smoothest first, and their values at its knots."""
+    apart = (knots[:, None] - knots) / np.ptp(knots)
     covariance = SMOOTH * np.exp(-0.5 * (apart / CORRELATED) ** 2) + (1 - SMOOTH) * np.eye(knots.size)
     values, vectors = np.linalg.eigh(covariance)
-
-    # The smoothest first. A demand that never changes has no second branch.
     order = np.argsort(-values)
-    spreads, turned = BOUNDED * np.sqrt(values[order]), vectors[:, order].copy()
-    more = BRANCHES if high > low else 0
-    return ThrustErrors(bound, knots, np.r_[spreads, spreads[:more]], turned, turned[:, :more])
+    return BOUNDED * np.sqrt(values[order]), vectors[:, order].copy()

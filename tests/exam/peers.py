@@ -71,9 +71,9 @@ def regression(vehicle: Vehicle, train: Log) -> Regression:
     # Over the steps between samples: the same time as the differences of the velocities.
     here = predictor.start(h).nudot[:, n:]
     moved = lambda other: predictor.start(other).nudot[:, n:] - here  # noqa: E731
-    plain = [
-        moved(type(h)(h.terms, {**h.values, t.id: h.values[t.id] * 1.01})) / (0.01 * h.values[t.id]) for t in terms
-    ]
+    # A drag that stands at its limit is zero.
+    steps = {t.id: 0.01 * h.values[t.id] or 0.01 for t in terms}
+    plain = [moved(type(h)(h.terms, {**h.values, i: h.values[i] + step})) / step for i, step in steps.items()]
     columns, owner = [], []
     for effect in EFFECTS.values():
         if effect.id in (*h.values, *SEARCHED, *UNKNOWN_SIZE) or isinstance(effect.acts, Reading):

@@ -18,10 +18,12 @@ Each frequency's rows are whitened by the Cholesky factor of that covariance (Wh
 
     z^2 = min over theta of |W (d - J theta)|^2
 
-over the masses and drags, which are free, the velocity's scale error inside its bound, and for each thruster a piecewise linear error
-of its curve over nine demands, inside its accuracy. It is the least squared distance, in standard deviations, between the log with
-its effects and any log that the vehicle file allows without them. Effects are never turned into columns: dead bands, delays, waves
-and sensors are treated alike, by simulation. No code of the package is used.
+over the masses and drags, which are free, the velocity's scale error inside its bound, and for each thruster an error of its curve
+inside its accuracy: piecewise linear over 33 demands, of demands that have risen and of those that have fallen apart, because the
+errors of the examination jump and remember. The error that a true curve has already counts: what a curve may differ from it is what
+is left to the bound on either side. z is the least distance, in standard deviations, between the log with its effects and any log that
+the vehicle file allows without them. Effects are never turned into columns: dead bands, delays, waves and sensors are treated alike,
+by simulation. No code of the package is used.
 """
 
 from __future__ import annotations
@@ -36,8 +38,8 @@ from tests.exam.physics import Body, accelerations
 from tests.exam.simulator import Motion, Vessel
 from tests.exam.thrust_curves import Curve
 
-# Demands at which the error of a thrust curve is free, and Gauss-Newton steps of the model's numbers.
-NODES = 9
+# Demands at which the error of a thrust curve is free for either side, and Gauss-Newton steps of the model's numbers.
+NODES = 33
 ROUNDS = 4
 # Relative step of a difference.
 SMALL = 1e-4
@@ -84,27 +86,28 @@ def shown(logs: list[Sailed], claimed: tuple[str, ...] = ()) -> float:
     for _ in range(ROUNDS):
         base = [discrepancy(q, body) for q in logs]
         columns: list[np.ndarray] = []
+        # No mass and no drag falls below a twentieth of its value in a step.
+        box = [(-0.95, np.inf)] * len(free)
         for id_ in free:
             moved = _with(body, id_, _value(body, id_) * (1 + SMALL))
             rows = [w((discrepancy(q, moved) - d) / SMALL) for w, q, d in zip(whiteners, logs, base, strict=True)]
             columns.append(np.concatenate(rows))
         # Errors of thrust and of the velocity's scale belong to one log.
         for j, (w, q, d) in enumerate(zip(whiteners, logs, base, strict=True)):
-            for column in _nuisance(q, body, d):
+            for column, *ends in _nuisance(q, body, d):
                 rows = [np.zeros(_rows(p)) for p in logs]
                 rows[j] = w(column)
                 columns.append(np.concatenate(rows))
+                box.append(tuple(ends))
         target = np.concatenate([w(d) for w, d in zip(whiteners, base, strict=True)])
         A = np.stack(columns, axis=1)
-        reach = np.r_[np.full(len(free), np.inf), np.ones(A.shape[1] - len(free))]
-        # No mass and no drag falls below a twentieth of its value in a step.
-        lower = np.r_[np.full(len(free), -0.95), -reach[len(free) :]]
+        lower, upper = np.array(box).T
         scale = np.linalg.norm(A, axis=0) + 1e-12
         # The triangular factor of the columns and the target, by way of their products: 40 columns of unit length.
         joined = np.column_stack([A / scale, target / (size := np.linalg.norm(target) + 1e-300)])
         R, q = cholesky(joined.T @ joined + RIDGE * np.eye(A.shape[1] + 1)), A.shape[1]
         R[:, q] *= size
-        x = lsq_linear(R[:q, :q], -R[:q, q], (lower * scale, reach * scale)).x / scale
+        x = lsq_linear(R[:q, :q], -R[:q, q], (lower * scale, upper * scale)).x / scale
         left = float(np.linalg.norm(R[:q, :q] @ (x * scale) + R[:q, q]) ** 2 + R[q, q] ** 2)
         if left > least * 0.999:
             break
@@ -166,22 +169,34 @@ def discrepancy(q: Sailed, body: Body) -> np.ndarray:
 
 
 def _nuisance(q: Sailed, body: Body, base: np.ndarray):
-    """What each declared error at its bound does to the discrepancies ``base`` of a log."""
+    """What each declared error at its bound does to the discrepancies ``base`` of a log, and the ends of what may be left of it."""
     sensors, n = q.vessel.table["sensors"], base.shape[1]
     if e := sensors["velocity"].get("scale_factor_error"):
         clean = q.clean | {k: q.clean[k] * (1 + SMALL * e) for k in ("u", "v")}
-        yield (discrepancy(replace(q, clean=clean), body) - base) / SMALL
+        yield (discrepancy(replace(q, clean=clean), body) - base) / SMALL, -1.0, 1.0
     for k, curve in enumerate(q.curves):
         demand = q.motion.demands[:, k]
+        bound = curve.bound(demand)
         static = q.motion.static.copy()
-        static[:, k] += SMALL * curve.bound(demand)
+        static[:, k] += SMALL * bound
         whole = (discrepancy(replace(q, motion=replace(q.motion, static=static)), body) - base) / SMALL
+        held = (q.motion.static[:, k] - curve.nominal(demand)) / np.maximum(bound, 1e-12)
+        rising = sides(demand)
         # A demand holds for a sample, so that each sample answers to its own error alone.
         nodes = np.linspace(curve.low, curve.high, NODES)
-        for hat in np.eye(NODES):
-            share = np.interp(demand[:n], nodes, hat)
-            if (share * curve.bound(demand[:n])).any():
-                yield whole * share
+        for side in (rising, ~rising):
+            for hat in np.eye(NODES):
+                share = (np.interp(demand, nodes, hat) * side * (bound > 0))[:n]
+                if share.any():
+                    own = float(share @ held[:n] / share.sum())
+                    yield whole * share, -1.0 - max(own, -1.0), 1.0 - min(own, 1.0)
+
+
+def sides(demand: np.ndarray) -> np.ndarray:
+    """Whether the last change of a demand, which begins at none, was a rise, shape (n,)."""
+    change = np.diff(demand, prepend=0.0)
+    last = np.maximum.accumulate(np.where(change != 0, np.arange(demand.size), -1))
+    return (last < 0) | (change[np.maximum(last, 0)] > 0)
 
 
 def whitener(q: Sailed):

@@ -19,7 +19,8 @@ from tests.exam.grade import grade
 from tests.exam.readings import log as noisy
 from tests.exam.run import examination
 from tests.exam.seal import adopt, answer, seal
-from tests.exam.shown import discrepancy, whitener
+from tests.exam.shown import discrepancy, sides, whitener
+from tests.exam.shown import shown as stands_out
 
 from conftest import SHARED
 from ivsid.vehicle import read_vehicle
@@ -171,6 +172,21 @@ def test_z_counts_no_curve_inside_its_accuracy():
     """A side that is weaker by 2 % is what a relative accuracy of 2 % says; ten times as much is not."""
     small, large = (short(thrust="none").z({"thruster.asymmetry": q}) for q in (0.02, 0.2))
     assert small < 0.5 < 8 < large
+
+
+def test_z_counts_no_error_that_remembers_inside_its_bound():
+    """What a hysteresis may become is what is left to its bound, from an exact curve and from one that is wrong the other way round."""
+    for share, held, explained in ((0.9, 0.0, True), (0.9, -1.0, True), (4.0, 0.0, False)):
+        given = {"kind": "twin", "style": "zigzag", "ambient": 1.0, "duration": 60.0, "rate": 10.0}
+        one, _ = setting(40, thrust="hysteresis", share=share, **given).sailed({}, 0)
+        static = one.motion.static.copy()
+        for k, curve in enumerate(one.curves):
+            nominal = curve.nominal(one.motion.demands[:, k])
+            # The log is read with another vehicle of the same file.
+            static[:, k] = nominal + held * (static[:, k] - nominal)
+        z = stands_out([replace(one, motion=replace(one.motion, static=static))])
+        assert z < 1.0 if explained else z > 8.0, (share, held, z)
+    assert sides(np.array([0.0, 2.0, 2.0, 1.0, 1.0, 3.0])).tolist() == [True, True, True, False, False, True]
 
 
 def test_folders_say_nothing_and_answers_map_them(tmp_path):

@@ -36,14 +36,18 @@ def second_opinion(fit: Fit, s: Scored) -> float:
     g = fit.gram
     at = list(s.columns)
     keep = np.arange(len(g.blocks)) >= s.first_block(g, fit.noise.predictor.log)
-    solved = g.regression(at, p.base)
     # Scores of the projected columns block by block, at the fit of the base.
     own = g.blocks[:, at][:, :, at] * keep[:, None, None]
     cross = g.blocks[:, at][:, :, p.base] * keep[:, None, None]
+    inner = g.blocks[:, p.base][:, :, p.base]
+    # A step in time has no column before its start, so that the base takes another share of it.
+    solved = np.linalg.solve(g.normal(p.base), cross.sum(axis=0).T)
     score = (g.score[:, at] - cross @ p.coefficients) * keep[:, None]
-    base_score = g.score[:, p.base] - g.blocks[:, p.base][:, :, p.base] @ p.coefficients
+    base_score = g.score[:, p.base] - inner @ p.coefficients
     score = score - base_score @ solved
-    H = own - cross @ solved
+    # Of the projected columns with themselves: block by block they are not orthogonal to the base.
+    both = cross @ solved
+    H = own - both - both.transpose(0, 2, 1) + solved.T @ inner @ solved
     theta = np.linalg.lstsq(H.sum(axis=0), score.sum(axis=0), rcond=DEPENDENT)[0]
     left = score - H @ theta
     blocks = left.shape[0] // BLOCKS * BLOCKS

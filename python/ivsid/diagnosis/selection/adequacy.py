@@ -20,6 +20,7 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import AnyCurve, Boxed, beyond, outside
 from ivsid.diagnosis.null.reached import Reached
+from ivsid.diagnosis.null.screening import BEYOND_DOUBT
 from ivsid.diagnosis.selection.hulls import Asked, asked_of_hulls
 from ivsid.effects import CHANNELS
 
@@ -66,6 +67,7 @@ class Adequacy:
         hulls: numbers that the log asks for and that no hull has.
         rougher: ambient acceleration that the log shows at the least, over the declared one, by axis.
         risk: probability below which structure is more than chance.
+        alone: whether the best single fall is beyond doubt, so that no second statistic is asked.
     """
 
     fall: float
@@ -81,6 +83,7 @@ class Adequacy:
     hulls: tuple[Asked, ...] = ()
     rougher: tuple[float, float, float] = (0.0, 0.0, 0.0)
     risk: float = RISK
+    alone: bool = False
 
     @property
     def statistic(self) -> float:
@@ -99,8 +102,13 @@ class Adequacy:
 
     @property
     def probability(self) -> float:
-        """Probability of the structure: of the regressors, where both statistics are rare, or of the thrust errors, whichever is smaller."""
-        return min(max(self.chance, self.chance_of_one), self.inside)
+        """Probability of the structure: of the regressors or of the thrust errors, whichever is smaller."""
+        return min(self.of_regressors, self.inside)
+
+    @property
+    def of_regressors(self) -> float:
+        """Probability of the regressors' falls, where both statistics are rare; a single one beyond doubt is not lost among a hundred others."""
+        return self.chance_of_one if self.alone else max(self.chance, self.chance_of_one)
 
     @property
     def strength(self) -> float:
@@ -110,7 +118,7 @@ class Adequacy:
     @property
     def white(self) -> bool:
         """Whether the innovations hold no more structure than chance."""
-        return max(self.chance, self.chance_of_one) >= self.risk
+        return self.of_regressors >= self.risk
 
     @property
     def bounded(self) -> bool:
@@ -152,6 +160,9 @@ def adequacy(fit: Fit) -> Adequacy:
     first = len(g.names)
     wide = g.joined(names, x, unit)
     found = _structure(Projection(wide, range(first)), range(first, len(wide.names)), names, np.zeros(first))
+    # Where axes are left out, single falls without an effect are larger.
+    alone = not fit.noise.left_out and found.strongest[0][2] >= BEYOND_DOUBT
+    found = replace(found, alone=alone)
     boxed = Boxed(fit)
     left, knots = boxed.leaving, boxed.knots
     if knots and chi2.sf(left, knots) <= DOUBT:
@@ -170,7 +181,10 @@ def adequacy(fit: Fit) -> Adequacy:
     first = len(free.g.names)
     wide = free.g.joined(names, x.reshape(len(x), *free.g.y.shape), unit)
     beside = _structure(Projection(wide, free.projection.base), range(first, len(wide.names)), names, free.box)
-    return replace(beside, leaving=left, knots=knots, pushed=found.pushed, outside=far, hulls=hulls, rougher=rougher)
+    alone = alone and beside.strongest[0][2] >= BEYOND_DOUBT
+    return replace(
+        beside, leaving=left, knots=knots, pushed=found.pushed, outside=far, hulls=hulls, rougher=rougher, alone=alone
+    )
 
 
 def _pushed(fit: Fit, far: Sequence[tuple[str, float]]) -> str:

@@ -9,11 +9,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.candidates.profile import bent, ends, first_step, profile, rise, slack
+from ivsid.diagnosis.candidates.profile import bent, ends, first_step, profile, region, rise, slack
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.effects import EFFECTS, Parameter
+from ivsid.effects import EFFECTS, Given, Parameter
 from ivsid.files.records import Lower, Upper
 
 Array = NDArray[np.float64]
@@ -115,6 +115,8 @@ def intervals(fit: Fit, id_: str, left: Sequence[Scored] = (), *, unknown: bool 
         for name, parameter, value in zip(given.effect.parts, given.effect.parameters, given.values, strict=True):
             if parameter.draw == "thruster":
                 out[name] = Bound(value, value, parameter.unit, parameter.symbol)
+        if given.effect.form.place:
+            _places(fit, given, worse, out)
         for j in bent(given):
             chi2 = profile(fit.problem, fit.states, given, j)
             lower, upper = ends(chi2, given.values[j], first_step(fit.problem, given, j), rise(given, j, SIGMAS, worse))
@@ -133,6 +135,27 @@ def intervals(fit: Fit, id_: str, left: Sequence[Scored] = (), *, unknown: bool 
                 lower, upper = max(lower - error, 0.0), upper + error
             out[given.effect.parts[j]] = Bound(lower, upper, parameter.unit, parameter.symbol)
     return out
+
+
+def _places(fit: Fit, given: Given, worse: float, out: dict[str, Bound]) -> None:
+    """Widens the intervals of an anchor to those of all places that the log allows.
+
+    Args:
+        fit: of the last model.
+        given: the effect.
+        worse: variance by the scatter of half-minutes over the variance by the noise model.
+        out: intervals by name.
+    """
+    north, east = given.effect.form.place
+    names = [given.effect.parts[j] for j in (north, east)]
+    if any(n not in out for n in names):
+        return
+    chi2 = profile(fit.problem, fit.states, given, north, east)
+    best = given.values[north], given.values[east]
+    reach = [0.5 * (out[n].upper - out[n].lower) for n in names]
+    found = region(chi2, best, (reach[0], reach[1]), rise(given, north, SIGMAS, worse))
+    for n, (lower, upper) in zip(names, found, strict=True):
+        out[n] = replace(out[n], lower=min(lower, out[n].lower), upper=max(upper, out[n].upper))
 
 
 def _canonical(out: dict[str, Bound], id_: str) -> None:

@@ -64,6 +64,16 @@ START_SLACK: Final = 1.0
 # Source: measured: make constants
 START_SLACK_STEPS: Final = 3
 
+# Steps in each direction to which the region of possible anchors is followed before its lattice is made twice as coarse.
+# Source: resource: a place costs a hundredth of a second
+REGION: Final = 8
+# First step of that lattice, in half-widths of the interval by slopes.
+# Source: geometry: three steps from the best place to the end of a region that is no wider than the slopes say
+REGION_STEP: Final = 1.0 / 3.0
+# Most doublings of that step.
+# Source: geometry: the last lattice reaches 340 half-widths, where a pull has one direction
+REGION_DOUBLINGS: Final = 7
+
 
 def bent(given: Given) -> list[int]:
     """Indices of an effect's numbers that are profiled."""
@@ -175,6 +185,41 @@ def _moored(problem: Problem, states: FilteredStates, given: Given) -> FilteredS
     values = list(given.values)
     values[north], values[east] = here
     return states.under(states.h.with_effect(replace(given, values=tuple(values))))
+
+
+def region(
+    chi2: Callable[..., float], best: tuple[float, float], reach: tuple[float, float], most: float
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Ends of both coordinates of the places at which chi-squared is within ``most`` of the least, one step outside of the last that is.
+
+    The places that a log allows for an anchor are a bent strip along the direction of its pull, so that slopes at the best one show its width
+    alone. They are followed on a lattice from the best one to its neighbours.
+
+    Args:
+        chi2: as a function of a place.
+        best: place.
+        reach: half-widths of the intervals by slopes, of which a share is the first step.
+        most: rise.
+    """
+    step = np.maximum(REGION_STEP * np.array(reach), 1e-9)
+    inside = {(0, 0)}
+    for _ in range(REGION_DOUBLINGS):
+        rises: dict[tuple[int, int], float] = {(0, 0): chi2(*best)}
+        inside, edge = {(0, 0)}, [(0, 0)]
+        while edge and all(max(abs(a), abs(b)) < REGION for a, b in inside):
+            i, j = edge.pop()
+            for place in [(i + a, j + b) for a in (-1, 0, 1) for b in (-1, 0, 1)]:
+                if place not in rises:
+                    rises[place] = chi2(best[0] + place[0] * step[0], best[1] + place[1] * step[1])
+                    if rises[place] - min(rises.values()) <= most:
+                        inside.add(place)
+                        edge.append(place)
+        if not edge:
+            break
+        step = 2 * step
+    at = np.array(sorted(inside))
+    low, high = best + (at.min(axis=0) - 1) * step, best + (at.max(axis=0) + 1) * step
+    return (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))
 
 
 def rise(given: Given, j: int, sigmas: float, worse: float) -> float:

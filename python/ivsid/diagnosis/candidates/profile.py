@@ -64,15 +64,18 @@ START_SLACK: Final = 1.0
 # Source: measured: make constants
 START_SLACK_STEPS: Final = 3
 
-# Steps in each direction to which the region of possible anchors is followed before its lattice is made twice as coarse.
+# Places at which a region of possible anchors is asked before its lattice is made four times as coarse.
 # Source: resource: a place costs a hundredth of a second
-REGION: Final = 8
+PLACES: Final = 250
 # First step of that lattice, in half-widths of the interval by slopes.
 # Source: geometry: three steps from the best place to the end of a region that is no wider than the slopes say
 REGION_STEP: Final = 1.0 / 3.0
-# Most doublings of that step.
-# Source: geometry: the last lattice reaches 340 half-widths, where a pull has one direction
-REGION_DOUBLINGS: Final = 7
+# Steps by which the ends stand outside of the last place that is inside: a strip that ends between places narrows before.
+# Source: geometry: half a step to the next place, and one that the end of a strip may pass between two places
+REGION_SLACK: Final = 1.5
+# Lattices at most.
+# Source: resource: the third one reaches 8 times as many half-widths as it has places in a row
+LATTICES: Final = 3
 
 
 def bent(given: Given) -> list[int]:
@@ -190,7 +193,7 @@ def _moored(problem: Problem, states: FilteredStates, given: Given) -> FilteredS
 def region(
     chi2: Callable[..., float], best: tuple[float, float], reach: tuple[float, float], most: float
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Ends of both coordinates of the places at which chi-squared is within ``most`` of the least, one step outside of the last that is.
+    """Ends of both coordinates of the places at which chi-squared is within ``most`` of the least, a little outside of the last that is.
 
     The places that a log allows for an anchor are a bent strip along the direction of its pull, so that slopes at the best one show its width
     alone. They are followed on a lattice from the best one to its neighbours.
@@ -202,24 +205,30 @@ def region(
         most: rise.
     """
     step = np.maximum(REGION_STEP * np.array(reach), 1e-9)
-    inside = {(0, 0)}
-    for _ in range(REGION_DOUBLINGS):
-        rises: dict[tuple[int, int], float] = {(0, 0): chi2(*best)}
-        inside, edge = {(0, 0)}, [(0, 0)]
-        while edge and all(max(abs(a), abs(b)) < REGION for a, b in inside):
-            i, j = edge.pop()
+    ends = np.array([best, best], dtype=np.float64)
+    least = chi2(*best)
+    for _ in range(LATTICES):
+        asked, edge = {(0, 0)}, [(0, 0)]
+        while edge and len(asked) < PLACES:
+            # The oldest first: the region grows evenly from the best place.
+            i, j = edge.pop(0)
+            at = np.array(best) + np.array([i, j]) * step
+            ends = np.array(
+                [np.minimum(ends[0], at - REGION_SLACK * step), np.maximum(ends[1], at + REGION_SLACK * step)]
+            )
             for place in [(i + a, j + b) for a in (-1, 0, 1) for b in (-1, 0, 1)]:
-                if place not in rises:
-                    rises[place] = chi2(best[0] + place[0] * step[0], best[1] + place[1] * step[1])
-                    if rises[place] - min(rises.values()) <= most:
-                        inside.add(place)
+                if place not in asked:
+                    asked.add(place)
+                    here = chi2(best[0] + place[0] * step[0], best[1] + place[1] * step[1])
+                    least = min(least, here)
+                    if here - least <= most:
                         edge.append(place)
         if not edge:
             break
-        step = 2 * step
-    at = np.array(sorted(inside))
-    low, high = best + (at.min(axis=0) - 1) * step, best + (at.max(axis=0) + 1) * step
-    return (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))
+        # What is left of the region is followed on a coarser lattice, which may lose a narrow strip: the ends so far stay.
+        step = 4 * step
+    (low, least_east), (high, most_east) = ends.tolist()
+    return (low, high), (least_east, most_east)
 
 
 def rise(given: Given, j: int, sigmas: float, worse: float) -> float:

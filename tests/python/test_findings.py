@@ -20,6 +20,7 @@ def _made(monkeypatch):
         findings, "finding", lambda f, *_: SimpleNamespace(effect=f.id, parameters={f.id: bound}, evidence={})
     )
     monkeypatch.setattr(findings, "own_columns", lambda *_: [])
+    monkeypatch.setattr(findings, "AnyCurve", lambda _: SimpleNamespace(reach=dict))
     monkeypatch.setattr(Adequacy, "beside", lambda rest, *_: rest.unexplained / 10)
 
 

@@ -19,6 +19,7 @@ from tests.exam.thrust_errors import SHAPES, with_errors
 
 from diagnosis_logs import screened, train_of, vehicle_of
 from ivsid import diagnose
+from ivsid.diagnosis.candidates.intervals import intervals
 from ivsid.diagnosis.estimation.declared_errors import through_water, thrust_answers
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import OVERSHOOT, AnyCurve, Boxed, beyond, lost
@@ -106,24 +107,27 @@ def test_falls_with_errors_inside_their_bounds_are_those_of_the_whole_problem(wr
     """The oracle minimises chi² over all numbers at once, errors and cause and parameters, with a general solver."""
     fit = wrong.fit
     boxed, g, p = Boxed(fit), fit.gram, fit.projection
-    own = [k for k in fit.base if g.names[k].startswith("~thrust.")]
-    errors = [e.knots for e in fit.noise.predictor.propulsion.errors]
-    to_knots = block_diag(*errors) / g.unit[own]
+    predictor = fit.noise.predictor
+    errors = [(t.name, e) for t, e in zip(predictor.vehicle.thrusters, predictor.propulsion.errors, strict=True)]
+    own = g.at([name for t, e in errors for name in e.names(t)])
     shift = np.where(np.isin(np.arange(len(g.names)), own), g.centre, 0.0)
 
-    def least(columns, bound):
-        at = [*(k for k in fit.base if k not in own), *columns, *own]
+    def least(bound, side):
+        # From the values at the knots, of one branch and of the hysteresis, to the sizes.
+        sizes = block_diag(*(e.sizes(side) for _, e in errors)) * g.unit[own][:, None]
+        at = [*(k for k in fit.base if k not in own), *own]
         N = p.total[np.ix_(at, at)] + np.diag(np.where(np.isin(at, own), 0.0, g.prior[at]))
         s = (p.score + p.total @ shift + np.where(np.isin(np.arange(len(g.names)), own), g.prior * g.centre, 0.0))[at]
         first = len(at) - len(own)
         # Knots take the place of the sizes: x = turn @ (others, knots).
-        turn = block_diag(np.eye(first), np.linalg.inv(to_knots))
+        turn = block_diag(np.eye(first), sizes)
         root = np.linalg.cholesky(turn.T @ N @ turn + 1e-9 * np.eye(len(at)))
         low = np.r_[np.full(first, -np.inf), np.full(len(own), -bound)]
         solved = lsq_linear(root.T, np.linalg.solve(root, turn.T @ s), (low, -low), method="bvls")
         return 2 * solved.cost - float(np.sum(np.linalg.solve(root, turn.T @ s) ** 2))
 
-    assert boxed.leaving == pytest.approx(least([], OVERSHOOT) - least([], np.inf), rel=1e-3, abs=0.05)
+    branches = [least(OVERSHOOT, side) - least(np.inf, side) for side in (1.0, -1.0)]
+    assert boxed.leaving == pytest.approx(max(branches), rel=1e-3, abs=0.05)
     assert boxed.leaving > boxed.knots
 
 
@@ -131,7 +135,7 @@ def test_the_distance_from_all_curves_is_the_least_of_any_curve(wrong):
     """The oracle takes a curve out of the scores, asks what free knots still gain, and lets a general minimiser look for the best curve."""
     free = AnyCurve(wrong.fit)
     reached, g = Reached(free), free.g
-    knots = [k for k, n in enumerate(g.names) if n.startswith("~thrust.")]
+    knots = [k for k, n in enumerate(g.names) if n.startswith(("~thrust.", "~hysteresis."))]
     cells = [k for k, n in enumerate(g.names) if n.startswith("~cell.")]
     others = [k for k in range(len(g.names)) if k not in {*knots, *cells}]
     total, score = g.blocks.sum(axis=0), g.score.sum(axis=0)
@@ -180,6 +184,29 @@ def test_detection_limits_leave_eight_deviations_beside_the_worst_errors(wrong):
         assert least * p.g.unit[j] * deviation - worst / deviation == pytest.approx(8.0, rel=1e-6)
         for _ in range(50):
             assert abs(moved @ rng.choice([-1.0, 1.0], moved.size)) <= worst * (1 + 1e-12)
+
+
+def test_an_interval_holds_its_number_beside_the_worst_curve(wrong):
+    """Errors inside their bounds, with drawn signs and with the worst ones, move no number by more than its interval has room for."""
+    fit, rng = wrong.fit, np.random.default_rng(5)
+    free = AnyCurve(fit)
+    p, reach = free.projection, free.reach()
+    signs = np.sign(p.covariance * p.g.prior[p.base])
+    for id_ in ("mass.surge", "drag.sway.quadratic"):
+        (k,) = fit.gram.at([id_])
+        i = fit.base.index(k)
+
+        def moved(e, i=i):
+            # The shift by errors in the data, less the errors themselves, which are no part of this number.
+            return np.linalg.solve(p.normal, p.total[np.ix_(p.base, p.base)] @ e)[i] / p.g.unit[i]
+
+        for _ in range(20):
+            errors = free.box * rng.choice([-1.0, 1.0], free.box.size)
+            assert abs(moved(errors)) <= reach[id_].worst * (1 + 1e-6)
+        assert abs(moved(free.box * signs[i])) == pytest.approx(reach[id_].worst, rel=1e-4)
+        own = intervals(fit, id_)[id_], intervals(fit, id_, curves=reach)[id_]
+        assert own[1].lower < own[0].lower < own[0].upper < own[1].upper
+        assert own[1].upper - own[1].lower >= 2 * reach[id_].worst
 
 
 # The fall of each was lost beside soft priors: half of the curve was taken by errors of twice their accuracy.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -74,11 +74,32 @@ class Bound:
         }
 
 
-def intervals(fit: Fit, id_: str, left: Sequence[Scored] = (), *, unknown: bool = False) -> dict[str, Bound]:
+@dataclass(frozen=True)
+class Reach:
+    """Errors of a number beside free errors of the thrust curves.
+
+    Attributes:
+        noise: standard deviation by the noise alone, in the number's unit.
+        worst: most that declared errors inside their bounds move the number, in its unit.
+    """
+
+    noise: float
+    worst: float
+
+
+def intervals(
+    fit: Fit,
+    id_: str,
+    left: Sequence[Scored] = (),
+    *,
+    unknown: bool = False,
+    curves: Mapping[str, Reach] | None = None,
+) -> dict[str, Bound]:
     """Intervals of an effect's numbers, by name.
 
     The standard deviation of a number is the larger of two: by the noise model, and by the scatter of half-minutes. An interval is widened by
-    the shift of the number beside each cause that may be there without being found. Numbers in which the errors bend or jump are profiled.
+    the shift of the number beside each cause that may be there without being found. Numbers in which the errors bend or jump are profiled. An
+    interval holds the number whatever curve inside its accuracy each thruster has: priors alone scatter these errors as if they were many.
 
     Args:
         fit: of the last model.
@@ -86,7 +107,9 @@ def intervals(fit: Fit, id_: str, left: Sequence[Scored] = (), *, unknown: bool 
         left: scores of the causes that were not found.
         unknown: whether something unknown is left; then each of these causes may hide in it, at up to ``HIDDEN`` standard deviations beyond
             its score.
+        curves: what any thrust curve inside its accuracy makes of each number, by column.
     """
+    curves = curves or {}
     p, g = fit.projection, fit.gram
     variance, robust = np.diag(p.covariance), scatter(p)
     out: dict[str, Bound] = {}
@@ -103,10 +126,12 @@ def intervals(fit: Fit, id_: str, left: Sequence[Scored] = (), *, unknown: bool 
         # The last step of the fit is not taken, so that the interval has to hold it.
         rest = abs(float(p.coefficients[i])) / float(g.unit[k])
         reach = SIGMAS * sigma + rest
+        beside = curves.get(name, Reach(sigma, 0.0))
+        wide = max(reach, SIGMAS * beside.noise + beside.worst + rest)
         worse = max(worse, robust[i] / variance[i])
         unit = float(g.unit[k])
         within = (value - reach + moved[0, i] / unit, value + reach + moved[1, i] / unit)
-        lower, upper = value - reach + hidden[0, i] / unit, value + reach + hidden[1, i] / unit
+        lower, upper = value - wide + hidden[0, i] / unit, value + wide + hidden[1, i] / unit
         out[name] = Bound(lower, upper, parameter.unit, parameter.symbol, within=within)
     _canonical(out, id_)
     for given in fit.h.given:
@@ -120,7 +145,7 @@ def intervals(fit: Fit, id_: str, left: Sequence[Scored] = (), *, unknown: bool 
         for j in bent(given):
             chi2 = profile(fit.problem, fit.states, given, j)
             lower, upper = ends(chi2, given.values[j], first_step(fit.problem, given, j), rise(given, j, SIGMAS, worse))
-            around = slack(fit.problem, given, j)
+            around = slack(fit.problem, given, j) + curves.get(given.effect.parts[j], Reach(0.0, 0.0)).worst
             lower, upper = max(lower - around, 0.0), upper + around
             parameter = given.effect.parameters[j]
             if parameter.draw == "time":

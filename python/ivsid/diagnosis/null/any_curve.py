@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 from scipy.optimize import lsq_linear
 
+from ivsid.diagnosis.candidates.intervals import Reach
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.declared_errors import SCALE, through_water, thrust_answers
 from ivsid.diagnosis.estimation.fit import Fit
@@ -90,6 +91,18 @@ class AnyCurve:
         g = self.fit.gram
         at = g.at(names)
         return self.g.joined(names, g.columns(at).reshape(len(at), *self.g.y.shape), g.unit[at])
+
+    def reach(self) -> dict[str, Reach]:
+        """What the noise and the worst declared errors make of each number of the fit, by column, in its unit."""
+        p, count = self.projection, len(self.fit.base)
+        held = p.covariance[:count] * p.g.prior[p.base]
+        noise = np.sqrt(
+            np.maximum(np.diag(p.covariance)[:count] - np.einsum("ij,ij->i", held, p.covariance[:count]), 0.0)
+        )
+        worst = np.abs(held) @ self.box
+        unit = p.g.unit[:count]
+        names = p.g.names[:count]
+        return {n: Reach(float(s / u), float(w / u)) for n, s, w, u in zip(names, noise, worst, unit, strict=True)}
 
     def of(self, s: Scored) -> float:
         """Fall of chi-squared of a family that no declared error inside its bound can make."""

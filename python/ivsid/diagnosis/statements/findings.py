@@ -13,9 +13,10 @@ from typing import Final
 
 import numpy as np
 
-from ivsid.diagnosis.candidates.intervals import Bound, intervals
+from ivsid.diagnosis.candidates.intervals import Bound, Reach, intervals
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
+from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
 from ivsid.diagnosis.selection.adequacy import ROUGHER, Adequacy, energy_of
 from ivsid.diagnosis.selection.rivals import Found
@@ -108,9 +109,10 @@ def findings_of(
     made: dict[str, Finding] = {}
     withdrawn: dict[str, Refusal] = {}
     nothing = 0.0
+    curves = AnyCurve(last).reach() if selection.found else {}
     # The weakest first: what a cause takes that is none stays unexplained beside the stronger ones.
     for found in sorted(selection.found, key=lambda f: f.fall):
-        one = finding(found, last, selection.leftover, evidence, rest)
+        one = finding(found, last, selection.leftover, evidence, rest, curves)
         left = nothing + (rest.beside(last, own_columns(last, found.id)) if complete else rest.unexplained)
         case = Held(EFFECTS[found.id], found.fall, left, one.parameters, complete, rest.quiet, len(rest.hulls))
         refusal = first_refusal(HELD, case, [f.id for f in selection.found if f is not found])
@@ -130,6 +132,7 @@ def finding(
     left: Sequence[Scored],
     evidence: Mapping[str, FindingEvidence],
     rest: Adequacy,
+    curves: Mapping[str, Reach],
 ) -> Finding:
     """Finding that is made of one cause.
 
@@ -139,6 +142,7 @@ def finding(
         left: scores of the other causes beside it.
         evidence: residuals before and after, by channel.
         rest: adequacy of the extended model.
+        curves: what any thrust curve inside its accuracy makes of each number, by column.
     """
     channel = _channel(last, found.id)
     weights = np.array([np.exp(-0.5 * (found.rivals[0].merit - r.merit)) for r in found.rivals])
@@ -155,7 +159,7 @@ def finding(
         confidence,
         alternatives,
         effect.separate if alternatives else "",
-        intervals(last, found.id, left, unknown=not rest.quiet),
+        intervals(last, found.id, left, unknown=not rest.quiet, curves=curves),
         {
             "channel": channel,
             **evidence.get(channel, {}),

@@ -351,3 +351,31 @@ def test_a_cause_that_a_curve_inside_its_accuracy_makes_is_lost_and_a_strong_one
     # Without any bound on the errors nothing is left of it.
     free.box = 1e6 * free.box
     assert free.of(strong) == 0.0
+
+
+@pytest.mark.parametrize("bend", [lambda q: np.tanh(2 * q), lambda q: np.sin(3 * q), lambda q: -np.sign(q)])
+def test_an_error_by_inflow_is_one_of_any_curve(bend):
+    """Shares of the bound that follow the speed of the water along a thruster, and not the demand."""
+    vehicle = vehicle_of()
+    fit = screened(vehicle, train_of(vehicle, duration=160.0)).fit
+    free = AnyCurve(fit)
+    s = fit.signatures
+    u, v, r = relative = through_water(s)
+    x, y = vehicle.thrusters[0].position
+    speed = u - y * r
+    demand, curve = s.predictor.propulsion.demands[0], s.predictor.propulsion.curves[0]
+    whole = s.predictor.driving.slopes(s.h, 0, lambda d: bound_of(vehicle.thrusters[0], curve, d)[None])
+    error = whole * bend((speed - speed.mean()) / speed.std())
+    assert demand.size and np.any(error)
+    (answer,) = thrust_answers(s, 0, error, relative)
+    g = fit.gram
+    column, _ = g.white.blocks([answer], g.good, g.length)
+    left = []
+    for names in (free.g.names, [n for n in free.g.names if not n.startswith("~inflow.")]):
+        at = [k for k, n in enumerate(free.g.names) if n in names]
+        A = free.g.columns(at).reshape(len(at), -1)
+        b = column.reshape(-1)
+        scale = np.linalg.norm(A, axis=1)
+        q = np.linalg.lstsq((A / scale[:, None]).T, b, rcond=1e-9)[0]
+        left.append(float(np.linalg.norm(b - (A / scale[:, None]).T @ q) / np.linalg.norm(b)))
+    assert left[0] < 0.45 and left[0] < 0.7 * left[1]

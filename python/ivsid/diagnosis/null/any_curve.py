@@ -1,7 +1,7 @@
 """Findings beside any thrust curve inside its accuracy, and whether a declared error leaves its bound.
 
 The declared errors of a fit follow a curve between few knots. Here the curve may jump: its error is free in each of many cells of demand, for
-rising and for falling demands apart, with the bound as its prior. What is left of a score is then held against the worst of all such curves.
+rising and for falling demands apart, and in each of some classes of the inflow along the thruster beside them, with the bound as its prior. What is left of a score is then held against the worst of all such curves.
 
 Let s = w'y be the score of a direction beside the base, with y = A e + n, declared errors e inside the box |e_i| <= b_i, and noise n. The
 errors move s by at most W = sum_i |(A'w)_i| b_i, the support function of the box. If F is the fall of chi-squared along the direction that
@@ -29,6 +29,7 @@ from ivsid.diagnosis.estimation.declared_errors import SCALE, through_water, thr
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.estimation.signatures import Signatures
 from ivsid.diagnosis.plant.thrust_errors import BOUNDED, bound_of, upward
 
 Array = NDArray[np.float64]
@@ -38,6 +39,9 @@ CELLS: Final = 192
 # Cells of one thruster at most, for each direction of its demand.
 # Source: geometry: four cells between two knots of the declared errors
 MOST_CELLS: Final = 64
+# Classes of the inflow along a thruster, each with as many samples.
+# Source: geometry: six steps follow an error that bends twice over the speeds of a log
+INFLOWS: Final = 6
 # Share of a bound that the prior of a declared error stands for, by the first words of its name.
 _SHARES: Final = {"~rudder.": BOUNDED, "~scale.": SCALE}
 # Values at the knots, in bounds, up to which an error may lie inside its bound: a straight line beside a jump overshoots.
@@ -198,11 +202,11 @@ def outside(fit: Fit) -> tuple[tuple[str, float], ...]:
 
 
 def cells(fit: Fit, over: Sequence[Array] | None = None) -> Iterator[tuple[str, Array]]:
-    """Name and signature of a thrust error of one bound in each cell of demand that the log visits.
+    """Name and signature of a thrust error of one bound in each cell of demand that the log visits, and in each class of inflow.
 
     Args:
         fit: of the log.
-        over: demands of each thruster from its neutral over which the cells stand; those of the log by default.
+        over: demands of each thruster from its neutral over which the cells stand, without classes of inflow; those of the log by default.
     """
     s = fit.signatures
     propulsion = s.predictor.propulsion
@@ -217,6 +221,29 @@ def cells(fit: Fit, over: Sequence[Array] | None = None) -> Iterator[tuple[str, 
         for cell, answer in zip(visited, thrust_answers(s, k, errors, relative), strict=True):
             if np.any(answer):
                 yield f"~cell.{name}.{cell}", answer
+        if over is not None:
+            # Two logs share the error of a demand, and their classes of inflow differ.
+            continue
+        speed = inflow(s, k, relative)
+        edges = np.quantile(speed, np.arange(1, INFLOWS) / INFLOWS)
+        # The cells make up the whole of the demands, so that their sum is the bound everywhere.
+        whole = errors.sum(axis=0) * (np.searchsorted(edges, speed) == np.arange(INFLOWS)[:, None])
+        for j, answer in enumerate(thrust_answers(s, k, whole, relative)):
+            if np.any(answer):
+                yield f"~inflow.{name}.{j}", answer
+
+
+def inflow(s: Signatures, k: int, relative: tuple[Array, Array, Array]) -> Array:
+    """Velocity of the water along a thruster [m/s], shape (2 n,).
+
+    Args:
+        s: signatures at a hypothesis.
+        k: index of the thruster.
+        relative: u, v, r relative to the water.
+    """
+    (u, v, r), (x, y) = relative, s.predictor.vehicle.thrusters[k].position
+    angle = s.predictor.driving.turned[k]
+    return np.asarray((u - y * r) * np.cos(angle) + (v + x * r) * np.sin(angle))
 
 
 def _places(demand: Array, count: int) -> Callable[[Array], NDArray[np.int64]]:

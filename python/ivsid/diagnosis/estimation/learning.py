@@ -30,7 +30,7 @@ from ivsid.diagnosis.plant.usual_hull import usual_numbers
 from ivsid.diagnosis.prediction.innovations import Predictor, replaced
 from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import terms_of
-from ivsid.effects.inertia import MASS_SWAY
+from ivsid.effects.inertia import INERTIA_YAW
 from ivsid.errors import IvsidError
 from ivsid.vehicle import Vehicle
 
@@ -77,7 +77,8 @@ def learn(
         )
     for turn in range(rounds):
         noise = Noise(predictor, plain_scale(predictor.errors(states), good, predictor, left_out), good, left_out)
-        states = improve(Problem.at(noise, fixed, states), states)
+        slow = replace(noise, whitening=noise.whitening.slowed(predictor, left_out))
+        states = improve(Problem.at(slow, fixed, states), states)
         noise = replace(noise, whitening=plain_scale(predictor.errors(states), good, predictor, left_out))
         left = remaining(search(survey(noise, states, fixed)))
         if turn == rounds - 1:
@@ -132,11 +133,12 @@ def _plain(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
     h = first_values(vehicle, log, terms_of(vehicle), claimed)
     predictor = Predictor(vehicle, log, declared_ambient(vehicle))
     left_out = axes_left_out(predictor)
+    if left_out:
+        predictor = Predictor(vehicle, log, predictor.ambient, driving=predictor.driving, turning=False)
     usual = _usual(h, vehicle, left_out)
     h = replaced(h, usual)
     predictor = quick_enough(predictor, predictor.slopes(predictor.start(h)))
-    # The sway mass still acts in surge, through turning.
-    fixed = {**claimed, **{i: x for i, x in usual.items() if i != MASS_SWAY.id}}
+    fixed = {**claimed, **usual}
     noise, states = learn(predictor, predictor.settle(predictor.start(h), 2), search, fixed, left_out)
     return survey(noise, improve(Problem.at(noise, fixed, states), states), fixed)
 
@@ -148,5 +150,5 @@ def _usual(h: Hypothesis, vehicle: Vehicle, left_out: frozenset[int]) -> dict[st
     return {
         i: x
         for i, x in usual_numbers(vehicle).items()
-        if any(t.id == i for t in h.terms) and i not in vehicle.model.values
+        if i == INERTIA_YAW.id and any(t.id == i for t in h.terms) and i not in vehicle.model.values
     }

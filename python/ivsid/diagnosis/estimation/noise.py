@@ -220,7 +220,7 @@ def axes_left_out(predictor: Predictor) -> frozenset[int]:
     turning = float(uniform_filter1d(predictor.log.nu[2], max(2, round(HALF / predictor.log.h))).std())
     # Sway follows from u r, so that it is not known without a yaw rate either.
     least = TURNING / np.sqrt(hull_length(predictor.vehicle))
-    return frozenset() if turning >= max(MOVING * predictor.axes[2].spread, least) else frozenset({1, 2})
+    return frozenset() if turning >= max(MOVING * predictor.axes[2].spread, least) else frozenset({2})
 
 
 def usable_rows(predictor: Predictor) -> NDArray[np.bool_]:

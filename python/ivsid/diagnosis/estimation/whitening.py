@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -38,6 +38,12 @@ TRACE: Final = 1e-12
 # Least size of a row of errors, in its unit.
 # Source: geometry: keeps the inverse of a row without errors a finite number
 LEAST_ROW: Final = 1e-12
+# Length of the means in which sway counts where the vehicle hardly turns [s].
+# Source: geometry: over 5 s a heading gives the yaw rate to a tenth of the gyro's error, and half a block holds whole means
+SLOW: Final = 5.0
+# Least square of the length of a column.
+# Source: definition: that of the core's whitening
+NOTHING: Final = 1e-300
 
 
 @dataclass(frozen=True)
@@ -47,10 +53,14 @@ class Whitening:
     Attributes:
         groups: rows of errors that are filtered together: those of an axis, or of coupled axes.
         taps: coefficients of each group, shape (lags + 1, rows, rows).
+        slow: rows of which means over ``span`` samples count alone.
+        span: of these means, in samples.
     """
 
     groups: tuple[tuple[int, ...], ...]
     taps: tuple[Array, ...]
+    slow: tuple[int, ...] = ()
+    span: int = 1
 
     def __call__(self, x: Array) -> Array:
         """Whitens errors or signatures, shape (..., rows, n)."""
@@ -72,7 +82,26 @@ class Whitening:
         Returns:
             Shape (columns, blocks, rows length), and (columns,).
         """
-        return whitened(columns, self.groups, self.taps, length, good.astype(np.float64), unit=unit)
+        if not self.slow:
+            return whitened(columns, self.groups, self.taps, length, good.astype(np.float64), unit=unit)
+        x, size = whitened(columns, self.groups, self.taps, length, good.astype(np.float64))
+        edges = np.linspace(0, length, max(1, round(length / self.span)) + 1).round().astype(np.int64)
+        count = np.diff(edges)
+        rows = x.reshape(*x.shape[:2], -1, length)
+        for k in self.slow:
+            # Whitened rows are projected on constants: their sums of squares stay those of independent numbers.
+            rows[:, :, k] = np.repeat(np.add.reduceat(rows[:, :, k], edges[:-1], axis=-1) / count, count, axis=-1)
+        if unit:
+            size = np.sqrt(np.maximum(np.einsum("cbi,cbi->c", x, x), NOTHING))
+            x /= size[:, None, None]
+        return x, size
+
+    def slowed(self, predictor: Predictor, left_out: frozenset[int]) -> Whitening:
+        """The same whitening, with means alone of sway where the axis of yaw is left out."""
+        if not left_out:
+            return self
+        rows = tuple(i for i, (k, _) in enumerate(predictor.labels) if k == 1)
+        return replace(self, slow=rows, span=max(1, round(SLOW / predictor.log.h)))
 
 
 def whiten(
@@ -120,7 +149,7 @@ def whiten(
         root = np.linalg.inv(np.linalg.cholesky(left @ left.T / at.size + LEAST_VARIANCE * np.eye(len(rows))))
         each = [root] + [-root @ A[:, lag * len(rows) : (lag + 1) * len(rows)] for lag in range(lags)]
         taps.append(np.stack(each))
-    return Whitening(tuple(found), tuple(taps))
+    return Whitening(tuple(found), tuple(taps)).slowed(predictor, left_out)
 
 
 def _coupled(

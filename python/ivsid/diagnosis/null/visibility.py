@@ -27,6 +27,9 @@ VISIBLE: Final = 8.0
 # A signature is used if it is larger than the part that errors of the filtered states make of it, by this factor.
 # Source: measured: make constants
 EXCITED: Final = 4.0
+# Share of a signature from which on it is one of turning.
+# Source: geometry: half of the length
+TURNED: Final = 0.5
 # Below this energy a signature acts on axes that are left out, and has no excitation.
 # Source: definition: whitened signatures of such axes are zero up to rounding
 NOTHING: Final = 1e-12
@@ -68,29 +71,56 @@ def excitation(fit: Fit, seed: int = 0) -> dict[str, float]:
     rng = np.random.default_rng(seed)
     shift = np.empty((3, n))
     for k, here in enumerate(predictor.axes[:3]):
+        if k == 2 and predictor.rate is not None:
+            shift[k] = predictor.rate.drawn(rng)
+            continue
         pole = float(np.exp(-predictor.log.h / here.memory))
         shift[k] = lfilter([np.sqrt(1 - pole**2)], [1, -pole], rng.standard_normal(n)) * here.spread
-    points = fit.states.points.moved(np.concatenate([shift, shift], axis=1))
-    other = replace(fit.states, points=points, nudot=acceleration(predictor.vehicle, fit.h, points))
-    signatures = Signatures(predictor, other)
-    names: list[str] = []
-    arrays: list[Array] = []
-    index = fit.gram.index
-    for candidate in fit.candidates:
-        for name, array in candidate.shifted(signatures):
-            if name in index:
-                names.append(name)
-                arrays.append(array)
+    names, x = _moved(fit, np.concatenate([shift, shift], axis=1))
     if not names:
         return {}
-    at = fit.gram.at(names)
-    g = fit.gram
-    x, _ = g.white.blocks(arrays, g.good, g.length, unit=False)
+    g, at = fit.gram, fit.gram.at(names)
     difference = np.einsum("cbi,cbi->c", d := x - g.columns(at) * g.unit[at][:, None, None], d)
     signal = np.diag(fit.projection.information(at)) * g.unit[at] ** 2
     ratio = np.sqrt(signal / np.maximum(difference, 1e-300))
     # Effects on axes that are left out have no signature and no error of one.
     return {n: float(q) for n, q, s in zip(names, ratio, signal, strict=True) if s > NOTHING}
+
+
+def due_to_turning(fit: Fit) -> dict[str, float]:
+    """Share of each signature that is gone where the vehicle does not turn at all, by column: the distance over the length.
+
+    Args:
+        fit: of the plain model.
+    """
+    stopped = np.zeros_like(fit.states.points.nu)
+    stopped[2] = -fit.states.points.nu[2]
+    names, x = _moved(fit, stopped, still=True)
+    if not names:
+        return {}
+    g, at = fit.gram, fit.gram.at(names)
+    gone = np.einsum("cbi,cbi->c", d := x - g.columns(at) * g.unit[at][:, None, None], d)
+    return {n: float(np.sqrt(q) / u) for n, q, u in zip(names, gone, g.unit[at], strict=True)}
+
+
+def _moved(fit: Fit, shift: Array, *, still: bool = False) -> tuple[list[str], Array]:
+    """Names of the candidates' columns, and these made again at velocities that differ, whitened, shape (columns, blocks, numbers)."""
+    predictor = fit.noise.predictor
+    points = fit.states.points.moved(shift)
+    nudot = acceleration(predictor.vehicle, fit.h, points)
+    if still:
+        nudot[2] = 0.0
+    other = replace(fit.states, points=points, nudot=nudot)
+    signatures = Signatures(predictor, other)
+    names: list[str] = []
+    arrays: list[Array] = []
+    for candidate in fit.candidates:
+        for name, array in candidate.shifted(signatures):
+            if name in fit.gram.index:
+                names.append(name)
+                arrays.append(array)
+    g = fit.gram
+    return names, g.white.blocks(arrays, g.good, g.length, unit=False)[0] if names else np.zeros((0, *g.y.shape))
 
 
 def visibility(fit: Fit, excited: Mapping[str, float] | None = None) -> dict[str, Visibility]:
@@ -102,6 +132,7 @@ def visibility(fit: Fit, excited: Mapping[str, float] | None = None) -> dict[str
     """
     if excited is None:
         excited = excitation(fit)
+    turned = due_to_turning(fit) if fit.noise.left_out else {}
     p = fit.projection
     found: dict[str, Visibility] = {}
     for candidate in fit.candidates:
@@ -109,8 +140,9 @@ def visibility(fit: Fit, excited: Mapping[str, float] | None = None) -> dict[str
             continue
         z, sizes = candidate.size(p, fit.signatures)
         blind = min((excited[n] for n in candidate.variants[0] if n in excited), default=np.inf) < EXCITED
-        # Without turning, sway and yaw hold the noise of their sensors and nothing else.
-        blind = blind or (bool(fit.noise.left_out) and candidate.effect.turning)
+        # Without turning, such an effect is seen by what the yaw rate's errors make of it, unless it acts by drift as well.
+        due = max((turned[n] for n in candidate.variants[0] if n in turned), default=0.0)
+        blind = blind or (candidate.effect.turning and due > TURNED)
         if candidate.id in found and found[candidate.id].z >= z:
             continue
         found[candidate.id] = Visibility(z, sizes, candidate.detectable(p, VISIBLE, z, sizes), blind)

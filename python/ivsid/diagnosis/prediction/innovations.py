@@ -30,7 +30,7 @@ class Predictor(StateFilter):
         """The same log with filters for another ambient acceleration."""
         # The filters of the position do not depend on the ambient acceleration.
         axes = motion_axes(self.log, ambient) + self.axes[3:]
-        return Predictor(self.vehicle, self.log, ambient, driving=self.driving, axes=axes)
+        return Predictor(self.vehicle, self.log, ambient, driving=self.driving, axes=axes, turning=self.rate is None)
 
     def answer(
         self,
@@ -117,6 +117,9 @@ class Predictor(StateFilter):
             mass: the mass matrix, if it is known already.
         """
         g = np.stack([twice(reading.get(q, np.zeros(self.log.n))) for q in ("u", "v", "r")])
+        if self.rate is not None and not self.rate.biased:
+            # The heading holds the yaw rate, whatever the gyro reads.
+            g[2] = 0.0
         specific = process
         track = None
         if np.any(g):

@@ -17,6 +17,7 @@ from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.readings import added_readings
 from ivsid.diagnosis.prediction.axes import AXES, Ambient, labels_of, motion_axes, track_axes
 from ivsid.diagnosis.prediction.kalman import Axis, Filters
+from ivsid.diagnosis.prediction.yaw_rate import YawRate, yaw_rate
 from ivsid.effects import Given
 from ivsid.vehicle import Vehicle
 
@@ -67,6 +68,7 @@ class StateFilter:
         ambient: random acceleration that the filters expect.
         driving: thrusts of this log that another predictor has worked out already.
         axes: its filters, if they are known already.
+        turning: whether the yaw rate is that of the filter of yaw; else it is that of its sensors alone.
 
     Attributes:
         propulsion: the thrusters.
@@ -75,6 +77,7 @@ class StateFilter:
         axes: filters of surge, sway, yaw, and of north and east if the log has its position.
         labels: axis and channel of each row of errors.
         filters: all filters together.
+        rate: the yaw rate by its sensors alone, or None.
     """
 
     def __init__(
@@ -85,6 +88,7 @@ class StateFilter:
         *,
         driving: Driving | None = None,
         axes: Sequence[Axis] | None = None,
+        turning: bool = True,
     ) -> None:
         self.vehicle, self.log, self.ambient = vehicle, log, ambient
         self.driving = driving or Driving(vehicle, log)
@@ -97,6 +101,7 @@ class StateFilter:
         self.axes: list[Axis] = motion_axes(log, ambient) + track_axes(log) if axes is None else list(axes)
         self.labels: list[tuple[int, str]] = labels_of(self.axes)
         self.filters = Filters(self.axes)
+        self.rate: YawRate | None = None if turning else yaw_rate(log)
 
     @property
     def channels(self) -> list[str]:
@@ -152,8 +157,12 @@ class StateFilter:
         if early is not None and nudot is not None:
             # The mean velocity of a step counts: an early push carries it further than a late one.
             rate = rate + Mass(self.vehicle, h.terms, changed(h, np.asarray(log.t))).solve(early)
+        at, later = nu if before is None else before, np.clip(nu + half * rate, *self.reach)
+        if self.rate is not None:
+            r = self.rate.rate
+            at, later = np.stack([*at[:2], r]), np.stack([*later[:2], 0.5 * (r + np.r_[r[1:], r[-1]])])
         points = Points(
-            np.concatenate([nu if before is None else before, np.clip(nu + half * rate, *self.reach)], axis=1),
+            np.concatenate([at, later], axis=1),
             np.r_[psi, psi + half * nu[2]],
             twice(place),
             np.r_[log.t, log.t + half],

@@ -298,7 +298,7 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
         functions |= {"x": x / reach, "y": y / reach, "x u": x / reach * a, "y u": y / reach * a}
     if fit.noise.left_out:
         # Axes that are left out have no fitted model, so functions of their velocities show no cause.
-        functions = {k: f for k, f in functions.items() if not {"v", "r"} & set(SYMBOLS.findall(k))}
+        functions = {k: f for k, f in functions.items() if "r" not in set(SYMBOLS.findall(k))}
     names, arrays = [], []
     sizes = [max(d, LEAST_AMBIENT) for d in predictor.ambient.deviation]
     for k, axis in enumerate(CHANNELS):

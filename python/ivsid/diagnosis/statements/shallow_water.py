@@ -110,7 +110,7 @@ def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
     train = last.noise.predictor
     # The thrusters are the same, and so are the errors of their curves: one set of errors serves both logs.
     driving = Driving(vehicle, test, train.propulsion.errors)
-    predictor = Predictor(vehicle, test, train.ambient, driving=driving)
+    predictor = Predictor(vehicle, test, train.ambient, driving=driving, turning=not last.noise.left_out)
     if predictor.labels != train.labels or abs(test.h / train.log.h - 1) > SAME_CLOCK:
         return None
     noise = Noise(predictor, last.noise.whitening, usable_rows(predictor), last.noise.left_out)

@@ -38,6 +38,9 @@ Array = NDArray[np.float64]
 # Least time that counts, between gaps and the settling of the filters [s].
 # Source: measured: make constants
 LEAST: Final = 40.0
+# Share by which hulls of one mass and length differ: a number that a log without turning determines less well is stated as that of a usual hull.
+# Source: measured: make constants
+HULLS_DIFFER: Final = 0.3
 # A search adds the columns of waves, tethers and steps that explain most.
 Search: TypeAlias = "Callable[[Fit], Fit]"
 
@@ -84,7 +87,7 @@ def learn(
         if turn == rounds - 1:
             a, b, c = roughness(predictor, left, good, left_out).tolist()
             return replace(noise, whitening=whiten(predictor, left, good, left_out), rougher=(a, b, c)), states
-        predictor = predictor.adopt(ambient_of(predictor, left, good, left_out))
+        predictor = predictor.adopt(ambient_of(predictor, left, good))
         predictor = quick_enough(predictor, predictor.slopes(states))
         states = predictor.settle(states)
     raise AssertionError("rounds must be positive")
@@ -135,20 +138,29 @@ def _plain(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
     left_out = axes_left_out(predictor)
     if left_out:
         predictor = Predictor(vehicle, log, predictor.ambient, driving=predictor.driving, turning=False)
-    usual = _usual(h, vehicle, left_out)
-    h = replaced(h, usual)
+        # Yaw is left out, so that nothing determines the inertia.
+        usual = usual_numbers(vehicle)
+        fixed = {i: x for i, x in usual.items() if i == INERTIA_YAW.id and i in h.values and i not in claimed}
+        h, claimed = replaced(h, fixed), {**claimed, **fixed}
     predictor = quick_enough(predictor, predictor.slopes(predictor.start(h)))
-    fixed = {**claimed, **usual}
-    noise, states = learn(predictor, predictor.settle(predictor.start(h), 2), search, fixed, left_out)
-    return survey(noise, improve(Problem.at(noise, fixed, states), states), fixed)
+    noise, states = learn(predictor, predictor.settle(predictor.start(h), 2), search, claimed, left_out)
+    return survey(noise, improve(Problem.at(noise, claimed, states), states), claimed)
 
 
-def _usual(h: Hypothesis, vehicle: Vehicle, left_out: frozenset[int]) -> dict[str, float]:
-    """Values of the parameters of axes that are left out: those of a usual hull, since the log does not determine them."""
-    if not left_out:
+def determined(fit: Fit) -> Hypothesis:
+    """The hypothesis of a fit, with numbers of a usual hull where the log determines none."""
+    return replaced(fit.h, undetermined(fit))
+
+
+def undetermined(fit: Fit) -> dict[str, float]:
+    """Numbers of a usual hull for those parameters that a log without turning determines less well than hulls differ, by id.
+
+    The fit needs them free: they take up what errors of the states make of small drifts.
+    """
+    if not fit.noise.left_out:
         return {}
-    return {
-        i: x
-        for i, x in usual_numbers(vehicle).items()
-        if i == INERTIA_YAW.id and any(t.id == i for t in h.terms) and i not in vehicle.model.values
-    }
+    p, g = fit.projection, fit.gram
+    at = list(p.base)
+    deviation = dict(zip((g.names[k] for k in at), np.sqrt(np.diag(p.covariance)) / g.unit[at], strict=True))
+    usual = usual_numbers(fit.noise.predictor.vehicle)
+    return {i: x for i, x in usual.items() if i in fit.free and deviation[i] > HULLS_DIFFER * x}

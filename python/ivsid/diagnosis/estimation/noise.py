@@ -78,9 +78,6 @@ MOST_QUICKENINGS: Final = 8
 # A vehicle turns if its yaw rate varies by this multiple of its filter's error.
 # Source: measured: make constants
 MOVING: Final = 20.0
-# Factor of the ambient acceleration in the filter of an axis that is left out: its states follow the sensor, not the model.
-# Source: measured: make constants
-LOOSE: Final = 100.0
 # Least standard deviation of the yaw rate of a hull of 1 m that turns [rad/s]; longer hulls turn more slowly, after Froude.
 # Source: measured: make constants
 TURNING: Final = 0.015
@@ -121,9 +118,7 @@ def declared_ambient(vehicle: Vehicle) -> Ambient:
     return Ambient((surge, surge, ASSUMED_SHARE * force * arm / inertia), (ASSUMED_TIME, ASSUMED_TIME, ASSUMED_TIME))
 
 
-def ambient_of(
-    predictor: Predictor, residual: Array, rows: NDArray[np.bool_], left_out: frozenset[int] = frozenset()
-) -> Ambient:
+def ambient_of(predictor: Predictor, residual: Array, rows: NDArray[np.bool_]) -> Ambient:
     """The ambient acceleration behind prediction errors that no effect explains.
 
     The inverse of the filter gives the velocity readings that these errors stand for. Their slopes over a second, correlated at lags that
@@ -133,7 +128,6 @@ def ambient_of(
         predictor: whose filters made the errors.
         residual: prediction errors without all that any column explains, shape (rows, n).
         rows: samples that count, shape (n,).
-        left_out: indices of the axes that are left out of a fit.
     """
     deviations, times = [], []
     for k, (slope, good) in enumerate(slopes_of(predictor, residual, rows)):
@@ -151,8 +145,6 @@ def ambient_of(
     # The whitening takes out the colour that a quick filter leaves; a slow filter is wrong about the motion between samples.
     low, high = DECLARED_RANGE if given else ASSUMED_RANGE
     d = [float(np.clip(a, low * b, high * b)) for a, b in zip(deviations, said.deviation, strict=True)]
-    # Other axes need the velocity of an axis that is left out. It is the sensor's: a steady moment that the model lacks would bend the model's.
-    d = [x * (LOOSE if k in left_out else 1.0) for k, x in enumerate(d)]
     if given:
         times = list(said.time)
     return Ambient((d[0], d[1], d[2]), (times[0], times[1], times[2]))

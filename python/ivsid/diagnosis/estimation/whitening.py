@@ -97,10 +97,10 @@ class Whitening:
         return x, size
 
     def slowed(self, predictor: Predictor, left_out: frozenset[int]) -> Whitening:
-        """The same whitening, with means alone of sway where the axis of yaw is left out."""
+        """The same whitening, with means alone of sway and of the gyro where the axis of yaw is left out."""
         if not left_out:
             return self
-        rows = tuple(i for i, (k, _) in enumerate(predictor.labels) if k == 1)
+        rows = tuple(i for i, (k, _) in enumerate(predictor.labels) if k in (1, 2))
         return replace(self, slow=rows, span=max(1, round(SLOW / predictor.log.h)))
 
 
@@ -118,9 +118,7 @@ def whiten(
         good: samples that count, shape (n,).
         left_out: indices of the axes that are left out.
     """
-    rows_of: dict[int, list[int]] = {}
-    for i, (k, _) in enumerate(predictor.labels):
-        rows_of.setdefault(k, []).append(i)
+    rows_of, silent = _counting(predictor, left_out)
     lags = int(np.clip(round(MEMORY / predictor.log.h), FEWEST_LAGS, MOST_LAGS))
     usable = good.copy()
     for lag in range(1, lags + 1):
@@ -138,9 +136,6 @@ def whiten(
     for axes in groups:
         rows = [i for k in sorted(axes) for i in rows_of[k]]
         found.append(tuple(rows))
-        if axes[0] in left_out:
-            taps.append(np.zeros((1, len(rows), len(rows))))
-            continue
         past = np.concatenate([residual[rows][:, at - lag] for lag in range(1, lags + 1)])
         now = residual[rows][:, at]
         scale = np.maximum(np.abs(past).max(axis=1), 1e-300)
@@ -149,7 +144,41 @@ def whiten(
         root = np.linalg.inv(np.linalg.cholesky(left @ left.T / at.size + LEAST_VARIANCE * np.eye(len(rows))))
         each = [root] + [-root @ A[:, lag * len(rows) : (lag + 1) * len(rows)] for lag in range(lags)]
         taps.append(np.stack(each))
-    return Whitening(tuple(found), tuple(taps)).slowed(predictor, left_out)
+    if silent:
+        found.append(tuple(silent))
+        taps.append(np.zeros((1, len(silent), len(silent))))
+    return _of_means(Whitening(tuple(found), tuple(taps)).slowed(predictor, left_out), residual, good)
+
+
+def _of_means(white: Whitening, residual: Array, good: NDArray[np.bool_]) -> Whitening:
+    """The whitening with slow rows divided by the deviation of their means, where that is above one.
+
+    An autoregression of half a second knows little of the noise over several.
+    """
+    if not white.slow:
+        return white
+    span = white.span
+    count = good.size // span
+    whole = good[: count * span].reshape(count, span).all(axis=1)
+    means = white(residual)[:, : count * span].reshape(-1, count, span).mean(axis=2)[:, whole] * np.sqrt(span)
+    scale = np.ones(len(residual))
+    if whole.any():
+        scale[list(white.slow)] = np.maximum(np.sqrt(np.mean(means[list(white.slow)] ** 2, axis=1)), 1.0)
+    taps = [t / scale[list(rows)][:, None] for rows, t in zip(white.groups, white.taps, strict=True)]
+    return replace(white, taps=tuple(taps))
+
+
+def _counting(predictor: Predictor, left_out: frozenset[int]) -> tuple[dict[int, list[int]], list[int]]:
+    """Rows that count by axis, and those that do not: of an axis that is left out only its gyro beside a heading does."""
+    rows_of: dict[int, list[int]] = {}
+    silent = []
+    for i, (k, channel) in enumerate(predictor.labels):
+        known = predictor.rate is not None and predictor.rate.heading is not None and channel == "r"
+        if k in left_out and not known:
+            silent.append(i)
+        else:
+            rows_of.setdefault(k, []).append(i)
+    return rows_of, silent
 
 
 def _coupled(
@@ -189,10 +218,10 @@ def plain_scale(
 ) -> Whitening:
     """A first whitening: each row is divided by its usual size, and axes that are left out become zero."""
     size = np.maximum(np.median(np.abs(errors[:, good]), axis=1) / NORMAL_MEDIAN, LEAST_ROW)
-    groups: dict[int, list[int]] = {}
-    for i, (k, _) in enumerate(predictor.labels):
-        groups.setdefault(k, []).append(i)
-    return Whitening(
-        tuple(tuple(r) for r in groups.values()),
-        tuple(np.diag((0.0 if k in left_out else 1.0) / size[r])[None] for k, r in groups.items()),
-    )
+    rows_of, silent = _counting(predictor, left_out)
+    groups = list(rows_of.values())
+    taps = [np.diag(1.0 / size[r])[None] for r in groups]
+    if silent:
+        groups.append(silent)
+        taps.append(np.zeros((1, len(silent), len(silent))))
+    return Whitening(tuple(tuple(r) for r in groups), tuple(taps))

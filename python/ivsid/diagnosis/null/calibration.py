@@ -112,7 +112,9 @@ def surveyed(trial: Trial, log: Channels, h: Hypothesis, whitening: Whitening | 
         only: ids of the effects whose signatures are made.
     """
     p = trial.programme
-    predictor = Predictor(p.vehicle, log, trial.noise.predictor.ambient, axes=trial.axes, turning=not trial.noise.left_out)
+    predictor = Predictor(
+        p.vehicle, log, trial.noise.predictor.ambient, axes=trial.axes, turning=not trial.noise.left_out
+    )
     # Filtered states forget the noisy readings from which they start within some rounds.
     states = predictor.settle(predictor.start(h), SETTLED)
     good, left_out = usable_rows(predictor), trial.noise.left_out

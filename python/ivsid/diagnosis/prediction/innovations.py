@@ -117,7 +117,7 @@ class Predictor(StateFilter):
             mass: the mass matrix, if it is known already.
         """
         g = np.stack([twice(reading.get(q, np.zeros(self.log.n))) for q in ("u", "v", "r")])
-        if self.rate is not None and not self.rate.biased:
+        if self.rate is not None and self.rate.heading is not None:
             # The heading holds the yaw rate, whatever the gyro reads.
             g[2] = 0.0
         specific = process

@@ -81,6 +81,18 @@ class Axis:
         return float(np.abs(self.kalman_gain[1] @ errors - errors[self.outputs.index("velocity")]).sum())
 
 
+def apart(outputs: Sequence[str], spread: float) -> Axis:
+    """An axis whose velocity is known apart from it: readings of the velocity pass, and nothing else acts.
+
+    Args:
+        outputs: those of position, velocity and acceleration that are measured.
+        spread: standard deviation of the velocity's error [m/s, rad/s].
+    """
+    names = (*outputs, "process")
+    numerators = {(a, b): np.array([float(a == b and a != "acceleration")]) for a in names for b in outputs}
+    return Axis(tuple(outputs), np.zeros((3, len(outputs))), spread, numerators, np.ones(1), 0.0)
+
+
 class Filters:
     """The filters of several axes, applied together."""
 

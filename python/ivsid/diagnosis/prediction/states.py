@@ -16,7 +16,7 @@ from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration, change
 from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.readings import added_readings
 from ivsid.diagnosis.prediction.axes import AXES, Ambient, labels_of, motion_axes, track_axes
-from ivsid.diagnosis.prediction.kalman import Axis, Filters
+from ivsid.diagnosis.prediction.kalman import Axis, Filters, apart
 from ivsid.diagnosis.prediction.yaw_rate import YawRate, yaw_rate
 from ivsid.effects import Given
 from ivsid.vehicle import Vehicle
@@ -99,9 +99,11 @@ class StateFilter:
         margin = REACH * (high - low)
         self.reach = ((low - margin)[:, None], (high + margin)[:, None])
         self.axes: list[Axis] = motion_axes(log, ambient) + track_axes(log) if axes is None else list(axes)
+        self.rate: YawRate | None = None if turning else yaw_rate(log)
+        if self.rate is not None:
+            self.axes[2] = apart(self.axes[2].outputs, self.rate.spread)
         self.labels: list[tuple[int, str]] = labels_of(self.axes)
         self.filters = Filters(self.axes)
-        self.rate: YawRate | None = None if turning else yaw_rate(log)
 
     @property
     def channels(self) -> list[str]:
@@ -157,12 +159,12 @@ class StateFilter:
         if early is not None and nudot is not None:
             # The mean velocity of a step counts: an early push carries it further than a late one.
             rate = rate + Mass(self.vehicle, h.terms, changed(h, np.asarray(log.t))).solve(early)
-        at, later = nu if before is None else before, np.clip(nu + half * rate, *self.reach)
+        later = np.clip(nu + half * rate, *self.reach)
         if self.rate is not None:
             r = self.rate.rate
-            at, later = np.stack([*at[:2], r]), np.stack([*later[:2], 0.5 * (r + np.r_[r[1:], r[-1]])])
+            later[2] = 0.5 * (r + np.r_[r[1:], r[-1]])
         points = Points(
-            np.concatenate([at, later], axis=1),
+            np.concatenate([nu if before is None else before, later], axis=1),
             np.r_[psi, psi + half * nu[2]],
             twice(place),
             np.r_[log.t, log.t + half],
@@ -207,6 +209,11 @@ class StateFilter:
         specific = specific_force(states.points.nu, states.nudot)
         for k in range(3):
             here = readings[k]
+            if k == 2 and self.rate is not None:
+                inputs[k, "velocity"] = here["velocity"] - self.rate.rate
+                if "position" in here and self.rate.heading is not None:
+                    inputs[k, "position"] = here["position"] - self.rate.heading
+                continue
             first = here["velocity"][0]
             inputs[k, "velocity"] = here["velocity"] - first
             inputs[k, "process"] = states.nudot[k, n:]

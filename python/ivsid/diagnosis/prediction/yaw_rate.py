@@ -27,6 +27,9 @@ BAND: Final = 0.2
 # Time by which the readings are mirrored at both ends of the log [s].
 # Source: geometry: longer than the memory of a filter of this band
 MIRRORED: Final = 20.0
+# Time over which the heading's distance from the sum of the yaw rates is averaged [s].
+# Source: geometry: a hundred readings at 20 Hz, and short beside the time in which such sums drift
+SETTLED: Final = 5.0
 # Variance of the heading's slope that is added at every frequency, as a share of the gyro's.
 # Source: geometry: a constant yaw rate would be known without an error otherwise
 LEAST_SLOPE: Final = 1e-4
@@ -38,15 +41,22 @@ class YawRate:
 
     Attributes:
         rate: its mean given the readings [rad/s], shape (n,).
+        heading: the heading that goes with it [rad], shape (n,), or None.
         error: standard deviation of the error by frequency, over the square root of the samples [rad/s], shape (frequencies,).
         length: samples that the frequencies belong to.
         biased: whether a bias of the gyro shifts it: no heading pins it.
     """
 
     rate: Array
+    heading: Array | None
     error: Array
     length: int
-    biased: bool
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of the error [rad/s]."""
+        # Frequencies of a real signal stand for two each, but for the first and the last.
+        return float(np.sqrt(np.mean(self.error**2)))
 
     def drawn(self, rng: np.random.Generator) -> Array:
         """A draw of the error [rad/s], shape (n,)."""
@@ -82,4 +92,8 @@ def yaw_rate(log: Channels) -> YawRate:
     power = np.where(power > 2 * noise / np.sqrt(width), power, 0.0)
     share = power / (power + noise)
     rate = np.fft.irfft(mean * share, length)[pad : pad + n]
-    return YawRate(rate, np.sqrt(share * noise), length, log.psi is None)
+    heading = None
+    if log.psi is not None:
+        run = np.r_[0.0, np.cumsum(0.5 * h * (rate[1:] + rate[:-1]))]
+        heading = run + uniform_filter1d(log.psi - run, max(1, round(SETTLED / h)), mode="nearest")
+    return YawRate(rate, heading, np.sqrt(share * noise), length)

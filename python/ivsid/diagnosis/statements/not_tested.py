@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 
 from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.learning import undetermined
+from ivsid.diagnosis.estimation.whitening import SLOW
 from ivsid.diagnosis.null.visibility import VISIBLE, Visibility
 from ivsid.effects import EFFECTS
 
@@ -31,6 +33,9 @@ def not_tested(fit: Fit, visible: Mapping[str, Visibility], named: Collection[st
         if v.blind and v.z >= VISIBLE:
             reason = "in this log its signature is mostly made of the sensors' own errors"
             out.append({"effect": id_, "reason": reason, "needs": EFFECTS[id_].separate})
+        elif v.z < VISIBLE and fit.noise.left_out and EFFECTS[id_].turning:
+            reason = f"the vehicle hardly turns, and yaw is left out: beside it an effect of typical size would stand out by {v.z:.1f} standard deviations"
+            out.append({"effect": id_, "reason": reason, "needs": EFFECTS[id_].separate})
         elif v.z < VISIBLE:
             reason = f"an effect of typical size would stand out by {v.z:.1f} standard deviations, and {VISIBLE:g} are needed"
             out.append({"effect": id_, "reason": reason, "needs": EFFECTS[id_].separate})
@@ -41,8 +46,11 @@ def left_out_note(fit: Fit) -> list[str]:
     """A sentence on the axes that are left out, or none."""
     if not fit.noise.left_out:
         return []
-    usual = [t.id for t in fit.h.terms if t.id in fit.fixed and t.id not in fit.noise.predictor.vehicle.model.values]
+    claimed = fit.noise.predictor.vehicle.model.values
+    unknown = undetermined(fit)
+    usual = [t.id for t in fit.h.terms if (t.id in fit.fixed and t.id not in claimed) or t.id in unknown]
     return [
-        "the vehicle hardly turns: sway and yaw are left out, and "
-        f"{', '.join(usual) or 'their parameters'} of the models are those of a usual hull of this mass and length, not of this log"
+        "the vehicle hardly turns: yaw is left out, so that causes that act by their moment alone are not tested. The yaw rate is that of its "
+        f"sensors, and sway counts in means over {SLOW:g} s. Of the models {', '.join(usual) or 'the parameters of yaw'} are those of a usual "
+        "hull of this mass and length, not of this log"
     ]

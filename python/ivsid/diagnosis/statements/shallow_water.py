@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.estimation.fit import Fit, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
+from ivsid.diagnosis.estimation.learning import undetermined
 from ivsid.diagnosis.estimation.noise import Noise, usable_rows
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.any_curve import AnyCurve
@@ -104,7 +105,8 @@ def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
         The change; None if the logs differ in channels or clock, if too few parameters are fitted, or if the fit fails.
     """
     fixed = last.fixed
-    wanted = [i for i in SHALLOW_SCALED if i in last.h.values and i not in fixed]
+    unsure = undetermined(last)
+    wanted = [i for i in SHALLOW_SCALED if i in last.h.values and i not in fixed and i not in unsure]
     if len(wanted) < MEMBERS:
         return None
     train = last.noise.predictor

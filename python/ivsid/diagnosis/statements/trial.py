@@ -6,8 +6,9 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
+from ivsid.diagnosis.estimation.learning import determined, undetermined
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.innovations import Predictor
+from ivsid.diagnosis.prediction.innovations import Predictor, replaced
 from ivsid.diagnosis.selection.parallel import Apart
 from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.comparison import Gain, compare
@@ -40,8 +41,9 @@ class Trial:
         plain, last = selection.plain, selection.last
         extended = without(plain, last, out).h
         # Errors of TRAIN's sensors and thrusters are no part of the model: TEST has its own.
-        before = replace(plain.h, declared_errors={})
-        self.model = before if extended is plain.h else replace(extended, declared_errors={})
+        before = replace(determined(plain), declared_errors={})
+        known = replaced(extended, undetermined(last))
+        self.model = before if extended is plain.h else replace(known, declared_errors={})
         self._gain = Apart(partial(compare, predictor, before, self.model, seed))
         self._shares = Apart(partial(shares, predictor, plain, last, [f.id for f in selection.found], out))
 

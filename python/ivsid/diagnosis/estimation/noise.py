@@ -222,6 +222,9 @@ def usable_rows(predictor: Predictor) -> NDArray[np.bool_]:
     bad = ~good
     bad[0] = True
     reach = np.convolve(bad.astype(float), np.ones(settle))[: good.size] > 0
+    if predictor.rate is not None:
+        # A yaw rate that is made of later readings as well settles at both ends.
+        reach[good.size - settle :] = True
     return ~reach
 
 

@@ -1,0 +1,113 @@
+"""Logs that hardly turn: the yaw rate by its sensors alone, means of sway, and what is said of yaw."""
+
+import numpy as np
+import pytest
+
+from diagnosis_logs import SENSORS, TRUTH, TWIN
+from ivsid.diagnosis.candidates.families import everything
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.learning import determined, plain_fit, undetermined
+from ivsid.diagnosis.null.visibility import visibility
+from ivsid.diagnosis.plant.usual_hull import usual_numbers
+from ivsid.diagnosis.prediction.yaw_rate import yaw_rate
+from ivsid.diagnosis.selection.adequacy import adequacy
+from ivsid.diagnosis.statements.not_tested import left_out_note, not_tested
+from ivsid.log import Log
+from ivsid.programme.scenario import parse_scenario
+from ivsid.simulation import simulate
+from ivsid.vehicle import parse_vehicle
+
+STRAIGHT = """
+[[segments]]
+manoeuvre = "steps"
+demand = [60.0, 30.0, 75.0, 45.0]
+period = 8.0
+yaw_gain = 20.0
+duration = 32.0
+"""
+VEHICLE = parse_vehicle(TWIN + SENSORS, "twin.toml")
+# A mean over 5 s at 10 Hz.
+SPAN = 50
+
+
+def sailed(duration=110.0, **hidden):
+    truth = {**TRUTH, **{k.replace("__", "."): v for k, v in hidden.items()}}
+    head = f"duration = {duration}\nrate = 10.0\n[truth]\n" + "".join(f'"{k}" = {v}\n' for k, v in truth.items())
+    made = simulate(VEHICLE, parse_scenario(head + STRAIGHT, "s.toml"), 7)
+    return channels(Log("1.csv", "0" * 64, made.t, made.columns), VEHICLE)
+
+
+@pytest.fixture(scope="module")
+def sound():
+    log = sailed()
+    return log, plain_fit(VEHICLE, log, everything)
+
+
+def test_the_error_of_the_yaw_rate_is_small_and_not_correlated_with_it(sound):
+    rng = np.random.default_rng(3)
+    log = sound[0]
+    n, h = log.n, log.h
+    true = 0.004 * np.convolve(rng.standard_normal(n + 30), np.hanning(30), "valid")[:n] / 2.3
+    psi = np.r_[0.0, np.cumsum(0.5 * h * (true[1:] + true[:-1]))] + log.noise["psi"] * rng.standard_normal(n)
+    gyro = true + log.noise["r"] * rng.standard_normal(n)
+
+    def of(bias):
+        return yaw_rate(type(log)(**{**vars(log), "nu": np.stack([*log.nu[:2], gyro + bias]), "psi": psi}))
+
+    found = of(0.0)
+    error = true - found.rate
+    # The ends do not count in a fit.
+    means = lambda x: x[SPAN : n // SPAN * SPAN - SPAN].reshape(-1, SPAN).mean(axis=1)  # noqa: E731
+    assert means(error).std() < 0.5 * means(true - gyro).std()
+    # The error of the gyro has the correlation -0.9 with its reading.
+    assert abs(np.corrcoef(error, found.rate)[0, 1]) < 0.25
+    assert 0.5 < found.spread / error.std() < 2
+    assert 0.5 < found.drawn(rng).std() / error.std() < 2
+    # The heading holds the mean: a bias of the gyro does not enter.
+    assert np.abs(of(0.01).rate - found.rate).mean() < 1e-4
+    assert np.abs(found.heading - psi).mean() < 2 * log.noise["psi"]
+
+
+def test_sway_counts_in_means_of_unit_variance(sound):
+    log, fit = sound
+    white, rng = fit.noise.whitening, np.random.default_rng(4)
+    assert fit.noise.left_out == {2} and white.slow
+    x = rng.standard_normal((len(fit.noise.predictor.labels), log.n))
+    rows = white.blocks([x], fit.noise.good, fit.gram.length)[0].reshape(-1, len(x), fit.gram.length)
+    for k in white.slow:
+        assert np.ptp(rows[:, k].reshape(-1, white.span), axis=1).max() < 1e-12
+    g = fit.gram
+    left = (g.y - g.explained(fit.projection.base, fit.projection.coefficients)).reshape(-1, len(x), g.length)
+    count = fit.noise.good.sum() / white.span
+    for k in white.slow:
+        assert (left[:, k] ** 2).sum() < 1.7 * count
+
+
+def test_a_sound_log_shows_no_structure_and_what_acts_sideways_is_seen(sound):
+    fit = sound[1]
+    assert adequacy(fit).quiet
+    seen = visibility(fit)
+    assert seen["sensor.velocity.misalignment"].tested and seen["sensor.yaw_rate.bias"].tested
+    # Moments stand beside nothing.
+    assert not seen["coupling.cg_y"].tested and not seen["added_mass.munk"].tested
+
+
+@pytest.mark.parametrize(("id_", "size"), [("sensor.velocity.misalignment", 0.026), ("sensor.yaw_rate.bias", 0.01)])
+def test_what_acts_sideways_is_found(id_, size):
+    fit = plain_fit(VEHICLE, sailed(**{id_.replace(".", "__"): size}), everything)
+    k = fit.gram.index[id_]
+    theta, fall = fit.projection.solve([k])
+    assert fall > 100
+    assert theta[0] / fit.gram.unit[k] == pytest.approx(size, rel=0.3)
+
+
+def test_numbers_that_the_log_does_not_determine_are_said_to_be_a_usual_hulls(sound):
+    _, fit = sound
+    usual = usual_numbers(VEHICLE)
+    assert fit.h.values["inertia.yaw"] == usual["inertia.yaw"]
+    assert set(undetermined(fit)) <= {"mass.sway", "drag.sway.quadratic"}
+    for id_ in undetermined(fit):
+        assert determined(fit).values[id_] == usual[id_]
+    assert "yaw is left out" in left_out_note(fit)[0] and "inertia.yaw" in left_out_note(fit)[0]
+    said = {q["effect"]: q["reason"] for q in not_tested(fit, visibility(fit))}
+    assert "yaw is left out" in said["coupling.cg_y"]

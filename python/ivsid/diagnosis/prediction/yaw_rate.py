@@ -78,7 +78,7 @@ def yaw_rate(log: Channels) -> YawRate:
     w = 2 * np.pi * np.fft.rfftfreq(length, h)
 
     def mirrored(x: Array, first: float = 0.0, last: float = 0.0, sign: float = 1.0) -> Array:
-        return np.r_[2 * first + sign * x[pad:0:-1], x, 2 * last + sign * x[-2 : -pad - 2 : -1]]
+        return np.concatenate([2 * first + sign * x[pad:0:-1], x, 2 * last + sign * x[-2 : -pad - 2 : -1]])
 
     gyro = log.noise["r"] ** 2
     weighted, weight = np.fft.rfft(mirrored(log.nu[2])) / gyro, np.full(w.size, 1 / gyro)

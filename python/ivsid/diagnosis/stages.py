@@ -94,9 +94,10 @@ def diagnose(
     moved = Apart(partial(change, vehicle, selection.last, other))
     after = adequacy(selection.last) if selection.found else before
     count = len(selection.found)
-    structure = confirmed_structure(selection.last, test_of.visible, Left(after, before, count), looks)
+    straight = bool(fit.noise.left_out)
+    structure = confirmed_structure(selection.last, test_of.visible, Left(after, before, count, straight), looks)
     before, after = (replace(a, risk=structure.risk) for a in (before, after))
-    complete = Left(after, before, count).sufficient
+    complete = Left(after, before, count, straight).sufficient
     residuals = before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
     findings, withdrawn = findings_of(selection, residuals, after, complete=complete)
     trial = trial.of({f.effect for f in findings})

@@ -25,16 +25,18 @@ class Left:
         after: adequacy of the model with the causes that were found.
         before: adequacy of the plain model.
         findings: number of causes that were found.
+        straight: whether the vehicle hardly turns: slow causes imitate one another there, so that no rest is little.
     """
 
     after: Adequacy
     before: Adequacy
     findings: int
+    straight: bool = False
 
     @property
     def little(self) -> bool:
         """Whether causes leave less than the share ``REST`` of the structure before."""
-        return self.findings > 0 and self.after.unexplained < REST * self.before.unexplained
+        return self.findings > 0 and not self.straight and self.after.unexplained < REST * self.before.unexplained
 
     @property
     def sufficient(self) -> bool:

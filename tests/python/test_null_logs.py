@@ -234,6 +234,17 @@ def test_a_faster_log_is_thinned_and_its_noise_with_it():
     assert thinned(thin) == (thin, 1)
 
 
+def test_a_demand_beyond_the_means_of_the_programme_is_no_saturation(zigzags):
+    """On a thinned clock demands are means, and the feedback may send what the log was sent."""
+    programme = zigzags[2].programme
+    means = replace(programme.log, demands=0.8 * programme.log.demands)
+    thrusters = closed_loop._Thrusters(replace(programme, log=means), [None for _ in means.demands], 1)
+    highest = programme.feedback.highest[: len(means.demands)]
+    for k, t in enumerate(programme.vehicle.thrusters):
+        expected = float(ThrustCurve(t).value(highest[k]))
+        assert thrusters.static(k, highest[k : k + 1])[0] == pytest.approx(expected, rel=1e-3)
+
+
 @pytest.mark.sampled
 def test_simulated_and_gaussian_strengths_agree(zigzags):
     """Medians and upper quarters of the largest strength, within what twenty logs can say, or forty in the nightly run."""

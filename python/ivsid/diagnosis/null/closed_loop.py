@@ -78,11 +78,18 @@ def not_followed(h: Hypothesis) -> tuple[str, ...]:
     )
 
 
-def ends(log: Channels) -> tuple[Array, Array]:
-    """The smallest and the largest demand of each thruster, also between the samples of a slow clock, shape (thrusters,) each."""
+def ends(programme: Programme) -> tuple[Array, Array]:
+    """The smallest and the largest demand that each thruster may be sent, shape (thrusters,) each.
+
+    A slow clock has demands between its samples. The feedback may send all that the log was sent, of which the clock of null logs holds means.
+    """
+    log, back = programme.log, programme.feedback
     sent = log.demands if log.between is None else np.concatenate([log.demands[..., None], log.between.demands], axis=2)
     sent = sent.reshape(len(sent), -1)
-    return sent.min(axis=1), sent.max(axis=1)
+    return (
+        np.minimum(sent.min(axis=1), back.lowest[: len(sent)]),
+        np.maximum(sent.max(axis=1), back.highest[: len(sent)]),
+    )
 
 
 class _Thrusters:
@@ -93,7 +100,7 @@ class _Thrusters:
         self.vehicle, self.log, self.count = vehicle, log, count
         self.behind: list[Array | None] = [None for _ in vehicle.thrusters]
         propulsion = Propulsion(vehicle, log)
-        self.low, high = ends(log)
+        self.low, high = ends(programme)
         self.pace = np.maximum(high - self.low, GRID_MARGIN) / (TABLE - 1)
         self.row = np.arange(count)
         self.tables = []

@@ -155,7 +155,7 @@ def _declared_errors(
         name: np.array([rng.standard_normal() for rng in rngs]) * s for name, s in programme.declared_errors.items()
     }
     propulsion = Propulsion(programme.vehicle, programme.log)
-    least, most = ends(programme.log)
+    least, most = ends(programme)
     curves: list[Array | None] = []
     for k, thruster in enumerate(programme.vehicle.thrusters):
         count = len(propulsion.errors[k].knots)

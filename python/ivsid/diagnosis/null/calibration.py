@@ -135,7 +135,7 @@ def trial_of(fit: Fit, library: frozenset[str], examination: Examination) -> Tri
     declared_errors = {
         n: float(1.0 / np.sqrt(g.prior[k]) / g.unit[k]) for k, n in enumerate(g.names) if g.prior[k] > 0 and n[0] == "~"
     }
-    thin, q = thinned(log)
+    thin, q = thinned(log, predictor.vehicle)
     back = feedback_of(log, fit.states, predictor.axes[2].spread)
     n = log.n
     heading = np.zeros(n) if log.psi is None else fit.states.points.psi[:n]
@@ -153,6 +153,7 @@ def trial_of(fit: Fit, library: frozenset[str], examination: Examination) -> Tri
         fit.states.points.nu[:, 0],
         replace(back, at=back.at[:, : thin.n * q : q]),
         reference,
+        thinned=q > 1,
     )
     axes = (*motion_axes(thin, predictor.ambient), *track_axes(thin))
     return Trial(programme, fit.noise, axes, fit.fixed, library, examination)

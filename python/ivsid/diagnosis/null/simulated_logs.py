@@ -23,11 +23,15 @@ from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.diagnosis.plant.thrust_errors import bound_of
 from ivsid.diagnosis.prediction.axes import Ambient
+from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
-# Clock rate of null logs [Hz], at most: ambient force, feedback and errors of the states all change within seconds.
-# Source: resource: the time of a null log grows with its samples.
-FASTEST: Final = 10.0
+# Lowest clock rate to which null logs are thinned [Hz]: ambient force, feedback and errors of the states all change within seconds.
+# Source: resource: the time of a null log grows with its samples
+SLOWEST: Final = 5.0
+# The same where thrusts bend inside a step, under demands that are not held or lag behind: a prediction takes them in the middle of it [Hz].
+# Source: resource: the time of a null log grows with its samples; at 5 Hz the errors of such steps are a quarter of a sensor's noise
+SLOWEST_BENT: Final = 10.0
 # Half waves of a thrust error over the range of demands: a calibration error is smooth.
 # Source: geometry/physics: a measured thrust curve bends a few times over its range, and not more often.
 ORDERS: Final = (0.6, 3.0)
@@ -55,13 +59,19 @@ LEAST_SPEED: Final = 0.1
 RIDGE: Final = 1e-6
 
 
-def thinned(log: Channels) -> tuple[Channels, int]:
+def thinned(log: Channels, vehicle: Vehicle) -> tuple[Channels, int]:
     """A log on the clock of its null logs.
 
+    Args:
+        log: on its own clock.
+        vehicle: whose log it is.
+
     Returns:
-        The log at ``FASTEST`` or slower, with the white noise of means over the samples that became one, and the number of these samples.
+        The log at ``SLOWEST`` or less than twice as fast, unless it is slower itself, with the white noise of means over the samples that
+        became one, and the number of these samples.
     """
-    q = max(1, int(np.ceil(1.0 / (log.h * FASTEST) - RATIO_ROUNDING)))
+    bent = not log.held or any(t.lag == "demand" and t.time_constant for t in vehicle.thrusters)
+    q = max(1, int(1.0 / (log.h * (SLOWEST_BENT if bent else SLOWEST)) + RATIO_ROUNDING))
     if q == 1:
         return log, 1
     n = log.n // q
@@ -76,6 +86,11 @@ def thinned(log: Channels) -> tuple[Channels, int]:
         return None if x is None else firsts(x)
 
     sent: Callable[[Array], Array] = means if log.held else firsts
+    between = log.between
+    commands = (log.demands, log.angles, log.rudders)
+    if between is not None:
+        commands = tuple(x.mean(axis=2) for x in (between.demands, between.angles, between.rudders))
+    demands, angles, rudders = (sent(x) for x in commands)
     # The thinned readings carry the white noise of their means.
     noise = {k: s / np.sqrt(q) for k, s in log.noise.items()}
     ax, ay, rdot = (firsts_of(a) for a in log.acceleration)
@@ -87,9 +102,9 @@ def thinned(log: Channels) -> tuple[Channels, int]:
         acceleration=(ax, ay, rdot),
         psi=firsts_of(log.psi),
         place=firsts_of(log.place),
-        demands=sent(log.demands),
-        angles=sent(log.angles),
-        rudders=sent(log.rudders),
+        demands=demands,
+        angles=angles,
+        rudders=rudders,
         between=None,
         force=sent(log.force),
         wind=firsts_of(log.wind),

@@ -37,6 +37,12 @@ def test_import_loads_no_library():
     assert {m for m in found if m.startswith("ivsid")} == {"ivsid", "ivsid._core"}
 
 
+def test_a_diagnosis_loads_neither_the_signals_nor_the_distributions_of_scipy():
+    """Half a second of processor time on every command, for an error filter and a chi-squared that are one line each."""
+    found = loaded("import ivsid.workflow.diagnosis")
+    assert not found & {"scipy.signal", "scipy.stats"}
+
+
 def test_arithmetic_loads_numpy_and_the_core_alone():
     found = loaded("from ivsid import EndpointPair, Interval, IntervalArray, IvsidError, linalg, regression")
     assert not found & HEAVY

@@ -26,6 +26,13 @@ def respond(inputs: Sequence[Array], numerators: Array, denominators: Array) -> 
     return _core.respond([np.ascontiguousarray(x) for x in inputs], numerators, denominators)
 
 
+def decaying(x: Array, decay: float) -> Array:
+    """y_t = x_t + decay y_(t-1), at rest before the first sample, shape (..., n)."""
+    rows = x.reshape(-1, x.shape[-1])
+    top, below = np.array([[[1.0, 0.0]]]), np.array([[1.0, -decay]])
+    return np.concatenate([respond([row], top, below) for row in rows]).reshape(x.shape)
+
+
 def whiten(
     columns: Sequence[Array],
     groups: Sequence[Sequence[int]],

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
-from scipy.stats import chi2
+from scipy.special import chdtrc, chdtri
 
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
@@ -68,4 +68,4 @@ class Reached:
         columns = list(range(first, len(g.names)))
         without, freedom = self._distance(g, [*self.at, *columns], self.others)
         held, _ = self._distance(g, self.at, [*self.others, *columns])
-        return float(chi2.isf(max(chi2.sf(without - held, freedom), LEAST), s.count))
+        return float(chdtri(s.count, max(chdtrc(freedom, max(without - held, 0.0)), LEAST)))

@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
@@ -90,7 +90,7 @@ class Round:
         if self.curve is None:
             return 0.0
         left = self.curve.of(s)
-        if chi2.sf(self.boxed.leaving, max(self.boxed.knots, 1)) <= self.chance:
+        if chdtrc(max(self.boxed.knots, 1), self.boxed.leaving) <= self.chance:
             left = max(left, min(self.reached.of(s), s.fall))
         return lost(s.fall, left)
 

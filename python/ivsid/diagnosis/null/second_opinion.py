@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from scipy.stats import f as fisher
+from scipy.special import fdtrc
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
@@ -58,4 +58,4 @@ def second_opinion(fit: Fit, s: Scored) -> float:
         return 1.0
     V = left.T @ left
     wald = float(whole @ np.linalg.pinv(V, rcond=DEPENDENT) @ whole)
-    return float(fisher.sf(wald * (n - k) / (n * k), k, n - k))
+    return float(fdtrc(k, n - k, max(wald, 0.0) * (n - k) / (n * k)))

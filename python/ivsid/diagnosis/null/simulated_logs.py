@@ -15,7 +15,6 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from ivsid.diagnosis.data.channels import Between, Channels
 from ivsid.diagnosis.null.closed_loop import GRID_MARGIN, RATIO_ROUNDING, TABLE, Programme, ends, simulated
@@ -23,6 +22,7 @@ from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.diagnosis.plant.thrust_errors import bound_of
 from ivsid.diagnosis.prediction.axes import Ambient
+from ivsid.linear.filters import decaying
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -231,7 +231,7 @@ def _ambient(ambient: Ambient, n: int, h: float, rng: np.random.Generator) -> Ar
         decay = float(np.exp(-h / time))
         noise = rng.standard_normal(n) * deviation * np.sqrt(1 - decay**2)
         noise[0] = rng.standard_normal() * deviation
-        out[k] = lfilter([1.0], [1.0, -decay], noise)
+        out[k] = decaying(noise, decay)
     return out
 
 

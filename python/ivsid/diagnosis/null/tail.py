@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import binom, norm
+from scipy.special import bdtrc, ndtri
 
 from ivsid.diagnosis.null.thresholds import TAIL, TAIL_SLOPE
 
@@ -94,10 +94,10 @@ class NullTest:
             looks: number of looks among which the probability of a wrong decision is divided.
         """
         chance = UNSURE / looks
-        if strength >= self.threshold(float(norm.isf(chance))):
+        if strength >= self.threshold(-float(ndtri(chance))):
             return True
         beyond = int((self.kept > strength).sum())
-        return strength < self.threshold() and float(binom.sf(beyond - 1, self.kept.size, self.level)) <= chance
+        return strength < self.threshold() and float(bdtrc(beyond - 1, self.kept.size, self.level)) <= chance
 
     def record(self) -> dict[str, object]:
         """The entry ``calibration.simulated`` of result.json."""

@@ -14,11 +14,11 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.signatures import Signatures
 from ivsid.diagnosis.plant.physics import acceleration
+from ivsid.linear.filters import decaying
 
 Array = NDArray[np.float64]
 # An effect is tested if it stands out by this many standard deviations at its typical size: at least 95 % of such effects are named.
@@ -75,7 +75,7 @@ def excitation(fit: Fit, seed: int = 0) -> dict[str, float]:
             shift[k] = predictor.rate.drawn(rng)
             continue
         pole = float(np.exp(-predictor.log.h / here.memory))
-        shift[k] = lfilter([np.sqrt(1 - pole**2)], [1, -pole], rng.standard_normal(n)) * here.spread
+        shift[k] = decaying(np.sqrt(1 - pole**2) * rng.standard_normal(n), pole) * here.spread
     names, x = _moved(fit, np.concatenate([shift, shift], axis=1))
     if not names:
         return {}

@@ -12,11 +12,11 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.plant.thrust_errors import ThrustErrors, thrust_errors
 from ivsid.effects import Drive, Given, Response, Thrust, acting, for_thruster, with_stated
+from ivsid.linear.filters import decaying
 from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.vehicle import Vehicle
 
@@ -266,10 +266,11 @@ def _behind(now: Array, held: Array, lag: float, h: float) -> tuple[Array, Array
     """A quantity that holds over each step, behind a first-order lag: at samples, means over the steps after them, and at their ends."""
     decay = float(np.exp(-h / lag))
     # x at the end of step k is decay x at its start + (1 - decay) goal.
-    end, _ = lfilter([1 - decay], [1, -decay], held, zi=decay * now[..., :1])
-    start = np.concatenate([now[..., :1], end[..., :-1]], axis=-1)
+    first = now[..., :1]
+    end = first + decaying((1 - decay) * (held - first), decay)
+    start = np.concatenate([first, end[..., :-1]], axis=-1)
     share = (1 - decay) * lag / h
-    return start, held + (start - held) * share, np.asarray(end, dtype=np.float64)
+    return start, held + (start - held) * share, end
 
 
 def _declared(at: _At) -> Array:

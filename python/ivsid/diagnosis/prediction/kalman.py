@@ -16,9 +16,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_discrete_are
-from scipy.signal import lfilter, ss2tf
 
-from ivsid.linear.filters import respond
+from ivsid.linear.filters import decaying, respond
 
 Array = NDArray[np.float64]
 KINDS: Final = ("position", "velocity", "acceleration")
@@ -65,8 +64,8 @@ class Axis:
 
     def ambient(self, errors: Array) -> Array:
         """The ambient acceleration that the past lets expect at each sample, shape (n,), from errors of shape (outputs, n)."""
-        found: Array = lfilter([0.0, self.decay], [1.0, -self.decay], self.kalman_gain[2] @ errors)
-        return found
+        found = decaying(self.decay * (self.kalman_gain[2] @ errors), self.decay)
+        return np.concatenate([np.zeros(1), found[:-1]])
 
     def numerator(self, name: str) -> Array:
         """Numerators of each output's transfer function from one input, shape (outputs, TAPS)."""
@@ -156,11 +155,11 @@ def axis(h: float, noise: Mapping[str, float], ambient: float, time: float) -> A
     inputs = np.column_stack([A @ K, B])
     D = np.column_stack([np.eye(len(outputs)), np.zeros(len(outputs))])
     numerators = {}
-    denominator = np.ones(1)
+    # Transfer functions C' (z - A)^-1 B + D by characteristic polynomials: det(z - A - B C') = det(z - A) (1 - C' (z - A)^-1 B).
+    denominator = np.asarray(np.poly(closed), dtype=np.float64)
     for i, name in enumerate((*outputs, "process")):
-        top, denominator = ss2tf(closed, inputs, -C, D, input=i)
         for j, output in enumerate(outputs):
-            numerators[name, output] = top[j]
+            numerators[name, output] = np.poly(closed + np.outer(inputs[:, i], C[j])) + (D[j, i] - 1) * denominator
     kalman_gain = K if "position" in noise else np.vstack([np.zeros(len(outputs)), K])
     spread = float(np.sqrt(((np.eye(len(B)) - K @ C) @ X)[-2, -2]))
     return Axis(outputs, kalman_gain, spread, numerators, denominator, decay)

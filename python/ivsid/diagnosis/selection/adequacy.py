@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
@@ -93,7 +93,7 @@ class Adequacy:
     @property
     def inside(self) -> float:
         """Probability of the log if every thrust error lies inside its bound, at most."""
-        return float(chi2.sf(self.leaving, self.knots)) if self.knots else 1.0
+        return float(chdtrc(self.knots, self.leaving)) if self.knots else 1.0
 
     @property
     def unexplained(self) -> float:
@@ -165,7 +165,7 @@ def adequacy(fit: Fit) -> Adequacy:
     found = replace(found, alone=alone)
     boxed = Boxed(fit)
     left, knots = boxed.leaving, boxed.knots
-    if knots and chi2.sf(left, knots) <= DOUBT:
+    if knots and chdtrc(knots, left) <= DOUBT:
         # Curves that jump between knots reach more than values at the knots do.
         reached = Reached(AnyCurve(fit))
         left = min(left, reached.leaving)
@@ -231,8 +231,8 @@ def _structure(p: Projection, at: Sequence[int], names: Sequence[str], box: Arra
         excess[axis] = max(own - directions, 0.0)
     order = np.argsort(-single)[:3]
     strongest = tuple((names[k].split("|", 1)[1], names[k].split("|", 1)[0], float(single[k])) for k in order)
-    one = float(min(1.0, chi2.sf(float(single.max()), 1) * len(names)))
-    return Adequacy(fall, freedom, float(chi2.sf(fall, freedom)), strongest, one, excess)
+    one = float(min(1.0, chdtrc(1, float(single.max())) * len(names)))
+    return Adequacy(fall, freedom, float(chdtrc(freedom, fall)), strongest, one, excess)
 
 
 def regressors(fit: Fit) -> tuple[list[str], Array, Array]:

@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.plant.physics import Hypothesis
@@ -104,7 +104,7 @@ def shares(
     for id_ in (i for i in ids if i not in out):
         bare = _off(predictor, without(plain, last, (id_, *out)).h)
         logs = np.log(held / bare)
-        reach = float(student.ppf(0.5 + 0.5 * HELD, count - 1)) * float(np.std(logs, ddof=1)) / np.sqrt(count)
+        reach = float(stdtrit(count - 1, 0.5 + 0.5 * HELD)) * float(np.std(logs, ddof=1)) / np.sqrt(count)
         ends = 1.0 - np.exp(2.0 * (float(logs.mean()) + np.array([reach, -reach])))
         found[id_] = Share(_middle(bare), _middle(held), (float(ends[0]), float(ends[1])))
     return found

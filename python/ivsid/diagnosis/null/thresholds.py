@@ -15,7 +15,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import chdtrc
+from scipy.special import chdtrc, erfc
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Candidate
@@ -144,8 +144,15 @@ class _Scores:
         for candidate in self.candidates:
             looks, fall = candidate.looks(self.blocks), candidate.null_fall(batch)
             best[looks] = np.maximum(best[looks], fall) if looks in best else np.asarray(fall)
-        chances = [np.minimum(1.0, chdtrc(k, fall) * looks) for (k, looks), fall in best.items()]
+        chances = [np.minimum(1.0, _chance(k, fall) * looks) for (k, looks), fall in best.items()]
         return np.asarray(np.min(chances, axis=0), dtype=np.float64)
+
+
+def _chance(k: int, fall: Array) -> Array:
+    """Probability that chi-squared exceeds falls; for one and two degrees of freedom in closed form, which takes a tenth of the time."""
+    if k == 1:
+        return np.asarray(erfc(np.sqrt(0.5 * fall)))
+    return np.asarray(np.exp(-0.5 * fall) if k == 2 else chdtrc(k, fall))
 
 
 class _Batch:

@@ -79,7 +79,10 @@ def water(h: Hypothesis, p: Points) -> tuple[Number, Number, Number, Number]:
     if all(isinstance(q, float) and q == 0.0 for q in total):
         return 0.0, 0.0, 0.0, 0.0
     here = Place(p.psi, None, None, None)
-    return *earth_to_body(here, total[0], total[1]), *earth_to_body(here, total[2], total[3])
+    u, v = earth_to_body(here, total[0], total[1])
+    if all(isinstance(q, float) and q == 0.0 for q in total[2:]):
+        return u, v, 0.0, 0.0
+    return u, v, *earth_to_body(here, total[2], total[3])
 
 
 def changed(h: Hypothesis, t: Array) -> dict[str, Number]:

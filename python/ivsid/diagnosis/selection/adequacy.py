@@ -165,10 +165,11 @@ def adequacy(fit: Fit) -> Adequacy:
     found = replace(found, alone=alone)
     boxed = Boxed(fit)
     left, knots = boxed.leaving, boxed.knots
+    free: AnyCurve | None = None
     if knots and chdtrc(knots, left) <= DOUBT:
         # Curves that jump between knots reach more than values at the knots do.
-        reached = Reached(AnyCurve(fit))
-        left = min(left, reached.leaving)
+        free = AnyCurve(fit)
+        left = min(left, Reached(free).leaving)
     far = outside(fit)
     hulls = asked_of_hulls(fit)
     rougher = fit.noise.rougher
@@ -177,7 +178,7 @@ def adequacy(fit: Fit) -> Adequacy:
     )
     if found.white or not fit.noise.predictor.vehicle.thrusters:
         return found
-    free = AnyCurve(fit)
+    free = free or AnyCurve(fit)
     first = len(free.g.names)
     wide = free.g.joined(names, x.reshape(len(x), *free.g.y.shape), unit)
     beside = _structure(Projection(wide, free.projection.base), range(first, len(wide.names)), names, free.box)

@@ -72,6 +72,19 @@ def zigzags():
     return trial()
 
 
+def test_waves_and_tethers_are_searched_once_for_the_noise():
+    """The round before learns the strength of the ambient force alone, and a search takes a third of it."""
+    vehicle, log = drawn(duration=90.0)
+    searched = []
+
+    def search(fit):
+        searched.append(fit)
+        return everything(fit)
+
+    plain_fit(vehicle, channels(log, vehicle), search)
+    assert len(searched) == 1
+
+
 def test_the_feedback_of_a_log_is_found_with_its_gain(zigzags):
     back = zigzags[2].programme.feedback
     # Port first: it is given less when the yaw rate is asked for more; the segments have gains of 20 and 25.

@@ -61,7 +61,7 @@ def learn(
     Args:
         predictor: of the log, with first filters.
         states: of the hypothesis to start from.
-        search: adds the columns of searched causes.
+        search: adds the columns of searched causes, in the last round.
         fixed: values of parameters that are not fitted, by id.
         left_out: indices of the axes that are left out.
         rounds: of fitting and learning; the last one learns the whitening alone.
@@ -83,8 +83,11 @@ def learn(
         slow = replace(noise, whitening=noise.whitening.slowed(predictor, left_out))
         states = improve(Problem.at(slow, fixed, states), states)
         noise = replace(noise, whitening=plain_scale(predictor.errors(states), good, predictor, left_out))
-        left = remaining(search(survey(noise, states, fixed)))
-        if turn == rounds - 1:
+        every = survey(noise, states, fixed)
+        last = turn == rounds - 1
+        # The ambient force alone is learnt before the last round, from slopes over seconds: the whitening takes out what a search would find.
+        left = remaining(search(every) if last else every)
+        if last:
             a, b, c = roughness(predictor, left, good, left_out).tolist()
             return replace(noise, whitening=whiten(predictor, left, good, left_out), rougher=(a, b, c)), states
         predictor = predictor.adopt(ambient_of(predictor, left, good))

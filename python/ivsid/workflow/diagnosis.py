@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ivsid import diagnosis
 from ivsid.diagnosis import GUARANTEED, NULL_LOGS, REFUTED, Claim, Diagnosis, cache_folder
-from ivsid.diagnosis.selection.parallel import Apart
 from ivsid.log import read_log
 from ivsid.report import figures, page
 from ivsid.report.page import Part, Report, Section
@@ -57,14 +55,11 @@ def diagnose(
 
 def diagnosis_report(result: Diagnosis) -> Report:
     """The report of a diagnosis."""
-    # The figure that takes longest is drawn beside the others.
-    gain = Apart(partial(figures.gain, result.gain))
     seen = diagnosis.evidence(result)
     signatures = {e.effect: figures.signature(e, f"signature_{k}") for k, e in enumerate(seen, start=1)}
     # A cause found between the two logs has no signature in one of them.
     signatures |= {f.effect: figures.ratios(f) for f in result.findings if "ratio" in f.evidence}
-    net_force, force_residual = figures.net_force(result.gain), figures.force_residual(result.gain)
-    others = (net_force, gain.result(), force_residual)
+    others = (figures.net_force(result.gain), figures.gain(result.gain), figures.force_residual(result.gain))
     told: list[Part] = []
     for f, paragraphs in zip(result.findings, diagnosis.explain(result, seen), strict=True):
         told += map(page.text, paragraphs)

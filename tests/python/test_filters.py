@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.signal import butter, lfilter, sosfiltfilt
+from scipy.signal import lfilter
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import case
@@ -23,7 +23,6 @@ from ivsid.diagnosis.plant.readings import added_readings
 from ivsid.diagnosis.plant.thruster_forces import bollard_force, thruster_force
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.parallel import at_once, side_by_side
-from ivsid.diagnosis.statements.low_pass import ORDER, low_passed
 from ivsid.diagnosis.statements.windows import windows
 from ivsid.effects import EFFECTS, Given, Reading, terms_of
 from ivsid.linear.filters import decaying, respond, whiten
@@ -248,10 +247,3 @@ def test_a_forked_process_whitens_after_its_parent():
 def test_a_decaying_sum_is_that_of_scipy():
     x = np.random.default_rng(3).standard_normal((2, 500))
     np.testing.assert_allclose(decaying(x, 0.9), lfilter([1.0], [1.0, -0.9], x), rtol=1e-12, atol=1e-12)
-
-
-def test_a_low_pass_without_a_shift_is_that_of_scipy():
-    x = np.cumsum(np.random.default_rng(4).standard_normal((3, 600)), axis=1)
-    for h in (0.05, 0.2, 1.0):
-        expected = sosfiltfilt(butter(ORDER, 0.35, fs=1 / h, output="sos"), x, axis=1)
-        np.testing.assert_allclose(low_passed(x, 0.35 * h), expected, atol=1e-9)

@@ -25,8 +25,8 @@ def test_the_least_ambient_force_lies_below_the_true_one_and_not_far(factor):
     vehicle = vehicle_of()
     shown = plain_fit(vehicle, channels(sea(factor)[0], vehicle), everything).noise.rougher
     assert all(x < factor for x in shown[:2])
-    # A log of minutes knows the variance of such a force to a third, and the least counts three errors less.
-    assert factor == 1.0 or all(x > 0.2 * factor for x in shown[:2])
+    # A log of minutes knows the variance of such a force to a third, the least counts three errors less, and thrust errors count as declared.
+    assert factor == 1.0 or all(x > 0.1 * factor for x in shown[:2])
 
 
 def test_nothing_is_rougher_than_what_nobody_declared():
@@ -40,4 +40,4 @@ def test_a_sea_rougher_than_declared_is_not_adequate_and_is_said():
     assert made.verdict == "unknown" and [f.effect for f in made.findings] == ["unknown"]
     assert max(made.adequacy[1].rougher) > ROUGHER
     said = made.findings[0].description
-    assert "times the ambient one that the vehicle file declares" in said and "[ambient]" in said
+    assert "times what [ambient] and the thrusters' accuracy allow" in said

@@ -347,7 +347,8 @@ def test_a_cause_that_a_curve_inside_its_accuracy_makes_is_lost_and_a_strong_one
     assert "drag.yaw.linear" in found.passed
     free = AnyCurve(found.fit)
     strong = found.of("drag.yaw.linear")
-    assert free.of(strong) > 0.3 * strong.fall
+    # Errors by inflow are declared, too: they differ from side to side where the vehicle turns, as a drag in yaw does.
+    assert free.of(strong) > 0.2 * strong.fall
     # Without any bound on the errors nothing is left of it.
     free.box = 1e6 * free.box
     assert free.of(strong) == 0.0

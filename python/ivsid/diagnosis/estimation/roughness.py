@@ -1,7 +1,8 @@
 """How much rougher a log is than its vehicle file declares: the ambient acceleration that it shows, at the least, over the declared one.
 
 The noise of a log is learnt from what no cause explains, so that a force outside the catalogue is learnt as ambient force, and hides itself.
-The declared ambient force is a bound all the same.
+The declared ambient force is a bound all the same. So is the accuracy of the thrusts, whose errors a log holds that no declared function follows:
+both count as declared.
 
 Source: docs/theory.md, "Noise"; for means over blocks Künsch, "The jackknife and the bootstrap for general stationary observations",
 Annals of Statistics 17, 1989.
@@ -14,7 +15,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.estimation.noise import LAGS, declared_ambient, slopes_of
+from ivsid.diagnosis.estimation.noise import INERTIA_DIVISOR, LAGS, declared_ambient, slopes_of
+from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.diagnosis.prediction.innovations import Predictor
 
 Array = NDArray[np.float64]
@@ -30,7 +32,7 @@ ERRORS: Final = 3.0
 
 
 def roughness(predictor: Predictor, residual: Array, rows: NDArray[np.bool_], left_out: frozenset[int]) -> Array:
-    """Ambient acceleration at the least over the declared one, by axis, shape (3,); 0 where an axis is left out or nothing is declared.
+    """Ambient acceleration at the least over what is declared, by axis, shape (3,); 0 where an axis is left out or nothing is declared.
 
     Args:
         predictor: whose filters made the errors.
@@ -42,6 +44,7 @@ def roughness(predictor: Predictor, residual: Array, rows: NDArray[np.bool_], le
     if predictor.vehicle.ambient is None:
         return out
     said = declared_ambient(predictor.vehicle)
+    allowed = np.hypot(said.deviation, _of_thrusts(predictor))
     lag, block = round(LAGS[0] / predictor.log.h), round(BLOCK / predictor.log.h)
     for k, (slope, good) in enumerate(slopes_of(predictor, residual, rows)):
         if k in left_out or not good.any():
@@ -56,5 +59,22 @@ def roughness(predictor: Predictor, residual: Array, rows: NDArray[np.bool_], le
         each = np.add.reduceat(x[lag:] * x[:-lag], edges)[whole] / count[whole]
         least = each.mean() - ERRORS * each.std(ddof=1) / np.sqrt(each.size)
         # The ambient force forgets at the declared rate, so that the correlation at a lag is a share of its variance.
-        out[k] = np.sqrt(max(least, 0.0) * np.exp(LAGS[0] / said.time[k])) / said.deviation[k]
+        out[k] = np.sqrt(max(least, 0.0) * np.exp(LAGS[0] / said.time[k])) / allowed[k]
     return out
+
+
+def _of_thrusts(predictor: Predictor) -> Array:
+    """Accelerations that errors of all thrusts together make at their bounds [m/s^2, rad/s^2], rms, by axis, shape (3,)."""
+    vehicle, propulsion = predictor.vehicle, predictor.propulsion
+    out = np.zeros(3)
+    for k, (thruster, errors) in enumerate(zip(vehicle.thrusters, propulsion.errors, strict=True)):
+        size = errors.bound(propulsion.demands[k])
+        angle, (x, y) = predictor.driving.turned[k, : size.size], thruster.position
+        c, s = np.cos(angle), np.sin(angle)
+        out += np.sqrt(np.mean((np.stack([c, s, x * s - y * c]) * size) ** 2, axis=1))
+    return np.asarray(
+        out
+        / np.array(
+            [vehicle.hull.mass, vehicle.hull.mass, vehicle.hull.mass * hull_length(vehicle) ** 2 / INERTIA_DIVISOR]
+        )
+    )

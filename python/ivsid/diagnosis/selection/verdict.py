@@ -68,7 +68,7 @@ OF_HULLS: Final = Rule[Left](
 )
 OF_THE_SEA: Final = Rule[Left](
     "declared ambient force",
-    "ambient acceleration that the log shows at the least, over the declared one, on the worst axis",
+    "ambient acceleration that the log shows at the least, over the declared one with that of thrust errors, on the worst axis",
     f"at most {ROUGHER:g}",
     "The noise is learnt from the log, so that a force outside the catalogue may pass for ambient force, and would hide itself.",
     "make exam",

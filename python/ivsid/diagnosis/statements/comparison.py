@@ -17,7 +17,6 @@ from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.diagnosis.statements.losses import losses
-from ivsid.diagnosis.statements.low_pass import low_passed
 from ivsid.diagnosis.statements.windows import windows
 from ivsid.effects import CHANNELS
 
@@ -31,6 +30,9 @@ POSITION_WINDOW: Final = 30.0
 # Cut-off of the low pass of forces [Hz]: the motion of the hull is slower, waves and the noise of differentiated velocities are faster.
 # Source: measured: make constants
 BAND: Final = 0.35
+# Order of the low pass, a Butterworth filter that runs forward and backward.
+# Source: measured: make constants
+ORDER: Final = 4
 # Bootstrap draws: ten lie beyond each end of a 95 % interval.
 # Source: resource: the time of the bootstrap grows with the draws
 DRAWS: Final = 400
@@ -167,7 +169,10 @@ def _net(predictor: Predictor, states_of: Sequence[FilteredStates]) -> Array:
 
 def _low(predictor: Predictor, x: Array) -> Array:
     """Low-passed rows, without a shift in time."""
-    return low_passed(x, BAND * predictor.log.h)
+    from scipy.signal import butter, sosfiltfilt  # noqa: PLC0415 - slow to import; a forked process tries the models
+
+    sos = butter(ORDER, BAND, fs=1 / predictor.log.h, output="sos")
+    return np.asarray(sosfiltfilt(sos, x, axis=1))
 
 
 def missing_force(predictor: Predictor, states: FilteredStates) -> dict[str, float]:

@@ -214,8 +214,8 @@ def unknown(left: Adequacy, near: Sequence[str]) -> Finding:
     if max(left.rougher) > ROUGHER:
         k = int(np.argmax(left.rougher))
         rough = (
-            f"{'the moment' if k == 2 else 'the force'} in {CHANNELS[k]} that nothing explains is at least {left.rougher[k]:.2g} times the ambient one that the "
-            "vehicle file declares: the sea was rougher than [ambient] says, or a cause that the catalogue lacks acts there"
+            f"{'the moment' if k == 2 else 'the force'} in {CHANNELS[k]} that nothing explains is at least {left.rougher[k]:.2g} times what [ambient] and "
+            "the thrusters' accuracy allow: the sea was rougher than the vehicle file declares, or a cause that the catalogue lacks acts there"
         )
         if left.white and left.bounded:
             channel, z, text = CHANNELS[k], 0.0, rough

@@ -14,7 +14,6 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import wilcoxon
 
 Array = NDArray[np.float64]
 # Chance of calling any quantity worse on a log where none is.
@@ -45,6 +44,8 @@ def losses(pairs: Mapping[str, tuple[Array, Array]]) -> dict[str, float]:
 
 def _chance(before: Array, after: Array) -> float:
     """Chance of ranks like these, or clearer ones, if errors after are no larger."""
+    from scipy.stats import wilcoxon  # noqa: PLC0415 - slow to import, and only a model that may be worse needs it
+
     ratio = np.log(np.maximum(after, LEAST) / np.maximum(before, LEAST))
     if not ratio.size or ratio.mean() < np.log(MATERIAL):
         return 1.0

@@ -135,6 +135,8 @@ def test_a_model_that_is_made_worse_is_reported_as_worse(result):
     assert made.findings
     said = {what: words for what, *_, words in worth(made.gain)}
     assert any(words.startswith("WORSE") for words in said.values()), said
+    # The first lines say so, too.
+    assert made.gain.losses and any("worse than the one before it" in line for line in diagnosis_report(made).lines)
 
 
 @pytest.mark.figures

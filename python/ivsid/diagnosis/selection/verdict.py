@@ -46,7 +46,7 @@ class Left:
 
 STRUCTURE_RULE: Final = Rule[Left](
     "structure",
-    f"chance of the structure, where {100 * REST:g} % or more of the structure before is left, or no cause was found",
+    f"chance of the structure, where {100 * REST:g} % or more of the structure before is left, no cause was found or the vehicle hardly turns",
     f"at least {RISK:g}, or less where null logs of this programme say so",
     f"Over regressors and thrust errors together, {100 * STRUCTURE:g} % of logs with nothing hidden may be called unknown.",
     "definition: levels of the verdict in docs/constants.md",

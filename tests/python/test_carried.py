@@ -1,0 +1,79 @@
+"""Causes whose model fails on the other log, and the model that is left without them."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from diagnosis_logs import logs_of, train_of, vehicle_of
+from ivsid import diagnose
+from ivsid.diagnosis import extended_vehicle, lost
+from ivsid.diagnosis.selection.adequacy import Adequacy
+from ivsid.diagnosis.selection.verdict import Left
+from ivsid.diagnosis.statements.carried import failed, fails
+from ivsid.diagnosis.statements.findings import Finding
+from ivsid.diagnosis.statements.without import without
+
+CAUSE = Finding("drag.surge.linear", 1.0, (), "", {}, {"channel": "surge", "z": 12.0})
+REST = Adequacy(150.0, 100, 1e-3, (("u", "surge", 20.0),), 1e-3, {})
+
+
+def gain(**growth):
+    """A gain whose errors grow by these factors at the least, each in a quantity that is worse by more than chance."""
+    return SimpleNamespace(
+        log="b.csv", losses=dict.fromkeys(growth, 1e-6), interval={k: (0.5 / x, 1 / x) for k, x in growth.items()}
+    )
+
+
+@pytest.mark.parametrize(("factor", "complete", "kept"), [(1.9, True, True), (2.1, True, False), (1.3, False, False)])
+def test_a_model_that_fails_on_the_other_log_names_nothing(factor, complete, kept):
+    assert (failed(gain(X=factor), [CAUSE], complete=complete) is None) == kept
+    # A quantity that is not worse by more than chance says nothing, whatever its ratio, and nothing is withdrawn where nothing is named.
+    by_chance = gain(X=factor)
+    by_chance.losses = {}
+    assert failed(by_chance, [CAUSE], complete=complete) is None
+    assert failed(gain(X=factor), [], complete=complete) is None
+
+
+def test_an_unknown_says_both_readings():
+    made = fails(gain(X=3.0, u=1.1), [CAUSE], REST, ["drag.surge.linear"], complete=True)
+    assert made.effect == "unknown" and made.evidence["z"] == 12.0
+    assert "X by a factor of 3 or more, u by a factor of 1.1 or more" in made.description
+    assert "the logs differ" in made.description and "another one" in made.description
+    beside = fails(gain(X=3.0), [CAUSE], REST, ["drag.surge.linear"], complete=False)
+    assert "no cause of the catalogue explains it" in beside.description and "X by a factor of 3" in beside.description
+
+
+@pytest.fixture(scope="module")
+def named():
+    """A drag that is in both logs."""
+    vehicle = vehicle_of()
+    return diagnose(vehicle, *logs_of(vehicle, {"drag.surge.linear": 12.0}, duration=160.0))
+
+
+def test_without_its_only_cause_the_model_is_the_plain_one(named):
+    plain, last = named.selection.plain, named.selection.last
+    assert [f.effect for f in named.findings] == ["drag.surge.linear"]
+    assert without(plain, last, ()) is last.states
+    assert without(plain, last, ["drag.surge.linear"]) is plain.states
+    assert "drag.surge.linear" in named.model.values and '"drag.surge.linear"' in extended_vehicle(named)
+    assert not named.gain.losses and lost(named.gain) == ""
+
+
+def test_a_current_that_turns_round_between_the_logs_is_not_named():
+    """The extended model is wrong by twice the current on the other log, and one log cannot tell a current from another cause."""
+    vehicle = vehicle_of()
+    train, test = (
+        train_of(vehicle, {"current.steady.north": speed, "current.steady.east": 0.0}, seed=seed, duration=160.0)
+        for speed, seed in ((0.4, 21), (-0.4, 22))
+    )
+    made = diagnose(vehicle, train, test)
+    assert made.verdict == "unknown" and "the logs differ" in made.findings[0].description
+    assert set(made.model.values) == set(made.selection.plain.h.values) and not made.model.given
+    assert made.withdrawn["current.steady"].rule == "carries over"
+
+
+def test_what_is_left_of_much_structure_is_not_little_on_a_straight_run():
+    before = replace(REST, fall=1e5)
+    assert Left(REST, before, 1).little and not Left(REST, before, 1, straight=True).little
+    assert not Left(REST, before, 0).little

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from tests.exam.catalogue import CLAIMED, EFFECTS, ON_TEST_ALONE, OUTSIDE, drawn, possible
@@ -12,7 +12,7 @@ from tests.exam.readings import exact as clean_readings
 from tests.exam.readings import log as noisy
 from tests.exam.shown import Sailed, shown
 from tests.exam.simulator import Vessel, gauss_markov, grouped, sail
-from tests.exam.thrust_curves import Curve, errors
+from tests.exam.thrust_curves import Curve, by_inflow, errors
 from tests.exam.thrust_errors import SHAPES
 from tests.exam.vessels import KINDS, Conditions, programme, vehicle_of
 
@@ -79,6 +79,10 @@ class Setting:
         ambient = np.stack(
             [gauss_markov(n, h, sea[k], sea["time"], streams[0]) for k in ("force", "force", "moment")], axis=1
         )
+        if self.family == "inflow":
+            own = np.random.default_rng([self.seed, 5])
+            length = vessel.body.length
+            vessel = replace(vessel, drift=tuple(by_inflow(t, self.share, length, own) for t in vessel.thrusters))
         # The curves belong to the vehicle: both logs have the same errors.
         own = errors(self.family, len(vessel.thrusters), self.alike, np.random.default_rng([self.seed, 3]))
         curves = [Curve(t, e, self.share) for t, e in zip(vessel.thrusters, own, strict=True)]

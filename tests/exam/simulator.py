@@ -57,10 +57,11 @@ class Motion:
 
 @dataclass
 class Vessel:
-    """A vehicle file's text, read again, and the true numbers of its model."""
+    """A vehicle file's text, read again, and the true numbers of its model; ``drift`` is the error of each thrust by the inflow, if there is one."""
 
     table: dict
     body: Body
+    drift: tuple[Callable, ...] = ()
 
     @classmethod
     def read(cls, text: str, exact: Mapping[str, float]) -> Vessel:
@@ -87,6 +88,8 @@ class Vessel:
         """X, Y, N of a thruster and its rudder at a velocity through the water."""
         c, s = self.direction(k, angle, m)
         px, py = self.thrusters[k]["position"]
+        if self.drift:
+            thrust = thrust + self.drift[k](thrust, c * (u - py * r) + s * (v + px * r))
         thrust = thrust - loss * abs(thrust) * (c * (u - py * r) + s * (v + px * r))
         X, Y, N = c * thrust, s * thrust, (px * s - py * c) * thrust
         if blade := self.thrusters[k].get("rudder"):
@@ -123,7 +126,7 @@ def rates_of(vessel: Vessel, effects: Mapping[str, Mapping[str, float]], loss: l
     flows = any(i.startswith("current.") for i in effects)
     turns = any(i in effects for i in ("payload.step", "fouling.drift"))
     body = changed(vessel.body, effects, 0.0)
-    plain = [None if loss[k] else _arms(vessel, k) for k in range(count)]
+    plain = [None if loss[k] or vessel.drift else _arms(vessel, k) for k in range(count)]
 
     def rates(t: float, s, pushes, angles, near, slope, begin) -> tuple[float, ...]:
         u, v, r, psi, x, y = s

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from collections.abc import Callable
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -50,9 +51,25 @@ class Curve:
         return float(self.error(np.array([(demand - self.low) / width]), -self.low / width)[0])
 
 
+def by_inflow(thruster: dict, share: float, length: float, rng: np.random.Generator) -> Callable:
+    """The error of a thrust [N] by the speed of the water along the thruster: a share of its bound that bends, or turns, over the speeds."""
+    curve = Curve(thruster)
+    pace = 0.3 * math.sqrt(9.81 * length)
+    turns, phase, side = rng.uniform(1.0, 4.0), rng.uniform(0.0, 2.0 * math.pi), rng.choice([-1, 1])
+    bends = rng.uniform() < 0.5
+
+    def error(thrust, inflow):
+        amount = np.abs(thrust)
+        bound = share * np.minimum(curve.absolute + curve.relative * amount, amount)
+        q = inflow / pace
+        return bound * (side * np.tanh(q) if bends else np.sin(turns * q + phase))
+
+    return error
+
+
 def errors(family: str | None, count: int, alike: bool, rng: np.random.Generator) -> list:
     """The error of each thruster as a shape over its demands; of ``hysteresis`` the sign for a rising demand."""
-    if family is None:
+    if family is None or family == "inflow":
         return [None] * count
     make = (lambda q: float(q.choice([-1, 1]))) if family == "hysteresis" else SHAPES[family]
     return [make(rng)] * count if alike else [make(rng) for _ in range(count)]

@@ -242,3 +242,15 @@ def test_a_draw_has_no_crash_and_no_more_false_findings_than_allowed(first):
     singles = [r for r in done if r["stratum"]["what"] == "one" and r["found"]]
     misnamed = [r for r in singles if not any(set(s) & {*r["z"], "unknown"} for s in r["sets"])]
     assert len(misnamed) <= most(len(singles)), misnamed
+
+
+# Nightly: twelve whole diagnoses; the gate holds the errors themselves against the cells of inflow (test_thrust_errors.py).
+@pytest.mark.slow
+@pytest.mark.nightly
+@pytest.mark.parametrize("first", [FRESH, 65000], ids=["fresh", "fixed"])
+def test_errors_by_the_speed_of_the_water_make_no_finding(first):
+    """Before they were declared, 5 of 15 logs on such a calm sea had one."""
+    options = {"duration": 300.0, "what": "none", "thrust": "inflow", "share": 0.8, "ambient": 0.3}
+    rows = list(examination(range(first, first + 12), options))
+    bad = [(r["seed"], r["sets"]) for r in rows if r.get("verdict") != "adequate"]
+    assert len(bad) <= most(12), bad

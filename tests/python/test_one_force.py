@@ -16,7 +16,7 @@ from ivsid import diagnose
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.selection.one_force import in_their_place
-from ivsid.diagnosis.selection.rules import ONE_FORCE, Together
+from ivsid.diagnosis.selection.rules import BETTER_FORCE, ONE_FORCE, Together
 from ivsid.log import read_log
 from ivsid.vehicle import read_vehicle
 
@@ -83,6 +83,21 @@ def test_causes_that_add_up_to_one_force_are_refused_and_two_causes_are_not(seed
         said = ONE_FORCE.refuses(Together(("a", "b"), fall, 2, "u^3 in yaw", float(alone.max())))
         assert (said is not None) == refused
     assert "a and b explain" in ONE_FORCE.refuses(Together(("a", "b"), 90.0, 2, "u^3 in yaw", 89.0)).sentence
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_cause_that_one_force_beats_in_its_place_is_refused(seed):
+    rng = np.random.default_rng(seed)
+    x = rng.standard_normal((400, 7))
+    cause, force = CAUSES[0], FORCES[0]
+    # Two thirds of the cause's column are the force's.
+    x[:, cause] = x[:, force] + 0.7 * rng.standard_normal(400)
+    for truth, refused in ((force, True), (cause, False)):
+        y = x[:, truth] + rng.standard_normal(400)
+        fall, alone = in_their_place(Projection(gram_of(x, y), MODEL), [cause], np.zeros(1), FORCES)
+        said = BETTER_FORCE.refuses(Together(("a",), fall, 1, "u^3 in yaw", float(alone.max())))
+        assert (said is not None) == refused
+    assert "in its place" in BETTER_FORCE.refuses(Together(("a",), 90.0, 1, "u^3 in yaw", 100.0)).sentence
 
 
 # An asymmetry beside a centre of gravity to the side, of 10 and 23 standard deviations, were the names of a moment with the cube of speed.

@@ -32,7 +32,7 @@ ERRORS: Final = 3.0
 
 
 def roughness(predictor: Predictor, residual: Array, rows: NDArray[np.bool_], left_out: frozenset[int]) -> Array:
-    """Ambient acceleration at the least over what is declared, by axis, shape (3,); 0 where an axis is left out or nothing is declared.
+    """Ambient acceleration at the least over what is declared, by axis, shape (3,); 0 where an axis is left out, a rudder pushes or nothing is declared.
 
     Args:
         predictor: whose filters made the errors.
@@ -46,8 +46,10 @@ def roughness(predictor: Predictor, residual: Array, rows: NDArray[np.bool_], le
     said = declared_ambient(predictor.vehicle)
     allowed = np.hypot(said.deviation, _of_thrusts(predictor))
     lag, block = round(LAGS[0] / predictor.log.h), round(BLOCK / predictor.log.h)
+    # The error of a rudder's force has no bound in newtons, and it pushes sideways.
+    steered = any(t.rudder is not None for t in predictor.vehicle.thrusters)
     for k, (slope, good) in enumerate(slopes_of(predictor, residual, rows)):
-        if k in left_out or not good.any():
+        if k in left_out or (steered and k > 0) or not good.any():
             continue
         x = np.where(good, slope - slope[good].mean(), 0.0)
         both = (good[lag:] & good[:-lag]).astype(float)

@@ -31,6 +31,7 @@ from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.signatures import Signatures
 from ivsid.diagnosis.plant.thrust_errors import BOUNDED, bound_of, upward
+from ivsid.vehicle import Thruster
 
 Array = NDArray[np.float64]
 # Cells of all thrusters together.
@@ -42,6 +43,8 @@ MOST_CELLS: Final = 64
 # Classes of the inflow along a thruster, each with as many samples.
 # Source: geometry: six steps follow an error that bends twice over the speeds of a log
 INFLOWS: Final = 6
+# What the errors of a thrust follow.
+KINDS: Final = ("cell", "inflow")
 # Share of a bound that the prior of a declared error stands for, by the first words of its name.
 _SHARES: Final = {"~rudder.": BOUNDED, "~scale.": SCALE}
 # Values at the knots, in bounds, up to which an error may lie inside its bound: a straight line beside a jump overshoots.
@@ -89,6 +92,24 @@ class AnyCurve:
             for words, share in _SHARES.items():
                 if g.names[k].startswith(words):
                     self.box[i] = 1.0 / (np.sqrt(g.prior[k]) * share)
+        self._sums = [_sum(found, len(fit.base), f"~{kind}.{t.name}.") for t in _thrusters(fit) for kind in KINDS]
+        own = np.concatenate([*self._sums, np.zeros(0, dtype=np.int64)])
+        self._rest = np.setdiff1d(np.arange(self.box.size), own)
+
+    def worst(self, moved: Array) -> Array:
+        """Most that declared errors inside their bounds move some sums by, shape (...).
+
+        A thrust error follows the demand or the inflow, or is a mean of two that do: the worse of both counts.
+
+        Args:
+            moved: of each sum by a unit of each error of the base, shape (base, ...).
+        """
+        by = np.abs(moved) * self.box.reshape(-1, *[1] * (moved.ndim - 1))
+        pairs = zip(self._sums[::2], self._sums[1::2], strict=True)
+        return np.asarray(
+            by[self._rest].sum(axis=0)
+            + sum(np.maximum(by[demand].sum(axis=0), by[inflow].sum(axis=0)) for demand, inflow in pairs)
+        )
 
     def joined(self, names: Sequence[str]) -> Gram:
         """The cross-products with further columns of the fit, by name."""
@@ -103,7 +124,7 @@ class AnyCurve:
         noise = np.sqrt(
             np.maximum(np.diag(p.covariance)[:count] - np.einsum("ij,ij->i", held, p.covariance[:count]), 0.0)
         )
-        worst = np.abs(held) @ self.box
+        worst = self.worst(held.T)
         unit = p.g.unit[:count]
         names = p.g.names[:count]
         return {n: Reach(float(s / u), float(w / u)) for n, s, w, u in zip(names, noise, worst, unit, strict=True)}
@@ -121,7 +142,16 @@ class AnyCurve:
         p = Projection(wide, self.projection.base)
         columns = range(first, len(wide.names))
         theta, fall = p.solve(columns)
-        return beyond(fall, float(np.abs(p.held_back(columns) @ theta) @ self.box))
+        return beyond(fall, float(self.worst(p.held_back(columns) @ theta)))
+
+
+def _thrusters(fit: Fit) -> Sequence[Thruster]:
+    return fit.noise.predictor.vehicle.thrusters
+
+
+def _sum(found: Sequence[tuple[str, Array]], first: int, head: str) -> NDArray[np.int64]:
+    """Places in the base of the errors whose names begin alike."""
+    return np.array([first + i for i, (name, _) in enumerate(found) if name.startswith(head)], dtype=np.int64)
 
 
 def beyond(fall: float, worst: float) -> float:

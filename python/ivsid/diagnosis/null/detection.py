@@ -47,4 +47,4 @@ def _taken(p: Projection, free: AnyCurve, names: tuple[str, ...], sizes: list[fl
     at = p.g.at(names)
     theta = np.array(sizes) * p.g.unit[at] if len(sizes) == len(at) else np.ones(len(at))
     size = float(np.sqrt(max(float(theta @ p.information(at) @ theta), 0.0)))
-    return float(np.abs(p.held_back(at) @ theta) @ free.box) / size if size > 0 else 0.0
+    return float(free.worst(p.held_back(at) @ theta)) / size if size > 0 else 0.0

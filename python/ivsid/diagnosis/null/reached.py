@@ -36,7 +36,9 @@ class Reached:
         self.free = free
         self.at = [k for k, n in enumerate(names) if n.startswith(("~thrust.", "~hysteresis."))]
         self.cells = [k for k, n in enumerate(names) if n.startswith("~cell.")]
-        self.others = [k for k in range(len(names)) if k not in {*self.at, *self.cells}]
+        # Free errors by inflow would take what errors by demand may not.
+        inflows = [k for k, n in enumerate(names) if n.startswith("~inflow.")]
+        self.others = [k for k in range(len(names)) if k not in {*self.at, *self.cells, *inflows}]
         self.leaving, self.knots = self._distance(free.g, self.at, self.others) if self.at and self.cells else (0.0, 0)
 
     def _distance(self, g: Gram, data: Sequence[int], others: Sequence[int]) -> tuple[float, int]:

@@ -1,6 +1,6 @@
 """Selection of the causes that a log needs.
 
-1. ``adequacy``: the structure that a generic dictionary of regressors finds in the innovations.
+1. ``adequacy``: the structure that a generic ``dictionary`` of regressors finds in the innovations.
 2. ``hulls``: numbers that a log asks for and no hull has.
 3. ``rivals``: causes that are fitted in full in the place of one another, and compared by their merit.
 4. ``rules``: what a cause has to keep in its full fit.

@@ -1,14 +1,11 @@
 """Adequacy of a model: the structure that a generic dictionary of regressors finds in its innovations.
 
-The dictionary holds powers and products of velocities, thrusts, heading, place and time in every channel.
-
 Source: docs/theory.md, "Diagnosis".
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -21,11 +18,11 @@ from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import AnyCurve, Boxed, beyond, outside
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.null.screening import BEYOND_DOUBT
+from ivsid.diagnosis.selection.dictionary import regressors
 from ivsid.diagnosis.selection.hulls import Asked, asked_of_hulls
 from ivsid.effects import CHANNELS
 
 Array = NDArray[np.float64]
-SYMBOLS: Final = re.compile(r"[a-z]+")
 # Probability with which a true model is called insufficient by its regressors, and by its thrust errors, where no null logs are asked.
 # Source: definition: a tenth of the 1 % of logs without an effect that may give a finding
 RISK: Final = 1e-3
@@ -41,12 +38,6 @@ DEPENDENT: Final = 1e-4
 # Probability of the errors at the knots from which on all curves inside their accuracy are asked.
 # Source: resource: such curves cost half a second
 DOUBT: Final = 0.05
-# Thrusters that have regressors of their own.
-# Source: resource: each adds three columns
-THRUSTERS: Final = 4
-# Least ambient acceleration by which regressors are scaled [m/s^2, rad/s^2].
-# Source: definition: keeps the columns from zero where the ambient force is zero
-LEAST_AMBIENT: Final = 1e-6
 
 
 @dataclass(frozen=True)
@@ -159,7 +150,7 @@ def adequacy(fit: Fit) -> Adequacy:
     g = fit.gram.only(fit.base)
     first = len(g.names)
     wide = g.joined(names, x, unit)
-    found = _structure(Projection(wide, range(first)), range(first, len(wide.names)), names, np.zeros(first))
+    found = _structure(Projection(wide, range(first)), range(first, len(wide.names)), names, _none)
     # Where axes are left out, single falls without an effect are larger.
     alone = not fit.noise.left_out and found.strongest[0][2] >= BEYOND_DOUBT
     found = replace(found, alone=alone)
@@ -181,7 +172,7 @@ def adequacy(fit: Fit) -> Adequacy:
     free = free or AnyCurve(fit)
     first = len(free.g.names)
     wide = free.g.joined(names, x.reshape(len(x), *free.g.y.shape), unit)
-    beside = _structure(Projection(wide, free.projection.base), range(first, len(wide.names)), names, free.box)
+    beside = _structure(Projection(wide, free.projection.base), range(first, len(wide.names)), names, free.worst)
     alone = alone and beside.strongest[0][2] >= BEYOND_DOUBT
     return replace(
         beside, leaving=left, knots=knots, pushed=found.pushed, outside=far, hulls=hulls, rougher=rougher, alone=alone
@@ -198,14 +189,19 @@ def _pushed(fit: Fit, far: Sequence[tuple[str, float]]) -> str:
     return "surge" if float(np.abs(np.cos(angle)).mean()) >= float(np.abs(np.sin(angle)).mean()) else "sway"
 
 
-def _structure(p: Projection, at: Sequence[int], names: Sequence[str], box: Array) -> Adequacy:
+def _none(moved: Array) -> Array:
+    """No declared error moves a sum."""
+    return np.zeros(moved.shape[1:])
+
+
+def _structure(p: Projection, at: Sequence[int], names: Sequence[str], most: Callable[[Array], Array]) -> Adequacy:
     """Structure that regressors find beside a base.
 
     Args:
         p: least squares on the base.
         at: indices of the regressors.
         names: theirs, ``channel|function``.
-        box: bound of each error of the base that has one, else 0, in unit lengths, shape (base,).
+        most: what declared errors move sums by at most, from what a unit of each moves them by.
     """
     columns = list(at)
     H = p.information(columns)
@@ -213,8 +209,8 @@ def _structure(p: Projection, at: Sequence[int], names: Sequence[str], box: Arra
     real = np.diag(H) > EXPLAINED
     scores = np.where(real, p.left_score[columns] / d, 0.0)
     # How far each error inside the box moves the score of each regressor, and of a sum of them.
-    moved = p.held_back(columns) * box[:, None] / d
-    worst = np.abs(moved).sum(axis=0)
+    moved = p.held_back(columns) / d
+    worst = most(moved)
     single = np.array([beyond(float(s * s), float(abs(s) * w)) for s, w in zip(scores, worst, strict=True)])
 
     def gained(which: NDArray[np.bool_]) -> tuple[float, int]:
@@ -223,7 +219,7 @@ def _structure(p: Projection, at: Sequence[int], names: Sequence[str], box: Arra
         s = vectors[:, keep].T @ scores[which]
         theta = vectors[:, keep] @ (s / values[keep])
         fall = float(np.sum(s**2 / values[keep]))
-        return beyond(fall, float(np.abs(moved[:, which] @ theta).sum())), int(keep.sum())
+        return beyond(fall, float(most(moved[:, which] @ theta))), int(keep.sum())
 
     fall, freedom = gained(real)
     excess = {}
@@ -234,78 +230,3 @@ def _structure(p: Projection, at: Sequence[int], names: Sequence[str], box: Arra
     strongest = tuple((names[k].split("|", 1)[1], names[k].split("|", 1)[0], float(single[k])) for k in order)
     one = float(min(1.0, chdtrc(1, float(single.max())) * len(names)))
     return Adequacy(fall, freedom, float(chdtrc(freedom, fall)), strongest, one, excess)
-
-
-def regressors(fit: Fit) -> tuple[list[str], Array, Array]:
-    """The dictionary's regressors: names ``channel|function``, whitened columns in unit length, (regressors, blocks, numbers), and their lengths."""
-    names, arrays = _dictionary(fit)
-    g = fit.gram
-    x, unit = g.white.blocks([fit.noise.predictor.answer(a) for a in arrays], g.good, g.length)
-    return names, x.reshape(-1, *g.y.shape), unit
-
-
-def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
-    """Names ``channel|function`` of the regressors and their accelerations, each of shape (3, 2 n)."""
-    p = fit.states.points
-    u, v, r = p.nu
-    predictor = fit.noise.predictor
-    n = predictor.log.n
-    scale = [max(float(np.sqrt(np.mean(x**2))), 1e-9) for x in (u, v, r)]
-    a, b, c = u / scale[0], v / scale[1], r / scale[2]
-    t = (p.t - p.t[0]) / (p.t.max() - p.t[0])
-    functions: dict[str, Array] = {
-        "1": np.ones(2 * n),
-        "u": a,
-        "v": b,
-        "r": c,
-        "u^2": a * a,
-        "v^2": b * b,
-        "r^2": c * c,
-        "u|u|": a * np.abs(a),
-        "v|v|": b * np.abs(b),
-        "r|r|": c * np.abs(c),
-        "u v": a * b,
-        "u r": a * c,
-        "v r": b * c,
-        "u^3": a**3,
-        "v^3": b**3,
-        "r^3": c**3,
-        "u^2 r": a * a * c,
-        "u^2 v": a * a * b,
-        "t": t,
-        "t^2": t * t,
-        "t u|u|": t * a * np.abs(a),
-    }
-    if len(p.thrusts):
-        total = p.thrusts.sum(axis=0)
-        size = max(float(np.sqrt(np.mean(total**2))), 1e-9)
-        force = total / size
-        before = np.concatenate([np.r_[force[0], force[: n - 1]], np.r_[force[n], force[n:-1]]])
-        functions |= {
-            "thrust": force,
-            "thrust^2": force * np.abs(force),
-            "thrust u": force * a,
-            "change of thrust": force - before,
-            "t thrust": t * force,
-        }
-        for k, thruster in enumerate(predictor.vehicle.thrusters[:THRUSTERS]):
-            functions[f"thrust of {thruster.name}"] = p.thrusts[k] / size
-    if predictor.log.psi is not None:
-        cosine, sine = np.cos(p.psi), np.sin(p.psi)
-        functions |= {"cos psi": cosine, "sin psi": sine, "u cos psi": a * cosine, "u sin psi": a * sine}
-    if predictor.log.place is not None:
-        x, y = (q - q.mean() for q in p.place)
-        reach = max(float(np.abs(x).max()), float(np.abs(y).max()), 1e-9)
-        functions |= {"x": x / reach, "y": y / reach, "x u": x / reach * a, "y u": y / reach * a}
-    if fit.noise.left_out:
-        # Axes that are left out have no fitted model, so functions of their velocities show no cause.
-        functions = {k: f for k, f in functions.items() if "r" not in set(SYMBOLS.findall(k))}
-    names, arrays = [], []
-    sizes = [max(d, LEAST_AMBIENT) for d in predictor.ambient.deviation]
-    for k, axis in enumerate(CHANNELS):
-        for name, f in functions.items():
-            process = np.zeros((3, 2 * n))
-            process[k] = sizes[k] * f
-            names.append(f"{axis}|{name}")
-            arrays.append(process)
-    return names, arrays

@@ -1,8 +1,9 @@
-"""Several causes that imitate one force of no cause.
+"""Causes that imitate one force of no cause.
 
 Two linear causes can add up to a force that neither of them is: a share of the thrust's moment, less a moment that follows the
 acceleration, is one that follows the drag. Each then stands in a fit with many standard deviations, and nothing is left unexplained. But one
-regressor of the adequacy's dictionary, in the place of all of them and with one number, explains as much.
+regressor of the adequacy's dictionary, in the place of all of them and with one number, explains as much. A single cause is none where
+such a regressor explains more in its place than the cause does.
 
 Source: docs/theory.md, "Diagnosis"; Akaike, "A new look at the statistical model identification", IEEE Transactions on Automatic Control 19,
 1974.
@@ -19,15 +20,15 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import NOTHING_LEFT, Projection
 from ivsid.diagnosis.null.rule import Refusal
-from ivsid.diagnosis.selection.adequacy import regressors
+from ivsid.diagnosis.selection.dictionary import regressors
 from ivsid.diagnosis.selection.rivals import Found
-from ivsid.diagnosis.selection.rules import ONE_FORCE, Together
+from ivsid.diagnosis.selection.rules import BETTER_FORCE, ONE_FORCE, Together
 
 Array = NDArray[np.float64]
 
 
 def imitating(fit: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:
-    """Refusals, by id, of linear causes that one force explains as well as they do together.
+    """Refusals, by id, of linear causes that one force explains as well as they do together, or better than one of them.
 
     Args:
         fit: of the model with all causes.
@@ -40,7 +41,7 @@ def imitating(fit: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:
         if f.first.candidate.sums
     }
     own = {id_: at for id_, at in own.items() if at}
-    if len(own) < 2:
+    if not own:
         return {}
     names, x, unit = regressors(fit)
     g = fit.gram.only(fit.base)
@@ -49,7 +50,7 @@ def imitating(fit: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:
     place = {k: i for i, k in enumerate(fit.base)}
     refused: dict[str, Refusal] = {}
     # The largest sets first: a set that one force explains takes its parts with it.
-    for count in range(len(own), 1, -1):
+    for count in range(len(own), 0, -1):
         for ids in combinations(own, count):
             if refused.keys() & set(ids):
                 continue
@@ -61,7 +62,7 @@ def imitating(fit: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:
             channel, function = names[best].split("|", 1)
             case = Together(ids, fall, len(at), f"{function} in {channel}", float(alone[best]))
             others = [f.id for f in found if f.id not in ids]
-            if (refusal := ONE_FORCE.refuses(case, others)) is not None:
+            if (refusal := (ONE_FORCE if count > 1 else BETTER_FORCE).refuses(case, others)) is not None:
                 refused |= dict.fromkeys(ids, refusal)
     return refused
 

@@ -203,8 +203,19 @@ ONE_FORCE: Final = Rule[Together](
     "{case.words} explain {case.fall:.0f} in chi² together, and one force, {case.force}, explains {case.alone:.0f} in their place; they would "
     "have to be {limit:.0f} better",
 )
+BETTER_FORCE: Final = Rule[Together](
+    "better force",
+    "merit of the best single force of no cause over that of a linear cause in whose place it stands",
+    f"at most {MARGIN:g}",
+    "The dictionary holds the simple forces of the catalogue, too: one that explains more than the cause is one that the catalogue lacks.",
+    "definition: 0.3 % of normal errors lie beyond",
+    lambda c: c.alone - (c.fall - PRICE * (c.numbers - 1)),
+    lambda _: MARGIN,
+    "it explains {case.fall:.0f} in chi², and one force, {case.force}, explains {case.alone:.0f} in its place; {limit:.0f} more are too many",
+    least=False,
+)
 LATE: Final = (MOST_RULE, WORTH_RULE)
-FULL_FITS: Final = (FINALIST, NUMBERS, RIVAL, FULL, OWN, SETTLED, ONE_FORCE)
+FULL_FITS: Final = (FINALIST, NUMBERS, RIVAL, FULL, OWN, SETTLED, ONE_FORCE, BETTER_FORCE)
 
 
 def full_refused(test: Threshold, s: Scored, fall: float, beside: Sequence[str] = ()) -> Refusal | None:

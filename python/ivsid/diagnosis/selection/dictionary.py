@@ -1,0 +1,99 @@
+"""A generic dictionary of regressors: powers and products of velocities, thrusts, heading, place and time in every channel.
+
+Source: docs/theory.md, "Diagnosis".
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.effects import CHANNELS
+
+Array = NDArray[np.float64]
+SYMBOLS: Final = re.compile(r"[a-z]+")
+# Thrusters that have regressors of their own.
+# Source: resource: each adds three columns
+THRUSTERS: Final = 4
+# Least ambient acceleration by which regressors are scaled [m/s^2, rad/s^2].
+# Source: definition: keeps the columns from zero where the ambient force is zero
+LEAST_AMBIENT: Final = 1e-6
+
+
+def regressors(fit: Fit) -> tuple[list[str], Array, Array]:
+    """The dictionary's regressors: names ``channel|function``, whitened columns in unit length, (regressors, blocks, numbers), and their lengths."""
+    names, arrays = _dictionary(fit)
+    g = fit.gram
+    x, unit = g.white.blocks([fit.noise.predictor.answer(a) for a in arrays], g.good, g.length)
+    return names, x.reshape(-1, *g.y.shape), unit
+
+
+def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
+    """Names ``channel|function`` of the regressors and their accelerations, each of shape (3, 2 n)."""
+    p = fit.states.points
+    u, v, r = p.nu
+    predictor = fit.noise.predictor
+    n = predictor.log.n
+    scale = [max(float(np.sqrt(np.mean(x**2))), 1e-9) for x in (u, v, r)]
+    a, b, c = u / scale[0], v / scale[1], r / scale[2]
+    t = (p.t - p.t[0]) / (p.t.max() - p.t[0])
+    functions: dict[str, Array] = {
+        "1": np.ones(2 * n),
+        "u": a,
+        "v": b,
+        "r": c,
+        "u^2": a * a,
+        "v^2": b * b,
+        "r^2": c * c,
+        "u|u|": a * np.abs(a),
+        "v|v|": b * np.abs(b),
+        "r|r|": c * np.abs(c),
+        "u v": a * b,
+        "u r": a * c,
+        "v r": b * c,
+        "u^3": a**3,
+        "v^3": b**3,
+        "r^3": c**3,
+        "u^2 r": a * a * c,
+        "u^2 v": a * a * b,
+        "t": t,
+        "t^2": t * t,
+        "t u|u|": t * a * np.abs(a),
+    }
+    if len(p.thrusts):
+        total = p.thrusts.sum(axis=0)
+        size = max(float(np.sqrt(np.mean(total**2))), 1e-9)
+        force = total / size
+        before = np.concatenate([np.r_[force[0], force[: n - 1]], np.r_[force[n], force[n:-1]]])
+        functions |= {
+            "thrust": force,
+            "thrust^2": force * np.abs(force),
+            "thrust u": force * a,
+            "change of thrust": force - before,
+            "t thrust": t * force,
+        }
+        for k, thruster in enumerate(predictor.vehicle.thrusters[:THRUSTERS]):
+            functions[f"thrust of {thruster.name}"] = p.thrusts[k] / size
+    if predictor.log.psi is not None:
+        cosine, sine = np.cos(p.psi), np.sin(p.psi)
+        functions |= {"cos psi": cosine, "sin psi": sine, "u cos psi": a * cosine, "u sin psi": a * sine}
+    if predictor.log.place is not None:
+        x, y = (q - q.mean() for q in p.place)
+        reach = max(float(np.abs(x).max()), float(np.abs(y).max()), 1e-9)
+        functions |= {"x": x / reach, "y": y / reach, "x u": x / reach * a, "y u": y / reach * a}
+    if fit.noise.left_out:
+        # Axes that are left out have no fitted model, so functions of their velocities show no cause.
+        functions = {k: f for k, f in functions.items() if "r" not in set(SYMBOLS.findall(k))}
+    names, arrays = [], []
+    sizes = [max(d, LEAST_AMBIENT) for d in predictor.ambient.deviation]
+    for k, axis in enumerate(CHANNELS):
+        for name, f in functions.items():
+            process = np.zeros((3, 2 * n))
+            process[k] = sizes[k] * f
+            names.append(f"{axis}|{name}")
+            arrays.append(process)
+    return names, arrays

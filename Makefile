@@ -14,7 +14,7 @@ ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 FIXED := PROPTEST_RNG_SEED=1
 
 .PHONY: demo test test-rust test-python dependencies check rustfmt clippy lint rules null-logs constants constants-page rules-page rule-counts types stubs imports docs docs-rust docs-python nightly \
-	bench same same-compare vessels peers inverse-peers throughput diagnosis-time exhaustive twins itf1788 differential fuzz exam handbook build release venv format clean
+	bench same same-compare vessels peers inverse-peers throughput diagnosis-time exhaustive twins itf1788 differential fuzz exam reliability handbook build release venv format clean
 
 demo: release
 	$(BIN)/ivsid demo --out $(OUT)
@@ -193,3 +193,7 @@ SEED ?= $(shell date +%s)
 EXAM ?= 1000
 exam: release
 	$(BIN)/python -m tests.exam.run $(SEED) $(EXAM) out=out/exam.json table=docs/examination.md
+
+# Counts behind the probabilities of findings, from the rows of an examination.
+reliability: venv
+	$(BIN)/python -m tests.exam.reliability out/exam.json

@@ -44,11 +44,11 @@ class Alike:
 # Counts of the examination, by kind of finding.
 # Source: measured: make reliability
 COUNTS: Final[Mapping[str, Alike]] = {
-    "alone, clear": Alike(f"one name by itself, {CLEAR:g} standard deviations or more", 60, 62),
-    "alone, faint": Alike(f"one name by itself, below {CLEAR:g} standard deviations", 18, 19),
-    "several, clear": Alike(f"one of several names, {CLEAR:g} standard deviations or more", 20, 22),
-    "several, faint": Alike(f"one of several names, below {CLEAR:g} standard deviations", 8, 9),
-    "beside unknown": Alike("a name beside structure that nothing explains", 4, 6),
+    "alone, clear": Alike(f"one name by itself, {CLEAR:g} standard deviations or more", 88, 88),
+    "alone, faint": Alike(f"one name by itself, below {CLEAR:g} standard deviations", 9, 9),
+    "several, clear": Alike(f"one of several names, {CLEAR:g} standard deviations or more", 22, 22),
+    "several, faint": Alike(f"one of several names, below {CLEAR:g} standard deviations", 2, 2),
+    "beside unknown": Alike("a name beside structure that nothing explains", 4, 5),
     "unknown": Alike("structure that nothing explains", 30, 31),
 }
 

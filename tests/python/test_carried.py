@@ -11,8 +11,10 @@ from ivsid.diagnosis import extended_vehicle, lost
 from ivsid.diagnosis.selection.adequacy import Adequacy
 from ivsid.diagnosis.selection.verdict import Left
 from ivsid.diagnosis.statements.carried import failed, fails
+from ivsid.diagnosis.statements.extended import extended_text
 from ivsid.diagnosis.statements.findings import Finding
 from ivsid.diagnosis.statements.without import without
+from ivsid.vehicle import parse_vehicle
 
 CAUSE = Finding("drag.surge.linear", 1.0, (), "", {}, {"channel": "surge", "z": 12.0})
 REST = Adequacy(150.0, 100, 1e-3, (("u", "surge", 20.0),), 1e-3, {})
@@ -58,6 +60,14 @@ def test_without_its_only_cause_the_model_is_the_plain_one(named):
     assert without(plain, last, ["drag.surge.linear"]) is plain.states
     assert "drag.surge.linear" in named.model.values and '"drag.surge.linear"' in extended_vehicle(named)
     assert not named.gain.losses and lost(named.gain) == ""
+
+
+def test_claims_in_a_table_of_their_own_do_not_stand_twice_in_the_extended_file(named):
+    """A vehicle file may state [model.values] as a table."""
+    vehicle = vehicle_of(extra='[ model.values ]\n"mass.surge" = 58.0\n[model]\nterms = "paper"\n')
+    text = extended_text(vehicle, named.model)
+    assert text.count('"mass.surge" = 58.0') == 1
+    assert parse_vehicle(text, "model.toml").model.values == {"mass.surge": 58.0}
 
 
 def test_a_current_that_turns_round_between_the_logs_is_not_named():

@@ -21,13 +21,13 @@ def extended_text(vehicle: Vehicle, h: Hypothesis) -> str:
     for line in vehicle.text.splitlines():
         head = line.strip()
         if head.startswith("["):
-            inside = head.split("#")[0].strip()
-        if inside == "[model]":
+            inside = head.split("#")[0].replace(" ", "").strip()
+        if inside == "[model]" or inside.startswith("[model."):
             continue
         if inside == "[[thrusters]]" and any(head.startswith(k) and "=" in head for k in keys):
             continue
         lines.append(line)
-        if head.split("#")[0].strip() == "[[thrusters]]":
+        if head.startswith("[") and inside == "[[thrusters]]":
             lines += [f"{k} = {v!r}" for k, v in keys.items()]
     ids, unstated = stated(h)
     shared = any(t in PAPER_TERMS[:2] for t in h.terms)

@@ -30,7 +30,7 @@ def decaying(x: Array, decay: float) -> Array:
     """y_t = x_t + decay y_(t-1), at rest before the first sample, shape (..., n)."""
     rows = x.reshape(-1, x.shape[-1])
     top, below = np.array([[[1.0, 0.0]]]), np.array([[1.0, -decay]])
-    return np.concatenate([respond([row], top, below) for row in rows]).reshape(x.shape)
+    return np.array([respond([row], top, below)[0] for row in rows], dtype=np.float64).reshape(x.shape)
 
 
 def whiten(

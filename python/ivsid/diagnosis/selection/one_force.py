@@ -91,9 +91,7 @@ def in_their_place(p: Projection, columns: Sequence[int], held: Array, forces: S
 
 def _numbers(fit: Fit) -> dict[str, float]:
     """Numbers of the hypothesis by column, from no effect on."""
-    claimed = fit.noise.predictor.vehicle.model.values
-    # A claim that was given up is a cause by its distance from what was claimed.
-    numbers = {k: float(x) - (claimed[k] if k in fit.h.freed else 0.0) for k, x in fit.h.values.items()}
+    numbers = {k: float(x) for k, x in fit.h.values.items()}
     for given in fit.h.given:
         none = dict(zip(given.effect.parts, (q.none for q in given.effect.parameters), strict=True))
         numbers |= {k: float(x) - none.get(k, 0.0) for k, x in given.named.items()}

@@ -68,7 +68,12 @@ def reviewed(problem: Problem, last: Reviewed, asked: int, passes: Threshold, pl
             continue
         mine = Rival(one.id, states, now, one.first.count, base - now)
         others = tuple(f.id for f in found if f is not one)
-        if (refusal := full_refused(passes, one.first, mine.fall, others)) is not None:
+        refusal = full_refused(passes, one.first, mine.fall, others)
+        again = next((s for s in scored if s.id == one.id), None)
+        if refusal is not None and again is not None:
+            # What declared errors may take of a cause is less where other causes leave it fewer directions.
+            refusal = full_refused(passes, passes(bare, [again], others).measured(again), mine.fall, others)
+        if refusal is not None:
             return Reviewed(True, [f for f in found if f is not one], without, refused | {one.id: refusal})
         near = contenders(scored, mine.merit)
         near = [s for s in near if s.id not in others and s.id != one.id and s.physical and passes.eligible(s)]

@@ -185,13 +185,14 @@ def test_a_sound_log_whose_equations_are_coarse_is_adequate():
 
 
 @pytest.mark.nightly
-def test_a_small_force_outside_the_catalogue_stays_unknown():
-    """One regressor is beyond doubt, so that no null logs are asked."""
+@pytest.mark.parametrize(("size", "close"), [(0.075, True), (0.12, False)])
+def test_a_small_force_outside_the_catalogue_stays_unknown(size, close):
+    """Its structure is close to the threshold, so null logs are asked, and none of them shows as much; a larger one is beyond doubt."""
     c = case(
         8002,
         what="outside",
         effect="x.side",
-        size=0.12,
+        size=size,
         kind="twin",
         style="rich",
         ambient=1.0,
@@ -199,6 +200,6 @@ def test_a_small_force_outside_the_catalogue_stays_unknown():
         rate=10.0,
     )
     found = diagnosed(c)
-    assert found.verdict == "unknown" and found.adequacy[1].alone and found.adequacy[1].strength > -np.log(RISK)
-    # The joint fall alone would be close to the threshold.
-    assert found.adequacy[1].chance > np.exp(CLOSE * np.log(RISK))
+    assert found.verdict == "unknown" and -np.log(RISK) < found.adequacy[1].strength
+    assert (found.adequacy[1].strength < -CLOSE * np.log(RISK)) == close
+    assert (found.calibration["structure"]["logs"] >= 20) == close

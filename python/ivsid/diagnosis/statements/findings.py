@@ -208,7 +208,7 @@ def unknown(left: Adequacy, near: Sequence[str]) -> Finding:
         where = " and of ".join(f"{name} (fitted at {most:.1f} times its accuracy)" for name, most in left.outside)
         text = (
             "the errors that the model leaves follow the motion, and no thrust curve inside the stated accuracy takes them: either the thrust"
-            f"{f' of {where}' if where else ''} differs from its curve by more than that, or a force that the model lacks goes with the demands; "
+            f"{f' of {where}' if where else ''} differs from its curve by more than the stated accuracy, or a force that the model lacks goes with the demands; "
             "all masses and drags may be wrong with it; a bollard test of the thrust tells the two apart"
         )
     if max(left.rougher) > ROUGHER:

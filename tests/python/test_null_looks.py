@@ -16,7 +16,7 @@ import pytest
 from diagnosis_logs import train_of, vehicle_of
 from ivsid.diagnosis import cache_folder
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.null.cache import keep, kept, key_of
+from ivsid.diagnosis.null.cache import keep, kept, key_of, rules_digest
 from ivsid.diagnosis.null.calibration import LOOKS, scores
 from ivsid.diagnosis.null.tail import NullTest
 from ivsid.vehicle import parse_vehicle
@@ -118,6 +118,20 @@ def test_the_cache_is_whole_or_nothing_and_follows_its_key(tmp_path, monkeypatch
     keep(file.parent / f"{'b' * 64}.json" / "under", "d" * 64, test)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     assert cache_folder() == tmp_path / "ivsid" / "null_logs"
+
+
+def test_a_rule_that_changes_between_two_releases_changes_the_key(tmp_path, monkeypatch):
+    below = tmp_path / "rules_of_a_test" / "below"
+    below.mkdir(parents=True)
+    (below.parent / "__init__.py").write_text("")
+    (below / "limits.py").write_text("LIMIT = 3.0\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    before = rules_digest("rules_of_a_test")
+    assert before == rules_digest("rules_of_a_test") != rules_digest()
+    (below / "notes.txt").write_text("no rule")
+    assert before == rules_digest("rules_of_a_test")
+    (below / "limits.py").write_text("LIMIT = 4.0\n")
+    assert before != rules_digest("rules_of_a_test")
 
 
 def test_the_key_follows_content_and_not_names():

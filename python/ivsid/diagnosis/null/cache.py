@@ -7,6 +7,7 @@ import json
 import os
 from dataclasses import fields
 from importlib.metadata import version
+from importlib.resources import files
 from pathlib import Path
 from typing import Final, Protocol
 
@@ -37,6 +38,25 @@ def cache_folder() -> Path:
     return (Path(base) if Path(base).is_absolute() else Path.home() / ".cache") / "ivsid" / FOLDER
 
 
+def rules_digest(package: str = "ivsid") -> str:
+    """SHA-256 of the Python sources of a package.
+
+    A rule that changes between two releases changes null logs; the version does not tell the two apart.
+
+    Args:
+        package: its name.
+    """
+    digest = hashlib.sha256()
+    folders = [files(package)]
+    while folders:
+        for one in sorted(folders.pop().iterdir(), key=lambda f: f.name):
+            if one.is_dir():
+                folders.append(one)
+            elif one.name.endswith(".py"):
+                digest.update(f"|{one.name}|".encode() + one.read_bytes())
+    return digest.hexdigest()
+
+
 def key_of(
     vehicle: Vehicle,
     log: Channels,
@@ -57,10 +77,19 @@ def key_of(
         threshold: of the chance by theory.
         model: whose structure is under test, with its causes; None for the plain model under the test of the families.
 
-    The version of the package and the files of own effects count as well.
+    The version of the package, its rules (``rules_digest``) and the files of own effects count as well.
     """
     digest = hashlib.sha256()
-    said = [version("ivsid"), vehicle.text, seed, level.hex(), sorted(tested), threshold.hex(), own_digest()]
+    said = [
+        version("ivsid"),
+        rules_digest(),
+        vehicle.text,
+        seed,
+        level.hex(),
+        sorted(tested),
+        threshold.hex(),
+        own_digest(),
+    ]
     if model is not None:
         # Causes and all other numbers, as the null logs are simulated from them.
         said += [sorted((i, float(v).hex()) for i, v in model.values.items())]

@@ -233,7 +233,7 @@ def test_a_perfect_bollard_pull_would_not_show_the_tugs_drag_either(real, tmp_pa
 def test_what_the_tugs_run_says_of_its_drag_is_no_name(real, tmp_path):
     """The propellers push otherwise than their curves, by more than a tenth, and late: unknown, with the lag as the nearest cause.
 
-    A drag six times the tank's would fit the run; on the other run it does harm.
+    A drag four times the tank's would fit the run; on the other run it does harm, and the extended model lacks it.
     """
     vehicle, run, other = tug(real, tmp_path)
     result = diagnose(vehicle, run, other)
@@ -248,6 +248,10 @@ def test_what_the_tugs_run_says_of_its_drag_is_no_name(real, tmp_path):
     # Linear drag that fits the towing tank's forces at the run's own speeds.
     u = channels(run, vehicle).nu[0]
     tank = float(u @ (0.137 * u + 3.088 * u * np.abs(u)) / (u @ u))
-    assert 0.6 < tank < 0.8 < drag.beside.lower and drag.z > 7.5 and not drag.contradicted
+    # Beside the worst thrust curve inside its accuracy the claim's interval holds the tank's drag, and its largest is still four times that.
+    low, high = drag.beside.within
+    assert 0.6 < tank < 0.8 < low and high > 3 * tank and not drag.contradicted
+    assert drag.beside.lower < tank < drag.beside.upper and 7 < drag.z < 8
     before, after = result.gain.simulation_rms["u"]
-    assert after > 1.5 * before
+    # A model with the lag simulates the other run 1.5 times worse; the extended model holds findings only.
+    assert after <= before and not result.gain.losses

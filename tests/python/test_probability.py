@@ -1,7 +1,7 @@
 """Probabilities of findings: their kinds, their numbers, and what an examination says of them."""
 
 import pytest
-from tests.exam.reliability import curve, firsts, sets
+from tests.exam.reliability import curve, drawing, firsts, sets
 
 from ivsid.diagnosis.statements.probability import CLEAR, COUNTS, Alike, alike
 
@@ -23,20 +23,22 @@ def test_no_share_is_certain_and_many_cases_approach_theirs(right, of):
     assert 0.0 < p < 1.0 and abs(p - (right / of if of else 0.5)) <= 0.5 / (of + 1) + 1e-12
 
 
+# Ninety of a hundred sets are right, and so are half of the first names.
+ROWS = [
+    {
+        "truth": {"a": 1.0},
+        "z": {"a": 9.0},
+        "sets": [["a" if k % 2 else "b", "a"] if k % 10 else ["c", "d"]],
+        "sure": [[0.9, 0.5, "x"]],
+    }
+    for k in range(100)
+]
+
+
 def test_an_examination_tells_who_says_too_much():
-    """Ninety of a hundred sets are right, and so are half of the first names."""
-    rows = [
-        {
-            "truth": {"a": 1.0},
-            "z": {"a": 9.0},
-            "sets": [["a" if k % 2 else "b", "a"] if k % 10 else ["c", "d"]],
-            "sure": [[0.9, 0.5, "x"]],
-        }
-        for k in range(100)
-    ]
-    ((n, said, true, low, high),) = curve(list(sets(rows)))
+    ((n, said, true, low, high),) = curve(list(sets(ROWS)))
     assert (n, said, true) == (100, pytest.approx(0.9), 0.9) and low < 0.9 < high
-    ((_, said, true, low, high),) = curve(list(firsts(rows)))
+    ((_, said, true, low, high),) = curve(list(firsts(ROWS)))
     assert said == pytest.approx(0.45) and true == 0.5 and low < 0.45 < high
     # Who says 0.99 of the same is told so.
     ((*_, high),) = curve(list(sets([{**r, "sure": [[0.99, 0.5, "x"]]} for r in rows])))
@@ -44,3 +46,10 @@ def test_an_examination_tells_who_says_too_much():
     # An unknown is right where anything is hidden, and wrong where nothing is.
     unknown = {"z": {}, "sets": [["unknown"]], "sure": [[0.9, 1.0, "y"]]}
     assert [q.right for q in sets([{**unknown, "truth": {"x.side": 1.0}}, {**unknown, "truth": {}}])] == [True, False]
+
+
+def test_the_same_examination_draws_the_same_bytes(tmp_path):
+    drawings = [tmp_path / f"{k}.svg" for k in range(2)]
+    for path in drawings:
+        drawing(ROWS, path)
+    assert drawings[0].read_bytes() == drawings[1].read_bytes()

@@ -10,7 +10,7 @@ from ivsid import diagnose
 from ivsid.diagnosis import extended_vehicle, lost
 from ivsid.diagnosis.selection.adequacy import Adequacy
 from ivsid.diagnosis.selection.verdict import Left
-from ivsid.diagnosis.statements.carried import failed, fails
+from ivsid.diagnosis.statements.carried import failure, in_their_place
 from ivsid.diagnosis.statements.extended import extended_text
 from ivsid.diagnosis.statements.findings import Finding
 from ivsid.diagnosis.statements.without import without
@@ -29,20 +29,20 @@ def gain(**growth):
 
 @pytest.mark.parametrize(("factor", "complete", "kept"), [(1.9, True, True), (2.1, True, False), (1.3, False, False)])
 def test_a_model_that_fails_on_the_other_log_names_nothing(factor, complete, kept):
-    assert (failed(gain(X=factor), [CAUSE], complete=complete) is None) == kept
+    assert (failure(gain(X=factor), [CAUSE], complete=complete) is None) == kept
     # A quantity that is not worse by more than chance says nothing, whatever its ratio, and nothing is withdrawn where nothing is named.
     by_chance = gain(X=factor)
     by_chance.losses = {}
-    assert failed(by_chance, [CAUSE], complete=complete) is None
-    assert failed(gain(X=factor), [], complete=complete) is None
+    assert failure(by_chance, [CAUSE], complete=complete) is None
+    assert failure(gain(X=factor), [], complete=complete) is None
 
 
 def test_an_unknown_says_both_readings():
-    made = fails(gain(X=3.0, u=1.1), [CAUSE], REST, ["drag.surge.linear"], complete=True)
+    made = in_their_place(gain(X=3.0, u=1.1), [CAUSE], REST, ["drag.surge.linear"], complete=True)
     assert made.effect == "unknown" and made.evidence["z"] == 12.0
     assert "X by a factor of 3 or more, u by a factor of 1.1 or more" in made.description
     assert "the logs differ" in made.description and "another one" in made.description
-    beside = fails(gain(X=3.0), [CAUSE], REST, ["drag.surge.linear"], complete=False)
+    beside = in_their_place(gain(X=3.0), [CAUSE], REST, ["drag.surge.linear"], complete=False)
     assert "no cause of the catalogue explains it" in beside.description and "X by a factor of 3" in beside.description
 
 

@@ -41,13 +41,14 @@ def test_an_examination_tells_who_says_too_much():
     ((_, said, true, low, high),) = curve(list(firsts(ROWS)))
     assert said == pytest.approx(0.45) and true == 0.5 and low < 0.45 < high
     # Who says 0.99 of the same is told so.
-    ((*_, high),) = curve(list(sets([{**r, "sure": [[0.99, 0.5, "x"]]} for r in rows])))
+    ((*_, high),) = curve(list(sets([{**r, "sure": [[0.99, 0.5, "x"]]} for r in ROWS])))
     assert high < 0.99
     # An unknown is right where anything is hidden, and wrong where nothing is.
     unknown = {"z": {}, "sets": [["unknown"]], "sure": [[0.9, 1.0, "y"]]}
     assert [q.right for q in sets([{**unknown, "truth": {"x.side": 1.0}}, {**unknown, "truth": {}}])] == [True, False]
 
 
+@pytest.mark.figures
 def test_the_same_examination_draws_the_same_bytes(tmp_path):
     drawings = [tmp_path / f"{k}.svg" for k in range(2)]
     for path in drawings:

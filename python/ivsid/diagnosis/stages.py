@@ -26,7 +26,7 @@ from ivsid.diagnosis.selection.parallel import Apart, at_once, one_blas_thread
 from ivsid.diagnosis.selection.rules import full_refused
 from ivsid.diagnosis.selection.select import select
 from ivsid.diagnosis.selection.verdict import Left
-from ivsid.diagnosis.statements.carried import failed, fails
+from ivsid.diagnosis.statements.carried import failure, in_their_place
 from ivsid.diagnosis.statements.claims import claims
 from ivsid.diagnosis.statements.diagnosis import Diagnosis, inputs_of
 from ivsid.diagnosis.statements.findings import findings_of, shallow, unknown, verdict_of, weighed
@@ -107,10 +107,10 @@ def diagnose(
     (gain, shown), water = trial.result(), moved.result()
     shoal = water is not None and water.factor is not None
     # Masses that differ between the logs are a reason to fail on the other one.
-    if not shoal and (refusal := failed(gain, findings, complete=complete)) is not None:
+    if not shoal and (refusal := failure(gain, findings, complete=complete)) is not None:
         withdrawn = {**withdrawn, **{i: refusal for f in findings for i in (f.effect, *f.alternatives)}}
         extended = None
-        findings = (fails(gain, findings, after, [f.id for f in selection.found], complete=complete),)
+        findings = (in_their_place(gain, findings, after, [f.id for f in selection.found], complete=complete),)
         trial = trial.of(())
         gain, shown = trial.result()
     else:

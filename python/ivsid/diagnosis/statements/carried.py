@@ -55,12 +55,14 @@ CARRIES: Final = Rule[Carried](
 )
 
 
-def failed(gain: Gain, findings: Sequence[Finding], *, complete: bool) -> Refusal | None:
+def failure(gain: Gain, findings: Sequence[Finding], *, complete: bool) -> Refusal | None:
     """The refusal of all named causes where their model fails on TEST, or None."""
     return CARRIES.refuses(Carried(gain, complete)) if findings else None
 
 
-def fails(gain: Gain, named: Sequence[Finding], left: Adequacy, near: Sequence[str], *, complete: bool) -> Finding:
+def in_their_place(
+    gain: Gain, named: Sequence[Finding], left: Adequacy, near: Sequence[str], *, complete: bool
+) -> Finding:
     """Finding ``unknown`` in the place of causes that fail on TEST.
 
     Args:

@@ -14,6 +14,7 @@ Source: docs/theory.md, "Any thrust curve inside its accuracy"; Rockafellar, *Co
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Final
@@ -92,8 +93,10 @@ class AnyCurve:
             for words, share in _SHARES.items():
                 if g.names[k].startswith(words):
                     self.box[i] = 1.0 / (np.sqrt(g.prior[k]) * share)
-        self._sums = [_sum(found, len(fit.base), f"~{kind}.{t.name}.") for t in _thrusters(fit) for kind in KINDS]
-        own = np.concatenate([*self._sums, np.zeros(0, dtype=np.int64)])
+        self._sums = [
+            tuple(_sum(found, len(fit.base), f"~{kind}.{t.name}.") for kind in KINDS) for t in _thrusters(fit)
+        ]
+        own = np.concatenate([*itertools.chain(*self._sums), np.zeros(0, dtype=np.int64)])
         self._rest = np.setdiff1d(np.arange(self.box.size), own)
 
     def worst(self, moved: Array) -> Array:
@@ -105,11 +108,8 @@ class AnyCurve:
             moved: of each sum by a unit of each error of the base, shape (base, ...).
         """
         by = np.abs(moved) * self.box.reshape(-1, *[1] * (moved.ndim - 1))
-        pairs = zip(self._sums[::2], self._sums[1::2], strict=True)
-        return np.asarray(
-            by[self._rest].sum(axis=0)
-            + sum(np.maximum(by[demand].sum(axis=0), by[inflow].sum(axis=0)) for demand, inflow in pairs)
-        )
+        worse = sum(np.maximum(by[demand].sum(axis=0), by[inflow].sum(axis=0)) for demand, inflow in self._sums)
+        return np.asarray(by[self._rest].sum(axis=0) + worse)
 
     def joined(self, names: Sequence[str]) -> Gram:
         """The cross-products with further columns of the fit, by name."""

@@ -87,7 +87,8 @@ def test_any_damage_is_a_log_or_one_sentence(tmp_path, kind, capfd):
     path = write(tmp_path)
     files = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
     rng = np.random.default_rng(list(log_files.FORMATS).index(kind))
-    refused = 0
+    sound = read_log(path, mapping(table)).notes
+    told = 0
     for _ in range(40):
         target = files[rng.integers(len(files))]
         whole = target.read_bytes()
@@ -96,11 +97,13 @@ def test_any_damage_is_a_log_or_one_sentence(tmp_path, kind, capfd):
             log = read_log(path, mapping(table))
         except IvsidError as error:
             assert "\n" not in str(error)
-            refused += 1
+            told += 1
         else:
             assert (np.diff(log.t) > 0).all() and all(v.size == log.t.size for v in log.columns.values())
+            # A damaged stamp among many is left out with a note.
+            told += log.notes != sound
         target.write_bytes(whole)
-    assert refused > 5
+    assert told > 5
     if kind == "dataflash":
         assert capfd.readouterr() == ("", "")
 

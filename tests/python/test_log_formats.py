@@ -49,18 +49,32 @@ def test_every_format_is_the_same_log(tmp_path, kind):
     assert bool(log.assumes) == several and not any("never changes faster" in a for a in log.assumes)
 
 
-@pytest.mark.parametrize("kind", list(log_files.FORMATS))
-def test_time_that_does_not_increase_is_refused(tmp_path, kind, monkeypatch):
-    twisted = log_files.T.copy()
-    twisted[50] = twisted[48]
-    monkeypatch.setattr(log_files, "T", twisted)
+def twisted(tmp_path, kind, monkeypatch, changed):
+    """A log whose stamps are those of rows ``changed`` gives, and its table."""
+    monkeypatch.setattr(log_files, "T", log_files.T[changed])
     write, table = log_files.FORMATS[kind]
     if kind in ("sqlite", "sqlite_file", "mcap", "mcap_file"):
-        stamps = log_files.NS.copy()
-        stamps[50] = stamps[48]
-        monkeypatch.setattr(log_files.bag, "__defaults__", ("sqlite3", log_files.U, stamps))
-    words = sentence(write(tmp_path), table)
+        monkeypatch.setattr(log_files.bag, "__defaults__", ("sqlite3", log_files.U, log_files.NS[changed]))
+    return write(tmp_path), table
+
+
+@pytest.mark.parametrize("kind", list(log_files.FORMATS))
+def test_time_that_begins_anew_is_refused(tmp_path, kind, monkeypatch):
+    words = sentence(*twisted(tmp_path, kind, monkeypatch, np.r_[:100, :100]))
     assert "must increase strictly" in words
+
+
+@pytest.mark.parametrize("kind", list(log_files.FORMATS))
+def test_one_stamp_that_goes_back_is_a_gap(tmp_path, kind, monkeypatch):
+    """Row 50 has the stamp of row 48: itself and neighbours are left out, as many as make a gap."""
+    order = np.arange(log_files.N)
+    order[50] = 48
+    path, table = twisted(tmp_path, kind, monkeypatch, order)
+    log = read_log(path, mapping(table))
+    away = np.setdiff1d(np.arange(log_files.N), np.round(log.t / 0.05).astype(int))
+    assert 2 <= away.size <= 4 and 50 in away and np.ptp(away) == away.size - 1
+    assert any("repeat, go back, jump or are missing" in n for n in log.notes) and any("gap" in n for n in log.notes)
+    assert any("are right where they increase" in a for a in log.assumes)
 
 
 @pytest.mark.parametrize("kind", list(log_files.FORMATS))

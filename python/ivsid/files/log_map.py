@@ -11,14 +11,24 @@ from ivsid.files.section import Finite, NonNegative, Positive, Section
 
 
 class TimeColumn(Section):
-    """A column of stamps: its name ``from``, and its ``unit``."""
+    """A column of stamps.
+
+    Attributes:
+        from_: its name; the key of the file is ``from``.
+        unit: of a stamp; None for seconds, or for what the size of an epoch says. Dates know their own.
+        nanoseconds: the column of nanoseconds beside one of whole seconds, as in a ROS stamp.
+    """
 
     from_: str = Field(default="t", alias="from")
-    unit: str = "s"
+    unit: str | None = None
+    nanoseconds: str | None = None
 
     @model_validator(mode="after")
     def _known(self) -> Self:
-        units.factor(self.unit, units.TIME, "the time column")
+        if self.unit is not None:
+            units.factor(self.unit, units.TIME, "the time column")
+        if self.nanoseconds is not None and self.unit not in (None, "s"):
+            raise ValueError(f"unit {self.unit} stands beside nanoseconds; a stamp of two columns has whole seconds")
         return self
 
 

@@ -9,7 +9,8 @@ Files to tables:
 Tables to a log:
 
 - ``channels``: foreign columns to channels: names, units, missing markers, frames, heading from attitude.
-- ``clocks``: stamps to seconds; samples of one clock on the rows of another. ``one_clock`` does so for every channel.
+- ``stamps``: stamps to seconds, without losing digits; ``dates``: stamps that are words; ``disorder``: stamps out of order, as gaps.
+- ``clocks``: samples of one clock on the rows of another. ``one_clock`` does so for every channel.
 - ``step_ranges``: the range of a force or an angle over the step between two rows.
 - ``angles``, ``turning``: angles followed through whole turns; the angle of an azimuth thruster or a rudder.
 - ``quality``: held values, gaps, drop-outs and outliers are reported, and none is mended.

@@ -1,145 +1,18 @@
-"""Clocks: stamps to seconds without losing digits, and channels of several clocks brought to one, with a stated bound."""
+"""Channels of several clocks brought to one, with a stated bound."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from decimal import Decimal
-from typing import Final
+from dataclasses import replace
 
 import numpy as np
-import polars as pl
 from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
-from ivsid.files import units
 from ivsid.log.record import GAP, Clock
-from ivsid.log.source import numbers, stamp_unit
+from ivsid.log.stamps import Times
 
 Array = NDArray[np.float64]
-
-# Stamps beyond this [s] count from their first one: a double there has a last place of 1.2e-10 s or more.
-# Source: definition: 53 bits of a double
-EPOCH: Final = 1e6
-# Decimals kept of a large stamp; 23 digits are left before the point.
-# Source: definition: the 38 digits of a 128-bit decimal
-DECIMALS: Final = 15
-# Half units in the last place that two roundings can lose: one for the quotient, and up to 2^30 / 1e9 = 1.07 for the double of the
-# integer of nanoseconds.
-# Source: theorem: standard model of floating-point arithmetic, Higham 2002, section 2.2
-TWICE: Final = 2.25
-_SECONDS: Final = {u: Decimal(repr(f)) for u, f in units.TIME.items()}
-
-
-@dataclass(frozen=True)
-class Times:
-    """Stamps in seconds.
-
-    Attributes:
-        t: times [s], shape (n,).
-        lost: bound on the error of each conversion [s].
-        first: the first stamp [s], exactly.
-        counted: whether the times count from the first stamp.
-        rows: rows of the table with these stamps; None for all.
-    """
-
-    t: Array
-    lost: float
-    first: Decimal
-    counted: bool
-    rows: NDArray[np.intp] | None = None
-
-
-def times_of(series: pl.Series, unit: str, source: str, name: str, first_row: int, *, own: bool) -> Times:
-    """Checks and converts one column of stamps. Large stamps (epochs) count from their first one: a double has too few digits for them.
-
-    Args:
-        series: the stamps with every digit.
-        unit: of the stamps; a column of dates knows its own.
-        source: name of the file, for messages.
-        name: of the column.
-        first_row: number of the first sample, for messages.
-        own: these are a sensor's own stamps beside those of the rows; a repeated or missing one marks a row without a new sample.
-
-    Raises:
-        IvsidError: a missing stamp, one that is no number, or time that does not increase.
-    """
-    if series.dtype == pl.Boolean:
-        raise IvsidError(
-            f"{source}: column {name} holds true and false, not times; map the column of stamps under [log] time"
-        )
-    if series.dtype == pl.Date:
-        series = series.cast(pl.Datetime("us"))
-    unit = stamp_unit(series) or unit
-    if series.dtype.is_temporal():
-        series = series.to_physical()
-    scale = units.factor(unit, units.TIME, f"column {name}")
-    stamps = numbers(series, name, source, first_row)
-    rows = None
-    if own:
-        new = np.isfinite(stamps)
-        known = np.flatnonzero(new)
-        new[known[1:]] = stamps[known[1:]] != stamps[known[:-1]]
-        rows = np.flatnonzero(new)
-        stamps, series = stamps[rows], series.gather(rows)
-    if stamps.size < 2:
-        what = "stamp" if own else "row"
-        raise IvsidError(f"{source} has {stamps.size} {what}{'s' * (stamps.size != 1)}; at least 2 samples are needed")
-    if np.isnan(stamps).any():
-        row = int(np.argmax(np.isnan(stamps)))
-        raise IvsidError(f"{source}: the time is missing in row {row + first_row}; every row needs one")
-    first = _decimal(series[0]) * _SECONDS[unit]
-    counted = bool(abs(stamps[0]) > EPOCH or scale != 1.0)
-    t, lost = _since_first(series, stamps, scale) if counted else (stamps, _own_rounding(series, stamps))
-    steps = np.diff(t)
-    if (steps <= 0).any():
-        k = int(np.argmax(steps <= 0))
-        row = (k + 1 if rows is None else int(rows[k + 1])) + first_row
-        raise IvsidError(
-            f"{source}: time goes from {t[k]:.6g} s to {t[k + 1]:.6g} s at row {row}; it must increase strictly: "
-            "sort the log or drop repeated rows"
-        )
-    return Times(t, lost, first, counted, rows)
-
-
-def loses_digits(series: pl.Series, unit: str) -> bool:
-    """Whether doubles are too short for these stamps, so that they have to be read again with every digit."""
-    if not series.dtype.is_float():
-        return False
-    largest = series.abs().max()
-    return isinstance(largest, float) and (largest > EPOCH or unit != "s")
-
-
-def _decimal(stamp: object) -> Decimal:
-    return Decimal(stamp.strip()) if isinstance(stamp, str) else Decimal(str(stamp))
-
-
-def _since_first(series: pl.Series, stamps: Array, scale: float) -> tuple[Array, float]:
-    """Seconds since the first stamp, and the bound on their error: decimals and integers are subtracted exactly, doubles are rounded already."""
-    if series.dtype.is_float():
-        # A double is a rounded instant, this one and the first; integers of nanoseconds that were divided have been rounded twice.
-        difference, lost = stamps - stamps[0], 2 * TWICE * _half_unit(series, stamps)
-    else:
-        kind = pl.Decimal(38, DECIMALS)
-        try:
-            exact = series.str.strip_chars().cast(kind) if series.dtype == pl.String else series.cast(kind)
-            difference, lost = (exact - exact[0]).cast(pl.Float64).to_numpy(), 2 * 10.0**-DECIMALS
-        except pl.exceptions.PolarsError:
-            difference, lost = stamps - stamps[0], 2 * _half_unit(series, stamps)
-    t = np.asarray(difference * scale, dtype=np.float64)
-    # The difference is rounded at most twice, the unit and the product once each.
-    return t, scale * lost * (1 + 1e-12) + 4 * float(np.spacing(np.abs(t).max()))
-
-
-def _half_unit(series: pl.Series, stamps: Array) -> float:
-    """Half a unit in the last place of the largest stamp, in the type that it is stored in."""
-    largest = np.abs(stamps).max()
-    return 0.5 * float(np.spacing(np.float32(largest) if series.dtype == pl.Float32 else largest))
-
-
-def _own_rounding(series: pl.Series, stamps: Array) -> float:
-    """Rounding of stamps stored as short floats [s]; ``Log.time_error`` adds the rounding of doubles itself."""
-    return _half_unit(series, stamps) if series.dtype == pl.Float32 else 0.0
 
 
 def together(times: Mapping[tuple[str, str], Times], source: str) -> dict[tuple[str, str], Times]:

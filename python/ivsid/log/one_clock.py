@@ -13,9 +13,10 @@ from ivsid.errors import IvsidError
 from ivsid.files.log_map import LogMap
 from ivsid.log.angles import certain_below, is_angle, unwrapped, wrapped
 from ivsid.log.channels import BY_THRUSTER, DEMAND, Channel, Clocked
-from ivsid.log.clocks import Times, between, clock_of, held, nearest
+from ivsid.log.clocks import between, clock_of, held, nearest
 from ivsid.log.record import GAP, Clock, Quality, StepRange
 from ivsid.log.source import Source
+from ivsid.log.stamps import Times
 from ivsid.log.step_ranges import Manner, step_range
 
 Array = NDArray[np.float64]

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+import polars as pl
 from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
@@ -21,12 +22,13 @@ from ivsid.log.channels import (
     turned,
     with_heading,
 )
-from ivsid.log.clocks import loses_digits, times_of, together
+from ivsid.log.clocks import together
 from ivsid.log.formats import open_source
 from ivsid.log.one_clock import Columns, Reading, on_one_clock
 from ivsid.log.quality import Steps, examine, gaps, without_held
 from ivsid.log.record import Log
-from ivsid.log.source import numbers
+from ivsid.log.source import Source, Table, numbers
+from ivsid.log.stamps import loses_digits, of_two_columns, times_of
 
 Array = NDArray[np.float64]
 
@@ -99,9 +101,15 @@ def _collect(reading: Reading, rules: Mapping[str, Rule]) -> None:
         for clock, stamps in wanted_clocks.items():
             column = series[clock[1]]
             shown, own = source.shown(*clock), clock != of_rows
-            if loses_digits(column, stamps.unit):
+            unit = stamps.unit
+            if stamps.nanoseconds is not None:
+                column, unit = _of_two(source, content, clock, stamps.nanoseconds), "ns"
+            elif loses_digits(column, unit):
                 column = content.exact(clock[1])
-            reading.times[clock] = times_of(column, stamps.unit, source.name, shown, content.first_row, own=own)
+            times = times_of(column, unit, source.name, shown, content.first_row, own=own)
+            reading.times[clock] = times
+            reading.notes += times.notes
+            reading.assumes += times.assumes
         arrays: dict[str, Array] = {}
         for wanted, rule in mine.items():
             if rule.name not in arrays:
@@ -116,6 +124,18 @@ def _collect(reading: Reading, rules: Mapping[str, Rule]) -> None:
                     "look at scale and offset under [log] columns"
                 )
             reading.channels[wanted] = made
+
+
+def _of_two(source: Source, content: Table, clock: Clocked, name: str) -> pl.Series:
+    """Stamps of whole seconds and nanoseconds in two columns."""
+    table, seconds = clock
+    bare = name.removeprefix(f"{table}/") if table else name
+    if bare not in content.columns:
+        raise IvsidError(
+            f"{source.name} has no column {name}, the nanoseconds of [log] time; it has {', '.join(list(content.columns)[:12])}"
+        )
+    shown = source.shown(table, seconds), source.shown(table, bare)
+    return of_two_columns(content.exact(seconds), content.exact(bare), shown, source.name, content.first_row)
 
 
 def _examine(reading: Reading, stamps: Mapping[Clocked, Array]) -> None:

@@ -1,0 +1,220 @@
+"""Stamps to seconds without losing digits: numbers, dates, seconds and nanoseconds in two columns, and stamps out of order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Final
+
+import numpy as np
+import polars as pl
+from numpy.typing import NDArray
+
+from ivsid.errors import IvsidError
+from ivsid.files import units
+from ivsid.log.dates import is_date, nanoseconds
+from ivsid.log.disorder import in_order
+from ivsid.log.source import numbers, stamp_unit
+
+Array = NDArray[np.float64]
+
+# Stamps beyond this [s] count from their first one: a double there has a last place of 1.2e-10 s or more.
+# Source: definition: 53 bits of a double
+EPOCH: Final = 1e6
+# Decimals kept of a large stamp; 23 digits are left before the point.
+# Source: definition: the 38 digits of a 128-bit decimal
+DECIMALS: Final = 15
+# Half units in the last place that two roundings can lose: one for the quotient, and up to 2^30 / 1e9 = 1.07 for the double of the
+# integer of nanoseconds.
+# Source: theorem: standard model of floating-point arithmetic, Higham 2002, section 2.2
+TWICE: Final = 2.25
+# Stamps beyond these are epochs in a smaller unit: as seconds they would lie more than 3,000 years off.
+# Source: definition: 1e11 s are 3,171 years, 1e11 ms are March 1973
+EPOCHS: Final = (("ns", 1e17), ("us", 1e14), ("ms", 1e11))
+_SECONDS: Final = {u: Decimal(repr(f)) for u, f in units.TIME.items()}
+
+
+@dataclass(frozen=True)
+class Times:
+    """Stamps in seconds.
+
+    Attributes:
+        t: times [s], shape (n,).
+        lost: bound on the error of each conversion [s].
+        first: the first stamp [s], exactly.
+        counted: whether the times count from the first stamp.
+        rows: rows of the table with these stamps; None for all.
+        notes: sentences for the user.
+        assumes: sentences that the times rely on.
+    """
+
+    t: Array
+    lost: float
+    first: Decimal
+    counted: bool
+    rows: NDArray[np.intp] | None = None
+    notes: tuple[str, ...] = ()
+    assumes: tuple[str, ...] = ()
+
+
+def times_of(series: pl.Series, unit: str | None, source: str, name: str, first_row: int, *, own: bool) -> Times:
+    """Checks and converts one column of stamps. Large stamps (epochs) count from their first one: a double has too few digits for them.
+
+    Rows whose stamps are out of order or missing, if they are few, are left out as gaps (``disorder``).
+
+    Args:
+        series: the stamps with every digit.
+        unit: of the stamps; None for seconds, or for what the size of an epoch says. A column of dates knows its own.
+        source: name of the file, for messages.
+        name: of the column.
+        first_row: number of the first sample, for messages.
+        own: these are a sensor's own stamps beside those of the rows; a repeated or missing one marks a row without a new sample.
+
+    Raises:
+        IvsidError: a stamp that is no number, or too many that are missing or do not increase.
+    """
+    if series.dtype == pl.Boolean:
+        raise IvsidError(
+            f"{source}: column {name} holds true and false, not times; map the column of stamps under [log] time"
+        )
+    if series.dtype == pl.Date:
+        series = series.cast(pl.Datetime("us"))
+    unit = stamp_unit(series) or unit
+    if series.dtype.is_temporal():
+        series = series.to_physical()
+    if series.dtype == pl.String and is_date(next((c for c in series if c is not None and c.strip()), "")):
+        series, unit = nanoseconds(series, name, source, first_row), "ns"
+    stamps = numbers(series, name, source, first_row)
+    notes: list[str] = []
+    if unit is None:
+        unit = _unit_of(stamps)
+        if unit != "s":
+            notes.append(f"{name} counts {unit} since 1970, by the size of its stamps")
+    scale = units.factor(unit, units.TIME, f"column {name}")
+    rows = None
+    if own:
+        new = np.isfinite(stamps)
+        known = np.flatnonzero(new)
+        new[known[1:]] = stamps[known[1:]] != stamps[known[:-1]]
+        rows = np.flatnonzero(new)
+        stamps, series = stamps[rows], series.gather(rows)
+    if stamps.size < 2:
+        what = "stamp" if own else "row"
+        raise IvsidError(f"{source} has {stamps.size} {what}{'s' * (stamps.size != 1)}; at least 2 samples are needed")
+    assumes: tuple[str, ...] = ()
+    if not (np.diff(stamps) > 0).all():
+        order = in_order(stamps)
+        if order is None:
+            raise _disorder(stamps, rows, scale, source, first_row)
+        at = order.wrong if rows is None else rows[order.wrong]
+        few = ", ".join(str(k + first_row) for k in at[:3].tolist()) + (", ..." if at.size > 3 else "")
+        notes.append(
+            f"stamps {name} repeat, go back, jump or are missing at row{'s' * (at.size > 1)} {few}: {at.size + order.beside} of "
+            f"{stamps.size} rows are left out, as gaps"
+        )
+        assumes = (f"stamps {name} are right where they increase beside those that do not",)
+        rows = order.kept if rows is None else rows[order.kept]
+        stamps, series = stamps[order.kept], series.gather(order.kept)
+    first = _decimal(series[0]) * _SECONDS[unit]
+    counted = bool(abs(stamps[0]) > EPOCH or scale != 1.0)
+    t, lost = _since_first(series, stamps, scale) if counted else (stamps, _own_rounding(series, stamps))
+    steps = np.diff(t)
+    if (steps <= 0).any():
+        # Stamps that differ may be one double after their conversion.
+        raise _disorder(t, rows, 1.0, source, first_row)
+    return Times(t, lost, first, counted, rows, tuple(notes), assumes)
+
+
+def _unit_of(stamps: Array) -> str:
+    """The unit of stamps whose unit is not stated."""
+    largest = float(np.nanmax(np.abs(stamps), initial=0.0))
+    return next((unit for unit, beyond in EPOCHS if largest > beyond), "s")
+
+
+def _disorder(stamps: Array, rows: NDArray[np.intp] | None, scale: float, source: str, first_row: int) -> IvsidError:
+    """The sentence for stamps that are out of order or missing."""
+
+    def row(k: int) -> int:
+        return (k if rows is None else int(rows[k])) + first_row
+
+    missing = np.isnan(stamps)
+    if missing.any():
+        return IvsidError(f"{source}: the time is missing in row {row(int(np.argmax(missing)))}; every row needs one")
+    k = int(np.argmax(np.diff(stamps) <= 0))
+    a, b = stamps[k] * scale, stamps[k + 1] * scale
+    return IvsidError(
+        f"{source}: time goes from {a:.6g} s to {b:.6g} s at row {row(k + 1)}; it must increase strictly: "
+        "sort the log, split it where it begins anew, or drop repeated rows"
+    )
+
+
+def of_two_columns(
+    seconds: pl.Series, nanos: pl.Series, names: tuple[str, str], source: str, first_row: int
+) -> pl.Series:
+    """Stamps in nanoseconds, integers, from whole seconds and nanoseconds in two columns.
+
+    Args:
+        seconds: with every digit.
+        nanos: nanoseconds beside them, with every digit.
+        names: of both columns, for messages.
+        source: name of the file, for messages.
+        first_row: number of the first sample, for messages.
+
+    Raises:
+        IvsidError: a cell that is no whole number, or nanoseconds outside [0, 1e9).
+    """
+    whole = []
+    for series, name in zip((seconds, nanos), names, strict=True):
+        values = numbers(series, name, source, first_row)
+        bad = np.flatnonzero((values != np.floor(values)) | (np.abs(values) >= 2**53))
+        if bad.size:
+            raise IvsidError(
+                f"{source}: column {name} has {values[bad[0]]:g} in row {int(bad[0]) + first_row}, and a stamp of two columns needs whole "
+                "numbers; leave nanoseconds out under [log] time if the seconds have decimals"
+            )
+        whole.append(pl.Series(values, nan_to_null=True).cast(pl.Int64))
+    if not nanos.is_empty() and (outside := ((whole[1] < 0) | (whole[1] >= 10**9)).arg_true()).len():
+        raise IvsidError(
+            f"{source}: column {names[1]} has {whole[1][int(outside[0])]} in row {int(outside[0]) + first_row}, which are no nanoseconds of a second"
+        )
+    return whole[0] * 10**9 + whole[1]
+
+
+def loses_digits(series: pl.Series, unit: str | None) -> bool:
+    """Whether doubles are too short for these stamps, so that they have to be read again with every digit."""
+    if not series.dtype.is_float():
+        return False
+    largest = series.abs().max()
+    return isinstance(largest, float) and (largest > EPOCH or unit not in (None, "s"))
+
+
+def _decimal(stamp: object) -> Decimal:
+    return Decimal(stamp.strip()) if isinstance(stamp, str) else Decimal(str(stamp))
+
+
+def _since_first(series: pl.Series, stamps: Array, scale: float) -> tuple[Array, float]:
+    """Seconds since the first stamp, and the bound on their error: decimals and integers are subtracted exactly, doubles are rounded already."""
+    if series.dtype.is_float():
+        # A double is a rounded instant, this one and the first; integers of nanoseconds that were divided have been rounded twice.
+        difference, lost = stamps - stamps[0], 2 * TWICE * _half_unit(series, stamps)
+    else:
+        kind = pl.Decimal(38, DECIMALS)
+        try:
+            exact = series.str.strip_chars().cast(kind) if series.dtype == pl.String else series.cast(kind)
+            difference, lost = (exact - exact[0]).cast(pl.Float64).to_numpy(), 2 * 10.0**-DECIMALS
+        except pl.exceptions.PolarsError:
+            difference, lost = stamps - stamps[0], 2 * _half_unit(series, stamps)
+    t = np.asarray(difference * scale, dtype=np.float64)
+    # The difference is rounded at most twice, the unit and the product once each.
+    return t, scale * lost * (1 + 1e-12) + 4 * float(np.spacing(np.abs(t).max()))
+
+
+def _half_unit(series: pl.Series, stamps: Array) -> float:
+    """Half a unit in the last place of the largest stamp, in the type that it is stored in."""
+    largest = np.abs(stamps).max()
+    return 0.5 * float(np.spacing(np.float32(largest) if series.dtype == pl.Float32 else largest))
+
+
+def _own_rounding(series: pl.Series, stamps: Array) -> float:
+    """Rounding of stamps stored as short floats [s]; ``Log.time_error`` adds the rounding of doubles itself."""
+    return _half_unit(series, stamps) if series.dtype == pl.Float32 else 0.0

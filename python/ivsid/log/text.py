@@ -1,8 +1,12 @@
-"""CSV with commas, a header row and decimal points, read column by column: a large file need not fit in memory twice."""
+"""Text tables with a header row, read column by column: a large file need not fit in memory twice.
+
+Cells are separated by commas, semicolons, tabs or single blanks. Between other separators than commas numbers may have decimal commas.
+"""
 
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,16 +21,32 @@ from ivsid.log.source import MISSING
 # Bytes at either end of a file that are examined before it is read.
 # Source: resource: bounds the time and memory of the examination
 HEAD: Final = 65536
-SEPARATORS: Final = (";", "\t", " ")
+# Separators in the order in which they count: names hold blanks and commas, and no tabs.
+SEPARATORS: Final = ("\t", ";", ",", " ")
+# Rows that tell whether numbers have decimal commas.
+# Source: definition: the rows in the first bytes, at most
+SOME: Final = 200
+_NUMBER: Final = r"^(\s*[+-]?\d*),(\d+(?:[eE][+-]?\d+)?\s*)$"
+_COMMA: Final = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
 
 
 @dataclass(frozen=True)
 class Text:
-    """A CSV file with a header row."""
+    """A text table with a header row.
+
+    Attributes:
+        path: of the file.
+        name: of the file, for messages.
+        columns: names of the columns.
+        separator: of the cells.
+        decimal_comma: whether numbers have decimal commas.
+    """
 
     path: Path
     name: str
     columns: tuple[str, ...]
+    separator: str = ","
+    decimal_comma: bool = False
     clock: TimeColumn | None = None
     first_row: int = 2
 
@@ -36,11 +56,15 @@ class Text:
             return self._typed(names, pl.Float64())
         except pl.exceptions.PolarsError:
             # A cell is no number, or padded: text shows which one.
-            return self._text(names)
+            return {n: self._pointed(c) for n, c in self._text(names).items()}
 
     def exact(self, name: str) -> pl.Series:
         """The column as text."""
-        return self._text([name])[name]
+        return self._pointed(self._text([name])[name])
+
+    def _pointed(self, text: pl.Series) -> pl.Series:
+        """Cells with decimal points; dates keep their commas, which stand before decimals as well."""
+        return text.str.replace(_NUMBER, "${1}.${2}") if self.decimal_comma else text
 
     def _text(self, names: Sequence[str]) -> dict[str, pl.Series]:
         try:
@@ -64,6 +88,8 @@ class Text:
             skip_rows=1,
             schema={c: kind if c in names else pl.String() for c in self.columns},
             null_values=list(MISSING),
+            separator=self.separator,
+            decimal_comma=self.decimal_comma and kind != pl.String(),
             encoding="utf8-lossy",
             glob=False,
         )
@@ -91,6 +117,7 @@ def open_text(path: Path, name: str) -> Text:
             raise _binary(name)
         file.seek(0)
         first, second = file.readline(1 << 24), file.readline(1 << 24)
+    shown_rows = head[: head.rfind(b"\n") + 1].decode("latin-1").split("\n")[:-1]
     encoding = "utf-8-sig"
     try:
         head[: head.rfind(b"\n") + 1].decode(encoding)
@@ -104,28 +131,36 @@ def open_text(path: Path, name: str) -> Text:
     # Beyond Latin-1, characters that are valid UTF-8 are text, whether or not this Unicode has names for them.
     if sum(c.isprintable() or c in "\r\n\t" or c > "\xff" for c in shown) < 0.98 * len(shown):
         raise _binary(name)
-    if "," not in header and second and any(s in sample for s in SEPARATORS):
-        raise IvsidError(f"{name} has no comma in its header; a log is comma-separated with a header row")
+    separator = _separator(header, sample)
     if "\r" in header.rstrip("\r\n"):
         raise IvsidError(f"{name} ends its lines with carriage returns alone; save it with line feeds")
     try:
-        names = [c.strip() for c in next(csv.reader([header.rstrip("\r\n")], strict=True))]
+        names = [c.strip() for c in next(csv.reader([header.rstrip("\r\n")], delimiter=separator, strict=True))]
     except csv.Error as error:
         raise IvsidError(f"{name} has a header that cannot be read ({error}); mend its quotation marks") from None
     twice = next((n for n in names if names.count(n) > 1), None)
     if twice is not None:
         raise IvsidError(f"{name} has the column {twice} more than once; each needs its own name")
-    _check_end(path, name, len(names))
-    return Text(path, name, tuple(names))
+    _check_end(path, name, len(names), separator)
+    rows = [row.split(separator) for row in shown_rows[1:SOME]]
+    comma = separator != "," and any(_COMMA.fullmatch(cell.strip(' "\r')) for row in rows for cell in row)
+    return Text(path, name, tuple(names), separator, comma)
 
 
-def _check_end(path: Path, name: str, columns: int) -> None:
+def _separator(header: str, second: str) -> str:
+    """What separates cells: as often in the header as in the first row of samples, or else most often in the header."""
+    counts = {s: header.strip().count(s) for s in SEPARATORS}
+    alike = (s for s, n in counts.items() if n and n == second.strip().count(s))
+    return next(alike, max(counts, key=lambda s: (counts[s], s == ",")))
+
+
+def _check_end(path: Path, name: str, columns: int, separator: str) -> None:
     """Refuses a last row that breaks off: its last cell may be the beginning of another number."""
     with path.open("rb") as file:
         size = file.seek(0, 2)
         file.seek(max(0, size - HEAD))
         lines = file.read().split(b"\n")
-    cells = lines[-1].count(b",") + 1
+    cells = lines[-1].count(separator.encode()) + 1
     if lines[-1].strip() and len(lines) > 1 and cells < columns and b'"' not in lines[-1]:
         raise IvsidError(
             f"{name} breaks off in its last row, after {cells} of {columns} cells and without a line end; its last number may be cut: "

@@ -235,6 +235,34 @@ def test_a_folder_without_tables_and_a_file_that_is_not_there(tmp_path):
     assert "cannot be read" in sentence(tmp_path / "none.csv")
 
 
+@pytest.mark.parametrize("kind", list(log_files.FORMATS))
+def test_the_one_log_below_a_folder_is_found(tmp_path, kind):
+    below = tmp_path / "trials" / "day 1"
+    below.mkdir(parents=True)
+    write, table = log_files.FORMATS[kind]
+    path = write(below)
+    (below.parent / "notes.txt").write_text("calm")
+    (below.parent / ".hidden").mkdir()
+    (below.parent / ".hidden" / "old.csv").write_text("t,u\n0,1\n")
+    found, given = (read_log(p, mapping(table)) for p in (tmp_path / "trials", path))
+    np.testing.assert_array_equal(found.t, given.t)
+    assert found.columns.keys() == given.columns.keys()
+
+
+def test_tables_in_folders_are_one_log_and_runs_in_folders_are_several(tmp_path):
+    for k, columns in (("imu", ("r",)), ("dvl", ("u", "v"))):
+        (tmp_path / "one" / k).mkdir(parents=True)
+        log_files.frame(**{c: log_files.COLUMNS[c] for c in columns}).write_csv(tmp_path / "one" / k / "data.csv")
+    log = read_log(tmp_path / "one")
+    assert {"r", "u", "v"} <= log.columns.keys() and log.assumes
+    for k in ("first", "second"):
+        (tmp_path / "several" / k).mkdir(parents=True)
+        log_files.csv(tmp_path / "several" / k / "log.csv")
+    assert "holds 2 logs (first, second); give one of them" in sentence(tmp_path / "several")
+    log_files.parquet(tmp_path / "one" / "log.mcap")
+    assert "holds 3 logs (dvl, imu, log.mcap)" in sentence(tmp_path / "one")
+
+
 def test_a_log_through_a_pipe(tmp_path):
     path = tmp_path / "pipe"
     os.mkfifo(path)

@@ -34,18 +34,22 @@ SQLITE: Final = b"SQLite format 3\x00"
 ROS_1: Final = b"#ROSBAG V2.0"
 DATAFLASH: Final = b"\xa3\x95\x80"
 TABLES: Final = (".csv", ".csv.gz", ".parquet", ".parquet.gz")
+# Endings of files that are a log each, in a folder that is searched.
+WHOLE: Final = (".mat", ".bin", ".mcap", ".db3", ".bag")
 
 
 @contextmanager
 def open_source(path: str | Path) -> Iterator[Source]:
     """Opens any log: CSV or Parquet (plain or gzip), MATLAB, a ROS bag, DataFlash, or a folder of CSV and Parquet files.
 
+    A folder that is no log is searched: the one log below it is opened.
+
     Raises:
         IvsidError: an unreadable, empty, binary or unknown file, or a missing optional reader.
     """
     given = Path(path)
     with ExitStack() as stack:
-        plain = _regular(given, stack)
+        plain = _found(_regular(given, stack), str(given))
         files = _files(plain, str(given))
         digest = stack.enter_context(ThreadPoolExecutor(1)).submit(_hash, files)
         yield Source(str(given), _tables(plain, str(given), files, stack), digest)
@@ -78,8 +82,45 @@ def _hash(files: Sequence[Path]) -> str:
     return whole.hexdigest()
 
 
+def _found(path: Path, name: str) -> Path:
+    """The path itself, or the log that a folder has below it: a bag, a file, or a folder of tables, which may lie in folders themselves."""
+    try:
+        if not path.is_dir() or _is_bag(path) or any(_is_table(p) for p in path.iterdir()):
+            return path
+        below = _below(path)
+    except OSError as error:
+        raise _unreadable(name, error) from None
+    bags = {p.parent for p in below if p.name == "metadata.yaml"}
+    files = [p for p in below if not bags & {*p.parents}]
+    tables = {p.parent for p in files if _is_table(p)}
+    whole = {*bags, *(p for p in files if p.suffix.lower() in WHOLE)}
+    if whole and len(whole) + len(tables) > 1:
+        raise _several(path, name, [*whole, *tables])
+    if not whole and not tables:
+        raise IvsidError(
+            f"folder {name} holds neither a ROS 2 bag (metadata.yaml) nor a CSV, Parquet, MATLAB or DataFlash file; give a log file"
+        )
+    return path if len(tables) > 1 else next(iter(whole | tables))
+
+
+def _below(folder: Path) -> list[Path]:
+    """The files in a folder and in those below it, without hidden ones."""
+    return sorted(
+        p
+        for p in folder.rglob("*")
+        if p.is_file() and not any(part.startswith(".") for part in p.relative_to(folder).parts)
+    )
+
+
+def _several(folder: Path, name: str, logs: Sequence[Path]) -> IvsidError:
+    shown = ", ".join(sorted(str(p.relative_to(folder)) for p in logs)[:6])
+    return IvsidError(
+        f"folder {name} holds {len(logs)} logs ({shown}{', ...' if len(logs) > 6 else ''}); give one of them"
+    )
+
+
 def _files(path: Path, name: str) -> list[Path]:
-    """The files of a log: itself, or those of the folder."""
+    """The files of a log: itself, those of the folder, or the tables below it."""
     if not path.is_dir():
         try:
             with path.open("rb"):
@@ -87,11 +128,9 @@ def _files(path: Path, name: str) -> list[Path]:
         except OSError as error:
             raise _unreadable(name, error) from None
     files = sorted(p for p in path.iterdir() if p.is_file())
-    if not (_is_bag(path) or any(_is_table(p) for p in files)):
-        raise IvsidError(
-            f"folder {name} holds neither a ROS 2 bag (metadata.yaml) nor a CSV or Parquet file; give a log file"
-        )
-    return files if _is_bag(path) else [p for p in files if _is_table(p)]
+    if _is_bag(path):
+        return files
+    return [p for p in files if _is_table(p)] or [p for p in _below(path) if _is_table(p)]
 
 
 def _tables(path: Path, name: str, files: Sequence[Path], stack: ExitStack) -> Mapping[str, Table]:
@@ -101,10 +140,15 @@ def _tables(path: Path, name: str, files: Sequence[Path], stack: ExitStack) -> M
             return open_bag(path, name, stack)
         tables: dict[str, Table] = {}
         for each in files:
-            stem = next(each.name[: -len(e)] for e in TABLES if each.name.lower().endswith(e))
+            where = each.relative_to(path).as_posix()
+            stem = next(where[: -len(e)] for e in TABLES if where.lower().endswith(e))
             if stem in tables:
                 raise IvsidError(f"folder {name} holds two tables named {stem}; rename one")
             tables[stem] = _table(each, str(each), stack)
+        places = {each.parent for each in files}
+        if len(places) > 1 and len({tuple(t.columns) for t in tables.values()}) < len(tables):
+            # Tables of one log have columns of their own; two that are alike are two runs.
+            raise _several(path, name, [*places])
         return tables
     first, ending = head(path), path.suffix.lower()
     if first.startswith(MATLAB_73):

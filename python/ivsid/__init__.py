@@ -14,7 +14,9 @@ from ivsid import _core
 
 if TYPE_CHECKING:
     from ivsid.diagnosis import Diagnosis
-    from ivsid.diagnosis.stages import diagnose  # in the import cycle mypy takes the re-export for a second definition
+
+    # In the import cycle mypy takes re-exports of functions for second definitions.
+    from ivsid.diagnosis.stages import diagnose
     from ivsid.errors import IvsidError
     from ivsid.identification import Identification, Parameter, identify
     from ivsid.intervals import EndpointPair, Interval, IntervalArray
@@ -22,7 +24,8 @@ if TYPE_CHECKING:
     from ivsid.log import Log, read_log
     from ivsid.validation import Validation, validate
     from ivsid.vehicle import Vehicle, read_vehicle
-    from ivsid.verification import Verification, verify
+    from ivsid.verification import Verification
+    from ivsid.verification.verify import verify
 
     __version__: str
 

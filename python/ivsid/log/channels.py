@@ -1,4 +1,4 @@
-"""Foreign columns to channels: names, scales, missing markers, frames, heading from attitude."""
+"""Cells to channels: scales, missing markers, frames, heading from attitude."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
-from ivsid.files.log_map import Column, LogMap, TimeColumn
-from ivsid.log.source import Source
+from ivsid.files.log_map import Column
 
 COLUMNS: Final = (
     *("u", "v", "r", "udot", "vdot", "rdot", "ax", "ay", "psi", "x", "y"),
@@ -41,17 +40,6 @@ Clocked = tuple[str, str]
 
 
 @dataclass(frozen=True)
-class Rule:
-    """The origin of a channel: its table, its column, and the stamps of its samples."""
-
-    column: Column
-    table: str
-    name: str
-    clock: Clocked
-    stamps: TimeColumn
-
-
-@dataclass(frozen=True)
 class Channel:
     """Values on a clock.
 
@@ -66,107 +54,28 @@ class Channel:
     lost: Array | None = None
 
 
-def rules_of(source: Source, mapping: LogMap) -> tuple[dict[str, Rule], tuple[str, ...]]:
-    """The rule of every channel that the source has, and the names of the columns that no rule uses.
+def converted(values: Array, column: Column, clock: Clocked, lost: Array | None = None) -> Channel:
+    """A foreign column as a channel in SI units: without missing markers, scaled and shifted.
 
-    Raises:
-        IvsidError: the map names a column or a channel that does not exist.
+    Args:
+        values: of the column, or of a formula, shape (n,).
+        column: as the map gives it.
+        clock: table and column of the stamps.
+        lost: bounds on the errors of the values of a formula, shape (n,); None for cells.
     """
-    _check_targets(mapping)
-    several = len(source.tables) > 1
-    bare = {c for table in source.tables.values() for c in table.columns}
-    known = [c for c in COLUMNS if c in bare or c in mapping.columns]
-    foreign = [c for t in source.tables.values() for c in t.columns]
-    demands = [c for c in (*foreign, *mapping.columns) if c.startswith(DEMAND)]
-    # An angle belongs to a thruster that the log knows; another column may be called rudder_mode and hold words.
-    names = [c.removeprefix(DEMAND) for c in demands]
-    angles = [p + n for p in BY_THRUSTER[1:] for n in names if p + n in foreign]
-    thrusters = [*demands, *angles, *(c for c in mapping.columns if c.startswith(BY_THRUSTER[1:]))]
-    rules: dict[str, Rule] = {}
-    used: set[tuple[str, str]] = set()
-    for wanted in dict.fromkeys((*known, *thrusters)):
-        given = mapping.columns.get(wanted, wanted)
-        column = given if isinstance(given, Column) else Column.model_validate({"from": given})
-        found = source.find(column.from_)
-        if found is None:
-            if wanted in mapping.columns:
-                raise IvsidError(
-                    f"{source.name} has no column {column.from_}, which [log] maps to {wanted}; it has {_some(source)}"
-                )
-            continue
-        table, name = found
-        stamps, clock = _clock(source, mapping, table, column)
-        rules[wanted] = Rule(column, table, name, clock, stamps)
-        used |= {found, clock}
-    if not rules and not several:
-        table = next(iter(source.tables))
-        used.add(_clock(source, mapping, table, None)[1])
-    ignored = tuple(
-        f"{t}/{c}" if t else c for t, table in source.tables.items() for c in table.columns if (t, c) not in used
-    )
-    return rules, ignored
-
-
-def _some(source: Source, most: int = 16) -> str:
-    names = source.columns
-    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
-
-
-def _check_targets(mapping: LogMap) -> None:
-    for name in mapping.columns:
-        if name not in COLUMNS and name != "t" and not name.startswith(BY_THRUSTER):
-            raise IvsidError(f"[log] columns maps '{name}', which is no column of a log; see the table of columns")
-    for name in mapping.rates:
-        if name not in COLUMNS and not name.startswith(BY_THRUSTER[1:]):
-            raise IvsidError(f"[log] rates has '{name}', which is no channel that is interpolated; name one such as u")
-    if isinstance(mapping.columns.get("t"), Column):
-        raise IvsidError(
-            '[log] columns maps t with a table; write time = { from = "...", unit = "..." } under [log] instead'
-        )
-
-
-def row_clock(source: Source, mapping: LogMap, table: str) -> tuple[TimeColumn, Clocked]:
-    """The column of the stamps of a table's rows, and the clock that it makes.
-
-    Raises:
-        IvsidError: the table has no such column.
-    """
-    return _clock(source, mapping, table, None)
-
-
-def _clock(source: Source, mapping: LogMap, table: str, column: Column | None) -> tuple[TimeColumn, Clocked]:
-    if column is not None and column.time is not None:
-        found = source.find(column.time.from_)
-        if found is None or found[0] != table:
-            raise IvsidError(
-                f"{source.name} has no column {column.time.from_} beside {column.from_}, whose stamps it should be; "
-                f"it has {_some(source)}"
-            )
-        return column.time, found
-    content = source.tables[table]
-    renamed = mapping.columns.get("t")
-    stamps = mapping.time or (TimeColumn.model_validate({"from": renamed}) if isinstance(renamed, str) else None)
-    stamps = stamps or content.clock or TimeColumn()
-    name = stamps.from_.removeprefix(f"{table}/") if table else stamps.from_
-    if name not in content.columns:
-        where = f"{source.name}, table {table}," if table else source.name
-        raise IvsidError(f"{where} has no column {name} for the time; it has {', '.join(list(content.columns)[:12])}")
-    return stamps, (table, name)
-
-
-def converted(values: Array, column: Column, clock: Clocked) -> Channel:
-    """A foreign column as a channel in SI units: without missing markers, scaled and shifted."""
-    if column.missing is not None:
+    if column.missing is not None and lost is None:
         values = np.where(values == column.missing, np.nan, values)
     if column.factor == 1.0 and column.offset == 0.0:
-        return Channel(values, clock)
+        return Channel(values, clock, lost)
     with np.errstate(over="ignore"):
         # The reader refuses infinities with the name of the column.
         scaled = values * column.factor
         made = scaled + column.offset
         # Three roundings (factor, product, sum), each of half a unit of the larger operand.
-        lost = 4 * np.spacing(np.abs(np.nan_to_num(scaled)) + abs(column.offset))
-    return Channel(made, clock, lost)
+        rounded = 4 * np.spacing(np.abs(np.nan_to_num(scaled)) + abs(column.offset))
+        # The slack holds the rounding of the factor and of both products.
+        before = None if lost is None else abs(column.factor) * (1 + 1e-12) * lost
+    return Channel(made, clock, _sum(before, rounded))
 
 
 def turned(channels: Mapping[str, Channel]) -> dict[str, Channel]:

@@ -13,20 +13,13 @@ from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
 from ivsid.files.log_map import LogMap
-from ivsid.log.channels import (
-    Clocked,
-    Rule,
-    converted,
-    row_clock,
-    rules_of,
-    turned,
-    with_heading,
-)
+from ivsid.log.channels import Clocked, converted, turned, with_heading
 from ivsid.log.clocks import together
 from ivsid.log.formats import open_source
 from ivsid.log.one_clock import Columns, Reading, on_one_clock
 from ivsid.log.quality import Steps, examine, gaps, without_held
 from ivsid.log.record import Log
+from ivsid.log.rules import Rule, row_clock, rules_of
 from ivsid.log.source import Source, Table, numbers
 from ivsid.log.stamps import loses_digits, of_two_columns, times_of
 
@@ -96,7 +89,7 @@ def _collect(reading: Reading, rules: Mapping[str, Rule]) -> None:
         if not wanted_clocks or any(rule.column.time is None for rule in mine.values()):
             row, of_rows = row_clock(source, reading.mapping, table)
             wanted_clocks[of_rows] = row
-        names = [*(c[1] for c in wanted_clocks), *(rule.name for rule in mine.values())]
+        names = [*(c[1] for c in wanted_clocks), *(n for rule in mine.values() for n in rule.names)]
         series = content.read(list(dict.fromkeys(names)))
         for clock, stamps in wanted_clocks.items():
             column = series[clock[1]]
@@ -112,12 +105,14 @@ def _collect(reading: Reading, rules: Mapping[str, Rule]) -> None:
             reading.assumes += times.assumes
         arrays: dict[str, Array] = {}
         for wanted, rule in mine.items():
-            if rule.name not in arrays:
-                shown = source.shown(table, rule.name)
-                arrays[rule.name] = numbers(series[rule.name], shown, source.name, content.first_row)
+            for name in set(rule.names) - arrays.keys():
+                shown = source.shown(table, name)
+                arrays[name] = numbers(series[name], shown, source.name, content.first_row)
             rows = reading.times[rule.clock].rows
-            values = arrays[rule.name] if rows is None else arrays[rule.name][rows]
-            made = converted(values, rule.column, rule.clock)
+            values, lost = rule.values({n: arrays[n] if rows is None else arrays[n][rows] for n in rule.names})
+            made = converted(values, rule.column, rule.clock, lost)
+            if rule.note:
+                reading.notes.append(rule.note)
             if np.isinf(made.values).any():
                 raise IvsidError(
                     f"{source.name}: column {rule.name} times its scale, plus its offset, is no finite number for {wanted}; "

@@ -1,6 +1,7 @@
 """The diagnosis: effects that are hidden in simulated logs, logs that hide none, and what a result must look like."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -87,6 +88,15 @@ def test_nothing_hidden_is_adequate_and_the_parameters_come_out():
     # A model that is adequate already gains nothing.
     for before, after in result.gain.simulation_rms.values():
         assert before == pytest.approx(after, rel=1e-9)
+
+
+def test_the_same_run_twice_is_noticed():
+    """Another file with another zero of its clock: the samples are the same."""
+    vehicle, train, _ = logs()
+    again = replace(train, name="copy.csv", sha256="b" * 64, t=train.t + 100.0)
+    assert train.same_samples(again) and not train.same_samples(replace(again, t=again.t[:-1]))
+    result = diagnose(vehicle, train, again, null_logs=0)
+    assert any("copy.csv has the same samples as" in n for n in result.notes)
 
 
 @pytest.mark.parametrize(

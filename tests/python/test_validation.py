@@ -1,5 +1,7 @@
 """A fit against another log."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -125,3 +127,10 @@ def test_constriction_narrows_and_keeps_its_share(swan, twin):
     assert ((found.upper - found.lower) < (upper - lower)).all()
     with pytest.raises(IvsidError, match="unbounded"):
         constrict(rows, lower, np.array([np.inf, 1.0, 1.0]))
+
+
+def test_validation_on_the_log_of_the_fit_says_so(swan, twin, other):
+    own = replace(as_log(twin), sha256="a" * 64)
+    fit = identify(swan, own)
+    assert any("is the log that the fit was made of" in n for n in validate(fit, replace(own, name="copy.csv")).notes)
+    assert not any("the fit was made of" in n for n in validate(fit, replace(as_log(other), sha256="b" * 64)).notes)

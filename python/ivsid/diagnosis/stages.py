@@ -122,7 +122,14 @@ def diagnose(
     visible = {i: replace(v, detectable=least.get(i, v.detectable)) for i, v in visible.items()}
     findings = weighed(findings, shown)
     verdict = verdict_of(findings)
-    said = [n for n in (confirmation.note, structure.note, proof.sentence(verdict) if proof.refuted else "") if n]
+    twice = (
+        f"{test.name} has the same samples as {train.name}: what the extended model gains on it proves nothing; give a log of another run"
+        if train.same_samples(test)
+        else ""
+    )
+    said = [
+        n for n in (twice, confirmation.note, structure.note, proof.sentence(verdict) if proof.refuted else "") if n
+    ]
     return Diagnosis(
         verdict,
         findings,

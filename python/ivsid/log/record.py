@@ -123,6 +123,15 @@ class Log:
         """Bound on the distance of a time from its decimals [s]."""
         return float(np.spacing(np.abs(self.t).max())) + self.time_rounding
 
+    def same_samples(self, other: Log) -> bool:
+        """Whether another log has the same samples, whatever its file and the zero of its clock."""
+        shared = self.columns.keys() & other.columns.keys()
+        return (
+            self.t.size == other.t.size
+            and bool(shared)
+            and all(np.array_equal(self.columns[c], other.columns[c], equal_nan=True) for c in sorted(shared))
+        )
+
     def error(self, name: str, rows: slice = slice(None)) -> NDArray[np.float64]:
         """Bound on the distance of each value of a column from its decimals and conversions.
 

@@ -18,10 +18,11 @@ Each frequency's rows are whitened by the Cholesky factor of that covariance (Wh
 
     z^2 = min over theta of |W (d - J theta)|^2
 
-over the masses and drags, which are free, the velocity's scale error inside its bound, and for each thruster an error of its curve
-inside its accuracy: piecewise linear over 33 demands, of demands that have risen and of those that have fallen apart, because the
-errors of the examination jump and remember. The error that a true curve has already counts: what a curve may differ from it is what
-is left to the bound on either side. z is the least distance, in standard deviations, between the log with its effects and any log that
+over the masses and drags, which are free, the velocity's scale error inside its bound, and for each thruster an error inside its
+accuracy: a part that is piecewise linear over 33 demands, of demands that have risen and of those that have fallen apart, because the
+errors of the examination jump and remember; and a part that is piecewise linear over 9 speeds of the water along the thruster. The
+bound is split between the two in one of three ways, the same for all thrusters, and the smallest z counts. The error that a true
+curve has already counts: what a curve may differ from it is what is left to the bound on either side. z is the least distance, in standard deviations, between the log with its effects and any log that
 the vehicle file allows without them. Effects are never turned into columns: dead bands, delays, waves and sensors are treated alike,
 by simulation. No code of the package is used.
 """
@@ -40,6 +41,11 @@ from tests.exam.thrust_curves import Curve
 
 # Demands at which the error of a thrust curve is free for either side, and Gauss-Newton steps of the model's numbers.
 NODES = 33
+# Speeds of the water along a thruster at which the other part of its error is free, and shares of the bound that the first part has.
+SPEEDS = 9
+SPLITS = (1.0, 0.5, 0.0)
+# Least width of a box.
+NARROW = 1e-9
 ROUNDS = 4
 # Steps of a least-squares problem inside a box: a strong effect drives hundreds of errors to their bounds.
 STEPS = 5000
@@ -89,7 +95,7 @@ def shown(logs: list[Sailed], claimed: tuple[str, ...] = ()) -> float:
         base = [discrepancy(q, body) for q in logs]
         columns: list[np.ndarray] = []
         # No mass and no drag falls below a twentieth of its value in a step.
-        box = [(-0.95, np.inf)] * len(free)
+        box = [(-0.95, np.inf, 0.0, 0.0)] * len(free)
         for id_ in free:
             moved = _with(body, id_, _value(body, id_) * (1 + SMALL))
             rows = [w((discrepancy(q, moved) - d) / SMALL) for w, q, d in zip(whiteners, logs, base, strict=True)]
@@ -100,23 +106,33 @@ def shown(logs: list[Sailed], claimed: tuple[str, ...] = ()) -> float:
                 rows = [np.zeros(_rows(p)) for p in logs]
                 rows[j] = w(column)
                 columns.append(np.concatenate(rows))
-                box.append(tuple(ends))
+                box.append(ends)
         target = np.concatenate([w(d) for w, d in zip(whiteners, base, strict=True)])
         A = np.stack(columns, axis=1)
-        lower, upper = np.array(box).T
+        ends = np.array(box)
         scale = np.linalg.norm(A, axis=0) + 1e-12
         # The triangular factor of the columns and the target, by way of their products: 40 columns of unit length.
         joined = np.column_stack([A / scale, target / (size := np.linalg.norm(target) + 1e-300)])
         R, q = cholesky(joined.T @ joined + RIDGE * np.eye(A.shape[1] + 1)), A.shape[1]
         R[:, q] *= size
-        x = lsq_linear(R[:q, :q], -R[:q, q], (lower * scale, upper * scale), max_iter=STEPS).x / scale
-        left = float(np.linalg.norm(R[:q, :q] @ (x * scale) + R[:q, q]) ** 2 + R[q, q] ** 2)
+        left, x = min(
+            (_left(R[:q, :q], R[:, q], ends[:, :2] + (1 - split) * ends[:, 2:], scale) for split in SPLITS),
+            key=lambda made: made[0],
+        )
         if left > least * 0.999:
             break
         least = min(least, left)
         for id_, step in zip(free, x, strict=False):
             body = _with(body, id_, _value(body, id_) * (1 + step))
     return math.sqrt(least)
+
+
+def _left(R: np.ndarray, target: np.ndarray, ends: np.ndarray, scale: np.ndarray) -> tuple[float, np.ndarray]:
+    """What the columns inside a box leave of the target, and their amounts."""
+    lower, upper = ends.T
+    upper = np.maximum(upper, lower + NARROW)
+    x = lsq_linear(R, -target[:-1], (lower * scale, upper * scale), max_iter=STEPS).x
+    return float(np.linalg.norm(R @ x + target[:-1]) ** 2 + target[-1] ** 2), x / scale
 
 
 def _value(body: Body, id_: str) -> float:
@@ -171,27 +187,40 @@ def discrepancy(q: Sailed, body: Body) -> np.ndarray:
 
 
 def _nuisance(q: Sailed, body: Body, base: np.ndarray):
-    """What each declared error at its bound does to the discrepancies ``base`` of a log, and the ends of what may be left of it."""
+    """What each declared error does to the discrepancies ``base`` of a log at its bound.
+
+    With it stand the ends of what may be left of it where the errors of thrusts follow the demand alone, and how far the ends move where
+    they follow the speed of the water alone.
+    """
     sensors, n = q.vessel.table["sensors"], base.shape[1]
     if e := sensors["velocity"].get("scale_factor_error"):
         clean = q.clean | {k: q.clean[k] * (1 + SMALL * e) for k in ("u", "v")}
-        yield (discrepancy(replace(q, clean=clean), body) - base) / SMALL, -1.0, 1.0
+        yield (discrepancy(replace(q, clean=clean), body) - base) / SMALL, -1.0, 1.0, 0.0, 0.0
+    u, v, r = (q.clean[k] for k in ("u", "v", "r"))
     for k, curve in enumerate(q.curves):
         demand = q.motion.demands[:, k]
         bound = curve.bound(demand)
         static = q.motion.static.copy()
         static[:, k] += SMALL * bound
         whole = (discrepancy(replace(q, motion=replace(q.motion, static=static)), body) - base) / SMALL
-        held = (q.motion.static[:, k] - curve.nominal(demand)) / np.maximum(bound, 1e-12)
+        some = np.maximum(bound, 1e-12)
+        held = (q.motion.static[:, k] - curve.nominal(demand)) / some
+        c, s = q.vessel.direction(k, q.motion.angles[: u.size, k], np)
+        px, py = q.vessel.thrusters[k]["position"]
+        along = c * (u - py * r) + s * (v + px * r)
+        drifts = q.vessel.drift[k](q.motion.static[:, k], along) / some if q.vessel.drift else np.zeros(bound.size)
         rising = sides(demand)
         # A demand holds for a sample, so that each sample answers to its own error alone.
-        nodes = np.linspace(curve.low, curve.high, NODES)
-        for side in (rising, ~rising):
-            for hat in np.eye(NODES):
-                share = (np.interp(demand, nodes, hat) * side * (bound > 0))[:n]
-                if share.any():
-                    own = float(share @ held[:n] / share.sum())
-                    yield whole * share, -1.0 - max(own, -1.0), 1.0 - min(own, 1.0)
+        nodes, speeds = np.linspace(curve.low, curve.high, NODES), np.linspace(along.min(), along.max(), SPEEDS)
+        shares = [
+            (np.interp(demand, nodes, hat) * side, held, 1.0) for side in (rising, ~rising) for hat in np.eye(NODES)
+        ]
+        shares += [(np.interp(along, speeds, hat), drifts, -1.0) for hat in np.eye(SPEEDS)]
+        for hats, has, follows in shares:
+            share = (hats * (bound > 0))[:n]
+            if share.any():
+                own, room = float(share @ has[:n] / share.sum()), max(follows, 0.0)
+                yield whole * share, -room - max(own, -1.0), room - min(own, 1.0), follows, -follows
 
 
 def sides(demand: np.ndarray) -> np.ndarray:

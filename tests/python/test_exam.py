@@ -189,6 +189,16 @@ def test_z_counts_no_error_that_remembers_inside_its_bound():
     assert sides(np.array([0.0, 2.0, 2.0, 1.0, 1.0, 3.0])).tolist() == [True, True, True, False, False, True]
 
 
+def test_z_counts_no_error_by_the_speed_of_the_water_inside_its_bound():
+    """A vehicle whose thrust errors follow the inflow is one of the same file, unless they leave their bound."""
+    for share, explained in ((0.9, True), (4.0, False)):
+        given = {"kind": "twin", "style": "rich", "ambient": 1.0, "duration": 60.0, "rate": 10.0}
+        one, _ = setting(44, thrust="inflow", share=share, **given).sailed({}, 0)
+        assert stands_out([one]) < 0.01
+        z = stands_out([replace(one, vessel=replace(one.vessel, drift=()))])
+        assert z < 2.0 if explained else z > 8.0, (share, z)
+
+
 def test_folders_say_nothing_and_answers_map_them(tmp_path):
     here = setting(3, kind="twin", duration=20.0, rate=10.0, style="rich")
     case = type("Case", (), {})()

@@ -34,7 +34,7 @@ def exactly(text, cells):
 
 
 NUMBERS = st.decimals(-1000, 1000, places=4, allow_nan=False).map(str)
-LEAVES = st.sampled_from(["a", "b.c", "`d e`", "0.02", "3", "1.5e-3"])
+LEAVES = st.sampled_from(["a", "b.c", "`d e`", "0.02", "3", "1.5e-3", "9007199254740993"])
 FORMULAS = st.recursive(
     LEAVES,
     lambda inner: st.tuples(inner, st.sampled_from("+-*/"), inner).map(lambda p: f"({p[0]} {p[1]} {p[2]})"),
@@ -108,6 +108,7 @@ def test_a_marker_of_missing_cells_in_a_formula(tmp_path):
         ("(surge_dot - sway_dot).real", "it may have columns, numbers"),
         ("surge_dot - True", "it may have columns, numbers"),
         ("surge_dot + 1e999", "it may have columns, numbers"),
+        ("surge_dot + 1" + "0" * 400, "it may have columns, numbers"),
         ("surge_dot - 'a'", "it may have columns, numbers"),
         ("-" * 60 + "surge_dot", "it may have columns, numbers"),
         ("surge - 1", "no column surge, which .log. columns has in 'surge - 1'"),

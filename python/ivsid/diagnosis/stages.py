@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -18,7 +18,7 @@ from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.levels import NAMES
 from ivsid.diagnosis.null.looks import Looks
 from ivsid.diagnosis.null.thresholds import calibrate
-from ivsid.diagnosis.null.visibility import visibility
+from ivsid.diagnosis.null.visibility import Visibility, visibility
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.confirmation import NULL_LOGS, confirmed, confirmed_structure
@@ -36,8 +36,8 @@ from ivsid.diagnosis.statements.proved import proof_of, proved_findings
 from ivsid.diagnosis.statements.residuals import before_and_after, unexplained
 from ivsid.diagnosis.statements.shallow_water import change
 from ivsid.diagnosis.statements.trial import Trial
-from ivsid.log import Log
-from ivsid.vehicle import Vehicle
+from ivsid.log import GivenLog, Log, log_of
+from ivsid.vehicle import GivenVehicle, vehicle_of
 
 # Times above this are seconds since 1970 and are counted from the log's first sample [s].
 # Source: definition: 1e8 s is more than three years
@@ -48,9 +48,9 @@ EPOCH: Final = 1e8
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")
 @one_blas_thread
 def diagnose(
-    vehicle: Vehicle,
-    train: Log,
-    test: Log,
+    vehicle: GivenVehicle,
+    train: GivenLog,
+    test: GivenLog,
     *,
     seed: int = 1,
     progress: Callable[[str], None] = lambda _: None,
@@ -60,8 +60,8 @@ def diagnose(
     """Diagnosis of a vehicle file's model by two logs.
 
     Args:
-        vehicle: whose ``[model]`` is diagnosed; the plain model by default.
-        train: log in which causes are looked for.
+        vehicle: whose ``[model]`` is diagnosed; the plain model by default. A checked vehicle, the path of its file, or a shipped one's name.
+        train: log in which causes are looked for. A checked log, its path, or a table in memory.
         test: another log, on which the gain of the extended model is measured.
         seed: of the random draws.
         progress: told of each step.
@@ -73,6 +73,8 @@ def diagnose(
 
     Source: docs/theory.md, "Diagnosis".
     """
+    vehicle = vehicle_of(vehicle)
+    train, test = log_of(train, vehicle.log), log_of(test, vehicle.log)
     origin = float(train.t[0]) if max(train.t[0], test.t[0]) > EPOCH else None
     log, other = channels(train, vehicle, origin), channels(test, vehicle, origin)
     progress("fitting the model")
@@ -118,17 +120,18 @@ def diagnose(
     claimed = claims(selection.last, selection.leftover, findings, unknown=not after.quiet)
     if water is not None and water.factor is not None:
         findings = (*findings, shallow(water))
-    least = limits.result()
-    visible = {i: replace(v, detectable=least.get(i, v.detectable)) for i, v in visible.items()}
+    visible = _limited(visible, limits.result())
     findings = weighed(findings, shown)
     verdict = verdict_of(findings)
-    twice = (
-        f"{test.name} has the same samples as {train.name}: what the extended model gains on it proves nothing; give a log of another run"
-        if train.same_samples(test)
-        else ""
-    )
     said = [
-        n for n in (twice, confirmation.note, structure.note, proof.sentence(verdict) if proof.refuted else "") if n
+        n
+        for n in (
+            _twice(train, test),
+            confirmation.note,
+            structure.note,
+            proof.sentence(verdict) if proof.refuted else "",
+        )
+        if n
     ]
     return Diagnosis(
         verdict,
@@ -150,3 +153,15 @@ def diagnose(
         claimed,
         withdrawn,
     )
+
+
+def _twice(train: Log, test: Log) -> str:
+    """A note where both logs are one run, or nothing."""
+    if not train.same_samples(test):
+        return ""
+    return f"{test.name} has the same samples as {train.name}: what the extended model gains on it proves nothing; give a log of another run"
+
+
+def _limited(visible: Mapping[str, Visibility], least: Mapping[str, Mapping[str, float]]) -> dict[str, Visibility]:
+    """Effects with their detection limits beside the worst thrust curve, where those are known."""
+    return {i: replace(v, detectable=least.get(i, v.detectable)) for i, v in visible.items()}

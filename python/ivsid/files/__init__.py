@@ -4,6 +4,7 @@
 - ``seal``: the digest of a result, which shows an edit.
 - ``units``: factors from named units to SI.
 - ``section``: the base of a section of a TOML file, and the kinds of numbers that its keys take.
+- ``shipped``: files that come with the package, by the name of their vehicle.
 - ``log_map``: the section ``[log]`` of a vehicle file, which maps foreign columns.
 
 The chapter may use ``intervals`` (the outward decimal digits of a bound) and ``errors``. Import its modules by name: the checker of

@@ -14,17 +14,17 @@ from ivsid.identification.combinations import determined
 from ivsid.identification.result import ClaimCheck, Identification, Parameter
 from ivsid.linear import regression
 from ivsid.linear.linalg import INVERSE_METHODS, partition_count
-from ivsid.log import Log
+from ivsid.log import GivenLog, log_of
 from ivsid.rows import WINDOW, RegressionRows, build_rows
 from ivsid.sensors.bounds import BoundedLog, bound_log
-from ivsid.vehicle import Vehicle
+from ivsid.vehicle import GivenVehicle, Vehicle, vehicle_of
 
 METHODS: Final = ("feasible", *regression.LEAST_SQUARES_METHODS, *INVERSE_METHODS)
 
 
 def identify(
-    vehicle: Vehicle,
-    log: Log,
+    vehicle: GivenVehicle,
+    log: GivenLog,
     method: str = "feasible",
     *,
     partitions: int | None = None,
@@ -37,8 +37,9 @@ def identify(
     """Parameter intervals of the vehicle file's model from a log.
 
     Args:
-        vehicle: the checked vehicle file.
-        log: the checked log.
+        vehicle: a checked vehicle, the path of its file, or the name of a shipped one.
+        log: a checked log, its path, or a table in memory (a data frame of Polars or pandas, or arrays by name), which the file's section
+            ``[log]`` maps.
         method: ``feasible`` encloses all parameters that are consistent with every row (docs/theory.md, "The feasible set"). ``qr`` and
             ``augmented`` enclose all least-squares solutions (docs/theory.md, "Least squares"). The others are interval least squares
             (paper, eq. 14) by an inverse: ``exact``, ``partitioned``, ``hansen-bliek-rohn``, ``krawczyk``, ``cramer``, ``kuttler``,
@@ -63,6 +64,8 @@ def identify(
         raise IvsidError(
             f"outliers = {outliers} with method {method} is not possible; give a number of rows, at least 0, with method feasible"
         )
+    vehicle = vehicle_of(vehicle)
+    log = log_of(log, vehicle.log)
     terms = terms_of(vehicle, form)
     bounded = bound_log(log, vehicle, 1 if isinstance(window, float | int) else max(len(window), 1))
     # A row that bounds a bias is no measurement, so it cannot be wrong: with outliers the bias is bounded at every sample.

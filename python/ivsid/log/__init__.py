@@ -15,15 +15,16 @@ Tables to a log:
 - ``step_ranges``: the range of a force or an angle over the step between two rows.
 - ``angles``, ``turning``: angles followed through whole turns; the angle of an azimuth thruster or a rudder.
 - ``quality``: held values, gaps, drop-outs and outliers are reported, and none is mended.
-- ``reader``: all steps in order; ``record``: the log that they give.
+- ``reader``: all steps in order; ``record``: the log that they give; ``given``: a log by its path, checked, or as a table in memory.
 
 The chapter may use ``files``, ``intervals`` and ``errors``. It knows no vehicle but the section ``[log]`` of its file.
 """
 
 from ivsid.log.channels import COLUMNS
 from ivsid.log.formats import open_source
+from ivsid.log.given import GivenLog, log_of
 from ivsid.log.reader import read_log
 from ivsid.log.record import Clock, Log, Quality, StepRange
 from ivsid.log.source import Source
 
-__all__ = ["COLUMNS", "Clock", "Log", "Quality", "Source", "StepRange", "open_source", "read_log"]
+__all__ = ["COLUMNS", "Clock", "GivenLog", "Log", "Quality", "Source", "StepRange", "log_of", "open_source", "read_log"]

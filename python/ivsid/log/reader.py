@@ -43,38 +43,46 @@ def read_log(path: str | Path, mapping: LogMap | None = None) -> Log:
     Raises:
         IvsidError: the first fault of the file, in one sentence.
     """
-    mapping = mapping or LogMap()
     with open_source(path) as source:
-        rules, ignored = rules_of(source, mapping)
-        reading = Reading(source, mapping)
-        _collect(reading, rules)
-        if mapping.frame == "flu":
-            reading.channels = turned(reading.channels)
-        reading.channels, words = with_heading(reading.channels, source.name)
-        reading.notes += words
-        reading.times = together(reading.times, source.name)
-        stamps = {clock: x.t for clock, x in reading.times.items()}
-        _examine(reading, stamps)
-        t, columns, rounding, clocks = on_one_clock(reading, stamps)
-        derived = _body_velocities(columns, rounding, reading)
-        lost = max(x.lost for x in reading.times.values()) * (2 if len(reading.times) > 1 else 1)
-        return Log(
-            name=Path(path).name,
-            sha256=source.sha256,
-            t=t,
-            columns=columns,
-            ignored=ignored,
-            notes=tuple(dict.fromkeys([*reading.notes, *gaps(t)])),
-            rounding=rounding,
-            time_rounding=lost,
-            assumes=tuple(reading.assumes),
-            derived=derived,
-            clocks=clocks,
-            quality=reading.quality,
-            over=reading.over,
-            by_rate=tuple(reading.by_rate),
-            certain=reading.certain,
-        )
+        return read_source(source, mapping or LogMap())
+
+
+def read_source(source: Source, mapping: LogMap) -> Log:
+    """A log from an opened source, under the map of a vehicle file.
+
+    Raises:
+        IvsidError: the first fault of the source, in one sentence.
+    """
+    rules, ignored = rules_of(source, mapping)
+    reading = Reading(source, mapping)
+    _collect(reading, rules)
+    if mapping.frame == "flu":
+        reading.channels = turned(reading.channels)
+    reading.channels, words = with_heading(reading.channels, source.name)
+    reading.notes += words
+    reading.times = together(reading.times, source.name)
+    stamps = {clock: x.t for clock, x in reading.times.items()}
+    _examine(reading, stamps)
+    t, columns, rounding, clocks = on_one_clock(reading, stamps)
+    derived = _body_velocities(columns, rounding, reading)
+    lost = max(x.lost for x in reading.times.values()) * (2 if len(reading.times) > 1 else 1)
+    return Log(
+        name=Path(source.name).name,
+        sha256=source.sha256,
+        t=t,
+        columns=columns,
+        ignored=ignored,
+        notes=tuple(dict.fromkeys([*reading.notes, *gaps(t)])),
+        rounding=rounding,
+        time_rounding=lost,
+        assumes=tuple(reading.assumes),
+        derived=derived,
+        clocks=clocks,
+        quality=reading.quality,
+        over=reading.over,
+        by_rate=tuple(reading.by_rate),
+        certain=reading.certain,
+    )
 
 
 def _collect(reading: Reading, rules: Mapping[str, Rule]) -> None:

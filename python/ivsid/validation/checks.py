@@ -12,7 +12,7 @@ from ivsid.effects import CHANNELS, terms_of
 from ivsid.errors import IvsidError
 from ivsid.identification import Identification
 from ivsid.intervals import IntervalArray
-from ivsid.log import Log
+from ivsid.log import GivenLog, Log, log_of
 from ivsid.propulsion.actuation import nominal_force
 from ivsid.propulsion.lag import GAP
 from ivsid.rows import RegressionRows, build_rows
@@ -91,8 +91,12 @@ class Validation:
     notes: tuple[str, ...]
 
 
-def validate(fit: Identification, log: Log) -> Validation:
+def validate(fit: Identification, log: GivenLog) -> Validation:
     """Checks a fit on another log than its own.
+
+    Args:
+        fit: by ``identify``.
+        log: a checked log, its path, or a table in memory.
 
     Raises:
         IvsidError: a fit without parameters, or a log without the channels of its model.
@@ -102,6 +106,7 @@ def validate(fit: Identification, log: Log) -> Validation:
             f"the fit ({fit.method}, {fit.status}) has no parameter to validate: {fit.reason or 'its set is empty'}; identify again"
         )
     vehicle = fit.vehicle
+    log = log_of(log, vehicle.log)
     form = fit.options["form"]
     bounded = bound_log(log, vehicle)
     rows = build_rows(

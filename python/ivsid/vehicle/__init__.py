@@ -5,6 +5,7 @@
 - ``voith_schneider``: a Voith-Schneider unit as two thrusters.
 - ``sensors``: bounds of readings, and limits of the motion.
 - ``mount``: position and orientation of a sensor.
+- ``given``: a vehicle by its path or its name.
 - ``reading``: a TOML table to a checked value, or one sentence about its first fault.
 
 The chapter may use ``files`` and ``errors``. It holds no physics: ``propulsion`` turns demands into forces, ``sensors`` turns
@@ -12,6 +13,7 @@ readings into intervals, ``effects`` holds the equations of motion.
 """
 
 from ivsid.files.section import Finite, NonNegative, Positive
+from ivsid.vehicle.given import GivenVehicle, vehicle_of
 from ivsid.vehicle.reading import validated
 from ivsid.vehicle.rudder import Rudder
 from ivsid.vehicle.sensors import AccelerationSensor, InertialSensor, Limits, Sensors, VelocitySensor
@@ -21,6 +23,7 @@ from ivsid.vehicle.vehicle import Vehicle, parse_vehicle, read_vehicle
 __all__ = [
     "AccelerationSensor",
     "Finite",
+    "GivenVehicle",
     "InertialSensor",
     "Limits",
     "NonNegative",
@@ -33,4 +36,5 @@ __all__ = [
     "parse_vehicle",
     "read_vehicle",
     "validated",
+    "vehicle_of",
 ]

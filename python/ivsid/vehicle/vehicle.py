@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 from ivsid.errors import IvsidError
 from ivsid.files.log_map import LogMap
 from ivsid.files.section import Finite, NonNegative, Pair, Positive, Section
+from ivsid.files.shipped import shipped
 from ivsid.vehicle.reading import validated
 from ivsid.vehicle.sensors import Sensors
 from ivsid.vehicle.thrusters import Thruster
@@ -110,12 +111,12 @@ def read_vehicle(path: str | Path) -> Vehicle:
     """Reads and checks a vehicle file.
 
     Args:
-        path: of the TOML file.
+        path: of the TOML file, or the name of a shipped vehicle.
 
     Raises:
         IvsidError: one sentence that names the file, the key, what was given and what is allowed.
     """
-    path = Path(path)
+    path = shipped(path)
     try:
         data = path.read_bytes()
     except OSError as error:

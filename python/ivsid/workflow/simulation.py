@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +12,7 @@ from ivsid import simulation
 from ivsid.effects import EFFECTS, spread
 from ivsid.errors import IvsidError
 from ivsid.files.records import envelope, to_json
+from ivsid.files.shipped import shipped
 from ivsid.log import Log
 from ivsid.programme.scenario import read_scenario
 from ivsid.report import figures, page
@@ -106,12 +106,3 @@ def simulate(
 
 def _noise_seed(hide: int) -> int:
     return int(np.random.default_rng([hide, 0x5EED]).integers(2**53))
-
-
-def shipped(path: str | Path, suffix: str) -> Path:
-    """The path, or that of the shipped file of this name if there is no file at the path."""
-    given = Path(path)
-    if given.exists() or given.suffix or len(given.parts) != 1:
-        return given
-    found = Path(str(files("ivsid") / "data" / f"{given.name}{suffix}.toml"))
-    return found if found.exists() else given

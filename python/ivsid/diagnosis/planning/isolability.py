@@ -22,8 +22,8 @@ from ivsid.diagnosis.null.visibility import Visibility, visibility
 from ivsid.diagnosis.statements.diagnosis import inputs_of
 from ivsid.effects import EFFECTS
 from ivsid.files.records import envelope
-from ivsid.log import Log
-from ivsid.vehicle import Vehicle
+from ivsid.log import GivenLog, log_of
+from ivsid.vehicle import GivenVehicle, vehicle_of
 
 Array = NDArray[np.float64]
 # Below this distance two causes of typical size are not told apart. Their difference in chi-squared is normal with mean d² and standard
@@ -148,17 +148,21 @@ class Isolability:
         }
 
 
-def isolability(vehicle: Vehicle, log: Log, *, progress: Callable[[str], None] = lambda _: None) -> Isolability:
+def isolability(
+    vehicle: GivenVehicle, log: GivenLog, *, progress: Callable[[str], None] = lambda _: None
+) -> Isolability:
     """Isolability of a log's programme.
 
     Args:
-        vehicle: with the model.
-        log: of the programme.
+        vehicle: with the model. A checked vehicle, the path of its file, or a shipped one's name.
+        log: of the programme. A checked log, its path, or a table in memory.
         progress: told of each step.
 
     Raises:
         IvsidError: a log that the model cannot be diagnosed with.
     """
+    vehicle = vehicle_of(vehicle)
+    log = log_of(log, vehicle.log)
     progress("fitting the model")
     data: Channels = channels(log, vehicle)
     fit = plain_fit(vehicle, data, everything)

@@ -1,7 +1,10 @@
 """A diagnosis for its reader: paragraphs made from its numbers, figures that show them, ranked rejections, losses as losses."""
 
 import json
+import multiprocessing
+import os
 import re
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +16,7 @@ from ivsid.diagnosis import evidence, explain, worth
 from ivsid.diagnosis.statements.binning import binned, ordered_by
 from ivsid.diagnosis.statements.prose import _verdict
 from ivsid.files.records import to_json
+from ivsid.intervals import apart
 from ivsid.report import figures
 from ivsid.workflow.diagnosis import diagnosis_report
 
@@ -149,6 +153,29 @@ def test_the_page_shows_each_finding_and_both_models_on_the_other_log(result):
     titles = [s.title for s in page.sections]
     assert "Candidates that are no findings" in titles and "Gain of the extended model" in titles
     assert any("missing" in line or "simulated" in line for line in page.lines)
+
+
+@pytest.mark.figures
+@pytest.mark.skipif(
+    "fork" not in multiprocessing.get_all_start_methods(), reason="figures are drawn in forked processes"
+)
+def test_figures_are_drawn_while_the_tables_are_made_and_are_the_same(result, seen, monkeypatch):
+    """A third of the time of a diagnosis was one processor's, which drew while the other waited."""
+    monkeypatch.setattr(apart, "processors", lambda: 2)
+    beside = diagnosis_report(result).drawings
+    monkeypatch.setattr(apart, "processors", lambda: 1)
+    alone = diagnosis_report(result).drawings
+    assert [(d.name, d.png, d.svg) for d in beside] == [(d.name, d.png, d.svg) for d in alone]
+
+    def drawn(gain, name):
+        return figures.Drawing(name, "", str(os.getpid()), b"", b"")
+
+    for name in ("net_force", "gain", "force_residual"):
+        monkeypatch.setattr(figures, name, partial(drawn, name=name))
+    monkeypatch.setattr(apart, "processors", lambda: 2)
+    drawers = [d.caption for d in diagnosis_report(result).drawings if d.name != "signature_1"]
+    here = str(os.getpid())
+    assert drawers[0] == drawers[1] != here and drawers[2] == here
 
 
 def test_what_is_adequate_draws_no_finding_and_claims_no_gain():

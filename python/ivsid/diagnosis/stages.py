@@ -22,7 +22,7 @@ from ivsid.diagnosis.null.visibility import Visibility, visibility
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.confirmation import NULL_LOGS, confirmed, confirmed_structure
-from ivsid.diagnosis.selection.parallel import Apart, at_once, one_blas_thread
+from ivsid.diagnosis.selection.parallel import at_once, one_blas_thread
 from ivsid.diagnosis.selection.rules import full_refused
 from ivsid.diagnosis.selection.select import select
 from ivsid.diagnosis.selection.verdict import Left
@@ -36,6 +36,7 @@ from ivsid.diagnosis.statements.proved import proof_of, proved_findings
 from ivsid.diagnosis.statements.residuals import before_and_after, unexplained
 from ivsid.diagnosis.statements.shallow_water import change
 from ivsid.diagnosis.statements.trial import Trial
+from ivsid.intervals.apart import Apart
 from ivsid.log import GivenLog, Log, log_of
 from ivsid.vehicle import GivenVehicle, vehicle_of
 

@@ -5,6 +5,7 @@
 - ``protocol``: NumPy's functions of interval arrays.
 - ``endpoints``: bounds that may be reversed, the result of the published method.
 - ``pieces``: work over many rows in pieces that stay in the cache, on all processors.
+- ``apart``: a task in a process of its own.
 
 The chapter may use ``errors`` and the compiled core. Every other chapter may use it, except the checker.
 """

@@ -7,6 +7,7 @@ from typing import Any
 
 from ivsid import diagnosis
 from ivsid.diagnosis import GUARANTEED, NULL_LOGS, REFUTED, Claim, Diagnosis, cache_folder
+from ivsid.intervals.apart import Apart
 from ivsid.log import read_log
 from ivsid.report import figures, page
 from ivsid.report.page import Part, Report, Section
@@ -55,24 +56,32 @@ def diagnose(
 
 def diagnosis_report(result: Diagnosis) -> Report:
     """The report of a diagnosis."""
+    # Another process draws some of the figures, while this one makes the tables and draws the rest.
+    beside = Apart(lambda: (figures.net_force(result.gain), figures.gain(result.gain)))
     seen = diagnosis.evidence(result)
     signatures = {e.effect: figures.signature(e, f"signature_{k}") for k, e in enumerate(seen, start=1)}
     # A cause found between the two logs has no signature in one of them.
     signatures |= {f.effect: figures.ratios(f) for f in result.findings if "ratio" in f.evidence}
-    others = (figures.net_force(result.gain), figures.gain(result.gain), figures.force_residual(result.gain))
+    explained, record = diagnosis.explain(result, seen), result.record()
+    after = [
+        Section("Numbers that the vehicle file gives", (_claims(result),) if result.claims else ()),
+        Section("Candidates that are no findings", (_candidates(result),)),
+        Section("Causes that this log could not show", (_untested(result), _allowed(result))),
+        Section("Proved without a noise model", (page.bullets(_proved(result)),)),
+        Section("Assumptions", (page.bullets(_assumptions(result)),)),
+    ]
+    files = {"model.toml": diagnosis.extended_vehicle(result), **_certificates(result)}
+    residual = figures.force_residual(result.gain)
+    others = (*beside.result(), residual)
     told: list[Part] = []
-    for f, paragraphs in zip(result.findings, diagnosis.explain(result, seen), strict=True):
+    for f, paragraphs in zip(result.findings, explained, strict=True):
         told += map(page.text, paragraphs)
         if f.effect in signatures:
             told.append(page.drawing(signatures[f.effect]))
     sections = [
         Section("Findings", (_findings(result), *told)),
         Section("Gain of the extended model", (_gain(result), *map(page.drawing, others))),
-        Section("Numbers that the vehicle file gives", (_claims(result),) if result.claims else ()),
-        Section("Candidates that are no findings", (_candidates(result),)),
-        Section("Causes that this log could not show", (_untested(result), _allowed(result))),
-        Section("Proved without a noise model", (page.bullets(_proved(result)),)),
-        Section("Assumptions", (page.bullets(_assumptions(result)),)),
+        *after,
     ]
     if result.hints:
         sections.insert(1, Section("Hints: inside the declared errors", (page.bullets(result.hints),)))
@@ -84,10 +93,10 @@ def diagnosis_report(result: Diagnosis) -> Report:
     return Report(
         f"Diagnosis of {result.vehicle.name}",
         summary,
-        result.record(),
+        record,
         tuple(s for s in sections if s.parts),
         (*signatures.values(), *others),
-        {"model.toml": diagnosis.extended_vehicle(result), **_certificates(result)},
+        files,
         tuple(_lines(result)),
     )
 

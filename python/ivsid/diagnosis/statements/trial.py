@@ -9,11 +9,11 @@ from functools import partial
 from ivsid.diagnosis.estimation.learning import determined, undetermined
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor, replaced
-from ivsid.diagnosis.selection.parallel import Apart
 from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.comparison import Gain, compare
 from ivsid.diagnosis.statements.share import Share, shares
 from ivsid.diagnosis.statements.without import without
+from ivsid.intervals.apart import Apart
 
 
 class Trial:

@@ -1,0 +1,65 @@
+"""A process for work that holds the interpreter."""
+
+from __future__ import annotations
+
+import gc
+import multiprocessing
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from typing import Generic, TypeVar
+
+from ivsid.intervals.pieces import processors
+
+_T = TypeVar("_T")
+
+
+class Apart(Generic[_T]):
+    """A task in a forked process: many operations on short arrays, which hold the interpreter.
+
+    Where no process can be forked, the task is done when its result is asked for.
+    """
+
+    def __init__(self, task: Callable[[], _T]) -> None:
+        self._task = task
+        self._reader: Connection | None = None
+        if (
+            processors() < 2
+            or "fork" not in multiprocessing.get_all_start_methods()
+            or multiprocessing.current_process().daemon
+        ):
+            return
+        context = multiprocessing.get_context("fork")
+        self._reader, writer = context.Pipe(duplex=False)
+        self._worker = context.Process(target=_sent, args=(task, writer), daemon=True)
+        self._worker.start()
+        writer.close()
+
+    def result(self) -> _T:
+        """The result; a task that failed is done again here, and raises what it raises."""
+        if self._reader is None:
+            return self._task()
+        try:
+            found: _T = self._reader.recv()
+        except EOFError:
+            found = self._task()
+        finally:
+            self.end()
+        return found
+
+    def end(self) -> None:
+        """Ends the process, whether or not its task is done."""
+        if self._reader is not None:
+            self._worker.terminate()
+            self._worker.join()
+            self._reader.close()
+            self._reader = None
+
+
+def _sent(task: Callable[[], _T], writer: Connection) -> None:
+    """Work of the process; nothing is sent of a task that fails."""
+    # A collection would write to every object of the parent, and so copy all of its memory.
+    gc.freeze()
+    try:
+        writer.send(task())
+    except Exception:
+        writer.close()

@@ -74,3 +74,25 @@ def test_without_a_cause_the_opinion_is_a_probability(start):
         said.append(opinion(columns(rng), rng.standard_normal((BLOCKS, ROWS)), start))
     # A hundredth of 300 is three, a tenth is thirty: half-minutes of unlike strength make Fisher's F an approximation.
     assert np.mean(np.array(said) < 0.01) <= 0.03 and 0.05 < np.mean(np.array(said) < 0.1) < 0.17
+
+
+def test_one_column_is_solved_to_the_bit_as_several_are():
+    """Most causes have one number, and need no eigenvalues."""
+    rng = np.random.default_rng(8)
+    x = rng.standard_normal((9, 40, 50))
+    x[8] = x[0] + x[1]
+    y, none = rng.standard_normal((40, 50)), np.zeros(9)
+    good = np.ones(y.size, dtype=bool)
+    blocks, score = np.einsum("cbi,dbi->bcd", x, x), np.einsum("cbi,bi->bc", x, y)
+    energy, rows = (y**2).sum(axis=1), np.full(40, 50.0)
+    g = Gram(tuple("abcdefghi"), (), y, blocks, score, energy, rows, none, none, np.ones(9), good, 50, None)
+    p = Projection(g, range(4))
+    for k in range(4, 8):
+        H, s = p.information([k]), p.left_score[[k]]
+        d = np.sqrt(np.diag(H))
+        values, vectors = np.linalg.eigh(H / np.outer(d, d))
+        theta = (vectors / values) @ (vectors.T @ (s / d)) / d
+        found, fall = p.solve([k])
+        assert found.tolist() == theta.tolist() and fall == float(s @ theta)
+    # A column that the base explains has nothing left.
+    assert p.solve([8])[0].tolist() == [0.0] and p.solve([8])[1] == 0.0

@@ -70,6 +70,8 @@ class Projection:
     def solve(self, columns: Sequence[int]) -> tuple[Array, float]:
         """Coefficients of further columns, in their unit lengths, and the fall of chi-squared that they bring beside the base."""
         columns = list(columns)
+        if len(columns) == 1:
+            return self._single(columns[0])
         H = self.information(columns)
         own = np.diag(self.total)[columns]
         keep = np.diag(H) > NOTHING_LEFT * np.maximum(own, 1e-300)
@@ -84,3 +86,15 @@ class Projection:
         w = (vectors[:, good] / values[good]) @ (vectors[:, good].T @ (s / d))
         theta[at] = w / d
         return theta, float(s @ theta[at])
+
+    def _single(self, column: int) -> tuple[Array, float]:
+        """The same of one column, to the bit."""
+        own = self.total[column, column]
+        solved = np.ascontiguousarray(self._solved[:, column])
+        H = float(own - self.total[column, self.base] @ solved + self.g.prior[column])
+        theta = np.zeros(1)
+        if not NOTHING_LEFT * max(float(own), 1e-300) < H:
+            return theta, 0.0
+        s, d = float(self.left_score[column]), float(np.sqrt(H))
+        theta[0] = 1.0 / (H / (d * d)) * (s / d) / d
+        return theta, s * float(theta[0])

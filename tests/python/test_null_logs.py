@@ -10,7 +10,7 @@ from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.kinds.linear import LinearCandidate
 from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.null import closed_loop, simulated_logs
+from ivsid.diagnosis.null import calibration, closed_loop, simulated_logs
 from ivsid.diagnosis.null.calibration import examined, trial_of
 from ivsid.diagnosis.null.closed_loop import not_followed
 from ivsid.diagnosis.null.examination import Families
@@ -83,6 +83,20 @@ def test_waves_and_tethers_are_searched_once_for_the_noise():
 
     plain_fit(vehicle, channels(log, vehicle), search)
     assert len(searched) == 1
+
+
+def test_the_whitening_is_learnt_once_however_many_parts_null_logs_are_made_in(zigzags, monkeypatch):
+    """The null logs that teach it depend on the seed alone; learning it again cost as much as two of them a part."""
+    made = []
+
+    def noted(programme, seed, numbers):
+        made.append(list(numbers))
+        return null_logs(programme, seed, numbers)
+
+    monkeypatch.setattr(calibration, "null_logs", noted)
+    found = list(zigzags[2].strengths(3, [range(2), range(2, 4)]))
+    assert [k >= calibration.APART for k in made[0]] == [True, True, False, False] and made[1] == [2, 3]
+    assert found == list(zigzags[2].strengths(3, [range(4)]))
 
 
 def test_the_feedback_of_a_log_is_found_with_its_gain(zigzags):

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -48,8 +49,8 @@ def test_scores_come_in_order_and_no_process_outlives_the_last_that_is_asked_for
     """The first numbers decide, whichever process is quicker, and what a process does not come to is done here."""
     here = os.getpid()
 
-    def strengths(seed, part):
-        for k in part:
+    def strengths(seed, parts):
+        for k in chain.from_iterable(parts):
             if k == 5 and os.getpid() != here:
                 os._exit(1)
             time.sleep(0.02 if k % 2 else 0.0)
@@ -67,7 +68,7 @@ def test_processes_end_when_the_one_that_started_them_is_killed(tmp_path):
         "import os, pathlib, sys, time\n"
         "from types import SimpleNamespace as N\n"
         "from ivsid.diagnosis.null import calibration\n"
-        "def strengths(seed, part):\n"
+        "def strengths(seed, parts):\n"
         "    pathlib.Path(sys.argv[1], str(os.getpid())).touch()\n"
         "    time.sleep(60)\n"
         "os.sched_getaffinity = lambda _: {0, 1}\n"

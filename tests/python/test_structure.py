@@ -2,6 +2,7 @@
 
 import sys
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -53,8 +54,8 @@ def nulls(monkeypatch):
     monkeypatch.setattr(confirmation, "key_of", lambda *_: "a" * 64)
 
     def drawn(scale, lost=0.0):
-        def strengths(seed, numbers):
-            for k in numbers:
+        def strengths(seed, parts):
+            for k in chain.from_iterable(parts):
                 rng = np.random.default_rng([seed, k])
                 x = rng.exponential(scale)
                 yield (float("nan") if rng.random() < lost else x), bool(x > -np.log(RISK))

@@ -7,9 +7,10 @@ Source: Efron and Tibshirani, *An Introduction to the Bootstrap*, 1993, section 
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from multiprocessing.connection import Connection, wait
@@ -73,13 +74,23 @@ class Trial:
     library: frozenset[str]
     examination: Examination
 
-    def strengths(self, seed: int, numbers: Sequence[int]) -> Iterator[tuple[float, bool]]:
-        """The largest strength of each null log, and whether it passed the threshold of theory, in the order of the numbers."""
-        # The null logs that teach the whitening are simulated with the others: the steps of the integration cost the same for all.
-        made = null_logs(self.programme, seed, [*range(APART, APART + LEARN), *numbers])
-        whitening = self._learnt([one for one in made[:LEARN] if one is not None])
-        for one in made[LEARN:]:
-            yield (float("nan"), False) if one is None else self._one(*one, whitening)
+    def strengths(self, seed: int, parts: Iterable[Sequence[int]]) -> Iterator[tuple[float, bool]]:
+        """The largest strength of each null log, and whether it passed the threshold of theory, in the order of the numbers.
+
+        Args:
+            seed: of the draws.
+            parts: numbers of the null logs; those of a part are simulated together.
+        """
+        whitening: Whitening | None = None
+        for numbers in parts:
+            # The null logs that teach the whitening are simulated with the first: the steps of the integration cost the same for all.
+            learn = range(APART, APART + (LEARN if whitening is None else 0))
+            made = null_logs(self.programme, seed, [*learn, *numbers])
+            taught, asked = made[: len(learn)], made[len(learn) :]
+            if whitening is None:
+                whitening = self._learnt([one for one in taught if one is not None])
+            for one in asked:
+                yield (float("nan"), False) if one is None else self._one(*one, whitening)
 
     def _learnt(self, made: Sequence[tuple[Channels, Hypothesis]]) -> Whitening:
         """The whitening that null logs teach as the log did."""
@@ -209,8 +220,7 @@ def scores(trial: Trial, seed: int, numbers: Sequence[int]) -> Generator[tuple[f
 def _in_parts(trial: Trial, seed: int, numbers: Sequence[int]) -> Iterator[tuple[float, bool]]:
     """Scores of null logs, of which some are simulated together: first as many as the first look asks for."""
     edges = [0, *range(LOOKS[0], len(numbers), TOGETHER), len(numbers)]
-    for first, end in pairwise(edges):
-        yield from trial.strengths(seed, numbers[first:end])
+    yield from trial.strengths(seed, [numbers[first:end] for first, end in pairwise(edges)])
 
 
 def _received(reader: Connection, trial: Trial, seed: int, mine: Sequence[int]) -> Iterator[tuple[float, bool]]:
@@ -233,6 +243,8 @@ def _end_with_parent() -> None:
 
 def _work(trial: Trial, seed: int, mine: Sequence[int], writer: Connection) -> None:
     """Work of one process: the scores of its null logs in turn."""
+    # A collection would write to every object of the parent, and so copy all of its memory.
+    gc.freeze()
     Thread(target=_end_with_parent, daemon=True).start()
     for one in _in_parts(trial, seed, mine):
         writer.send(one)

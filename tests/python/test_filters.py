@@ -1,7 +1,10 @@
 """The core's filters against SciPy and the sums that define them, and what the diagnosis saves against what it saves it from."""
 
 import multiprocessing
+import os
 import sys
+import time
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -25,6 +28,8 @@ from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.parallel import at_once, side_by_side
 from ivsid.diagnosis.statements.windows import windows
 from ivsid.effects import EFFECTS, Given, Reading, terms_of
+from ivsid.intervals.apart import Apart
+from ivsid.intervals.pieces import processors
 from ivsid.linear.filters import decaying, respond, whiten
 from ivsid.log import Log
 from ivsid.programme.scenario import parse_scenario
@@ -126,6 +131,37 @@ def test_what_a_force_adds_is_the_difference_of_both_models(predictor, plain, id
     assert np.allclose(back, -added, rtol=1e-12, atol=1e-12)
 
 
+def test_what_states_share_is_worked_out_once_and_is_the_same(predictor, plain):
+    """Headings, mass matrices and specific forces, which most signatures ask for at the same states."""
+    states = predictor.start(plain)
+    moved = states.points.moved(np.ones((3, 1)))
+    assert moved.heading is states.points.heading
+    turned = replace(states.points, psi=states.points.psi + 1.0)
+    np.testing.assert_array_equal(turned.heading.cos(), np.cos(turned.psi))
+    np.testing.assert_array_equal(moved.heading.sin(), np.sin(moved.psi))
+    mass = predictor.constant_mass(plain)
+    assert predictor.constant_mass(replace(plain, given=(Given(EFFECTS["thruster.advance_loss"], (0.1,)),))) is mass
+    heavier = replace(plain, values={**plain.values, "mass.surge": 2 * plain.values["mass.surge"]})
+    assert predictor.constant_mass(heavier).inverse[0, 0, 0] == pytest.approx(mass.inverse[0, 0, 0] / 2)
+    assert predictor.constant_mass(replace(plain, given=(Given(EFFECTS["fouling.drift"], (1e-3,)),))) is None
+    assert predictor.dynamics(plain, mass) is predictor.dynamics(plain, mass)
+    nu, nudot = states.points.nu, states.nudot
+    expected = np.stack([nudot[0] - nu[1] * nu[2], nudot[1] + nu[0] * nu[2], nudot[2]])
+    np.testing.assert_array_equal(states.specific, expected)
+    assert states.specific is states.specific and states.over is states.over
+
+
+def test_angles_that_are_known_turn_thrusts_as_those_that_are_not(predictor, plain):
+    states = predictor.start(plain)
+    given = (Given(EFFECTS["thruster.advance_loss"], (0.3,)),)
+    bare = replace(states.points, bollard=None, swing=None)
+    relative = tuple(bare.nu)
+    np.testing.assert_array_equal(
+        thruster_force(predictor.vehicle, given, states.points, relative),
+        thruster_force(predictor.vehicle, given, bare, relative),
+    )
+
+
 def test_what_changes_more_than_forces_is_worked_out_whole(predictor, plain):
     p = predictor.start(plain).points
     for id_, values in (("current.steady", (0.1, 0.2)), ("payload.step", (2.0, 30.0))):
@@ -221,6 +257,17 @@ def test_tasks_keep_their_order_their_faults_and_what_is_ignored():
         side_by_side([lambda: 1, lambda: 1 // 0, lambda: 2])
     with pytest.raises(ZeroDivisionError):
         at_once(lambda: 1, lambda: 1 // 0)
+
+
+def test_a_task_apart_keeps_its_result_and_its_fault():
+    """In a process of its own where one can be forked; a task that fails there is done again here, and raises."""
+    alone = processors() < 2 or "fork" not in multiprocessing.get_all_start_methods()
+    assert (Apart(os.getpid).result() == os.getpid()) == (alone or multiprocessing.current_process().daemon)
+    with pytest.raises(ZeroDivisionError):
+        Apart(lambda: 1 // 0).result()
+    never = Apart(lambda: time.sleep(60))
+    never.end()
+    assert not multiprocessing.active_children()
 
 
 @pytest.mark.skipif("fork" not in multiprocessing.get_all_start_methods(), reason="null logs run on forked processes")

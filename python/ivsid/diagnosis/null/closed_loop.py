@@ -196,7 +196,10 @@ class _Motion:
         p = Points(x[:3], x[3], x[4:], time, push, angles, force, wind, rudders, bollard)
         nudot = self.dynamics.acceleration(p)
         c, s = np.cos(x[3]), np.sin(x[3])
-        return np.concatenate([nudot, x[2:3], (x[0] * c - x[1] * s)[None], (x[0] * s + x[1] * c)[None]])
+        out = np.empty_like(x)
+        out[:3], out[3] = nudot, x[2]
+        out[4], out[5] = x[0] * c - x[1] * s, x[0] * s + x[1] * c
+        return out
 
 
 class _Controller:
@@ -264,7 +267,7 @@ class _Force:
         push, bollard = self.push.copy(), self.bollard.copy()
         push[1] = (push[0] + 4 * push[1] + push[2]) / 6
         bollard[:, 1] = (bollard[:, 0] + 4 * bollard[:, 1] + bollard[:, 2]) / 6
-        return replace(self, push=push, bollard=bollard)
+        return _Force(self.motion, push, bollard, self.known, self.ahead)
 
 
 def _runge_kutta(force: _Force, x: Array, step: float) -> tuple[Array, Array]:

@@ -33,6 +33,7 @@ class Driving:
     Attributes:
         propulsion: the thrusters.
         turned: angles of azimuth thrusters [rad], shape (thrusters, 2 n).
+        swing: cosines and sines of ``turned``.
         steered: angles of rudders [rad], shape (thrusters, 2 n).
         sent: known X, Y [N], N [N m] beside the thrusters, shape (3, 2 n).
     """
@@ -44,7 +45,7 @@ class Driving:
         if log.between is not None:
             self.turned = np.concatenate([log.angles, log.between.angles.mean(axis=2)], axis=1)
             self.steered = np.concatenate([log.rudders, log.between.rudders.mean(axis=2)], axis=1)
-        self._turn = np.cos(self.turned), np.sin(self.turned)
+        self.swing = np.cos(self.turned), np.sin(self.turned)
         self._known: dict[object, tuple[Array, Array, Array | None]] = {}
 
     def thrusts(self, h: Hypothesis) -> Array:
@@ -67,7 +68,7 @@ class Driving:
         if found is None:
             made = self.propulsion.thrusts(h.given, sizes)
             thrusts = np.concatenate([made.now, made.mean], axis=1)
-            found = thrusts, bollard_force(self.vehicle, thrusts, self._turn, self.sent), self._early(made.parts)
+            found = thrusts, bollard_force(self.vehicle, thrusts, self.swing, self.sent), self._early(made.parts)
             # A dictionary keeps the order of its keys: the oldest go.
             for old in list(self._known)[: 1 - KEPT]:
                 self._known.pop(old, None)

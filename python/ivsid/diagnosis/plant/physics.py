@@ -78,7 +78,7 @@ def water(h: Hypothesis, p: Points) -> tuple[Number, Number, Number, Number]:
         total = [a + b for a, b in zip(total, current.function(numbers, p.t), strict=True)]
     if all(isinstance(q, float) and q == 0.0 for q in total):
         return 0.0, 0.0, 0.0, 0.0
-    here = Place(p.psi, None, None, None)
+    here = Place(p.heading, None, None, None)
     u, v = earth_to_body(here, total[0], total[1])
     if all(isinstance(q, float) and q == 0.0 for q in total[2:]):
         return u, v, 0.0, 0.0
@@ -172,13 +172,14 @@ class Dynamics:
             u_c, v_c, a_u, a_v = water(h, p)
             u, v = u - u_c, v - v_c
         values = changed(h, p.t)
-        zero = np.zeros_like(r)
-        state = State(u, v, r, zero, zero, zero, place=place_of(p))
+        state = State(u, v, r, 0.0, 0.0, 0.0, place=place_of(p))
         right = self._thrust.at(p, (u, v, r))
         rows = dict(zip(CHANNELS, right, strict=True))
         for term in h.terms:
             for channel, column in term.columns(state).items():
-                rows[channel] -= column * values[term.id]
+                # What is proportional to an acceleration is none here.
+                if not isinstance(column, float) or column:
+                    rows[channel] -= column * values[term.id]
         for channel, column in rigid_body(state, m * x_g, m * y_g).items():
             rows[channel] -= column
         for force, numbers in self._forces:

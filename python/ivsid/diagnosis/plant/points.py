@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,31 @@ from ivsid.effects import Place
 from ivsid.effects.environment import earth_to_body
 
 Array = NDArray[np.float64]
+
+
+class Heading:
+    """A heading whose cosine and sine are worked out once; hypotheses and shifted velocities share it."""
+
+    def __init__(self, psi: Array) -> None:
+        self.psi = psi
+        self._cos: Array | None = None
+        self._sin: Array | None = None
+
+    def cos(self) -> Array:
+        """Cosine, shape (n,)."""
+        if self._cos is None:
+            self._cos = np.cos(self.psi)
+        return self._cos
+
+    def sin(self) -> Array:
+        """Sine, shape (n,)."""
+        if self._sin is None:
+            self._sin = np.sin(self.psi)
+        return self._sin
+
+
+# Stands for the heading until it is known.
+NOWHERE: Final = Heading(np.zeros(0))
 
 
 @dataclass(frozen=True)
@@ -28,6 +54,8 @@ class Points:
         wind: the air's velocity north and east [m/s], shape (2, n), or None.
         rudders: angles of rudders [rad], shape (thrusters, n), or None.
         bollard: sum of ``force`` and of the thrusts at no speed, X, Y [N], N [N m], shape (3, n), if it is known; it does not depend on the states.
+        swing: cosines and sines of ``angles``, if they are known, shape (thrusters, n) each.
+        heading: ``psi`` with its cosine and sine.
     """
 
     nu: Array
@@ -40,6 +68,13 @@ class Points:
     wind: Array | None = None
     rudders: Array | None = None
     bollard: Array | None = None
+    swing: tuple[Array, Array] | None = None
+    heading: Heading = field(default=NOWHERE, repr=False)
+
+    def __post_init__(self) -> None:
+        """Keeps the heading of the points of which these are a copy."""
+        if self.heading.psi is not self.psi:
+            object.__setattr__(self, "heading", Heading(self.psi))
 
     def moved(self, shift: Array) -> Points:
         """At other velocities."""
@@ -54,5 +89,5 @@ def place_of(p: Points) -> Place:
     """Heading, place, clock and wind as the catalogue's formulas take them; the wind is relative to the hull."""
     if p.wind is None:
         return Place(p.psi, p.place[0], p.place[1], p.t)
-    blows = earth_to_body(Place(p.psi, None, None, None), p.wind[0], p.wind[1])
+    blows = earth_to_body(Place(p.heading, None, None, None), p.wind[0], p.wind[1])
     return Place(p.psi, p.place[0], p.place[1], p.t, blows[0] - p.nu[0], blows[1] - p.nu[1])

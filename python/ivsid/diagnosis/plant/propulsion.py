@@ -154,7 +154,8 @@ class Propulsion:
             drive = Drive(d, time, k, thruster.position[1], self.curves[k].largest, voltage)
             for change, numbers in changes:
                 thrust = change.function(thrust, drive, numbers)
-            return np.asarray(thrust, dtype=np.float64) * np.ones(d.size)
+            thrust = np.asarray(thrust, dtype=np.float64)
+            return thrust if thrust.shape == d.shape else np.full(d.size, thrust)
 
         def static(at: _At) -> Array:
             # The error of the curve comes before any limit or dead band.

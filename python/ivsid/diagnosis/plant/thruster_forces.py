@@ -80,13 +80,16 @@ class ThrusterForces:
             return p.bollard.copy()
         u, v, r = relative
         total = p.force.copy()
+        along, across = p.swing or (np.cos(p.angles), np.sin(p.angles))
         for k, thruster in enumerate(self.vehicle.thrusters):
-            c, s = np.cos(p.angles[k]), np.sin(p.angles[k])
+            c, s = along[k], across[k]
             x, y = thruster.position
             push = p.thrusts[k]
             for loss, numbers in self._lost[k]:
                 push = loss.function(push, (u - r * y) * c + (v + r * x) * s, numbers)
-            total += np.stack([push * c, push * s, push * (s * x - c * y)])
+            total[0] += push * c
+            total[1] += push * s
+            total[2] += push * (s * x - c * y)
             if thruster.rudder is not None:
                 off = self._errors.get(f"~rudder.{thruster.name}", 0.0)
                 total += (1.0 + off) * blade_force(self.vehicle, k, p, push, relative)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration, added_force, changed
 from ivsid.diagnosis.prediction.axes import Ambient, motion_axes
-from ivsid.diagnosis.prediction.states import FilteredStates, StateFilter, over_ground, specific_force, twice
+from ivsid.diagnosis.prediction.states import FilteredStates, StateFilter, over_ground, specific_force
 from ivsid.effects import Reading, Response, Thrust, of_kind
 
 Array = NDArray[np.float64]
@@ -77,7 +77,7 @@ class Predictor(StateFilter):
 
     def mass(self, states: FilteredStates) -> Mass:
         """The mass matrix at the times of the states."""
-        return Mass(self.vehicle, states.h.terms, changed(states.h, states.points.t))
+        return self.constant_mass(states.h) or Mass(self.vehicle, states.h.terms, changed(states.h, states.points.t))
 
     def difference(self, states: FilteredStates, other: Hypothesis, mass: Mass | None = None) -> Array:
         """Prediction errors that remain under one hypothesis if another is true, shape (rows, n).
@@ -95,8 +95,10 @@ class Predictor(StateFilter):
         process = acceleration(self.vehicle, other, points) - states.nudot if added is None else mass.solve(added)
         if not of_kind((*h.given, *other.given), Reading):
             return self.answer(process)
-        wrong, before = self.sensed(other.given, states), self.sensed(h.given, states)
-        reading = {k: wrong[k] - before[k] for k in wrong}
+        reading = self.sensed(other.given, states)
+        if of_kind(h.given, Reading):
+            before = self.sensed(h.given, states)
+            reading = {k: x - before[k] for k, x in reading.items()}
         if not any(np.any(x) for x in reading.values()):
             return self.answer(process)
         return self.misread(states, reading, process, mass)
@@ -116,7 +118,11 @@ class Predictor(StateFilter):
             process: acceleration of a cause beside them, shape (3, 2 n).
             mass: the mass matrix, if it is known already.
         """
-        g = np.stack([twice(reading.get(q, np.zeros(self.log.n))) for q in ("u", "v", "r")])
+        n = self.log.n
+        g = np.zeros((3, 2 * n))
+        for k, q in enumerate(("u", "v", "r")):
+            if q in reading:
+                g[k, :n] = g[k, n:] = reading[q]
         if self.rate is not None and self.rate.heading is not None:
             # The heading holds the yaw rate, whatever the gyro reads.
             g[2] = 0.0
@@ -124,11 +130,11 @@ class Predictor(StateFilter):
         track = None
         if np.any(g):
             shifted = states.points.moved(g)
-            there = acceleration(self.vehicle, states.h, shifted, mass)
+            there = self.dynamics(states.h, mass).acceleration(shifted)
             believed = there - states.nudot
             process = process - believed
-            specific = specific - (specific_force(shifted.nu, there) - specific_force(states.points.nu, states.nudot))
-            track = -(over_ground(shifted, states.turn) - over_ground(states.points, states.turn))
+            specific = specific - (specific_force(shifted.nu, there) - states.specific)
+            track = -(over_ground(shifted, states.turn) - states.over)
         if np.isscalar(process):
             process = np.zeros_like(states.nudot)
         if np.isscalar(specific):

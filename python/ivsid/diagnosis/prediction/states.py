@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.plant.driving import Driving
-from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration, changed
+from ivsid.diagnosis.plant.physics import Dynamics, Hypothesis, Mass, acceleration, changed
 from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.readings import added_readings
 from ivsid.diagnosis.prediction.axes import AXES, Ambient, labels_of, motion_axes, track_axes
 from ivsid.diagnosis.prediction.kalman import Axis, Filters, apart
 from ivsid.diagnosis.prediction.yaw_rate import YawRate, yaw_rate
-from ivsid.effects import Given
+from ivsid.effects import Change, Given, of_kind
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -53,6 +53,16 @@ class FilteredStates:
         """Cosine and sine of the heading over the steps, shape (n,) each; every signature is made at one heading."""
         psi = self.points.psi[self.points.psi.size // 2 :]
         return np.cos(psi), np.sin(psi)
+
+    @cached_property
+    def specific(self) -> Array:
+        """Specific forces [m/s^2] and rdot [rad/s^2] there, shape (3, 2 n)."""
+        return specific_force(self.points.nu, self.nudot)
+
+    @cached_property
+    def over(self) -> Array:
+        """Velocity north and east over the steps [m/s], shape (2, n)."""
+        return over_ground(self.points, self.turn)
 
     def under(self, h: Hypothesis) -> FilteredStates:
         """The same states as a start for another hypothesis."""
@@ -104,11 +114,29 @@ class StateFilter:
             self.axes[2] = apart(self.axes[2].outputs, self.rate.spread)
         self.labels: list[tuple[int, str]] = labels_of(self.axes)
         self.filters = Filters(self.axes)
+        self._mass: tuple[object, object, Mass] | None = None
+        self._dynamics: tuple[Hypothesis, Mass | None, Dynamics] | None = None
 
     @property
     def channels(self) -> list[str]:
         """The axis of each row of errors."""
         return [AXES[k] for k, _ in self.labels]
+
+    def constant_mass(self, h: Hypothesis) -> Mass | None:
+        """The mass matrix of a hypothesis, that of the last one if its numbers are the same; None if it changes in time."""
+        if of_kind(h.given, Change):
+            return None
+        known = self._mass
+        if known is None or known[0] is not h.terms or known[1] is not h.values:
+            known = self._mass = h.terms, h.values, Mass(self.vehicle, h.terms, h.values)
+        return known[2]
+
+    def dynamics(self, h: Hypothesis, mass: Mass | None) -> Dynamics:
+        """The equations of motion of a hypothesis with its mass matrix, those of the last call if both are the same."""
+        known = self._dynamics
+        if known is None or known[0] is not h or known[1] is not mass:
+            known = self._dynamics = h, mass, Dynamics(self.vehicle, h, mass)
+        return known[2]
 
     def start(self, h: Hypothesis) -> FilteredStates:
         """The states as they are read, without any filter: a start for ``settle``."""
@@ -174,8 +202,9 @@ class StateFilter:
             None if log.wind is None else twice(log.wind),
             self.driving.steered,
             bollard,
+            self.driving.swing,
         )
-        return FilteredStates(h, points, acceleration(self.vehicle, h, points))
+        return FilteredStates(h, points, acceleration(self.vehicle, h, points, self.constant_mass(h)))
 
     def readings(self, states: FilteredStates) -> list[dict[str, Array]]:
         """The readings without the hypothesis's sensor effects and declared sensor errors, shape (n,) each, by axis and output."""
@@ -206,7 +235,7 @@ class StateFilter:
         """Prediction errors of readings at these states, shape (rows, n)."""
         log, n = self.log, self.log.n
         inputs: dict[tuple[int, str], Array] = {}
-        specific = specific_force(states.points.nu, states.nudot)
+        specific = states.specific
         for k in range(3):
             here = readings[k]
             if k == 2 and self.rate is not None:
@@ -222,7 +251,7 @@ class StateFilter:
             if "acceleration" in self.axes[k].outputs:
                 inputs[k, "acceleration"] = here["acceleration"] - self.at_samples(specific[k])
         if len(self.axes) > 3 and log.place is not None:
-            over = over_ground(states.points, states.turn)
+            over = states.over
             for k in range(2):
                 x = log.place[k]
                 inputs[3 + k, "velocity"], inputs[3 + k, "process"] = x - x[0], over[k]
@@ -244,7 +273,7 @@ class StateFilter:
 
     def sensed(self, given: tuple[Given, ...], states: FilteredStates) -> dict[str, Array]:
         """The numbers that sensor effects add to the readings at these states, shape (n,) each, by channel."""
-        specific = self.at_samples(specific_force(states.points.nu, states.nudot))
+        specific = self.at_samples(states.specific)
         return added_readings(given, states.points, states.nudot, specific, states.ambient, self.log.h)
 
 
@@ -255,7 +284,11 @@ def twice(x: Array) -> Array:
 
 def specific_force(nu: Array, nudot: Array) -> Array:
     """Specific forces udot - v r, vdot + u r [m/s^2] as an accelerometer at the origin reads them, and rdot [rad/s^2], shape (3, n)."""
-    return np.stack([nudot[0] - nu[1] * nu[2], nudot[1] + nu[0] * nu[2], nudot[2]])
+    out = np.empty(nudot.shape)
+    np.subtract(nudot[0], nu[1] * nu[2], out=out[0])
+    np.add(nudot[1], nu[0] * nu[2], out=out[1])
+    out[2] = nudot[2]
+    return out
 
 
 def over_ground(p: Points, turn: tuple[Array, Array]) -> Array:

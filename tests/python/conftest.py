@@ -69,6 +69,16 @@ def _figures(request, monkeypatch, _savefig):
         monkeypatch.setattr("matplotlib.figure.Figure.savefig", _savefig)
 
 
+@pytest.fixture(autouse=True)
+def _catalogue():
+    """A test leaves the catalogue of effects as it was, its order included: cases are drawn from it."""
+    from ivsid.effects import EFFECTS
+
+    before = list(EFFECTS)
+    yield
+    assert list(EFFECTS) == before
+
+
 @pytest.fixture(scope="module")
 def _rows_by_model() -> dict[tuple[Any, ...], tuple[Log, Rows]]:
     return {}

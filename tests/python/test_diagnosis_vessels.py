@@ -216,7 +216,7 @@ def test_a_slow_run_of_the_model_tug_does_not_show_its_drag(real, tmp_path):
         assert max(z.values()) < 8, z
     # The other run is slower still, and adds little; both together have other knots of their thrust errors.
     drags = ("drag.surge.linear", "drag.surge.quadratic")
-    assert all(slower[i] < alone[i] < both[i] < 1.2 * alone[i] for i in drags)
+    assert all(slower[i] < 0.6 * alone[i] and 0.9 * alone[i] < both[i] < 1.2 * alone[i] for i in drags)
 
 
 def test_a_perfect_bollard_pull_would_not_show_the_tugs_drag_either(real, tmp_path):

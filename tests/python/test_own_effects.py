@@ -50,10 +50,13 @@ MAIN = [sys.executable, "-c", "from ivsid.cli import main; main()"]
 
 @pytest.fixture
 def clean():
-    before = set(EFFECTS)
+    before = dict(EFFECTS)
     yield
-    for id_ in set(EFFECTS) - before:
+    for id_ in EFFECTS.keys() - before.keys():
         unregister(id_)
+    # An effect that was taken out returns to its place: the examiner draws by it.
+    EFFECTS.clear()
+    EFFECTS.update(before)
 
 
 def write_boat(folder):

@@ -90,7 +90,7 @@ def learn(
         if last:
             a, b, c = roughness(predictor, left, good, left_out).tolist()
             return replace(noise, whitening=whiten(predictor, left, good, left_out), rougher=(a, b, c)), states
-        predictor = predictor.adopt(ambient_of(predictor, left, good))
+        predictor = predictor.adopt(ambient_of(predictor, left, good, states.h.values))
         predictor = quick_enough(predictor, predictor.slopes(states))
         states = predictor.settle(states)
     raise AssertionError("rounds must be positive")

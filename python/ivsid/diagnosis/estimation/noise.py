@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -14,6 +14,7 @@ from ivsid.diagnosis.estimation.whitening import Whitening
 from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.diagnosis.prediction.axes import Ambient
 from ivsid.diagnosis.prediction.innovations import Predictor
+from ivsid.effects.inertia import INERTIA_YAW, MASS_SURGE, MASS_SWAY
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -102,23 +103,29 @@ class Noise:
     rougher: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
-def declared_ambient(vehicle: Vehicle) -> Ambient:
-    """The ambient acceleration that the vehicle file declares; if it declares none, the one of a share of the thrusters' accuracy."""
+def declared_ambient(vehicle: Vehicle, masses: Mapping[str, float] | None = None) -> Ambient:
+    """The ambient acceleration that the vehicle file declares; if it declares none, the one of a share of the thrusters' accuracy.
+
+    Args:
+        vehicle: whose file declares a force and a moment.
+        masses: masses [kg] and inertia in yaw [kg m^2] of a fitted model by id, on which the declared force acts with the water that moves
+            along; those of the hull alone by default, so that the acceleration is the largest possible.
+    """
     m = vehicle.hull.mass
     length = hull_length(vehicle)
     inertia = m * length**2 / INERTIA_DIVISOR
     a = vehicle.ambient
     if a is not None and (a.force or a.moment):
-        force = max(a.force, LEAST_DECLARED * m) / m
-        deviation = (force, force, max(a.moment, LEAST_DECLARED * inertia) / inertia)
-        return Ambient(deviation, (a.time, a.time, a.time))
+        said = ((MASS_SURGE, a.force, m), (MASS_SWAY, a.force, m), (INERTIA_YAW, a.moment, inertia))
+        x, y, n = (max(load / (masses or {}).get(effect.id, own), LEAST_DECLARED) for effect, load, own in said)
+        return Ambient((x, y, n), (a.time, a.time, a.time))
     force = sum(t.accuracy.absolute for t in vehicle.thrusters) or ASSUMED_ACCURACY * m
     arm = ASSUMED_ARM * length
     surge = ASSUMED_SHARE * force / m
     return Ambient((surge, surge, ASSUMED_SHARE * force * arm / inertia), (ASSUMED_TIME, ASSUMED_TIME, ASSUMED_TIME))
 
 
-def ambient_of(predictor: Predictor, residual: Array, rows: NDArray[np.bool_]) -> Ambient:
+def ambient_of(predictor: Predictor, residual: Array, rows: NDArray[np.bool_], masses: Mapping[str, float]) -> Ambient:
     """The ambient acceleration behind prediction errors that no effect explains.
 
     The inverse of the filter gives the velocity readings that these errors stand for. Their slopes over a second, correlated at lags that
@@ -128,6 +135,7 @@ def ambient_of(predictor: Predictor, residual: Array, rows: NDArray[np.bool_]) -
         predictor: whose filters made the errors.
         residual: prediction errors without all that any column explains, shape (rows, n).
         rows: samples that count, shape (n,).
+        masses: of the fitted model by id, on which the declared force acts.
     """
     deviations, times = [], []
     for k, (slope, good) in enumerate(slopes_of(predictor, residual, rows)):
@@ -140,7 +148,7 @@ def ambient_of(predictor: Predictor, residual: Array, rows: NDArray[np.bool_]) -
         time = float(np.clip(-LAGS[0] / np.log(ratio), *TIMES))
         deviations.append(float(np.sqrt(near * np.exp(LAGS[0] / time))))
         times.append(time)
-    said = declared_ambient(predictor.vehicle)
+    said = declared_ambient(predictor.vehicle, masses)
     given = predictor.vehicle.ambient is not None
     # The whitening takes out the colour that a quick filter leaves; a slow filter is wrong about the motion between samples.
     low, high = DECLARED_RANGE if given else ASSUMED_RANGE

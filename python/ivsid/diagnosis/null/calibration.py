@@ -159,7 +159,7 @@ def trial_of(fit: Fit, library: frozenset[str], examination: Examination) -> Tri
         predictor.vehicle,
         thin,
         replace(fit.h, declared_errors={}),
-        ambient_of(predictor, remaining(fit), fit.noise.good),
+        ambient_of(predictor, remaining(fit), fit.noise.good, fit.h.values),
         declared_errors,
         fit.states.points.nu[:, 0],
         replace(back, at=back.at[:, : thin.n * q : q]),

@@ -6,6 +6,7 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
@@ -47,3 +48,12 @@ def test_the_declared_force_moves_the_water_along_with_the_hull():
     # A mass that the model does not hold by its own name stays that of the hull.
     assert declared_ambient(vehicle, {}).deviation == dry.deviation
     assert found["drag.yaw.linear"].fall > 60.0
+
+
+def test_an_anchor_beside_a_straight_track_is_found():
+    """The best anchors of the grid lay ahead and pushed, because every fourth sample of the errors stood for all: aliases were summed."""
+    _, found = scored(85095)
+    tether = found["tether.tension"]
+    assert tether.physical and tether.fall > 200.0
+    pull, north, east, _ = tether.values
+    assert pull == pytest.approx(110.0, rel=0.2) and np.hypot(north - 30.2, east + 2.0) < 80.0

@@ -77,7 +77,9 @@ class SearchedCandidate(Candidate):
         for value, columns in tried:
             theta, fall = p.solve(columns)
             real = tuple((theta / p.g.unit[list(columns)]).tolist())
-            if best is None or fall > best.fall:
-                ok = self.possible(real)
-                best = Scored(self, fall if ok else 0.0, COUNT, looks, columns, real, self.numbers(value, real), ok)
+            ok = self.possible(real)
+            # A value that pushes where the cause pulls hides no weaker one that pulls.
+            own = fall if ok else 0.0
+            if best is None or own > best.fall:
+                best = Scored(self, own, COUNT, looks, columns, real, self.numbers(value, real), ok)
         return best

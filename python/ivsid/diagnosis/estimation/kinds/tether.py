@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.estimation.kinds.searched import PEAKS, SearchedCandidate
+from ivsid.diagnosis.estimation.kinds.searched import SearchedCandidate
 from ivsid.diagnosis.estimation.signatures import Signatures
 from ivsid.diagnosis.estimation.whitening import Whitening
 
@@ -19,15 +19,30 @@ LEAST_REACH: Final = 20.0
 # Anchors along each side of the grid.
 # Source: resource: time of 225 sums; a seventh of the reach lies between two of them, which later steps refine
 GRID: Final = 15
+# Places of the track around which anchors stand closer: the pull of one beside the track turns while it is passed, and is constant before and after.
+# Source: resource: a twenty-fourth of the track lies between two of them, which later steps refine
+PASSED: Final = 24
+# Their distance from the track, as a share of the reach.
+# Source: geometry: half the distance of two places of a straight track
+ASIDE: Final = 0.02
+# Anchors that get exact columns.
+# Source: resource: two columns each
+EXACT: Final = 6
+# Cosine of two pulls beside the plain model, above which they are one.
+# Source: geometry: each explains nine tenths of what the other does
+ALIKE: Final = 0.95
+# Least length of a pull beside the plain model, as a share of the largest.
+# Source: geometry: what is left of a far anchor is an error of the plain model's columns
+SHORT: Final = 0.02
 # Most samples that are summed for an anchor.
 # Source: resource: time of the grid
 SAMPLES: Final = 1500
 # Squared distance that is added to that of an anchor [m^2].
 # Source: geometry: the direction to an anchor below the hull stays a number
 NEAR: Final = 1e-4
-# Independent anchors in the grid.
+# Independent anchors in the grid and along the track.
 # Source: measured: make constants
-LOOKS: Final = 20.0
+LOOKS: Final = 40.0
 # Largest arm of a tether [m].
 # Source: measured: make constants
 MOST_ARM: Final = 3.0
@@ -52,22 +67,35 @@ class TetherCandidate(SearchedCandidate):
             return [], 1.0
         p = s.states.points
         n = log.n
-        x, y = p.place[0, :n], p.place[1, :n]
-        reach = max(float(np.ptp(x)), float(np.ptp(y)), LEAST_REACH)
-        force = s.mass.inverse[0].T @ back
-        north = force[0] * np.cos(p.psi[:n]) - force[1] * np.sin(p.psi[:n])
-        east = force[0] * np.sin(p.psi[:n]) + force[1] * np.cos(p.psi[:n])
-        middle = (0.5 * (float(x.min()) + float(x.max())), 0.5 * (float(y.min()) + float(y.max())))
-        every = []
-        thin = slice(None, None, max(1, n // SAMPLES))
-        for a in np.linspace(-1.0, 1.0, GRID):
-            for b in np.linspace(-1.0, 1.0, GRID):
-                anchor = (middle[0] + a * reach, middle[1] + b * reach)
-                dn, de = anchor[0] - x[thin], anchor[1] - y[thin]
-                d = np.sqrt(dn**2 + de**2 + NEAR)
-                every.append((float(np.sum((dn * north[thin] + de * east[thin]) / d)), anchor))
-        every.sort(key=lambda q: -q[0])
-        return [anchor for _, anchor in every[:PEAKS]], LOOKS
+        thin = slice(None, n, max(1, n // SAMPLES))
+        x, y = p.place[0, thin], p.place[1, thin]
+        c, sine = np.cos(p.psi[thin]), np.sin(p.psi[thin])
+        anchors = _anchors(p.place[:, :n], x, y)
+        dn, de = anchors[:, 0, None] - x, anchors[:, 1, None] - y
+        d = np.sqrt(dn**2 + de**2 + NEAR)
+        ahead, aside = (dn * c + de * sine) / d, (de * c - dn * sine) / d
+        # Nothing of the base is left in the errors, so that the lengths of the signatures alone have to be those beside it.
+        # Their sums count, and not every so many of them: what explains noise changes from sample to sample, a pull does not.
+        force = np.add.reduceat(s.mass.inverse[0].T @ back, np.arange(n)[thin], axis=1)
+        fall = ahead @ force[0] + aside @ force[1]
+        (u, v, r), one = p.nu[:, thin], np.ones(x.size)
+        inverse = s.mass.inverse[0]
+        own = np.hstack(
+            [
+                inverse[0, 0] * _beside(ahead, (one, u, u * np.abs(u))),
+                inverse[1, 1] * _beside(aside, (one, v, v * np.abs(v), u * r)),
+            ]
+        )
+        length = np.linalg.norm(own, axis=1)
+        own = own / np.maximum(length, SHORT * length.max())[:, None]
+        score = fall / np.maximum(length, SHORT * length.max())
+        chosen: list[int] = []
+        for k in np.argsort(-score):
+            if score[k] > 0 and all(own[k] @ own[q] < ALIKE for q in chosen):
+                chosen.append(int(k))
+            if len(chosen) == EXACT:
+                break
+        return [(float(anchors[k, 0]), float(anchors[k, 1])) for k in chosen], LOOKS
 
     def exact(self, s: Signatures, value: tuple[float, ...]) -> list[Array]:
         """The pull, and its moment on an arm of 1 m."""
@@ -81,3 +109,27 @@ class TetherCandidate(SearchedCandidate):
         """Pull [N], anchor north and east [m] and arm [m], from the coefficients of the pull and of its moment."""
         pull = theta[0] if abs(theta[0]) > NO_PULL else NO_PULL
         return pull, value[0], value[1], float(np.clip(theta[1] / pull, -MOST_ARM, MOST_ARM))
+
+
+def _anchors(place: Array, x: Array, y: Array) -> Array:
+    """Anchors on a grid over the reach of the track, and beside the track, shape (anchors, 2).
+
+    Args:
+        place: the track, shape (2, n).
+        x: north of its samples that are summed, shape (m,).
+        y: east of them, shape (m,).
+    """
+    low, high = place.min(axis=1), place.max(axis=1)
+    reach = max(float((high - low).max()), LEAST_REACH)
+    along = np.linspace(-1.0, 1.0, GRID) * reach
+    grid = np.stack(np.meshgrid(along, along, indexing="ij"), axis=-1).reshape(-1, 2) + 0.5 * (low + high)
+    passed = np.linspace(0, x.size - 1, PASSED).astype(np.int64)
+    near = ASIDE * reach * np.array([(0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)])
+    beside = (np.stack([x[passed], y[passed]], axis=1)[:, None] + near).reshape(-1, 2)
+    return np.concatenate([grid, beside])
+
+
+def _beside(rows: Array, base: tuple[Array, ...]) -> Array:
+    """What least squares on a base leaves of rows, shape (rows, m)."""
+    q, _ = np.linalg.qr(np.stack(base, axis=1))
+    return np.asarray(rows - (rows @ q) @ q.T)

@@ -8,6 +8,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+from scipy.optimize import lsq_linear
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import case
@@ -17,6 +18,10 @@ from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.noise import declared_ambient
+from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.null.any_curve import AnyCurve, beyond
+from ivsid.diagnosis.null.directions import distance, left_beside
+from ivsid.diagnosis.null.screening import FINER, Round, inside_cells
 from ivsid.log import read_log
 from ivsid.vehicle import read_vehicle
 
@@ -57,3 +62,53 @@ def test_an_anchor_beside_a_straight_track_is_found():
     assert tether.physical and tether.fall > 200.0
     pull, north, east, _ = tether.values
     assert pull == pytest.approx(110.0, rel=0.2) and np.hypot(north - 30.2, east + 2.0) < 80.0
+
+
+def test_the_distance_from_all_errors_is_that_of_the_nearest_and_no_more():
+    """The oracle is least squares inside a box, for errors without classes of inflow."""
+    fit, _ = scored(85308)
+    free, rng = AnyCurve(fit), np.random.default_rng(7)
+    inflow = [i for i, k in enumerate(free.projection.base) if free.g.names[k].startswith("~inflow.")]
+    free.box[inflow] = 0.0
+    for scale in (0.02, 0.1):
+        moved = scale * rng.standard_normal((3, free.box.size)) / np.maximum(free.box, 1e-9)
+        z = 20.0 * rng.standard_normal(3)
+        nearest = np.sqrt(2.0 * lsq_linear(moved * free.box, z, bounds=(-1.0, 1.0)).cost)
+        found = distance(free, moved, z)
+        assert found <= nearest * (1 + 1e-9) + 1e-6 and found >= 0.97 * nearest - 1e-2
+    # Errors inside their bounds are at no distance.
+    inside = moved @ (free.box * rng.uniform(-1.0, 1.0, free.box.size))
+    assert distance(free, moved, inside) == 0.0
+
+
+@pytest.mark.parametrize(("seed", "id_"), [(85160, "current.oscillating"), (83161, "thruster.reverse_loss")])
+def test_a_cause_stands_by_the_direction_that_shows_it(seed, id_):
+    """In the one direction of the prior the worst errors took these causes of 12 and 18 standard deviations whole."""
+    fit, found = scored(seed)
+    free, s = AnyCurve(fit), found[id_]
+    g, columns = free.beside(s)
+    p = Projection(g, free.projection.base)
+    theta, fall = p.solve(columns)
+    assert beyond(fall, float(free.worst(p.held_back(columns) @ theta))) < 12.0
+    assert left_beside(free, s) > 40.0
+    # Errors without a bound leave nothing of either.
+    free.box = 1e6 * free.box
+    assert left_beside(free, s) == 0.0
+
+
+def test_teeth_inside_a_cell_are_no_cause_in_time():
+    """On a circle, whose demands drift, a saw's teeth at their bounds were a fouling of 11 standard deviations beside usual cells."""
+    fit, found = scored(82106, what="none", thrust="sawtooth", share=1.0)
+    here = Round(fit, tuple(found.values()), 1e-4, {})
+    for id_ in ("fouling.drift", "thruster.failure"):
+        assert inside_cells(found[id_]) and here.left(found[id_]) < 1.0
+        assert left_beside(AnyCurve(fit), found[id_]) > 30.0
+    count = [sum(n.startswith("~cell.") for n in free.g.names) for free in (here.curve, here.finer)]
+    assert count[0] < count[1] <= FINER * count[0]
+    assert not inside_cells(found["drag.surge.linear"])
+
+
+def test_a_failure_inside_the_accuracy_stands_beside_any_curve():
+    """A curve does not change in time, so that a loss of 2 % at a moment is none of its errors."""
+    fit, found = scored(85288)
+    assert Round(fit, tuple(found.values()), 1e-4, {}).left(found["thruster.failure"]) > 60.0

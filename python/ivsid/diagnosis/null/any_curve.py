@@ -65,6 +65,7 @@ class AnyCurve:
     Args:
         fit: of the log.
         over: demands of each thruster from its neutral over which the cells stand; those of the log by default.
+        finer: multiple of the number of cells.
 
     Attributes:
         g: cross-products over the whole log, the cells last.
@@ -72,9 +73,9 @@ class AnyCurve:
         box: bound of each error of the base that has one, else 0, in unit lengths, shape (base,).
     """
 
-    def __init__(self, fit: Fit, over: Sequence[Array] | None = None) -> None:
+    def __init__(self, fit: Fit, over: Sequence[Array] | None = None, finer: int = 1) -> None:
         self.fit = fit
-        found = list(cells(fit, over))
+        found = list(cells(fit, over, finer))
         # Further columns join when they are asked for: most candidates are never held against a curve.
         g = fit.gram.only(fit.base).whole()
         first = len(g.names)
@@ -129,8 +130,20 @@ class AnyCurve:
         names = p.g.names[:count]
         return {n: Reach(float(s / u), float(w / u)) for n, s, w, u in zip(names, noise, worst, unit, strict=True)}
 
-    def of(self, s: Scored) -> float:
-        """Fall of chi-squared of a family that no declared error inside its bound can make."""
+    def worst_errors(self, moved: Array) -> Array:
+        """The declared errors inside their bounds that move a sum most, shape (base,).
+
+        Args:
+            moved: of the sum by a unit of each error of the base, shape (base,).
+        """
+        out = np.sign(moved) * self.box
+        by = np.abs(moved) * self.box
+        for demand, inflow in zip(self._sums[::2], self._sums[1::2], strict=True):
+            out[inflow if by[demand].sum() >= by[inflow].sum() else demand] = 0.0
+        return np.asarray(out)
+
+    def beside(self, s: Scored) -> tuple[Gram, list[int]]:
+        """The cross-products with the columns of a family, and the indices of these."""
         g = self.fit.gram
         x, unit = g.columns(s.columns), g.unit[list(s.columns)]
         if s.candidate.starts:
@@ -139,10 +152,7 @@ class AnyCurve:
             x = x / unit[:, None, None]
         first = len(self.g.names)
         wide = self.g.joined([f"{s.id}@{k}" for k in s.columns], x.reshape(len(x), *self.g.y.shape), unit)
-        p = Projection(wide, self.projection.base)
-        columns = range(first, len(wide.names))
-        theta, fall = p.solve(columns)
-        return beyond(fall, float(self.worst(p.held_back(columns) @ theta)))
+        return wide, list(range(first, len(wide.names)))
 
 
 def _thrusters(fit: Fit) -> Sequence[Thruster]:
@@ -231,19 +241,20 @@ def outside(fit: Fit) -> tuple[tuple[str, float], ...]:
     return tuple(found)
 
 
-def cells(fit: Fit, over: Sequence[Array] | None = None) -> Iterator[tuple[str, Array]]:
+def cells(fit: Fit, over: Sequence[Array] | None = None, finer: int = 1) -> Iterator[tuple[str, Array]]:
     """Name and signature of a thrust error of one bound in each cell of demand that the log visits, and in each class of inflow.
 
     Args:
         fit: of the log.
         over: demands of each thruster from its neutral over which the cells stand, without classes of inflow; those of the log by default.
+        finer: multiple of the number of cells.
     """
     s = fit.signatures
     propulsion = s.predictor.propulsion
     thrusters = [k for k, e in enumerate(propulsion.errors) if len(e.spreads)]
     relative = through_water(s)
     for k in thrusters:
-        count = min(MOST_CELLS, max(CELLS // (2 * len(thrusters)), 1))
+        count = finer * min(MOST_CELLS, max(CELLS // (2 * len(thrusters)), 1))
         place = _places((over or propulsion.demands)[k], count)
         visited = np.unique(place(propulsion.demands[k]))
         errors = s.predictor.driving.slopes(s.h, k, _in_cells(fit, k, place, visited))

@@ -9,8 +9,8 @@ import numpy as np
 
 from ivsid.diagnosis.candidates.families import score
 from ivsid.diagnosis.estimation.fit import Fit
-from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.null.family_wise import Threshold
+from ivsid.diagnosis.null.screening import Round
 
 
 class Examination(Protocol):
@@ -59,8 +59,7 @@ class Families:
         fit, scored = score(replace(fit, candidates=tested))
         real = [s for s in scored if s.physical]
         # As in the test of the log, what is below the threshold has to stand beside any thrust curve inside its accuracy.
-        low = [s for s in real if s.chance <= self.test.calibration.chance]
-        free = AnyCurve(fit) if low and fit.noise.predictor.vehicle.thrusters else None
-        chances = [s.chance if free is None or s not in low else replace(s, fall=free.of(s)).chance for s in real]
+        here = Round(fit, scored, self.test.calibration.chance, self.test.seen)
+        chances = [s.chance if s.chance > here.chance else replace(s, fall=here.left(s)).chance for s in real]
         strength = -float(np.log(max(min(chances, default=1.0), 1e-300)))
         return strength, bool(self.test(fit, scored).passed)

@@ -20,10 +20,9 @@ from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.kinds.candidate import PRICE, Scored
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.plant.thrust_errors import bound_of
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates
-from ivsid.effects import EFFECTS, Given
+from ivsid.effects import EFFECTS
 
 # Price of the less simple of two causes that fit exactly alike.
 # Source: definition: any positive number breaks the tie
@@ -147,8 +146,7 @@ def fitted(problem: Problem, fit: Fit, s: Scored) -> Rival | None:
 def possible(h: Hypothesis, id_: str, predictor: Predictor) -> bool:
     """Whether the fitted numbers of a cause are ones that it can have.
 
-    A drag that drives, a delay of zero, a tide whose period exceeds several logs, and a failure inside the stated accuracy of its thruster are
-    not possible.
+    A drag that drives, a delay of zero and a tide whose period exceeds several logs are not possible.
 
     Args:
         h: the fitted hypothesis.
@@ -162,8 +160,6 @@ def possible(h: Hypothesis, id_: str, predictor: Predictor) -> bool:
                 return False
     for g in h.given:
         if g.effect.id == id_:
-            if _inside_accuracy(g, predictor):
-                return False
             for p, value in zip(g.effect.parameters, g.values, strict=True):
                 if p.part == "period" and value > PERIODS * predictor.log.n * predictor.log.h:
                     return False
@@ -175,22 +171,3 @@ def possible(h: Hypothesis, id_: str, predictor: Predictor) -> bool:
                 ):
                     return False
     return True
-
-
-def _inside_accuracy(given: Given, predictor: Predictor) -> bool:
-    """Whether an effect changes the share of one thruster's thrust at a time, by less than the thruster's stated accuracy."""
-    numbers = dict(zip(given.effect.draws, given.values, strict=True))
-    if (
-        not {"thruster", "time", "size"} <= numbers.keys()
-        or given.effect.parameters[given.effect.draws.index("size")].unit != "1"
-    ):
-        return False
-    k = round(numbers["thruster"])
-    thruster, curve, demand = (
-        predictor.vehicle.thrusters[k],
-        predictor.propulsion.curves[k],
-        predictor.propulsion.demands[k],
-    )
-    thrust = np.asarray(curve.value(demand + thruster.neutral), dtype=np.float64)
-    size = np.sqrt(np.mean(thrust**2))
-    return bool(abs(numbers["size"]) * size < np.sqrt(np.mean(bound_of(thruster, curve, demand) ** 2)))

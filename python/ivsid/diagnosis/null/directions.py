@@ -1,0 +1,131 @@
+"""What of a cause's scores no declared error inside its bound makes, in a few directions beside each other.
+
+A direction is what least squares leaves of a cause's columns beside the base and the cells, for one weight of the priors of the thrust errors.
+A large weight keeps the whole signature: the noise says little, and the errors have their whole effect. A small one keeps what lies beside the
+cells: errors do little, and the noise says more. Which of them shows a cause depends on the cause, and the best is a sum of several.
+
+Let z = D'y be the scores of the directions D, with y = A e + n, errors |e_i| <= b_i and noise n. The errors move z inside a convex set K,
+whose support function is the worst sum of ``any_curve``. The distance of z from K, in the noise of z, is at most that from the true D'A e: its
+square is chi-squared with as many degrees of freedom as there are directions, at most. The distance itself is the largest of
+(u'z - h(u)) / |u| over all u (duality), so that any u bounds it from below.
+
+Source: docs/theory.md, "Any thrust curve inside its accuracy"; Rockafellar, *Convex Analysis*, 1970, section 13 (support functions); Wolfe,
+"Finding the nearest point in a polytope", Mathematical Programming 11, 1976.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+from scipy.special import chdtrc, chdtri
+
+from ivsid.diagnosis.estimation.cross_products import RIDGE
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
+from ivsid.diagnosis.null.any_curve import LEAST, AnyCurve
+from ivsid.effects.effect import Inflow, Thrust
+
+Array = NDArray[np.float64]
+# Weights of the priors of the thrust errors, one set of directions each, that are taken together.
+# Source: geometry: a standard deviation of a fifth of the bound holds the errors fast, and one of twice the bound lets them go
+TOGETHER: Final = ((10.0, 0.1),)
+# The same for a cause that is itself a change of a thrust curve, each alone: beside free cells little but its course inside a cell is left of it,
+# which true curves have as well. A saw's teeth at their bounds looked like a saturation of 9 standard deviations there.
+# Source: geometry: as above, and the prior itself
+ALONE: Final = ((10.0,), (1.0,))
+# Eigenvalues of the correlation of the directions' noise below this share of the largest are one direction twice.
+# Source: geometry: directions that differ by less than a hundredth of their length
+SAME: Final = 1e-4
+# Steps towards the nearest point, and the relative gap at which they end.
+# Source: resource: any step gives a bound, the last ones hardly more
+STEPS: Final = 60
+GAP: Final = 1e-2
+# Weight of the sum of a point's shares, beside which their distance is small.
+# Source: geometry: leaves a thousandth of the sum open
+WHOLE: Final = 1e3
+# Shares below this do not belong to a point.
+# Source: definition: rounding of a least-squares solution
+NO_SHARE: Final = 1e-12
+
+
+def left_beside(free: AnyCurve, s: Scored) -> float:
+    """Fall of chi-squared of a family by its own numbers alone that is as rare as what no declared error inside its bound makes of its scores.
+
+    It is no larger than the whole fall.
+
+    Args:
+        free: the base beside any thrust curve.
+        s: the family.
+    """
+    g, columns = free.beside(s)
+    physics = s.candidate.effect.acts
+    curve = isinstance(physics, Inflow) or (isinstance(physics, Thrust) and not physics.timed)
+    sets = ALONE if curve else TOGETHER
+    base = free.projection.base
+    bounded = free.box > 0
+    # Errors at the knots have no bound here: the cells alone make any curve.
+    errors = bounded | np.array([g.names[k].startswith(("~thrust.", "~hysteresis.")) for k in base])
+    soft = ~errors & (g.prior[base] > 0)
+    # Errors of the log without the part that the hypothesis holds: the bounds are those of the whole errors.
+    score = g.score.sum(axis=0) + g.total @ g.centre
+    chances = []
+    for weights in sets:
+        D = np.concatenate([_direction(free, g.total, g.prior, columns, errors, weight) for weight in weights], axis=1)
+        moved = D.T @ g.total[:, base]
+        # Errors that have a deviation and no bound are noise.
+        noise = D.T @ g.total @ D + (moved[:, soft] / g.prior[base][soft]) @ moved[:, soft].T
+        size = np.sqrt(np.maximum(np.diag(noise), LEAST))
+        values, vectors = np.linalg.eigh(noise / np.outer(size, size))
+        kept = values > SAME * values.max()
+        root = (vectors[:, kept] / np.sqrt(values[kept])).T / size
+        far = distance(free, root @ moved, root @ (D.T @ score))
+        chances.append(float(chdtrc(int(kept.sum()), far**2)))
+    return min(float(chdtri(s.count, min(max(len(sets) * min(chances), LEAST), 1.0))), s.fall)
+
+
+def _direction(
+    free: AnyCurve, total: Array, prior: Array, columns: Sequence[int], errors: NDArray[np.bool_], weight: float
+) -> Array:
+    """What least squares leaves of columns, as coefficients of all columns, shape (all, columns).
+
+    Args:
+        free: the base beside any thrust curve.
+        total: cross-products of all columns.
+        prior: their precisions.
+        columns: of the cause.
+        errors: which of the base are declared errors of thrusts, or have a bound.
+        weight: of the priors of these errors.
+    """
+    base = free.projection.base
+    held = prior[base] * np.where(errors, weight, 1.0) + RIDGE
+    D = np.zeros((len(prior), len(columns)))
+    D[list(columns)] = np.eye(len(columns))
+    D[base] = -np.linalg.solve(total[np.ix_(base, base)] + np.diag(held), total[np.ix_(base, list(columns))])
+    return D
+
+
+def distance(free: AnyCurve, moved: Array, z: Array) -> float:
+    """Distance of scores from all that declared errors inside their bounds make of them, from below.
+
+    Args:
+        free: with the bounds.
+        moved: of each score by a unit of each error of the base, shape (scores, base).
+        z: the scores, in their own noise, shape (scores,).
+    """
+    best, towards = 0.0, z
+    points = np.zeros((z.size, 0))
+    for _ in range(STEPS):
+        length = float(np.linalg.norm(towards))
+        if length <= best * (1.0 + GAP) or length < NO_SHARE:
+            break
+        point = moved @ free.worst_errors(moved.T @ towards)
+        best = max(best, float(towards @ (z - point)) / length)
+        points = np.column_stack([points, point])
+        # The nearest point of all means of those that were found.
+        shares, _ = nnls(np.vstack([points, np.full(points.shape[1], WHOLE)]), np.r_[z, WHOLE])
+        points, shares = points[:, shares > NO_SHARE], shares[shares > NO_SHARE]
+        towards = z - points @ shares
+    return best

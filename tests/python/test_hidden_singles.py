@@ -112,3 +112,17 @@ def test_a_failure_inside_the_accuracy_stands_beside_any_curve():
     """A curve does not change in time, so that a loss of 2 % at a moment is none of its errors."""
     fit, found = scored(85288)
     assert Round(fit, tuple(found.values()), 1e-4, {}).left(found["thruster.failure"]) > 60.0
+
+
+def test_a_dead_band_between_two_values_of_its_grid_has_its_whole_fall():
+    """At the nearest value of the grid a fifth of the fall was left, which a curve inside its accuracy takes."""
+    fit, found = scored(85214)
+    band = found["thruster.deadband"]
+    assert band.values[0] == pytest.approx(5.392, rel=0.03) and band.fall > 280.0
+    assert Round(fit, tuple(found.values()), 1e-4, {}).left(band) > 12.0
+    assert band.looks > 1.0 + 0.3 * len(band.candidate.variants)
+
+
+def test_teeth_that_jump_are_no_dead_band():
+    fit, found = scored(82105, what="none", thrust="sawtooth", share=1.0)
+    assert Round(fit, tuple(found.values()), 1e-4, {}).left(found["thruster.deadband"]) < 1.0

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ivsid.diagnosis.candidates.finer import with_finer
 from ivsid.diagnosis.candidates.searched import with_searched
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
@@ -25,6 +26,7 @@ def score(fit: Fit) -> tuple[Fit, list[Scored]]:
     p = fit.projection
     found = [s for c in fit.candidates if (s := c.score(p, fit.signatures)) is not None]
     fit, searched = with_searched(fit, p)
+    fit, found = with_finer(fit, found)
     return fit, sorted(_merged([*found, *searched]), key=lambda s: -s.merit)
 
 

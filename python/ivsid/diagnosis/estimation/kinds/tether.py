@@ -19,12 +19,6 @@ LEAST_REACH: Final = 20.0
 # Anchors along each side of the grid.
 # Source: resource: time of 225 sums; a seventh of the reach lies between two of them, which later steps refine
 GRID: Final = 15
-# Places of the track around which anchors stand closer: the pull of one beside the track turns while it is passed, and is constant before and after.
-# Source: resource: a twenty-fourth of the track lies between two of them, which later steps refine
-PASSED: Final = 24
-# Their distance from the track, as a share of the reach.
-# Source: geometry: half the distance of two places of a straight track
-ASIDE: Final = 0.02
 # Anchors that get exact columns.
 # Source: resource: two columns each
 EXACT: Final = 6
@@ -40,9 +34,15 @@ SAMPLES: Final = 1500
 # Squared distance that is added to that of an anchor [m^2].
 # Source: geometry: the direction to an anchor below the hull stays a number
 NEAR: Final = 1e-4
+# Places of the track around which anchors stand closer: the pull of one beside the track turns while it is passed, and is constant before and after.
+# Source: resource: a twenty-fourth of the track lies between two of them, which later steps refine
+PASSED: Final = 24
+# Their distance from the track, as a share of the reach.
+# Source: geometry: half the distance of two places of a straight track
+ASIDE: Final = 0.02
 # Independent anchors in the grid and along the track.
-# Source: measured: make constants
-LOOKS: Final = 40.0
+# Source: geometry: twenty of the grid, whose neighbours are alike, and one for each place of the track
+LOOKS: Final = 20.0 + PASSED
 # Largest arm of a tether [m].
 # Source: measured: make constants
 MOST_ARM: Final = 3.0

@@ -9,6 +9,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
+from scipy.stats import chi2
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import case
@@ -20,7 +21,7 @@ from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.noise import declared_ambient
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import AnyCurve, beyond
-from ivsid.diagnosis.null.directions import distance, left_beside
+from ivsid.diagnosis.null.directions import as_rare, distance, left_beside
 from ivsid.diagnosis.null.screening import FINER, Round, inside_cells
 from ivsid.log import read_log
 from ivsid.vehicle import read_vehicle
@@ -79,6 +80,17 @@ def test_the_distance_from_all_errors_is_that_of_the_nearest_and_no_more():
     # Errors inside their bounds are at no distance.
     inside = moved @ (free.box * rng.uniform(-1.0, 1.0, free.box.size))
     assert distance(free, moved, inside) == 0.0
+
+
+def test_a_fall_far_beyond_the_smallest_chance_stays_as_large():
+    """A lag of 170 standard deviations had no more than 1,370 left of 26,000, and its full fit none."""
+    assert as_rare(1, 1, 30.0) == pytest.approx(30.0) and as_rare(1, 2, 30.0) == pytest.approx(
+        chi2.isf(chi2.sf(30.0, 2), 1)
+    )
+    assert as_rare(1, 1, 30.0, 2) == pytest.approx(chi2.isf(2 * chi2.sf(30.0, 1), 1))
+    assert 0.97 * 26000.0 < as_rare(1, 2, 26000.0, 2) <= 26000.0 and as_rare(2, 1, 26000.0) <= 26000.0
+    grown = [as_rare(1, 2, x, 2) for x in np.linspace(1300.0, 1450.0, 40)]
+    assert np.all(np.diff(grown) > -2.0) and as_rare(1, 3, 0.0) == 0.0
 
 
 @pytest.mark.parametrize(("seed", "id_"), [(85160, "current.oscillating"), (83161, "thruster.reverse_loss")])

@@ -29,9 +29,9 @@ from ivsid.diagnosis.null.any_curve import LEAST, AnyCurve
 from ivsid.effects.effect import Inflow, Thrust
 
 Array = NDArray[np.float64]
-# Weights of the priors of the thrust errors, one set of directions each, that are taken together.
-# Source: geometry: a standard deviation of a fifth of the bound holds the errors fast, and one of twice the bound lets them go
-TOGETHER: Final = ((10.0, 0.1),)
+# Weights of the priors of the thrust errors: sets of directions, of which each is taken together and the best counts.
+# Source: geometry: a standard deviation of a fifth of the bound holds the errors fast, and one of twice the bound lets them go; and the prior itself
+TOGETHER: Final = ((10.0, 0.1), (1.0,))
 # The same for a cause that is itself a change of a thrust curve, each alone: beside free cells little but its course inside a cell is left of it,
 # which true curves have as well. A saw's teeth at their bounds looked like a saturation of 9 standard deviations there.
 # Source: geometry: as above, and the prior itself
@@ -71,7 +71,7 @@ def left_beside(free: AnyCurve, s: Scored) -> float:
     soft = ~errors & (g.prior[base] > 0)
     # Errors of the log without the part that the hypothesis holds: the bounds are those of the whole errors.
     score = g.score.sum(axis=0) + g.total @ g.centre
-    chances = []
+    left = []
     for weights in sets:
         D = np.concatenate([_direction(free, g.total, g.prior, columns, errors, weight) for weight in weights], axis=1)
         moved = D.T @ g.total[:, base]
@@ -82,8 +82,24 @@ def left_beside(free: AnyCurve, s: Scored) -> float:
         kept = values > SAME * values.max()
         root = (vectors[:, kept] / np.sqrt(values[kept])).T / size
         far = distance(free, root @ moved, root @ (D.T @ score))
-        chances.append(float(chdtrc(int(kept.sum()), far**2)))
-    return min(float(chdtri(s.count, min(max(len(sets) * min(chances), LEAST), 1.0))), s.fall)
+        left.append(as_rare(s.count, int(kept.sum()), far**2, len(sets)))
+    return min(max(left), s.fall)
+
+
+def as_rare(count: int, freedom: int, square: float, times: int = 1) -> float:
+    """Chi-squared of some degrees of freedom that is as rare as that of others, of which the best of several counts.
+
+    Args:
+        count: degrees of freedom.
+        freedom: those of the given one.
+        square: the given chi-squared.
+        times: number of which it is the best.
+    """
+    chance = times * float(chdtrc(freedom, square))
+    if chance < LEAST:
+        # Both grow alike from there on: their ratio nears one.
+        return float(square * min(chdtri(count, LEAST) / chdtri(freedom, LEAST / times), 1.0))
+    return float(chdtri(count, min(chance, 1.0)))
 
 
 def _direction(

@@ -147,4 +147,4 @@ def _learnt(fit: Fit, states: FilteredStates) -> Noise:
             break
         predictor = quicker
         _, states = learn(predictor, states, everything, fit.fixed, left_out, rounds=1)
-    return learn(predictor, states, everything, fit.fixed, left_out, rounds=1)[0]
+    return learn(predictor, states, everything, fit.fixed, left_out)[0]

@@ -20,7 +20,7 @@ from ivsid.diagnosis.null.simulated_logs import SLOWEST, null_logs, thinned
 from ivsid.diagnosis.null.thresholds import calibrate
 from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.prediction.innovations import Predictor
-from ivsid.diagnosis.selection.confirmation import CLOSE, StructureTest, confirmed, strength
+from ivsid.diagnosis.selection.confirmation import CLOSE, StructureTest, confirmed, sound, strength
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.effects import EFFECTS, Given, sort_given
 from ivsid.log import Log
@@ -341,3 +341,21 @@ def test_only_a_finding_close_to_its_threshold_asks_for_null_logs(zigzags, tmp_p
     again = confirmed(fit, test, [close(fit, test, 2.6)], Looks(1, 20, tmp_path, told.append))
     assert again.nulls.cached == 20 and not told
     np.testing.assert_array_equal(again.nulls.strengths, near.nulls.strengths)
+
+
+def test_null_logs_beside_a_cause_beyond_doubt_follow_the_model_with_it(zigzags, tmp_path):
+    fit, test, _ = zigzags
+    tide = Given(EFFECTS["current.oscillating"], (0.1, 0.0, 100.0, 0.0))
+    late = Given(EFFECTS["thruster.delay"], (0.1,))
+    last = replace(fit, states=fit.states.under(replace(fit.h, given=(tide, late))))
+    # A delay is not followed, and what is close is not there.
+    assert [g.effect.id for g in sound(last, fit, ()).h.given] == ["current.oscillating"]
+    assert sound(last, fit, ["current.oscillating"]).h == fit.h
+    near = close(fit, test, 2.6)
+    beyond = replace(close(fit, test, CLOSE * 1.01), id="current.oscillating")
+    plain = confirmed(fit, test, [near], Looks(1, 20, tmp_path), last)
+    assert plain.nulls.cached == 0
+    assert confirmed(fit, test, [near, beyond], Looks(1, 20, tmp_path)).nulls.cached == 20
+    beside = confirmed(fit, test, [near, beyond], Looks(1, 20, tmp_path), last)
+    assert beside.nulls.cached == 0 and beside.nulls.kept.size == 20
+    assert (beside.nulls.strengths != plain.nulls.strengths).any()

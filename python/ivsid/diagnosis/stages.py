@@ -87,7 +87,7 @@ def diagnose(
     test_of, looks = Threshold(calibration, visible), Looks(seed, null_logs, cache, progress)
     progress("looking for causes")
     selection = select(fit, test_of, progress)
-    confirmation = confirmed(fit, test_of, selection.found, looks)
+    confirmation = confirmed(fit, test_of, selection.found, looks, selection.last)
     if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in selection.found):
         progress("looking again, at the threshold of the null logs")
         selection = select(fit, confirmation.test, progress)

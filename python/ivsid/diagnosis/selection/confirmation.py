@@ -1,7 +1,8 @@
 """Confirmation of findings, and of structure that no cause explains, where they are close to their threshold, by simulated null logs.
 
 Null logs are examined until they decide about all that is close, and all of them only where doubt is left. They make a threshold stricter,
-and never looser. Those of findings follow the plain model, those of structure the last one with the causes that were found.
+and never looser. Those of findings follow the plain model, or the last one with the causes that are beyond doubt, and those of structure the
+last one with all causes that were found.
 
 Source: docs/theory.md, "Null logs"; Clopper and Pearson, "The use of confidence or fiducial limits illustrated in the case of the binomial",
 Biometrika 26, 1934.
@@ -9,7 +10,7 @@ Biometrika 26, 1934.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -75,7 +76,7 @@ def strength(test: Threshold, found: Found) -> float:
     return -float(np.log(max(test.chance(found.first, found.fall), 1e-300)))
 
 
-def confirmed(fit: Fit, test: Threshold, found: Sequence[Found], looks: Looks) -> Confirmation:
+def confirmed(fit: Fit, test: Threshold, found: Sequence[Found], looks: Looks, last: Fit | None = None) -> Confirmation:
     """Confirms the findings that are close to the threshold.
 
     Args:
@@ -83,23 +84,47 @@ def confirmed(fit: Fit, test: Threshold, found: Sequence[Found], looks: Looks) -
         test: with the threshold of the Gaussian draws.
         found: causes that passed the test.
         looks: null logs that may be looked at.
+        last: fit of the model with all of them, whose null logs are asked where some are beyond doubt; None asks those of the plain model.
     """
     asked = -float(np.log(test.calibration.chance))
-    near = [s for s in (strength(test, f) for f in found) if s < CLOSE * asked]
+    strengths = {f.id: strength(test, f) for f in found}
+    near = {i: s for i, s in strengths.items() if s < CLOSE * asked}
     if not near or looks.most <= 0:
         return Confirmation(test)
     level, first = test.calibration.level, test.calibration.chance
+    beside = last is not None and len(near) < len(strengths)
+    if last is not None and beside:
+        # The plain model is far from a log that holds a strong cause.
+        fit = sound(last, fit, near)
     predictor = fit.noise.predictor
     used = looks.decided(
         lambda: trial_of(fit, test.visible, Families(test)),
-        lambda: key_of(predictor.vehicle, predictor.log, looks.seed, level, test.visible, first),
+        lambda: key_of(
+            predictor.vehicle, predictor.log, looks.seed, level, test.visible, first, fit.h if beside else None
+        ),
         NullTest(np.zeros(0), np.zeros(0, dtype=bool), level, first=first),
-        near,
+        list(near.values()),
     )
     if not used.usable:
         return Confirmation(test, used, "null logs of this programme leave its motion: the Gaussian draws stand alone")
     chance = min(first, float(np.exp(-used.threshold())))
     return Confirmation(replace(test, calibration=replace(test.calibration, chance=chance)), used)
+
+
+def sound(last: Fit, plain: Fit, ids: Iterable[str]) -> Fit:
+    """The last model without some causes, and without those that null logs do not follow: as it would be with neither in the log.
+
+    All other numbers stay as they are beside these causes.
+
+    Args:
+        last: fit of the model with all causes.
+        plain: fit of the model without any.
+        ids: of the causes that are taken out.
+    """
+    h = last.h
+    for id_ in {*ids, *not_followed(h)}:
+        h = h.without(id_, plain.h)
+    return replace(last, states=last.states.under(h))
 
 
 @dataclass(frozen=True)

@@ -108,3 +108,13 @@ def test_a_moment_outside_the_catalogue_has_no_name_and_a_pair_has_two(seed, nam
     vehicle = read_vehicle(folder / "vehicle.toml")
     train, test = (read_log(folder / f"{k}.csv", vehicle.log) for k in (1, 2))
     assert [f.effect for f in diagnose(vehicle, train, test, null_logs=0).findings] == names
+
+
+def test_a_cause_that_one_force_beats_leaves_the_verdict_unknown(tmp_path):
+    """A drag with the cube of speed passed as a current, which the force refused, and the dictionary saw too little of it: the model was adequate."""
+    folder = seal(case(85024, duration=300.0), tmp_path, tmp_path / "answers")
+    vehicle = read_vehicle(folder / "vehicle.toml")
+    train, test = (read_log(folder / f"{k}.csv", vehicle.log) for k in (1, 2))
+    said = diagnose(vehicle, train, test, null_logs=0)
+    assert said.adequacy[1].quiet and [f.id for f in said.selection.imitating] == ["current.steady"]
+    assert [f.effect for f in said.findings] == ["unknown"]

@@ -87,8 +87,9 @@ def diagnose(
     test_of, looks = Threshold(calibration, visible), Looks(seed, null_logs, cache, progress)
     progress("looking for causes")
     selection = select(fit, test_of, progress)
-    confirmation = confirmed(fit, test_of, selection.found, looks, selection.last)
-    if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in selection.found):
+    passed = (*selection.found, *selection.imitating)
+    confirmation = confirmed(fit, test_of, passed, looks, selection.last)
+    if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in passed):
         progress("looking again, at the threshold of the null logs")
         selection = select(fit, confirmation.test, progress)
     predictor = Predictor(vehicle, other, selection.last.noise.predictor.ambient)
@@ -100,7 +101,7 @@ def diagnose(
     straight = bool(fit.noise.left_out)
     structure = confirmed_structure(selection.last, test_of.visible, Left(after, before, count, straight), looks)
     before, after = (replace(a, risk=structure.risk) for a in (before, after))
-    complete = Left(after, before, count, straight).sufficient
+    complete = Left(after, before, count, straight, len(selection.imitating)).sufficient
     residuals = before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
     findings, withdrawn = findings_of(selection, residuals, after, complete=complete)
     trial = trial.of({f.effect for f in findings})

@@ -41,6 +41,7 @@ class Selection:
         screened: scores of the first round, the best first.
         leftover: scores beside all causes, the best first.
         refused: for each cause that was not found, the refusal by the first rule that it did not keep, by id.
+        imitating: causes that passed every test but that one force explains as well, or better: the log holds something that the model lacks.
     """
 
     plain: Fit
@@ -49,6 +50,7 @@ class Selection:
     screened: tuple[Scored, ...]
     leftover: tuple[Scored, ...] = field(default=())
     refused: Mapping[str, Refusal] = field(default_factory=dict)
+    imitating: tuple[Found, ...] = ()
 
 
 def select(plain: Fit, passes: Threshold, progress: Progress = lambda _: None) -> Selection:
@@ -123,7 +125,8 @@ def _without_one_force(s: Selection) -> Selection:
     fit, scored = score(survey(noise, states, fixed))
     refused = {r.id: said[f.id] for f in s.found if f.id in said for r in f.rivals}
     found = tuple(f for f in s.found if f.id not in said)
-    return replace(s, last=fit, found=found, leftover=tuple(scored), refused={**refused, **s.refused})
+    gone = tuple(f for f in s.found if f.id in said)
+    return replace(s, last=fit, found=found, leftover=tuple(scored), refused={**refused, **s.refused}, imitating=gone)
 
 
 def _reviews(noise: Noise, last: Reviewed, passes: Threshold, plain: Fit, before: set[frozenset[str]]) -> Reviewed:

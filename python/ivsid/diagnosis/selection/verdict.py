@@ -26,12 +26,14 @@ class Left:
         before: adequacy of the plain model.
         findings: number of causes that were found.
         straight: whether the vehicle hardly turns: slow causes imitate one another there, so that no rest is little.
+        imitating: number of causes that passed every test and that one force of no cause explains as well, or better.
     """
 
     after: Adequacy
     before: Adequacy
     findings: int
     straight: bool = False
+    imitating: int = 0
 
     @property
     def little(self) -> bool:
@@ -77,4 +79,15 @@ OF_THE_SEA: Final = Rule[Left](
     "the log shows at least {value:.2g} times the declared ambient force, and {limit:g} times are none",
     least=False,
 )
-VERDICT: Final = (STRUCTURE_RULE, OF_HULLS, OF_THE_SEA)
+OF_FORCES: Final = Rule[Left](
+    "force of no cause",
+    "causes that passed every test and that one force of no cause explains as well, or better",
+    "0",
+    "What passes every test is no chance, however little of it the regressors see. Logs with nothing hidden give such causes as rarely as findings.",
+    "definition: levels of the verdict in docs/constants.md",
+    lambda c: c.imitating,
+    lambda _: 0,
+    "{value:.0f} causes passed every test, and one force of no cause explains as much",
+    least=False,
+)
+VERDICT: Final = (STRUCTURE_RULE, OF_HULLS, OF_THE_SEA, OF_FORCES)

@@ -3,14 +3,21 @@
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import case
 from tests.exam.seal import seal
 
-from diagnosis_logs import names
+from diagnosis_logs import names, train_of, vehicle_of
 from ivsid import diagnose
+from ivsid.diagnosis.candidates.families import everything
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.estimation.signatures import Signatures
+from ivsid.effects import Given
+from ivsid.effects.sensing import VELOCITY_SCALE
 from ivsid.log import read_log
 from ivsid.vehicle import read_vehicle
 
@@ -28,3 +35,19 @@ def test_the_force_of_a_tide_that_is_found_does_not_stay_in_the_ambient_one(tmp_
     assert "unknown" not in {f.effect for f in said.findings} and {"current.oscillating"} in names(said)
     before, after = (fit.noise.predictor.ambient.deviation[1] for fit in (said.selection.plain, said.selection.last))
     assert after < 0.6 * before and said.adequacy[1].rougher[1] < 1.5
+
+
+@pytest.mark.nightly
+def test_a_scale_of_the_velocity_leaves_a_drag_its_name(tmp_path):
+    said = diagnosed(86247, tmp_path, what="two")
+    assert [f.effect for f in said.findings] == ["sensor.velocity.scale", "drag.surge.linear"]
+
+
+def test_the_slope_of_a_declared_scale_is_the_same_beside_the_effect():
+    """It was the difference to the effect's number: 340 times the slope, so that the declared error took the effect as well."""
+    vehicle = vehicle_of()
+    fit = plain_fit(vehicle, channels(train_of(vehicle, duration=120.0), vehicle), everything)
+    states = fit.states.under(fit.h.with_effect(Given(VELOCITY_SCALE, (0.05,))))
+    predictor = fit.noise.predictor
+    (none,), (beside,) = (Signatures(predictor, s).reading(VELOCITY_SCALE) for s in (fit.states, states))
+    np.testing.assert_allclose(beside, none, atol=0.2 * np.abs(none).max())

@@ -82,11 +82,13 @@ class Signatures:
         return self.predictor.difference(self.states, other, self.mass) / step
 
     def reading(self, effect: Effect) -> list[Array]:
-        """Slopes of the errors with the parameters of a sensor effect at none."""
+        """Slopes of the errors with the parameters of a sensor effect, at the hypothesis's numbers or at none."""
+        # The velocity's scale is a declared error as well: its slope is asked beside the effect.
+        held = next((g.values for g in self.h.given if g.effect.id == effect.id), (0.0,) * len(effect.parameters))
         found = []
         for j, parameter in enumerate(effect.parameters):
             step = STEP_FROM_NONE * parameter.typical
-            values = tuple(step if i == j else 0.0 for i in range(len(effect.parameters)))
+            values = tuple(x + step * (i == j) for i, x in enumerate(held))
             found.append(self.whole(Given(effect, values)) / step)
         return found
 

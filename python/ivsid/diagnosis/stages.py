@@ -97,11 +97,10 @@ def diagnose(
     trial = Trial(predictor, selection, seed)
     moved = Apart(partial(change, vehicle, selection.last, other))
     after = adequacy(selection.last) if selection.found else before
-    count = len(selection.found)
-    straight = bool(fit.noise.left_out)
-    structure = confirmed_structure(selection.last, test_of.visible, Left(after, before, count, straight), looks)
+    rest = Left(after, before, len(selection.found), bool(fit.noise.left_out))
+    structure = confirmed_structure(selection.last, test_of.visible, rest, looks)
     before, after = (replace(a, risk=structure.risk) for a in (before, after))
-    complete = Left(after, before, count, straight, len(selection.imitating)).sufficient
+    complete = replace(rest, after=after, before=before, imitating=len(selection.imitating)).sufficient
     residuals = before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
     findings, withdrawn = findings_of(selection, residuals, after, complete=complete)
     trial = trial.of({f.effect for f in findings})

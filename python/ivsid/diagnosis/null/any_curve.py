@@ -138,7 +138,7 @@ class AnyCurve:
         """
         out = np.sign(moved) * self.box
         by = np.abs(moved) * self.box
-        for demand, inflow in zip(self._sums[::2], self._sums[1::2], strict=True):
+        for demand, inflow in self._sums:
             out[inflow if by[demand].sum() >= by[inflow].sum() else demand] = 0.0
         return np.asarray(out)
 

@@ -3,7 +3,8 @@
 Two linear causes can add up to a force that neither of them is: a share of the thrust's moment, less a moment that follows the
 acceleration, is one that follows the drag. Each then stands in a fit with many standard deviations, and nothing is left unexplained. But one
 regressor of the adequacy's dictionary, in the place of all of them and with one number, explains as much. A single cause is none where
-such a regressor explains more in its place than the cause does.
+such a regressor explains more in its place than the cause does. A regressor stands in the place of causes if hardly anything is left to
+them beside it: one that explains another part of the errors replaces nothing.
 
 Source: docs/theory.md, "Diagnosis"; Akaike, "A new look at the statistical model identification", IEEE Transactions on Automatic Control 19,
 1974.
@@ -13,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import combinations
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +27,9 @@ from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.rules import BETTER_FORCE, ONE_FORCE, Together
 
 Array = NDArray[np.float64]
+# Largest share of what causes explain that they explain beside a force which stands in their place.
+# Source: definition: three quarters are the force's; of other parts of the errors it has nothing
+REPLACED: Final = 0.25
 
 
 def imitating(fit: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:
@@ -57,7 +62,9 @@ def imitating(fit: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:
             at = [place[k] for i in ids for k in own[i]]
             held = np.array([numbers[g.names[k]] for k in at]) * g.unit[at]
             p = Projection(wide, [k for k in range(first) if k not in at])
-            fall, alone = in_their_place(p, at, held, range(first, len(wide.names)))
+            fall, alone, kept = in_their_place(p, at, held, range(first, len(wide.names)))
+            # A force beside which the causes explain what they did is another part of the errors.
+            alone = np.where(kept <= REPLACED * fall, alone, 0.0)
             best = int(np.argmax(alone))
             channel, function = names[best].split("|", 1)
             case = Together(ids, fall, len(at), f"{function} in {channel}", float(alone[best]))
@@ -67,8 +74,10 @@ def imitating(fit: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:
     return refused
 
 
-def in_their_place(p: Projection, columns: Sequence[int], held: Array, forces: Sequence[int]) -> tuple[float, Array]:
-    """Fall of chi-squared by some columns together, and by each force in their place, shape (forces,).
+def in_their_place(
+    p: Projection, columns: Sequence[int], held: Array, forces: Sequence[int]
+) -> tuple[float, Array, Array]:
+    """Fall of chi-squared by some columns together, by each force in their place, and by them beside each force, shape (forces,).
 
     Args:
         p: least squares on all that is neither.
@@ -80,13 +89,25 @@ def in_their_place(p: Projection, columns: Sequence[int], held: Array, forces: S
     # What the hypothesis has taken out of the errors goes back into the scores.
     H = p.information(columns)
     score = p.left_score[columns] + p.left(columns, columns) @ held
-    values, vectors = np.linalg.eigh(H)
-    kept = values > NOTHING_LEFT * max(float(values.max()), 1e-300)
-    fall = float((((vectors[:, kept].T @ score) ** 2) / values[kept]).sum())
+    largest = float(np.linalg.eigvalsh(H).max())
+    fall = _fall(H, score, largest)
     own = np.array([p.left([k], [k])[0, 0] for k in forces]) + p.g.prior[forces]
     real = own > NOTHING_LEFT * np.maximum(np.diag(p.total)[forces], 1e-300)
-    alone = p.left_score[forces] + p.left(forces, columns) @ held
-    return fall, np.where(real, alone**2 / np.where(real, own, 1.0), 0.0)
+    between = p.left(forces, columns)
+    alone = p.left_score[forces] + between @ held
+    inverse = np.where(real, 1.0 / np.where(real, own, 1.0), 0.0)
+    # Both together, less the force alone.
+    beside = H[None] - inverse[:, None, None] * between[:, :, None] * between[:, None, :]
+    scores = score[None] - (inverse * alone)[:, None] * between
+    kept = np.array([_fall(x, y, largest) for x, y in zip(beside, scores, strict=True)])
+    return fall, inverse * alone**2, kept
+
+
+def _fall(H: Array, score: Array, largest: float) -> float:
+    """Fall of chi-squared by columns with the information ``H``, along what is determined beside the largest eigenvalue of all."""
+    values, vectors = np.linalg.eigh(H)
+    kept = values > NOTHING_LEFT * max(largest, 1e-300)
+    return float((((vectors[:, kept].T @ score) ** 2) / values[kept]).sum())
 
 
 def _numbers(fit: Fit) -> dict[str, float]:

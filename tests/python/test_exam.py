@@ -254,7 +254,7 @@ def test_a_draw_has_no_crash_and_no_more_false_findings_than_allowed(first):
     assert len(misnamed) <= most(len(singles)), misnamed
 
 
-# Nightly: twelve whole diagnoses; the gate holds the errors themselves against the cells of inflow (test_thrust_errors.py).
+# Nightly: twelve whole diagnoses; the gate holds the errors themselves against the cells of inflow (test_any_curve.py).
 @pytest.mark.slow
 @pytest.mark.nightly
 @pytest.mark.parametrize("first", [FRESH, 65000], ids=["fresh", "fixed"])

@@ -1,6 +1,5 @@
 """Declared thrust errors as what they are: any curve inside the stated accuracy makes no finding, and one that leaves it is told."""
 
-import itertools
 import os
 import sys
 from dataclasses import replace
@@ -8,11 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from scipy.linalg import block_diag
-from scipy.optimize import lsq_linear, minimize
-from scipy.stats import chi2
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.draw import case
@@ -20,16 +14,9 @@ from tests.exam.thrust_errors import SHAPES, with_errors
 
 from diagnosis_logs import screened, train_of, vehicle_of
 from ivsid import diagnose
-from ivsid.diagnosis.candidates.intervals import intervals
 from ivsid.diagnosis.estimation.declared_errors import through_water, thrust_answers
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.null.any_curve import OVERSHOOT, AnyCurve, Boxed, beyond, lost
-from ivsid.diagnosis.null.detection import detection_limits
-from ivsid.diagnosis.null.directions import left_beside
-from ivsid.diagnosis.null.reached import Reached
-from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.plant.thrust_errors import BOUNDED, BRANCHES, KNOTS, bound_of, thrust_errors, upward
-from ivsid.diagnosis.selection.adequacy import RISK, adequacy
 from ivsid.log import Log
 from ivsid.propulsion.thrust import ThrustCurve
 
@@ -66,19 +53,6 @@ def test_a_curve_that_fills_its_accuracy_makes_no_finding(seed, family):
     assert not found.passed and found.quiet
 
 
-@pytest.fixture(scope="module", params=[(955, "two_waves"), pytest.param((950, "hump"), marks=pytest.mark.nightly)])
-def wrong(request):
-    """A log whose thrust errors are three times their accuracy."""
-    c = calm(*request.param, 3.0, duration=300.0, train_alone=True)
-    return screened(c.vehicle, log_of(c.train))
-
-
-def test_a_curve_that_leaves_its_accuracy_is_told(wrong):
-    """A soft prior alone took it, and called the model adequate with every mass wrong."""
-    found = wrong
-    assert not found.quiet and adequacy(found.fit).inside <= RISK
-
-
 # Nightly: a whole diagnosis; the gate screens such a log.
 @pytest.mark.nightly
 def test_the_sentence_names_the_thruster_and_what_to_do():
@@ -103,135 +77,6 @@ def test_false_alarms_are_rare_whatever_the_family():
             bad.append((SEED + 5000 + seed, families[seed % len(families)], [f.effect for f in result.findings]))
     # At the demanded 1 %, three or more of 48 have a chance of about 1 %.
     assert len(bad) <= 2, bad
-
-
-def test_falls_with_errors_inside_their_bounds_are_those_of_the_whole_problem(wrong):
-    """The oracle minimises chi² over all numbers at once, errors and cause and parameters, with a general solver."""
-    fit = wrong.fit
-    boxed, g, p = Boxed(fit), fit.gram, fit.projection
-    predictor = fit.noise.predictor
-    errors = [(t.name, e) for t, e in zip(predictor.vehicle.thrusters, predictor.propulsion.errors, strict=True)]
-    own = g.at([name for t, e in errors for name in e.names(t)])
-    shift = np.where(np.isin(np.arange(len(g.names)), own), g.centre, 0.0)
-
-    def least(bound, side):
-        # From the values at the knots, of one branch and of the hysteresis, to the sizes.
-        sizes = block_diag(*(e.sizes(side) for _, e in errors)) * g.unit[own][:, None]
-        at = [*(k for k in fit.base if k not in own), *own]
-        N = p.total[np.ix_(at, at)] + np.diag(np.where(np.isin(at, own), 0.0, g.prior[at]))
-        s = (p.score + p.total @ shift + np.where(np.isin(np.arange(len(g.names)), own), g.prior * g.centre, 0.0))[at]
-        first = len(at) - len(own)
-        # Knots take the place of the sizes: x = turn @ (others, knots).
-        turn = block_diag(np.eye(first), sizes)
-        root = np.linalg.cholesky(turn.T @ N @ turn + 1e-9 * np.eye(len(at)))
-        low = np.r_[np.full(first, -np.inf), np.full(len(own), -bound)]
-        solved = lsq_linear(root.T, np.linalg.solve(root, turn.T @ s), (low, -low), method="bvls")
-        return 2 * solved.cost - float(np.sum(np.linalg.solve(root, turn.T @ s) ** 2))
-
-    branches = [least(OVERSHOOT, side) - least(np.inf, side) for side in (1.0, -1.0)]
-    assert boxed.leaving == pytest.approx(max(branches), rel=1e-3, abs=0.05)
-    assert boxed.leaving > boxed.knots
-
-
-def test_the_distance_from_all_curves_is_the_least_of_any_curve(wrong):
-    """The oracle takes a curve out of the scores, asks what free knots still gain, and lets a general minimiser look for the best curve."""
-    free = AnyCurve(wrong.fit)
-    reached, g = Reached(free), free.g
-    knots = [k for k, n in enumerate(g.names) if n.startswith(("~thrust.", "~hysteresis."))]
-    cells = [k for k, n in enumerate(g.names) if n.startswith("~cell.")]
-    inflows = [k for k, n in enumerate(g.names) if n.startswith("~inflow.")]
-    others = [k for k in range(len(g.names)) if k not in {*knots, *cells, *inflows}]
-    total, score = g.blocks.sum(axis=0), g.score.sum(axis=0)
-    whole = (
-        score
-        + total[:, knots] @ g.centre[knots]
-        - np.where(np.isin(np.arange(len(g.names)), knots), 0.0, g.prior * g.centre)
-    )
-
-    def gained(e):
-        """Fall of chi² by free knots once the curve e is taken out, with its slope."""
-        s = whole - total[:, cells] @ (g.unit[cells] * e)
-        small = total[np.ix_(others, others)] + np.diag(g.prior[others] + 1e-9)
-        both = [*others, *knots]
-        large = total[np.ix_(both, both)] + np.diag([*(g.prior[others] + 1e-9), *np.full(len(knots), 1e-9)])
-        x, y = np.linalg.solve(large, s[both]), np.linalg.solve(small, s[others])
-        slope = -2 * g.unit[cells] * (total[np.ix_(cells, both)] @ x - total[np.ix_(cells, others)] @ y)
-        return s[both] @ x - s[others] @ y, slope
-
-    found = minimize(
-        gained,
-        np.zeros(len(cells)),
-        jac=True,
-        bounds=[(-1, 1)] * len(cells),
-        options={"maxiter": 20_000, "maxfun": 20_000},
-    )
-    assert reached.leaving == pytest.approx(found.fun, rel=2e-3, abs=0.1)
-    assert reached.leaving <= gained(np.zeros(len(cells)))[0]
-    assert chi2.sf(reached.leaving, reached.knots) <= RISK
-
-
-def weights(free, shares):
-    """What errors by demand and by inflow take of their bounds, if those by demand take these shares, by thruster; all others take the whole."""
-    names = [free.g.names[k] for k in free.projection.base]
-    taken = np.ones(len(names))
-    for thruster, share in zip(free.fit.noise.predictor.vehicle.thrusters, shares, strict=True):
-        for i, name in enumerate(names):
-            if name.startswith(f"~cell.{thruster.name}."):
-                taken[i] = share
-            if name.startswith(f"~inflow.{thruster.name}."):
-                taken[i] = 1 - share
-    assert taken.min() < 1
-    return taken * free.box
-
-
-def ends(free):
-    """Errors by demand or by inflow alone, thruster by thruster, at their bounds."""
-    for shares in itertools.product((0.0, 1.0), repeat=len(free.fit.noise.predictor.vehicle.thrusters)):
-        yield weights(free, shares)
-
-
-def test_detection_limits_leave_eight_deviations_beside_the_worst_errors(wrong):
-    """Errors at the ends of their bounds, with drawn signs and with the worst ones, move the score of a cause by no more than the limit allows."""
-    fit, rng = wrong.fit, np.random.default_rng(5)
-    limits, free, count = detection_limits(fit), AnyCurve(fit), len(fit.noise.predictor.vehicle.thrusters)
-    names = ["drag.surge.linear", "drag.yaw.linear", "thruster.curve"]
-    p = Projection(free.joined(names), free.projection.base)
-    plain = {i: next(iter(v.detectable.values())) for i, v in visibility(fit).items() if v.detectable}
-    for name in names:
-        (j,) = p.g.at([name])
-        (least,) = limits[name].values()
-        assert least > plain[name] > 0
-        deviation = np.sqrt(p.information([j])[0, 0])
-        moved = p.held_back([j])[:, 0]
-        worst = float(free.worst(moved))
-        assert least * p.g.unit[j] * deviation - worst / deviation == pytest.approx(8.0, rel=1e-6)
-        for _ in range(50):
-            errors = weights(free, rng.uniform(size=count)) * rng.choice([-1.0, 1.0], moved.size)
-            assert abs(moved @ errors) <= worst * (1 + 1e-12)
-        assert worst == pytest.approx(max(np.abs(moved) @ errors for errors in ends(free)))
-
-
-def test_an_interval_holds_its_number_beside_the_worst_curve(wrong):
-    """Errors inside their bounds, with drawn signs and with the worst ones, move no number by more than its interval has room for."""
-    fit, rng = wrong.fit, np.random.default_rng(5)
-    free, count = AnyCurve(fit), len(fit.noise.predictor.vehicle.thrusters)
-    p, reach = free.projection, free.reach()
-    signs = np.sign(p.covariance * p.g.prior[p.base])
-    for id_ in ("mass.surge", "drag.sway.quadratic"):
-        (k,) = fit.gram.at([id_])
-        i = fit.base.index(k)
-
-        def moved(e, i=i):
-            # The shift by errors in the data, less the errors themselves, which are no part of this number.
-            return np.linalg.solve(p.normal, p.total[np.ix_(p.base, p.base)] @ e)[i] / p.g.unit[i]
-
-        for _ in range(20):
-            errors = weights(free, rng.uniform(size=count)) * rng.choice([-1.0, 1.0], free.box.size)
-            assert abs(moved(errors)) <= reach[id_].worst * (1 + 1e-6)
-        assert max(abs(moved(e * signs[i])) for e in ends(free)) == pytest.approx(reach[id_].worst, rel=1e-4)
-        own = intervals(fit, id_)[id_], intervals(fit, id_, curves=reach)[id_]
-        assert own[1].lower < own[0].lower < own[0].upper < own[1].upper
-        assert own[1].upper - own[1].lower >= 2 * reach[id_].worst
 
 
 # The fall of each was lost beside soft priors: half of the curve was taken by errors of twice their accuracy.
@@ -315,94 +160,7 @@ def test_a_hysteresis_inside_its_accuracy_is_no_noise():
     assert p.information([k])[0, 0] < 0.1
 
 
-@given(st.integers(0, 10**6))
-@settings(max_examples=60, deadline=None)
-def test_what_no_error_inside_its_bound_makes_is_no_more_than_the_noise_makes(seed):
-    """The theorem of the worst case on a small problem, with ordinary least squares in place of the package's."""
-    rng = np.random.default_rng(seed)
-    rows, k = 60, 3
-    base, columns, errors = (
-        rng.standard_normal((rows, 4)),
-        rng.standard_normal((rows, k)),
-        rng.standard_normal((rows, 5)),
-    )
-    noise, e = rng.standard_normal(rows), rng.uniform(-1, 1, 5) * rng.uniform(0, 3)
-    bound = np.maximum(np.abs(e), rng.uniform(0, 1, 5))
-
-    def project(x):
-        return x - base @ np.linalg.lstsq(base, x, rcond=None)[0]
-
-    C = project(columns)
-    H = C.T @ C
-
-    def fall(y):
-        s = C.T @ y
-        return float(s @ np.linalg.solve(H, s))
-
-    y = noise + errors @ e
-    theta = np.linalg.solve(H, C.T @ y)
-    worst = float(np.abs(errors.T @ (C @ theta)) @ bound)
-    assert beyond(fall(y), worst) <= fall(noise) * (1 + 1e-9) + 1e-9
-
-
-def test_a_score_is_lost_by_standard_deviations():
-    assert beyond(100.0, 0.0) == 100.0 and beyond(100.0, 20.0) == pytest.approx(64.0) and beyond(4.0, 9.0) == 0.0
-    assert lost(100.0, 64.0) == pytest.approx(2.0) and lost(1.0, 4.0) == 0.0
-
-
 def test_the_direction_of_a_demand_is_that_of_its_last_change():
     d = np.array([3.0, 3.0, 4.0, 4.0, 2.0, 2.0, 5.0])
     assert upward(d).tolist() == [True, True, True, True, False, False, True]
     assert upward(np.ones(3)).all() and upward(-d).tolist() == [True, True, False, False, True, True, False]
-
-
-def test_a_cause_that_a_curve_inside_its_accuracy_makes_is_lost_and_a_strong_one_is_not():
-    c = case(
-        940,
-        what="one",
-        effect="drag.yaw.linear",
-        size=1.0,
-        kind="twin",
-        style="rich",
-        rate=10.0,
-        duration=300.0,
-        train_alone=True,
-    )
-    found = screened(c.vehicle, log_of(c.train))
-    assert "drag.yaw.linear" in found.passed
-    strong = found.of("drag.yaw.linear")
-    curves = AnyCurve(found.fit, found.fit.noise.predictor.propulsion.demands)
-    assert left_beside(curves, strong) > 0.3 * strong.fall
-    # Errors by inflow differ from side to side where the vehicle turns, as a drag in yaw does.
-    free = AnyCurve(found.fit)
-    assert left_beside(free, strong) > 0.2 * strong.fall
-    # Without any bound on the errors nothing is left of it.
-    free.box = 1e6 * free.box
-    assert left_beside(free, strong) == 0.0
-
-
-@pytest.mark.parametrize("bend", [lambda q: np.tanh(2 * q), lambda q: np.sin(3 * q), lambda q: -np.sign(q)])
-def test_an_error_by_inflow_is_one_of_any_curve(bend):
-    """Shares of the bound that follow the speed of the water along a thruster, and not the demand."""
-    vehicle = vehicle_of()
-    fit = screened(vehicle, train_of(vehicle, duration=160.0)).fit
-    free = AnyCurve(fit)
-    s = fit.signatures
-    u, _, r = relative = through_water(s)
-    speed = u - vehicle.thrusters[0].position[1] * r
-    curve = s.predictor.propulsion.curves[0]
-    whole = s.predictor.driving.slopes(s.h, 0, lambda d: bound_of(vehicle.thrusters[0], curve, d)[None])
-    error = whole * bend((speed - speed.mean()) / speed.std())
-    assert np.any(error)
-    (answer,) = thrust_answers(s, 0, error, relative)
-    g = fit.gram
-    column, _ = g.white.blocks([answer], g.good, g.length)
-    left = []
-    for names in (free.g.names, [n for n in free.g.names if not n.startswith("~inflow.")]):
-        at = [k for k, n in enumerate(free.g.names) if n in names]
-        A = free.g.columns(at).reshape(len(at), -1)
-        b = column.reshape(-1)
-        scale = np.linalg.norm(A, axis=1)
-        q = np.linalg.lstsq((A / scale[:, None]).T, b, rcond=1e-9)[0]
-        left.append(float(np.linalg.norm(b - (A / scale[:, None]).T @ q) / np.linalg.norm(b)))
-    assert left[0] < 0.45 and left[0] < 0.7 * left[1]

@@ -20,13 +20,12 @@ from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import AnyCurve, Boxed, lost
 from ivsid.diagnosis.null.directions import left_beside
+from ivsid.diagnosis.null.inside_cells import FINER, inside_cells
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.null.rule import Rule
 from ivsid.diagnosis.null.second_opinion import second_opinion
 from ivsid.diagnosis.null.thresholds import HIGH_SIDE
 from ivsid.diagnosis.null.visibility import EXCITED, VISIBLE, Visibility
-from ivsid.effects import Grid
-from ivsid.effects.effect import Change, Thrust
 
 # Chance that the second opinion may give: its blocks are few, so it is asked for less than the calibrated test.
 # Source: measured: make constants
@@ -42,11 +41,6 @@ BEYOND_DOUBT_AXES_LEFT_OUT: Final = 60.0
 # for causes of another kind, so that the number of causes, which the calibrated threshold counts, does not count a second time.
 # Source: definition: half of the 1 % of logs without an effect that may give a finding
 WORST: Final = 5e-3
-# Cells beside which a cause has to stand that errors inside a cell may look like, in those of other causes. Where demands drift or change their
-# level, these errors come and go like a cause in time. Where the error jumps, it is like the edge of a dead band. A saw's teeth at their bounds were
-# a fouling and a failure of 11 standard deviations on a circle, and a dead band of 14.
-# Source: resource: half a gigabyte for a log of 600 s at 20 Hz
-FINER: Final = 3
 # A smaller fall of chi-squared is no finding, whatever its chance: below five standard deviations the model of the noise is not trusted, and
 # fresh logs without an effect reach 19.
 # Source: measured: make null-logs
@@ -97,7 +91,7 @@ class Round:
 
     def left(self, s: Scored) -> float:
         """Fall of chi-squared of a family that no declared error inside its bound can make."""
-        curve = self.finer if inside_cells(s) else self.curve
+        curve = self.finer if inside_cells(self.fit, s) else self.curve
         return s.fall if curve is None else left_beside(curve, s)
 
     def lost(self, s: Scored) -> float:
@@ -146,13 +140,6 @@ class Case:
         """Whether an error of the noise model could make the fall."""
         left_out = self.round.fit.noise.left_out
         return self.s.fall < (BEYOND_DOUBT_AXES_LEFT_OUT if left_out else BEYOND_DOUBT)
-
-
-def inside_cells(s: Scored) -> bool:
-    """Whether a cause may look like errors inside a cell: it changes the vehicle or a thrust in the course of a log, or at one demand."""
-    effect = s.candidate.effect
-    changes = isinstance(effect.acts, Change) or (isinstance(effect.acts, Thrust) and effect.acts.timed)
-    return changes or (isinstance(effect.form, Grid) and (effect.form.jumps or effect.form.limits))
 
 
 def chance(s: Scored) -> float:

@@ -1,0 +1,51 @@
+"""Causes that errors of a thrust curve inside one of the cells of ``any_curve`` may look like, and that have to stand beside more cells."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
+from ivsid.diagnosis.plant.thrust_errors import bound_of
+from ivsid.effects import Grid
+from ivsid.effects.effect import Change, Thrust
+
+# Cells beside which a cause has to stand that errors inside a cell may look like, in those of other causes. Where demands drift or change their
+# level, these errors come and go like a cause in time. Where the error jumps, it is like the edge of a dead band. A saw's teeth at their bounds were
+# a fouling and a failure of 11 standard deviations on a circle, and a dead band of 14.
+# Source: resource: half a gigabyte for a log of 600 s at 20 Hz
+FINER: Final = 3
+
+
+def inside_cells(fit: Fit, s: Scored) -> bool:
+    """Whether a cause may look like errors inside a cell: it changes the vehicle or a thrust in the course of a log, or at one demand.
+
+    A failure that exceeds the accuracy of its thruster does not: errors inside a cell do not reach it.
+
+    Args:
+        fit: of the log.
+        s: the cause.
+    """
+    effect = s.candidate.effect
+    if isinstance(effect.acts, Thrust) and effect.acts.timed and s.candidate.starts:
+        return _inside_accuracy(fit, s)
+    changes = isinstance(effect.acts, Change) or (isinstance(effect.acts, Thrust) and effect.acts.timed)
+    return changes or (isinstance(effect.form, Grid) and (effect.form.jumps or effect.form.limits))
+
+
+def _inside_accuracy(fit: Fit, s: Scored) -> bool:
+    """Whether a cause takes a share of one thruster's thrust that is less than the thruster's stated accuracy."""
+    numbers = dict(zip(s.candidate.effect.draws, s.values, strict=True))
+    if "thruster" not in numbers or "size" not in numbers:
+        return False
+    predictor, k = fit.noise.predictor, round(numbers["thruster"])
+    thruster, curve, demand = (
+        predictor.vehicle.thrusters[k],
+        predictor.propulsion.curves[k],
+        predictor.propulsion.demands[k],
+    )
+    thrust = np.asarray(curve.value(demand + thruster.neutral), dtype=np.float64)
+    size = np.sqrt(np.mean(thrust**2))
+    return bool(abs(numbers["size"]) * size < np.sqrt(np.mean(bound_of(thruster, curve, demand) ** 2)))

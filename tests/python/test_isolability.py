@@ -106,18 +106,22 @@ def test_coasting_separates_linear_drag_from_friction_best():
 # Nightly: the gate has the coast that separates drag from friction, and the command.
 @pytest.mark.slow
 @pytest.mark.nightly
-def test_headings_separate_current_from_wind_and_straight_runs_do_not():
-    """On one heading at one speed a current and a wind are one thing; speed changes on several headings, or full turns, tell them apart."""
+def test_headings_separate_current_from_wind_better_than_straight_runs():
+    """Speed changes on several headings, and best full turns, tell a current from a wind.
+
+    A straight run that begins at rest tells them apart by its drift sideways, now that sway counts there: four logs of such a run, two of a
+    current and two of a wind, were each named rightly. Without sway it had no two of them apart.
+    """
     vehicle, train, fit = fitted(ONE_LINE)
     logs = sailed(vehicle, fit.h.values, train.columns)
     noisy = sailed(vehicle, fit.h.values, train.columns, "gaussian", {"zigzag 20/20"})["zigzag 20/20"]
     (one,), _ = advise(fit, [("current.steady", "wind.steady")], logs, noisy)
     d = {c.trial: c.d for c in one.choices}
-    assert one.d < APART and one.best.d >= APART
+    assert APART <= one.d < 0.5 * one.best.d
     headings = d["speed changes on four headings"]
     assert headings >= APART
     # A coast turns away as it comes to rest; these two do not. Full turns without speed are best: there only the wind pushes.
-    assert headings > 1.5 * max(d["acceleration straights"], d["speed steps"])
+    assert headings > 1.25 * max(d["acceleration straights"], d["speed steps"])
     assert one.best.trial == "turns on the spot"
 
 

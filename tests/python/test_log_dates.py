@@ -78,9 +78,30 @@ def test_the_size_of_an_epoch_says_its_unit(tmp_path, unit, size):
     log = read_log(written(tmp_path / "a.csv", stamps))
     np.testing.assert_allclose(log.t, np.arange(50.0), atol=1e-9)
     assert any(f"t counts {unit} since 1970" in n for n in log.notes) == (unit != "s")
+    assert any(f"stamps t count {unit}" in a for a in log.assumes) == (unit != "s")
     # A stated unit is believed: here stamps of an odd zero.
     stated = read_log(written(tmp_path / "b.csv", stamps), log_map(time={"from": "t", "unit": "s"}))
     np.testing.assert_allclose(stated.t, size * np.arange(50.0), atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("first", "step"),
+    [
+        # Nanoseconds and microseconds since a computer began, which are no milliseconds since 1970.
+        (130 * 10**9, 10**7),
+        (3 * 86400 * 10**6, 10**4),
+        # A date in milliseconds, and steps of an hour.
+        (1_700_000_000_000, 3_600_000),
+    ],
+)
+def test_large_stamps_that_are_no_epoch_need_a_unit(tmp_path, first, step):
+    path = written(tmp_path / "a.csv", [first + step * k for k in range(50)])
+    with pytest.raises(
+        IvsidError, match=r"neither seconds nor ms, us or ns since 1970; state their unit: time = \{ from = \"t\""
+    ):
+        read_log(path)
+    log = read_log(path, log_map(time={"from": "t", "unit": "ns"}))
+    np.testing.assert_allclose(log.t, step * 1e-9 * np.arange(50.0), rtol=1e-9)
 
 
 def test_seconds_and_nanoseconds_in_two_columns(tmp_path):
@@ -96,3 +117,8 @@ def test_seconds_and_nanoseconds_in_two_columns(tmp_path):
         read_log(path, log_map(time={"from": "stamp.sec", "nanoseconds": "u"}))
     with pytest.raises(IvsidError, match="no nanoseconds of a second"):
         read_log(path, log_map(time={"from": "stamp.nanosec", "nanoseconds": "stamp.sec"}))
+    pl.DataFrame({"sec": 10**10 + np.arange(60), "nanosec": np.arange(60), "u": np.ones(60)}).write_csv(path)
+    with pytest.raises(
+        IvsidError, match=r"column sec goes up to 1e\+10, which are no seconds beside nanoseconds in nanosec"
+    ):
+        read_log(path, log_map(time={"from": "sec", "nanoseconds": "nanosec"}))

@@ -54,6 +54,17 @@ def test_rows_in_doubt_are_left_out_as_a_gap(changes, wrong):
     assert np.diff(kept).max() > GAP and (np.diff(kept) > 1).sum() == 1 and order.beside <= 2
 
 
+@pytest.mark.parametrize("slow", range(9, 16))
+def test_every_hole_is_a_gap_whatever_the_steps(slow):
+    """Half of a log is slower: the rows beside a hole are left out, and the median step of the others is another one."""
+    steps = np.r_[np.full(slow, 1.0), np.full(25 - slow, 0.2)]
+    t = np.cumsum(steps)
+    t[slow + 3] = np.nan
+    order = in_order(t)
+    kept, apart = t[order.kept], np.diff(order.kept) > 1
+    assert apart.any() and (np.diff(kept)[apart] > GAP * np.median(np.diff(kept))).all()
+
+
 def test_many_stamps_out_of_order_are_another_fault():
     t = np.arange(400.0)
     assert in_order(np.r_[t, t]) is None and in_order(t[::-1]) is None and in_order(np.repeat(t, 2)) is None

@@ -249,6 +249,14 @@ def test_the_one_log_below_a_folder_is_found(tmp_path, kind):
     assert found.columns.keys() == given.columns.keys()
 
 
+def test_a_folder_of_very_many_files_is_not_searched(tmp_path, monkeypatch):
+    monkeypatch.setattr("ivsid.log.formats.MOST_FILES", 20)
+    for k in range(21):
+        (tmp_path / "disk" / f"{k}").mkdir(parents=True)
+        (tmp_path / "disk" / f"{k}" / "notes.txt").write_text("calm")
+    assert "has more than 20 files below it; give the folder of one log" in sentence(tmp_path / "disk")
+
+
 def test_tables_in_folders_are_one_log_and_runs_in_folders_are_several(tmp_path):
     for k, columns in (("imu", ("r",)), ("dvl", ("u", "v"))):
         (tmp_path / "one" / k).mkdir(parents=True)

@@ -144,6 +144,9 @@ def test_units_in_headers(tmp_path, head, factor, unit):
     np.testing.assert_allclose(log.columns["r"], factor * np.round(np.sin(k), 4), atol=1e-15)
     np.testing.assert_allclose(log.columns["demand_port"], 1e3 * np.round(np.sin(k + 1), 4), atol=1e-9)
     assert f"{head} is read in {unit}, as its header says" in log.notes and log.ignored == ("x(1)", "x(2)")
+    # A scale that the map states stands in the place of the header's unit, that of one as well.
+    stated = read_log(path, log_map(columns={"r": {"from": head, "scale": 1.0}}))
+    np.testing.assert_allclose(stated.columns["r"], np.round(np.sin(k), 4), atol=1e-15)
     # A scale that the map states is the whole conversion.
     own = read_log(path, log_map(columns={"r": {"from": head, "scale": 2.0}}))
     np.testing.assert_allclose(own.columns["r"], 2 * np.round(np.sin(k), 4), atol=1e-15)

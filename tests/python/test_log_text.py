@@ -47,6 +47,8 @@ def test_dates_with_commas_and_padded_numbers(tmp_path):
     [
         ("t;u\n0;1\n1;2;3\n2;3\n", "not a readable CSV"),
         ("t;u\n0,0;1.234,5\n1,0;2,5\n", "column u holds '1.234,5' in row 2"),
+        # Thousands, or decimals of another program.
+        ("t;u\n0,0;1,5\n1,0;1.234\n", "column u has 1.234 in row 3, where other numbers have decimal commas"),
         ("t;u;v\n0,0;1,0;1\n1,0;2", "breaks off in its last row, after 2 of 3 cells"),
         ("time;u\n0;1\n1;2\n", "no column t for the time; it has time, u"),
     ],

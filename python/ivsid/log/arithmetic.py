@@ -1,8 +1,7 @@
 """Arithmetic on columns in ``[log]``: ``u = "surge_dot - 0.02"``, with a bound on the error of each value.
 
-A formula has columns, decimal numbers, ``+ - * /`` and parentheses. A name that is no word stands in backquotes, as in
-:code:`-`gyr z` / 2`. Nothing is executed: the parts of the syntax tree are walked, and any other part is refused. The bound follows each operation; it is no
-interval arithmetic, which the checker of ``ivsid verify`` must not share with what it checks.
+A formula has columns, decimal numbers, ``+ - * /`` and parentheses. A name that is no word stands in backquotes: "-`gyr z` / 2". Nothing is
+executed: the parts of the syntax tree are walked, and any other part is refused. The bound follows each operation; it is no interval arithmetic, which the checker of ``ivsid verify`` must not share with what it checks.
 
 Source: running error analysis, Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, section 3.3.
 """
@@ -24,10 +23,10 @@ from ivsid.errors import IvsidError
 Array = NDArray[np.float64]
 # A value and the bound on its error.
 Bounded = tuple[Array, Array]
-_OPERATORS: Final = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
+_OPERATORS: Final = (ast.Add, ast.Sub, ast.Mult, ast.Div)
 _QUOTED: Final = re.compile("`([^`]+)`")
 _NAME: Final = re.compile(r"[^\W\d]\w*(\.[^\W\d]\w*)*")
-# Brackets, powers and calls may nest this deep.
+# Operations may nest this deep.
 # Source: definition: no formula of columns is deeper
 DEEPEST: Final = 50
 # More than a few roundings of subnormal numbers.
@@ -134,7 +133,7 @@ def _check(part: ast.expr, words: Mapping[str, str], names: dict[str, None], tex
             return None
         case ast.UnaryOp(op=ast.USub() | ast.UAdd(), operand=operand) if depth < DEEPEST:
             return _check(operand, words, names, text, depth + 1)
-        case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS and depth < DEEPEST:
+        case ast.BinOp(left=left, op=op, right=right) if isinstance(op, _OPERATORS) and depth < DEEPEST:
             _check(left, words, names, text, depth + 1)
             return _check(right, words, names, text, depth + 1)
     raise IvsidError(

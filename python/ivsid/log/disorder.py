@@ -88,10 +88,19 @@ def _lengths(values: Array) -> NDArray[np.intp]:
 
 
 def _with_gaps(stamps: Array, sure: Rows) -> Rows:
-    """The sure rows without those that stand so near to a hole that it would be no gap."""
-    usual = float(np.median(np.diff(stamps[sure])))
-    # Beyond GAP by a quarter of a step, whatever the median of the rows that are left.
-    hole = (GAP + 0.25) * usual
+    """The sure rows without those that stand so near to a hole that it would be no gap, by the median step of the rows that are left."""
+    kept, hole = sure, 0.0
+    while kept.size >= 2:
+        # The median of the rows that are left may exceed that of all: holes only widen, so that this ends.
+        wide = (GAP + 0.25) * float(np.median(np.diff(stamps[kept])))
+        if wide <= hole:
+            break
+        hole, kept = wide, _widened(stamps, sure, wide)
+    return kept
+
+
+def _widened(stamps: Array, sure: Rows, hole: float) -> Rows:
+    """The sure rows without those nearer than a hole to the other side of one."""
     keep = np.ones(sure.size, dtype=bool)
     for k in np.flatnonzero(np.diff(sure) > 1).tolist():
         first, last = k, k + 1

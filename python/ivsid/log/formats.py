@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import hashlib
+import os
 import shutil
 import tempfile
 import zlib
@@ -36,6 +37,9 @@ DATAFLASH: Final = b"\xa3\x95\x80"
 TABLES: Final = (".csv", ".csv.gz", ".parquet", ".parquet.gz")
 # Endings of files that are a log each, in a folder that is searched.
 WHOLE: Final = (".mat", ".bin", ".mcap", ".db3", ".bag")
+# Files below a folder that is searched for a log.
+# Source: definition: a folder of one log has fewer; a disk has more
+MOST_FILES: Final = 10_000
 
 
 @contextmanager
@@ -104,12 +108,20 @@ def _found(path: Path, name: str) -> Path:
 
 
 def _below(folder: Path) -> list[Path]:
-    """The files in a folder and in those below it, without hidden ones."""
-    return sorted(
-        p
-        for p in folder.rglob("*")
-        if p.is_file() and not any(part.startswith(".") for part in p.relative_to(folder).parts)
-    )
+    """The files in a folder and in those below it, without hidden ones.
+
+    Raises:
+        IvsidError: more files than a folder of one log has.
+    """
+    files: list[Path] = []
+    for where, folders, names in os.walk(folder):
+        folders[:] = [f for f in folders if not f.startswith(".")]
+        files += [p for n in names if not n.startswith(".") and (p := Path(where, n)).is_file()]
+        if len(files) > MOST_FILES:
+            raise IvsidError(
+                f"folder {folder} has more than {MOST_FILES:,} files below it; give the folder of one log, or a file"
+            )
+    return sorted(files)
 
 
 def _several(folder: Path, name: str, logs: Sequence[Path]) -> IvsidError:

@@ -106,7 +106,7 @@ def _rule(source: Source, mapping: LogMap, labelled: Mapping[str, Label], column
         return None if made is None else _of_formula(source, mapping, column, made)
     table, name = found or (stated.table, stated.column)  # type: ignore[union-attr]
     note = ""
-    if stated is not None and column.unit is None and column.scale == 1.0:
+    if stated is not None and not {"unit", "scale"} & column.model_fields_set:
         unit = stated.known(units.COLUMN, source.name)
         column = column.model_copy(update={"unit": unit})
         note = f"{source.shown(table, name)} is read in {unit}, as its header says"

@@ -28,9 +28,18 @@ DECIMALS: Final = 15
 # integer of nanoseconds.
 # Source: theorem: standard model of floating-point arithmetic, Higham 2002, section 2.2
 TWICE: Final = 2.25
-# Stamps beyond these are epochs in a smaller unit: as seconds they would lie more than 3,000 years off.
-# Source: definition: 1e11 s are 3,171 years, 1e11 ms are March 1973
-EPOCHS: Final = (("ns", 1e17), ("us", 1e14), ("ms", 1e11))
+# Stamps beyond this are no seconds: they are an epoch in a smaller unit, or a clock of a computer.
+# Source: definition: 1e11 s are 3,171 years
+LARGEST: Final = 1e11
+# Years of an epoch whose unit is not stated, in seconds since 1970: 1990 to 2100. Those of two units do not meet.
+# Source: definition: days of those years, times 86,400 s
+YEARS: Final = (631152000.0, 4102444800.0)
+# Step [s] between two samples where the unit of an epoch is not stated.
+# Source: definition: from 100 kHz to one sample in a minute and a half
+STEPS: Final = (1e-5, 100.0)
+# Whole seconds whose nanoseconds are integers of 64 bits.
+# Source: definition: 2^63 ns are 292 years
+MOST_SECONDS: Final = 9.2e9
 _SECONDS: Final = {u: Decimal(repr(f)) for u, f in units.TIME.items()}
 
 
@@ -86,10 +95,12 @@ def times_of(series: pl.Series, unit: str | None, source: str, name: str, first_
         series, unit = nanoseconds(series, name, source, first_row), "ns"
     stamps = numbers(series, name, source, first_row)
     notes: list[str] = []
+    assumes: list[str] = []
     if unit is None:
-        unit = _unit_of(stamps)
+        unit = _unit_of(stamps, source, name)
         if unit != "s":
             notes.append(f"{name} counts {unit} since 1970, by the size of its stamps")
+            assumes.append(f"stamps {name} count {unit}, as their size says")
     scale = units.factor(unit, units.TIME, f"column {name}")
     rows = None
     if own:
@@ -101,7 +112,6 @@ def times_of(series: pl.Series, unit: str | None, source: str, name: str, first_
     if stamps.size < 2:
         what = "stamp" if own else "row"
         raise IvsidError(f"{source} has {stamps.size} {what}{'s' * (stamps.size != 1)}; at least 2 samples are needed")
-    assumes: tuple[str, ...] = ()
     if not (np.diff(stamps) > 0).all():
         order = in_order(stamps)
         if order is None:
@@ -112,7 +122,7 @@ def times_of(series: pl.Series, unit: str | None, source: str, name: str, first_
             f"stamps {name} repeat, go back, jump or are missing at row{'s' * (at.size > 1)} {few}: {at.size + order.beside} of "
             f"{stamps.size} rows are left out, as gaps"
         )
-        assumes = (f"stamps {name} are right where they increase beside those that do not",)
+        assumes.append(f"stamps {name} are right where they increase beside those that do not")
         rows = order.kept if rows is None else rows[order.kept]
         stamps, series = stamps[order.kept], series.gather(order.kept)
     first = _decimal(series[0]) * _SECONDS[unit]
@@ -122,13 +132,27 @@ def times_of(series: pl.Series, unit: str | None, source: str, name: str, first_
     if (steps <= 0).any():
         # Stamps that differ may be one double after their conversion.
         raise _disorder(t, rows, 1.0, source, first_row)
-    return Times(t, lost, first, counted, rows, tuple(notes), assumes)
+    return Times(t, lost, first, counted, rows, tuple(notes), tuple(assumes))
 
 
-def _unit_of(stamps: Array) -> str:
-    """The unit of stamps whose unit is not stated."""
-    largest = float(np.nanmax(np.abs(stamps), initial=0.0))
-    return next((unit for unit, beyond in EPOCHS if largest > beyond), "s")
+def _unit_of(stamps: Array, source: str, name: str) -> str:
+    """The unit of stamps whose unit is not stated: seconds, or that of an epoch which makes a date and a step that a log can have.
+
+    Raises:
+        IvsidError: stamps too large for seconds that are no epoch in any unit.
+    """
+    known = stamps[np.isfinite(stamps)]
+    if known.size < 2 or float(np.abs(known).max()) <= LARGEST:
+        return "s"
+    middle, step = float(np.median(known)), float(np.median(np.abs(np.diff(known))))
+    for unit in ("ms", "us", "ns"):
+        second = float(_SECONDS[unit])
+        if YEARS[0] <= middle * second <= YEARS[1] and STEPS[0] <= step * second <= STEPS[1]:
+            return unit
+    raise IvsidError(
+        f"{source}: column {name} goes up to {float(known.max()):.6g} in steps of {step:.6g}, which are neither seconds nor ms, us or ns since 1970; "
+        f'state their unit: time = {{ from = "{name}", unit = "ns" }} under [log]'
+    )
 
 
 def _disorder(stamps: Array, rows: NDArray[np.intp] | None, scale: float, source: str, first_row: int) -> IvsidError:
@@ -161,7 +185,7 @@ def of_two_columns(
         first_row: number of the first sample, for messages.
 
     Raises:
-        IvsidError: a cell that is no whole number, or nanoseconds outside [0, 1e9).
+        IvsidError: a cell that is no whole number, seconds beyond 292 years, or nanoseconds outside [0, 1e9).
     """
     whole = []
     for series, name in zip((seconds, nanos), names, strict=True):
@@ -171,6 +195,11 @@ def of_two_columns(
             raise IvsidError(
                 f"{source}: column {name} has {values[bad[0]]:g} in row {int(bad[0]) + first_row}, and a stamp of two columns needs whole "
                 "numbers; leave nanoseconds out under [log] time if the seconds have decimals"
+            )
+        if name == names[0] and (np.abs(values) >= MOST_SECONDS).any():
+            raise IvsidError(
+                f"{source}: column {name} goes up to {float(np.nanmax(np.abs(values))):.6g}, which are no seconds beside nanoseconds in {names[1]}; "
+                "map the column of whole seconds under [log] time"
             )
         whole.append(pl.Series(values, nan_to_null=True).cast(pl.Int64))
     if not nanos.is_empty() and (outside := ((whole[1] < 0) | (whole[1] >= 10**9)).arg_true()).len():

@@ -27,6 +27,8 @@ SEPARATORS: Final = ("\t", ";", ",", " ")
 # Source: definition: the rows in the first bytes, at most
 SOME: Final = 200
 _NUMBER: Final = r"^(\s*[+-]?\d*),(\d+(?:[eE][+-]?\d+)?\s*)$"
+# A number with a point where others have a comma: it may be the decimals, or thousands.
+_POINT: Final = r"^\s*[+-]?\d*\.\d+(?:[eE][+-]?\d+)?\s*$"
 _COMMA: Final = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
 
 
@@ -52,19 +54,33 @@ class Text:
 
     def read(self, names: Sequence[str]) -> dict[str, pl.Series]:
         """The columns as doubles where every cell is a plain number, as text otherwise."""
-        try:
-            return self._typed(names, pl.Float64())
-        except pl.exceptions.PolarsError:
-            # A cell is no number, or padded: text shows which one.
-            return {n: self._pointed(c) for n, c in self._text(names).items()}
+        if not self.decimal_comma:
+            try:
+                return self._typed(names, pl.Float64())
+            except pl.exceptions.PolarsError:
+                # A cell is no number, or padded: text shows which one.
+                pass
+        return {n: self._pointed(c) for n, c in self._text(names).items()}
 
     def exact(self, name: str) -> pl.Series:
         """The column as text."""
         return self._pointed(self._text([name])[name])
 
     def _pointed(self, text: pl.Series) -> pl.Series:
-        """Cells with decimal points; dates keep their commas, which stand before decimals as well."""
-        return text.str.replace(_NUMBER, "${1}.${2}") if self.decimal_comma else text
+        """Cells with decimal points; dates keep their commas, which stand before decimals as well.
+
+        Raises:
+            IvsidError: a number with a point beside numbers with commas.
+        """
+        if not self.decimal_comma:
+            return text
+        if (mixed := text.str.contains(_POINT).arg_true()).len():
+            k = int(mixed[0])
+            raise IvsidError(
+                f"{self.name}: column {text.name} has {text[k].strip()} in row {k + self.first_row}, where other numbers have decimal commas; its point may "
+                "stand before decimals or thousands: export the log with one kind of number"
+            )
+        return text.str.replace(_NUMBER, "${1}.${2}")
 
     def _text(self, names: Sequence[str]) -> dict[str, pl.Series]:
         try:
@@ -89,7 +105,6 @@ class Text:
             schema={c: kind if c in names else pl.String() for c in self.columns},
             null_values=list(MISSING),
             separator=self.separator,
-            decimal_comma=self.decimal_comma and kind != pl.String(),
             encoding="utf8-lossy",
             glob=False,
         )

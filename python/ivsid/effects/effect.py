@@ -73,11 +73,18 @@ class Physics:
         form: in which a diagnosis searches for such effects, where they declare none.
         at_thruster: whether it acts at each thruster.
         additive: whether it leaves the masses, the water and all other forces as they are.
+        late: whether it stands between demand and thrust, or between motion and reading, with a memory or a sensor of its own.
     """
 
     form: ClassVar[Form] = Linear()
     at_thruster: ClassVar[bool] = False
     additive: ClassVar[bool] = False
+    late: ClassVar[bool] = False
+
+    @property
+    def in_time(self) -> bool:
+        """Whether it may change in the course of a log."""
+        return False
 
 
 @dataclass(frozen=True)
@@ -100,6 +107,11 @@ class Change(Physics):
     """A change of other parameters: from their values by id, this effect's parameters and the time [s] to the new values."""
 
     function: Callable[[Mapping[str, Quantity], Numbers, Quantity], dict[str, Quantity]]
+
+    @property
+    def in_time(self) -> bool:
+        """A change is given the time."""
+        return True
 
 
 @dataclass(frozen=True)
@@ -144,6 +156,11 @@ class Thrust(Physics):
     function: Callable[[Quantity, Drive, Numbers], Quantity]
     timed: bool = False
 
+    @property
+    def in_time(self) -> bool:
+        """Whether it depends on the time or the voltage."""
+        return self.timed
+
 
 @dataclass(frozen=True)
 class Inflow(Physics):
@@ -161,6 +178,7 @@ class Response(Physics):
     form: ClassVar[Form] = Grid("seconds")
     at_thruster: ClassVar[bool] = True
     additive: ClassVar[bool] = True
+    late: ClassVar[bool] = True
     kind: Literal["lag", "delay"]
 
 
@@ -178,6 +196,7 @@ class Reading(Physics):
     """
 
     additive: ClassVar[bool] = True
+    late: ClassVar[bool] = True
     function: Callable[[Mapping[str, Quantity], Numbers], dict[str, Quantity]]
     sensor: Literal["velocity", "acceleration", "yaw_rate"]
     order: int = 0

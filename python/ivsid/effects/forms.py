@@ -39,6 +39,11 @@ class Form:
         return False
 
     @property
+    def edged(self) -> bool:
+        """Whether the errors have an edge at one demand or one thrust, as an error of a thrust curve that jumps."""
+        return self.jumps or self.limits
+
+    @property
     def limits(self) -> bool:
         """Whether the first number caps the thrusts; masses and drags are then known up to a scale that follows it."""
         return False

@@ -22,7 +22,6 @@ from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.diagnosis.plant.thruster_forces import bollard_force
 from ivsid.diagnosis.prediction.axes import Ambient
-from ivsid.effects import Reading, Response, Thrust
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -80,9 +79,7 @@ class Programme:
 def not_followed(h: Hypothesis) -> tuple[str, ...]:
     """Ids of the causes of a model that null logs do not follow: late thrusts, thrusts that change in time, and sensors."""
     return tuple(
-        g.effect.id
-        for g in h.given
-        if isinstance(g.effect.acts, (Response, Reading)) or (isinstance(g.effect.acts, Thrust) and g.effect.acts.timed)
+        g.effect.id for g in h.given if g.effect.acts.late or (g.effect.acts.at_thruster and g.effect.acts.in_time)
     )
 
 

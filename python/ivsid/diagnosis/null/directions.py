@@ -26,7 +26,6 @@ from scipy.special import chdtrc, chdtri
 from ivsid.diagnosis.estimation.cross_products import RIDGE
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.null.any_curve import LEAST, AnyCurve
-from ivsid.effects.effect import Inflow, Thrust
 
 Array = NDArray[np.float64]
 # Weights of the priors of the thrust errors: sets of directions, of which each is taken together and the best counts.
@@ -62,7 +61,7 @@ def left_beside(free: AnyCurve, s: Scored) -> float:
     """
     g, columns = free.beside(s)
     physics = s.candidate.effect.acts
-    curve = isinstance(physics, Inflow) or (isinstance(physics, Thrust) and not physics.timed)
+    curve = physics.at_thruster and not (physics.late or physics.in_time)
     sets = ALONE if curve else TOGETHER
     base = free.projection.base
     bounded = free.box > 0

@@ -9,8 +9,6 @@ import numpy as np
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.plant.thrust_errors import bound_of
-from ivsid.effects import Grid
-from ivsid.effects.effect import Change, Thrust
 
 # Cells beside which a cause has to stand that errors inside a cell may look like, in those of other causes. Where demands drift or change their
 # level, these errors come and go like a cause in time. Where the error jumps, it is like the edge of a dead band. A saw's teeth at their bounds were
@@ -28,11 +26,10 @@ def inside_cells(fit: Fit, s: Scored) -> bool:
         fit: of the log.
         s: the cause.
     """
-    effect = s.candidate.effect
-    if isinstance(effect.acts, Thrust) and effect.acts.timed and s.candidate.starts:
+    acts, form = s.candidate.effect.acts, s.candidate.effect.form
+    if acts.at_thruster and acts.in_time and s.candidate.starts:
         return _inside_accuracy(fit, s)
-    changes = isinstance(effect.acts, Change) or (isinstance(effect.acts, Thrust) and effect.acts.timed)
-    return changes or (isinstance(effect.form, Grid) and (effect.form.jumps or effect.form.limits))
+    return acts.in_time or form.edged
 
 
 def _inside_accuracy(fit: Fit, s: Scored) -> bool:

@@ -11,7 +11,7 @@ Other effects are forces, currents, and changes of parameters, thrusts or readin
 - ``inertia``, ``drag``, ``environment``, ``thrusters``, ``sensing``: the effects, one file a family.
 - ``forms``: how a diagnosis searches for the numbers of an effect; ``applicability``: what a vehicle lacks for an effect.
 - ``catalogue``: all of them by id, and the models that are sets of ids.
-- ``values``: effects with values, from numbers by id.
+- ``values``: effects with values, from numbers by id; ``fitted``: those that a vehicle file's model has.
 - ``registration``: effects of a user, from a Python file or from code.
 - ``rigid_body``: the left-hand side that the vehicle file knows.
 - ``functions``, ``quantity``: the functions that columns are made of, for floats, arrays, intervals and symbols alike;
@@ -47,6 +47,7 @@ from ivsid.effects.effect import (
     Terms,
     Thrust,
 )
+from ivsid.effects.fitted import causes, fitted, needed_terms, with_terms
 from ivsid.effects.forms import Anchored, Form, Grid, Harmonic, Linear, Step
 from ivsid.effects.registration import own_digest, own_files, own_ids, read_effects, register, unregister
 from ivsid.effects.rigid_body import rigid_body
@@ -86,8 +87,11 @@ __all__ = [
     "Terms",
     "Thrust",
     "acting",
+    "causes",
+    "fitted",
     "for_thruster",
     "lacking",
+    "needed_terms",
     "of_kind",
     "on_hull",
     "own_digest",
@@ -101,4 +105,5 @@ __all__ = [
     "terms_of",
     "unregister",
     "with_stated",
+    "with_terms",
 ]

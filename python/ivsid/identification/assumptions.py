@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from ivsid.effects import Given, causes
 from ivsid.rows import RegressionRows
 from ivsid.sensors.bounds import BoundedLog
 from ivsid.vehicle import Vehicle
@@ -30,7 +33,22 @@ def assumptions(rows: RegressionRows, bounded: BoundedLog, vehicle: Vehicle, all
         lines.append(f"each demand is {hold}")
     else:
         lines.append("between two rows each logged force lies between their values")
-    return (*lines, *bounded.statistical, *bounded.log.assumes, *rows.assumes, "model structure")
+    absent = [f"{', '.join(g.named)} acts in no row" for g in causes(vehicle)]
+    return (*lines, *absent, *bounded.statistical, *bounded.log.assumes, *rows.assumes, "model structure")
+
+
+def cause_notes(left_out: Sequence[Given]) -> tuple[str, ...]:
+    """A sentence on the causes of a model that no interval row can hold, or nothing.
+
+    Args:
+        left_out: causes of the vehicle file's ``[model.fitted]``.
+    """
+    if not left_out:
+        return ()
+    names = ", ".join(n for g in left_out for n in g.named)
+    return (
+        f"the rows leave out {names} of [model.fitted]: the intervals are those of a model without, so nothing is guaranteed",
+    )
 
 
 def _force_accuracy(vehicle: Vehicle) -> str:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
-from ivsid.effects import CHANNELS, terms_of
+from ivsid.effects import CHANNELS, causes, terms_of
 from ivsid.errors import IvsidError
-from ivsid.identification.assumptions import assumptions
+from ivsid.identification.assumptions import assumptions, cause_notes
 from ivsid.identification.bias import CHOICES, separate_bias, with_unknowns, without_unknowns
 from ivsid.identification.blocks import linked, nonzero, outlier_notes, overall, parameters_of, solve
 from ivsid.identification.combinations import determined
@@ -123,10 +123,11 @@ def identify_rows(
         for combination in determined(len(b.columns), b.directions)
     )
     reasons = [b.reason for b in blocks if b.reason]
+    left_out = causes(vehicle)
     return Identification(
         method=method,
         status=status,
-        guaranteed=proved and bounded.rule.guaranteed and not bounded.statistical,
+        guaranteed=proved and bounded.rule.guaranteed and not bounded.statistical and not left_out,
         assumes=assumptions(rows, bounded, vehicle, allowed),
         parameters=parameters if status != "empty" else {},
         estimate=estimate,
@@ -137,7 +138,7 @@ def identify_rows(
         certificates=tuple({**c, "block": k} for k, b in enumerate(blocks) for c in b.certificates),
         contradictions=tuple(k for k, b in enumerate(blocks) if b.status == "empty"),
         rows={name: int((rows.channel == k).sum()) for k, name in enumerate(CHANNELS)},
-        notes=(*bounded.log.notes, *outlier_notes(rows.terms, blocks)),
+        notes=(*bounded.log.notes, *outlier_notes(rows.terms, blocks), *cause_notes(left_out)),
         ignored=bounded.log.ignored,
         options=options,
         vehicle=vehicle,

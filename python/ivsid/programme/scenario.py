@@ -93,7 +93,7 @@ class Scenario(_Section):
         rate: of its samples [Hz].
         seed: of all draws.
         noise: kind of the sensors' noise.
-        truth: true values by id or id.part.
+        truth: true values by id or id.part; those of the vehicle file's ``[model.fitted]`` where it states none.
         segments: the manoeuvres in turn, repeated until the end.
         environment: current, wind, depth and voltage.
         start: the state at the first sample.
@@ -104,7 +104,7 @@ class Scenario(_Section):
     rate: Positive
     seed: int = Field(default=0, ge=0)
     noise: Literal["gaussian", "uniform", "none"] = "gaussian"
-    truth: dict[str, Finite]
+    truth: dict[str, Finite] = Field(default_factory=dict)
     segments: tuple[Segment, ...] = Field(min_length=1)
     environment: Environment = Environment()
     start: Start = Start()

@@ -15,8 +15,6 @@ import numpy as np
 
 from ivsid.effects import (
     CHANNELS,
-    PAPER_TERMS,
-    PLAIN_TERMS,
     Change,
     Current,
     Force,
@@ -26,13 +24,13 @@ from ivsid.effects import (
     State,
     Term,
     acting,
-    on_hull,
+    needed_terms,
     rigid_body,
     with_stated,
+    with_terms,
 )
 from ivsid.effects.environment import earth_to_body
 from ivsid.effects.functions import cos, sin
-from ivsid.effects.inertia import MASS_SWAY, SHARED_MASS, SHARED_MUNK
 from ivsid.effects.quantity import Quantity
 from ivsid.errors import IvsidError
 from ivsid.propulsion.foil import rudder_force
@@ -78,32 +76,16 @@ def plant(vehicle: Vehicle, wanted: Sequence[Term], given: Sequence[Given]) -> P
     Raises:
         IvsidError: a term without a value, or an effect that the vehicle cannot have.
     """
-    shared = vehicle.model.terms == "paper"
-    terms = {t.id: t for t in wanted}
-    plain = {t.id: t for t in PLAIN_TERMS}
-    for g in given:
-        if shared and g.effect.shares:
-            # A separate value for sway ends the sharing of the paper's column.
-            terms[g.effect.shares] = plain[g.effect.shares]
-    values: dict[str, float] = {}
-    for g in given:
-        if not g.effect.terms:
-            continue
-        for term, value in zip(g.effect.terms, g.values, strict=True):
-            values[term.id] = value
-            if term.id not in terms:
-                own = SHARED_MUNK if term.id == SHARED_MUNK.id and _one_mass(terms) else term
-                terms[term.id] = on_hull(own, vehicle)
-    missing = [t.id for t in (PAPER_TERMS if shared else terms.values()) if t.id not in values]
+    terms = with_terms(vehicle, wanted, given)
+    values = {t.id: value for g in given if g.effect.terms for t, value in zip(g.effect.terms, g.values, strict=True)}
+    missing = [t.id for t in needed_terms(vehicle, terms) if t.id not in values]
     if missing:
-        raise IvsidError(f"the scenario's [truth] has no value for {', '.join(missing)}; add it")
+        raise IvsidError(
+            f"the scenario's [truth] has no value for {', '.join(missing)}; add it, or give the vehicle file's [model.fitted] one"
+        )
     others = tuple(g for g in given if not g.effect.terms)
     _check(vehicle, others)
-    return Plant(vehicle, tuple(terms.values()), values, others)
-
-
-def _one_mass(terms: Mapping[str, Term]) -> bool:
-    return MASS_SWAY.id not in terms and terms.get(SHARED_MASS.id) is SHARED_MASS
+    return Plant(vehicle, terms, values, others)
 
 
 def _check(vehicle: Vehicle, given: Sequence[Given]) -> None:

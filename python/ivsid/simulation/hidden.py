@@ -61,7 +61,8 @@ def hidden_effects(vehicle: Vehicle, scenario: Scenario, seed: int, count: int) 
 
 def can_hide(effect: Effect, vehicle: Vehicle, scenario: Scenario) -> bool:
     """Whether the effect can act on this vehicle and is neither in its model nor in the scenario's truth."""
-    if any(key == effect.id or key.startswith(f"{effect.id}.") for key in scenario.truth):
+    stated = (*scenario.truth, *vehicle.model.numbers)
+    if any(key == effect.id or key.startswith(f"{effect.id}.") for key in stated):
         return False
     if effect.stated and getattr(scenario.environment, effect.stated) is not None:
         return False

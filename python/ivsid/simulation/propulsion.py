@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import Final
 
 from ivsid.effects import Drive, Response, Thrust, acting, for_thruster, with_stated
@@ -175,6 +176,11 @@ class Propulsion:
                 half.append(then)
                 last.append(end)
         return first, half, last
+
+    def advance(self, start: float, end: float) -> None:
+        """Moves the lags from one time to another [s] without a motion."""
+        for low, high in pairwise([start, *self.breaks(start, end), end]):
+            self.over(low, high - low)
 
     def now(self, time: float) -> list[float]:
         """Thrusts [N] at a moment [s], under the demands that act just after it."""

@@ -50,7 +50,7 @@ def simulate(
     """Runs a scenario.
 
     Args:
-        vehicle: thrusters, sensors and model.
+        vehicle: thrusters, sensors and model; numbers of its ``[model.fitted]`` are true where the scenario states none.
         scenario: manoeuvres and true values.
         seed: replaces the scenario's.
         effects: further numbers of the catalogue, by id, id.part, or id.NAME for one thruster.
@@ -63,7 +63,7 @@ def simulate(
         raise IvsidError("a vehicle without thrusters cannot be simulated; add [[thrusters]] to its file")
     number = scenario.seed if seed is None else seed
     rng = np.random.default_rng(number)
-    given = sort_given(_numbers(scenario, effects or {}), [t.name for t in vehicle.thrusters])
+    given = sort_given(_numbers(vehicle, scenario, effects or {}), [t.name for t in vehicle.thrusters])
     model = plant(vehicle, terms_of(vehicle), given)
     _known_causes(scenario, given)
     # The errors of the thrusters are a generator's first numbers.
@@ -107,20 +107,23 @@ def follow(
     start: Start | None = None,
     angles: Mapping[str, NDArray[np.float64]] | None = None,
     force: NDArray[np.float64] | None = None,
+    *,
+    first: int = 0,
 ) -> dict[str, NDArray[np.float64]]:
     """The motion under known demands, such as those of a log on its own clock, without noise or thrust error.
 
     Args:
-        vehicle: thrusters and model.
-        values: true values by id or id.part.
+        vehicle: thrusters and model, with the numbers of its ``[model.fitted]``.
+        values: true values by id or id.part, in place of those.
         t: times [s], increasing, shape (n,); effects of time count from the first.
         demands: by thruster, each held from its row to the next, shape (n,).
-        start: the state at the first row; at rest at the origin by default.
+        start: the state at row ``first``; at rest at the origin by default.
         angles: of rudders and azimuth thrusters by name [rad], each of shape (n,); 0 by default.
         force: known X, Y [N], N [N m] beside the thrusters, each held from its row to the next, shape (n, 3).
+        first: the row at which the motion begins; demands of earlier rows move the thrusters alone.
 
     Returns:
-        u, v, r, udot, vdot, rdot, psi, x, y, ax, ay and thrust (the sum of the thrusts [N]), each of shape (n,).
+        u, v, r, udot, vdot, rdot, psi, x, y, ax, ay and thrust (the sum of the thrusts [N]), each of shape (n - first,).
 
     Raises:
         IvsidError: as ``simulate``, or a thruster without demands.
@@ -129,7 +132,7 @@ def follow(
     missing = [n for n in names if n not in demands]
     if missing:
         raise IvsidError(f"no demands are given for thruster {', '.join(missing)}; each needs one for every row")
-    given = sort_given(values, names)
+    given = sort_given({**vehicle.model.numbers, **values}, names)
     model = plant(vehicle, terms_of(vehicle), given)
     quiet = [
         TrueThrust(q.model_copy(update={"accuracy": type(q.accuracy)()}), np.random.default_rng(0))
@@ -139,14 +142,16 @@ def follow(
     turned = angles or {}
     angle = np.stack([np.asarray(turned.get(n, np.zeros(t.size)), dtype=np.float64) for n in names], axis=1).tolist()
     since = (t - t[0]).tolist()
-    path = settle(
-        equations(model),
-        steps(model, INSIDE),
-        lambda: (Propulsion(model, quiet), lambda k, _state: (table[k], angle[k])),
-        since,
-        _pose(start or Start()),
-        np.hstack([np.zeros((t.size, 3)) if force is None else force, np.zeros((t.size, 2))]),
-    )
+
+    def make() -> tuple[Propulsion, Helm]:
+        propulsion = Propulsion(model, quiet)
+        for k in range(first):
+            propulsion.demand(since[k], table[k])
+            propulsion.advance(since[k], since[k + 1])
+        return propulsion, lambda k, _state: (table[first + k], angle[first + k])
+
+    outside = np.hstack([np.zeros((t.size, 3)) if force is None else force, np.zeros((t.size, 2))])
+    path = settle(equations(model), steps(model, INSIDE), make, since[first:], _pose(start or Start()), outside[first:])
     return channels(path)
 
 
@@ -203,8 +208,8 @@ def _pose(start: Start) -> Pose:
     return start.u, start.v, start.r, start.psi, start.x, start.y
 
 
-def _numbers(scenario: Scenario, effects: Mapping[str, float]) -> dict[str, float]:
-    values = {**scenario.truth, **effects}
+def _numbers(vehicle: Vehicle, scenario: Scenario, effects: Mapping[str, float]) -> dict[str, float]:
+    values = {**vehicle.model.numbers, **scenario.truth, **effects}
     current = scenario.environment.current
     if current is not None:
         if any(k.startswith(f"{STEADY_CURRENT.id}.") for k in values):

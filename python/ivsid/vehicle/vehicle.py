@@ -51,6 +51,33 @@ class Ambient(Section):
     time: Positive = 2.0
 
 
+class Fitted(Section):
+    """A number that a log gave, with its interval; a plain number in the file is the value alone.
+
+    Attributes:
+        value: None where a key of a thruster states the number.
+        lower: end of the interval.
+        upper: end of the interval.
+    """
+
+    value: Finite | None = None
+    lower: Finite | None = None
+    upper: Finite | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _plain(cls, given: object) -> object:
+        return {"value": given} if isinstance(given, (int, float)) and not isinstance(given, bool) else given
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.value is None and self.lower is None and self.upper is None:
+            raise IvsidError("is empty; give a number, or a table with value, lower and upper")
+        if self.lower is not None and self.upper is not None and self.lower > self.upper:
+            raise IvsidError(f"lower = {self.lower:g} lies above upper = {self.upper:g}; exchange them")
+        return self
+
+
 class Model(Section):
     """The simulation under examination.
 
@@ -58,10 +85,18 @@ class Model(Section):
         terms: ids of the catalogue of effects, or ``paper`` for the paper's model.
         values: claims, numbers of parameters by id. ``identify`` compares them with its intervals; ``diagnose`` takes them as given
             and fits only the rest.
+        fitted: numbers of terms and of other effects, by id or id.part. ``simulate`` takes them where the scenario states none;
+            fits begin at them.
     """
 
     terms: Literal["paper"] | tuple[str, ...] | None = None
     values: dict[str, Finite] = Field(default_factory=dict)
+    fitted: dict[str, Fitted] = Field(default_factory=dict)
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The fitted values, by id or id.part."""
+        return {k: f.value for k, f in self.fitted.items() if f.value is not None}
 
 
 class Vehicle(Section):

@@ -20,7 +20,7 @@ from ivsid.verification.result import Result, Stored
 from ivsid.verification.rows import Rows
 from ivsid.verification.signs import Line, proved_signs
 from ivsid.verification.statements import Block, check_statements, integer
-from ivsid.verification.unchecked import estimated
+from ivsid.verification.unchecked import estimated, left_out
 
 # Statuses that certificates can prove.
 PROVABLE: Final = ("enclosed", "empty", "unbounded")
@@ -117,9 +117,11 @@ class Checker:
         if record["status"] not in PROVABLE:
             self.failures.append(f"the status: {record['status']} claims nothing that could be proved")
         ruled, guessed = self.result.vehicle.sensors.sigmas is None, estimated(self.log, self.result.vehicle)
-        if record["guaranteed"] != (ruled and not guessed):
+        absent = left_out(self.result.vehicle)
+        if record["guaranteed"] != (ruled and not guessed and not absent):
             rule = "under confidence a proved result is guaranteed" if ruled else "under sigmas nothing is guaranteed"
             rule = "with velocities by splines nothing is guaranteed" if guessed else rule
+            rule = f"the rows leave out {', '.join(absent)} of [model.fitted]" if absent else rule
             self.failures.append(f"guaranteed: {record['guaranteed']} is claimed, but {rule}")
 
     def _certificate(self, certificate: Stored, blocks: dict[int, Block]) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from ivsid.log import Log
 from ivsid.vehicle import Vehicle
+from ivsid.verification.errors import UncheckedError
+from ivsid.verification.physics import model
 
 
 def estimated(log: Log, vehicle: Vehicle) -> bool:
@@ -19,3 +21,12 @@ def not_recomputed(log: Log, vehicle: Vehicle) -> str | None:
     if estimated(log, vehicle):
         return "velocities by splines are an estimate, which the checker cannot prove"
     return None
+
+
+def left_out(vehicle: Vehicle) -> list[str]:
+    """Numbers of the file's model that belong to no parameter of the rows: causes that the rows leave out."""
+    try:
+        parameters = model(vehicle, "total")
+    except UncheckedError:
+        return []
+    return [n for n in vehicle.model.numbers if n not in parameters]

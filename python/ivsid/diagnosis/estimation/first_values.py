@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -15,7 +16,7 @@ from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.diagnosis.plant.thruster_forces import thruster_force
 from ivsid.diagnosis.plant.usual_hull import hull_limits
-from ivsid.effects import CHANNELS, EFFECTS, Place, State, Term, rigid_body
+from ivsid.effects import CHANNELS, EFFECTS, Place, State, Term, causes, rigid_body, with_terms
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -85,6 +86,22 @@ def first_values(vehicle: Vehicle, log: Channels, terms: Sequence[Term], claimed
     for id_, (low, high) in hull_limits(vehicle, free).items():
         values[id_] = float(np.clip(values[id_], low, high))
     return Hypothesis(tuple(terms), values)
+
+
+def with_fitted(vehicle: Vehicle, h: Hypothesis) -> Hypothesis:
+    """The hypothesis with the causes that the vehicle file's model has, at their fitted numbers.
+
+    Args:
+        vehicle: whose ``[model.fitted]`` this is.
+        h: of the terms of its model alone; numbers that were fitted beside the causes replace its own.
+    """
+    given = causes(vehicle)
+    if not given:
+        return h
+    terms = with_terms(vehicle, h.terms, given)
+    ids = {t.id for t in terms} - set(vehicle.model.values)
+    values = {**h.values, **{k: v for k, v in vehicle.model.numbers.items() if k in ids}}
+    return replace(h, terms=terms, values=values, given=(*h.given, *(g for g in given if not g.effect.terms)))
 
 
 def _signed(term: Term) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.channels import Channels
-from ivsid.diagnosis.estimation.first_values import first_values
+from ivsid.diagnosis.estimation.first_values import first_values, with_fitted
 from ivsid.diagnosis.estimation.fit import Fit, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.noise import (
@@ -136,7 +136,7 @@ def plain_fit(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
 
 def _plain(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
     claimed = dict(vehicle.model.values)
-    h = first_values(vehicle, log, terms_of(vehicle), claimed)
+    h = with_fitted(vehicle, first_values(vehicle, log, terms_of(vehicle), claimed))
     predictor = Predictor(vehicle, log, declared_ambient(vehicle))
     left_out = axes_left_out(predictor)
     if left_out:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from ivsid.diagnosis.candidates.intervals import Bound
+from ivsid.diagnosis.candidates.intervals import Bound, intervals
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.null.visibility import Visibility
 from ivsid.diagnosis.plant.physics import Hypothesis
@@ -105,8 +105,21 @@ class Diagnosis:
 
 
 def extended_vehicle(result: Diagnosis) -> str:
-    """Text of the vehicle file with the findings in its model; numbers that a file cannot state stand in comments."""
-    return extended_text(result.vehicle, result.model)
+    """Text of the vehicle file with the findings in its model, every number in a key, with its interval where the log gives one."""
+    return extended_text(result.vehicle, result.model, {k: (b.lower, b.upper) for k, b in _bounds(result).items()})
+
+
+def _bounds(result: Diagnosis) -> dict[str, Bound]:
+    """Intervals of the extended model's numbers by parameter: of the findings, and of the plain terms beside all that was found."""
+    last, left = result.selection.last, result.selection.leftover
+    bounds: dict[str, Bound] = {}
+    plain = result.selection.plain.h
+    ids = [t.id if t.id in EFFECTS else t.id.rpartition(".")[0] for t in plain.terms]
+    for id_ in dict.fromkeys((*ids, *(g.effect.id for g in plain.given))):
+        bounds |= intervals(last, id_, left, unknown=result.verdict == "unknown")
+    for finding in result.findings:
+        bounds |= finding.parameters
+    return bounds
 
 
 def inputs_of(vehicle: Vehicle, *logs: Log) -> tuple[tuple[str, str], ...]:

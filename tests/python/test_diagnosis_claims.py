@@ -104,21 +104,20 @@ def test_a_wind_that_was_found_stands_in_the_extended_model():
     text = extended_vehicle(result)
     model = parse_vehicle(text, "model.toml")
     assert "wind.steady" in model.model.terms and len(set(model.model.terms)) == 6
-    assert "# fitted: wind.steady.north = 1." in text and "not part of a vehicle file" not in text
+    assert model.model.numbers["wind.steady.north"] == result.model.values["wind.steady.north"]
+    assert 1.0 < model.model.numbers["wind.steady.north"] < 2.0
     # The file says the same as the diagnosis: nothing is missing from it, and its proof is of the wind, too.
     assert diagnose(model, train, test, null_logs=0).verdict == "adequate"
     proof = extended_proof(vehicle, train, result.selection.last.h)
     assert {"wind.steady.north", "wind.steady.east"} <= set(proof.identification.parameters)
 
 
-def test_a_wind_by_the_measured_wind_is_no_term_of_a_file_and_ends_the_proof():
+def test_a_wind_by_the_measured_wind_is_no_term_of_a_file_stands_in_its_numbers_and_ends_the_proof():
     result = fitted_with("wind.steady", ("wind.steady.surge", "wind.steady.sway"))
     assert stated(result)[1] == {"wind.steady.surge": 0.4, "wind.steady.sway": 0.2}
     text = extended_text(vehicle_of(), result)
-    assert (
-        "# found, and not part of a vehicle file:\n#   wind.steady.surge = 0.4\n" in text
-        and '"wind.steady"' not in text
-    )
+    read = parse_vehicle(text, "model.toml").model
+    assert read.numbers["wind.steady.surge"] == 0.4 and "wind.steady" not in read.terms and "#   " not in text
     proof = extended_proof(vehicle_of(), train_of(vehicle_of(), duration=70.0), result)
     assert proof.identification is None and "wind.steady.surge" in proof.reason
 

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.effects import CHANNELS, terms_of
+from ivsid.effects import CHANNELS, causes, terms_of
 from ivsid.errors import IvsidError
 from ivsid.identification import Identification
 from ivsid.intervals import IntervalArray
@@ -121,7 +121,9 @@ def validate(fit: Identification, log: GivenLog) -> Validation:
     own = (
         f"{log.name} is the log that the fit was made of: agreement with it proves nothing; give a log of another run",
     )
-    notes = (*(own if log.sha256 == fit.log_sha256 else ()), *bounded.log.notes)
+    beside = ", ".join(n for g in causes(vehicle) for n in g.named)
+    absent = (f"{beside} of [model.fitted] stands in neither check; ivsid simulate moves the vehicle with it",)
+    notes = (*(own if log.sha256 == fit.log_sha256 else ()), *bounded.log.notes, *(absent if beside else ()))
     return Validation(fit, log.name, log.sha256, forces, simulate_windows(fit, bounded.log), notes)
 
 

@@ -80,7 +80,7 @@ def _without_model(text: str) -> str:
         inside = _header(line) or inside
         if inside != "[model]" and not inside.startswith("[model."):
             lines.append(line)
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines).rstrip() + "\n"
 
 
 def _header(line: str) -> str:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     # In the import cycle mypy takes re-exports of functions for second definitions.
     from ivsid.diagnosis.stages import diagnose
     from ivsid.errors import IvsidError
+    from ivsid.exports.export import export
     from ivsid.identification import Identification, Parameter, identify
     from ivsid.intervals import EndpointPair, Interval, IntervalArray
     from ivsid.linear import linalg, regression
@@ -48,6 +49,7 @@ _HOMES: Final = {
     "Vehicle": "ivsid.vehicle",
     "Verification": "ivsid.verification",
     "diagnose": "ivsid.diagnosis",
+    "export": "ivsid.exports",
     "identify": "ivsid.identification",
     "linalg": "ivsid.linear",
     "read_log": "ivsid.log",
@@ -71,6 +73,7 @@ __all__ = [
     "Verification",
     "__version__",
     "diagnose",
+    "export",
     "identify",
     "linalg",
     "read_log",

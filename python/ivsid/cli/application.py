@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from ivsid.cli.causes import diagnose, isolability
-from ivsid.cli.parameters import identify, validate, verify
+from ivsid.cli.parameters import export, identify, validate, verify
 from ivsid.cli.preparation import allan, demo, import_, simulate, thrust
 
 app = typer.Typer(
@@ -59,4 +59,5 @@ app.command()(verify)
 app.command()(validate)
 app.command()(diagnose)
 app.command()(isolability)
+app.command()(export)
 app.command("import")(import_)

@@ -1,4 +1,4 @@
-"""Commands about parameter intervals: identify, verify, validate."""
+"""Commands about parameter intervals: identify, verify, validate, and the model for other simulators: export."""
 
 from __future__ import annotations
 
@@ -88,3 +88,15 @@ def validate(
 ) -> None:
     """Predicted against measured force and moment, simulated against measured motion."""
     run("validate", out, json, lambda progress: workflow.validate(fit, log, progress=progress))
+
+
+def export(
+    result: Annotated[
+        Path, typer.Argument(help="Folder of ivsid identify or diagnose, or a vehicle file with numbers in its model.")
+    ],
+    to: Annotated[str, typer.Option("--to", help="gz, vrx, mss, pvs, stonefish or yaml.")],
+    out: Out = None,
+    json: Json = False,
+) -> None:
+    """The model in the names and signs of another simulator, with its intervals."""
+    run("export", out, json, lambda progress: workflow.export(result, to, progress=progress))

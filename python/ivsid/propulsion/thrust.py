@@ -56,6 +56,16 @@ class ThrustCurve:
         return lambda d: np.asarray(np.polyval(coefficients, d), dtype=np.float64)
 
     @property
+    def points(self) -> tuple[list[float], list[float]]:
+        """Demands from the neutral and thrusts [N] of the table, with the start at rest that it stands for.
+
+        Raises:
+            IvsidError: a thruster without a table.
+        """
+        demand, thrust = self._table
+        return demand.tolist(), thrust.tolist()
+
+    @property
     def pieces(self) -> tuple[list[float], list[list[float]]] | None:
         """Knots of the table's demands, and the polynomial of each piece; None without a table.
 

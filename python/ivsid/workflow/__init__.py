@@ -5,6 +5,7 @@
 - ``data_sets``: a public data set as logs, thrust tables and a vehicle file.
 - ``simulation``: a log from a known truth.
 - ``identification``, ``verification``, ``validation``: parameter intervals, their proof, and another log against them.
+- ``exporting``: a model as a file of another simulator.
 - ``diagnosis``, ``planning``: causes of what the simulation gets wrong, and manoeuvres that would separate them.
 - ``paper_trials``, ``paper_page``: the paper's experiment on a twin of its vehicle, and its page.
 - ``parameters``, ``log_files``, ``progress``: intervals in words, logs as files, and progress, which several commands share.
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from ivsid.workflow.allan_analysis import allan
     from ivsid.workflow.data_sets import import_set
     from ivsid.workflow.diagnosis import diagnose
+    from ivsid.workflow.exporting import export
     from ivsid.workflow.identification import identify
     from ivsid.workflow.paper_trials import demo
     from ivsid.workflow.planning import isolability
@@ -32,6 +34,7 @@ _HOMES: Final = {
     "allan": "allan_analysis",
     "demo": "paper_trials",
     "diagnose": "diagnosis",
+    "export": "exporting",
     "identify": "identification",
     "import_set": "data_sets",
     "isolability": "planning",
@@ -45,6 +48,7 @@ __all__ = [
     "allan",
     "demo",
     "diagnose",
+    "export",
     "identify",
     "import_set",
     "isolability",

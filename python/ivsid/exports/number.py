@@ -1,0 +1,55 @@
+"""A mid-value with its interval."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ivsid.intervals import Interval
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number of a model.
+
+    Attributes:
+        value: in ``unit``.
+        unit: SI.
+        symbol: in SNAME notation, where there is one.
+        ends: its interval, rounded outward through all sums; None where nothing is known.
+    """
+
+    value: float
+    unit: str
+    symbol: str = ""
+    ends: Interval | None = None
+
+    def __add__(self, other: Number) -> Number:
+        ends = None if self.ends is None or other.ends is None else self.ends + other.ends
+        return Number(self.value + other.value, self.unit, self.symbol, ends)
+
+    def __neg__(self) -> Number:
+        return self * -1.0
+
+    def __sub__(self, other: Number) -> Number:
+        return self + -other
+
+    def __mul__(self, factor: float) -> Number:
+        ends = None if self.ends is None else self.ends * Interval(factor, factor)
+        return Number(self.value * factor, self.unit, self.symbol, ends)
+
+    def called(self, symbol: str) -> Number:
+        """The number under another symbol."""
+        return Number(self.value, self.unit, symbol, self.ends)
+
+    @property
+    def words(self) -> str:
+        """Symbol, interval and unit, for a comment."""
+        known = self.ends is not None and math.isfinite(self.ends.lower) and math.isfinite(self.ends.upper)
+        inside = f"{self.ends.lower!r} to {self.ends.upper!r}" if known and self.ends is not None else "no interval"
+        return ", ".join(w for w in (self.symbol, f"{inside} {self.unit}") if w)
+
+
+def exact(value: float, unit: str, symbol: str = "") -> Number:
+    """A number that is known: its interval is a point."""
+    return Number(value, unit, symbol, Interval(value, value))

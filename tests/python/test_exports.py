@@ -298,16 +298,27 @@ def matlab(text):
     lines = text[text.index("% equations\n") : text.index("% end of equations")].splitlines()[1:]
     assert all(line.endswith(";") for line in lines)
     source = "\n".join(line.rstrip(";") for line in lines)
-    names = ("m", "xg", "yg", "Iz", "Xudot", "Yvdot", "Nrdot")
+    tail = text[text.index("% end of equations") : text.index("function T = piecewise")]
+    assert "nu_r_dot = (MRB + MA) \\ [X; Y; N];" in tail and "xdot = zeros(12,1);" in tail
+    rigid, added = (re.search(rf"{q} = (?:-diag\()?\[(.*?)\]", tail)[1] for q in ("MRB", "MA"))
+    moved = [re.search(rf"xdot\(\[{q}\]\) = .*?\[(.*)\];", tail)[1].split(";") for q in ("1 2 6", "7 8 12")]
+    assert "xdot([1 2 6]) = nu_r_dot + [" in tail
 
     def rates(state, n):
         local = {**space, "piecewise": piecewise, **dict(zip(("u", "v", "r", "psi"), state, strict=True))}
         local |= {f"n{k}": q for k, q in enumerate(n, start=1)}
         exec(source, local)
-        m, x, y, iz, xu, yv, nr = (local[q] for q in names)
-        matrix = np.array([[m - xu, 0, -m * y], [0, m - yv, m * x], [-m * y, m * x, iz - nr]])
+
+        def value(x):
+            return float(eval(x, local))
+
+        matrix = np.array([[value(q) for q in row.split()] for row in rigid.split(";")])
+        matrix = matrix - np.diag([value(q) for q in added.split()])
         a = np.linalg.solve(matrix, [local["X"], local["Y"], local["N"]])
-        return np.add(a, [state[2] * local["v_c"], -state[2] * local["u_c"], 0.0])
+        u, v, r, psi = state
+        c, s = math.cos(psi), math.sin(psi)
+        close([value(q) for q in moved[1]], [u * c - v * s, u * s + v * c, r])
+        return np.add(a, [value(q) for q in moved[0]])
 
     return constants, rates
 

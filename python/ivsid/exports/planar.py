@@ -145,10 +145,10 @@ def _of_vehicle(vehicle: Vehicle) -> dict[str, Number]:
             name = f"{effect.id}.{thruster.name}"
             if effect.key is None or name in numbers or effect.id in numbers:
                 continue
-            value: float | None = getattr(thruster, effect.key.name)
-            if value is not None:
+            stated: float | None = getattr(thruster, effect.key.name)
+            if stated is not None:
                 ends = _ends(vehicle, name) or _ends(vehicle, effect.id)
-                numbers[name] = Number(effect.key(value), *_unit(effect.id), ends)
+                numbers[name] = Number(effect.key(stated), *_unit(effect.id), ends)
     return numbers
 
 

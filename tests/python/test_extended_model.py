@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis_logs import TRUTH, logs_of, train_of, vehicle_of
+from diagnosis_logs import TRUTH, logs_of, rows, train_of, vehicle_of
 from ivsid import IvsidError, diagnose, identify, validate, verify
 from ivsid.diagnosis import extended_vehicle
 from ivsid.diagnosis.plant.physics import Hypothesis
@@ -225,7 +225,7 @@ def test_a_diagnosis_fits_the_causes_that_the_model_has():
 def test_identification_says_what_its_rows_leave_out(tmp_path):
     """Intervals of a model without its causes are no guarantee; a term of the model, or a key of a thruster, is in the rows."""
     vehicle = vehicle_of()
-    log = train_of(vehicle, duration=12.0)
+    log = rows(train_of(vehicle, duration=12.0), slice(20, 50))
     terms = Given(EFFECTS["drag.surge.linear"], (1.0,)), Given(EFFECTS["thruster.lag"], (0.1,))
     inside = parse_vehicle(extended_text(vehicle, hypothesis(vehicle, terms)), "model.toml")
     fit = identify(inside, log)
@@ -240,3 +240,30 @@ def test_identification_says_what_its_rows_leave_out(tmp_path):
     replace(fit, guaranteed=True).save(tmp_path)
     assert any("leave out thruster.delay" in f for f in verify(tmp_path, log).failures)
     assert any("thruster.delay" in n for n in validate(fit, log).notes)
+
+
+def test_validation_simulates_with_the_causes_of_the_model():
+    """On a log with a delay and a current the simulated motion is right with them, and wrong without."""
+    vehicle = vehicle_of()
+    hidden = {"thruster.delay": 0.6, "current.steady.north": 0.2, "current.steady.east": -0.1}
+    log = train_of(vehicle, hidden, duration=64.0)
+    fit = replace(identify(vehicle, train_of(vehicle, duration=12.0)), estimate=TRUTH)
+    without = validate(fit, log)
+    known = parse_vehicle(extended_text(vehicle, hypothesis(vehicle, sort_given(hidden))), "model.toml")
+    within = validate(replace(fit, vehicle=known), log)
+    assert within.motion.reason is None and within.motion.window == without.motion.window
+    for name in ("u", "v"):
+        assert within.motion.median[name] < 0.5 * without.motion.median[name], name
+    # A bias of a sensor moves nothing.
+    biased = hypothesis(vehicle, sort_given({"sensor.yaw_rate.bias": 0.02}))
+    still = validate(replace(fit, vehicle=parse_vehicle(extended_text(vehicle, biased), "model.toml")), log)
+    assert still.motion.median == without.motion.median and "sensor.yaw_rate.bias" in still.notes[-1]
+    # Without the heading a current has no direction.
+    blind = type(log)(log.name, log.sha256, log.t, {k: x for k, x in log.columns.items() if k not in ("psi", "x", "y")})
+    assert "needs psi" in (validate(replace(fit, vehicle=known), blind).motion.reason or "")
+
+
+def test_validation_fills_missing_demands_by_the_last_one():
+    from ivsid.validation.motion import _held
+
+    np.testing.assert_array_equal(_held(np.array([np.nan, 1.0, np.nan, np.nan, 2.0])), [1.0, 1.0, 1.0, 1.0, 2.0])

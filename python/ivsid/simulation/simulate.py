@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,10 @@ from ivsid.simulation.propulsion import INSIDE, Propulsion
 from ivsid.simulation.sensing import bounded, faulty, gauss_markov, noisy, sensed
 from ivsid.simulation.true_thrust import TrueThrust
 from ivsid.vehicle import Thruster, Vehicle
+
+# Time constants after which a lag has forgotten its past.
+# Source: theorem: exp(-40) = 4e-18 lies below the rounding of float64
+FORGOTTEN: Final = 40.0
 
 
 @dataclass(frozen=True)
@@ -145,7 +150,7 @@ def follow(
 
     def make() -> tuple[Propulsion, Helm]:
         propulsion = Propulsion(model, quiet)
-        for k in range(first):
+        for k in range(_remembered(propulsion, since, first), first):
             propulsion.demand(since[k], table[k])
             propulsion.advance(since[k], since[k + 1])
         return propulsion, lambda k, _state: (table[first + k], angle[first + k])
@@ -153,6 +158,12 @@ def follow(
     outside = np.hstack([np.zeros((t.size, 3)) if force is None else force, np.zeros((t.size, 2))])
     path = settle(equations(model), steps(model, INSIDE), make, since[first:], _pose(start or Start()), outside[first:])
     return channels(path)
+
+
+def _remembered(propulsion: Propulsion, since: list[float], first: int) -> int:
+    """The earliest row whose demand the thrusters still feel at row ``first``."""
+    reach = FORGOTTEN * max(propulsion.lags, default=0.0) + max(propulsion.delays, default=0.0)
+    return max(bisect_right(since, since[first] - reach) - 1, 0)
 
 
 def channels(path: Path) -> dict[str, NDArray[np.float64]]:

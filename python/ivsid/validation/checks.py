@@ -17,7 +17,7 @@ from ivsid.propulsion.actuation import nominal_force
 from ivsid.propulsion.lag import GAP
 from ivsid.rows import RegressionRows, build_rows
 from ivsid.sensors.bounds import bound_log
-from ivsid.validation.dynamics import Dynamics
+from ivsid.validation.motion import Runs, runs_of
 
 # Length of a window of simulated velocities [s].
 # Source: definition: the error measure of docs/guide.md
@@ -122,7 +122,7 @@ def validate(fit: Identification, log: GivenLog) -> Validation:
         f"{log.name} is the log that the fit was made of: agreement with it proves nothing; give a log of another run",
     )
     beside = ", ".join(n for g in causes(vehicle) for n in g.named)
-    absent = (f"{beside} of [model.fitted] stands in neither check; ivsid simulate moves the vehicle with it",)
+    absent = (f"{beside} of [model.fitted] moves the simulated vehicle, and stands in no row of forces and no reading",)
     notes = (*(own if log.sha256 == fit.log_sha256 else ()), *bounded.log.notes, *(absent if beside else ()))
     return Validation(fit, log.name, log.sha256, forces, simulate_windows(fit, bounded.log), notes)
 
@@ -172,26 +172,23 @@ def simulate_windows(fit: Identification, log: Log) -> MotionCheck:
     """
     nothing = np.zeros((0, 3))
     vehicle = fit.vehicle
-    added = fit.options["form"] == "added"
-    mass = vehicle.hull.mass
-    x_g, y_g = vehicle.hull.centre_of_gravity
-    try:
-        model = Dynamics(
-            terms_of(vehicle, fit.options["form"]), fit.estimate, mass * x_g, mass * y_g, mass if added else 0.0
-        )
-    except IvsidError as refusal:
-        return MotionCheck({}, {}, {}, np.zeros(0), nothing, nothing, str(refusal))
     nu = np.stack([log.columns[n] for n in ("u", "v", "r")], axis=1)
     force = nominal_force(vehicle, log)
+    try:
+        runs = runs_of(fit, log, nu, force)
+    except IvsidError as refusal:
+        return MotionCheck({}, {}, {}, np.zeros(0), nothing, nothing, str(refusal))
     complete: NDArray[np.bool_] = np.asarray(np.isfinite(nu).all(axis=1) & np.isfinite(force).all(axis=1))
     window, rms, median = {}, {}, {}
     starts, count = _windows(log, complete, VELOCITY_WINDOW)
     if not starts.size:
         return MotionCheck({}, {}, {}, np.zeros(0), nothing, nothing, "no window of 10 s without missing samples")
     at = starts[:, None] + np.arange(count + 1)
-    steps = np.diff(log.t[at], axis=1)
-    with np.errstate(over="ignore", invalid="ignore"):
-        simulated = model.runs(nu[starts], force[at[:, :-1]], steps)
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            simulated = runs(starts, count)
+    except IvsidError as refusal:
+        return MotionCheck({}, {}, {}, np.zeros(0), nothing, nothing, str(refusal))
     if not np.isfinite(simulated).all():
         return MotionCheck({}, {}, {}, np.zeros(0), nothing, nothing, "the simulated motion grows without bound")
     window["velocity"] = VELOCITY_WINDOW
@@ -199,16 +196,14 @@ def simulate_windows(fit: Identification, log: Log) -> MotionCheck:
     for j, name in enumerate(("u", "v", "r")):
         each = np.sqrt(np.mean(error[:, :, j] ** 2, axis=1))
         rms[name], median[name] = float(np.sqrt(np.mean(each**2))), float(np.median(each))
-    position = _position_error(model, log, nu, force, complete)
+    position = _position_error(runs, log, complete)
     if position is not None:
         window["position"] = POSITION_WINDOW
         rms["position"], median["position"] = float(np.sqrt(np.mean(position**2))), float(np.median(position))
     return MotionCheck(window, rms, median, log.t[at].ravel(), simulated.reshape(-1, 3), nu[at].reshape(-1, 3), None)
 
 
-def _position_error(
-    model: Dynamics, log: Log, nu: NDArray[np.float64], force: NDArray[np.float64], complete: NDArray[np.bool_]
-) -> NDArray[np.float64] | None:
+def _position_error(runs: Runs, log: Log, complete: NDArray[np.bool_]) -> NDArray[np.float64] | None:
     """Rms distance [m] over each position window, or None where the log has no pose."""
     if not all(n in log.columns for n in ("psi", "x", "y")):
         return None
@@ -218,7 +213,7 @@ def _position_error(
         return None
     at = starts[:, None] + np.arange(count + 1)
     steps = np.diff(log.t[at], axis=1)
-    run = model.runs(nu[starts], force[at[:, :-1]], steps)
+    run = runs(starts, count)
     middle = 0.5 * (run[:, 1:] + run[:, :-1])
     turn = np.concatenate([np.zeros((starts.size, 1)), np.cumsum(middle[:, :, 2] * steps, axis=1)], axis=1)
     psi = pose[starts, 2][:, None] + turn

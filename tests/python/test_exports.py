@@ -562,3 +562,19 @@ def test_unusable_results_are_refused_in_a_sentence(tmp_path, given, to, words):
 def _written(place, text):
     (place / "result.json").write_text(text)
     return place
+
+
+def test_a_name_is_text_in_every_file():
+    """Neither a line break nor a quote of a vehicle's name becomes code or markup."""
+    name = """A "boat" & <co> -- one\\nraise SystemExit 'x' """
+    text = boat({**TRUTH, **DAMPED}).text.replace('name = "Small boat"', f"name = {json.dumps(name)}", 1)
+    vehicle = parse_vehicle(text, "boat.toml")
+    assert vehicle.name == name
+    for target in ("gz", "vrx", "stonefish"):
+        tree = ET.fromstring(ivsid.export(vehicle, target).text)
+        assert " ".join(name.split()) in [e.get("name") for e in tree.iter()]
+    ship = pvs(ivsid.export(vehicle, "pvs").text, "a_boat_co_one_nraise_systemexit_x")
+    assert ship.name == " ".join(name.split())
+    broken = vehicle.model_copy(update={"name": "one\ntwo"})
+    for target in TARGETS:
+        assert "\ntwo" not in ivsid.export(broken, target.name).text

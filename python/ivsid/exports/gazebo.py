@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Final
+from xml.sax.saxutils import quoteattr
 
 from ivsid.exports import sdf
 from ivsid.exports.number import Number
@@ -62,7 +63,7 @@ def write(model: Planar) -> Body:
     tags: dict[str, Number] = {**sdf.summed(TAGS, model), "nUV": model.moment}
     lines = [
         '<sdf version="1.11">',
-        f'  <model name="{model.vehicle.name}">',
+        f"  <model name={quoteattr(model.title)}>",
         *sdf.link(model, added),
         '    <plugin filename="gz-sim-hydrodynamics-system" name="gz::sim::systems::Hydrodynamics">',
         "      <link_name>base_link</link_name>",

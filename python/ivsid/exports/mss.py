@@ -16,7 +16,7 @@ from ivsid.exports.target import INERTIA, Body, Target, steering_sentences
 
 def name_of(model: Planar) -> str:
     """The vehicle's name as an identifier."""
-    plain = re.sub(r"\W+", "_", model.vehicle.name.lower()).strip("_")
+    plain = re.sub(r"\W+", "_", model.vehicle.name.lower(), flags=re.ASCII).strip("_")
     return plain if plain[:1].isalpha() else f"vessel_{plain}"
 
 

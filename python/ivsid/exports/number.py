@@ -46,6 +46,8 @@ class Number:
     def words(self) -> str:
         """Symbol, interval and unit, for a comment."""
         known = self.ends is not None and math.isfinite(self.ends.lower) and math.isfinite(self.ends.upper)
+        if known and self.ends is not None and self.ends.lower == self.ends.upper:
+            return ", ".join(w for w in (self.symbol, f"given, {self.unit}") if w)
         inside = f"{self.ends.lower!r} to {self.ends.upper!r}" if known and self.ends is not None else "no interval"
         return ", ".join(w for w in (self.symbol, f"{inside} {self.unit}") if w)
 

@@ -40,6 +40,11 @@ class Planar:
     numbers: Mapping[str, Number]
     shared: frozenset[str]
 
+    @property
+    def title(self) -> str:
+        """The vehicle's name on one line: a line break would end a comment."""
+        return " ".join(self.vehicle.name.split())
+
     def get(self, id_: str, unit: str = "") -> Number:
         """A number, or an exact 0 where the model has none."""
         return self.numbers.get(id_, exact(0.0, unit))

@@ -28,7 +28,7 @@ def write(model: Planar) -> Body:
         "",
         "",
         f"class {name_of(model)}:",
-        f'    """{model.vehicle.name} in surge, sway and yaw; other motions are held."""',
+        f"    {f'{model.title} in surge, sway and yaw; other motions are held.'!r}",
         "",
         f"    def __init__(self, controlSystem='stepInput', r=0, V_current={math.hypot(north.value, east.value)!r}, "
         f"beta_current={math.atan2(east.value, north.value)!r}):  # north {north.words}; east {east.words}",
@@ -37,7 +37,7 @@ def write(model: Planar) -> Body:
         "        self.ref = r",
         "        self.V_c = V_current",
         "        self.beta_c = beta_current",
-        f"        self.name = {model.vehicle.name!r}",
+        f"        self.name = {model.title!r}",
         f"        self.L = {hull.length or 1.0!r}",
         f"        self.B = {hull.beam or 1.0!r}",
         f"        self.controls = {[t.name for t in model.vehicle.thrusters]!r}",

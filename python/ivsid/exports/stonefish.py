@@ -9,6 +9,7 @@ Source: Stonefish, docs/theory.rst, docs/bodies.rst, docs/actuators.rst; docs/ex
 from __future__ import annotations
 
 from typing import Final
+from xml.sax.saxutils import quoteattr
 
 from ivsid.exports import sdf
 from ivsid.exports.planar import Planar
@@ -40,7 +41,7 @@ def write(model: Planar) -> Body:
         *steering_sentences(model),
     ]
     lines = [
-        f'<robot name="{model.vehicle.name}" fixed="false" self_collisions="false">',
+        f'<robot name={quoteattr(model.title)} fixed="false" self_collisions="false">',
         '  <base_link name="base_link" type="model" physics="floating">',
         "    <!-- give physical and visual meshes, material and look -->",
         f'    <mass value="{model.mass!r}"/>',

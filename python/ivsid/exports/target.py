@@ -79,7 +79,7 @@ def exported(target: Target, model: Planar) -> Exported:
     left = [f"{k} = {n.value:.6g} {n.unit} ({n.words})" for k, n in model.numbers.items() if k not in body.says]
     unstated = (*body.unstated, *left)
     head = [
-        f"{model.vehicle.name} for {target.title}, made by ivsid from {Path(model.source).name}.",
+        f"{model.title} for {target.title}, made by ivsid from {' '.join(Path(model.source).name.split())}.",
         "Numbers are mid-values; their intervals stand beside them.",
         *(["Not in this file:"] if unstated else ["Every number of the model is in this file."]),
         *(f"- {sentence}" for sentence in unstated),

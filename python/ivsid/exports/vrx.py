@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Final
+from xml.sax.saxutils import quoteattr
 
 from ivsid.exports import sdf
 from ivsid.exports.planar import Planar
@@ -47,7 +48,7 @@ def write(model: Planar) -> Body:
     moved, says, lacks = sdf.thrusters(model)
     lines = [
         '<sdf version="1.11">',
-        f'  <model name="{model.vehicle.name}">',
+        f"  <model name={quoteattr(model.title)}>",
         *sdf.link(model),
         '    <plugin filename="libSimpleHydrodynamics.so" name="vrx::SimpleHydrodynamics">',
         "      <link_name>base_link</link_name>",

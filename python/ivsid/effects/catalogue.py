@@ -7,7 +7,7 @@ from typing import Final
 from ivsid.effects import drag, environment, inertia, sensing, thrusters
 from ivsid.effects.effect import Effect
 from ivsid.effects.terms import Term
-from ivsid.errors import IvsidError
+from ivsid.errors import IvsidError, choice, meant
 from ivsid.vehicle import Vehicle
 
 # Every cause that can be simulated, identified or named: the 5 terms of the plain model and 42 effects, family by family. Users add
@@ -44,7 +44,7 @@ def terms_of(vehicle: Vehicle, form: str = "total") -> tuple[Term, ...]:
         IvsidError: an unknown id or form, an empty or repeating list, or a term that needs a length which the file lacks.
     """
     if form not in ("total", "added"):
-        raise IvsidError(f"form '{form}' is unknown; use total or added")
+        raise IvsidError(f"form '{form}' is unknown; {meant(form, ('total', 'added'))}use total or added")
     wanted = vehicle.model.terms
     terms: tuple[Term, ...]
     if wanted == "paper":
@@ -55,8 +55,8 @@ def terms_of(vehicle: Vehicle, form: str = "total") -> tuple[Term, ...]:
         for id_ in wanted:
             if id_ not in CATALOGUE and id_ not in WITH_HEADING:
                 raise IvsidError(
-                    f"model term '{id_}' is unknown or not linear in its parameter; this version knows "
-                    f"{', '.join((*CATALOGUE, *WITH_HEADING))}; one of your own comes with ivsid --own-effects FILE"
+                    f"model term '{id_}' is unknown or not linear in its parameter; "
+                    f"{choice(id_, (*CATALOGUE, *WITH_HEADING))}; one of your own comes with ivsid --own-effects FILE"
                 )
         if len(set(wanted)) != len(wanted) or not wanted:
             raise IvsidError("model.terms is empty or repeats an id; list each once")

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from ivsid.effects.catalogue import EFFECTS
 from ivsid.effects.effect import Change, Current, Effect, Force, Inflow, Numbers, Physics, Reading, Response, Thrust
-from ivsid.errors import IvsidError
+from ivsid.errors import IvsidError, choice, meant
 from ivsid.vehicle import Thruster
 
 Kind = TypeVar("Kind", Force, Change, Current, Thrust, Inflow, Response, Reading)
@@ -100,7 +100,7 @@ def _split(key: str) -> tuple[str, str]:
     id_, _, part = key.rpartition(".")
     if id_ in EFFECTS:
         return id_, part
-    raise IvsidError(f"'{key}' is not simulated: the catalogue has no such id; there are {', '.join(EFFECTS)}")
+    raise IvsidError(f"'{key}' is not simulated: the catalogue has no such id; {choice(key, EFFECTS)}")
 
 
 def _forms(effect: Effect) -> tuple[Effect, ...]:
@@ -109,9 +109,9 @@ def _forms(effect: Effect) -> tuple[Effect, ...]:
 
 def _unknown_part(effect: Effect, part: str, thrusters: Sequence[str]) -> str:
     if effect.per_thruster:
-        return f"{effect.id}.{part}: the vehicle has no thruster {part}; it has {', '.join(thrusters) or 'none'}"
+        return f"{effect.id}.{part}: the vehicle has no thruster {part}; {meant(part, thrusters)}it has {', '.join(thrusters) or 'none'}"
     parts = [p.part for e in _forms(effect) for p in e.parameters if p.part]
-    allowed = f"its parts are {', '.join(parts)}" if parts else "it is a single number"
+    allowed = f"{meant(part, parts)}its parts are {', '.join(parts)}" if parts else "it is a single number"
     return f"{effect.id} has no part {part}; {allowed}"
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from ivsid.effects import CHANNELS, causes, terms_of
-from ivsid.errors import IvsidError
+from ivsid.errors import IvsidError, choice, meant
 from ivsid.identification.assumptions import assumptions, cause_notes
 from ivsid.identification.bias import CHOICES, separate_bias, with_unknowns, without_unknowns
 from ivsid.identification.blocks import linked, nonzero, outlier_notes, overall, parameters_of, solve
@@ -57,9 +57,9 @@ def identify(
         IvsidError: unusable input, in one sentence.
     """
     if bias not in CHOICES:
-        raise IvsidError(f"bias '{bias}' is unknown; use {', '.join(CHOICES)}")
+        raise IvsidError(f"bias '{bias}' is unknown; {meant(bias, CHOICES)}use {', '.join(CHOICES)}")
     if method not in METHODS:
-        raise IvsidError(f"method '{method}' is not available; choose one of {', '.join(METHODS)}")
+        raise IvsidError(f"method '{method}' is not available; {choice(method, METHODS)}")
     if outliers < 0 or (outliers and method != "feasible"):
         raise IvsidError(
             f"outliers = {outliers} with method {method} is not possible; give a number of rows, at least 0, with method feasible"
@@ -103,7 +103,7 @@ def identify_rows(
         IvsidError: an unknown method.
     """
     if method not in METHODS:
-        raise IvsidError(f"method '{method}' is not available; choose one of {', '.join(METHODS)}")
+        raise IvsidError(f"method '{method}' is not available; {choice(method, METHODS)}")
     allowed = options.get("outliers", 0)
     used = nonzero(rows)
     blocks = [solve(rows, used, columns, method, options["partitions"], allowed) for columns in linked(used)]

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from ivsid import _core
-from ivsid.errors import IvsidError
+from ivsid.errors import IvsidError, choice, meant
 from ivsid.intervals import EndpointPair, FloatArray, Interval, IntervalArray, Operand
 from ivsid.linear.certificates import Certificate
 from ivsid.linear.results import (
@@ -231,14 +231,14 @@ def partition_count(partitions: int | None, method: str = "published") -> int:
 def check_method(method: str, methods: tuple[str, ...]) -> None:
     """Refuses a name that is not among the methods."""
     if method not in methods:
-        raise IvsidError(f"method '{method}' is not available; choose one of {', '.join(methods)}")
+        raise IvsidError(f"method '{method}' is not available; {choice(method, methods)}")
 
 
 def _check(method: str, partitions: int | None, sweep: str) -> int:
     """The number of partitions or cells, once the names of the method and of the sweep are known."""
     check_method(method, INVERSE_METHODS)
     if sweep not in SWEEPS:
-        raise IvsidError(f"sweep '{sweep}' is unknown; use {' or '.join(SWEEPS)}")
+        raise IvsidError(f"sweep '{sweep}' is unknown; {meant(sweep, SWEEPS)}use {' or '.join(SWEEPS)}")
     return partition_count(partitions, method)
 
 

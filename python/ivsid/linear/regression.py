@@ -13,7 +13,7 @@ from typing import Final, Literal, TypeAlias, TypedDict
 import numpy as np
 
 from ivsid import _core
-from ivsid.errors import IvsidError
+from ivsid.errors import IvsidError, choice
 from ivsid.intervals import EndpointPair, FloatArray, IntervalArray, Operand
 from ivsid.linear.linalg import INVERSE_METHODS, bounds_of, check_method, make_result, partition_count
 from ivsid.linear.results import Bounds, Result, Status
@@ -243,7 +243,7 @@ def least_squares(A: Operand, y: Operand, method: str = "qr") -> LeastSquares:
         IvsidError: wrong shapes, NaN or reversed bounds, an unknown method.
     """
     if method not in LEAST_SQUARES_METHODS:
-        raise IvsidError(f"method '{method}' is not available; choose one of {', '.join(LEAST_SQUARES_METHODS)}")
+        raise IvsidError(f"method '{method}' is not available; {choice(method, LEAST_SQUARES_METHODS)}")
     rows, right = _rows(A, y)
     found = _core.least_squares(rows, right, method)
     value = None if found["parameters"] is None else IntervalArray(*found["parameters"])

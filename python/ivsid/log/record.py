@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.errors import IvsidError
+from ivsid.errors import IvsidError, meant
 
 # Largest share of a log that a needed channel may be missing in a row.
 # Source: definition: a channel that is away longer is missing for most of the log
@@ -164,7 +164,7 @@ class Log:
         if name not in self.columns:
             has = ", ".join(self.columns) or "none that is known"
             raise IvsidError(
-                f"{self.name} has no column {name}, which is needed {why}; it has {has}: "
+                f"{self.name} has no column {name}, which is needed {why}; {meant(name, [*self.columns, *self.ignored])}it has {has}: "
                 "add it, or map it under [log] in the vehicle file"
             )
         values = self.columns[name]

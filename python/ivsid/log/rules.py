@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.errors import IvsidError
+from ivsid.errors import IvsidError, meant
 from ivsid.files import units
 from ivsid.files.log_map import Column, LogMap, TimeColumn
 from ivsid.log.arithmetic import Formula, formula
@@ -83,7 +83,7 @@ def rules_of(source: Source, mapping: LogMap) -> tuple[dict[str, Rule], tuple[st
         if rule is None:
             if wanted in mapping.columns:
                 raise IvsidError(
-                    f"{source.name} has no column {column.from_}, which [log] maps to {wanted}; it has {_some(source)}"
+                    f"{source.name} has no column {column.from_}, which [log] maps to {wanted}; {meant(column.from_, source.columns)}it has {_some(source)}"
                 )
             continue
         rules[wanted] = rule
@@ -182,5 +182,7 @@ def _clock(source: Source, mapping: LogMap, table: str, column: Column | None) -
             unit = stamps.unit or stated.known(units.TIME, source.name)
             return stamps.model_copy(update={"unit": unit}), (table, stated.column)
         where = f"{source.name}, table {table}," if table else source.name
-        raise IvsidError(f"{where} has no column {name} for the time; it has {', '.join(list(content.columns)[:12])}")
+        raise IvsidError(
+            f"{where} has no column {name} for the time; {meant(name, content.columns)}it has {', '.join(list(content.columns)[:12])}"
+        )
     return stamps, (table, name)

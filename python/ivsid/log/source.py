@@ -12,7 +12,7 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
-from ivsid.errors import IvsidError
+from ivsid.errors import IvsidError, meant
 from ivsid.files.log_map import TimeColumn
 
 MISSING: Final = ("", "nan", "NaN", "NAN", "null")
@@ -130,7 +130,9 @@ class Source:
         for name in names:
             place = self.find(name)
             if place is None:
-                raise IvsidError(f"{self.name} has no column {name}; it has {', '.join(self.columns[:16])}")
+                raise IvsidError(
+                    f"{self.name} has no column {name}; {meant(name, self.columns)}it has {', '.join(self.columns[:16])}"
+                )
             places[name] = place
         cells = {
             table: self.tables[table].read(list(dict.fromkeys(c for t, c in places.values() if t == table)))

@@ -9,6 +9,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from ivsid.errors import IvsidError
+from ivsid.files.shipped import near_shipped
 from ivsid.programme.manoeuvres import Segment
 from ivsid.vehicle import Finite, NonNegative, Positive, validated
 
@@ -128,7 +129,9 @@ def read_scenario(path: str | Path) -> Scenario:
     try:
         text = Path(path).read_text()
     except OSError as error:
-        raise IvsidError(f"scenario {path} cannot be read ({error.strerror}); give the path of a TOML file") from None
+        raise IvsidError(
+            f"scenario {path} cannot be read ({error.strerror}); {near_shipped(path, '_programme')}give the path of a TOML file"
+        ) from None
     except UnicodeDecodeError:
         raise IvsidError(f"{path} is not a text file; a scenario is TOML") from None
     return parse_scenario(text, str(path))

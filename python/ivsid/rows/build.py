@@ -9,7 +9,7 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from ivsid.effects import CHANNELS, Term
-from ivsid.errors import IvsidError
+from ivsid.errors import IvsidError, meant
 from ivsid.intervals.pieces import PIECE, over_pieces, pieces
 from ivsid.log import Log
 from ivsid.rows.equations import Equations
@@ -54,7 +54,7 @@ def build_rows(
         IvsidError: the name of the channel, the section of sensors or the limit that is missing.
     """
     if kind not in KINDS:
-        raise IvsidError(f"rows '{kind}' are unknown; use {', '.join(KINDS)}")
+        raise IvsidError(f"rows '{kind}' are unknown; {meant(kind, KINDS)}use {', '.join(KINDS)}")
     counts = _counts(bounded.log, (window,) if isinstance(window, float | int) else tuple(window), kind)
     equations = Equations(bounded, vehicle, tuple(terms), vehicle.hull.mass if added_mass else 0.0)
     plan = _plan(equations, counts, kind)

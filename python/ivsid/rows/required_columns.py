@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from ivsid.effects import CHANNELS, Place, State, Term
+from ivsid.errors import meant
 from ivsid.log import Log
 from ivsid.vehicle import Vehicle
 
@@ -82,8 +83,10 @@ def lacking(log: Log, terms: Sequence[Term], vehicle: Vehicle) -> str | None:
         return None
     parts = "; ".join(f"{c} ({_meaning(c)}needed for {_some(ids)})" for c, ids in missing.items())
     has = ", ".join(log.columns) or "none that is known"
+    # A channel that has its name is none that was meant for another.
+    near = "".join(f"for {c}, {hint}" for c in missing if (hint := meant(c, log.ignored)))
     return (
-        f"{log.name} cannot serve: it has no column {parts}; it has {has}: add what is missing, or map it under [log] in the "
+        f"{log.name} cannot serve: it has no column {parts}; {near}it has {has}: add what is missing, or map it under [log] in the "
         f"vehicle file{_pose(missing)}"
     )
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from types import UnionType
 from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from ivsid.errors import IvsidError
+from ivsid.errors import IvsidError, meant
 
 _T = TypeVar("_T", bound=BaseModel)
 
@@ -43,9 +42,7 @@ def _sentence(model: type[BaseModel], fault: Mapping[str, Any], table: Mapping[s
     match fault["type"]:
         case "extra_forbidden":
             allowed = _keys(model, path[:-1])
-            close = difflib.get_close_matches(str(path[-1]), allowed, 1)
-            hint = f"did you mean {close[0]}? " if close else ""
-            return f"{source}: key {key} is unknown; {hint}allowed here: {', '.join(allowed)}"
+            return f"{source}: key {key} is unknown; {meant(str(path[-1]), allowed)}allowed here: {', '.join(allowed)}"
         case "missing":
             return f"{source}: key {key} is missing; add it"
         case "value_error":

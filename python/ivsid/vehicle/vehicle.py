@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 from ivsid.errors import IvsidError
 from ivsid.files.log_map import LogMap
 from ivsid.files.section import Finite, NonNegative, Pair, Positive, Section
-from ivsid.files.shipped import shipped
+from ivsid.files.shipped import near_shipped, shipped
 from ivsid.vehicle.reading import validated
 from ivsid.vehicle.sensors import Sensors
 from ivsid.vehicle.thrusters import Thruster
@@ -156,7 +156,7 @@ def read_vehicle(path: str | Path) -> Vehicle:
         data = path.read_bytes()
     except OSError as error:
         raise IvsidError(
-            f"vehicle file {path} cannot be read ({error.strerror}); give the path of a TOML file"
+            f"vehicle file {path} cannot be read ({error.strerror}); {near_shipped(path)}give the path of a TOML file, or a shipped vehicle's name"
         ) from None
     try:
         text = data.decode()

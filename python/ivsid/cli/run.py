@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from ivsid.cli.progress import shown
+
 if TYPE_CHECKING:
     from ivsid.report.page import Report
     from ivsid.workflow.progress import Progress
@@ -34,8 +36,6 @@ def run(
         IvsidError: a folder that cannot be written, or unusable input.
     """
     # Imports of a second or two wait until a command runs; the help needs none of them.
-    from rich.console import Console  # noqa: PLC0415
-
     from ivsid import effects  # noqa: PLC0415
     from ivsid.files import records  # noqa: PLC0415
     from ivsid.report import page  # noqa: PLC0415
@@ -44,9 +44,8 @@ def run(
     folder = out if out is not None else Path(f"ivsid-{command}")
     for place in (folder, *(p.parent for p in apart.values())):
         records.check_writable(place)
-    console = Console(stderr=True, quiet=json)
-    with console.status(command) as status:
-        report = work(lambda step: status.update(f"{command}: {step}"))
+    with shown(command, quiet=json) as progress:
+        report = work(progress)
         report = replace(report, record=records.with_own_effects(report.record, effects.own_files()))
         page.write(replace(report, files={n: c for n, c in report.files.items() if n not in apart}), folder)
         for name, place in apart.items():
@@ -54,7 +53,7 @@ def run(
     if json:
         typer.echo(records.to_json(report.record))
         return
-    for line in report.lines:
+    for line in (report.summary, *report.lines):
         typer.echo(line)
     for name, place in apart.items():
         typer.echo(f"  {name} stands apart: {place}")

@@ -43,7 +43,7 @@ class Report:
         sections: sections of the page.
         drawings: all figures; each becomes two files, whether or not a section shows it.
         files: further files by name.
-        lines: text for the terminal.
+        lines: text for the terminal below the summary.
     """
 
     title: str

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -51,8 +51,8 @@ class Checker:
     rows_used: set[tuple[object, ...]] = field(default_factory=set)
     _spaces: dict[tuple[object, ...], HalfSpace] = field(default_factory=dict)
 
-    def run(self) -> None:
-        """Checks the files, the status, each certificate, and the statements that rest on them."""
+    def run(self, progress: Callable[[str], None]) -> None:
+        """Checks the files, the status, each certificate, and the statements that rest on them; progress is told of each certificate."""
         self._files()
         self._kind()
         if self.failures:
@@ -75,7 +75,9 @@ class Checker:
         if self.failures or self.unknown:
             return
         blocks: dict[int, Block] = {}
-        for number, certificate in enumerate(self.record["certificates"]):
+        certificates = self.record["certificates"]
+        for number, certificate in enumerate(certificates):
+            progress(f"certificates {number} of {len(certificates)}")
             with self._trying(_name(number, certificate)):
                 self._certificate(certificate, blocks)
                 self.certificates += 1

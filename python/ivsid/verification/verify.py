@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -75,12 +76,15 @@ class Verification:
         }
 
 
-def verify(result: str | Path, log: str | Path | Log) -> Verification:
+def verify(
+    result: str | Path, log: str | Path | Log, *, progress: Callable[[str], None] = lambda _: None
+) -> Verification:
     """Checks the certificates of an identification in exact rational arithmetic, without the core (docs/theory.md, "Verification").
 
     Args:
         result: the folder of ``ivsid identify`` or its result.json.
         log: the log that was identified.
+        progress: told of each certificate.
 
     Returns:
         A verdict; a failed proof is a verdict, not an error.
@@ -97,7 +101,7 @@ def verify(result: str | Path, log: str | Path | Log) -> Verification:
         return Verification("failed", (f"the result is damaged: {error}",), (), "", 0, 0, name, shown, ())
     data = log if isinstance(log, Log) else read_log(log, read.vehicle.log)
     checker = Checker(read, data)
-    checker.run()
+    checker.run(progress)
     inputs = ((read.vehicle.source, read.vehicle.sha256), (data.name, data.sha256))
     return Verification(
         "failed" if checker.failures else "not_checked" if checker.unknown else "proved",

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.errors import IvsidError
+from ivsid.errors import IvsidError, meant
 from ivsid.files.records import envelope
 from ivsid.log import open_source
 from ivsid.report import figures, page
@@ -57,8 +57,8 @@ def allan(
     progress("reading")
     recording = _record(log, columns, time)
     curves = {}
-    for name, values in recording.channels.items():
-        progress(f"channel {name}")
+    for k, (name, values) in enumerate(recording.channels.items()):
+        progress(f"channels {k} of {len(recording.channels)}: {name}")
         curves[name] = allan_deviation(name, values, recording.period)
     samples = len(next(iter(recording.channels.values())))
     groups: dict[tuple[str, str], dict[str, AllanDeviation]] = {}
@@ -101,7 +101,6 @@ def allan(
     )
     summary = f"{samples} samples at {1 / recording.period:.4g} Hz, {samples * recording.period:.4g} s; {len(curves)} channels."
     lines = [
-        summary,
         *(
             f"  {r[0]:<10} N {r[2]:.4g}, B {r[3]:.4g} (T {r[4]:.4g} s{'' if r[5] else ', not resolved'}), K {curves[str(r[0])].rate_random_walk:.4g}, "
             f"sigma_c {r[7]:.4g}, half-width {r[9]:.4g} {r[1]}"
@@ -226,7 +225,9 @@ def _record(path: str | Path, columns: Sequence[str], time: str | None) -> Recor
         chosen = chosen or [c for c in names if c != name]
         missing = [c for c in chosen if c not in names]
         if missing or not chosen:
-            raise IvsidError(f"{path} has no column {', '.join(missing) or 'to analyse'}; it has {', '.join(names)}")
+            raise IvsidError(
+                f"{path} has no column {', '.join(missing) or 'to analyse'}; {meant(missing[0], names) if missing else ''}it has {', '.join(names)}"
+            )
         values = source.numeric(chosen)
         digest = source.sha256
     if any(v.size != t.size for v in values.values()):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.adapters import ADAPTERS, Imported, Part
-from ivsid.errors import IvsidError
+from ivsid.errors import IvsidError, choice
 from ivsid.files.records import envelope
 from ivsid.log import Log, Quality
 from ivsid.log.quality import examine, gaps, without_held
@@ -30,7 +30,7 @@ def import_set(name: str, folder: str | Path, *, progress: Progress = silent) ->
         IvsidError: an unknown set, or a file of the folder that is missing or damaged.
     """
     if name not in ADAPTERS:
-        raise IvsidError(f"data set '{name}' is unknown; choose one of {', '.join(ADAPTERS)}")
+        raise IvsidError(f"data set '{name}' is unknown; {choice(name, ADAPTERS)}")
     progress("reading")
     made = ADAPTERS[name](Path(folder))
     content: dict[str, str | bytes] = {f"{n}.csv": part.text for n, part in made.logs.items()}
@@ -60,7 +60,7 @@ def import_set(name: str, folder: str | Path, *, progress: Progress = silent) ->
     summary = f"{made.title}: {len(made.logs)} logs, {len(made.tables)} thrust tables" + (
         f", vehicle file {made.vehicle}." if made.vehicle else "."
     )
-    lines = [summary, f"  {', '.join(sorted(content))}"]
+    lines = [f"  {', '.join(sorted(content))}"]
     lines += [f"  note: {n}" for n in made.notes]
     lines += [f"  {n}: {note}" for n, part in made.logs.items() for note in part.notes]
     return Report(f"Import of {made.title}", summary, record, tuple(sections), drawings, content, tuple(lines))

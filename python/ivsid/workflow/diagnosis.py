@@ -257,7 +257,7 @@ def _null_logs(said: dict[str, Any] | None, of: str, done: str) -> list[str]:
 
 
 def _lines(result: Diagnosis) -> list[str]:
-    lines = [f"verdict: {result.verdict}. {VERDICTS[result.verdict]}"]
+    lines = []
     if result.proofs[0].refuted:
         lines.append(f"  {result.proofs[0].sentence(result.verdict)}")
     for f in result.findings:

@@ -59,7 +59,7 @@ def identify(
 def identification_report(fit: Identification, log: Log) -> Report:
     """The report of one identification."""
     drawings = (figures.intervals([fit]), figures.channels(log))
-    word = "guaranteed under the assumptions below" if fit.guaranteed else "not guaranteed"
+    word = "guaranteed under the stated assumptions" if fit.guaranteed else "not guaranteed"
     summary = f"{fit.vehicle.name}, method {fit.method}: {fit.status} ({MEANING[fit.status]}); {word}."
     inflation = "no factor on the bounds makes the rows consistent" if fit.inflation is None else f"{fit.inflation:.4g}"
     facts = [f"rows: {', '.join(f'{n} {c}' for c, n in fit.rows.items())}"]

@@ -23,9 +23,15 @@ from ivsid.simulation import Simulated
 from ivsid.validation import Validation
 from ivsid.vehicle import Vehicle
 from ivsid.workflow.allan_analysis import coefficient_rows, coefficient_table
-from ivsid.workflow.parameters import method_table, parameter_lines, shown
+from ivsid.workflow.parameters import method_table, parameter_lines, shown, status_line
 from ivsid.workflow.thrust_curves import fit_table
-from ivsid.workflow.validation import motion_table, validation_drawings, validation_lines, validation_table
+from ivsid.workflow.validation import (
+    motion_table,
+    validation_drawings,
+    validation_lines,
+    validation_summary,
+    validation_table,
+)
 
 # Parameter intervals as printed.
 # Source: paper: Table V
@@ -289,12 +295,12 @@ def lines_of(fits: list[Identification], inverses: dict[str, Any], checks: list[
     ids = ", ".join(f"{i} {shown(p.lower, p.upper, 4)} {p.unit}" for i, p in feasible.parameters.items())
     lines = [f"Feasible set ({feasible.status}, {word}): {ids or 'no parameter'}."]
     for fit in fits:
-        lines += parameter_lines(fit)
+        lines += [status_line(fit), *parameter_lines(fit)]
     for method in ("published", "published-hull"):
         if method in inverses:
             found = inverses[method]
             lines.append(
                 f"{method} inverse: {found['improper']} of {inverses['entries']} entries improper, {found.get('enclosed_entries', 0)} enclose the exact hull's"
             )
-    lines += validation_lines(checks[0])
+    lines += [validation_summary(checks[0]), *validation_lines(checks[0])]
     return tuple(lines)

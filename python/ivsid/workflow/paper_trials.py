@@ -97,7 +97,7 @@ def demo(*, seed: int | None = None, progress: Progress = silent) -> Report:
         sections,
         drawings,
         extra,
-        lines,
+        lines[1:],
     )
 
 

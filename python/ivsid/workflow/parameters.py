@@ -59,12 +59,14 @@ def method_table(fits: Sequence[Identification]) -> Part:
     return page.table(["method", "status", "guaranteed", "parameter", "unit", "interval", "width"], rows)
 
 
+def status_line(fit: Identification) -> str:
+    """Method and status of one of several identifications, for the terminal."""
+    return f"method {fit.method}: {fit.status}, {'guaranteed' if fit.guaranteed else 'NOT guaranteed'}; {MEANING[fit.status]}"
+
+
 def parameter_lines(fit: Identification) -> list[str]:
-    """Status and intervals of an identification, for the terminal."""
-    lines = [
-        f"method {fit.method}: {fit.status}, {'guaranteed' if fit.guaranteed else 'NOT guaranteed'}; {MEANING[fit.status]}"
-    ]
-    lines += [f"  {id_:<24} {shown(p.lower, p.upper):>32} {p.unit}" for id_, p in fit.parameters.items()]
+    """Intervals of an identification, for the terminal."""
+    lines = [f"  {id_:<24} {shown(p.lower, p.upper):>32} {p.unit}" for id_, p in fit.parameters.items()]
     if fit.status == "empty" and fit.estimate:
         lines.append("  parameter of least inflation: " + ", ".join(f"{k} {v:.5g}" for k, v in fit.estimate.items()))
     if fit.inflation is not None:

@@ -12,6 +12,7 @@ import numpy as np
 from ivsid import diagnosis, simulation
 from ivsid.diagnosis import Advice, Isolability
 from ivsid.errors import IvsidError
+from ivsid.files.shipped import shipped
 from ivsid.log import Log, read_log
 from ivsid.programme import trials
 from ivsid.programme.scenario import read_scenario
@@ -48,6 +49,7 @@ def isolability(
 
 
 def _log(vehicle: Vehicle, path: Path, seed: int | None, progress: Progress) -> Log:
+    path = shipped(path, "_programme")
     if path.suffix != ".toml":
         return read_log(path, vehicle.log)
     scenario = read_scenario(path)
@@ -81,8 +83,8 @@ def _sailed(
     """The logs of all manoeuvres that the model can sail, and a noisy one in which the vehicle turns."""
     logs: dict[str, Log] = {}
     turning = None
-    for trial in library:
-        progress(f"sailing {trial.name}")
+    for k, trial in enumerate(library):
+        progress(f"sailing {k} of {len(library)}: {trial.name}")
         made = _simulated(vehicle, log, trial, values, rate, "none")
         if made is None:
             continue
@@ -145,7 +147,7 @@ def isolability_report(vehicle: Vehicle, result: Isolability, words: Mapping[str
         tuple(s for s in sections if s.parts),
         () if drawing is None else (drawing,),
         {},
-        tuple(_lines(result, record, summary)),
+        tuple(_lines(result, record)),
     )
 
 
@@ -173,8 +175,8 @@ def _untested(result: Isolability, record: Mapping[str, Any]) -> Part:
     return page.table(["effect", "why", "shown best by", "z with it"], rows)
 
 
-def _lines(result: Isolability, record: Mapping[str, Any], summary: str) -> list[str]:
-    lines = [summary]
+def _lines(result: Isolability, record: Mapping[str, Any]) -> list[str]:
+    lines = []
     for ids, said in result.classes:
         lines.append(f"  not told apart: {', '.join(ids)}")
         advice = _of(result, ids)

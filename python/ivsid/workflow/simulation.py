@@ -10,7 +10,7 @@ import numpy as np
 
 from ivsid import simulation
 from ivsid.effects import EFFECTS, spread
-from ivsid.errors import IvsidError
+from ivsid.errors import IvsidError, meant
 from ivsid.files.records import envelope, to_json
 from ivsid.files.shipped import shipped
 from ivsid.log import Log
@@ -61,7 +61,7 @@ def simulate(
         measured = effect is not None and as_logged(effect, programme) is not effect
         given |= spread(id_, numbers, measured=measured)
     if table not in TABLES:
-        raise IvsidError(f"a log is not written as '{table}'; use {' or '.join(TABLES)}")
+        raise IvsidError(f"a log is not written as '{table}'; {meant(table, TABLES)}use {' or '.join(TABLES)}")
     if hide is not None:
         if effects:
             raise IvsidError("--hide draws the effect itself; leave --effect out")
@@ -100,7 +100,7 @@ def simulate(
         sections,
         (drawing,),
         {name: content, "truth.json": to_json(made.truth) + "\n"},
-        (summary, f"  {name}: the log; truth.json: what is true of it"),
+        (f"  {name}: the log; truth.json: what is true of it",),
     )
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ivsid.errors import IvsidError
+from ivsid.errors import IvsidError, meant
 from ivsid.files import units
 from ivsid.files.records import envelope
 from ivsid.log import open_source
@@ -92,7 +92,6 @@ def thrust(
         ),
     )
     lines = [
-        summary,
         *(f"  {f.name:<38} rms {f.rms:8.4g} N, largest {f.largest:8.4g} N" for f in table.fits),
         *(f"  note: {n}" for n in notes),
     ]
@@ -179,7 +178,7 @@ def _thruster(curve: str, neutral: float, accuracy: float) -> str:
 def _column(columns: Sequence[str], given: str | None, hints: tuple[str, ...], what: str, path: str | Path) -> str:
     if given is not None:
         if given not in columns:
-            raise IvsidError(f"{path} has no column {given}; it has {', '.join(columns)}")
+            raise IvsidError(f"{path} has no column {given}; {meant(given, columns)}it has {', '.join(columns)}")
         return given
     for hint in hints:
         found = [c for c in columns if hint in c.lower()]

@@ -80,7 +80,7 @@ def validation_summary(result: Validation) -> str:
 
 def validation_lines(result: Validation) -> list[str]:
     """The errors of each channel, for the terminal."""
-    lines = [validation_summary(result)]
+    lines = []
     for f in result.forces:
         unit = "N m" if f.channel == "yaw" else "N"
         lines.append(

@@ -23,7 +23,7 @@ def verify(result: str | Path, log: str | Path, *, progress: Progress = silent) 
         IvsidError: a file that cannot be read.
     """
     progress("recomputing rows and multipliers in fractions")
-    verdict = verification.verify(result, log)
+    verdict = verification.verify(result, log, progress=progress)
     lines = verdict_lines(verdict)
     sections = [
         Section(
@@ -51,7 +51,7 @@ def verify(result: str | Path, log: str | Path, *, progress: Progress = silent) 
         tuple(sections),
         (),
         {},
-        tuple(lines),
+        tuple(lines[1:]),
     )
 
 

@@ -90,8 +90,8 @@ def advise(
     weak = [i for i, v in alone.items() if not v.tested]
     fallback: Fit | None = None
     results: dict[str, tuple[dict[frozenset[str], float], dict[str, float]]] = {}
-    for name, log in logs.items():
-        progress(name)
+    for k, (name, log) in enumerate(logs.items()):
+        progress(f"trying {k} of {len(logs)}: {name}")
         try:
             if fit.noise.left_out and fallback is None:
                 fallback = turning_fit(fit, turning)

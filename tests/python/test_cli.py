@@ -138,15 +138,20 @@ def test_other_bad_input(folder, twin):
     refused(run("identify", swan, folder / "nothing.csv", "--out", out), out, "cannot be read")
     refused(run("identify", swan, log, "--method", "magic", "--out", out), out, "'magic' is not available")
     refused(run("validate", folder, log, "--out", out), out, "cannot be read")
-    refused(run("validate", folder / "swan.toml", log, "--out", out), out, "not JSON")
-    refused(run("simulate", swan, swan, "--out", out), out, "swan.toml")
+    refused(
+        run("validate", folder / "swan.toml", log, "--out", out),
+        out,
+        "needs the result of ivsid identify",
+        "swan.toml is",
+    )
+    refused(run("simulate", swan, swan, "--out", out), out, "swan.toml is a vehicle file")
     refused(
         run("simulate", swan, folder / "scenario.toml", "--effect", "drag.magic=1", "--out", out), out, "not simulated"
     )
     refused(run("simulate", swan, folder / "scenario.toml", "--effect", "drag", "--out", out), out, "ID=VALUE")
     refused(run("thrust", log, "--out", out), out, "--thrust-column")
     refused(run("fly"), out, "No such command")
-    refused(run("identify", swan), out, "Missing argument", "log")
+    refused(run("identify", swan), out, "Missing argument", "a log")
 
 
 def test_an_unwritable_folder_is_refused_before_any_work(folder):

@@ -6,16 +6,38 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from typer.core import TyperGroup
 
 from ivsid.cli.causes import diagnose, isolability
+from ivsid.cli.command import Command, plain
 from ivsid.cli.parameters import export, identify, validate, verify
 from ivsid.cli.preparation import allan, demo, import_, simulate, thrust
+from ivsid.cli.progress import EVERY
+
+# Groups of the help, by task.
+FIRST, MEASURED, SIMULATION, INTERVALS, CAUSES = (
+    "First steps",
+    "Sensors and thrusters",
+    "Simulation",
+    "Parameters",
+    "Causes of errors",
+)
+
+# The help of the program, by paragraphs.
+HELP = (
+    "Guaranteed system identification for unmanned marine vehicles.",
+    "First steps: ivsid simulate otter otter --out run, then ivsid identify otter run/log.csv --out fit. "
+    "Each command has an example: ivsid COMMAND --help.",
+    "Files may stand in another order where their content tells which is which.",
+    "On a terminal, progress shows the time so far, and the time left where the work is counted. "
+    f"Otherwise stderr gets a line every {EVERY:g} s. There is none with --json.",
+    "Exit codes: 0 done, 1 internal fault, 2 wrong usage or unusable input, 130 interrupted.",
+)
 
 app = typer.Typer(
     name="ivsid",
-    help="Guaranteed system identification for unmanned marine vehicles.",
+    help="\n\n".join(HELP),
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 
@@ -50,14 +72,22 @@ def _root(
             read_effects(path)
 
 
-app.command()(demo)
-app.command()(simulate)
-app.command()(allan)
-app.command()(thrust)
-app.command()(identify)
-app.command()(verify)
-app.command()(validate)
-app.command()(diagnose)
-app.command()(isolability)
-app.command()(export)
-app.command("import")(import_)
+app.command(cls=Command, rich_help_panel=FIRST)(demo)
+app.command("import", cls=Command, rich_help_panel=FIRST, no_args_is_help=True)(import_)
+app.command(cls=Command, rich_help_panel=MEASURED, no_args_is_help=True)(allan)
+app.command(cls=Command, rich_help_panel=MEASURED, no_args_is_help=True)(thrust)
+app.command(cls=Command, rich_help_panel=SIMULATION, no_args_is_help=True)(simulate)
+app.command(cls=Command, rich_help_panel=INTERVALS, no_args_is_help=True)(identify)
+app.command(cls=Command, rich_help_panel=INTERVALS, no_args_is_help=True)(verify)
+app.command(cls=Command, rich_help_panel=INTERVALS, no_args_is_help=True)(validate)
+app.command(cls=Command, rich_help_panel=SIMULATION, no_args_is_help=True)(export)
+app.command(cls=Command, rich_help_panel=CAUSES, no_args_is_help=True)(diagnose)
+app.command(cls=Command, rich_help_panel=CAUSES, no_args_is_help=True)(isolability)
+
+
+def program() -> TyperGroup:
+    """The program with all commands, as Typer runs it."""
+    made = typer.main.get_command(app)
+    assert isinstance(made, TyperGroup)
+    plain(made)
+    return made

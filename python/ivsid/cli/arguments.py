@@ -4,17 +4,38 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import Annotated, Final, TypeAlias
 
 import typer
 
+from ivsid.cli import completion
 from ivsid.errors import IvsidError
+
+# Vehicles that come with the package, in the words of the help; a test compares them with the files.
+SHIPPED: Final = ("cse1", "otter", "rov30k", "swan", "vectored_rov")
+
+# Arguments that several commands take; the name in capitals decides which kind of file is looked for (``command``).
+VehicleFile: TypeAlias = Annotated[
+    Path,
+    typer.Argument(
+        metavar="VEHICLE",
+        help=f"Vehicle file (TOML), or the name of a shipped vehicle: {', '.join(SHIPPED)}.",
+        autocompletion=completion.vehicles,
+    ),
+]
+LogFile: TypeAlias = Annotated[
+    Path,
+    typer.Argument(metavar="LOG", help="Log: CSV, Parquet, .mat, ROS bag, DataFlash .bin, or a folder of tables."),
+]
+FitFile: TypeAlias = Annotated[Path, typer.Argument(metavar="FIT", help="Folder or result.json of ivsid identify.")]
 
 Out: TypeAlias = Annotated[
     Path | None,
     typer.Option("--out", help="Folder for result.json, figures and report.html.", show_default="ivsid-COMMAND"),
 ]
-Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print only the JSON of result.json.")]
+Json: TypeAlias = Annotated[
+    bool, typer.Option("--json", help="Print only the JSON of result.json on stdout: neither words nor progress.")
+]
 Seed: TypeAlias = Annotated[int | None, typer.Option("--seed", min=0, help="Seed of the random numbers.")]
 
 

@@ -8,14 +8,22 @@ from typing import Annotated
 import typer
 
 from ivsid import workflow
-from ivsid.cli.arguments import Json, Out, Seed
+from ivsid.cli import completion
+from ivsid.cli.arguments import SHIPPED, Json, Out, Seed, VehicleFile
 from ivsid.cli.run import run
 
 
 def diagnose(
-    vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML) with the simulation's [model].")],
-    train: Annotated[Path, typer.Argument(help="Log in which causes are looked for.")],
-    test: Annotated[Path, typer.Argument(help="Another log, on which the better model is tried.")],
+    vehicle: Annotated[
+        Path,
+        typer.Argument(
+            metavar="VEHICLE",
+            help=f"Vehicle file (TOML) with the simulation's [model], or the name of a shipped vehicle: {', '.join(SHIPPED)}.",
+            autocompletion=completion.vehicles,
+        ),
+    ],
+    train: Annotated[Path, typer.Argument(metavar="TRAIN", help="Log in which causes are looked for.")],
+    test: Annotated[Path, typer.Argument(metavar="TEST", help="Another log, on which the better model is tried.")],
     out: Out = None,
     json: Json = False,
     seed: Seed = None,
@@ -29,7 +37,10 @@ def diagnose(
     ] = 400,
     no_cache: Annotated[bool, typer.Option("--no-cache", help="Neither read nor keep what null logs gave.")] = False,
 ) -> None:
-    """Causes of the simulation's errors, the extended model, and its gain on the other log."""
+    """Causes of the simulation's errors, the extended model, and its gain on the other log.
+
+    Example: ivsid diagnose boat.toml run1.csv run2.csv --out causes
+    """
     run(
         "diagnose",
         out,
@@ -41,13 +52,20 @@ def diagnose(
 
 
 def isolability(
-    vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML).")],
+    vehicle: VehicleFile,
     log: Annotated[
-        Path, typer.Argument(metavar="LOG_OR_SCENARIO", help="A log, or a scenario (TOML) that is simulated.")
+        Path,
+        typer.Argument(
+            metavar="LOG_OR_SCENARIO",
+            help="A log, or a scenario (TOML) that is simulated; otter or vectored_rov for a shipped one.",
+        ),
     ],
     out: Out = None,
     json: Json = False,
     seed: Seed = None,
 ) -> None:
-    """Causes that a programme can detect and tell apart, and the manoeuvre that would help."""
+    """Causes that a programme can detect and tell apart, and the manoeuvre that would help.
+
+    Example: ivsid isolability boat.toml run1.csv
+    """
     run("isolability", out, json, lambda progress: workflow.isolability(vehicle, log, seed=seed, progress=progress))

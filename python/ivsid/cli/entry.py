@@ -7,7 +7,7 @@ import warnings
 
 import typer
 
-from ivsid.cli.application import app
+from ivsid.cli.application import program
 from ivsid.errors import IvsidError
 
 
@@ -15,9 +15,8 @@ def main() -> None:
     """Runs the command that the arguments name, and exits: 0 done, 1 internal fault, 2 unusable input, 130 interrupted."""
     # Overflow on the way to a refusal is reported by the refusal; NumPy's warning would be a second sentence.
     warnings.filterwarnings("ignore", category=RuntimeWarning)
-    command = typer.main.get_command(app)
     try:
-        code = command.main(standalone_mode=False)
+        code = program().main(standalone_mode=False)
     except typer.Abort:
         code = 130
     except typer.TyperException as error:

@@ -8,20 +8,20 @@ from typing import Annotated
 import typer
 
 from ivsid import workflow
-from ivsid.cli.arguments import Json, Out, window_lengths
+from ivsid.cli import completion
+from ivsid.cli.arguments import FitFile, Json, LogFile, Out, VehicleFile, window_lengths
 from ivsid.cli.run import run
 
 
 def identify(
-    vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML).")],
-    log: Annotated[
-        Path, typer.Argument(help="Log: CSV, Parquet, .mat, ROS bag, DataFlash .bin, or a folder of tables.")
-    ],
+    vehicle: VehicleFile,
+    log: LogFile,
     method: Annotated[
         str,
         typer.Option(
             "--method",
             help="feasible, qr, augmented, exact, partitioned, hansen-bliek-rohn, krawczyk, cramer, kuttler, neumaier, published or published-hull.",
+            autocompletion=completion.methods,
         ),
     ] = "feasible",
     partitions: Annotated[
@@ -49,7 +49,10 @@ def identify(
     out: Out = None,
     json: Json = False,
 ) -> None:
-    """Parameter intervals."""
+    """Parameter intervals.
+
+    Example: ivsid identify boat.toml run1.csv --out fit
+    """
     windows = window_lengths(window)
     run(
         "identify",
@@ -71,22 +74,28 @@ def identify(
 
 
 def verify(
-    result: Annotated[Path, typer.Argument(help="Folder or result.json of ivsid identify.")],
-    log: Annotated[Path, typer.Argument(help="The log that was identified.")],
+    result: FitFile,
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="The log that was identified.")],
     out: Out = None,
     json: Json = False,
 ) -> None:
-    """Check an identification's certificates in exact arithmetic, without the core."""
+    """Check an identification's certificates in exact arithmetic, without the core.
+
+    Example: ivsid verify fit run1.csv
+    """
     run("verify", out, json, lambda progress: workflow.verify(result, log, progress=progress))
 
 
 def validate(
-    fit: Annotated[Path, typer.Argument(help="Folder or result.json of ivsid identify.")],
-    log: Annotated[Path, typer.Argument(help="Another log, as for identify.")],
+    fit: FitFile,
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="Another log, as for identify.")],
     out: Out = None,
     json: Json = False,
 ) -> None:
-    """Predicted against measured force and moment, simulated against measured motion."""
+    """Predicted against measured force and moment, simulated against measured motion.
+
+    Example: ivsid validate fit run2.csv
+    """
     run("validate", out, json, lambda progress: workflow.validate(fit, log, progress=progress))
 
 

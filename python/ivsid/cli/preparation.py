@@ -8,24 +8,39 @@ from typing import Annotated
 import typer
 
 from ivsid import workflow
-from ivsid.cli.arguments import Json, Out, Seed, effect_numbers
+from ivsid.cli import completion
+from ivsid.cli.arguments import Json, Out, Seed, VehicleFile, effect_numbers
 from ivsid.cli.run import run
 
 
 def demo(out: Out = None, json: Json = False, seed: Seed = None) -> None:
-    """The paper's experiment end to end on a twin of its vehicle."""
+    """The paper's experiment end to end on a twin of its vehicle.
+
+    Example: ivsid demo --out demo
+    """
     run("demo", out, json, lambda progress: workflow.demo(seed=seed, progress=progress))
 
 
 def simulate(
-    vehicle: Annotated[Path, typer.Argument(help="Vehicle file (TOML), or otter or vectored_rov.")],
-    scenario: Annotated[Path, typer.Argument(help="Scenario file (TOML), or otter or vectored_rov.")],
+    vehicle: VehicleFile,
+    scenario: Annotated[
+        Path,
+        typer.Argument(
+            metavar="SCENARIO",
+            help="Scenario file (TOML); otter or vectored_rov for a shipped one.",
+            autocompletion=completion.scenarios,
+        ),
+    ],
     out: Out = None,
     json: Json = False,
     seed: Seed = None,
     effect: Annotated[
         list[str] | None,
-        typer.Option("--effect", help="An effect of the catalogue with its numbers, ID=VALUE or ID=A,B; may repeat."),
+        typer.Option(
+            "--effect",
+            help="An effect of the catalogue with its numbers, ID=VALUE or ID=A,B; may repeat.",
+            autocompletion=completion.effects,
+        ),
     ] = None,
     hide: Annotated[
         int | None, typer.Option("--hide", min=0, help="Draw a hidden effect from this seed; only truth.json names it.")
@@ -41,7 +56,10 @@ def simulate(
         ),
     ] = None,
 ) -> None:
-    """A log with sensor noise from a known truth."""
+    """A log with sensor noise from a known truth.
+
+    Example: ivsid simulate otter otter --effect drag.surge.linear=4 --out run
+    """
     given = dict(effect_numbers(e) for e in effect or [])
     folder = out if out is not None else Path("ivsid-simulate")
     if truth is None and hide is not None:
@@ -59,7 +77,7 @@ def simulate(
 
 
 def allan(
-    log: Annotated[Path, typer.Argument(help="Static recording (CSV or Parquet).")],
+    log: Annotated[Path, typer.Argument(metavar="RECORDING", help="Static recording (CSV or Parquet).")],
     out: Out = None,
     json: Json = False,
     columns: Annotated[
@@ -67,20 +85,26 @@ def allan(
     ] = "",
     time: Annotated[str | None, typer.Option("--time", help="Name of the time column [s].")] = None,
 ) -> None:
-    """Allan deviation per channel, noise coefficients, bounds, ready for a vehicle file."""
+    """Allan deviation per channel, noise coefficients, bounds, ready for a vehicle file.
+
+    Example: ivsid allan deck.csv --columns ax,ay,r
+    """
     chosen = [c.strip() for c in columns.split(",") if c.strip()]
     run("allan", out, json, lambda progress: workflow.allan(log, columns=chosen, time=time, progress=progress))
 
 
 def thrust(
-    table: Annotated[Path, typer.Argument(help="Bollard-pull table (CSV or Parquet).")],
+    table: Annotated[Path, typer.Argument(metavar="TABLE", help="Bollard-pull table (CSV or Parquet).")],
     out: Out = None,
     json: Json = False,
     demand_column: Annotated[str | None, typer.Option("--demand-column", help="Name of the demand column.")] = None,
     thrust_column: Annotated[str | None, typer.Option("--thrust-column", help="Name of the thrust column.")] = None,
     unit: Annotated[str | None, typer.Option("--unit", help="Unit of the thrust: N, kN, kgf, gf, lbf.")] = None,
 ) -> None:
-    """Thrust models of a bollard-pull table: residuals, and which to use."""
+    """Thrust models of a bollard-pull table: residuals, and which to use.
+
+    Example: ivsid thrust bollard.csv --unit kgf
+    """
     run(
         "thrust",
         out,
@@ -97,5 +121,8 @@ def import_(
     out: Out = None,
     json: Json = False,
 ) -> None:
-    """A public data set as logs, thrust tables and a vehicle file."""
+    """A public data set as logs, thrust tables and a vehicle file.
+
+    Example: ivsid import cse1 CS_EnterpriseI_archive --out cse1
+    """
     run("import", out, json, lambda progress: workflow.import_set(name, folder, progress=progress))

@@ -3,16 +3,20 @@
 From logged demands, accelerations, velocities and yaw rates to parameter intervals that are proved under stated bounds on
 sensors and thrust. See the README for the commands, and ``docs/`` for the user's guide.
 
-Names are loaded when they are first used: ``import ivsid`` itself loads the compiled core alone, and none of the libraries that the stages
-rest on. A processor that does not round to nearest is refused here, before anything is computed.
+Names are loaded when they are first used: ``import ivsid`` itself loads the compiled core and the bases of what shows itself, and none of the
+libraries that the stages rest on. A processor that does not round to nearest is refused here, before anything is computed.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Final
 
 from ivsid import _core
+from ivsid.display.shown import Result
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from ivsid.diagnosis import Diagnosis
 
     # In the import cycle mypy takes re-exports of functions for second definitions.
@@ -98,4 +102,14 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted(__all__)
+
+
+def _drawn(result: Result, figure: "Figure | None") -> "tuple[Axes, ...]":
+    from ivsid.report.figures.plots import plot  # noqa: PLC0415 - loads Matplotlib, which only drawings need
+
+    return plot(result, figure)
+
+
+# Results are defined below the chapter that draws them. Only the root knows both, and hands the function down.
+Result.drawn_by = staticmethod(_drawn)

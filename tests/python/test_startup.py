@@ -34,7 +34,8 @@ def test_import_loads_no_library():
     found = loaded("import ivsid")
     assert not found & {*HEAVY, "numpy", "rich", "typer"}
     # The core refuses a changed rounding mode as soon as the package is imported.
-    assert {m for m in found if m.startswith("ivsid")} == {"ivsid", "ivsid._core"}
+    shown = {"ivsid.display", "ivsid.display.shown", "ivsid.display.table"}
+    assert {m for m in found if m.startswith("ivsid")} == {"ivsid", "ivsid._core", "ivsid.errors", *shown}
 
 
 def test_a_diagnosis_loads_neither_the_signals_nor_the_distributions_of_scipy():
@@ -47,7 +48,7 @@ def test_arithmetic_loads_numpy_and_the_core_alone():
     found = loaded("from ivsid import EndpointPair, Interval, IntervalArray, IvsidError, linalg, regression")
     assert not found & HEAVY
     chapters = {m.split(".")[1] for m in found if m.startswith("ivsid.")}
-    assert chapters <= {"_core", "errors", "intervals", "linear"}
+    assert chapters <= {"_core", "display", "errors", "intervals", "linear"}
 
 
 @pytest.mark.parametrize("line", ["--help", "--version"])

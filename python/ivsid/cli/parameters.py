@@ -107,5 +107,8 @@ def export(
     out: Out = None,
     json: Json = False,
 ) -> None:
-    """The model in the names and signs of another simulator, with its intervals."""
+    """The model in the names and signs of another simulator, with its intervals.
+
+    Example: ivsid export fit --to gz --out model
+    """
     run("export", out, json, lambda progress: workflow.export(result, to, progress=progress))

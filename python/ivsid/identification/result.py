@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, TypedDict
 
 import numpy as np
 
+from ivsid.display.shown import Result
+from ivsid.display.table import Cells
 from ivsid.effects import terms_of
 from ivsid.errors import IvsidError
 from ivsid.files.records import Lower, Upper, envelope, sealed, to_json, write_whole
+from ivsid.intervals import shown
 from ivsid.vehicle import Vehicle, parse_vehicle
 
 
@@ -55,8 +59,8 @@ class ClaimCheck(TypedDict):
     contradicted: bool
 
 
-@dataclass(frozen=True)
-class Identification:
+@dataclass(frozen=True, repr=False)
+class Identification(Result):
     """The result of a method for all parameters of a model.
 
     Attributes:
@@ -106,6 +110,28 @@ class Identification:
     determined: tuple[dict[str, float], ...] = ()
     claims: tuple[ClaimCheck, ...] = ()
     outliers: tuple[dict[str, Any], ...] = ()
+
+    def _heading(self) -> str:
+        word = "guaranteed" if self.guaranteed else "not guaranteed"
+        return f"of {self.vehicle.name} by {self.method} on {self.log_name}: {self.status}, {word}"
+
+    def _cells(self) -> Cells:
+        found = self.parameters.items()
+        return {
+            "parameter": [k for k, _ in found],
+            "interval": [shown(p.lower, p.upper) for _, p in found],
+            "unit": [p.unit for _, p in found],
+        }
+
+    def _columns(self) -> Mapping[str, object]:
+        found = self.parameters.values()
+        return {
+            "parameter": list(self.parameters),
+            "symbol": [p.symbol for p in found],
+            "unit": [p.unit for p in found],
+            "lower": [p.lower for p in found],
+            "upper": [p.upper for p in found],
+        }
 
     @property
     def falsifying(self) -> list[dict[str, Any]]:

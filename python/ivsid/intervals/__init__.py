@@ -4,6 +4,7 @@
 - ``floats``: numbers of a user as float64, without a rounding.
 - ``protocol``: NumPy's functions of interval arrays.
 - ``endpoints``: bounds that may be reversed, the result of the published method.
+- ``shown``: intervals and arrays in words, rounded outward.
 - ``pieces``: work over many rows in pieces that stay in the cache, on all processors.
 - ``apart``: a task in a process of its own.
 
@@ -14,8 +15,9 @@ from ivsid.intervals.array import Interval, IntervalArray, Operand, bound, follo
 from ivsid.intervals.endpoints import EndpointPair
 from ivsid.intervals.floats import FloatArray
 from ivsid.intervals.protocol import ufunc
+from ivsid.intervals.shown import shown
 
 # The core's Interval calls these for operands that are neither intervals nor numbers.
 _bound, _operate, _ufunc = bound, operate, ufunc
 
-__all__ = ["EndpointPair", "FloatArray", "Interval", "IntervalArray", "Operand", "follow", "outward_decimal"]
+__all__ = ["EndpointPair", "FloatArray", "Interval", "IntervalArray", "Operand", "follow", "outward_decimal", "shown"]

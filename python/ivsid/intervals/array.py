@@ -13,6 +13,7 @@ from ivsid import _core
 from ivsid.errors import IvsidError
 from ivsid.intervals.floats import FloatArray, exact_floats
 from ivsid.intervals.operators import Operators
+from ivsid.intervals.shown import array_html, array_text
 
 Interval = _core.Interval
 
@@ -211,13 +212,10 @@ class IntervalArray(Operators):
         self._set(*state)
 
     def __repr__(self) -> str:
-        def nested(lower: Any, upper: Any) -> str:
-            if np.ndim(lower) == 0:
-                return _text(float(lower), float(upper))
-            shown = [nested(a, b) for a, b in zip(lower[:20], upper[:20], strict=True)]
-            return "[" + ", ".join(shown + (["..."] if len(lower) > 20 else [])) + "]"
+        return array_text(self, _text)
 
-        return f"IntervalArray({nested(self._lower, self._upper)})"
+    def _repr_html_(self) -> str:
+        return array_html(self)
 
 
 Operand: TypeAlias = IntervalArray | Interval | ArrayLike

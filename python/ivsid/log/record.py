@@ -9,6 +9,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.display.shown import Result
+from ivsid.display.table import Cells
 from ivsid.errors import IvsidError, meant
 
 # Largest share of a log that a needed channel may be missing in a row.
@@ -74,8 +76,8 @@ class Quality:
     upper: float
 
 
-@dataclass(frozen=True)
-class Log:
+@dataclass(frozen=True, repr=False)
+class Log(Result):
     """A checked log.
 
     Attributes:
@@ -112,6 +114,21 @@ class Log:
     over: Mapping[str, StepRange] = field(default_factory=dict)
     by_rate: tuple[str, ...] = ()
     certain: Mapping[str, float] = field(default_factory=dict)
+
+    def _heading(self) -> str:
+        return f"{self.name}: {self.t.size} rows over {self.t[-1] - self.t[0]:.6g} s, median step {self.period:.4g} s"
+
+    def _cells(self) -> Cells:
+        kept = {n: x[~np.isnan(x)] for n, x in self.columns.items()}
+        return {
+            "channel": list(kept),
+            "missing": [self.t.size - x.size for x in kept.values()],
+            "smallest": [float(x.min()) if x.size else None for x in kept.values()],
+            "largest": [float(x.max()) if x.size else None for x in kept.values()],
+        }
+
+    def _columns(self) -> Mapping[str, object]:
+        return {"t": self.t, **self.columns}
 
     @property
     def period(self) -> float:

@@ -8,6 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.display.shown import Result
+from ivsid.display.table import Cells
 from ivsid.effects import CHANNELS, causes, terms_of
 from ivsid.errors import IvsidError
 from ivsid.identification import Identification
@@ -79,8 +81,8 @@ class MotionCheck:
     reason: str | None
 
 
-@dataclass(frozen=True)
-class Validation:
+@dataclass(frozen=True, repr=False)
+class Validation(Result):
     """Both checks of one fit on one log."""
 
     fit: Identification
@@ -89,6 +91,26 @@ class Validation:
     forces: tuple[ForceCheck, ...]
     motion: MotionCheck
     notes: tuple[str, ...]
+
+    def _heading(self) -> str:
+        wrong, rows = sum(f.falsified for f in self.forces), sum(f.time.size for f in self.forces)
+        return f"of {self.fit.vehicle.name} by {self.fit.method} on {self.log_name}: {wrong} of {rows} rows contradict the fit"
+
+    def _cells(self) -> Cells:
+        return self._columns()
+
+    def _columns(self) -> dict[str, list[object]]:
+        found = self.forces
+        return {
+            "channel": [f.channel for f in found],
+            "unit": ["N m" if f.channel == "yaw" else "N" for f in found],
+            "rows": [f.time.size for f in found],
+            "mean error": [f.mean for f in found],
+            "sigma": [f.sigma for f in found],
+            "mean |error|": [f.mean_absolute for f in found],
+            "inside bounds": [f.coverage for f in found],
+            "contradicting rows": [f.falsified for f in found],
+        }
 
 
 def validate(fit: Identification, log: GivenLog) -> Validation:

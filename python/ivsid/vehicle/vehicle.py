@@ -9,6 +9,8 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
+from ivsid.display.shown import Shown
+from ivsid.display.table import Cells
 from ivsid.errors import IvsidError
 from ivsid.files.log_map import LogMap
 from ivsid.files.section import Finite, NonNegative, Pair, Positive, Section
@@ -99,7 +101,7 @@ class Model(Section):
         return {k: f.value for k, f in self.fitted.items() if f.value is not None}
 
 
-class Vehicle(Section):
+class Vehicle(Shown, Section):
     """A checked vehicle file.
 
     Attributes:
@@ -135,6 +137,24 @@ class Vehicle(Section):
         if len(set(names)) != len(names):
             raise IvsidError(f"thruster names {names} repeat; each needs its own")
         return self
+
+    def _heading(self) -> str:
+        return f"{self.name}: {self.hull.mass:g} kg, {len(self.thrusters)} thrusters"
+
+    def _cells(self) -> Cells:
+        hull = [f"{name} {value:g} m" for name in ("length", "beam", "draught") if (value := getattr(self.hull, name))]
+        terms = self.model.terms if isinstance(self.model.terms, str) else ", ".join(self.model.terms or ()) or None
+        parts = {
+            "hull": ", ".join([f"{self.hull.mass:g} kg", *hull]),
+            **{
+                f"thruster {t.name}": f"at {t.position[0]:g}, {t.position[1]:g} m, azimuth {t.azimuth:g} rad"
+                for t in self.thrusters
+            },
+            "sensors": ", ".join(sorted(self.sensors.model_fields_set)) or None,
+            "model": terms or "the default terms",
+            "file": self.source or None,
+        }
+        return {"part": list(parts), "as stated": list(parts.values())}
 
     @property
     def sha256(self) -> str:

@@ -7,12 +7,12 @@ from typing import Any
 
 from ivsid import diagnosis
 from ivsid.diagnosis import GUARANTEED, NULL_LOGS, REFUTED, Claim, Diagnosis, cache_folder
+from ivsid.intervals import shown
 from ivsid.intervals.apart import Apart
 from ivsid.log import read_log
 from ivsid.report import figures, page
 from ivsid.report.page import Part, Report, Section
 from ivsid.vehicle import read_vehicle
-from ivsid.workflow.parameters import shown
 from ivsid.workflow.progress import Progress, silent
 
 VERDICTS = {

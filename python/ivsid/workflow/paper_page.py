@@ -9,7 +9,7 @@ import numpy as np
 
 from ivsid.identification import Identification
 from ivsid.identification.constriction import Constriction
-from ivsid.intervals import EndpointPair, Interval, IntervalArray
+from ivsid.intervals import EndpointPair, Interval, IntervalArray, shown
 from ivsid.linear import linalg
 from ivsid.log import Log
 from ivsid.propulsion import bollard
@@ -23,7 +23,7 @@ from ivsid.simulation import Simulated
 from ivsid.validation import Validation
 from ivsid.vehicle import Vehicle
 from ivsid.workflow.allan_analysis import coefficient_rows, coefficient_table
-from ivsid.workflow.parameters import method_table, parameter_lines, shown, status_line
+from ivsid.workflow.parameters import method_table, parameter_lines, status_line
 from ivsid.workflow.thrust_curves import fit_table
 from ivsid.workflow.validation import (
     motion_table,

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from fractions import Fraction
 
 from ivsid.identification import Identification, in_words
-from ivsid.intervals import outward_decimal
+from ivsid.intervals import shown
 from ivsid.report import page
 from ivsid.report.page import Cells, Part
 
@@ -23,26 +22,6 @@ MEANING = {
 # Directions that the terminal shows; a log that bounds no parameter leaves dozens.
 # Source: resource: lines of a terminal
 MOST_DIRECTIONS = 6
-
-
-def shown(lower: float, upper: float, digits: int = 6) -> str:
-    """An interval in decimals, rounded outward; open ends as words."""
-    return f"[{_end(lower, digits, up=False)}, {_end(upper, digits, up=True)}]"
-
-
-def _end(x: float, digits: int, *, up: bool) -> str:
-    if not math.isfinite(x):
-        return "no bound"
-    if x == 0:
-        return "0"
-    places = digits - 1 - math.floor(math.log10(abs(x)))
-    scaled = float(f"{x:.{digits}g}")
-    if (scaled < x) if up else (scaled > x):
-        scaled += (1 if up else -1) * 10.0**-places
-    text = f"{scaled:.{digits}g}"
-    # The rounding above is done in floats: if it went inward, the exact decimal is shown.
-    safe = Fraction(text) >= Fraction(x) if up else Fraction(text) <= Fraction(x)
-    return text if safe else outward_decimal(x, up=up)
 
 
 def method_table(fits: Sequence[Identification]) -> Part:

@@ -19,14 +19,17 @@ from ivsid.diagnosis.statements.findings import Finding
 from ivsid.diagnosis.statements.proved import Proof
 from ivsid.diagnosis.statements.rejected import Rejected, rejected
 from ivsid.diagnosis.statements.upper_limits import allowed
+from ivsid.display.shown import Result
+from ivsid.display.table import Cells
 from ivsid.effects import EFFECTS, Effect
 from ivsid.files.records import envelope
+from ivsid.intervals import shown
 from ivsid.log import Log
 from ivsid.vehicle import Vehicle
 
 
-@dataclass(frozen=True)
-class Diagnosis:
+@dataclass(frozen=True, repr=False)
+class Diagnosis(Result):
     """Diagnosis of a simulation: the causes of its errors, and the gain of a better model.
 
     Attributes:
@@ -68,6 +71,34 @@ class Diagnosis:
     notes: tuple[str, ...] = field(default=())
     claims: tuple[Claim, ...] = field(default=())
     withdrawn: Mapping[str, Refusal] = field(default_factory=dict)
+
+    def _heading(self) -> str:
+        logs = " and ".join(name for name, _ in self.inputs[1:])
+        return f"of {self.vehicle.name} on {logs}: {self.verdict}, {len(self.findings)} findings"
+
+    def _cells(self) -> Cells:
+        bounds = [[f"{k} {shown(b.lower, b.upper)} {b.unit}" for k, b in f.parameters.items()] for f in self.findings]
+        return {
+            "cause": [f.effect for f in self.findings],
+            "probability": [None if f.like is None else f.like.probability for f in self.findings],
+            "interval": ["; ".join(words) or None for words in bounds],
+            "could also be": [", ".join(f.alternatives) or None for f in self.findings],
+        }
+
+    def _columns(self) -> Mapping[str, object]:
+        rows: list[tuple[Finding, str | None, Bound | None]] = []
+        for f in self.findings:
+            rows += [(f, k, b) for k, b in f.parameters.items()] or [(f, None, None)]
+        return {
+            "cause": [f.effect for f, _, _ in rows],
+            "probability": [None if f.like is None else f.like.probability for f, _, _ in rows],
+            "weight": [f.confidence for f, _, _ in rows],
+            "parameter": [k for _, k, _ in rows],
+            "unit": [None if b is None else b.unit for _, _, b in rows],
+            "lower": [None if b is None else b.lower for _, _, b in rows],
+            "upper": [None if b is None else b.upper for _, _, b in rows],
+            "guaranteed": [None if b is None else b.guaranteed for _, _, b in rows],
+        }
 
     @property
     def rejected(self) -> tuple[Rejected, ...]:

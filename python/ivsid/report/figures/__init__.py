@@ -4,6 +4,7 @@
 - ``measurements``: logs, Allan deviations, bollard-pull tables, towing runs.
 - ``fits``: parameter intervals, predicted forces, simulated motion.
 - ``diagnosis``: signatures of findings, and force and motion before and after.
+- ``plots``: the same drawings on demand, for ``result.plot()``; the only module that loads pyplot.
 
 The chapter may use the values that the stages return, for their types, and the curve of a thrust table.
 """

@@ -65,6 +65,9 @@ QUANTITY = {
     "east": "place east [m]",
     "time": "time [s]",
 }
+# Width and height of the figure of the missing force [inch].
+# Source: resource: a panel for each channel on one page
+RESIDUAL_SIZE = (8.5, 5.4)
 LETTER = {"surge": "X", "sway": "Y", "yaw": "N"}
 
 
@@ -170,9 +173,17 @@ def _stretch(gain: Gain, seconds: float = 60.0) -> slice:
 
 def force_residual(gain: Gain, name: str = "force_residual") -> Drawing:
     """Missing force on the other log, before and after, low-passed."""
-    figure = Figure(figsize=(8.5, 5.4), layout="constrained")
-    n = gain.residual.shape[2]
-    s = thin(n)
+    figure = Figure(figsize=RESIDUAL_SIZE, layout="constrained")
+    draw_residual(figure, gain)
+    text = "; ".join(f"{q} {b:.3g} before, {a:.3g} after" for q, (b, a) in gain.force_rms.items())
+    return finish(
+        name, f"Force residuals on {gain.log}", f"Low-passed at 0.35 Hz without a shift in time. Rms: {text}.", figure
+    )
+
+
+def draw_residual(figure: Figure, gain: Gain) -> None:
+    """Draws the missing force into a figure, a panel for each channel."""
+    s = thin(gain.residual.shape[2])
     for k, (label, axes) in enumerate(
         zip(("X [N]", "Y [N]", "N [N m]"), figure.subplots(3, 1, sharex=True), strict=True)
     ):
@@ -182,10 +193,6 @@ def force_residual(gain: Gain, name: str = "force_residual") -> Drawing:
         axes.grid(True, alpha=0.3)
     axes.set_xlabel("time [s]")
     figure.axes[0].legend(fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
-    text = "; ".join(f"{q} {b:.3g} before, {a:.3g} after" for q, (b, a) in gain.force_rms.items())
-    return finish(
-        name, f"Force residuals on {gain.log}", f"Low-passed at 0.35 Hz without a shift in time. Rms: {text}.", figure
-    )
 
 
 def gain(gain: Gain, name: str = "gain") -> Drawing:

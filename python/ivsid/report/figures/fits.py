@@ -19,8 +19,28 @@ if TYPE_CHECKING:
 
 def intervals(fits: Sequence[Identification], name: str = "parameters") -> Drawing:
     """Parameter intervals of one or more methods."""
-    ids = list(dict.fromkeys(i for f in fits for i in (*f.parameters, *f.estimate)))
-    figure = Figure(figsize=(8.5, 1.0 + 0.42 * len(fits) * max(len(ids), 1) ** 0.5 + 1.2), layout="constrained")
+    figure = Figure(figsize=intervals_size(fits), layout="constrained")
+    draw_intervals(figure, fits)
+    return finish(
+        name,
+        "Parameter intervals by method",
+        "Green: guaranteed under the stated assumptions. Red: not guaranteed.",
+        figure,
+    )
+
+
+def _ids(fits: Sequence[Identification]) -> list[str]:
+    return list(dict.fromkeys(i for f in fits for i in (*f.parameters, *f.estimate)))
+
+
+def intervals_size(fits: Sequence[Identification]) -> tuple[float, float]:
+    """Width and height of a figure of intervals [inch]."""
+    return 8.5, 1.0 + 0.42 * len(fits) * max(len(_ids(fits)), 1) ** 0.5 + 1.2
+
+
+def draw_intervals(figure: Figure, fits: Sequence[Identification]) -> None:
+    """Draws the intervals into a figure, a panel for each parameter."""
+    ids = _ids(fits)
     panels = np.atleast_1d(figure.subplots(1, max(len(ids), 1)))
     for axes, id_ in zip(panels, ids, strict=False):
         for row, fit in enumerate(fits):
@@ -47,12 +67,6 @@ def intervals(fits: Sequence[Identification], name: str = "parameters") -> Drawi
         axes.set_ylim(len(fits) - 0.4, -0.6)
         axes.tick_params(axis="x", labelsize=7)
         axes.grid(True, axis="x", alpha=0.3)
-    return finish(
-        name,
-        "Parameter intervals by method",
-        "Green: guaranteed under the stated assumptions. Red: not guaranteed.",
-        figure,
-    )
 
 
 def force_mid(check: ForceCheck, name: str, title: str) -> Drawing:
@@ -73,16 +87,20 @@ def force_mid(check: ForceCheck, name: str, title: str) -> Drawing:
 def force_bounds(check: ForceCheck, name: str, title: str, *, guaranteed: bool) -> Drawing:
     """Bounds of the predicted force against the measured one (paper Figs 6-7)."""
     figure = Figure(figsize=(8.5, 4.2), layout="constrained")
-    axes = figure.add_subplot()
+    draw_bounds(figure.add_subplot(), check)
+    word = "guaranteed under the stated assumptions" if guaranteed else "not guaranteed"
+    caption = f"{100 * check.coverage:.1f} % of the measured values lie inside; {check.falsified} rows contradict the parameters. Bounds {word}."
+    return finish(name, title, caption, figure)
+
+
+def draw_bounds(axes: Axes, check: ForceCheck) -> None:
+    """Draws the bounds of the predicted force and the measured one."""
     s = thin(check.time.size)
     bounds = (check.predicted.lower[s], check.predicted.upper[s])
     if np.isfinite(bounds).all():
         axes.fill_between(check.time[s], *bounds, color=COLOURS[0], alpha=0.35, lw=0, label="predicted bounds")
     axes.plot(check.time[s], check.measured.midpoint[s], color=COLOURS[5], lw=1, label="measured")
     _time_axes(axes, check)
-    word = "guaranteed under the stated assumptions" if guaranteed else "not guaranteed"
-    caption = f"{100 * check.coverage:.1f} % of the measured values lie inside; {check.falsified} rows contradict the parameters. Bounds {word}."
-    return finish(name, title, caption, figure)
 
 
 def _time_axes(axes: Axes, check: ForceCheck) -> None:

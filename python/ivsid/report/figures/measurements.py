@@ -20,6 +20,12 @@ if TYPE_CHECKING:
 
 def channels(log: Log, name: str = "log") -> Drawing:
     """The channels of a log as measured: demands, velocities and rates, accelerations."""
+    figure = Figure(figsize=channels_size(log), layout="constrained")
+    draw_channels(figure, log)
+    return finish(name, f"The log {log.name}", f"{log.t.size} samples, median step {log.period:.4g} s.", figure)
+
+
+def _groups(log: Log) -> list[tuple[str, list[str]]]:
     groups: list[tuple[str, list[str]]] = [
         ("demand", [c for c in log.columns if c.startswith("demand_")]),
         ("u, v [m/s], r [rad/s]", [c for c in ("u", "v", "r") if c in log.columns]),
@@ -27,8 +33,17 @@ def channels(log: Log, name: str = "log") -> Drawing:
     ]
     if not groups[1][1]:
         groups[1] = ("x, y [m], psi [rad]", [c for c in ("x", "y", "psi") if c in log.columns])
-    groups = [g for g in groups if g[1]] or [("channels", list(log.columns)[: len(COLOURS)])]
-    figure = Figure(figsize=(8.5, 1.6 * len(groups) + 0.8), layout="constrained")
+    return [g for g in groups if g[1]] or [("channels", list(log.columns)[: len(COLOURS)])]
+
+
+def channels_size(log: Log) -> tuple[float, float]:
+    """Width and height of a figure of a log [inch]."""
+    return 8.5, 1.6 * len(_groups(log)) + 0.8
+
+
+def draw_channels(figure: Figure, log: Log) -> None:
+    """Draws the channels into a figure, a panel for each group."""
+    groups = _groups(log)
     panels = np.atleast_1d(figure.subplots(len(groups), 1, sharex=True))
     s = thin(log.t.size)
     for axes, (label, names) in zip(panels, groups, strict=True):
@@ -39,7 +54,6 @@ def channels(log: Log, name: str = "log") -> Drawing:
         axes.legend(fontsize=7, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, frameon=False)
         axes.grid(True, alpha=0.3)
     panels[-1].set_xlabel("time [s]")
-    return finish(name, f"The log {log.name}", f"{log.t.size} samples, median step {log.period:.4g} s.", figure)
 
 
 def allan_curves(curves: Mapping[str, AllanDeviation], name: str, title: str, unit: str) -> Drawing:

@@ -123,10 +123,10 @@ def test_long_tables_say_what_they_leave_out():
     text = table.text("many", cells)
     said = text.splitlines()
     assert len(text) <= SHORT and re.fullmatch(r"  and \d+ more rows", said[-1])
-    assert len(said) - 2 + int(said[-1].split()[1]) == 500
+    assert len(said) - 3 + int(said[-1].split()[1]) == 500
     html = table.html("many", cells)
     assert html.count("<tr>") == table.MOST_ROWS + 1 and f"and {500 - table.MOST_ROWS} more rows" in html
-    assert table.text("few", {"a": [1, None], "b": [True, 0.123456789]}) == "few\n  1  yes\n  –  0.123457"
+    assert table.text("few", {"a": [1, None], "b": [True, 0.123456789]}) == "few\n  a  b\n  1  yes\n  –  0.123457"
     assert table.text("none", {"a": []}) == "none"
 
 
@@ -226,6 +226,8 @@ def test_results_with_no_bounds_are_shown_too(fit, twin):
     empty = replace(fit, parameters={}, estimate={}, status="empty")
     assert repr(empty) == "Identification of SWAN by feasible on log.csv: empty, guaranteed"
     assert "<table" not in empty._repr_html_() and empty.to_polars().height == 0
+    wrong = replace(fit, parameters={}, status="empty")
+    assert "mass.surge  " in repr(wrong) and f"{fit.estimate['mass.surge']:.6g}" in wrong._repr_html_()
     open_ended = replace(fit, parameters={k: replace(p, upper=np.inf) for k, p in fit.parameters.items()})
     assert "no bound" in repr(open_ended) and "no bound" in open_ended._repr_html_()
     lost = replace(as_log(twin), columns={"u": np.full(twin.t.size, np.nan)})

@@ -27,8 +27,11 @@ _NUMBER = f'<td style="{_LINE}; text-align: right; font-variant-numeric: tabular
 
 
 def text(heading: str, cells: Cells) -> str:
-    """The heading and a line for each row, in at most ``MOST_CHARACTERS``; rows that have no place are counted."""
+    """The heading, names of the columns and a line for each row, in at most ``MOST_CHARACTERS``; rows that have no place are counted."""
     rows = list(zip(*([_cell(c) for c in column] for column in cells.values()), strict=True))
+    if not rows:
+        return _short(heading, 2 * MOST_NAME)
+    rows.insert(0, tuple(_short(name, MOST_NAME) for name in cells))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = [_short(heading, 2 * MOST_NAME)]
     left = MOST_CHARACTERS - len(lines[0]) - len("\n  and 1000000 more rows")

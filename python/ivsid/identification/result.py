@@ -117,6 +117,11 @@ class Identification(Result):
 
     def _cells(self) -> Cells:
         found = self.parameters.items()
+        if not found:
+            return {
+                "parameter": list(self.estimate),
+                "point that contradicts the rows least": list(self.estimate.values()),
+            }
         return {
             "parameter": [k for k, _ in found],
             "interval": [shown(p.lower, p.upper) for _, p in found],

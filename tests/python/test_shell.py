@@ -13,12 +13,15 @@ import pytest
 
 from command_line import COMMAND, run, run_process
 from conftest import embedded
+from ivsid import workflow
 from ivsid.cli import recognition
 from ivsid.cli.application import program
 from ivsid.cli.arguments import SHIPPED
 from ivsid.cli.progress import Watch, lines
 from ivsid.effects import EFFECTS
-from ivsid.identification import METHODS
+from ivsid.identification import METHODS, read_identification
+from ivsid.log import read_log
+from ivsid.report.page import Report
 from ivsid.workflow.log_files import csv as as_csv
 
 
@@ -104,6 +107,10 @@ MISSPELT = {
     "scenario": (("simulate", "otter", "oter"), "did you mean otter?"),
     "format": (("simulate", "boat.toml", "plan.toml", "--format", "parket"), "did you mean parquet?"),
     "channel": (("allan", "run.csv", "--columns", "axx"), "did you mean ax?"),
+    "unit": (
+        ("thrust", "run.csv", "--thrust-column", "u", "--demand-column", "ax", "--unit", "kgff"),
+        "did you mean kgf or gf?",
+    ),
     "set": (("import", "cse", "."), "did you mean cse1?"),
 }
 
@@ -201,7 +208,7 @@ def summary_of(page: str) -> str:
     return unescape(re.search(r'<p class="verdict">(.*?)</p>', page, re.S)[1])
 
 
-def test_the_terminal_begins_as_the_page_and_json_is_the_file(place, monkeypatch, tmp_path):
+def test_the_terminal_begins_as_the_page(place, monkeypatch, tmp_path):
     monkeypatch.chdir(place)
     Path("table.csv").write_text("PWM (us),Force (Kg f)\n1100,-2\n1300,-1\n1480,0\n1520,0\n1700,1.2\n1900,2.4\n")
     for words in (
@@ -218,13 +225,37 @@ def test_the_terminal_begins_as_the_page_and_json_is_the_file(place, monkeypatch
         said = made.stdout.splitlines()
         assert said[0] == summary_of((out / "report.html").read_text()), words
         assert said.count(said[0]) == 1
-        made = run(*words, "--out", out, "--json")
-        assert made.stdout == (out / "result.json").read_text() and made.stderr == ""
 
 
-def test_every_command_takes_json_and_a_folder():
-    for name, command in program().commands.items():
-        assert {"--json", "--out"} <= {o for p in command.params for o in p.opts}, name
+@pytest.mark.parametrize("name", program().commands)
+def test_every_command_begins_with_the_summary_and_prints_its_record(name, monkeypatch, tmp_path):
+    """Each command by its own example; the work behind it is replaced."""
+    monkeypatch.chdir(tmp_path)
+    made = Report("Title", "The finding, in a sentence.", {"command": name, "bound": 0.1}, lines=("  a number",))
+    for work in workflow.__all__:
+        monkeypatch.setattr(workflow, work, lambda *_, **__: made)
+    words = re.search(r"Example: ivsid (.*)", program().commands[name].help)[1].split()
+    folder = words[words.index("--out") + 1] if "--out" in words else f"ivsid-{name}"
+    said = run(*words)
+    assert said.returncode == 0, said.stderr
+    assert said.stdout.splitlines()[:2] == ["The finding, in a sentence.", "  a number"]
+    assert summary_of(Path(folder, "report.html").read_text()) == said.stdout.splitlines()[0]
+    said = run(*words, "--json")
+    assert said.stderr == "" and said.stdout == Path(folder, "result.json").read_text()
+    assert json.loads(said.stdout) == made.record
+
+
+def test_summaries_do_not_stand_in_the_lines_below_them(place):
+    from ivsid.workflow.identification import identification_report
+
+    fit = read_identification(place / "fit")
+    report = identification_report(fit, read_log(place / "run.csv", fit.vehicle.log))
+    assert report.summary not in report.lines and "guaranteed under the stated assumptions" in report.summary
+
+
+def test_a_pipe_may_be_any_file(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    assert recognition.kinds(tmp_path / "pipe") == frozenset()
 
 
 class Clock:

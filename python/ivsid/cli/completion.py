@@ -1,4 +1,4 @@
-"""Words that the shell completes behind a command: shipped vehicles, effects and methods, as the package knows them.
+"""Words that the shell completes behind a command: shipped vehicles, effects and methods, as the package knows them. A list that would take a second to load stands here.
 
 The shell asks by running the program once for each press of the key. It is installed by ``ivsid --install-completion``.
 """
@@ -6,6 +6,23 @@ The shell asks by running the program once for each press of the key. It is inst
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Final
+
+# Methods of identification, in the words of the help; a test compares them with the package's.
+METHODS: Final = (
+    "feasible",
+    "qr",
+    "augmented",
+    "exact",
+    "partitioned",
+    "hansen-bliek-rohn",
+    "krawczyk",
+    "cramer",
+    "kuttler",
+    "neumaier",
+    "published",
+    "published-hull",
+)
 
 
 def vehicles(incomplete: str) -> list[str]:
@@ -31,8 +48,6 @@ def effects(incomplete: str) -> list[str]:
 
 def methods(incomplete: str) -> list[str]:
     """Methods of identification that begin like the word."""
-    from ivsid.identification import METHODS  # noqa: PLC0415 - loads NumPy and SciPy
-
     return _begins(METHODS, incomplete)
 
 

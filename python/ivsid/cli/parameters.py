@@ -20,7 +20,7 @@ def identify(
         str,
         typer.Option(
             "--method",
-            help="feasible, qr, augmented, exact, partitioned, hansen-bliek-rohn, krawczyk, cramer, kuttler, neumaier, published or published-hull.",
+            help=f"{', '.join(completion.METHODS[:-1])} or {completion.METHODS[-1]}.",
             autocompletion=completion.methods,
         ),
     ] = "feasible",

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import tomllib
 from itertools import combinations, permutations
+from os import R_OK, access
 from pathlib import Path
 from typing import Final
 
@@ -28,7 +29,7 @@ MOST_TOML: Final = 200_000
 
 
 def kinds(path: str | Path) -> frozenset[str]:
-    """The kinds that a path may be taken for; none where it leads nowhere or its file is damaged."""
+    """The kinds that a path may be taken for; none where it leads nowhere, or to a pipe or a damaged file."""
     given = Path(path)
     if not given.exists():
         found = {k for k, suffix in ((VEHICLE, ""), (SCENARIO, "_programme")) if shipped(given, suffix) != given}
@@ -40,9 +41,9 @@ def kinds(path: str | Path) -> frozenset[str]:
             return frozenset({FIT} if command == "identify" else {RESULT, LOG} if given.is_dir() else {RESULT})
         # A folder without a result is a log, or the folder of a result that was not written.
         return frozenset({LOG, FIT} if given.is_dir() else ())
-    if not given.is_file():
-        # A pipe can be read only once.
-        return frozenset({LOG})
+    if not given.is_file() or not access(given, R_OK):
+        # A pipe can be read only once, and any kind of file may come through it.
+        return frozenset()
     table = _toml(given)
     if table is None:
         return frozenset() if given.suffix == ".toml" else frozenset({LOG})

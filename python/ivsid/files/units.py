@@ -3,7 +3,7 @@
 import math
 from typing import Final
 
-from ivsid.errors import IvsidError
+from ivsid.errors import IvsidError, meant
 
 # Units of forces [N].
 # Source: definition: the standard gravity 9.80665 m/s^2, the international pound 0.45359237 kg
@@ -52,7 +52,7 @@ def factor(unit: str, table: dict[str, float], what: str) -> float:
         IvsidError: the unit is not in the table.
     """
     if unit not in table:
-        raise IvsidError(f"unit '{unit}' of {what} is unknown; use one of {', '.join(table)}")
+        raise IvsidError(f"unit '{unit}' of {what} is unknown; {meant(unit, table)}use one of {', '.join(table)}")
     return table[unit]
 
 

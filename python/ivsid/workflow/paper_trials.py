@@ -56,11 +56,13 @@ def demo(*, seed: int | None = None, progress: Progress = silent) -> Report:
     curves = _static(vehicle, 100 + shift)
     progress("thrust models of Table III")
     table_iii = bollard.examine(np.array(bollard.TABLE_III[0]), np.array(bollard.TABLE_III[1]), bollard.PUBLISHED_CUBIC)
-    progress("identifying by every method")
     bounded = bound_log(train.log, vehicle)
     total = build_rows(bounded, vehicle, terms_of(vehicle))
     added = build_rows(bounded, vehicle, terms_of(vehicle, "added"), added_mass=True)
-    fits = [_fit(total, bounded, vehicle, m, "total") for m in identification.METHODS]
+    fits = []
+    for k, method in enumerate(identification.METHODS):
+        progress(f"identifying {k} of {len(identification.METHODS)}: {method}")
+        fits.append(_fit(total, bounded, vehicle, method, "total"))
     feasible = fits[0]
     published_added = _fit(added, bounded, vehicle, "published", "added")
     progress("constriction and validation")

@@ -96,7 +96,7 @@ def test_texts_are_short_and_tables_escaped_and_the_same_again(fit, check, twin)
         # Light or dark is the page's affair: nothing here has a colour of its own.
         assert not re.search(r"#[0-9a-f]{3}|rgb|white|black", " ".join(seen.styles))
         assert "color: inherit" in html or "<table" not in html
-        assert html == value._repr_html_() and repr(value) == text
+        assert html == value._repr_html_() and str(value) == repr(value) == text
 
 
 def test_the_text_of_a_fit_names_all_that_matters(fit):

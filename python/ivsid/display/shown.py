@@ -30,6 +30,9 @@ class Shown(ABC):
     def __repr__(self) -> str:
         return text(f"{type(self).__name__} {self._heading()}", self._cells())
 
+    # Pydantic prints all fields otherwise.
+    __str__ = __repr__
+
     def _repr_html_(self) -> str:
         return html(f"{type(self).__name__} {self._heading()}", self._cells())
 

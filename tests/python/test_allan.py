@@ -128,7 +128,7 @@ def test_a_walk_without_bias_and_a_bias_without_walk():
 @pytest.mark.sampled
 def test_points_stand_in_their_own_band_about_the_truth():
     """Pointwise 95 % bands of the curve: over 60 records they hold the true deviation in nine points of ten."""
-    from ivsid.sensors.allan_fit import variance
+    from ivsid.sensors.allan_model import variance
 
     inside = []
     for seed in spaced(range(12), 4):
@@ -139,7 +139,8 @@ def test_points_stand_in_their_own_band_about_the_truth():
 
 
 def test_the_covariance_of_the_estimates_is_that_of_many_records():
-    from ivsid.sensors.allan_fit import covariance, octaves
+    from ivsid.sensors.allan_fit import octaves
+    from ivsid.sensors.allan_model import covariance
 
     samples, h, numbers = 2048, 0.1, (2e-3, 3e-3, 5.0, 1e-4)
     m = octaves(samples)

@@ -84,13 +84,22 @@ def allan(
         str, typer.Option("--columns", help="Channels, separated by commas; by default every inertial one.")
     ] = "",
     time: Annotated[str | None, typer.Option("--time", help="Name of the time column [s].")] = None,
+    unit: Annotated[
+        str,
+        typer.Option("--unit", help="Units of rates and accelerations: deg/s, deg/h, rad/s, g, mg, m/s^2; as deg/s,g."),
+    ] = "",
 ) -> None:
     """Allan deviation per channel, noise coefficients, bounds, ready for a vehicle file.
 
-    Example: ivsid allan deck.csv --columns ax,ay,r
+    Example: ivsid allan deck.csv --columns ax,ay,r --unit deg/s,g
     """
-    chosen = [c.strip() for c in columns.split(",") if c.strip()]
-    run("allan", out, json, lambda progress: workflow.allan(log, columns=chosen, time=time, progress=progress))
+    chosen, units = ([c.strip() for c in text.split(",") if c.strip()] for text in (columns, unit))
+    run(
+        "allan",
+        out,
+        json,
+        lambda progress: workflow.allan(log, columns=chosen, time=time, unit=units, progress=progress),
+    )
 
 
 def thrust(

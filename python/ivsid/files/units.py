@@ -15,6 +15,13 @@ TIME: Final = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3
 # Source: definition: SI
 ANGLE: Final = {"rad": 1.0, "deg": math.pi / 180.0}
 
+# Units of yaw rates [rad/s].
+# Source: definition: SI
+RATE: Final = {"rad/s": 1.0, "deg/s": math.pi / 180.0, "deg/h": math.pi / 648000.0}
+# Units of accelerations [m/s^2].
+# Source: definition: the standard gravity 9.80665 m/s^2
+ACCELERATION: Final = {"m/s^2": 1.0, "g": 9.80665, "mg": 9.80665e-3}
+
 # Units that a foreign log's columns may have, in SI.
 # Source: definition: SI, the standard gravity, the international nautical mile of 1852 m
 COLUMN: Final = {

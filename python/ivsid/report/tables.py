@@ -48,7 +48,7 @@ def validation_record(result: Validation) -> dict[str, object]:
     }
 
 
-def allan_record(curves: dict[str, AllanDeviation]) -> dict[str, object]:
+def allan_record(curves: dict[str, AllanDeviation]) -> dict[str, dict[str, object]]:
     """The record of an Allan analysis: noise coefficients and curve of each channel."""
     return {
         name: {
@@ -58,6 +58,13 @@ def allan_record(curves: dict[str, AllanDeviation]) -> dict[str, object]:
             "rate_random_walk": a.rate_random_walk,
             "bands": {k: [low, high if high < float("inf") else None] for k, (low, high) in a.bands.items()},
             "bias_resolved": a.resolved,
+            "bias_flicker": a.flicker,
+            "fit_explained": a.explained,
+            "fit_start": a.start,
+            "filter_bandwidth": a.signs.bandwidth,
+            "step": a.signs.step,
+            "sinusoid": a.signs.sinusoid,
+            "drift": a.signs.drift,
             "flicker": a.floor,
             "floor_time": a.floor_time,
             "sigma_c": a.sigma_c,

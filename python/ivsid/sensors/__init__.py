@@ -2,7 +2,8 @@
 
 - ``bounds``: an interval for every sample of a log.
 - ``noise``: the number of sigmas that bounds a whole log, and half-widths of inertial channels; ``doppler``: velocity sensors.
-- ``allan``, ``allan_fit``: the Allan deviation of a static recording, and the noise coefficients read off it.
+- ``allan``, ``allan_fit``: the Allan deviation of a static recording, and the noise coefficients read off it, by ``allan_model`` (formulas) and
+  ``allan_search`` (minima); ``recording``: a filter, steps, a sinusoid or a drift in it.
 - ``pose``, ``derivatives``: positions to velocities, velocities to accelerations.
 - ``mounting``, ``origin``: lever arms, rotations and gravity in intervals, and logs brought to the body origin by them.
 - ``smoothing``: velocities by splines, an estimate; ``weak_form``: means of velocities from the pose, without velocities at rows.

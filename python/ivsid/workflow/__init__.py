@@ -1,6 +1,6 @@
 """Commands as calls in order: read, bound, compute, report. No mathematics of their own.
 
-- ``allan_analysis``: noise coefficients of a static recording.
+- ``allan_analysis``: noise coefficients of a static recording, by ``allan_recording`` (what is read) and ``allan_words`` (what is said).
 - ``thrust_curves``: candidates for a thrust curve from a bollard-pull table.
 - ``data_sets``: a public data set as logs, thrust tables and a vehicle file.
 - ``simulation``: a log from a known truth.

@@ -119,7 +119,9 @@ def sections_of(
     shown_figures = {d.name: page.drawing(d) for d in drawings}
     validated = [p for name, p in shown_figures.items() if name.startswith("fig4-7_")]
     heuristic = [p for name, p in shown_figures.items() if name.startswith("constricted_")]
-    rows = coefficient_rows(curves, {n: float("nan") for n in curves})
+    rows = coefficient_rows(
+        curves, {n: float("nan") for n in curves}, {n: "rad/s" if n == "r" else "m/s^2" for n in curves}
+    )
     return (
         Section("The twin", (page.bullets(_twin(vehicle, train)), shown_figures["train"], _table_iv(vehicle))),
         Section(

@@ -70,7 +70,7 @@ def allan_curves(curves: Mapping[str, AllanDeviation], name: str, title: str, un
             (np.sqrt(np.maximum(a.model(a.taus) ** 2 - a.random_walk**2 / a.taus, 0.0)), "--"),
         )
         for part, style in parts:
-            seen = part > 0.2 * a.deviation.min()
+            seen = np.nan_to_num(part) > 0.2 * a.deviation.min()
             axes.loglog(a.taus[seen], part[seen], style, color=colour, lw=0.7)
     axes.set_xlabel("averaging time [s]")
     axes.set_ylabel(f"Allan deviation [{unit}]")
@@ -78,13 +78,14 @@ def allan_curves(curves: Mapping[str, AllanDeviation], name: str, title: str, un
     axes.legend(fontsize=7)
     caption = (
         "Points: overlapping Allan deviation with its 95 % band. Full lines: random walk N (dotted), Gauss-Markov bias B, T and rate "
-        "random walk K (both dashed) fitted together; what was read off stands in the legend."
+        "random walk K (both dashed) fitted together, from the shortest averaging time of the fit on; what was read off stands in the legend."
     )
     return finish(name, title, caption, figure)
 
 
 def _read_off(a: AllanDeviation) -> str:
-    words = f"fit: N {a.random_walk:.3g}, B {a.bias_instability:.3g}, T {a.bias_time:.3g} s"
+    kind = "flicker" if a.flicker else f"T {a.bias_time:.3g} s"
+    words = f"fit: N {a.random_walk:.3g}, B {a.bias_instability:.3g}, {kind}"
     return words + (f", K {a.rate_random_walk:.3g}" if a.rate_random_walk else "")
 
 

@@ -3,9 +3,10 @@
 - ``cse1``: CyberShip Enterprise I, free runs and captive tests.
 - ``rov30k``: SUB-fighter 30k, an ROV at sea.
 - ``t200``: the Blue Robotics T200, bollard pulls.
-- ``imported``: the value that each of them gives.
+- ``imported``: the value that each of them gives, and files of a folder by content.
+- ``catman``: recordings of a towing tank; ``captive``: static force tables, and drag as intervals from them.
 
-The chapter may use ``log``, ``files`` and ``errors``. The data are never part of this package.
+The chapter may use ``log``, ``files``, ``linear``, ``intervals`` and ``errors``. The data are never part of this package.
 """
 
 from collections.abc import Callable

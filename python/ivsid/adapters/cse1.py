@@ -1,26 +1,30 @@
 """CyberShip Enterprise I (NTNU, 2011): free runs by camera, and captive tests in the towing tank.
 
-Origin: github.com/NTNU-MCS/CS_EnterpriseI_archive. Expected below the folder: ``freerun/*.mat`` and ``captive/SurgeDamping``,
-``captive/VSPsurge``, ``captive/VSPsway``, ``captive/BowThruster`` with their ``.asc`` files.
+Origin: github.com/NTNU-MCS/CS_EnterpriseI_archive. Files are known by their content, in any folders: a ``.mat`` file with the matrix
+cse1_data is a free run, a Catman recording (``.asc``) with a carriage speed is a towing run, and one with four gauges is a bollard pull, whose
+name tells thruster and demand.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.adapters.imported import Imported, Part, Table, digests, files_in, runs
+from ivsid.adapters.captive import GAUGE_CLASS, Run, drag_intervals, static_run, table
+from ivsid.adapters.catman import Recording, read_catman
+from ivsid.adapters.imported import Imported, Part, Table, digests, files_below, readable, runs
 from ivsid.errors import IvsidError
 from ivsid.log.matlab import matlab_variables
 
 Array = NDArray[np.float64]
 
-TITLE: Final = "CyberShip Enterprise I (freerun/ and captive/)"
+TITLE: Final = "CyberShip Enterprise I (free runs as .mat, captive runs as .asc, in any folders)"
 ORIGIN: Final = "github.com/NTNU-MCS/CS_EnterpriseI_archive"
 # Rows of the matrix cse1_data. The demands are the set-points u1 to u5: surge and sway pitch of two Voith-Schneider propellers, and the
 # bow thruster.
@@ -42,51 +46,88 @@ SLOW: Final = 0.2
 ISOLATED: Final = 10
 
 
+# Gauges of a towing run, and of a bollard pull.
+TOWING: Final = ("Fx8113", "Fx8111", "Speed_X")
+BOLLARD: Final = ("F8113", "F8114", "F8116")
+# A bollard pull by its name: the table, the demand in tenths and its sign, and the force from the means of the gauges. Both Voith-Schneider
+# propellers push in the surge pulls: each gives half of the difference of the two surge gauges.
+PULLS: Final[tuple[tuple[str, str, Callable[[dict[str, float]], float]], ...]] = (
+    ("vsp_surge", r"_(\d\d)_t2_(pos|neg)", lambda m: 0.5 * (m["F8114"] - m["F8113"])),
+    ("vsp_sway", r"_u2_(\d\d)_(pos|neg)", lambda m: m["F8114"] + m["F8116"]),
+    ("bow_thruster", r"_u5_(\d\d)_(pos|neg)", lambda m: m["F8114"] + m["F8116"]),
+)
+
+
 def read_cse1(folder: Path) -> Imported:
-    """Three free runs as logs, three bollard tables, and the towing runs with a least-squares fit of the hull's drag.
+    """Free runs as logs, bollard tables, and towing runs as a static force table with the drag that follows from it.
+
+    A damaged file is left out, and a note names it.
 
     Raises:
-        IvsidError: a file is missing or damaged; one sentence names it.
+        IvsidError: the folder is missing, or holds no run of the set; one sentence names it.
     """
-    patterns = [
-        "freerun/*.mat",
-        *(f"captive/{d}/*.asc" for d in ("SurgeDamping", "VSPsurge", "VSPsway", "BowThruster")),
+    (mat, asc), notes = files_below(folder, (".mat", ".asc"), TITLE, ORIGIN)
+    matlab, damaged = readable(folder, mat, _matrix)
+    foreign = [p for p, data in matlab.items() if data is None]
+    free, misshapen = readable(folder, [p for p in matlab if p not in foreign], lambda p: _free_run(p, matlab[p]))
+    damaged += misshapen
+    captive, broken = readable(folder, asc, _captive)
+    if not free and not captive:
+        why = f": {(damaged + broken)[0].removeprefix('left out: ')}" if damaged + broken else ""
+        raise IvsidError(
+            f"{folder} holds no run of the set{why}; give the folder of {TITLE}, which can be had from {ORIGIN}"
+        )
+    notes += [
+        *damaged,
+        *broken,
+        "a pose of exactly 0 is a drop-out of the cameras: missing, not zero",
+        "the runs have no velocity sensor: velocities are enclosed from the pose",
+        "towing (least squares) and slopes go through the means of the captive runs: for comparison, not bounds",
     ]
-    free, towing, surge, sway, bow = files_in(folder, patterns, TITLE, ORIGIN)
-    logs, dropouts = {}, {}
-    for path in free:
-        name = path.stem.removeprefix("CSE1_data_")
-        logs[name], dropouts[name] = _free_run(path)
-    speed, force = _towing(towing)
-    tables = {
-        # Both propellers push: each gives half of the difference of the two surge gauges.
-        "vsp_surge": _bollard(surge, r"_(\d\d)_t2_(pos|neg)", lambda m: 0.5 * (m["F8114"] - m["F8113"])),
-        "vsp_sway": _bollard(sway, r"_u2_(\d\d)_(pos|neg)", lambda m: m["F8114"] + m["F8116"]),
-        "bow_thruster": _bollard(bow, r"_u5_(\d\d)_(pos|neg)", lambda m: m["F8114"] + m["F8116"]),
+    if foreign:
+        notes.append(f"{len(foreign)} MATLAB files have no matrix cse1_data and are none of the runs")
+    towed = [c for c in captive.values() if isinstance(c, Run)]
+    tables = _tables([c for c in captive.values() if isinstance(c, Pull)])
+    names = _names(list(free))
+    facts: dict[str, object] = {
+        "dropouts": {names[p]: fact for p, (_, fact) in free.items()},
+        "slopes": {k: _slope(t) for k, t in tables.items()},
     }
+    others = {}
+    if towed:
+        others["towing"] = table(towed, "u", "force_X")
+        facts["towing"] = _drag(others["towing"]["u"], others["towing"]["force_X"])
+        facts["captive"] = {"surge": drag_intervals(towed, "surge")}
+        notes += [
+            f"drag by intervals rests on stated bounds, which the set does not give: each gauge and the speed err by at most {GAUGE_CLASS:.1%} of "
+            "their nominal values, the force by the largest deviation of a quarter of the run besides, and the drag is linear and quadratic",
+            "every run of the tank is straight, without drift or yaw rate: it says nothing of drag in sway and yaw",
+        ]
     return Imported(
         title="CyberShip Enterprise I",
-        logs=logs,
+        logs={names[p]: part for p, (part, _) in free.items()},
         tables=tables,
-        others={"towing": {"u": speed, "force_X": force}},
+        others=others,
         vehicle="cse1.toml",
-        facts={
-            "dropouts": dropouts,
-            "towing": _drag(speed, force),
-            "slopes": {k: _slope(t) for k, t in tables.items()},
-        },
-        notes=(
-            "a pose of exactly 0 is a drop-out of the cameras: missing, not zero",
-            "the runs have no velocity sensor: velocities are enclosed from the pose",
-            "drag and slopes are least squares through the means of the captive runs: for comparison, not bounds",
-        ),
-        inputs=digests(folder, [*free, *towing, *surge, *sway, *bow]),
+        facts=facts,
+        notes=tuple(notes),
+        inputs=digests(folder, [*free, *captive]),
     )
 
 
-def _free_run(path: Path) -> tuple[Part, dict[str, object]]:
-    variables = matlab_variables(path, str(path))
-    data = variables.get("cse1_data")
+def _names(paths: list[Path]) -> dict[Path, str]:
+    """The name of each free run: that of its file, with its folder's where two files have the same."""
+    bare = {p: p.stem.removeprefix("CSE1_data_") for p in paths}
+    often = {n for n in bare.values() if list(bare.values()).count(n) > 1}
+    return {p: f"{p.parent.name}_{n}".replace(" ", "_") if n in often else n for p, n in bare.items()}
+
+
+def _matrix(path: Path) -> object:
+    """The variable cse1_data of a MATLAB file, or None where it has none."""
+    return matlab_variables(path, str(path)).get("cse1_data")
+
+
+def _free_run(path: Path, data: object) -> tuple[Part, dict[str, object]]:
     if not isinstance(data, np.ndarray) or data.ndim != 2 or data.shape[0] <= SPEED or data.shape[1] < 2:
         raise IvsidError(
             f"{path} has no matrix cse1_data of at least {SPEED + 1} rows; give the set as it is published"
@@ -150,43 +191,54 @@ def _isolated(lost: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return short
 
 
-def asc_means(path: Path) -> dict[str, float]:
-    """The mean of every channel of a Catman recording: header lines, then rows separated by tabs.
+@dataclass(frozen=True)
+class Pull:
+    """A bollard pull: its table, demand and mean force [N]."""
 
-    Raises:
-        IvsidError: the file has no channel names or no samples.
-    """
-    lines = path.read_text(encoding="latin-1").splitlines()
-    names = next((line.split("\t") for line in lines if line.startswith("Time")), None)
-    rows = []
-    for line in lines:
-        cells = line.split("\t")
-        try:
-            row = [float(c) for c in cells]
-        except ValueError:
-            continue
-        if names is not None and len(row) == len(names):
-            rows.append(row)
-    if names is None or len(rows) < 2:
-        raise IvsidError(f"{path} is no Catman recording (a line of names that starts with Time, then rows of numbers)")
-    return dict(zip(names, np.mean(rows, axis=0).tolist(), strict=True))
+    table: str
+    demand: float
+    force: float
 
 
-def _mean(path: Path, *names: str) -> dict[str, float]:
-    means = asc_means(path)
-    missing = [n for n in names if n not in means]
-    if missing:
-        raise IvsidError(f"{path} has no channel {missing[0]}; it has {', '.join(means)}")
-    return means
+def _captive(path: Path) -> Run | Pull:
+    """A Catman recording as what its gauges tell that it is."""
+    recording = read_catman(path)
+    if set(TOWING) <= set(recording.channels):
+        return _towing(path, recording)
+    if not set(BOLLARD) <= set(recording.channels):
+        raise IvsidError(
+            f"{path} has neither the channels {', '.join(TOWING)} of a towing run nor {', '.join(BOLLARD)} of a bollard pull; "
+            f"it has {', '.join(recording.channels)}"
+        )
+    for name, pattern, force in PULLS:
+        found = re.search(pattern, path.stem)
+        if found:
+            demand = int(found.group(1)) / 10 * (1 if found.group(2) == "pos" else -1)
+            return Pull(name, demand + 0.0, force(recording.means))
+    raise IvsidError(f"{path}: its name tells no demand; give the set as it is published")
 
 
-def _towing(files: list[Path]) -> tuple[Array, Array]:
-    """Speed of the carriage and force of the water on the hull, in order of speed."""
-    means = [_mean(p, "Fx8113", "Fx8111", "Speed_X") for p in files]
-    speed = np.array([m["Speed_X"] for m in means])
-    force = np.array([m["Fx8111"] - m["Fx8113"] for m in means])
-    order = np.argsort(speed, kind="stable")
-    return speed[order], force[order]
+def _towing(path: Path, recording: Recording) -> Run:
+    """A towing run: two gauges hold the hull against the water at the speed of the carriage."""
+    silent = [n for n in TOWING if n not in recording.nominal]
+    if silent:
+        raise IvsidError(f"{path} states no nominal value of {silent[0]}, from which its accuracy follows")
+    c = recording.channels
+    front, rear, carriage = (GAUGE_CLASS * recording.nominal[n] for n in TOWING)
+    return static_run(c["Speed_X"], c["Fx8111"] - c["Fx8113"], carriage, front + rear)
+
+
+def _tables(pulls: list[Pull]) -> dict[str, Table]:
+    """Bollard tables in order of demand."""
+    made = {}
+    for name, *_ in PULLS:
+        found = [p for p in pulls if p.table == name]
+        demands = sorted({p.demand for p in found})
+        if demands:
+            # Several pulls at one demand count with their mean.
+            means = [np.mean([p.force for p in found if p.demand == d]) for d in demands]
+            made[name] = Table(np.array(demands), np.array(means))
+    return made
 
 
 def _drag(u: Array, force: Array) -> dict[str, float]:
@@ -203,19 +255,6 @@ def _drag(u: Array, force: Array) -> dict[str, float]:
         "largest": float(np.abs(residual).max()),
         "slow_slope": float(u[slow] @ force[slow] / (u[slow] @ u[slow])),
     }
-
-
-def _bollard(files: list[Path], pattern: str, force: Callable[[dict[str, float]], float]) -> Table:
-    """A bollard table: each file's name gives the demand in tenths and its sign, the means of its gauges give the force."""
-    points: dict[float, float] = {}
-    for path in files:
-        found = re.search(pattern, path.stem)
-        if found is None:
-            raise IvsidError(f"{path}: its name tells no demand; give the set as it is published")
-        demand = int(found.group(1)) / 10 * (1 if found.group(2) == "pos" else -1)
-        points[demand + 0.0] = force(_mean(path, "F8113", "F8114", "F8116"))
-    demands = sorted(points)
-    return Table(np.array(demands), np.array([points[d] for d in demands]))
 
 
 def _slope(table: Table) -> float:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import polars as pl
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ivsid.errors import IvsidError
 
 Array = NDArray[np.float64]
+Content = TypeVar("Content")
 
 
 @dataclass(frozen=True)
@@ -104,6 +105,55 @@ def files_in(folder: Path, patterns: Sequence[str], title: str, origin: str) -> 
         if not files:
             raise IvsidError(f"{folder} has no {pattern}; give the folder of {title}, which can be had from {origin}")
     return found
+
+
+def files_below(folder: Path, endings: Sequence[str], title: str, origin: str) -> tuple[list[list[Path]], list[str]]:
+    """The files at any depth of a folder by ending, each content once, and a note for every copy.
+
+    Args:
+        folder: given by the user.
+        endings: of file names, as ".mat", in small letters.
+        title: of the set, for messages.
+        origin: source of the set, for messages.
+
+    Raises:
+        IvsidError: the folder is missing.
+    """
+    if not folder.is_dir():
+        raise IvsidError(f"{folder} is not a folder; give the folder of {title}, which can be had from {origin}")
+    first: dict[str, Path] = {}
+    found: list[list[Path]] = [[] for _ in endings]
+    notes = []
+    for path in sorted(p for p in folder.rglob("*") if p.is_file() and p.suffix.lower() in endings):
+        digest = hashlib.sha256(path.read_bytes()).hexdigest()
+        if digest in first:
+            notes.append(
+                f"{path.relative_to(folder).as_posix()} has the content of {first[digest].relative_to(folder).as_posix()}: read once"
+            )
+        else:
+            first[digest] = path
+            found[list(endings).index(path.suffix.lower())].append(path)
+    return found, notes
+
+
+def readable(
+    folder: Path, files: Sequence[Path], read: Callable[[Path], Content]
+) -> tuple[dict[Path, Content], list[str]]:
+    """The content of each file that can be read, and a note for each that cannot.
+
+    Args:
+        folder: given by the user; notes name files below it.
+        files: to read.
+        read: raises IvsidError for a file that is damaged or is none of the set.
+    """
+    content, notes = {}, []
+    for path in files:
+        try:
+            content[path] = read(path)
+        except IvsidError as error:
+            reason = str(error).replace(str(path), path.relative_to(folder).as_posix())
+            notes.append(f"left out: {reason}")
+    return content, notes
 
 
 def digests(folder: Path, files: Sequence[Path]) -> tuple[tuple[str, str], ...]:

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy import signal
 
 from command_line import run
 from ivsid import IvsidError, workflow
@@ -60,7 +61,7 @@ def test_most_bands_hold_the_truth():
     for seed in spaced(range(216), 4):
         sensor = drawn(seed)
         curve = allan_deviation("x", sensor.record(20_000, dt, np.random.default_rng(seed)), dt)
-        assert curve.bias_time >= 1.0
+        assert curve.bias_time >= 1.0 and curve.motion is None
         found += held(curve, sensor, dt).values()
     assert len(found) >= 12 and np.mean(found) >= 0.85
 
@@ -73,6 +74,7 @@ def test_the_bands_of_95_percent_hold_93_percent_of_the_truths():
     for seed in range(216):
         sensor = drawn(seed)
         curve = allan_deviation("x", sensor.record(40_000, dt, np.random.default_rng(seed)), dt)
+        assert curve.motion is None, seed
         for name, inside in held(curve, sensor, dt).items():
             found[name].append(inside)
     share = {name: np.mean(inside) for name, inside in found.items()}
@@ -110,6 +112,17 @@ def test_a_sinusoid_is_found_and_noise_has_none():
     frequency, amplitude = signs(noise + 0.02 * np.sin(2 * np.pi * 0.37 * t), 0.02, 1e-2).sinusoid
     assert frequency == pytest.approx(0.37, abs=2e-3)
     assert amplitude == pytest.approx(0.02, rel=0.25)
+
+
+def test_swell_is_named_by_its_frequency_and_noise_has_none():
+    """A deck that swells at 0.1 Hz, in no single line; without swell the same noise has no hump."""
+    rng = np.random.default_rng(11)
+    dt = 0.1
+    swell = signal.sosfilt(signal.butter(2, [0.08, 0.12], "band", fs=1 / dt, output="sos"), rng.standard_normal(15_000))
+    noise = Sensor(n=1e-3, b=1e-3, t=8.0, k=1e-5).record(swell.size, dt, rng)
+    assert allan_deviation("r", noise, dt).motion is None
+    moved = allan_deviation("r", noise + 0.02 * swell / swell.std(), dt)
+    assert moved.motion == pytest.approx(0.1, rel=0.3) and moved.signs.sinusoid is None
 
 
 def test_a_warming_sensor_drifts_and_a_random_walk_does_not():

@@ -64,6 +64,7 @@ def allan_record(curves: dict[str, AllanDeviation]) -> dict[str, dict[str, objec
             "filter_bandwidth": a.signs.bandwidth,
             "step": a.signs.step,
             "sinusoid": a.signs.sinusoid,
+            "motion": a.motion,
             "drift": a.signs.drift,
             "flicker": a.floor,
             "floor_time": a.floor_time,

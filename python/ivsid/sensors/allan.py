@@ -22,7 +22,7 @@ from ivsid.errors import IvsidError
 from ivsid.sensors.allan_fit import fit_noise, octaves
 from ivsid.sensors.allan_model import Noise, relative_variances, variance
 from ivsid.sensors.noise import sigma_published
-from ivsid.sensors.recording import Signs, signs
+from ivsid.sensors.recording import Signs, motion, signs
 
 # Allan deviation of flicker noise divided by its bias instability, sqrt(2 ln(2) / pi).
 # Source: definition: IEEE Std 952-1997, bias instability.
@@ -60,6 +60,7 @@ class AllanDeviation:
         sigma_c: eq. 15 with the record's period and T [unit].
         mean: mean reading [unit].
         signs: a filter, steps, a sinusoid or a drift in the recording.
+        motion: frequency [Hz] of a motion of the sensor that makes a hump in the curve; None if there is none.
         period: of the samples [s].
         coarse: whether the steps of the readings are larger than their noise, so that rounding is no white noise.
         white_bound: N for a sensor bound [unit/sqrt(s)]: noise of increments counts as white noise of the same size at a sample.
@@ -86,6 +87,7 @@ class AllanDeviation:
     sigma_c: float
     mean: float
     signs: Signs
+    motion: float | None
     period: float
     coarse: bool
     white_bound: float
@@ -167,6 +169,7 @@ def allan_deviation(channel: str, values: NDArray[np.float64], period: float) ->
         sigma_published(n, b, period, t),
         float(values.mean()),
         seen,
+        motion(taus, deviation, band),
         period,
         seen.step is not None and seen.step > float(values.std()),
         math.sqrt(n * n + 2 * max(found.short, 0.0) / (3 * period)),

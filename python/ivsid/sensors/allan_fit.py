@@ -103,7 +103,9 @@ def fit_noise(m: NDArray[np.int64], observed: Array, samples: int, period: float
             # An octave that is only just acceptable still has a part of the filter in it.
             chosen = min(first + 1, last) if first else 0
             return _banded(fitted(chosen), chosen)
-    return _banded(fitted(last), last)
+    # A curve that rises from its first octave is behind a filter that is longer than the fit can leave out. Any other shape is no filter.
+    chosen = last if observed[1] > observed[0] else 0
+    return _banded(fitted(chosen), chosen)
 
 
 @dataclass(frozen=True)

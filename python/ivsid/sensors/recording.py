@@ -38,6 +38,13 @@ LOOKED: Final = 50_000
 # Source: definition: the rounding of printed decimals is far below it.
 WHOLE: Final = 0.01
 
+# The sinusoid of frequency f makes its largest Allan deviation at this number over f.
+# Source: theorem: the maximum of sin(x)^4 / x^2 is at x = 1.1656, and x = pi f tau.
+SWELL: Final = 0.371
+# Bands of the curve stand apart by this factor of the variance before a hump counts.
+# Source: measured: make test (tests/python/test_allan_sensors.py)
+APART: Final = 1.25
+
 Array = NDArray[np.float64]
 
 
@@ -87,6 +94,24 @@ def signs(values: Array, period: float, white: float) -> Signs:
         j = LEAST_PERIODS + k * bins + int(np.argmax(blocks[k]))
         sinusoid = float(frequency[j]), float(2 * np.sqrt(power[j] * np.sum(window**2)) / np.sum(window))
     return Signs(_bandwidth(inner, frequency[LEAST_PERIODS:-1], white), _step(values), sinusoid, drift)
+
+
+def motion(taus: Array, deviation: Array, band: Array) -> float | None:
+    """The frequency [Hz] of a motion of the sensor that makes a hump in its Allan deviation; None if there is none.
+
+    Of white noise, flicker noise, biases and walks, no one makes the variance times the averaging time fall. A rise and a fall behind it
+    are the mark of a motion to and fro.
+
+    Args:
+        taus: averaging times [s], shape (n,).
+        deviation: Allan deviation, shape (n,).
+        band: its 95 % band, shape (2, n).
+    """
+    least, most = band**2 * taus
+    before = np.r_[np.inf, np.minimum.accumulate(most)[:-1]]
+    behind = np.r_[np.minimum.accumulate(most[::-1])[::-1][1:], np.inf]
+    humps = np.flatnonzero(least > APART * np.maximum(before, behind))
+    return float(SWELL / taus[humps[np.argmax(deviation[humps])]]) if humps.size else None
 
 
 def _bandwidth(power: Array, frequency: Array, white: float) -> float | None:

@@ -22,17 +22,18 @@ DATA_SHEET: Final = {
 def allan_notes(a: AllanDeviation, unit: str) -> list[str]:
     """The signs of more than noise in a channel, one sentence each."""
     found, who = a.signs, f"channel {a.channel}"
+    moved = a.motion is not None or not a.explained
     notes = []
     if a.start > a.period * 1.5:
         cause = (
             f"a low-pass filter of the sensor, which halves the power at about {found.bandwidth:.3g} Hz"
-            if found.bandwidth
-            else "a filter of the sensor, or steps of its readings"
+            if found.bandwidth and not moved
+            else "a filter of the sensor, steps of its readings or a motion"
         )
         notes.append(
             f"{who}: averaging times below {a.start:.3g} s are left out of the fit, because {cause}, shapes them"
         )
-    elif found.bandwidth:
+    elif found.bandwidth and not moved:
         notes.append(f"{who}: a low-pass filter of the sensor halves the power at about {found.bandwidth:.3g} Hz")
     if a.coarse:
         notes.append(
@@ -43,6 +44,11 @@ def allan_notes(a: AllanDeviation, unit: str) -> list[str]:
         notes.append(
             f"{who}: a sinusoid of {frequency:.4g} Hz and amplitude {amplitude:.3g} {unit} stands in the recording, so the sensor was not at rest "
             f"(swell, vibration, mains): averaging times about {0.5 / frequency:.3g} s show it, and no noise"
+        )
+    elif a.motion:
+        notes.append(
+            f"{who}: the curve has a hump of a motion to and fro at about {a.motion:.2g} Hz, so the sensor was not at rest (swell, vibration): N "
+            "counts from shorter averaging times, B and T hold this motion"
         )
     if found.drift is not None:
         notes.append(

@@ -74,7 +74,6 @@ def test_the_bands_of_95_percent_hold_93_percent_of_the_truths():
     for seed in range(216):
         sensor = drawn(seed)
         curve = allan_deviation("x", sensor.record(40_000, dt, np.random.default_rng(seed)), dt)
-        assert curve.motion is None, seed
         for name, inside in held(curve, sensor, dt).items():
             found[name].append(inside)
     share = {name: np.mean(inside) for name, inside in found.items()}

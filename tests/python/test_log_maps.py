@@ -244,3 +244,10 @@ def test_a_fault_in_a_table_of_a_column_is_named_by_its_key():
         parse_vehicle(text.format("3"), "v.toml")
     with pytest.raises(IvsidError, match="key log.columns.u.form is unknown; did you mean from"):
         parse_vehicle(text.format('{ from = "u", form = "u" }'), "v.toml")
+
+
+def test_elements_of_an_array_are_columns_whose_number_is_no_unit(tmp_path):
+    path = written(tmp_path, **{"xyz[2]": np.sin(T), "speed [kn]": 1 + T})
+    log = read_log(path, LogMap(columns={"r": "xyz[2]", "u": "speed"}))
+    np.testing.assert_array_equal(log.columns["r"], np.sin(T))
+    np.testing.assert_allclose(log.columns["u"], (1 + T) * 1852 / 3600, rtol=1e-12)

@@ -60,8 +60,8 @@ class Label:
 def label(table: str, column: str) -> Label | None:
     """The label of a column, or None where its header states no unit."""
     match = _LABELLED.fullmatch(column)
-    # The columns of a matrix have numbers in brackets.
-    if match is None or (match["round"] or "").isdigit():
+    # Columns of a matrix and elements of an array have numbers in brackets.
+    if match is None or (match["round"] or "").isdigit() or re.fullmatch(r".*\S\[\d+\]", column):
         return None
     unit = match["square"] if match["square"] is not None else match["round"]
     return Label(table, column, match["name"], unit.strip())

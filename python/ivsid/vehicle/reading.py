@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from types import UnionType
-from typing import Any, TypeVar, get_args
+from typing import Any, Final, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
 from ivsid.errors import IvsidError, meant
 
 _T = TypeVar("_T", bound=BaseModel)
+# The value of a key that `ivsid init` leaves to the user.
+TODO: Final = "TODO"
 
 
 def validated(model: type[_T], table: Mapping[str, object], source: str) -> _T:
@@ -24,6 +27,11 @@ def validated(model: type[_T], table: Mapping[str, object], source: str) -> _T:
     Raises:
         IvsidError: one sentence about the first fault: the file, the key, what was given and what is allowed.
     """
+    if blanks := list(_blanks(table)):
+        others = f" (and of {', '.join(blanks[1:])})" if len(blanks) > 1 else ""
+        raise IvsidError(
+            f"{source}: {blanks[0]} is still {TODO}; write its value{others} in place of the mark, the comment beside it says which"
+        )
     try:
         return model.model_validate(table)
     except ValidationError as error:
@@ -31,6 +39,19 @@ def validated(model: type[_T], table: Mapping[str, object], source: str) -> _T:
         order = ("extra_forbidden", "value_error")
         faults = sorted(error.errors(), key=lambda f: order.index(f["type"]) if f["type"] in order else len(order))
         raise IvsidError(_sentence(model, faults[0], table, source)) from None
+
+
+def _blanks(table: object, key: str = "") -> Iterator[str]:
+    """Keys that still hold the mark, those of a thruster by its name."""
+    if table == TODO:
+        yield key
+    elif isinstance(table, Mapping):
+        for k, v in table.items():
+            yield from _blanks(v, f"{key}.{k}" if key else str(k))
+    elif isinstance(table, list):
+        for k, v in enumerate(table):
+            name = v.get("name", k) if isinstance(v, Mapping) else k
+            yield from _blanks(v, f"{key}.{name}")
 
 
 def _sentence(model: type[BaseModel], fault: Mapping[str, Any], table: Mapping[str, object], source: str) -> str:

@@ -11,7 +11,7 @@ from typer.core import TyperGroup
 from ivsid.cli.causes import diagnose, isolability
 from ivsid.cli.command import Command, plain
 from ivsid.cli.parameters import export, identify, validate, verify
-from ivsid.cli.preparation import allan, demo, import_, simulate, thrust
+from ivsid.cli.preparation import allan, demo, example, import_, init, simulate, thrust
 from ivsid.cli.progress import EVERY
 
 # Groups of the help, by task.
@@ -26,7 +26,7 @@ FIRST, MEASURED, SIMULATION, INTERVALS, CAUSES = (
 # The help of the program, by paragraphs.
 HELP = (
     "Guaranteed system identification for unmanned marine vehicles.",
-    "First steps: ivsid simulate otter otter --out run, then ivsid identify otter run/log.csv --out fit. "
+    "First steps: ivsid example DIR, then ivsid diagnose DIR/boat.toml DIR/run1.csv DIR/run2.csv. With a log of your own: ivsid init LOG. "
     "Each command has an example: ivsid COMMAND --help.",
     "Files may stand in another order where their content tells which is which.",
     "On a terminal, progress shows the time so far, and the time left where the work is counted. "
@@ -72,6 +72,8 @@ def _root(
             read_effects(path)
 
 
+app.command(cls=Command, rich_help_panel=FIRST, no_args_is_help=True)(example)
+app.command(cls=Command, rich_help_panel=FIRST, no_args_is_help=True)(init)
 app.command(cls=Command, rich_help_panel=FIRST)(demo)
 app.command("import", cls=Command, rich_help_panel=FIRST, no_args_is_help=True)(import_)
 app.command(cls=Command, rich_help_panel=MEASURED, no_args_is_help=True)(allan)

@@ -1,7 +1,8 @@
-"""Commands that make or examine data: demo, simulate, allan, thrust, import."""
+"""Commands that make or examine data: init, example, demo, simulate, allan, thrust, import."""
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -10,7 +11,53 @@ import typer
 from ivsid import workflow
 from ivsid.cli import completion
 from ivsid.cli.arguments import Json, Out, Seed, VehicleFile, effect_numbers
+from ivsid.cli.questions import answers
 from ivsid.cli.run import run
+
+
+def init(
+    logs: Annotated[
+        list[Path], typer.Argument(metavar="LOG...", help="Logs of one vehicle in one form; one of them may be static.")
+    ],
+    out: Annotated[Path, typer.Option("--out", help="Vehicle file to write.")] = Path("boat.toml"),
+    yes: Annotated[
+        bool, typer.Option("--yes", help="Ask nothing: keys that no log states are marked TODO in the file.")
+    ] = False,
+    json: Json = False,
+) -> None:
+    """A commented vehicle file proposed from logs, with the questions that they leave open.
+
+    Example: ivsid init run1.csv deck.csv --out boat.toml
+    """
+    asked = not (yes or json) and sys.stdin.isatty()
+    made = workflow.init(logs, out, ask=answers if asked else None)
+    if json:
+        from ivsid.files import records  # noqa: PLC0415 - loads libraries that the help does not need
+
+        typer.echo(records.to_json(made.record))
+        return
+    for line in made.lines:
+        typer.echo(line)
+
+
+def example(
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Folder for the two logs, their vehicle file and the sealed truth.")
+    ],
+    json: Json = False,
+    seed: Annotated[int | None, typer.Option("--seed", min=0, help="Draws another hidden cause.")] = None,
+) -> None:
+    """Two logs with a hidden cause, ready for ivsid diagnose; a file apart names the cause.
+
+    Example: ivsid example first --seed 7
+    """
+    run(
+        "example",
+        folder,
+        json,
+        lambda progress: workflow.example(folder, seed=seed, progress=progress),
+        {"truth.json": folder / "truth" / "truth.json"},
+    )
 
 
 def demo(out: Out = None, json: Json = False, seed: Seed = None) -> None:

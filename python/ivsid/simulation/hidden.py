@@ -39,8 +39,17 @@ def hidden_effect(vehicle: Vehicle, scenario: Scenario, seed: int) -> dict[str, 
     return draw(effect, size, vehicle, scenario, rng)
 
 
-def hidden_effects(vehicle: Vehicle, scenario: Scenario, seed: int, count: int) -> dict[str, float]:
+def hidden_effects(
+    vehicle: Vehicle, scenario: Scenario, seed: int, count: int, sizes: tuple[float, float] = SIZES
+) -> dict[str, float]:
     """``count`` different effects drawn from the seed, each as ``hidden_effect`` draws one.
+
+    Args:
+        vehicle: on which they act.
+        scenario: its manoeuvres and its truth.
+        seed: of the draws.
+        count: number of effects.
+        sizes: smallest and largest multiple of an effect's typical size.
 
     Raises:
         IvsidError: fewer than ``count`` effects can act on the vehicle.
@@ -54,7 +63,7 @@ def hidden_effects(vehicle: Vehicle, scenario: Scenario, seed: int, count: int) 
     found: dict[str, float] = {}
     for k in rng.choice(len(possible), count, replace=False):
         effect = as_logged(possible[int(k)], scenario)
-        size = float(np.exp(rng.uniform(np.log(SIZES[0]), np.log(SIZES[1]))))
+        size = float(np.exp(rng.uniform(np.log(sizes[0]), np.log(sizes[1]))))
         found |= draw(effect, size, vehicle, scenario, rng)
     return found
 

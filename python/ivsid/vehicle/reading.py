@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from collections.abc import Iterator, Mapping
 from types import UnionType
 from typing import Any, Final, TypeVar, get_args

@@ -3,6 +3,8 @@
 - ``allan_analysis``: noise coefficients of a static recording, by ``allan_recording`` (what is read) and ``allan_words`` (what is said).
 - ``thrust_curves``: candidates for a thrust curve from a bollard-pull table.
 - ``data_sets``: a public data set as logs, thrust tables and a vehicle file.
+- ``proposal``: a vehicle file proposed from logs.
+- ``example_runs``: two logs with a hidden cause, for a first diagnosis.
 - ``simulation``: a log from a known truth.
 - ``identification``, ``verification``, ``validation``: parameter intervals, their proof, and another log against them.
 - ``exporting``: a model as a file of another simulator.
@@ -21,10 +23,12 @@ if TYPE_CHECKING:
     from ivsid.workflow.allan_analysis import allan
     from ivsid.workflow.data_sets import import_set
     from ivsid.workflow.diagnosis import diagnose
+    from ivsid.workflow.example_runs import example
     from ivsid.workflow.exporting import export
     from ivsid.workflow.identification import identify
     from ivsid.workflow.paper_trials import demo
     from ivsid.workflow.planning import isolability
+    from ivsid.workflow.proposal import init
     from ivsid.workflow.simulation import simulate
     from ivsid.workflow.thrust_curves import thrust
     from ivsid.workflow.validation import validate
@@ -34,9 +38,11 @@ _HOMES: Final = {
     "allan": "allan_analysis",
     "demo": "paper_trials",
     "diagnose": "diagnosis",
+    "example": "example_runs",
     "export": "exporting",
     "identify": "identification",
     "import_set": "data_sets",
+    "init": "proposal",
     "isolability": "planning",
     "simulate": "simulation",
     "thrust": "thrust_curves",
@@ -48,9 +54,11 @@ __all__ = [
     "allan",
     "demo",
     "diagnose",
+    "example",
     "export",
     "identify",
     "import_set",
+    "init",
     "isolability",
     "simulate",
     "thrust",

@@ -1,0 +1,77 @@
+"""What no log states: the mass, the places of the thrusters, their thrust. The user answers, or the file holds marked keys."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from ivsid.proposal.columns import Found
+
+# Demands between these are taken for pulse widths [us].
+# Source: definition: pulses of hobby controllers and servos last 1000 to 2000 us, with a margin
+PULSES: Final = (800.0, 2200.0)
+# Neutral pulse of a controller that also drives astern [us], and how far a resting demand may stand from it.
+# Source: definition: the midpoint of 1000 and 2000 us
+NEUTRAL: Final = 1500.0
+NEAR: Final = 50.0
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What the user knows.
+
+    Attributes:
+        mass: of the hull [kg].
+        positions: of thrusters, forward and to starboard [m].
+        thrusts: thrust ahead at the largest demand [N].
+    """
+
+    mass: float | None = None
+    positions: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    thrusts: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Demand:
+    """The demands of one thruster.
+
+    Attributes:
+        name: of the thruster.
+        column: of the log.
+        lowest: demand of the log.
+        highest: demand of the log.
+        neutral: the demand that stands for zero.
+        reason: why that is taken for neutral.
+    """
+
+    name: str
+    column: str
+    lowest: float
+    highest: float
+    neutral: float
+    reason: str
+
+    @property
+    def span(self) -> float:
+        """The largest distance from neutral."""
+        return max(self.highest - self.neutral, self.neutral - self.lowest)
+
+
+def demand_of(name: str, found: Found) -> Demand:
+    """Range and neutral demand of a thruster."""
+    values = found.values[np.isfinite(found.values)]
+    low, high = float(values.min()), float(values.max())
+    neutral, reason = 0.0, "zero"
+    if low >= PULSES[0] and high <= PULSES[1]:
+        levels, counts = np.unique(np.round(values), return_counts=True)
+        usual = float(levels[int(np.argmax(counts))])
+        neutral, reason = NEUTRAL, "pulse widths in us, on both sides of 1500"
+        if low > NEUTRAL - NEAR or high < NEUTRAL + NEAR:
+            if abs(usual - NEUTRAL) > NEAR and low < NEUTRAL - NEAR:
+                neutral, reason = low, "pulse widths in us; the smallest is taken for rest"
+            else:
+                reason = "pulse widths in us"
+    return Demand(name, found.match.column, low, high, neutral, reason)

@@ -1,0 +1,153 @@
+"""Names that other programs give to columns: the table ``data/known_names.toml``, and the meaning of a name by it."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import Annotated, Literal
+
+from pydantic import BeforeValidator, Field
+
+from ivsid.files.section import Finite, Section
+
+
+class Meaning(Section):
+    """The channel that a field holds; ``demand`` is one of the thrusters' demands.
+
+    Attributes:
+        channel: of the guide's table, or ``demand``.
+        unit: of a cell; None for SI, or for what its name or its range says.
+        scale: factor of a cell, beside the unit.
+        gravity: whether an acceleration holds gravity.
+    """
+
+    channel: str
+    unit: str | None = None
+    scale: Finite = 1.0
+    gravity: bool = False
+
+
+Field_ = Annotated[Meaning, BeforeValidator(lambda given: {"channel": given} if isinstance(given, str) else given)]
+
+
+class Program(Section):
+    """The names of one program.
+
+    Attributes:
+        name: of the program.
+        frame: of its body and earth axes.
+        own: its columns of stamps, with their unit; an empty unit is seconds, or what the size of an epoch says.
+        messages: fields by message; those of "" end any path.
+        whole: whether the fields are whole names.
+        plain: whether the names are anybody's, so that they state no frame.
+    """
+
+    name: str
+    frame: Literal["frd", "flu"]
+    own: dict[str, str] = Field(default_factory=dict)
+    messages: dict[str, dict[str, Field_]]
+    whole: bool = False
+    plain: bool = False
+
+
+class DemandWords(Section):
+    """Words of a plain name that make a column a demand, that make it none, that name no thruster, and that make it an angle."""
+
+    words: tuple[str, ...]
+    general: tuple[str, ...]
+    not_: tuple[str, ...] = Field(alias="not")
+    angles: tuple[str, ...]
+
+
+class KnownNames(Section):
+    """The whole table; endings of plain names state units."""
+
+    programs: tuple[Program, ...]
+    endings: dict[str, str]
+    time_endings: dict[str, str]
+    demands: DemandWords
+
+
+@dataclass(frozen=True)
+class Match:
+    """A column that a program's table knows.
+
+    Attributes:
+        column: its full name in the log.
+        program: that names columns so.
+        meaning: its channel and unit.
+        rank: place in the table; the smallest is the best column for its channel.
+    """
+
+    column: str
+    program: Program
+    meaning: Meaning
+    rank: int
+
+
+@cache
+def known_names() -> KnownNames:
+    """The table of the package."""
+    return KnownNames.model_validate(tomllib.loads((files("ivsid") / "data" / "known_names.toml").read_text()))
+
+
+def plain_name(name: str, endings: dict[str, str]) -> tuple[str, str | None]:
+    """A name in small letters and with ``_`` between its words, without the ending that states a unit; and that unit."""
+    bare = re.sub(r"[\s\-]+", "_", name.strip().lower())
+    for ending, unit in sorted(endings.items(), key=lambda e: -len(e[0])):
+        if bare.endswith(f"_{ending}"):
+            return bare.removesuffix(f"_{ending}"), unit
+    return bare, None
+
+
+def match(full: str, bare: str) -> Match | None:
+    """What a column is by its name: by the first program whose table has it, or None.
+
+    Args:
+        full: its name with that of its table.
+        bare: its name alone, without the unit that a header states.
+    """
+    table = known_names()
+    for rank, (program, message, field, meaning) in enumerate(_entries()):
+        if program.plain:
+            name, unit = plain_name(bare, table.endings)
+            if name == field:
+                stated = meaning.model_copy(update={"unit": unit}) if unit else meaning
+                return Match(full, program, stated, rank)
+        elif program.whole:
+            if _whole(field).fullmatch(bare):
+                return Match(full, program, meaning, rank)
+        elif _pattern(message, field).search(full):
+            return Match(full, program, meaning, rank)
+    return None
+
+
+@cache
+def _entries() -> tuple[tuple[Program, str, str, Meaning], ...]:
+    return tuple(_listed())
+
+
+def _listed() -> Iterator[tuple[Program, str, str, Meaning]]:
+    for program in known_names().programs:
+        for message, fields in program.messages.items():
+            for field, meaning in fields.items():
+                yield program, message, field, meaning
+
+
+@cache
+def _whole(field: str) -> re.Pattern[str]:
+    return re.compile(re.escape(field).replace(r"\#", r"\d+"))
+
+
+@cache
+def _pattern(message: str, field: str) -> re.Pattern[str]:
+    """A message with words before it and an instance behind it, and a field whose steps any of . / _ : part."""
+    steps = r"[./_:]".join(re.escape(step) for step in field.split("."))
+    ending = steps.replace(r"\#", r"\d+") + "$"
+    if not message:
+        return re.compile(rf"(^|[./_:]){ending}")
+    return re.compile(rf"(^|[^A-Za-z0-9]){re.escape(message)}(_\d+|\[\d+\])?[./_:]{ending}")

@@ -1,0 +1,143 @@
+"""All steps from logs to a proposed vehicle file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ivsid.errors import IvsidError
+from ivsid.log import Log, open_source, read_log
+from ivsid.proposal.blanks import Answers, Demand, demand_of
+from ivsid.proposal.columns import Columns, Found, columns_of
+from ivsid.proposal.mapping import Mapped, mapping_of, usable
+from ivsid.proposal.noise import Number, Run, Stretch, sensors_of
+from ivsid.proposal.signs import settled
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """What the logs say about a vehicle.
+
+    Attributes:
+        columns: by their names.
+        channels: that are taken, with units and signs.
+        mapped: the section ``[log]``.
+        demands: of the thrusters.
+        sensors: numbers by section below ``[sensors]``.
+        still: the stretch at rest behind the noise of inertial sensors, or None.
+        logs: as the section ``[log]`` reads them.
+        questions: that the names and the readings leave open.
+        gravity: whether the accelerations hold gravity.
+    """
+
+    columns: Columns
+    channels: dict[str, Found]
+    mapped: Mapped
+    demands: tuple[Demand, ...]
+    sensors: dict[str, list[Number]]
+    still: Stretch | None
+    logs: tuple[Log, ...]
+    questions: tuple[str, ...]
+
+    @property
+    def gravity(self) -> bool:
+        """Whether the accelerations hold gravity."""
+        return "ax" in self.channels and self.channels["ax"].meaning.gravity
+
+    def blanks(self, answers: Answers) -> tuple[str, ...]:
+        """Keys of the file that stay open under these answers."""
+        keys = [] if answers.mass is not None else ["hull.mass"]
+        for d in self.demands:
+            keys += [] if d.name in answers.positions else [f"thrusters.{d.name}.position"]
+            keys += [] if d.name in answers.thrusts else [f"thrusters.{d.name}.quadratic"]
+        return tuple(keys)
+
+
+def propose(paths: Sequence[str | Path]) -> Proposal:
+    """Looks at logs of one vehicle; the first one gives the columns, and all give ranges and noise.
+
+    Raises:
+        IvsidError: a log that is unusable, or whose columns have no known name.
+    """
+    with open_source(paths[0]) as source:
+        columns = columns_of(source)
+        channels, frame, questions = settled(columns)
+        channels, dropped = usable(channels)
+        mapped = mapping_of(source, columns, channels, frame)
+    runs = [Run(Path(paths[0]).name, channels, columns.demands)]
+    demands = dict(columns.demands)
+    for path in paths[1:]:
+        run = _like(path, channels, columns)
+        runs.append(run)
+        demands = {n: _joined(f, run.demands.get(n)) for n, f in demands.items()}
+    sensors, still = sensors_of(runs)
+    logs = tuple(read_log(p, mapped.checked) for p in paths[:1])
+    return Proposal(
+        columns=columns,
+        channels=channels,
+        mapped=mapped,
+        demands=tuple(demand_of(n, f) for n, f in demands.items()),
+        sensors=sensors,
+        still=still,
+        logs=logs,
+        questions=(*questions, *dropped, *_further(columns, channels, logs[0])),
+    )
+
+
+def _like(path: str | Path, channels: dict[str, Found], columns: Columns) -> Run:
+    """Another log, with the meanings that the first one settled.
+
+    Raises:
+        IvsidError: a log without any of the columns.
+    """
+    with open_source(path) as source:
+        found = columns_of(source)
+    wanted = {f.match.column: (n, f) for n, f in channels.items()}
+    there = {n: f for n, f in found.channels.items() if f.match.column in wanted}
+    if not there:
+        raise IvsidError(
+            f"{path} has none of the columns {', '.join(list(wanted)[:8])} of the first log; give logs of one vehicle in one form, or propose a file for each"
+        )
+    same = {
+        wanted[f.match.column][0]: f.with_meaning(**wanted[f.match.column][1].meaning.model_dump())
+        for f in there.values()
+    }
+    names = {f.match.column: n for n, f in columns.demands.items()}
+    return Run(
+        Path(path).name, same, {names[f.match.column]: f for f in found.demands.values() if f.match.column in names}
+    )
+
+
+def _joined(a: Found, b: Found | None) -> Found:
+    """The demands of a thruster in two logs, for their range."""
+    if b is None:
+        return a
+    return Found(a.match, a.table, np.r_[a.t, b.t], np.r_[a.values, b.values], a.stated)
+
+
+def _further(columns: Columns, channels: dict[str, Found], log: Log) -> list[str]:
+    """Questions about what the log lacks."""
+    words = []
+    posed = all(c in log.columns for c in ("x", "y", "psi"))
+    lacking = [c for c in ("u", "v", "r") if c not in log.columns]
+    if lacking and not posed:
+        words.append(
+            f"no column is known for {', '.join(lacking)}: which column holds it (add it to [log.columns])? identify and diagnose need u, v and r, or a pose x, y, psi"
+        )
+    elif lacking:
+        words.append(
+            f"no column is known for {', '.join(lacking)}: the velocities follow from the pose under [sensors.limits], and are wide"
+        )
+    if not columns.demands:
+        words.append(
+            "no column is known for the thrusters' demands: which columns hold them (demand_NAME under [log.columns], and [[thrusters]])?"
+        )
+    if columns.angles:
+        words.append(
+            f"{', '.join(columns.angles)} may be the angle of a rudder or an azimuth thruster: if so, add rudder_NAME or azimuth_NAME to [log.columns] and "
+            "rudder or steering to the thruster NAME"
+        )
+    return words

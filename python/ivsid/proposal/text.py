@@ -1,0 +1,187 @@
+"""The proposed vehicle file as commented TOML."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from typing import Final
+
+from ivsid.proposal.blanks import Answers, Demand
+from ivsid.proposal.propose import Proposal
+from ivsid.proposal.signs import word
+from ivsid.vehicle.reading import TODO
+
+MARK: Final = f'"{TODO}"'
+# Column in which comments begin.
+# Source: definition
+WIDTH: Final = 48
+
+# Absolute part of the guessed accuracy of a thrust curve, as a share of the bollard pull.
+# Source: definition: a guess that the proposed file calls one
+LOOSE: Final = 0.02
+
+
+def vehicle_file(proposal: Proposal, answers: Answers, name: str) -> str:
+    """The text of the file; keys that nobody could answer hold the mark ``TODO``, which every command refuses.
+
+    Args:
+        proposal: what the logs say.
+        answers: what the user says.
+        name: of the vehicle.
+    """
+    lines = [*_head(proposal, answers), f"name = {_quoted(name)}", "", *_hull(answers)]
+    for demand in proposal.demands:
+        lines += ["", *_thruster(demand, answers)]
+    lines += ["", *_sensors(proposal), "", *_log(proposal)]
+    return "\n".join(lines) + "\n"
+
+
+def _head(proposal: Proposal, answers: Answers) -> Iterator[str]:
+    log = proposal.logs[0]
+    yield f"# Proposed by `ivsid init` from {', '.join(x.name for x in proposal.logs)}: {log.t.size} rows, {log.t[-1] - log.t[0]:.4g} s, names of {proposal.columns.program.name}."
+    yield '# Every number with "a guess" beside it is one: replace it by what you know.'
+    if blanks := proposal.blanks(answers):
+        yield f"# To fill in ({TODO}): {', '.join(blanks)}."
+    if proposal.questions:
+        yield "# Questions that the log leaves open:"
+        yield from (f"#  - {q}" for q in proposal.questions)
+
+
+def _hull(answers: Answers) -> Iterator[str]:
+    yield "[hull]"
+    yield _line("mass", MARK if answers.mass is None else _number(answers.mass), "kg, with all that is on board")
+    yield "# length = 2.0                                  # m; likewise beam, draught; centre_of_gravity = [x, y] from the body origin"
+
+
+def _thruster(demand: Demand, answers: Answers) -> Iterator[str]:
+    yield "[[thrusters]]"
+    yield _line(
+        "name",
+        _quoted(demand.name),
+        f"demand {demand.column}, {_number(demand.lowest)} to {_number(demand.highest)} in the logs",
+    )
+    place = answers.positions.get(demand.name)
+    side = next((s for s in ("port", "starboard") if word(demand.name, s)), None)
+    hint = {"port": ", y is negative to port", "starboard": ", y is positive to starboard", None: ""}[side]
+    yield _line(
+        "position",
+        MARK if place is None else f"[{_number(place[0])}, {_number(place[1])}]",
+        f"[x forward, y to starboard] m from the body origin{hint}",
+    )
+    yield _line("azimuth", "0.0", "rad, direction of the thrust; 1.571 pushes to starboard")
+    thrust = answers.thrusts.get(demand.name)
+    if thrust is None:
+        yield _line(
+            "quadratic",
+            MARK,
+            f"{{ forward = k }}: T = k n|n| [N], k = T / {_number(demand.span)}^2 with the bollard pull T at {_number(demand.neutral + demand.span)};",
+        )
+        yield f"{'':<{WIDTH}}# or in its place table = {{ demand = [...], thrust = [...] }}: `ivsid thrust` makes it from a bollard-pull table"
+    else:
+        yield _line(
+            "quadratic",
+            f"{{ forward = {_number(thrust / demand.span**2)} }}",
+            f"{_number(thrust)} N at {_number(demand.neutral + demand.span)}; add reverse if it pulls less astern",
+        )
+    yield _line("neutral", _number(demand.neutral), demand.reason)
+    ends = f"[{_number(-demand.span)}, {_number(demand.span)}]"
+    yield _line("demand_range", ends, "the largest of the logs; leave it out beside a table")
+    absolute = "" if thrust is None else f"absolute = {_number(LOOSE * thrust)}, "
+    yield _line("accuracy", f"{{ {absolute}relative = 0.2 }}", "a guess: the bound on the error of that curve")
+
+
+def _sensors(proposal: Proposal) -> Iterator[str]:
+    yield "[sensors]"
+    yield _line("confidence", "0.999", "that every error of a whole log stays in its bound")
+    for section, numbers in proposal.sensors.items():
+        yield f"[sensors.{section}]"
+        for n in numbers:
+            yield _line(n.key, _number(n.value), n.reason)
+        if section == "acceleration" and proposal.gravity:
+            yield _line("gravity", "true", "the readings hold gravity, which roll and pitch take out")
+
+
+def _log(proposal: Proposal) -> Iterator[str]:
+    mapped, log = proposal.mapped, proposal.logs[0]
+    yield "[log]"
+    yield _line(
+        "frame",
+        _quoted(mapped.frame),
+        "frd: forward, starboard, down, north and east; flu: forward, port, up, east and north",
+    )
+    if mapped.time:
+        yield _line(
+            "time",
+            _table(mapped.time),
+            f"{log.t.size} rows in {log.t[-1] - log.t[0]:.6g} s: {1 / log.period:.4g} Hz as a rule",
+        )
+    if mapped.rates:
+        yield _line(
+            "rates",
+            _table(mapped.rates),
+            "unit per second, a guess: half more than the fastest change seen; each channel has its own clock",
+        )
+    yield "[log.columns]"
+    for name, f in proposal.channels.items():
+        quality = log.quality.get(name)
+        seen = (
+            ""
+            if quality is None
+            else f"{_number(quality.lower)} to {_number(quality.upper)} {_unit(name)}, {quality.rate:.4g} Hz"
+        )
+        others = f"; also {', '.join(f.others[:3])}" if f.others else ""
+        yield _line(name, _value(mapped.columns.get(name, name)), f"{seen}{others}")
+    for name, given in mapped.columns.items():
+        if name not in proposal.channels:
+            yield _line(
+                name, _value(given), "" if name.startswith("demand_") else "one of several columns of this name"
+            )
+    notes = [n for n in log.notes if not n.endswith("as its header says")]
+    yield from (f"# note: {n}" for n in notes)
+    if proposal.columns.unknown:
+        most = 12
+        more = len(proposal.columns.unknown) - most
+        yield f"# Columns that are not used: {', '.join(proposal.columns.unknown[:most])}{f' and {more} more' if more > 0 else ''}"
+
+
+def _unit(name: str) -> str:
+    """The SI unit of a channel."""
+    units = {"psi": "rad", "roll": "rad", "pitch": "rad", "r": "rad/s", "rdot": "rad/s^2", "x": "m", "y": "m"}
+    if name in units:
+        return units[name]
+    return (
+        "m/s"
+        if name in ("u", "v", "velocity_north", "velocity_east")
+        else "m/s^2"
+        if name in ("ax", "ay", "udot", "vdot")
+        else ""
+    )
+
+
+def _line(key: str, value: str, comment: str) -> str:
+    given = f"{key} = {value}"
+    return f"{given:<{WIDTH - 1}} # {comment}" if comment else given
+
+
+def _value(given: str | Mapping[str, object]) -> str:
+    return _quoted(given) if isinstance(given, str) else _table(given)
+
+
+def _table(given: Mapping[str, object]) -> str:
+    inside = ", ".join(f"{k} = {_table(v) if isinstance(v, Mapping) else _scalar(v)}" for k, v in given.items())
+    return f"{{ {inside} }}"
+
+
+def _scalar(value: object) -> str:
+    return repr(float(value)) if isinstance(value, (int, float)) else _quoted(str(value))
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _number(value: float) -> str:
+    """Four digits, with a point: a TOML float."""
+    shown = f"{value:.4g}"
+    return shown if any(c in shown for c in ".en") or not math.isfinite(value) else f"{shown}.0"

@@ -15,7 +15,7 @@ from ivsid.files.seal import seal_of
 from ivsid.vehicle import read_vehicle
 
 # The cause of the default seed and of another one, by the sealed files.
-CAUSES = {None: "sensor.velocity.delay", 4: "thruster.asymmetry"}
+CAUSES = {None: "sensor.velocity.lever_arm", 4: "thruster.asymmetry"}
 
 
 @pytest.fixture(scope="module")
@@ -74,13 +74,13 @@ def test_the_hidden_cause_moves_the_boat(made):
     scenario = parse_scenario(embedded("example_programme.toml"), "programme")
     quiet = simulate(read_vehicle("otter"), scenario, noise_seed(SEED, 1), thrusters=noise_seed(SEED, 0))
     _, logged = readings(folder / "run1.csv")
-    assert np.abs(logged[:, 1] - quiet.columns["u"]).max() > 0.05
+    assert np.abs(logged[:, 2] - quiet.columns["v"]).max() > 0.05
     np.testing.assert_array_equal(logged[:, 0], quiet.t)
 
 
 def test_the_same_seed_gives_the_same_bytes_and_another_seed_another_cause(made, tmp_path):
     folder, _ = made
-    for seed, name in ((6, "again"), (4, "other")):
+    for seed, name in ((5, "again"), (4, "other")):
         done = run("example", tmp_path / name, "--seed", seed, "--json")
         assert done.returncode == 0 and json.loads(done.stdout)["seed"] == seed
     for path in ("boat.toml", "run1.csv", "run2.csv", "truth/truth.json"):
@@ -93,6 +93,7 @@ def test_the_same_seed_gives_the_same_bytes_and_another_seed_another_cause(made,
 def test_the_first_diagnosis_names_the_hidden_cause_and_reads_no_truth(tmp_path, seed):
     folder = tmp_path / "example"
     assert run("example", folder, *(() if seed is None else ("--seed", seed))).returncode == 0
+    truth = json.loads((folder / "truth" / "truth.json").read_text())
     (folder / "truth" / "truth.json").unlink()
     logs = [folder / f"run{k}.csv" for k in (1, 2)]
     done = run("diagnose", folder / "boat.toml", *logs, "--out", tmp_path / "found", "--json", "--no-cache")
@@ -101,5 +102,7 @@ def test_the_first_diagnosis_names_the_hidden_cause_and_reads_no_truth(tmp_path,
     assert record["verdict"] == "wrong"
     (finding,) = record["findings"]
     assert finding["effect"] == CAUSES[seed]
+    for id_, value in truth["numbers"].items():
+        assert finding["parameters"][id_]["lower"] <= value <= finding["parameters"][id_]["upper"], id_
     digests = {i["sha256"] for i in record["inputs"]}
     assert hashlib.sha256(logs[0].read_bytes()).hexdigest() in digests

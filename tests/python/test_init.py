@@ -329,3 +329,35 @@ def test_what_the_log_lacks_is_a_question(tmp_path):
     assert any(q.startswith("no column is known for u, v") for q in asked)
     assert any(q.startswith("no column is known for the thrusters' demands") for q in asked)
     assert any("rudder_angle may be the angle of a rudder" in q for q in asked)
+
+
+def test_a_frame_that_nothing_tells_is_a_question(tmp_path):
+    path = tmp_path / "log.csv"
+    columns = {"t": MOTION.t, "u": MOTION.u, "v": MOTION.v, "r": MOTION.r, "demand_a": MOTION.port}
+    pl.DataFrame({**columns, "demand_b": MOTION.starboard}).write_csv(path)
+    found = propose([path])
+    assert found.mapped.frame == "frd" and any(
+        "do not say whether sway and yaw are positive" in q for q in found.questions
+    )
+
+
+def test_empty_columns_and_words_give_way_to_the_next_column(tmp_path):
+    """The first gyro is there without a sample, and a mode is written in words."""
+    path = tmp_path / "log.csv"
+    pl.DataFrame(
+        {
+            **{
+                "t": MOTION.t,
+                "IMU[0].GyrZ": [None] * MOTION.t.size,
+                "IMU[1].GyrZ": MOTION.r,
+                "u": MOTION.u,
+                "v": MOTION.v,
+            },
+            **{"demand_port": MOTION.port, "thruster_command": ["hold"] * MOTION.t.size},
+        },
+        schema_overrides={"IMU[0].GyrZ": pl.Float64},
+    ).write_csv(path)
+    found = propose([path])
+    assert found.channels["r"].match.column == "IMU[1].GyrZ"
+    np.testing.assert_array_equal(found.logs[0].columns["r"], MOTION.r)
+    assert [d.name for d in found.demands] == ["port"]

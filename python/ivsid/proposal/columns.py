@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -120,15 +121,20 @@ def columns_of(source: Source) -> Columns:
         if m.meaning.channel != "demand":
             taken.setdefault(m.meaning.channel, []).append(m)
     _one_velocity(taken)
-    chosen = {name: several[0] for name, several in taken.items()}
     demands = [m for m in matches if m.meaning.channel == "demand"]
+    cells = _cells(source, [m for several in (*taken.values(), demands) for m in several])
     stamps: dict[str, Stamps | None] = {}
     channels = {}
-    for name, m in chosen.items():
-        found = _read(source, m, stamps, best)
-        if found is not None:
-            channels[name] = replace(found, others=tuple(o.column for o in taken[name][1:]))
-    moving = [f for m in demands if (f := _read(source, m, stamps, best)) is not None and np.unique(_known(f)).size > 1]
+    for name, several in taken.items():
+        there = [m for m in several if m.column in cells]
+        if there:
+            found = _found(source, there[0], cells[there[0].column], stamps, best)
+            channels[name] = replace(found, others=tuple(m.column for m in there[1:]))
+    moving = [
+        _found(source, m, cells[m.column], stamps, best)
+        for m in demands
+        if m.column in cells and np.unique(cells[m.column][np.isfinite(cells[m.column])]).size > 1
+    ]
     used = {m.column for m in matches} | {s.column for s in stamps.values() if s is not None}
     return Columns(
         channels=channels,
@@ -138,10 +144,6 @@ def columns_of(source: Source) -> Columns:
         angles=tuple(angles),
         unknown=tuple(c for c in source.columns if c not in used and c not in angles),
     )
-
-
-def _known(found: Found) -> Array:
-    return found.values[np.isfinite(found.values)]
 
 
 def _matches(source: Source) -> tuple[list[Match], list[str]]:
@@ -181,16 +183,27 @@ def _one_velocity(taken: dict[str, list[Match]]) -> None:
             taken.pop(name, None)
 
 
-def _read(source: Source, m: Match, stamps: dict[str, Stamps | None], best: Program) -> Found | None:
-    """The cells of a column with their times; None where they are words, or where its table has no stamps."""
-    place = source.find(m.column)
-    if place is None:
-        return None
-    table, column = place
+def _cells(source: Source, matches: Sequence[Match]) -> dict[str, Array]:
+    """Cells by column, without columns of words or with fewer than two samples; all are read at once where that works."""
+    names = list(dict.fromkeys(m.column for m in matches))
     try:
-        values = source.numeric([m.column])[m.column]
+        read = source.numeric(names)
     except IvsidError:
-        return None
+        read = {}
+        for name in names:
+            with contextlib.suppress(IvsidError):
+                read |= source.numeric([name])
+    return {n: x for n, x in read.items() if np.isfinite(x).sum() > 1}
+
+
+def _found(source: Source, m: Match, values: Array, stamps: dict[str, Stamps | None], best: Program) -> Found:
+    """A column with its times.
+
+    Raises:
+        IvsidError: its table has no stamps whose name is known.
+    """
+    place = source.find(m.column)
+    table, column = place if place is not None else ("", m.column)
     if table not in stamps:
         stamps[table] = _stamps(source, table, best)
     clock = source.tables[table].clock

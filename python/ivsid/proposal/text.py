@@ -39,7 +39,7 @@ def vehicle_file(proposal: Proposal, answers: Answers, name: str) -> str:
 
 def _head(proposal: Proposal, answers: Answers) -> Iterator[str]:
     log = proposal.logs[0]
-    yield f"# Proposed by `ivsid init` from {', '.join(x.name for x in proposal.logs)}: {log.t.size} rows, {log.t[-1] - log.t[0]:.4g} s, names of {proposal.columns.program.name}."
+    yield f"# Proposed by `ivsid init` from {', '.join(x.name for x in proposal.logs)}: {log.t.size} rows, {log.t[-1] - log.t[0]:.4g} s, names: {proposal.columns.program.name}."
     yield '# Every number with "a guess" beside it is one: replace it by what you know.'
     if blanks := proposal.blanks(answers):
         yield f"# To fill in ({TODO}): {', '.join(blanks)}."

@@ -53,7 +53,7 @@ def init(
     shown = {n: f.match.column for n, f in found.channels.items()}
     demands = {f"demand_{d.name}": d.column for d in found.demands}
     lines = [
-        f"{log.name}: {log.t.size} rows, {log.t[-1] - log.t[0]:.4g} s, names of {found.columns.program.name}, frame {found.mapped.frame}",
+        f"{log.name}: {log.t.size} rows, {log.t[-1] - log.t[0]:.4g} s, names: {found.columns.program.name}, frame {found.mapped.frame}",
         *(f"  {name:<16} {column}" for name, column in {**shown, **demands}.items()),
         *(f"  question: {q}" for q in found.questions),
         f"written to {target}" + (f"; to fill in: {', '.join(blanks)}" if blanks else ""),

@@ -18,6 +18,7 @@ from ivsid import IvsidError
 from ivsid.log import read_log
 from ivsid.programme.scenario import parse_scenario
 from ivsid.proposal import propose
+from ivsid.sensors.bounds import bound_log
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle, read_vehicle
 from ivsid.workflow import init
@@ -220,15 +221,21 @@ def test_limits_and_ranges_are_those_of_all_logs(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def otter_log(tmp_path_factory):
-    """A minute and a half of the shipped Otter."""
+def otter(tmp_path_factory):
+    """A minute and a half of the shipped Otter, and its true motion."""
     made = simulate(read_vehicle("otter"), parse_scenario(programme(), "programme"), 3, thrusters=1)
     path = tmp_path_factory.mktemp("otter") / "run.csv"
     path.write_text(csv(made.t, made.columns))
-    return path
+    return path, made.exact
 
 
-def test_a_proposed_file_is_refused_until_its_marked_keys_are_filled_and_read_then(tmp_path, otter_log):
+@pytest.fixture
+def otter_log(otter):
+    return otter[0]
+
+
+def test_a_proposed_file_is_refused_until_its_marked_keys_are_filled_and_read_then(tmp_path, otter):
+    otter_log, exact = otter
     out = tmp_path / "boat.toml"
     made = run("init", otter_log, "--out", out, "--yes")
     assert made.returncode == 0, made.stderr
@@ -241,6 +248,20 @@ def test_a_proposed_file_is_refused_until_its_marked_keys_are_filled_and_read_th
             f"ivsid: {out}: hull.mass is still TODO; write its value (and of thrusters.port.position, "
         )
         assert refused.stderr.count("\n") == 1
+    out.write_text(filled(out.read_text()))
+    vehicle = read_vehicle(out)
+    log = read_log(otter_log, vehicle.log)
+    # The bounds that were guessed from the scatter hold the true motion, which the simulator knows.
+    bounded = bound_log(log, vehicle).channels
+    for name in ("u", "v", "r", "ax", "ay", "psi"):
+        assert (bounded[name].lower <= exact[name]).all() and (exact[name] <= bounded[name].upper).all(), name
+        assert np.median(bounded[name].upper - bounded[name].lower) < 0.2 * np.ptp(exact[name]), name
+
+
+@pytest.mark.nightly
+def test_a_proposed_file_identifies_and_its_intervals_hold_the_truth(tmp_path, otter_log):
+    out = tmp_path / "boat.toml"
+    init([otter_log], out)
     # The structure of the model is the user's own knowledge, too.
     model = read_vehicle("otter").text.partition("[model]")
     out.write_text(filled(out.read_text()) + "".join(model[1:]))

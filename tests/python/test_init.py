@@ -85,9 +85,9 @@ def test_a_motion_in_the_names_of_a_program_is_read_as_it_was(tmp_path, name):
     for channel in ("u", "v", "r", *further):
         error = log.columns[channel] - TRUE[channel]
         error = np.angle(np.exp(1j * error)) if channel == "psi" else error
-        if name == "ardupilot" or (name == "mavlink" and channel in ("u", "v")):
-            error = error[np.isfinite(error)]
-        assert error.size > 0.9 * MOTION.t.size and np.abs(error).max() < 1e-5, channel
+        # A slower table stands between its own rows under the proposed rates; but for the last row, after its end.
+        own = error[:: 2 if name == "px4" and channel != "r" else 1]
+        assert np.isfinite(error[:-1]).all() and np.nanmax(np.abs(own)) < 1e-5, channel
     pushed = [t.name for t in vehicle.thrusters]
     assert len(pushed) == 2
     for side, thruster in zip((MOTION.port, MOTION.starboard), vehicle.thrusters, strict=True):

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from ivsid.errors import IvsidError
 from ivsid.files.records import envelope, write_whole
@@ -18,7 +17,7 @@ class Written:
     """A proposed vehicle file that has been written: the lines for its user, and the same as a record."""
 
     lines: tuple[str, ...]
-    record: dict[str, Any]
+    record: Mapping[str, object]
 
 
 def init(

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from ivsid.intervals import EndpointPair, Interval, IntervalArray
     from ivsid.linear import linalg, regression
     from ivsid.log import Log, read_log
+    from ivsid.setup import setup_findings
     from ivsid.validation import Validation, validate
     from ivsid.vehicle import Vehicle, read_vehicle
     from ivsid.verification import Verification
@@ -59,6 +60,7 @@ _HOMES: Final = {
     "read_log": "ivsid.log",
     "read_vehicle": "ivsid.vehicle",
     "regression": "ivsid.linear",
+    "setup_findings": "ivsid.setup",
     "validate": "ivsid.validation",
     "verify": "ivsid.verification",
 }
@@ -83,6 +85,7 @@ __all__ = [
     "read_log",
     "read_vehicle",
     "regression",
+    "setup_findings",
     "validate",
     "verify",
 ]

@@ -22,7 +22,7 @@ from diagnosis_logs import (
 )
 from ivsid import IvsidError, diagnose
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.data.lever_arms import at_origin
+from ivsid.sensors.lever_arms import at_origin
 from ivsid.diagnosis.estimation.whitening import Whitening
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.log import Log

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ivsid.errors import IvsidError
 from ivsid.files import units
 from ivsid.intervals import IntervalArray, Operand
+from ivsid.propulsion.demand_unit import advice
 from ivsid.vehicle import Thruster
 
 # Slack for the interpolation in floats, as a share of the table's largest thrust, and for sums of rounded decimals.
@@ -136,9 +137,14 @@ class ThrustCurve:
         if self.thruster.outside != "hold" and outside.any():
             low, high = self.range
             what = "demand_range" if self.thruster.table is None else "table"
-            raise IvsidError(
-                f"demand {demand[outside].flat[0]:g} of thruster {self.thruster.name} lies outside its {what} ({low:g} to {high:g}); "
+            unit = advice(self.thruster, (low, high), float(np.nanmin(demand)), float(np.nanmax(demand)))
+            remedy = (
                 f'extend the {what}, or set outside = "hold" to keep its end values'
+                if unit is None
+                else ": ".join(unit)
+            )
+            raise IvsidError(
+                f"demand {demand[outside].flat[0]:g} of thruster {self.thruster.name} lies outside its {what} ({low:g} to {high:g}); {remedy}"
             )
 
     def inside(

@@ -101,6 +101,16 @@ class Model(Section):
         return {k: f.value for k, f in self.fitted.items() if f.value is not None}
 
 
+class Setup(Section):
+    """What the examination of the set-up is told.
+
+    Attributes:
+        accept: ids of findings that are right for this vehicle: they are reported, and refuse nothing.
+    """
+
+    accept: tuple[str, ...] = ()
+
+
 class Vehicle(Shown, Section):
     """A checked vehicle file.
 
@@ -112,6 +122,7 @@ class Vehicle(Shown, Section):
         ambient: random force outside the model, or None.
         model: the simulation under examination.
         log: the map of foreign logs.
+        setup: findings of the examination of the set-up that are accepted.
         text: the text of the file.
         source: its name.
     """
@@ -123,6 +134,7 @@ class Vehicle(Shown, Section):
     ambient: Ambient | None = None
     model: Model = Model()
     log: LogMap = LogMap()
+    setup: Setup = Setup()
     text: str = Field(default="", exclude=True)
     source: str = Field(default="", exclude=True)
 

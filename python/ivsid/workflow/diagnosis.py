@@ -14,6 +14,7 @@ from ivsid.report import figures, page
 from ivsid.report.page import Part, Report, Section
 from ivsid.vehicle import read_vehicle
 from ivsid.workflow.progress import Progress, silent
+from ivsid.workflow.set_up import examined, with_setup
 
 VERDICTS = {
     "adequate": "Nothing beyond the declared errors: the simulation is adequate for what this log could show.",
@@ -42,6 +43,7 @@ def diagnose(
     progress("reading")
     checked = read_vehicle(vehicle)
     logs = [read_log(p, checked.log) for p in (train, test)]
+    findings = examined(checked, logs, progress)
     result = diagnosis.diagnose(
         checked,
         *logs,
@@ -51,7 +53,7 @@ def diagnose(
         cache=cache_folder() if cache else None,
     )
     progress("drawing")
-    return diagnosis_report(result)
+    return with_setup(diagnosis_report(result), findings)
 
 
 def diagnosis_report(result: Diagnosis) -> Report:

@@ -17,6 +17,7 @@ from ivsid.vehicle import read_vehicle
 from ivsid.workflow.log_files import quality_table
 from ivsid.workflow.parameters import MEANING, claim_lines, freedom_lines, method_table, parameter_lines
 from ivsid.workflow.progress import Progress, silent
+from ivsid.workflow.set_up import examined, with_setup
 
 
 def identify(
@@ -40,6 +41,7 @@ def identify(
     progress("reading")
     checked = read_vehicle(vehicle)
     data = read_log(log, checked.log)
+    findings = examined(checked, [data], progress)
     progress(f"identifying by {method} on {data.t.size} samples")
     fit = identification.identify(
         checked,
@@ -53,7 +55,7 @@ def identify(
         outliers=outliers,
     )
     progress("drawing")
-    return identification_report(fit, data)
+    return with_setup(identification_report(fit, data), findings)
 
 
 def identification_report(fit: Identification, log: Log) -> Report:

@@ -13,6 +13,7 @@ from ivsid.report.page import Part, Report, Section
 from ivsid.report.tables import validation_record
 from ivsid.validation import Validation
 from ivsid.workflow.progress import Progress, silent
+from ivsid.workflow.set_up import examined, with_setup
 
 TITLES = {"surge": "force X", "sway": "force Y", "yaw": "moment N"}
 
@@ -26,6 +27,7 @@ def validate(fit: str | Path, log: str | Path, *, progress: Progress = silent) -
     progress("reading")
     known = read_identification(fit)
     data = read_log(log, known.vehicle.log)
+    findings = examined(known.vehicle, [data], progress)
     progress(f"validating on {data.t.size} samples")
     result = validation.validate(known, data)
     progress("drawing")
@@ -39,7 +41,7 @@ def validate(fit: str | Path, log: str | Path, *, progress: Progress = silent) -
         Section("Simulated against measured motion", (motion_table(result), *parts[2 * len(result.forces) :])),
         Section("Assumptions", (page.bullets([*known.assumes, *result.notes]),)),
     )
-    return Report(
+    report = Report(
         f"Validation of {known.vehicle.name}",
         summary,
         validation_record(result),
@@ -48,6 +50,7 @@ def validate(fit: str | Path, log: str | Path, *, progress: Progress = silent) -
         {},
         tuple(validation_lines(result)),
     )
+    return with_setup(report, findings)
 
 
 def validation_drawings(result: Validation, prefix: str = "") -> tuple[Drawing, ...]:

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.clock import RARE, check_usable, paced
 from ivsid.diagnosis.data.from_pose import differenced
-from ivsid.diagnosis.data.lever_arms import at_origin
 from ivsid.diagnosis.data.resampling import Resampler
 from ivsid.diagnosis.data.sensor_noise import sensor_noise
 from ivsid.log import Log
+from ivsid.sensors.lever_arms import at_origin
 from ivsid.sensors.pose import with_velocities
 from ivsid.vehicle import Vehicle
 

@@ -1,0 +1,63 @@
+"""The unit of a demand, told by its range: servo pulse widths about 1500 microseconds, or fractions about zero."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from ivsid.vehicle import Thruster
+
+# Servo pulse widths [us]: 1100 to 1900 for the usual thrusters, with room for those that are calibrated to 1000 to 2000. The neutral is
+# in the middle.
+# Source: a standard: the servo pulse of hobby electronics, 1.5 ms plus or minus 0.5 ms; Blue Robotics Basic ESC, 1100 to 1900 us
+PULSES: Final = (1000.0, 2000.0)
+# The usual neutral of a pulse width [us].
+# Source: a standard: the middle of the servo pulse
+NEUTRAL: Final = 1500.0
+# The usual distance of a full demand from neutral [us].
+# Source: a standard: Blue Robotics Basic ESC, 1100 to 1900 us
+HALF_RANGE: Final = 400.0
+# Largest fraction of a command, rounding included.
+# Source: definition: the whole, with a quantised end of the scale
+WHOLE: Final = 1.05
+
+
+def advice(thruster: Thruster, ends: tuple[float, float], least: float, most: float) -> tuple[str, str] | None:
+    """What demands from ``least`` to ``most`` are, and the key to change, if another unit or neutral than the curve's tells them.
+
+    Args:
+        thruster: with its neutral.
+        ends: of the demands that its curve covers, counted with the neutral.
+        least: the lowest demand of a log.
+        most: the highest.
+
+    Returns:
+        The fault and the remedy in words; None where the demands do not say.
+    """
+    low, high = ends
+    name, neutral = thruster.name, thruster.neutral
+    span = "demand_range" if thruster.table is None else "table"
+    fractions, pulses = max(abs(least), abs(most)) <= WHOLE, PULSES[0] <= least and most <= PULSES[1]
+    if pulses and neutral == 0.0 and low <= 0.0 and high < PULSES[0]:
+        factor = high / HALF_RANGE
+        scaled = f'{{ from = "demand_{name}", scale = {factor:.6g}, offset = {-NEUTRAL * factor:.6g} }}'
+        return (
+            f"these are pulse widths in microseconds, and the curve of thruster {name} counts from {low:g} to {high:g} about its missing neutral",
+            f"state neutral = {NEUTRAL:g} (the pulse width without thrust) under [[thrusters]], with the {span} as distances from it, or bring the "
+            f"demands to the curve by demand_{name} = {scaled} under [log.columns]",
+        )
+    if pulses and neutral >= PULSES[0] and low - neutral >= PULSES[0]:
+        return (
+            f"the curve of thruster {name} is stated in pulse widths already, and neutral = {neutral:g} shifts it to {low:g} to {high:g}",
+            f"leave neutral of thruster {name} out, or state its {span} as distances from neutral",
+        )
+    if fractions and (low > WHOLE or neutral >= PULSES[0]):
+        bounded = low > -float("inf")
+        middle = (neutral or NEUTRAL) if not bounded or low <= (neutral or NEUTRAL) <= high else 0.5 * (low + high)
+        reach = high - middle if bounded else HALF_RANGE
+        scaled = f'{{ from = "demand_{name}", scale = {reach:.6g}, offset = {middle:.6g} }}'
+        return (
+            f"these are fractions, and the curve of thruster {name} takes pulse widths in microseconds",
+            f"bring the demands to the curve by demand_{name} = {scaled} under [log.columns], or leave neutral of thruster {name} out and state its "
+            f"{span} in fractions",
+        )
+    return None

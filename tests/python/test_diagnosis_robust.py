@@ -22,10 +22,10 @@ from diagnosis_logs import (
 )
 from ivsid import IvsidError, diagnose
 from ivsid.diagnosis.data.channels import channels
-from ivsid.sensors.lever_arms import at_origin
 from ivsid.diagnosis.estimation.whitening import Whitening
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.log import Log
+from ivsid.sensors.lever_arms import at_origin
 from ivsid.vehicle import parse_vehicle
 
 

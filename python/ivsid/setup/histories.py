@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from ivsid.log import Log
 from ivsid.propulsion.actuation import nominal_force
+from ivsid.setup.suspects import renamed, scaled
 from ivsid.vehicle import Thruster, Vehicle
 
 Array = NDArray[np.float64]
@@ -61,25 +63,27 @@ def stated(vehicle: Vehicle, log: Log) -> Array:
 def histories(vehicle: Vehicle, log: Log) -> Iterator[History]:
     """Forces under each wrong set-up that the vehicle can have: reversed and swapped thrusters, angles and logged forces of the wrong sign."""
     plain = stated(vehicle, log)
-    remedy = 'state r = { from = "r", scale = -1.0 } under [log.columns]'
+    remedy = f"state {scaled(vehicle, 'r', -1.0)} under [log.columns]"
     yield History("setup.yaw_rate.sign", "yaw rate r has the wrong sign", remedy, plain * [1, 1, -1], frozenset({"r"}))
     if not vehicle.thrusters:
         for k, name in enumerate(("force_X", "force_Y", "moment_N")):
-            remedy = f'state {name} = {{ from = "{name}", scale = -1.0 }} under [log.columns]'
+            remedy = f"state {scaled(vehicle, name, -1.0)} under [log.columns]"
             yield History(
                 "setup.force.sign", f"{name} has the wrong sign", remedy, plain * np.where(np.arange(3) == k, -1, 1)
             )
         return
     for thruster in vehicle.thrusters:
         alone = nominal_force(_only(vehicle, thruster.model_copy(update={"rudder": None})), log)
-        remedy = f"turn thruster {thruster.name} round under [[thrusters]] (azimuth {thruster.azimuth:g} + 3.14159), or mirror its curve"
+        remedy = f"mirror the curve of thruster {thruster.name} under [[thrusters]]"
+        if thruster.steering == "fixed":
+            remedy += f", or state azimuth = {math.remainder(thruster.azimuth + math.pi, 2 * math.pi):.6g} for it"
         says = f"thruster {thruster.name} pushes the wrong way"
         yield History("setup.thruster.reversed", says, remedy, plain - 2 * alone, reverses=len(vehicle.thrusters) > 1)
         for prefix, turns in (("rudder_", thruster.rudder is not None), ("azimuth_", thruster.steering == "azimuth")):
             name = prefix + thruster.name
             if turns and name in log.columns:
                 columns = {**log.columns, name: -log.columns[name]}
-                remedy = f'state {name} = {{ from = "{name}", scale = -1.0 }} under [log.columns]'
+                remedy = f"state {scaled(vehicle, name, -1.0)} under [log.columns]"
                 forces = stated(vehicle, replace(log, columns=columns))
                 yield History("setup.angle.sign", f"{name} has the wrong sign", remedy, forces)
     if len(vehicle.thrusters) > 1:
@@ -92,7 +96,8 @@ def histories(vehicle: Vehicle, log: Log) -> Iterator[History]:
     for a, b in combinations([t.name for t in vehicle.thrusters], 2):
         swap = {f"demand_{a}": log.columns[f"demand_{b}"], f"demand_{b}": log.columns[f"demand_{a}"]}
         forces = stated(vehicle, replace(log, columns={**log.columns, **swap}))
-        remedy = f'state demand_{a} = "demand_{b}", demand_{b} = "demand_{a}" under [log.columns], or exchange their positions'
+        names = (f"demand_{a}", f"demand_{b}")
+        remedy = f"state {renamed(vehicle, *names)}, {renamed(vehicle, *names[::-1])} under [log.columns], or exchange their positions"
         yield History("setup.thruster.swapped", f"thrusters {a} and {b} are swapped", remedy, forces)
     yield History(
         "setup.frame", "v, r and psi are in other axes", 'state frame = "flu" under [log]', plain * [1, -1, -1]

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ivsid.log import Log
 from ivsid.setup.finding import Checked, SetupFinding
+from ivsid.setup.suspects import column_of
 from ivsid.setup.windows import MOST, Course, edges_of
 from ivsid.vehicle import Vehicle
 
@@ -50,7 +51,9 @@ def limits(vehicle: Vehicle, log: Log) -> Checked:
         beyond = change > BEYOND * allowed
         if int(beyond.sum()) >= FEWEST:
             worst = int(np.argmax(np.where(beyond, change / allowed, 0.0)))
-            findings.append(_finding(log, name, key, limit, unit, other, float(change[worst]), int(beyond.sum())))
+            findings.append(
+                _finding(vehicle, log, name, key, limit, unit, other, float(change[worst]), int(beyond.sum()))
+            )
     return Checked(tuple(findings), log)
 
 
@@ -65,7 +68,9 @@ def _changes(log: Log, name: str, limit: float) -> tuple[Array, Array]:
     if name in ("u", "v", "r"):
         # Means of neighbouring windows differ by at most the limit times their distance.
         return _known(np.abs(np.diff(x.integral(edges) / length)), np.full(edges.size - 2, limit * length))
-    mean = np.abs(x.integral(edges) / length)
+    mean = x.integral(edges) / length
+    # A constant part is a bias or a tilt, not a unit.
+    mean = np.abs(mean - np.nanmedian(mean)) if np.isfinite(mean).any() else mean
     allowed = np.full(mean.size, limit)
     if name in ("ax", "ay") and {"u", "v", "r"} <= set(log.columns):
         # A specific force holds the Coriolis part beside the acceleration.
@@ -81,14 +86,17 @@ def _known(size: Array, allowed: Array) -> tuple[Array, Array]:
 
 
 def _finding(
-    log: Log, name: str, key: str, limit: float, unit: str, other: str, worst: float, count: int
+    vehicle: Vehicle, log: Log, name: str, key: str, limit: float, unit: str, other: str, worst: float, count: int
 ) -> SetupFinding:
-    does = "changes by" if name in ("u", "v", "r") else "reads"
-    words = (
-        f"{log.name}: {name} {does} {worst:.3g} {unit}{' within a second' if name in ('u', 'v', 'r') else ''}, against [sensors.limits] "
-        f"{key} = {limit:g}, in {count} windows of a second: its unit or that limit is wrong"
+    changes = name in ("u", "v", "r")
+    does = f"changes by {worst:.3g} {unit} within a second" if changes else f"leaves its median by {worst:.3g} {unit}"
+    words = f"{log.name}: {name} {does}, in {count} windows, against [sensors.limits] {key} = {limit:g}: its unit or that limit is wrong"
+    column = column_of(vehicle, name)
+    unit_key = (
+        f'{name} = {{ from = "{column.from_}", unit = "{other}" }}'
+        if column.unit is None
+        else f"the true unit of {name}"
     )
-    remedy = f'state {name} = {{ from = "{name}", unit = "{other}" }} under [log.columns], or the true limit'
-    return SetupFinding(
-        f"setup.{name}.limit", words, {"largest": worst, "limit": limit, "windows": float(count)}, remedy, certain=True
-    )
+    remedy = f"state {unit_key} under [log.columns], or the true limit"
+    evidence = {"largest": worst, "limit": limit, "windows": float(count)}
+    return SetupFinding(f"setup.{name}.limit", words, evidence, remedy, certain=True)

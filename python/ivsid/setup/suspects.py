@@ -55,15 +55,30 @@ class Suspect:
 
     def _entry(self, vehicle: Vehicle, name: str) -> str:
         source = self.sources.get(name, name)
-        given = vehicle.log.columns.get(source, source)
-        column = given if isinstance(given, Column) else Column.model_validate({"from": given})
         if name in self.sources:
-            return f'{name} = "{column.from_}"'
-        factor = column.scale * self.factors[name]
+            return renamed(vehicle, name, source)
+        column = column_of(vehicle, source)
         if self.unit is not None and column.unit is None and column.scale == 1.0:
             return f'{name} = {{ from = "{column.from_}", unit = "{self.unit}" }}'
-        unit = "" if column.unit is None else f', unit = "{column.unit}"'
-        return f'{name} = {{ from = "{column.from_}", scale = {factor:.6g}{unit} }}'
+        return scaled(vehicle, name, self.factors[name])
+
+
+def column_of(vehicle: Vehicle, name: str) -> Column:
+    """The foreign column of a channel, as the vehicle file maps it."""
+    given = vehicle.log.columns.get(name, name)
+    return given if isinstance(given, Column) else Column.model_validate({"from": given})
+
+
+def renamed(vehicle: Vehicle, name: str, source: str) -> str:
+    """The line of ``[log.columns]`` that takes a channel from the foreign column of another."""
+    return f'{name} = "{column_of(vehicle, source).from_}"'
+
+
+def scaled(vehicle: Vehicle, name: str, factor: float) -> str:
+    """The line of ``[log.columns]`` that multiplies a channel by a factor more than now."""
+    column = column_of(vehicle, name)
+    unit = "" if column.unit is None else f', unit = "{column.unit}"'
+    return f'{name} = {{ from = "{column.from_}", scale = {column.scale * factor:.6g}{unit} }}'
 
 
 def sign(name: str, quantity: str, *channels: str) -> Suspect:

@@ -58,7 +58,11 @@ class Course:
     def _unknown(self, edges: Array) -> Array:
         """NaN in windows that a step of more than half their length touches, else 0."""
         unknown = np.zeros(edges.size - 1)
-        for k in np.flatnonzero(self.steps > 0.5 * (edges[1] - edges[0])):
+        long = self.steps > 0.5 * (edges[1] - edges[0])
+        if 2 * int(long.sum()) > long.size:
+            # Windows of this length are too short for the channel.
+            return np.full(edges.size - 1, np.nan)
+        for k in np.flatnonzero(long):
             first, last = np.searchsorted(edges, (self.t[k], self.t[k + 1]))
             unknown[max(first - 1, 0) : last] = np.nan
         return unknown

@@ -6,6 +6,7 @@
   ``allan_search`` (minima); ``recording``: a filter, steps, a sinusoid or a drift in it.
 - ``pose``, ``derivatives``: positions to velocities, velocities to accelerations.
 - ``mounting``, ``origin``: lever arms, rotations and gravity in intervals, and logs brought to the body origin by them.
+- ``lever_arms``: readings brought to the body origin in plain numbers, for the diagnosis and the examination of the set-up.
 - ``smoothing``: velocities by splines, an estimate; ``weak_form``: means of velocities from the pose, without velocities at rows.
 
 The chapter may use ``log``, ``vehicle`` and what is below them.

@@ -4,7 +4,7 @@ A log comes with the clocks of its sensors, with gaps, and with sensors that sta
 ``Channels``, in four steps:
 
 1. ``from_pose``: a log without velocities gets them as differences of its pose.
-2. ``lever_arms``: readings are brought to the body origin.
+2. Readings are brought to the body origin (``ivsid.sensors.lever_arms``).
 3. ``clock``: the step of the uniform clock is chosen; channels that come too rarely and single outliers (``outliers``) are left out.
 4. ``resampling``: readings and demands are looked up on that clock, and samples without readings are marked.
 

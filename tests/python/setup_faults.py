@@ -43,9 +43,13 @@ MOTION: dict[str, tuple[Callable[[Columns], Columns], tuple[str, ...]]] = {
     "yaw rate of the wrong sign": (times(r=-1), ("setup.yaw_rate.sign",)),
     "the same, with heading alone": (
         lambda c: {**times(r=-1)(bare(c)), "psi": c["psi"]},
-        ("setup.yaw_rate.sign", "setup.heading.sign"),
+        ("setup.yaw_rate.sign",),
     ),
     "heading of the wrong sign": (times(psi=-1), ("setup.heading.sign",)),
+    "heading of the wrong sign, by the moment": (
+        lambda c: {**bare(c), "psi": -c["psi"]},
+        ("setup.heading.sign",),
+    ),
     "surge velocity of the wrong sign": (times(u=-1), ("setup.surge_velocity.sign",)),
     "sway velocity of the wrong sign": (times(v=-1), ("setup.sway_velocity.sign",)),
     "acceleration ax of the wrong sign": (times(ax=-1), ("setup.surge_acceleration.sign",)),

@@ -45,6 +45,11 @@ def advice(thruster: Thruster, ends: tuple[float, float], least: float, most: fl
             f"state neutral = {NEUTRAL:g} (the pulse width without thrust) under [[thrusters]], with the {span} as distances from it, or bring the "
             f"demands to the curve by demand_{name} = {scaled} under [log.columns]",
         )
+    if pulses and neutral == 0.0 and thruster.gain is not None and low == -float("inf"):
+        return (
+            f"these look like pulse widths in microseconds, and the gain of thruster {name} counts from its missing neutral",
+            f"state neutral = {NEUTRAL:g} (the pulse width without thrust) and demand_range = [-400, 400] under [[thrusters]]",
+        )
     if pulses and neutral >= PULSES[0] and low - neutral >= PULSES[0]:
         return (
             f"the curve of thruster {name} is stated in pulse widths already, and neutral = {neutral:g} shifts it to {low:g} to {high:g}",

@@ -23,11 +23,14 @@ def demands(vehicle: Vehicle, log: Log) -> Checked:
         if values is None or not np.isfinite(values).any():
             continue
         least, most = float(np.nanmin(values)), float(np.nanmax(values))
-        said = advice(thruster, ThrustCurve(thruster).range, least, most)
+        ends = ThrustCurve(thruster).range
+        # A gain without ends takes any demand: it may be meant so.
+        bounded = bool(np.isfinite(ends).any()) or thruster.neutral != 0.0
+        said = advice(thruster, ends, least, most)
         if said is None:
             continue
         what, remedy = said
         words = f"{log.name}: demand_{thruster.name} runs from {least:g} to {most:g}: {what}"
         evidence = {"lowest": least, "highest": most, "neutral": thruster.neutral}
-        findings.append(SetupFinding("setup.demand.unit", words, evidence, remedy, certain=True))
+        findings.append(SetupFinding("setup.demand.unit", words, evidence, remedy, certain=bounded))
     return Checked(tuple(findings), log)

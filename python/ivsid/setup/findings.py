@@ -14,6 +14,7 @@ from ivsid.setup.limits import LIMITED, limits
 from ivsid.setup.motion import motion
 from ivsid.setup.response import response
 from ivsid.setup.suspects import SUSPECTS
+from ivsid.setup.windows import shortened
 from ivsid.vehicle import GivenVehicle, Vehicle, vehicle_of
 
 CHECKS: Final[tuple[Check, ...]] = (demands, motion, limits, response)
@@ -44,6 +45,7 @@ def setup_findings(vehicle: GivenVehicle, log: GivenLog) -> tuple[SetupFinding, 
     if unknown:
         raise IvsidError(f"[setup] accept names {unknown[0]}, which is no finding; use {', '.join(IDS)}")
     found: list[SetupFinding] = []
+    log = shortened(log)
     for check in CHECKS:
         checked = check(vehicle, log)
         found += checked.findings

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ivsid.log import Log
 from ivsid.sensors.lever_arms import at_origin
-from ivsid.setup.windows import LEAST, LENGTHS, Course, angle_course, edges_of, shortened
+from ivsid.setup.windows import LEAST, LENGTHS, Course, angle_course, edges_of
 from ivsid.vehicle import Sensors, Vehicle, VelocitySensor
 from ivsid.vehicle.sensors import AccuracySensor
 
@@ -81,7 +81,8 @@ def _misfit(a: Array, b: Array) -> float:
 
 def identities(log: Log, sensors: Sensors) -> dict[tuple[str, float], Identity]:
     """All identities that the log has both sides of, by name and length of the windows [s]."""
-    t, columns = shortened(at_origin(log, sensors))
+    log = at_origin(log, sensors)
+    t, columns = log.t, log.columns
     sides = [*_turning(t, columns, sensors), *_accelerations(t, columns, sensors), *_displacements(t, columns, sensors)]
     found = {}
     for length in LENGTHS:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ivsid.log import Log
 from ivsid.setup.finding import Checked, SetupFinding
 from ivsid.setup.suspects import column_of
-from ivsid.setup.windows import MOST, Course, edges_of
+from ivsid.setup.windows import Course, edges_of
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -59,11 +59,11 @@ def limits(vehicle: Vehicle, log: Log) -> Checked:
 
 def _changes(log: Log, name: str, limit: float) -> tuple[Array, Array]:
     """Sizes over windows of the change of a velocity, or of the mean of an acceleration, and the largest that the limit allows."""
-    t = log.t[:MOST]
+    t = log.t
     edges = edges_of(t, max(WINDOW, 2 * log.period))
     if edges is None:
         return np.zeros(0), np.ones(0)
-    x = Course(t, log.columns[name][:MOST])
+    x = Course(t, log.columns[name])
     length = float(edges[1] - edges[0])
     if name in ("u", "v", "r"):
         # Means of neighbouring windows differ by at most the limit times their distance.
@@ -75,7 +75,7 @@ def _changes(log: Log, name: str, limit: float) -> tuple[Array, Array]:
     if name in ("ax", "ay") and {"u", "v", "r"} <= set(log.columns):
         # A specific force holds the Coriolis part beside the acceleration.
         other = "v" if name == "ax" else "u"
-        turned = Course(t, np.abs(log.columns[other][:MOST] * log.columns["r"][:MOST])).integral(edges) / length
+        turned = Course(t, np.abs(log.columns[other] * log.columns["r"])).integral(edges) / length
         allowed = allowed + turned
     return _known(mean, allowed)
 

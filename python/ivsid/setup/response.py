@@ -20,7 +20,7 @@ from ivsid.sensors.lever_arms import at_origin
 from ivsid.setup.finding import Checked, SetupFinding
 from ivsid.setup.histories import History, histories, stated
 from ivsid.setup.identities import ABOVE, USUAL, vouched
-from ivsid.setup.windows import LEAST, MOST, Course, angle_course, edges_of
+from ivsid.setup.windows import LEAST, Course, angle_course, edges_of
 from ivsid.vehicle import Sensors, Vehicle
 
 Array = NDArray[np.float64]
@@ -96,12 +96,12 @@ class Axis:
 def axes(vehicle: Vehicle, log: Log, found: tuple[History, ...]) -> list[Axis]:
     """Channels that stand above the errors of their readings, on windows of each length."""
     log = at_origin(log, vehicle.sensors)
-    t = log.t[:MOST]
-    u, v, r = (log.columns[n][:MOST] for n in AXES)
-    forces = [f[:MOST] for f in (stated(vehicle, log), *(h.forces for h in found))]
+    t = log.t
+    u, v, r = (log.columns[n] for n in AXES)
+    forces = [stated(vehicle, log), *(h.forces for h in found)]
     still = [np.ones_like(t)]
     if "psi" in log.columns:
-        psi = angle_course(t, log.columns["psi"][:MOST]).at(t)
+        psi = angle_course(t, log.columns["psi"]).at(t)
         still += [np.cos(psi), np.sin(psi)]
     beside = ((u, u * abs(u), v * r), (v, v * abs(v), u * r, r, u * v), (r, r * abs(r), u * v, v, u * r))
     made = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -82,6 +83,7 @@ def angle_course(t: Array, psi: Array) -> Course:
     return Course(t, turned)
 
 
-def shortened(log: Log) -> tuple[Array, dict[str, Array]]:
-    """Times and columns of the first samples of a log."""
-    return log.t[:MOST], {k: x[:MOST] for k, x in log.columns.items()}
+def shortened(log: Log) -> Log:
+    """The first samples of a log, without bounds of their errors."""
+    columns = {k: x[:MOST] for k, x in log.columns.items()}
+    return replace(log, t=log.t[:MOST], columns=columns, rounding={}, over={})

@@ -1,11 +1,13 @@
 """Wrong set-ups as users make them, put into sound logs: each is one function of the columns of a log and the text of its vehicle file.
 
-Prints the counts of docs/diagnosis.md: ``python tests/python/setup_faults.py --cases 100``.
+``python tests/python/setup_faults.py --cases 100`` prints counts as docs/diagnosis.md has them; ``--out`` holds them after each case.
 """
 
 import argparse
+import json
 import sys
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import numpy as np
 from tests.exam.cases import case
@@ -101,48 +103,52 @@ def pulses(text: str, c: Columns, *, hold: bool) -> tuple[str, Columns]:
     return text, {k: 1500.0 + 4.0 * x if k.startswith("demand_") else x for k, x in c.items()}
 
 
+def counts(seeds: range, hidden: range) -> Iterator[dict[str, list[int]]]:
+    """Logs, those whose fault is named, and those of which something else is said, by fault, after each seed."""
+    found: dict[str, list[int]] = {}
+
+    def counted(fault: str, ids: list[str], right: tuple[str, ...]) -> None:
+        row = found.setdefault(fault, [0, 0, 0])
+        row[0] += 1
+        row[1] += any(i in right for i in ids)
+        row[2] += bool(ids) and not any(i in right for i in ids)
+
+    for seed in seeds:
+        drawn = case(seed, what="none", style="rich", duration=200.0, rate=10.0)
+        columns = dict(drawn.logs[0])
+        t = columns.pop("t")
+        counted("none", named(drawn.text, t, columns), ())
+        for fault, (change, right) in MOTION.items():
+            counted(fault, named(drawn.text, t, change(columns)), right)
+        for fault, changed, right in thruster_faults(columns):
+            counted(fault, named(drawn.text, t, changed), right)
+        text, changed = pulses(drawn.text, columns, hold=True)
+        counted("pulse widths for a table of ±100", named(text, t, changed), ("setup.demand.unit",))
+        yield found
+    for seed in hidden:
+        for what in ("none", "one", "two", "outside"):
+            drawn = case(seed, what=what, duration=300.0)
+            for log in drawn.logs:
+                columns = dict(log)
+                counted(f"none, hidden effects: {what}", named(drawn.text, columns.pop("t"), columns), ())
+        yield found
+
+
 def main() -> None:
-    """Counts over drawn cases."""
+    """Counts over drawn cases, printed when they are done or stopped."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--cases", type=int, default=100)
     parser.add_argument("--hidden", type=int, default=50)
     parser.add_argument("--seed", type=int, default=7000)
+    parser.add_argument("--out", type=Path, default=Path("/tmp/setup_counts.json"))
     options = parser.parse_args()
-    counts: dict[str, list[int]] = {}
-    alarms = []
-
-    def counted(fault: str, found: list[str], ids: tuple[str, ...]) -> None:
-        row = counts.setdefault(fault, [0, 0, 0])
-        row[0] += 1
-        row[1] += any(i in ids for i in found)
-        row[2] += bool(found) and not any(i in ids for i in found)
-
-    for seed in range(options.seed, options.seed + options.cases):
-        drawn = case(seed, what="none", style="rich", duration=200.0, rate=10.0)
-        columns = dict(drawn.logs[0])
-        t = columns.pop("t")
-        if found := named(drawn.text, t, columns):
-            alarms.append((seed, found))
-        for fault, (change, ids) in MOTION.items():
-            counted(fault, named(drawn.text, t, change(columns)), ids)
-        for fault, changed, ids in thruster_faults(columns):
-            counted(fault, named(drawn.text, t, changed), ids)
-        text, changed = pulses(drawn.text, columns, hold=True)
-        counted("pulse widths for a table of ±100", named(text, t, changed), ("setup.demand.unit",))
-    for seed in range(options.hidden):
-        for what in ("none", "one", "two", "outside"):
-            drawn = case(20_000 + seed, what=what, duration=300.0)
-            for log in drawn.logs:
-                columns = dict(log)
-                t = columns.pop("t")
-                row = counts.setdefault(f"sound, hidden: {what}", [0, 0, 0])
-                row[0] += 1
-                row[2] += bool(named(drawn.text, t, columns))
+    first = options.seed
+    for found in counts(range(first, first + options.cases), range(first + 13_000, first + 13_000 + options.hidden)):
+        options.out.write_text(json.dumps(found, ensure_ascii=False))
     say = sys.stdout.write
-    say("| set-up | logs | named | named something else |\n|---|---|---|---|\n")
-    for fault, (logs, right, wrong) in counts.items():
+    say("| fault | logs | named | something else named |\n|---|---|---|---|\n")
+    for fault, (logs, right, wrong) in found.items():
         say(f"| {fault} | {logs} | {right} | {wrong} |\n")
-    say(f"alarms on sound logs: {alarms}\n")
 
 
 if __name__ == "__main__":

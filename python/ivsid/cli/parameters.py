@@ -46,6 +46,13 @@ def identify(
     outliers: Annotated[
         int, typer.Option("--outliers", min=0, help="Number of rows of each set of parameters that may be wrong.")
     ] = 0,
+    physical: Annotated[
+        bool,
+        typer.Option(
+            "--physical",
+            help="Assume what every vessel keeps: masses of 0.5 to 10 times the hull's, a bounded yaw inertia, drags that never drive.",
+        ),
+    ] = False,
     out: Out = None,
     json: Json = False,
 ) -> None:
@@ -68,6 +75,7 @@ def identify(
             window=windows,
             bias=bias,
             outliers=outliers,
+            physical=physical,
             progress=progress,
         ),
     )

@@ -40,7 +40,9 @@ ROUNDING: Final = 1e-9
 # Coefficient of the unknown bias in rows of each kind: -1 where the row takes an acceleration at its sample. A kind that is missing
 # here is an error: with narrow accelerations and no unknown its bounds would be too narrow.
 # Source: definition: the row's acceleration is the reading less the bias
-COEFFICIENT: Final = {"pointwise": -1.0, "integral": 0.0, "weak": 0.0, "bias.x": 0.0, "bias.y": 0.0}
+COEFFICIENT: Final = {"pointwise": -1.0, "integral": 0.0, "weak": 0.0, "bias.x": 0.0, "bias.y": 0.0} | {
+    kind: 0.0 for kind in ROW_KINDS if kind.startswith("physical.")
+}
 AXES: Final = ("x", "y")
 _NAMES: Final = (("ax", "udot"), ("ay", "vdot"))
 

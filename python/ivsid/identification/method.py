@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Final
+
+import numpy as np
 
 from ivsid.effects import CHANNELS, causes, terms_of
 from ivsid.errors import IvsidError, choice, meant
@@ -11,11 +14,12 @@ from ivsid.identification.assumptions import assumptions, cause_notes
 from ivsid.identification.bias import CHOICES, separate_bias, with_unknowns, without_unknowns
 from ivsid.identification.blocks import linked, nonzero, outlier_notes, overall, parameters_of, solve
 from ivsid.identification.combinations import determined
+from ivsid.identification.physics import INFLATION, contradicted, subject_of, with_bounds
 from ivsid.identification.result import ClaimCheck, Identification, Parameter
 from ivsid.linear import regression
 from ivsid.linear.linalg import INVERSE_METHODS, partition_count
 from ivsid.log import GivenLog, log_of
-from ivsid.rows import WINDOW, RegressionRows, build_rows
+from ivsid.rows import ROW_KINDS, WINDOW, RegressionRows, build_rows
 from ivsid.sensors.bounds import BoundedLog, bound_log
 from ivsid.vehicle import GivenVehicle, Vehicle, vehicle_of
 
@@ -33,6 +37,7 @@ def identify(
     window: float | Sequence[float] = WINDOW,
     bias: str = "auto",
     outliers: int = 0,
+    physical: bool = False,
 ) -> Identification:
     """Parameter intervals of the vehicle file's model from a log.
 
@@ -52,6 +57,8 @@ def identify(
             ``auto`` takes ``log`` where that is clearly tighter.
         outliers: number of rows that may be wrong in each set of parameters that share rows, for ``feasible``. The intervals hold
             every parameter that all but that many rows allow.
+        physical: whether the bounds that every vessel keeps are rows, too, for ``feasible`` (docs/theory.md, "Physical bounds"). They are
+            assumptions, and stand in ``assumes``.
 
     Raises:
         IvsidError: unusable input, in one sentence.
@@ -63,6 +70,11 @@ def identify(
     if outliers < 0 or (outliers and method != "feasible"):
         raise IvsidError(
             f"outliers = {outliers} with method {method} is not possible; give a number of rows, at least 0, with method feasible"
+        )
+    if physical and (outliers or method != "feasible"):
+        raise IvsidError(
+            f"physical bounds with method {method} and outliers = {outliers} are not possible: they are no measurements that could be wrong, and "
+            "only method feasible takes inequalities; use feasible without outliers"
         )
     vehicle = vehicle_of(vehicle)
     log = log_of(log, vehicle.log)
@@ -79,12 +91,21 @@ def identify(
         "window": window if isinstance(window, float | int) else list(window),
         "bias": "sample" if taken is None else "log",
         "outliers": outliers,
+        "physical": physical,
     }
-    if taken is None:
-        return identify_rows(made, bounded, vehicle, method, options)
-    mass = vehicle.hull.mass if form == "added" else 0.0
-    extended = with_unknowns(made, taken[1], bounded.log, vehicle, mass)
-    return without_unknowns(identify_rows(extended, bounded, vehicle, method, options), terms)
+    subject = subject_of(bounded, vehicle, terms, form)
+    if taken is not None:
+        mass = vehicle.hull.mass if form == "added" else 0.0
+        made = with_unknowns(made, taken[1], bounded.log, vehicle, mass)
+    if physical:
+        made = with_bounds(made, subject)
+    fit = identify_rows(made, bounded, vehicle, method, options)
+    fit = fit if taken is None else without_unknowns(fit, terms)
+    return replace(
+        fit,
+        physical=tuple(f.record() for f in contradicted(subject, fit.parameters)),
+        notes=(*fit.notes, INFLATION) if physical else fit.notes,
+    )
 
 
 def identify_rows(
@@ -124,6 +145,8 @@ def identify_rows(
     )
     reasons = [b.reason for b in blocks if b.reason]
     left_out = causes(vehicle)
+    assumed = [k for k, kind in enumerate(ROW_KINDS) if kind.startswith("physical.")]
+    measured = ~np.isin(rows.kind, assumed)
     return Identification(
         method=method,
         status=status,
@@ -137,7 +160,7 @@ def identify_rows(
         directions=directions,
         certificates=tuple({**c, "block": k} for k, b in enumerate(blocks) for c in b.certificates),
         contradictions=tuple(k for k, b in enumerate(blocks) if b.status == "empty"),
-        rows={name: int((rows.channel == k).sum()) for k, name in enumerate(CHANNELS)},
+        rows={name: int((measured & (rows.channel == k)).sum()) for k, name in enumerate(CHANNELS)},
         notes=(*bounded.log.notes, *outlier_notes(rows.terms, blocks), *cause_notes(left_out)),
         ignored=bounded.log.ignored,
         options=options,

@@ -86,6 +86,7 @@ class Identification(Result):
         determined: combinations of parameters, by id, that stay bounded where some directions are open (an estimate).
         claims: numbers that the vehicle file states in ``[model] values``, and whether their intervals contradict them.
         outliers: for each block, with ``options.outliers``, the least number of rows that must be wrong, and every choice of that many.
+        physical: bounds of every vessel that no parameter of the intervals keeps: ``bound``, ``parameters``, and a sentence ``says``.
     """
 
     method: str
@@ -110,6 +111,7 @@ class Identification(Result):
     determined: tuple[dict[str, float], ...] = ()
     claims: tuple[ClaimCheck, ...] = ()
     outliers: tuple[dict[str, Any], ...] = ()
+    physical: tuple[dict[str, Any], ...] = ()
 
     def _heading(self) -> str:
         word = "guaranteed" if self.guaranteed else "not guaranteed"
@@ -164,6 +166,7 @@ class Identification(Result):
             "determined": self.determined,
             "claims": self.claims,
             "outliers": self.outliers,
+            "physical": self.physical,
             "rows": self.rows,
             "notes": self.notes,
             "ignored": self.ignored,
@@ -232,6 +235,7 @@ def _identification(record: dict[str, Any]) -> Identification:
         "determined",
         "claims",
         "outliers",
+        "physical",
         "certificates",
         "notes",
         "ignored",

@@ -12,8 +12,18 @@ from numpy.typing import NDArray
 from ivsid.effects import Term
 from ivsid.intervals import FloatArray, IntervalArray
 
-# Rows at a sample, over a window, over two windows weighted by a hat; and the rows that bound the bias of an accelerometer's axis.
-ROW_KINDS: Final = ("pointwise", "integral", "weak", "bias.x", "bias.y")
+# Rows at a sample, over a window, over two windows weighted by a hat; the rows that bound the bias of an accelerometer's axis; and those of
+# physical bounds, which are assumptions and no measurements.
+ROW_KINDS: Final = (
+    "pointwise",
+    "integral",
+    "weak",
+    "bias.x",
+    "bias.y",
+    "physical.least",
+    "physical.most",
+    "physical.drag",
+)
 _NAMED: Final = {"channel": np.int64, "time": np.float64, "duration": np.float64, "kind": np.int64}
 
 

@@ -15,6 +15,7 @@ from ivsid.verification.counted import counted
 from ivsid.verification.errors import UncheckedError, UnprovedError
 from ivsid.verification.multipliers import HalfSpace, Vector, contradict, half_space, least
 from ivsid.verification.outliers import Proof, named
+from ivsid.verification.physical import KINDS as ASSUMED
 from ivsid.verification.rational import Range
 from ivsid.verification.result import Result, Stored
 from ivsid.verification.rows import Rows
@@ -64,13 +65,20 @@ class Checker:
                 raise UnprovedError(f"{self.wrong} rows cannot be wrong")
             if self.wrong and options["bias"] != "sample":
                 raise UnprovedError("a row that bounds a bias is no measurement that could be wrong")
+            if not isinstance(options["physical"], bool) or (self.wrong and options["physical"]):
+                raise UnprovedError("physical bounds are assumed or not, and are no measurements that could be wrong")
             if options["form"] not in ("total", "added"):
                 raise UnprovedError(f"a form is total or added, not {options['form']!r}")
             if options["bias"] not in ("sample", "log"):
                 raise UnprovedError(f"a bias is bounded by the sample or one of the log, not {options['bias']!r}")
             windows = len(options["window"]) if isinstance(options["window"], list) else 1
             self.rows = Rows(
-                self.log, self.result.vehicle, options["form"], apart=options["bias"] == "log", windows=windows
+                self.log,
+                self.result.vehicle,
+                options["form"],
+                apart=options["bias"] == "log",
+                windows=windows,
+                assumed=options["physical"],
             )
         if self.failures or self.unknown:
             return
@@ -215,7 +223,11 @@ class Checker:
 
     def _recomputed(self, stored: Stored, ids: Sequence[str]) -> HalfSpace:
         channel, time, duration = stored["channel"], float(stored["time"]), float(stored["duration"])
-        lower, upper, right = ([Fraction(float.fromhex(x)) for x in stored[k]] for k in ("lower", "upper", "right"))
+        lower, upper = ([Fraction(float.fromhex(x)) for x in stored[k]] for k in ("lower", "upper"))
+        one_sided = stored["kind"] in ASSUMED
+        if one_sided and (stored["side"] != "lower" or stored["right"][1:] != ["inf"]):
+            raise UnprovedError("a physical bound has a lower side alone")
+        right = [Fraction(float.fromhex(x)) for x in (stored["right"][:1] * 2 if one_sided else stored["right"])]
         if not len(lower) == len(upper) == len(ids) or len(right) != 2:
             raise UnprovedError("a row has not one interval a parameter")
         if stored["side"] not in ("lower", "upper"):
@@ -236,7 +248,12 @@ class Checker:
             raise UnprovedError(f"{where} holds {left_out[0]}, which its block leaves out")
         for k, id_ in enumerate(ids):
             _inside(made.matrix.get(id_, Range(0)), lower[k], upper[k], f"{where}, column {id_}")
-        _inside(made.right, right[0], right[1], f"{where}, right-hand side")
+        if not one_sided:
+            _inside(made.right, right[0], right[1], f"{where}, right-hand side")
+        elif made.right.lower < right[0]:
+            raise UnprovedError(
+                f"{where}: its bound is {float(made.right.lower)!r}, and {float(right[0])!r} is claimed"
+            )
         self.rows_used.add((stored["kind"], channel, time, duration))
         return here
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from ivsid.log import Log
 from ivsid.vehicle import Vehicle
+from ivsid.verification import physical
 from ivsid.verification.columns import Row, Unknown, in_motion, moves, share, summed, value
 from ivsid.verification.errors import UncheckedError, UnprovedError
 from ivsid.verification.physics import CHANNELS, Column, Columns, Meaning, Motion, State, model, moving, rigid_body
@@ -27,14 +28,23 @@ QUARTER: Final = Range(Fraction(1, 4))
 WHOLE_STEP: Final = 0.1
 _NO_ACCELERATION: Final = moving(0)
 ACCELERATION: Final = {"x": "udot", "y": "vdot"}
-KINDS: Final = ("pointwise", "integral", "weak", *(f"bias.{axis}" for axis in AXES))
+KINDS: Final = ("pointwise", "integral", "weak", *(f"bias.{axis}" for axis in AXES), *physical.KINDS)
 
 
 class Rows:
     """Rows of a model, made on demand and kept."""
 
-    def __init__(self, log: Log, vehicle: Vehicle, form: str, *, apart: bool = False, windows: int = 1) -> None:
-        self.log, self.vehicle, self.windows = log, vehicle, windows
+    def __init__(
+        self,
+        log: Log,
+        vehicle: Vehicle,
+        form: str,
+        *,
+        apart: bool = False,
+        windows: int = 1,
+        assumed: bool = False,
+    ) -> None:
+        self.log, self.vehicle, self.windows, self.assumed = log, vehicle, windows, assumed
         self.readings = Readings(log, vehicle, apart=apart, windows=windows)
         self._counts: set[int] = set()
         self.thrusters = Thrusters(self.readings)
@@ -72,6 +82,10 @@ class Rows:
             raise UncheckedError(self.beyond)
         if kind.startswith("bias."):
             return self._bias(kind.removeprefix("bias."), channel)
+        if kind in physical.KINDS:
+            if not self.assumed or duration:
+                raise UnprovedError("the options of the result assume no physical bounds, or the row has a duration")
+            return physical.physical_row(self, kind, channel, time)
         if (duration > 0) != (kind in ("integral", "weak")):
             raise UnprovedError(f"a row of {duration!r} s is not of the kind '{kind}'")
         first, last = self.span(time, duration)

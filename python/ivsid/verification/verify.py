@@ -18,6 +18,7 @@ NOT_PROVED: Final = (
     "directions",
     "determined",
     "notes",
+    "physical",
     "quality",
     "rows",
     "reason",

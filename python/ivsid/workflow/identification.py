@@ -15,7 +15,14 @@ from ivsid.report.tables import quality_record
 from ivsid.rows import WINDOW
 from ivsid.vehicle import read_vehicle
 from ivsid.workflow.log_files import quality_table
-from ivsid.workflow.parameters import MEANING, claim_lines, freedom_lines, method_table, parameter_lines
+from ivsid.workflow.parameters import (
+    MEANING,
+    claim_lines,
+    freedom_lines,
+    method_table,
+    parameter_lines,
+    physical_lines,
+)
 from ivsid.workflow.progress import Progress, silent
 from ivsid.workflow.set_up import examined, with_setup
 
@@ -31,6 +38,7 @@ def identify(
     window: float | Sequence[float] = WINDOW,
     bias: str = "auto",
     outliers: int = 0,
+    physical: bool = False,
     progress: Progress = silent,
 ) -> Report:
     """Reads a vehicle file and a log, identifies and reports; the options are those of ``ivsid.identify``.
@@ -53,6 +61,7 @@ def identify(
         window=window,
         bias=bias,
         outliers=outliers,
+        physical=physical,
     )
     progress("drawing")
     return with_setup(identification_report(fit, data), findings)
@@ -63,6 +72,8 @@ def identification_report(fit: Identification, log: Log) -> Report:
     drawings = (figures.intervals([fit]), figures.channels(log))
     word = "guaranteed under the stated assumptions" if fit.guaranteed else "not guaranteed"
     summary = f"{fit.vehicle.name}, method {fit.method}: {fit.status} ({MEANING[fit.status]}); {word}."
+    if fit.physical:
+        summary = f"{fit.vehicle.name}: no vessel has these parameters. {summary}"
     inflation = "no factor on the bounds makes the rows consistent" if fit.inflation is None else f"{fit.inflation:.4g}"
     facts = [f"rows: {', '.join(f'{n} {c}' for c, n in fit.rows.items())}"]
     if fit.method == "feasible":
@@ -72,6 +83,7 @@ def identification_report(fit: Identification, log: Log) -> Report:
     if fit.reason:
         facts.append(fit.reason)
     facts += [f"the data leave open: {' '.join(f'{v:+.3g} {k}' for k, v in d.items())}" for d in fit.directions]
+    facts += physical_lines(fit)
     facts += freedom_lines(fit)
     facts += claim_lines(fit)
     sections = [

@@ -61,7 +61,7 @@ def parameter_lines(fit: Identification) -> list[str]:
         lines.append("  left open along: " + " ".join(f"{v:+.3g} {k}" for k, v in direction.items()))
     if len(fit.directions) > MOST_DIRECTIONS:
         lines.append(f"  and along {len(fit.directions) - MOST_DIRECTIONS} more (result.json)")
-    lines += [f"  {line}" for line in (*freedom_lines(fit), *claim_lines(fit), *_culprits(fit))]
+    lines += [f"  {line}" for line in (*physical_lines(fit), *freedom_lines(fit), *claim_lines(fit), *_culprits(fit))]
     return lines
 
 
@@ -79,6 +79,15 @@ def freedom_lines(fit: Identification) -> list[str]:
         else []
     )
     return words + ([f"determined by itself: {', '.join(alone)}"] if alone else [])
+
+
+def physical_lines(fit: Identification) -> list[str]:
+    """Bounds of every vessel that no parameter of the intervals keeps."""
+    word = " (proved)" if fit.guaranteed else ""
+    return [
+        f"no vessel has these parameters: {f['says']}{word}; look at masses, thrust curves, units and signs of the vehicle file"
+        for f in fit.physical
+    ]
 
 
 def claim_lines(fit: Identification) -> list[str]:

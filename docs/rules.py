@@ -13,7 +13,7 @@ from ivsid.diagnosis.null.rule import Rule
 from ivsid.diagnosis.null.screening import SCREENING
 from ivsid.diagnosis.selection.rules import FULL_FITS, LATE
 from ivsid.diagnosis.selection.verdict import VERDICT
-from ivsid.diagnosis.statements.carried import CARRIES
+from ivsid.diagnosis.statements.carried import CARRIES, STAYS
 from ivsid.diagnosis.statements.rules import HELD, UNNAMED
 
 PAGE: Final = Path(__file__).with_name("rules.md")
@@ -22,7 +22,7 @@ STAGES: Final[dict[str, Sequence[Rule[Any]]]] = {
     "Where several causes were found already": LATE,
     "Full fits": FULL_FITS,
     "Verdict": VERDICT,
-    "Findings": (*HELD, UNNAMED, CARRIES),
+    "Findings": (*HELD, UNNAMED, STAYS, CARRIES),
 }
 HEAD: Final = """# Rules
 

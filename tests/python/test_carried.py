@@ -20,10 +20,13 @@ CAUSE = Finding("drag.surge.linear", 1.0, (), "", {}, {"channel": "surge", "z": 
 REST = Adequacy(150.0, 100, 1e-3, (("u", "surge", 20.0),), 1e-3, {})
 
 
-def gain(**growth):
+def gain(diverges=(None, None), **growth):
     """A gain whose errors grow by these factors at the least, each in a quantity that is worse by more than chance."""
     return SimpleNamespace(
-        log="b.csv", losses=dict.fromkeys(growth, 1e-6), interval={k: (0.5 / x, 1 / x) for k, x in growth.items()}
+        log="b.csv",
+        losses=dict.fromkeys(growth, 1e-6),
+        interval={k: (0.5 / x, 1 / x) for k, x in growth.items()},
+        diverges=diverges,
     )
 
 
@@ -35,6 +38,16 @@ def test_a_model_that_fails_on_the_other_log_names_nothing(factor, complete, kep
     by_chance.losses = {}
     assert failure(by_chance, [CAUSE], complete=complete) is None
     assert failure(gain(X=factor), [], complete=complete) is None
+
+
+def test_a_model_that_diverges_names_nothing_and_has_no_factor():
+    away = gain((None, 31.5), X=3.0)
+    refusal = failure(away, [CAUSE], complete=True)
+    assert refusal is not None and "diverges from t = 31.5 s" in refusal.sentence and "factor" not in refusal.sentence
+    words = in_their_place(away, [CAUSE], REST, [], complete=True).description
+    assert "it diverges from t = 31.5 s" in words and "factor" not in words
+    # The plain model alone may diverge: what a cause explains is then all the better.
+    assert failure(gain((12.0, None)), [CAUSE], complete=True) is None
 
 
 def test_an_unknown_says_both_readings():

@@ -33,10 +33,10 @@ from ivsid.diagnosis.planning.isolability import Advice, Choice, Isolability, is
 from ivsid.diagnosis.selection.confirmation import NULL_LOGS
 from ivsid.diagnosis.stages import diagnose
 from ivsid.diagnosis.statements.claims import Claim
-from ivsid.diagnosis.statements.diagnosis import Diagnosis, extended_vehicle
+from ivsid.diagnosis.statements.diagnosis import Diagnosis, extended_vehicle, model_files
 from ivsid.diagnosis.statements.evidence import Evidence, evidence
 from ivsid.diagnosis.statements.findings import Finding
-from ivsid.diagnosis.statements.prose import explain, lost, worth
+from ivsid.diagnosis.statements.prose import diverging, explain, lost, worth
 from ivsid.diagnosis.statements.proved import GUARANTEED, REFUTED, Proof
 
 __all__ = [
@@ -55,10 +55,12 @@ __all__ = [
     "advised",
     "cache_folder",
     "diagnose",
+    "diverging",
     "evidence",
     "explain",
     "extended_vehicle",
     "isolability",
     "lost",
+    "model_files",
     "worth",
 ]

@@ -72,7 +72,7 @@ def diagnosis_report(result: Diagnosis) -> Report:
         Section("Proved without a noise model", (page.bullets(_proved(result)),)),
         Section("Assumptions", (page.bullets(_assumptions(result)),)),
     ]
-    files = {"model.toml": diagnosis.extended_vehicle(result), **_certificates(result)}
+    files = {**diagnosis.model_files(result), **_certificates(result)}
     residual = figures.force_residual(result.gain)
     others = (*beside.result(), residual)
     told: list[Part] = []
@@ -82,7 +82,7 @@ def diagnosis_report(result: Diagnosis) -> Report:
             told.append(page.drawing(signatures[f.effect]))
     sections = [
         Section("Findings", (_findings(result), *told)),
-        Section("Gain of the extended model", (_gain(result), *map(page.drawing, others))),
+        Section("Gain of the extended model", (*_told(result), _gain(result), *map(page.drawing, others))),
         *after,
     ]
     if result.hints:
@@ -90,8 +90,7 @@ def diagnosis_report(result: Diagnosis) -> Report:
     summary = f"{result.vehicle.name}: {result.verdict}. {VERDICTS[result.verdict]}"
     if result.proofs[0].refuted:
         summary += f" {REFUTATION}"
-    if result.gain.losses:
-        summary += f" {diagnosis.lost(result.gain)}"
+    summary = " ".join([*_worse(result), summary])
     return Report(
         f"Diagnosis of {result.vehicle.name}",
         summary,
@@ -101,6 +100,21 @@ def diagnosis_report(result: Diagnosis) -> Report:
         files,
         tuple(_lines(result)),
     )
+
+
+def _worse(result: Diagnosis) -> list[str]:
+    """What is worse on the other log, or diverges: it stands first."""
+    return [words for words in (diagnosis.diverging(result.gain), diagnosis.lost(result.gain)) if words]
+
+
+def _model(result: Diagnosis) -> str:
+    """Whether there is a file of the extended model, and why there is none."""
+    why = result.against_model
+    return f"no model.toml is written: {'; '.join(why)}" if why else "model.toml holds the extended model"
+
+
+def _told(result: Diagnosis) -> list[Part]:
+    return [page.text(words) for words in (*_worse(result), _model(result))]
 
 
 def _findings(result: Diagnosis) -> Part:
@@ -259,7 +273,7 @@ def _null_logs(said: dict[str, Any] | None, of: str, done: str) -> list[str]:
 
 
 def _lines(result: Diagnosis) -> list[str]:
-    lines = []
+    lines = [f"  {w}" for w in _worse(result)]
     if result.proofs[0].refuted:
         lines.append(f"  {result.proofs[0].sentence(result.verdict)}")
     for f in result.findings:
@@ -274,8 +288,7 @@ def _lines(result: Diagnosis) -> list[str]:
     if result.findings:
         for what, unit, before, after, _, said in diagnosis.worth(result.gain)[:4]:
             lines.append(f"  {what} on {result.gain.log}: {before:.4g} {unit} before, {after:.4g} after: {said}")
-        if result.gain.losses:
-            lines.append(f"  {diagnosis.lost(result.gain)}")
+    lines.append(f"  {_model(result)}")
     if result.claims:
         wrong = [c.parameter for c in result.claims if c.contradicted]
         lines.append(f"  {len(result.claims)} claims held against the log, contradicted: {', '.join(wrong) or 'none'}")

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from ivsid.diagnosis.null.rule import Refusal, Rule
+from ivsid.diagnosis.null.rule import Refusal, Rule, first_refusal
 from ivsid.diagnosis.selection.adequacy import Adequacy
 from ivsid.diagnosis.statements.comparison import Gain
 from ivsid.diagnosis.statements.findings import Finding, unknown
@@ -41,7 +41,23 @@ class Carried:
         ends = {k: self.gain.interval[k][1] for k in self.gain.losses if k in self.gain.interval}
         return {k: 1.0 / max(high, 1e-12) for k, high in ends.items()}
 
+    @property
+    def since(self) -> float | None:
+        """Time from which the extended model diverges [s], or None."""
+        return self.gain.diverges[1]
 
+
+STAYS: Final = Rule[Carried](
+    "stays finite",
+    "whether a simulation of the extended model on TEST diverges",
+    "0",
+    "A model that leaves every motion that the vessel can have is a model of none, and has no error that could be compared.",
+    "definition",
+    lambda c: 0.0 if c.since is None else 1.0,
+    lambda _: 0.0,
+    "with it, the simulation of the other log diverges from t = {case.since:.6g} s",
+    least=False,
+)
 CARRIES: Final = Rule[Carried](
     "carries over",
     "factor by which the extended model makes an error on TEST grow, at the least with 95 %, in a quantity that is worse by more than chance",
@@ -57,7 +73,7 @@ CARRIES: Final = Rule[Carried](
 
 def failure(gain: Gain, findings: Sequence[Finding], *, complete: bool) -> Refusal | None:
     """The refusal of all named causes where their model fails on TEST, or None."""
-    return CARRIES.refuses(Carried(gain, complete)) if findings else None
+    return first_refusal((STAYS, CARRIES), Carried(gain, complete)) if findings else None
 
 
 def in_their_place(
@@ -73,7 +89,9 @@ def in_their_place(
         complete: whether it leaves little structure in TRAIN.
     """
     growth = sorted(Carried(gain, complete).growth.items(), key=lambda g: -g[1])
-    where = ", ".join(f"{k} by a factor of {x:.2g} or more" for k, x in growth if x > 1.0)
+    diverges = gain.diverges[1] is not None
+    told = [f"{k} by a factor of {x:.2g} or more" for k, x in growth if x > 1.0 and not diverges]
+    where = f"it diverges from t = {gain.diverges[1]:.6g} s" if diverges else ", ".join(told)
     names = " and ".join(f.effect for f in named)
     text = (
         f"{names} {'takes' if len(named) == 1 else 'take'} up {'all' if complete else 'most'} of what the model leaves in the first log, and on "

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates
-from ivsid.diagnosis.statements.losses import losses
-from ivsid.diagnosis.statements.windows import windows
+from ivsid.diagnosis.statements.losses import gains, losses
+from ivsid.diagnosis.statements.windows import RUNAWAY, windows
 from ivsid.effects import CHANNELS
 
 Array = NDArray[np.float64]
@@ -52,7 +52,8 @@ class Gain:
         force_rms: rms of the missing force before and after, by X, Y, N [N, N m].
         simulation_rms: median over windows of the rms error before and after, by u, v, r [m/s, rad/s].
         position_rms: median over windows of the rms distance before and after [m]; None without a position.
-        interval: 95 % interval of the error before over the error after, by a bootstrap over windows, by u, v, r, position, X, Y, N.
+        interval: 95 % interval of the error before over the error after, by a bootstrap over windows, by u, v, r, position, X, Y, N; empty for
+            a model that was not extended, and without u, v, r and position where one of the two diverges.
         residual: low-passed missing force before and after [N, N m], shape (2, 3, n).
         motion: simulated velocities before and after [m/s, rad/s], shape (2, 3, n), NaN outside windows.
         measured: measured velocities [m/s, rad/s], shape (3, n).
@@ -60,6 +61,9 @@ class Gain:
         log: name of the log.
         net: low-passed mass times acceleration: measured, before and after [N, N m], shape (3, 3, n).
         losses: quantities in which the model after is worse than chance makes it, with the chance.
+        gains: quantities in which it is better.
+        diverges: times from which simulations before and after diverge [s], or None.
+        extended: whether the model after is another one.
     """
 
     force_rms: dict[str, tuple[float, float]]
@@ -73,6 +77,14 @@ class Gain:
     log: str
     net: Array
     losses: dict[str, float]
+    gains: dict[str, float]
+    diverges: tuple[float | None, float | None]
+    extended: bool
+
+    @property
+    def factors(self) -> dict[str, tuple[float, float]]:
+        """The intervals that may be said: none where a model diverges."""
+        return {} if any(t is not None for t in self.diverges) else self.interval
 
     def record(self) -> dict[str, object]:
         """The entry ``gain`` of result.json."""
@@ -81,8 +93,11 @@ class Gain:
             "simulation_rms": {k: list(v) for k, v in self.simulation_rms.items()},
             "position_rms": None if self.position_rms is None else list(self.position_rms),
             "windows": {"velocity": VELOCITY_WINDOW, "position": POSITION_WINDOW},
-            "interval": {k: list(v) for k, v in self.interval.items()},
+            "interval": {k: list(v) for k, v in self.factors.items()},
             "losses": self.losses,
+            "gains": self.gains,
+            "diverges": list(self.diverges),
+            "extended": self.extended,
             "log": self.log,
         }
 
@@ -109,13 +124,16 @@ def compare(predictor: Predictor, before: Hypothesis, after: Hypothesis, seed: i
     moved = {name: (velocity[0][1][:, k], velocity[-1][1][:, k]) for k, name in enumerate(("u", "v", "r"))}
     if placed and simulated[0][1][2].size:
         moved["position"] = (simulated[0][1][2], simulated[-1][1][2])
-    for name, (b, a) in moved.items():
+    diverges = (_first(simulated[0]), _first(simulated[-1]))
+    extended = after is not before
+    for name, (b, a) in moved.items() if extended and diverges == (None, None) else ():
         draws = rng.integers(0, max(b.size, 1), (DRAWS, max(b.size, 1)))
         interval[name] = _middle(np.median(b[draws], axis=1), np.median(a[draws], axis=1))
-    rms = {name: (float(np.median(b)), float(np.median(a))) for name, (b, a) in moved.items()}
+    rms = {name: (_median(b), _median(a)) for name, (b, a) in moved.items()}
     position = rms.pop("position", None)
     pushed = _energies(force, predictor)
-    interval |= _force_interval(pushed, rng)
+    if extended and np.isfinite(pushed).all():
+        interval |= _force_interval(pushed, rng)
     size = np.sqrt(np.mean(force[:, :, predictor.log.good] ** 2, axis=2))
     forces = {n: (float(size[0, k]), float(size[1, k])) for k, n in enumerate(FORCES)}
     paired = {**moved, **{n: (np.sqrt(pushed[0, k]), np.sqrt(pushed[1, k])) for k, n in enumerate(FORCES)}}
@@ -132,7 +150,22 @@ def compare(predictor: Predictor, before: Hypothesis, after: Hypothesis, seed: i
         predictor.log.name,
         _net(predictor, states_of),
         losses(paired),
+        gains(paired),
+        diverges,
+        extended,
     )
+
+
+def _first(simulated: Sequence[tuple[Array, Array, Array, Array]]) -> float | None:
+    """The time from which simulations over windows of any length diverge [s], or None."""
+    away = np.concatenate([w[3] for w in simulated])
+    return float(np.nanmin(away)) if np.isfinite(away).any() else None
+
+
+def _median(errors: Array) -> float:
+    """Median over windows; none (NaN) where most of the windows run away."""
+    middle = float(np.median(errors)) if errors.size else float("nan")
+    return middle if middle < RUNAWAY else float("nan")
 
 
 def _middle(before: Array, after: Array) -> tuple[float, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
 from ivsid.diagnosis.candidates.intervals import Bound, intervals
 from ivsid.diagnosis.null.rule import Refusal
@@ -16,6 +16,7 @@ from ivsid.diagnosis.statements.claims import Claim
 from ivsid.diagnosis.statements.comparison import Gain
 from ivsid.diagnosis.statements.extended import extended_text
 from ivsid.diagnosis.statements.findings import Finding
+from ivsid.diagnosis.statements.model_file import against
 from ivsid.diagnosis.statements.proved import Proof
 from ivsid.diagnosis.statements.rejected import Rejected, rejected
 from ivsid.diagnosis.statements.upper_limits import allowed
@@ -26,6 +27,9 @@ from ivsid.files.records import envelope
 from ivsid.intervals import shown
 from ivsid.log import Log
 from ivsid.vehicle import Vehicle
+
+# Name of the extended model's file.
+MODEL: Final = "model.toml"
 
 
 @dataclass(frozen=True, repr=False)
@@ -106,6 +110,11 @@ class Diagnosis(Result):
         return rejected(self.findings, self.selection, self.withdrawn)
 
     @property
+    def against_model(self) -> tuple[str, ...]:
+        """Sentences on why the extended model is not handed out as a vehicle file; none where it is."""
+        return against(self.vehicle, self.model, self.selection.last.states.points, self.gain)
+
+    @property
     def allowed(self) -> dict[str, Bound]:
         """Intervals of causes that are no findings, each alone beside the extended model, by parameter."""
         # Claims have intervals of their own.
@@ -130,6 +139,8 @@ class Diagnosis(Result):
             "guarantees": None if self.proofs[1] is None else self.proofs[1].record(),
             "unexplained": self.unexplained,
             "gain": self.gain.record(),
+            "model": None if self.against_model else MODEL,
+            "why_no_model": list(self.against_model),
             "parameters": {k: float(v) for k, v in self.model.values.items()},
             "notes": list(self.notes),
         }
@@ -151,6 +162,11 @@ def _bounds(result: Diagnosis) -> dict[str, Bound]:
     for finding in result.findings:
         bounds |= finding.parameters
     return bounds
+
+
+def model_files(result: Diagnosis) -> dict[str, str]:
+    """The file of the extended model by its name, where the model is a vessel's and better on the other log; else none."""
+    return {} if result.against_model else {MODEL: extended_vehicle(result)}
 
 
 def inputs_of(vehicle: Vehicle, *logs: Log) -> tuple[tuple[str, str], ...]:

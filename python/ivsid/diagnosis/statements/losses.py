@@ -25,6 +25,14 @@ MATERIAL: Final = 1.02
 # Least error that is compared, in any unit.
 # Source: definition: keeps logarithms finite
 LEAST: Final = 1e-12
+# Largest error that is compared, in any unit.
+# Source: definition: keeps logarithms finite
+MOST: Final = 1e12
+
+
+def gains(pairs: Mapping[str, tuple[Array, Array]]) -> dict[str, float]:
+    """Quantities that are better, with the chance of such ranks without a gain: the losses of the two models the other way round."""
+    return losses({name: (after, before) for name, (before, after) in pairs.items()})
 
 
 def losses(pairs: Mapping[str, tuple[Array, Array]]) -> dict[str, float]:
@@ -46,7 +54,9 @@ def _chance(before: Array, after: Array) -> float:
     """Chance of ranks like these, or clearer ones, if errors after are no larger."""
     from scipy.stats import wilcoxon  # noqa: PLC0415 - slow to import, and only a model that may be worse needs it
 
-    ratio = np.log(np.maximum(after, LEAST) / np.maximum(before, LEAST))
+    # A model that runs away has no error: it is worse than any that has one.
+    after, before = (np.clip(np.nan_to_num(x, nan=MOST, posinf=MOST), LEAST, MOST) for x in (after, before))
+    ratio = np.log(after / before)
     if not ratio.size or ratio.mean() < np.log(MATERIAL):
         return 1.0
     return float(wilcoxon(ratio[ratio != 0.0], alternative="greater").pvalue)

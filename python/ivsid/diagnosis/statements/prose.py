@@ -57,7 +57,7 @@ def _paragraphs(result: Diagnosis, f: Finding, seen: Evidence | None) -> list[st
         f"How sure: {_sure(result, f)}",
         f"What else: {_else(result, f)}",
         f"What would change this: {_changed(f, effect)}",
-        f"What next: {_next(f, effect)}",
+        f"What next: {_next(result, f, effect)}",
     ]
 
 
@@ -164,7 +164,7 @@ def _share(full: tuple[float, float] | None) -> float:
     return 0.0 if full is None or full[1] <= 0 else max(full[0], 0.0) / full[1]
 
 
-def _next(f: Finding, effect: Effect) -> str:
+def _next(result: Diagnosis, f: Finding, effect: Effect) -> str:
     """Sentences on the next step after a finding."""
     words = []
     if f.alternatives:
@@ -173,7 +173,9 @@ def _next(f: Finding, effect: Effect) -> str:
         )
     elif effect.separate:
         words.append(f"to confirm it: {effect.separate}.")
-    if f.effect in CATALOGUE:
+    if result.against_model:
+        words.append(f"There is no model.toml: {'; '.join(result.against_model)}.")
+    elif f.effect in CATALOGUE:
         words.append("model.toml has it as a term; ivsid identify with that file gives a proved interval.")
     else:
         words.append("model.toml holds what a vehicle file can state of it; the rest stands there in comments.")
@@ -214,9 +216,21 @@ def worth(gain: Gain) -> list[tuple[str, str, float, float, tuple[float, float] 
         **gain.force_rms,
     }
     return [
-        (*_WHAT[name], before, after, gain.interval.get(name), _verdict(before, after, gain.interval.get(name)))
+        (*_WHAT[name], before, after, gain.factors.get(name), _change(gain, name, before, after))
         for name, (before, after) in pairs.items()
     ]
+
+
+def diverging(gain: Gain) -> str:
+    """Sentence on the models whose simulation of the other log diverges; empty if none does."""
+    before, after = gain.diverges
+    if not gain.extended and before is not None:
+        return f"The simulation of {gain.log} diverges from t = {before:.6g} s on."
+    names = (("plain", before), ("extended", after))
+    told = [f"of the {name} model from t = {since:.6g} s on" for name, since in names if since is not None]
+    if not told:
+        return ""
+    return f"The simulation of {gain.log} diverges: {' and '.join(told)}. What diverges has no error, so no factor is told."
 
 
 def lost(gain: Gain) -> str:
@@ -225,9 +239,19 @@ def lost(gain: Gain) -> str:
         return ""
     return (
         f"On {gain.log} the extended model is worse than the one before it in {', '.join(_WHAT[k][0] for k in gain.losses)}, by more than chance "
-        f"({100 * LEVEL:g} % over all quantities): what the first log taught does not carry over to this motion, so use model.toml for motion "
-        "like the first log's, and identify on both logs before you trust it elsewhere."
+        f"({100 * LEVEL:g} % over all quantities): what the first log taught does not carry over to this motion, so trust it for motion "
+        "like the first log's alone, and identify on both logs before you use it elsewhere."
     )
+
+
+def _change(gain: Gain, name: str, before: float, after: float) -> str:
+    """Change of an error in words; which model diverges, where one does."""
+    if not gain.extended:
+        return "unchanged" if gain.diverges[0] is None else "diverges"
+    names = [n for n, since in zip(("plain", "extended"), gain.diverges, strict=True) if since is not None]
+    if names:
+        return f"not compared: the {' and the '.join(names)} model diverge{'' if len(names) > 1 else 's'}"
+    return _verdict(before, after, gain.interval.get(name))
 
 
 def _verdict(before: float, after: float, interval: tuple[float, float] | None) -> str:

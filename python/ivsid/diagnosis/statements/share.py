@@ -19,7 +19,7 @@ from scipy.special import stdtrit
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor
-from ivsid.diagnosis.statements.windows import drift
+from ivsid.diagnosis.statements.windows import RUNAWAY, drift
 from ivsid.diagnosis.statements.without import without
 
 Array = NDArray[np.float64]
@@ -103,6 +103,9 @@ def shares(
     found = {}
     for id_ in (i for i in ids if i not in out):
         bare = _off(predictor, without(plain, last, (id_, *out)).h)
+        # A run that diverges is off by no distance that could be shared.
+        if max(float(bare.max()), float(held.max())) >= RUNAWAY:
+            continue
         logs = np.log(held / bare)
         reach = float(stdtrit(count - 1, 0.5 + 0.5 * HELD)) * float(np.std(logs, ddof=1)) / np.sqrt(count)
         ends = 1.0 - np.exp(2.0 * (float(logs.mean()) + np.array([reach, -reach])))

@@ -12,7 +12,7 @@ from ivsid.diagnosis.prediction.innovations import Predictor, replaced
 from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.comparison import Gain, compare
 from ivsid.diagnosis.statements.share import Share, shares
-from ivsid.diagnosis.statements.without import without
+from ivsid.diagnosis.statements.without import same_causes, without
 from ivsid.intervals.apart import Apart
 
 
@@ -43,7 +43,8 @@ class Trial:
         # Errors of TRAIN's sensors and thrusters are no part of the model: TEST has its own.
         before = replace(determined(plain), declared_errors={})
         known = replaced(extended, undetermined(last))
-        self.model = before if extended is plain.h else replace(known, declared_errors={})
+        # Numbers that were fitted anew beside the same causes are no other model.
+        self.model = before if same_causes(extended, plain.h) else replace(known, declared_errors={})
         self._gain = Apart(partial(compare, predictor, before, self.model, seed))
         self._shares = Apart(partial(shares, predictor, plain, last, [f.id for f in selection.found], out))
 

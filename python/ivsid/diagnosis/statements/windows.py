@@ -16,6 +16,7 @@ from scipy.ndimage import uniform_filter1d
 
 from ivsid.diagnosis.plant.physics import Dynamics
 from ivsid.diagnosis.plant.points import Points
+from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.states import FilteredStates
 
@@ -23,12 +24,17 @@ Array = NDArray[np.float64]
 # Error that a simulation which runs away is given [m/s, rad/s, m].
 # Source: definition: beyond any error of a simulation that stays with the vehicle
 RUNAWAY: Final = 1e3
+# Factor on the largest measured speed, and turn rate, beyond which a simulated one is no motion of the vessel.
+# Source: physics: drag grows with the square of the speed, so that ten times the speed takes a hundred times the thrust
+BEYOND: Final = 10.0
 # Longest step of a free run [s].
 # Source: geometry: below a third of the time in which a small hull loses its way
 LONGEST_STEP: Final = 0.2
 
 
-def windows(predictor: Predictor, states: FilteredStates, lengths: Sequence[float]) -> list[tuple[Array, Array, Array]]:
+def windows(
+    predictor: Predictor, states: FilteredStates, lengths: Sequence[float]
+) -> list[tuple[Array, Array, Array, Array]]:
     """Simulations over windows of several lengths, from the filtered states and without feedback from the log.
 
     Args:
@@ -38,7 +44,8 @@ def windows(predictor: Predictor, states: FilteredStates, lengths: Sequence[floa
 
     Returns:
         For each length: simulated u, v, r [m/s, rad/s], shape (3, n), NaN outside windows; rms error of u, v, r by window, shape
-        (windows, 3); rms distance [m] by window, shape (windows,), empty without a position.
+        (windows, 3); rms distance [m] by window, shape (windows,), empty without a position; the time at which each window's simulation is
+        no longer finite, or beyond ``BEYOND`` times what the vessel did [s], shape (windows,), NaN where it stays.
     """
     log, n = predictor.log, predictor.log.n
     counts = [round(length / log.h) for length in lengths]
@@ -50,7 +57,7 @@ def windows(predictor: Predictor, states: FilteredStates, lengths: Sequence[floa
     out = _simulated(predictor, states, starts, counts)
     readings = predictor.readings(states)
     real = np.stack([readings[k]["velocity"] for k in range(3)])
-    return [_against(predictor, real, *w) for w in zip(out, starts, counts, strict=True)]
+    return [(*_against(predictor, real, *w), _left(predictor, real, *w)) for w in zip(out, starts, counts, strict=True)]
 
 
 def drift(predictor: Predictor, states: FilteredStates, length: float, apart: float) -> Array:
@@ -138,6 +145,20 @@ def _simulated(
             k4 = rates(state + step * k3, t + step, at)
             state = state + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
     return out
+
+
+def _left(predictor: Predictor, real: Array, out: Array, starts: NDArray[np.int64], count: int) -> Array:
+    """Time at which each window's simulation leaves every motion that the vessel can have [s], shape (windows,), NaN where it stays."""
+    log = predictor.log
+    good = real[:, log.good] if log.good.any() else real
+    speed = float(np.max(np.hypot(good[0], good[1]), initial=0.0))
+    # A vessel that hardly turned could turn within the time in which it sails its length.
+    turn = max(float(np.max(np.abs(good[2]), initial=0.0)), speed / hull_length(predictor.vehicle))
+    most = BEYOND * np.array([speed, speed, turn])[None, :, None]
+    with np.errstate(invalid="ignore"):
+        away = ~(np.abs(out[:, :3]) <= most).all(axis=1)
+    first = np.argmax(away, axis=0)
+    return np.where(away.any(axis=0), log.t[np.minimum(starts + np.minimum(first, count), log.n - 1)], np.nan)
 
 
 def _against(

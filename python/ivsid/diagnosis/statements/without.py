@@ -10,8 +10,14 @@ import numpy as np
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.problem import Problem
+from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.diagnosis.selection.rivals import FULL_STEPS
+
+
+def same_causes(h: Hypothesis, plain: Hypothesis) -> bool:
+    """Whether a hypothesis has no cause beside the plain model, whatever its numbers."""
+    return {t.id for t in h.terms} == {t.id for t in plain.terms} and h.given == plain.given and h.freed == plain.freed
 
 
 def without(plain: Fit, last: Fit, ids: Collection[str]) -> FilteredStates:
@@ -29,11 +35,7 @@ def without(plain: Fit, last: Fit, ids: Collection[str]) -> FilteredStates:
     h = last.h
     for id_ in ids:
         h = h.without(id_, plain.h)
-    if (
-        {t.id for t in h.terms} == {t.id for t in plain.h.terms}
-        and h.given == plain.h.given
-        and h.freed == plain.h.freed
-    ):
+    if same_causes(h, plain.h):
         return plain.states
     # The fit starts from the plain model's numbers: those beside a cause may be far from the best ones without it.
     own = {t.id for t in h.terms}

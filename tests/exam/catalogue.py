@@ -70,6 +70,7 @@ EFFECTS: dict[str, Parts] = {
     "thruster.deadband": one(8.0, 0),
     "thruster.saturation": one(30.0, 3, "inverse"),
     "thruster.lag": one(0.25, 0.5),
+    "thruster.shaft_lag": one(0.25, 0.5),
     "thruster.delay": one(0.1, 0.5),
     "thruster.advance_loss": one(0.08, -0.5),
     "thruster.reverse_loss": one(0.2, 0),

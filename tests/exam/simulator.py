@@ -185,7 +185,17 @@ def sail(
     n, h = len(ambient), 1 / scenario.rate
     pilot = Programme(scenario.segments, n, scenario.rate, rng).pilot()
     count = len(vessel.thrusters)
-    lags, delays = ([_time(effects, f"thruster.{k}", t["name"]) for t in vessel.thrusters] for k in ("lag", "delay"))
+    lags, shafts, delays = (
+        [_time(effects, f"thruster.{k}", t["name"]) for t in vessel.thrusters] for k in ("lag", "shaft_lag", "delay")
+    )
+    # What follows its goal late: the speed of a shaft, or else the thrust itself.
+    late = [shaft or lag for shaft, lag in zip(shafts, lags, strict=True)]
+
+    def forces(now: list[float], moment: float) -> list[float]:
+        return [
+            _at_speed(vessel, effects, k, speed, curves, moment) if shafts[k] else speed for k, speed in enumerate(now)
+        ]
+
     loss = [_time(effects, "thruster.advance_loss", t["name"]) for t in vessel.thrusters]
     events = [effects[i]["time"] for i in ("payload.step", "thruster.failure") if i in effects]
     mixed = [_signs(vessel, k) for k in range(count)]
@@ -212,22 +222,27 @@ def sail(
         cuts |= {t + (d % h) for d in delays if d and 0 < d % h < h}
         edges = sorted(cuts)
         for low, high in itertools.pairwise(edges):
+            middle = (low + high) / 2
             goals = [
-                _goal(vessel, effects, k, delays[k], asked, thrusts, curves, (low + high) / 2, h) for k in range(count)
+                _asked(delays[k], asked, k, middle, h)
+                if shafts[k]
+                else _goal(vessel, effects, k, delays[k], asked, thrusts, curves, middle, h)
+                for k in range(count)
             ]
             if low == t:
-                now = _toward(goals, lagged, lags, 0.0)
+                now = forces(_toward(goals, lagged, late, 0.0), middle)
                 out["states"].append(state)
                 out["after"].append(rates(t + INSIDE * h, state, now, angle, near, slope, t)[:3])
                 out["thrust"].append(sum(now))
             steps = max(1, math.ceil((high - low) / STEP - 1e-9))
             step = (high - low) / steps
             for j in range(steps):
-                pushes = [_toward(goals, lagged, lags, share * step) for share in (0.0, 0.5, 1.0)]
+                way = [_toward(goals, lagged, late, share * step) for share in (0.0, 0.5, 1.0)]
+                pushes = [forces(x, middle) for x in way]
                 state = runge_kutta(rates, low + j * step, step, state, pushes, angle, near, slope, t)
-                lagged = pushes[2]
+                lagged = way[2]
         assert all(abs(q) < 1e9 for q in state), "the motion grows without bound"
-        out["before"].append(rates(t + h * (1 - INSIDE), state, lagged, angle, near, slope, t)[:3])
+        out["before"].append(rates(t + h * (1 - INSIDE), state, forces(lagged, t + h), angle, near, slope, t)[:3])
         out["demands"].append(demand)
         out["angles"].append(angle)
         out["static"].append(thrusts[-1])
@@ -281,6 +296,19 @@ def _angle(thruster: dict, command) -> float:
     if "rudder" in thruster:
         return command.rudder
     return command.azimuth if thruster.get("steering") == "azimuth" else 0.0
+
+
+def _asked(delay, asked, k, moment, h) -> float:
+    """Demand that acts at a moment; none before the first one arrives."""
+    i = math.floor((moment - delay) / h)
+    return 0.0 if i < 0 else asked[min(i, len(asked) - 1)][k]
+
+
+def _at_speed(vessel, effects, k, demand, curves, moment) -> float:
+    """Thrust at rest of a shaft that turns as fast as a demand asks for."""
+    t = vessel.thrusters[k]
+    thrust = curves[k](demand)
+    return changed_thrust(effects, t["name"], k, t["position"][1], demand, thrust, curves[k].largest, moment)
 
 
 def _goal(vessel, effects, k, delay, asked, thrusts, curves, moment, h) -> float:

@@ -48,6 +48,7 @@ IDS = [
     "thruster.deadband",
     "thruster.saturation",
     "thruster.lag",
+    "thruster.shaft_lag",
     "thruster.delay",
     "thruster.advance_loss",
     "thruster.reverse_loss",
@@ -149,7 +150,7 @@ def undisturbed(nominal, rich):
 
 def test_the_catalogue_is_that_of_the_contract():
     assert [e.id for e in EFFECTS.values() if e.plain] == ["mass.surge", "mass.sway", "inertia.yaw", *PLAIN[3:]]
-    assert {e.id for e in EFFECTS.values() if not e.plain} == set(IDS) and len(IDS) == 42
+    assert {e.id for e in EFFECTS.values() if not e.plain} == set(IDS) and len(IDS) == 43
     for id_, effect in EFFECTS.items():
         parts = [f"{id_}.{p}" for p in PARTS[id_].split()] if id_ in PARTS else [id_]
         assert list(effect.parts) == parts
@@ -198,7 +199,7 @@ def test_no_effect_at_the_size_of_none(nominal, rich, undisturbed, id_):
     values = draw(EFFECTS[id_], 1e-9, nominal, rich, np.random.default_rng(5))
     made = simulate(nominal, rich, 1, values)
     # The acceleration just after a step of the demand tells any lag from none.
-    for name in ("u", "v", "r") if id_ == "thruster.lag" else ("u", "v", "r", "ax", "ay"):
+    for name in ("u", "v", "r") if id_ in ("thruster.lag", "thruster.shaft_lag") else ("u", "v", "r", "ax", "ay"):
         np.testing.assert_allclose(made.columns[name], undisturbed.columns[name], atol=2e-5)
 
 

@@ -24,7 +24,7 @@ SEED = 40
 VESSEL = {"kind": "vectored", "style": "rich", "ambient": 1.0, "duration": 300.0, "rate": 10.0, "share": 0.5}
 FOUND, NOT_NAMED = 1.5, 1 / 3
 # Effects whose limit is a sample of the log [s].
-LATE = ("thruster.lag", "thruster.delay")
+LATE = ("thruster.lag", "thruster.shaft_lag", "thruster.delay")
 # Effects that the diagnosis does not find, or names too early: a repair shows, because these tests may not pass. Its own z is that of a
 # log of the same seed without an effect.
 MISSED = {

@@ -94,7 +94,7 @@ def test_traits_are_asked_of_the_physics(handbook):
     assert said["drag.surge.astern"] == ["of one direction only"]
     assert said["wind.steady"] == ["depends on the heading"]
     assert "depends on the place" in said["tether.tension"] and "depends on the clock" in said["wave.force"]
-    assert said["thruster.lag"] == said["thruster.delay"] == ["has memory"]
+    assert said["thruster.lag"] == said["thruster.shaft_lag"] == said["thruster.delay"] == ["has memory"]
     for id_ in ("payload.step", "fouling.drift", "thruster.failure", "thruster.voltage_sag", "current.oscillating"):
         assert "depends on the clock" in said[id_], id_
     for id_ in ("thruster.gain", "thruster.curve", "environment.shallow_water", "current.steady"):

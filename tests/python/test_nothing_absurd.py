@@ -207,4 +207,5 @@ def test_a_grossly_wrong_file_gives_nothing_absurd(seed, how):
 @pytest.mark.nightly
 @pytest.mark.parametrize("how", WRONG)
 def test_grossly_wrong_files_of_drawn_vessels_give_nothing_absurd(how):
-    assert any([check(seed, how, 120.0) for seed in range(200, 210)])
+    wrong = [check(seed, how, 120.0) for seed in range(200, 210)]
+    assert any(wrong)

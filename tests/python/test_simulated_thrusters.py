@@ -27,10 +27,13 @@ def test_lag_delay_and_their_closed_forms(where):
     np.testing.assert_allclose(both["u"], since - tau * (1 - np.exp(-since / tau)), atol=1e-5)
 
 
-def test_a_shaft_lags_in_its_speed_and_thrust_follows_its_square():
-    quadratic = 'quadratic = { forward = 0.01, reverse = 0.006 }\ntime_constant = 0.3\nlag = "demand"'
-    vehicle = boat(edit=("gain = 1.0", quadratic))
-    t, m = move(4, rate=20.0, demand=(50.0, 50.0), drag__surge__quadratic=0.0, vehicle=vehicle)
+@pytest.mark.parametrize("where", ["claim", "effect"])
+def test_a_shaft_lags_in_its_speed_and_thrust_follows_its_square(where):
+    quadratic = "quadratic = { forward = 0.01, reverse = 0.006 }"
+    said = '\ntime_constant = 0.3\nlag = "demand"' if where == "claim" else ""
+    values = {"thruster__shaft_lag": 0.3} if where == "effect" else {}
+    vehicle = boat(edit=("gain = 1.0", quadratic + said))
+    t, m = move(4, rate=20.0, demand=(50.0, 50.0), drag__surge__quadratic=0.0, vehicle=vehicle, **values)
     grown = t - 2 * 0.3 * (1 - np.exp(-t / 0.3)) + 0.15 * (1 - np.exp(-2 * t / 0.3))
     np.testing.assert_allclose(m["u"], 2 * 0.01 * 2500 / 58 * grown, atol=2e-5)
 

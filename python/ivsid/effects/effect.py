@@ -39,6 +39,7 @@ class Parameter:
         lowest: the smallest value that the physics can take.
         exclusive: whether ``lowest`` itself is impossible, as for a period of 0.
         most: the largest value that is drawn or fitted first, as for a share.
+        of_thrust: the typical size in the largest thrust of the vehicle file's curves, where those have an end; 0 where it follows the mass.
     """
 
     part: str
@@ -52,9 +53,12 @@ class Parameter:
     lowest: float | None = None
     exclusive: bool = False
     most: float = math.inf
+    of_thrust: float = 0.0
 
-    def scaled(self, mass: float) -> float:
-        """The typical size for a vehicle of another mass [kg], by Froude's law of similarity."""
+    def scaled(self, mass: float, thrust: float = 0.0) -> float:
+        """The typical size for a vehicle of another mass [kg], by Froude's law of similarity, or for its largest thrust [N], where that is given."""
+        if self.of_thrust and thrust:
+            return self.of_thrust * thrust
         return float(self.typical * (mass / REFERENCE_MASS) ** (froude_power(self.unit) / 3.0))
 
     def fault(self, value: float) -> str | None:
@@ -173,13 +177,13 @@ class Inflow(Physics):
 
 @dataclass(frozen=True)
 class Response(Physics):
-    """A late thrust: a first-order lag or a pure delay, whose time [s] is the only parameter."""
+    """A late thrust, whose time [s] is the only parameter: a first-order lag of the thrust or of its demand (a shaft), or a pure delay."""
 
     form: ClassVar[Form] = Grid("seconds")
     at_thruster: ClassVar[bool] = True
     additive: ClassVar[bool] = True
     late: ClassVar[bool] = True
-    kind: Literal["lag", "delay"]
+    kind: Literal["lag", "shaft", "delay"]
 
 
 @dataclass(frozen=True)

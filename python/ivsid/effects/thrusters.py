@@ -11,6 +11,10 @@ from ivsid.effects.forms import Grid
 from ivsid.effects.functions import after
 from ivsid.effects.quantity import Quantity
 
+# Typical limit of a thrust, in the largest thrust of the vehicle's curves.
+# Source: definition: a limit that takes the last third of the curve
+CAPPED: Final = 2.0 / 3.0
+
 
 def _asymmetry(thrust: Quantity, drive: Drive, p: Numbers) -> Quantity:
     # The side is the sign of the arm; a thruster on the centre line has none.
@@ -65,8 +69,21 @@ def _one(
     inverse: bool = False,
     lowest: float | None = None,
     exclusive: bool = False,
+    of_thrust: float = 0.0,
 ) -> tuple[Parameter, ...]:
-    return (Parameter("", "", unit, typical, signed=signed, inverse=inverse, lowest=lowest, exclusive=exclusive),)
+    return (
+        Parameter(
+            "",
+            "",
+            unit,
+            typical,
+            signed=signed,
+            inverse=inverse,
+            lowest=lowest,
+            exclusive=exclusive,
+            of_thrust=of_thrust,
+        ),
+    )
 
 
 FAMILY: Final[tuple[Effect, ...]] = (
@@ -118,7 +135,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
     Effect(
         "thruster.saturation",
         "a current limit caps the thrust",
-        _one("N", 30.0, inverse=True, lowest=0.0, exclusive=True),
+        _one("N", 30.0, inverse=True, lowest=0.0, exclusive=True, of_thrust=CAPPED),
         Thrust(_saturation),
         confusable=("thruster.advance_loss", "thruster.curve"),
         searched=Grid("thrust"),
@@ -131,10 +148,20 @@ FAMILY: Final[tuple[Effect, ...]] = (
         "rotor and drive need time to follow their demand",
         _one("s", 0.25, lowest=0.0),
         Response("lag"),
-        equivalents=("thruster.delay",),
+        equivalents=("thruster.delay", "thruster.shaft_lag"),
         confusable=("thruster.delay", "sensor.velocity.delay"),
         key=Key("time_constant"),
         separate="steps, sampled faster than a third of the time constant",
+        per_thruster=True,
+    ),
+    Effect(
+        "thruster.shaft_lag",
+        "the shaft needs time to follow its demand, and the thrust follows the square of its speed",
+        _one("s", 0.25, lowest=0.0),
+        Response("shaft"),
+        equivalents=("thruster.lag", "thruster.delay"),
+        confusable=("thruster.lag", "thruster.delay"),
+        separate="large steps both ways: the thrust of a shaft rises late and falls early, that of a lag does both alike",
         per_thruster=True,
     ),
     Effect(
@@ -142,7 +169,7 @@ FAMILY: Final[tuple[Effect, ...]] = (
         "the demand arrives late: network or transport",
         _one("s", 0.1, lowest=0.0),
         Response("delay"),
-        equivalents=("thruster.lag",),
+        equivalents=("thruster.lag", "thruster.shaft_lag"),
         confusable=("thruster.lag", "sensor.velocity.delay"),
         separate="steps, sampled faster than a third of the delay",
         per_thruster=True,

@@ -97,7 +97,7 @@ def draw(
     reach = math.hypot(*pairs)
     found = {}
     for name, p in zip(effect.parts, effect.parameters, strict=True):
-        typical = p.scaled(vehicle.hull.mass)
+        typical = p.scaled(vehicle.hull.mass, max((ThrustCurve(t).largest for t in vehicle.thrusters), default=0.0))
         if p.unit == "demand":
             typical = p.typical / 100 * _span(vehicle, scenario)
         match p.draw:

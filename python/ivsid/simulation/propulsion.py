@@ -49,9 +49,11 @@ class Propulsion:
             {r.kind: numbers[0] for r, numbers in acting(for_thruster(plant.given, Response, t.name), Response)}
             for t in thrusters
         ]
-        self.lags = [r.get("lag", t.time_constant or 0.0) for r, t in zip(responses, thrusters, strict=True)]
+        self.lags = [
+            r.get("shaft", r.get("lag", t.time_constant or 0.0)) for r, t in zip(responses, thrusters, strict=True)
+        ]
         self.delays = [r.get("delay", 0.0) for r in responses]
-        self.shaft = [t.lag == "demand" for t in thrusters]
+        self.shaft = ["shaft" in r or t.lag == "demand" for r, t in zip(responses, thrusters, strict=True)]
         self._lagging = any(self.lags)
         self.plain = not any(self.lags) and not any(self.delays) and not self.events
         self.steady = self.plain and not any(self._timed)

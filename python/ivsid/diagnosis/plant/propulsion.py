@@ -5,7 +5,7 @@ Everything works on whole arrays. The catalogue's formulas are shared with the s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -18,7 +18,7 @@ from ivsid.diagnosis.plant.thrust_errors import ThrustErrors, thrust_errors
 from ivsid.effects import Drive, Given, Response, Thrust, acting, for_thruster, with_stated
 from ivsid.linear.filters import decaying
 from ivsid.propulsion.thrust import ThrustCurve
-from ivsid.vehicle import Vehicle
+from ivsid.vehicle import Thruster, Vehicle
 
 Array = NDArray[np.float64]
 # Shortest lag that is followed [s]; a shorter one is none.
@@ -144,7 +144,7 @@ class Propulsion:
         thruster = self.vehicle.thrusters[k]
         changes = acting(with_stated(given, Thrust, thruster), Thrust)
         late = {r.kind: numbers[0] for r, numbers in acting(for_thruster(given, Response, thruster.name), Response)}
-        lag = late.get("lag", thruster.time_constant or 0.0)
+        lag, of_shaft = _lag(thruster, late)
         delay = max(late.get("delay", 0.0), 0.0)
 
         def changed(thrust: Array, d: Array) -> Array:
@@ -171,8 +171,8 @@ class Propulsion:
 
         d = self.demands[k]
         if self.log.between is not None:
-            return self._finely(k, static, lag, delay)
-        if lag > SHORTEST_LAG and thruster.lag == "demand":
+            return self._finely(k, static, lag, delay, of_shaft=of_shaft)
+        if lag > SHORTEST_LAG and of_shaft:
             now, mean, end = _behind(*_late(d, _midway(d, held=self.log.held), delay, h), lag, h)
             first, middle, last = (static(self._at(k, x)) for x in (now, mean, end))
             return first, (first + 4 * middle + last) / 6, None
@@ -217,13 +217,15 @@ class Propulsion:
             self._between[k] = self._at(k, demand())
         return self._between[k]
 
-    def _finely(self, k: int, static: Callable[[_At], Array], lag: float, delay: float) -> tuple[Array, Array, Array]:
+    def _finely(
+        self, k: int, static: Callable[[_At], Array], lag: float, delay: float, *, of_shaft: bool
+    ) -> tuple[Array, Array, Array]:
         """Thrusts of one thruster whose demands come faster than the clock, worked out at equal parts of the steps."""
         assert self.log.between is not None
         thruster, parts = self.vehicle.thrusters[k], self.log.between.demands.shape[2]
         sent = self.log.between.demands[k].ravel() - thruster.neutral
         h = self.log.h / parts
-        if lag > SHORTEST_LAG and thruster.lag == "demand":
+        if lag > SHORTEST_LAG and of_shaft:
             start, middle, end = _behind(*_late(sent, sent, delay, h), lag, h)
             now = static(self._at(k, start))
             mean = (now + 4 * static(self._at(k, middle)) + static(self._at(k, end))) / 6
@@ -234,6 +236,13 @@ class Propulsion:
                 now, mean, _ = _behind(now, mean, lag, h)
         fine = mean.reshape(*mean.shape[:-1], mean.shape[-1] // parts, parts)
         return now[..., ::parts], fine.mean(axis=-1), fine
+
+
+def _lag(thruster: Thruster, late: Mapping[str, float]) -> tuple[float, bool]:
+    """The time constant of a thruster [s], and whether it is that of the demand, by its responses and the vehicle file."""
+    if "shaft" in late:
+        return late["shaft"], True
+    return late.get("lag", thruster.time_constant or 0.0), thruster.lag == "demand"
 
 
 def _midway(x: Array, *, held: bool) -> Array:

@@ -13,6 +13,7 @@ from ivsid.diagnosis.statements.findings import Finding
 from ivsid.diagnosis.statements.losses import LEVEL
 from ivsid.diagnosis.statements.share import AFTER
 from ivsid.effects import CATALOGUE, EFFECTS, Effect
+from ivsid.propulsion.thrust import ThrustCurve
 
 # Chances below this are printed as a bound.
 # Source: definition: a chance that no model of the noise is good for
@@ -66,8 +67,9 @@ def _sizes(result: Diagnosis, f: Finding, effect: Effect) -> list[str]:
     if not f.parameters:
         return ["no interval of its numbers could be made."]
     forms = (effect,) if effect.measured is None else (effect, effect.measured)
+    largest = max((ThrustCurve(t).largest for t in result.vehicle.thrusters), default=0.0)
     typical = {
-        n: p.scaled(result.vehicle.hull.mass)
+        n: p.scaled(result.vehicle.hull.mass, largest)
         for e in forms
         for n, p in zip(e.parts, e.parameters, strict=True)
         if p.draw in ("size", "north", "east")
@@ -195,7 +197,7 @@ def _unknown(f: Finding, seen: Evidence | None) -> list[str]:
             f"they go with {seen.quantity}."
         )
     words.append(
-        "What next: look at the figure for the shape of what is missing; a cause of your own can join the catalogue (docs: A 43rd effect). Until it "
+        "What next: look at the figure for the shape of what is missing; a cause of your own can join the catalogue (docs: A 44th effect). Until it "
         "has a name, do not trust the parameters of that channel."
     )
     return words

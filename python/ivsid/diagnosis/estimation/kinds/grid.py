@@ -97,7 +97,8 @@ class GridCandidate(Candidate):
     def size(self, p: Projection, s: Signatures) -> tuple[float, dict[str, float]]:
         """The z at the typical size: between two levels, or in proportion from the nearest time."""
         parameter = self.effect.parameters[0]
-        typical = parameter.scaled(s.predictor.vehicle.hull.mass)
+        largest = max((c.largest for c in s.predictor.propulsion.curves), default=0.0)
+        typical = parameter.scaled(s.predictor.vehicle.hull.mass, largest)
         if self.idle is not None:
             if parameter.unit == "demand":
                 # Typical demands are per cent of the largest.

@@ -1,0 +1,66 @@
+"""A shaft that follows its demand late, where the thrust goes with the square of its speed; and the size of a limit by the file's own thrust."""
+
+import numpy as np
+import pytest
+
+from diagnosis_logs import TABLE, TWIN, logs_of, vehicle_of
+from ivsid import diagnose
+from ivsid.diagnosis import isolability
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.plant.propulsion import Propulsion
+from ivsid.effects import EFFECTS, Given
+
+SQUARE = "quadratic = { forward = 0.004, reverse = 0.003 }\ndemand_range = [-100, 100]"
+LAG = 0.5
+
+
+def squared():
+    return vehicle_of(TWIN.replace(TABLE, SQUARE))
+
+
+def test_the_thrust_is_that_of_the_lagged_speed_in_the_diagnosis():
+    vehicle = squared()
+    log = channels(logs_of(vehicle, duration=70.0)[0], vehicle)
+    effect = EFFECTS["thruster.shaft_lag"]
+    thrusts = Propulsion(vehicle, log).thrusts((Given(effect, (LAG,)),))
+    of_thrust = Propulsion(vehicle, log).thrusts((Given(EFFECTS["thruster.lag"], (LAG,)),))
+    n = 0.0
+    want = []
+    for d in log.demands[0]:
+        want.append((0.004 if n > 0 else 0.003) * n * abs(n))
+        n = d + (n - d) * np.exp(-log.h / LAG)
+    # The shaft starts at the first demand in the diagnosis; what is left of that after six time constants is nothing.
+    later = round(30 * LAG / log.h)
+    np.testing.assert_allclose(thrusts.now[0][later:], want[later:], atol=1e-6)
+    assert np.abs(thrusts.now - of_thrust.now)[0][later:].max() > 1.0
+
+
+def test_a_file_that_says_so_makes_the_two_lags_one():
+    said = vehicle_of(TWIN.replace(TABLE, SQUARE + '\nlag = "demand"'))
+    log = channels(logs_of(said, duration=70.0)[0], said)
+    one, two = (
+        Propulsion(said, log).thrusts((Given(EFFECTS[i], (LAG,)),)) for i in ("thruster.lag", "thruster.shaft_lag")
+    )
+    np.testing.assert_array_equal(one.mean, two.mean)
+
+
+@pytest.mark.parametrize("id_", ["thruster.shaft_lag", pytest.param("thruster.lag", marks=pytest.mark.nightly)])
+def test_a_lag_is_named_and_told_from_the_other_by_a_curve_that_bends(id_):
+    vehicle = squared()
+    found = diagnose(vehicle, *logs_of(vehicle, {id_: LAG}, duration=160.0), null_logs=0).findings
+    assert [f.effect for f in found] == [id_] and not found[0].alternatives
+    (bound,) = found[0].parameters.values()
+    assert bound.lower < LAG < bound.upper and bound.upper - bound.lower < 0.2 * LAG
+
+
+def test_the_typical_limit_of_a_thrust_is_that_of_the_file():
+    """Vehicles of one mass with other thrusters: Froude's law would give both the same limit."""
+    parameter = EFFECTS["thruster.saturation"].parameters[0]
+    assert parameter.scaled(58.0, 90.0) == pytest.approx(60.0) and parameter.scaled(58.0) == 30.0
+    sizes = {}
+    for factor in (1.0, 3.0):
+        text = TWIN.replace(TABLE, SQUARE.replace("0.004", str(0.004 * factor)).replace("0.003", str(0.003 * factor)))
+        vehicle = vehicle_of(text)
+        result = isolability(vehicle, logs_of(vehicle, duration=70.0)[0])
+        (sizes[factor],) = result.visible["thruster.saturation"].typical.values()
+    assert sizes[1.0] == pytest.approx(40.0 * 2 / 3) and sizes[3.0] == pytest.approx(120.0 * 2 / 3)

@@ -143,7 +143,9 @@ class Propulsion:
         h, n = self.log.h, self.log.n
         thruster = self.vehicle.thrusters[k]
         changes = acting(with_stated(given, Thrust, thruster), Thrust)
-        late = {r.kind: numbers[0] for r, numbers in acting(for_thruster(given, Response, thruster.name), Response)}
+        late: dict[str, float] = {
+            r.kind: numbers[0] for r, numbers in acting(for_thruster(given, Response, thruster.name), Response)
+        }
         lag, of_shaft = _lag(thruster, late)
         delay = max(late.get("delay", 0.0), 0.0)
 

@@ -75,7 +75,11 @@ def test_a_model_of_no_vessel_is_not_written_and_the_sentence_says_why(found, id
 def test_a_model_that_is_better_by_chance_or_worse_in_anything_is_not_written(found):
     for changes, words in (
         ({"gains": {}}, "better in nothing by more than chance"),
-        ({"losses": {"X": 1e-6}}, "worse in X, by more than chance"),
+        ({"losses": {"X": 1e-6}, "gains": {}}, "worse in X, by more than chance"),
+        (
+            {"losses": {"X": 1e-6}, "interval": {**found.gain.interval, "X": (0.5, 0.7)}},
+            "worse in X, by more than chance",
+        ),
     ):
         made = replace(found, gain=replace(found.gain, **changes))
         assert not model_files(made) and words in made.against_model[0]
@@ -160,7 +164,9 @@ def assert_nothing_absurd(result, vehicle):
     assert ("model.toml" in report.files) == (record["model"] is not None) == (not record["why_no_model"])
     if "model.toml" in report.files:
         numbers, hull = record["parameters"], vehicle.hull
-        assert gain["extended"] and gain["gains"] and not gain["losses"]
+        assert gain["extended"] and gain["gains"]
+        # Errors that grow by a quarter or more are no small losses.
+        assert all(gain["interval"][k][1] >= 1 / 1.25 for k in gain["losses"] if k in gain["interval"])
         assert all(0.5 * hull.mass <= numbers[k] <= 10 * hull.mass for k in ("mass.surge", "mass.sway") if k in numbers)
         assert numbers["inertia.yaw"] > 0
         # Largest forward and sideways speeds that either log shows.

@@ -6,6 +6,7 @@ import numpy as np
 
 from ivsid.diagnosis.plant.physics import Hypothesis, changed, water
 from ivsid.diagnosis.plant.points import Points
+from ivsid.diagnosis.statements.carried import BESIDE_STRUCTURE, Carried
 from ivsid.diagnosis.statements.comparison import Gain
 from ivsid.intervals import IntervalArray
 from ivsid.physical import Fault, Subject, faults
@@ -26,8 +27,10 @@ def against(vehicle: Vehicle, h: Hypothesis, seen: Points, gain: Gain) -> tuple[
     found = [f.sentence for f in unphysical(vehicle, h, seen)]
     if gain.diverges[1] is not None:
         found.append(f"its simulation of {gain.log} diverges from t = {gain.diverges[1]:.6g} s")
-    if gain.losses:
-        found.append(f"on {gain.log} it is worse in {', '.join(gain.losses)}, by more than chance")
+    # Small losses beside a gain are said, and leave the choice to the reader.
+    worse = [k for k, growth in Carried(gain, complete=True).growth.items() if growth > BESIDE_STRUCTURE]
+    if worse or (gain.losses and not gain.gains):
+        found.append(f"on {gain.log} it is worse in {', '.join(worse or gain.losses)}, by more than chance")
     if not gain.gains and gain.diverges == (None, None):
         found.append(f"on {gain.log} it is better in nothing by more than chance")
     return tuple(found)

@@ -153,6 +153,7 @@ def diagnose(
         (*log.notes, *train.notes, *left_out_note(fit), *said),
         claimed,
         withdrawn,
+        water,
     )
 
 

@@ -64,6 +64,7 @@ class Gain:
         gains: quantities in which it is better.
         diverges: times from which simulations before and after diverge [s], or None.
         extended: whether the model after is another one.
+        noise: standard deviation of the white noise of measured u, v, r [m/s, rad/s], shape (3,).
     """
 
     force_rms: dict[str, tuple[float, float]]
@@ -80,6 +81,7 @@ class Gain:
     gains: dict[str, float]
     diverges: tuple[float | None, float | None]
     extended: bool
+    noise: Array
 
     @property
     def factors(self) -> dict[str, tuple[float, float]]:
@@ -153,6 +155,7 @@ def compare(predictor: Predictor, before: Hypothesis, after: Hypothesis, seed: i
         gains(paired),
         diverges,
         extended,
+        np.array([predictor.log.noise.get(name, 0.0) for name in ("u", "v", "r")]),
     )
 
 
@@ -197,11 +200,11 @@ def _net(predictor: Predictor, states_of: Sequence[FilteredStates]) -> Array:
     found = [_accelerations(predictor, a) for a in states_of]
     measured = found[-1][0]
     rows = [measured, found[0][0] - found[0][1], measured - found[-1][1]]
-    return np.stack([_low(predictor, mass @ x) for x in rows])
+    return np.stack([low(predictor, mass @ x) for x in rows])
 
 
-def _low(predictor: Predictor, x: Array) -> Array:
-    """Low-passed rows, without a shift in time."""
+def low(predictor: Predictor, x: Array) -> Array:
+    """Rows without all that is faster than the motion of the hull, without a shift in time, shape (k, n)."""
     from scipy.signal import butter, sosfiltfilt  # noqa: PLC0415 - slow to import; a forked process tries the models
 
     sos = butter(ORDER, BAND, fs=1 / predictor.log.h, output="sos")
@@ -218,7 +221,7 @@ def missing(predictor: Predictor, states: FilteredStates) -> Array:
     """Force that a hypothesis lacks, low-passed without a shift in time [N, N m], shape (3, n)."""
     mass = np.linalg.inv(predictor.mass(states).inverse)
     # A step of mass changes the force by little, so the mean of the masses serves.
-    return _low(predictor, mass.mean(axis=0) @ _accelerations(predictor, states)[1])
+    return low(predictor, mass.mean(axis=0) @ _accelerations(predictor, states)[1])
 
 
 def _accelerations(predictor: Predictor, states: FilteredStates) -> tuple[Array, Array]:

@@ -19,6 +19,7 @@ from ivsid.diagnosis.statements.findings import Finding
 from ivsid.diagnosis.statements.model_file import against
 from ivsid.diagnosis.statements.proved import Proof
 from ivsid.diagnosis.statements.rejected import Rejected, rejected
+from ivsid.diagnosis.statements.shallow_water import Change
 from ivsid.diagnosis.statements.upper_limits import allowed
 from ivsid.display.shown import Result
 from ivsid.display.table import Cells
@@ -55,6 +56,7 @@ class Diagnosis(Result):
         notes: sentences on the logs and the proofs.
         claims: of the vehicle file, each against the log.
         withdrawn: refusals of causes that the fit holds and that are no findings, by id.
+        change: masses and drags of TEST over those of TRAIN; None where the logs do not tell.
     """
 
     verdict: str
@@ -75,6 +77,7 @@ class Diagnosis(Result):
     notes: tuple[str, ...] = field(default=())
     claims: tuple[Claim, ...] = field(default=())
     withdrawn: Mapping[str, Refusal] = field(default_factory=dict)
+    change: Change | None = None
 
     def _heading(self) -> str:
         logs = " and ".join(name for name, _ in self.inputs[1:])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import version
@@ -10,7 +11,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from jinja2 import Environment, StrictUndefined
+from jinja2 import Environment, FunctionLoader, StrictUndefined
+from markupsafe import Markup
 
 from ivsid.files.records import to_json, write_folder
 
@@ -33,6 +35,44 @@ class Section:
 
 
 @dataclass(frozen=True)
+class Card:
+    """One result on the first screen.
+
+    Attributes:
+        title: its name.
+        words: what it is, in a sentence.
+        facts: questions with their answers, as its size and how sure it is.
+        link: name of the part of the page that shows it; empty without one.
+    """
+
+    title: str
+    words: str
+    facts: tuple[tuple[str, str], ...] = ()
+    link: str = ""
+
+
+@dataclass(frozen=True)
+class First:
+    """The first screen: what was found, how sure it is, and what to do next.
+
+    Attributes:
+        verdict: in a few words.
+        tone: ``good``, ``bad`` or ``open``; a sign stands beside the colour.
+        words: what follows from it, in one or two sentences.
+        cards: the results.
+        following: what to do next, one step an entry.
+        warnings: what has to be known before the results are used.
+    """
+
+    verdict: str
+    tone: str
+    words: str
+    cards: tuple[Card, ...] = ()
+    following: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Report:
     """The results of a command.
 
@@ -44,6 +84,7 @@ class Report:
         drawings: all figures; each becomes two files, whether or not a section shows it.
         files: further files by name.
         lines: text for the terminal below the summary.
+        first: the first screen of the page; the summary alone without one.
     """
 
     title: str
@@ -53,6 +94,7 @@ class Report:
     drawings: tuple[Drawing, ...] = ()
     files: Mapping[str, str | bytes] = field(default_factory=dict)
     lines: tuple[str, ...] = ()
+    first: First | None = None
 
 
 def text(words: str) -> Part:
@@ -75,8 +117,32 @@ def drawing(d: Drawing) -> Part:
     return {"kind": "figure", "title": d.title, "caption": d.caption, "png": base64.b64encode(d.png).decode()}
 
 
+def details(words: str, parts: Iterable[Part]) -> Part:
+    """Parts that the reader opens; paper shows them open."""
+    return {"kind": "details", "text": words, "parts": list(parts)}
+
+
+def heading(words: str, name: str) -> Part:
+    """A heading inside a section, to which links lead."""
+    return {"kind": "heading", "text": words, "name": name}
+
+
+def jump(words: str, links: Sequence[tuple[str, str, float, float]]) -> Part:
+    """Links into a figure of time series.
+
+    Args:
+        words: what the links show.
+        links: words, name of the figure, start and end [s] of each.
+    """
+    return {
+        "kind": "jump",
+        "text": words,
+        "links": [dict(zip(("text", "to", "start", "end"), q, strict=True)) for q in links],
+    }
+
+
 def table(header: Sequence[str], rows: Iterable[Cells], caption: str = "") -> Part:
-    """A table; numbers are aligned to the right, yes and no are coloured."""
+    """A table; numbers are aligned to the right, yes and no are coloured. One without rows is a sentence."""
     return {
         "kind": "table",
         "caption": caption,
@@ -89,19 +155,52 @@ def _cell(value: object) -> dict[str, str]:
     if isinstance(value, bool):
         return {"text": "yes" if value else "no", "style": "yes" if value else "no"}
     if isinstance(value, float):
-        return {"text": f"{value:.6g}", "style": "n"}
+        return {"text": f"{value:.4g}", "style": "n"}
     if isinstance(value, int):
         return {"text": str(value), "style": "n"}
     return {"text": "–" if value is None else str(value), "style": ""}
 
 
 def html(report: Report) -> str:
-    """The page, with its figures inside."""
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    template = environment.from_string((files("ivsid") / "data" / "report.html.j2").read_text())
-    inputs = "; ".join(f"{i['name']} (SHA-256 {i['sha256'][:16]}…)" for i in report.record.get("inputs", []))
-    footer = f"ivsid {version('ivsid')}" + (f" · inputs: {inputs}" if inputs else "")
-    return template.render(title=report.title, summary=report.summary, sections=report.sections, footer=footer)
+    """The page, with its figures, its style and its script inside: it loads nothing."""
+    environment = Environment(
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        loader=FunctionLoader(_shipped),
+    )
+    # Files of the package alone stand in the page as they are; all else is escaped.
+    environment.globals["shipped"] = lambda name: Markup(_shipped(name))
+    names: dict[str, str] = {}
+    sections = [{"name": _name(s.title, names), "title": s.title, "parts": s.parts} for s in report.sections if s.parts]
+    return environment.get_template("page.html.j2").render(
+        title=report.title,
+        summary=report.summary,
+        first=report.first,
+        sections=sections,
+        inputs=report.record.get("inputs", []),
+        version=version("ivsid"),
+        interactive=any(_interactive(p) for s in report.sections for p in s.parts),
+    )
+
+
+def _shipped(name: str) -> str:
+    """Text of a file of the page that comes with the package."""
+    return files("ivsid").joinpath("data", "report", name).read_text(encoding="utf-8")
+
+
+def _name(title: str, taken: dict[str, str]) -> str:
+    """A name of a section for links, which no other section has."""
+    plain = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-") or "section"
+    found = next(n for n in (f"{plain}{k or ''}" for k in range(len(taken) + 1)) if n not in taken)
+    taken[found] = title
+    return found
+
+
+def _interactive(part: Part) -> bool:
+    inner = part.get("parts", ())
+    return part["kind"] == "series" or (isinstance(inner, list) and any(map(_interactive, inner)))
 
 
 def write(report: Report, folder: str | Path) -> None:

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from ivsid import diagnosis
-from ivsid.diagnosis import GUARANTEED, NULL_LOGS, REFUTED, Claim, Diagnosis, cache_folder
+from ivsid.diagnosis import GUARANTEED, NULL_LOGS, REFUTED, Diagnosis, Evidence, cache_folder
 from ivsid.intervals import shown
 from ivsid.intervals.apart import Apart
 from ivsid.log import read_log
 from ivsid.report import figures, page
 from ivsid.report.page import Part, Report, Section
 from ivsid.vehicle import read_vehicle
+from ivsid.workflow.diagnosis_screen import best_gain, first_screen, size, worse
+from ivsid.workflow.diagnosis_series import change_bars, claim_bars, finding_parts, row_links, test_series, train_series
+from ivsid.workflow.diagnosis_tables import allowed_table, candidates_table, claims_table, gain_table, untested_table
+from ivsid.workflow.log_files import distinct_names
 from ivsid.workflow.progress import Progress, silent
 from ivsid.workflow.set_up import examined, with_setup
 
@@ -42,7 +48,8 @@ def diagnose(
     """
     progress("reading")
     checked = read_vehicle(vehicle)
-    logs = [read_log(p, checked.log) for p in (train, test)]
+    paths = (train, test)
+    logs = [replace(read_log(p, checked.log), name=name) for p, name in zip(paths, distinct_names(paths), strict=True)]
     findings = examined(checked, logs, progress)
     result = diagnosis.diagnose(
         checked,
@@ -64,47 +71,40 @@ def diagnosis_report(result: Diagnosis) -> Report:
     signatures = {e.effect: figures.signature(e, f"signature_{k}") for k, e in enumerate(seen, start=1)}
     # A cause found between the two logs has no signature in one of them.
     signatures |= {f.effect: figures.ratios(f) for f in result.findings if "ratio" in f.evidence}
-    explained, record = diagnosis.explain(result, seen), result.record()
-    after = [
-        Section("Numbers that the vehicle file gives", (_claims(result),) if result.claims else ()),
-        Section("Candidates that are no findings", (_candidates(result),)),
-        Section("Causes that this log could not show", (_untested(result), _allowed(result))),
-        Section("Proved without a noise model", (page.bullets(_proved(result)),)),
+    sections = [
+        Section("Findings", tuple(_findings(result, seen))),
+        Section("Hints: inside the declared errors", (page.bullets(result.hints),) if result.hints else ()),
+        Section("The log in time", (train_series(result, seen),)),
+        Section(
+            "Gain of the extended model",
+            (*map(page.text, (*worse(result), _model(result))), gain_table(result), test_series(result)),
+        ),
+        Section("Numbers that the vehicle file gives", _claims(result)),
+        Section("What changed between the logs", tuple(change_bars(result))),
+        Section(
+            "Candidates that are no findings",
+            (page.details("The twenty that came nearest", (candidates_table(result),)),),
+        ),
+        Section(
+            "Causes that this log could not show",
+            (untested_table(result), page.details("What may be there all the same", (allowed_table(result),))),
+        ),
+        Section("Proved without a noise model", tuple(_proofs(result))),
         Section("Assumptions", (page.bullets(_assumptions(result)),)),
     ]
-    files = {**diagnosis.model_files(result), **_certificates(result)}
+    record = result.record()
     residual = figures.force_residual(result.gain)
-    others = (*beside.result(), residual)
-    told: list[Part] = []
-    for f, paragraphs in zip(result.findings, explained, strict=True):
-        told += map(page.text, paragraphs)
-        if f.effect in signatures:
-            told.append(page.drawing(signatures[f.effect]))
-    sections = [
-        Section("Findings", (_findings(result), *told)),
-        Section("Gain of the extended model", (*_told(result), _gain(result), *map(page.drawing, others))),
-        *after,
-    ]
-    if result.hints:
-        sections.insert(1, Section("Hints: inside the declared errors", (page.bullets(result.hints),)))
-    summary = f"{result.vehicle.name}: {result.verdict}. {VERDICTS[result.verdict]}"
-    if result.proofs[0].refuted:
-        summary += f" {REFUTATION}"
-    summary = " ".join([*_worse(result), summary])
+    files = {**diagnosis.model_files(result), **_certificates(result)}
     return Report(
         f"Diagnosis of {result.vehicle.name}",
-        summary,
+        _summary(result),
         record,
         tuple(s for s in sections if s.parts),
-        (*signatures.values(), *others),
+        (*signatures.values(), *beside.result(), residual),
         files,
         tuple(_lines(result)),
+        first_screen(result),
     )
-
-
-def _worse(result: Diagnosis) -> list[str]:
-    """What is worse on the other log, or diverges: it stands first."""
-    return [words for words in (diagnosis.diverging(result.gain), diagnosis.lost(result.gain)) if words]
 
 
 def _model(result: Diagnosis) -> str:
@@ -113,107 +113,47 @@ def _model(result: Diagnosis) -> str:
     return f"no model.toml is written: {'; '.join(why)}" if why else "model.toml holds the extended model"
 
 
-def _told(result: Diagnosis) -> list[Part]:
-    return [page.text(words) for words in (*_worse(result), _model(result))]
-
-
-def _findings(result: Diagnosis) -> Part:
-    rows = []
-    for f in result.findings:
-        bounds = "; ".join(
-            f"{k} {shown(b.lower, b.upper)} {b.unit}{' (guaranteed)' if b.guaranteed else ''}"
-            for k, b in f.parameters.items()
-        )
-        sure = None if f.like is None else f.like.probability
-        rows.append(
-            [f.effect, sure, f.confidence, bounds or "–", ", ".join(f.alternatives) or "–", f.separate_by or "–"]
-        )
-    header = [
-        "cause",
-        "probability of the set",
-        "weight in its set",
-        "parameters",
-        "could also be",
-        "trial that would separate them",
+def _summary(result: Diagnosis) -> str:
+    """The verdict with its causes and the gain in a few sentences."""
+    words = [*worse(result), f"{result.vehicle.name}: {result.verdict}. {VERDICTS[result.verdict]}"]
+    named = [
+        f"{f.effect} ({', '.join(size(b) for b in f.parameters.values())})" if f.parameters else f.effect
+        for f in result.findings
     ]
-    return page.table(header, rows, "No finding." if not rows else "Intervals are statistical unless marked.")
+    if named:
+        words.append(f"Findings: {'; '.join(named)}.")
+        words.append(best_gain(result))
+    if result.proofs[0].refuted:
+        words.append(REFUTATION)
+    return " ".join(w for w in words if w)
 
 
-def _gain(result: Diagnosis) -> Part:
-    rows = [
-        [f"{what} [{unit}]", before, after, *(interval or (None, None)), said]
-        for what, unit, before, after, interval, said in diagnosis.worth(result.gain)
-    ]
-    header = ["on the other log", "before", "after", "before/after from", "to", "so it is"]
-    caption = "Medians over windows, rms for forces; 95 % intervals of before/after by drawing windows anew. A loss is a loss."
-    return page.table(header, rows, caption)
+def _findings(result: Diagnosis, seen: Sequence[Evidence]) -> list[Part]:
+    """Each finding under its own heading: in words, in the log, and what stands behind it."""
+    shown_in = {e.effect: e for e in seen}
+    parts: list[Part] = [] if result.findings else [page.text("No finding.")]
+    for k, (f, paragraphs) in enumerate(zip(result.findings, diagnosis.explain(result, seen), strict=True), start=1):
+        parts.append(page.heading(f.effect, f"finding-{k}"))
+        # What is said of certainty and of rivals counts in falls of chi-squared, which a reader may open.
+        inner = [w for w in paragraphs if w.startswith(("How sure", "What else", "What would"))]
+        parts += [page.text(w) for w in paragraphs if w not in inner]
+        parts += finding_parts(f, shown_in.get(f.effect))
+        if inner:
+            parts.append(
+                page.details("How sure, what else it could be, and what would change this", map(page.text, inner))
+            )
+    return parts
 
 
-def _candidates(result: Diagnosis) -> Part:
-    rows = [
-        [
-            r.effect,
-            r.fall,
-            r.numbers,
-            r.chance,
-            None if r.full is None else f"{r.full[0]:.0f} of {r.full[1]:.0f}",
-            r.beside,
-            r.reason,
-        ]
-        for r in result.rejected[:20]
-    ]
-    header = [
-        "cause",
-        "fall of chi² alone",
-        "numbers",
-        "chance without it",
-        "in a finding's place",
-        "left beside the findings",
-        "why it is none",
-    ]
-    return page.table(header, rows, "The twenty that came nearest; result.json has them all.")
+def _claims(result: Diagnosis) -> tuple[Part, ...]:
+    if not result.claims:
+        return ()
+    return claim_bars(result.claims), page.details("The claims as a table", (claims_table(result),))
 
 
-def _claims(result: Diagnosis) -> Part:
-    rows = [
-        [
-            c.parameter,
-            f"{c.value:g} {c.unit}",
-            c.z,
-            *("–" if b is None else shown(b.lower, b.upper) for b in (c.beside, c.alone)),
-            _said(c),
-        ]
-        for c in result.claims
-    ]
-    header = ["number", "claimed", "away [σ]", "the log, other claims held", "the log alone", "so it is"]
-    caption = "Statistical intervals; they hold what a cause that was not found may hide. A claim is a finding only where nothing else could move it."
-    return page.table(header, rows, caption)
-
-
-def _said(claim: Claim) -> str:
-    if claim.beside is None:
-        return claim.reason
-    if claim.contradicted:
-        return "contradicted: a finding"
-    if claim.beside.lower <= claim.value <= claim.beside.upper:
-        return "not contradicted"
-    return "outside of the interval, and no finding: too little of the rest is explained, or too little of it is there"
-
-
-def _untested(result: Diagnosis) -> Part:
-    return page.table(
-        ["effect", "why not", "needs"], [[q["effect"], q["reason"], q["needs"]] for q in result.not_tested]
-    )
-
-
-def _allowed(result: Diagnosis) -> Part:
-    least = {k: v for q in result.visible.values() if q.tested for k, v in q.detectable.items()}
-    rows = [
-        [name, f"{shown(b.lower, b.upper)} {b.unit}", f"{abs(least[name]):.3g}" if name in least else "not tested"]
-        for name, b in result.allowed.items()
-    ]
-    caption = "Causes that are no findings, each alone beside the extended model: statistical intervals of what may be there all the same."
-    return page.table(["number", "the log allows", "would have shown from"], rows, caption)
+def _proofs(result: Diagnosis) -> list[Part]:
+    rows = result.proofs[0].contradiction
+    return [page.bullets(_proved(result)), *([row_links(rows)] if rows else [])]
 
 
 def _assumptions(result: Diagnosis) -> list[str]:
@@ -273,7 +213,7 @@ def _null_logs(said: dict[str, Any] | None, of: str, done: str) -> list[str]:
 
 
 def _lines(result: Diagnosis) -> list[str]:
-    lines = [f"  {w}" for w in _worse(result)]
+    lines = [f"  {w}" for w in worse(result)]
     if result.proofs[0].refuted:
         lines.append(f"  {result.proofs[0].sentence(result.verdict)}")
     for f in result.findings:

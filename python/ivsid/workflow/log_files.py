@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 import polars as pl
@@ -12,6 +13,17 @@ from numpy.typing import NDArray
 from ivsid.log import Quality
 from ivsid.report import page
 from ivsid.report.page import Part
+
+
+def distinct_names(paths: Sequence[str | Path]) -> list[str]:
+    """Names of files: the last part of each path, with as many folders before it as tell the files apart.
+
+    One file that is given twice has one name.
+    """
+    parts = [Path(p).resolve().parts for p in paths]
+    different = set(parts)
+    count = next(k for k in range(1, max(map(len, parts)) + 1) if len({p[-k:] for p in different}) == len(different))
+    return ["/".join(p[-count:]).replace("//", "/") for p in parts]
 
 
 def csv(t: NDArray[np.float64], columns: dict[str, NDArray[np.float64]]) -> str:

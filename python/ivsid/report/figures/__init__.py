@@ -10,13 +10,25 @@ The chapter may use the values that the stages return, for their types, and the 
 """
 
 from ivsid.report.figures.canvas import COLOURS, FORCE_LABEL, Drawing
-from ivsid.report.figures.diagnosis import force_residual, gain, net_force, ratios, separation, signature
+from ivsid.report.figures.diagnosis import (
+    MISSING,
+    QUANTITY,
+    force_residual,
+    gain,
+    net_force,
+    ratios,
+    separation,
+    signature,
+    stretch,
+)
 from ivsid.report.figures.fits import force_bounds, force_mid, intervals, motion
 from ivsid.report.figures.measurements import allan_curves, channels, drag_curve, thrust_curve
 
 __all__ = [
     "COLOURS",
     "FORCE_LABEL",
+    "MISSING",
+    "QUANTITY",
     "Drawing",
     "allan_curves",
     "channels",
@@ -31,5 +43,6 @@ __all__ = [
     "ratios",
     "separation",
     "signature",
+    "stretch",
     "thrust_curve",
 ]

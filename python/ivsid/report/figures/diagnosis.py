@@ -9,8 +9,11 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ivsid.report.figures.canvas import COLOURS, Drawing, finish, thin
+from ivsid.report.scaling import robust_range
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from ivsid.diagnosis import Evidence, Finding, Isolability
     from ivsid.diagnosis.statements.comparison import Gain
 
@@ -61,6 +64,8 @@ QUANTITY = {
     "rdot": "yaw acceleration [rad/s²]",
     "u v": "u v [m²/s²]",
     "u r": "u r [m/s²]",
+    "change of thrust": "change of thrust ahead [N/s]",
+    "change of turning thrust": "change of the thrusters' moment [N m/s]",
     "north": "place north [m]",
     "east": "place east [m]",
     "time": "time [s]",
@@ -68,7 +73,7 @@ QUANTITY = {
 # Width and height of the figure of the missing force [inch].
 # Source: resource: a panel for each channel on one page
 RESIDUAL_SIZE = (8.5, 5.4)
-LETTER = {"surge": "X", "sway": "Y", "yaw": "N"}
+MISSING = {"surge": "missing force X", "sway": "missing force Y", "yaw": "missing moment N"}
 
 
 def signature(e: Evidence, name: str) -> Drawing:
@@ -78,31 +83,40 @@ def signature(e: Evidence, name: str) -> Drawing:
     first, end = e.window
     s = slice(first, end, max(1, (end - first) // 1500))
     unknown = e.effect == "unknown"
-    rows: list[tuple[str, str, int]] = [("missing", COLOURS[3], 0)]
+    rows = [("missing", COLOURS[3], e.after, e.means[1].mean)]
     if not unknown:
-        rows = [("missing without it", COLOURS[3], 0), ("missing with it", COLOURS[0], 1)]
-    for label, colour, k in rows:
-        left.plot(e.time[s], (e.before, e.after)[k][s], color=colour, lw=1.0, label=label)
-        m = e.means[k]
-        right.errorbar(m.centre, m.mean, yerr=2 * m.error, fmt="o", ms=3.5, lw=1, color=colour, capsize=2)
+        taken_out = (
+            "missing if it alone is taken out",
+            COLOURS[3],
+            e.after + e.own,
+            e.means[1].mean + e.own_means.mean,
+        )
+        rows = [taken_out, ("missing with it", COLOURS[0], e.after, e.means[1].mean)]
+    for label, colour, values, mean in rows:
+        left.plot(e.time[s], values[s], color=colour, lw=1.0, label=label)
+        m = e.means[1]
+        right.errorbar(m.centre, mean, yerr=2 * m.error, fmt="o", ms=3.5, lw=1, color=colour, capsize=2)
     if not unknown:
-        left.plot(e.time[s], (e.before - e.after)[s], color=COLOURS[5], lw=1.3, ls="--", label="part that it explains")
-        right.plot(e.means[2].centre, e.means[2].mean, color=COLOURS[5], lw=1.3, ls="--")
+        left.plot(e.time[s], e.own[s], color=COLOURS[5], lw=1.3, ls="--", label="force of the cause")
+        right.plot(e.own_means.centre, e.own_means.mean, color=COLOURS[5], lw=1.3, ls="--")
     for axes in (left, right):
         axes.axhline(0.0, color="0.7", lw=0.8, zorder=0)
         axes.grid(True, alpha=0.3)
     left.set_xlabel("time [s]")
-    left.set_ylabel(f"missing force {LETTER[e.channel]} [{e.unit}]" if e.channel != "yaw" else "missing moment N [N m]")
+    left.set_ylabel(f"{MISSING[e.channel]} [{e.unit}]")
     right.set_xlabel(QUANTITY[e.quantity])
     figure.legend(fontsize=8, loc="outside upper left", ncols=3, frameon=False)
     before, after, _ = e.rms
-    what = "Nothing in the catalogue explains it." if unknown else "All other parameters are fitted anew without it."
+    what = (
+        f"Nothing in the catalogue explains it. Rms: {after:.3g} {e.unit}."
+        if unknown
+        else f"Rms: {after:.3g} {e.unit} with it; {before:.3g} {e.unit} without it where all other numbers are fitted anew."
+    )
     return finish(
         name,
         "Residual without a named cause" if unknown else f"{e.effect} in {e.channel}",
-        f"Force that the model lacks in TRAIN, low-passed at 0.35 Hz. Left: the stretch that holds most of it. Right: means over the whole log in bins of equally many samples, with two standard errors, "
-        f"along the quantity that orders it best. Rms: {before:.3g} {e.unit}"
-        + (f" without it, {after:.3g} {e.unit} with it. {what}" if not unknown else f". {what}"),
+        f"Force that the model lacks in TRAIN, low-passed at 0.35 Hz, all other numbers held. Left: the stretch that holds most of the cause. Right: means over the whole log in bins of equally many samples, with two standard errors, "
+        f"along the quantity that orders it best. {what}",
         figure,
     )
 
@@ -134,7 +148,7 @@ def ratios(f: Finding, name: str = "ratios") -> Drawing:
 def net_force(gain: Gain, name: str = "net_force") -> Drawing:
     """Mass times acceleration on the other log: measured, of the plain model, and of the extended model."""
     figure = Figure(figsize=(8.5, 5.8), layout="constrained")
-    s = _stretch(gain)
+    s = stretch(gain)
     for k, (label, axes) in enumerate(
         zip(("X [N]", "Y [N]", "N [N m]"), figure.subplots(3, 1, sharex=True), strict=True)
     ):
@@ -160,7 +174,7 @@ _LINES = (
 )
 
 
-def _stretch(gain: Gain, seconds: float = 60.0) -> slice:
+def stretch(gain: Gain, seconds: float = 60.0) -> slice:
     """The stretch in which the models differ most, each channel scaled by its standard deviation."""
     n = gain.time.size
     step = (gain.time[-1] - gain.time[0]) / max(n - 1, 1)
@@ -177,7 +191,10 @@ def force_residual(gain: Gain, name: str = "force_residual") -> Drawing:
     draw_residual(figure, gain)
     text = "; ".join(f"{q} {b:.3g} before, {a:.3g} after" for q, (b, a) in gain.force_rms.items())
     return finish(
-        name, f"Force residuals on {gain.log}", f"Low-passed at 0.35 Hz without a shift in time. Rms: {text}.", figure
+        name,
+        f"Force residuals on {gain.log}",
+        f"Low-passed at 0.35 Hz without a shift in time; a triangle marks what the axis cuts off. Rms: {text}.",
+        figure,
     )
 
 
@@ -189,16 +206,28 @@ def draw_residual(figure: Figure, gain: Gain) -> None:
     ):
         for j, (word, colour) in enumerate((("before", COLOURS[3]), ("after", COLOURS[0]))):
             axes.plot(gain.time[s], gain.residual[j, k, s], lw=0.7, color=colour, label=word)
+        _cut(axes, gain.time, gain.residual[:, k])
         axes.set_ylabel(f"missing {label}")
         axes.grid(True, alpha=0.3)
     axes.set_xlabel("time [s]")
     figure.axes[0].legend(fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
 
 
+def _cut(axes: Axes, time: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
+    """An axis that spikes do not set; a triangle stands where one leaves it."""
+    ends = robust_range([rows])
+    if ends is None:
+        return
+    axes.set_ylim(*ends)
+    for row, colour in zip(rows, (COLOURS[3], COLOURS[0]), strict=True):
+        for beyond, end, marker in ((row < ends[0], ends[0], "v"), (row > ends[1], ends[1], "^")):
+            axes.plot(time[beyond], np.full(int(beyond.sum()), end), marker, ms=3, color=colour, ls="none")
+
+
 def gain(gain: Gain, name: str = "gain") -> Drawing:
     """Velocities on the other log: measured, simulated by the plain model, and by the extended model."""
     figure = Figure(figsize=(8.5, 5.8), layout="constrained")
-    s = _stretch(gain, 120.0)
+    s = stretch(gain, 120.0)
     for k, (label, axes) in enumerate(
         zip(("u [m/s]", "v [m/s]", "r [rad/s]"), figure.subplots(3, 1, sharex=True), strict=True)
     ):

@@ -1,0 +1,162 @@
+"""Time series of a page: data for its script, thinned by least and largest values so that no peak is lost."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.report.page import Part
+from ivsid.report.scaling import robust_range
+
+Array = NDArray[np.float64]
+# Most values of one figure: two figures of as many are 2 MB in base64, and a page has 3 MB.
+# Source: resource: the size of a mail
+MOST: Final = 180_000
+# Most values of the stretch of a figure that is kept whole beside the thinned log.
+# Source: resource: the size of a mail
+MOST_FINE: Final = 20_000
+# Largest difference from a uniform clock that is one, in steps.
+# Source: definition: far below what a pixel shows
+UNIFORM: Final = 1e-3
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of a panel.
+
+    Attributes:
+        label: what it shows.
+        role: ``measured``, ``before``, ``after``, ``cause``, or ``first`` to ``fourth`` of several alike: its colour and its dashes.
+        values: shape (n,); NaN is a gap.
+        tube: half-width of the band around it, in the panel's unit; 0 without one.
+    """
+
+    label: str
+    role: str
+    values: Array
+    tube: float = 0.0
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One axis over time.
+
+    Attributes:
+        title: of the axis, with its unit.
+        lines: over the clock of the figure.
+        robust: whether spikes do not set its axis; they are marked as cut.
+    """
+
+    title: str
+    lines: tuple[Line, ...]
+    robust: bool = False
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A stretch of time that a link of the page jumps to.
+
+    Attributes:
+        label: what is seen there.
+        start: [s].
+        end: [s].
+    """
+
+    label: str
+    start: float
+    end: float
+
+
+def series(
+    name: str, title: str, caption: str, time: Array, panels: Iterable[Panel], marks: Sequence[Mark] = ()
+) -> Part:
+    """A figure of linked time series.
+
+    Args:
+        name: of the figure in the page: letters, digits and hyphens.
+        title: of the figure.
+        caption: what is to be seen.
+        time: increasing clock [s], shape (n,).
+        panels: one below the other; they share the clock, the cursor and the zoom.
+        marks: stretches to jump to.
+    """
+    shown = [p for p in panels if p.lines]
+    rows = np.stack([line.values for p in shown for line in p.lines])
+    levels = [_level(time, rows, MOST)]
+    if levels[0]["bucket"] != 1 and marks:
+        # The stretch of the first mark is kept sample by sample beside the thinned log.
+        first, end = np.searchsorted(time, [marks[0].start, marks[0].end])
+        few = slice(int(first), int(min(end, first + MOST_FINE // len(rows))))
+        if few.stop - few.start > 1:
+            levels.append(_level(time[few], rows[:, few], MOST_FINE))
+    data = {
+        "levels": levels,
+        "panels": [_panel(p) for p in shown],
+        "marks": [{"label": m.label, "start": m.start, "end": m.end} for m in marks],
+    }
+    words = f"{title}: {'; '.join(p.title for p in shown)} over {time[-1] - time[0]:.4g} s"
+    return {"kind": "series", "name": name, "title": title, "caption": caption, "words": words, "data": data}
+
+
+def thinned(time: Array, rows: Array, most: int) -> tuple[Array, Array, int]:
+    """Least and largest values of equally many samples, in the order in which they come.
+
+    Args:
+        time: shape (n,).
+        rows: shape (k, n); NaN is missing.
+        most: values that may be left.
+
+    Returns:
+        Times, shape (m,); values, shape (k, m), k m <= ``most`` if anything has to go; and the samples in a pair of values, 1 if nothing went.
+    """
+    k, n = rows.shape
+    if k * n <= most:
+        return time, rows, 1
+    size = -(-n // max(most // (2 * k), 1))
+    count = -(-n // size)
+    filled = np.full((k, count * size), np.nan)
+    filled[:, :n] = rows
+    parts = filled.reshape(k, count, size)
+    low, high = np.asarray(np.fmin.reduce(parts, axis=2)), np.asarray(np.fmax.reduce(parts, axis=2))
+    rises = (parts == low[:, :, None]).argmax(axis=2) <= (parts == high[:, :, None]).argmax(axis=2)
+    pairs = np.stack([np.where(rises, low, high), np.where(rises, high, low)], axis=2)
+    starts = time[::size]
+    # The second value stands in the middle of its samples.
+    middles = np.minimum(starts + 0.5 * np.r_[np.diff(starts), time[-1] - starts[-1]], time[-1])
+    times: Array = np.stack([starts, middles], axis=1).ravel()
+    return times, np.asarray(pairs, dtype=np.float64).reshape(k, -1), size
+
+
+def _level(time: Array, rows: Array, most: int) -> dict[str, object]:
+    t, values, bucket = thinned(time, rows, most)
+    step = (t[-1] - t[0]) / max(t.size - 1, 1)
+    uniform = np.abs(t - t[0] - step * np.arange(t.size)).max() <= UNIFORM * step
+    clock = {"step": float(step)} if uniform else {"time": _base64(t - t[0])}
+    return {
+        "start": float(t[0]),
+        "count": int(t.size),
+        "bucket": bucket,
+        **clock,
+        "values": [_base64(row) for row in values],
+    }
+
+
+def _panel(p: Panel) -> dict[str, object]:
+    ends = robust_range([q.values for q in p.lines]) if p.robust else None
+    beyond = 0 if ends is None else sum(int(((q.values < ends[0]) | (q.values > ends[1])).sum()) for q in p.lines)
+    return {
+        "title": p.title,
+        "lines": [{"label": q.label, "role": q.role, "tube": q.tube} for q in p.lines],
+        "range": None if ends is None else [float(f"{x:.6g}") for x in ends],
+        "cut": beyond,
+    }
+
+
+def _base64(x: Array) -> str:
+    """Single precision, least byte first."""
+    return base64.b64encode(np.asarray(x, dtype="<f4").tobytes()).decode()

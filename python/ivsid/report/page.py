@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from importlib.resources import files
@@ -143,12 +143,10 @@ def jump(words: str, links: Sequence[tuple[str, str, float, float]]) -> Part:
 
 def table(header: Sequence[str], rows: Iterable[Cells], caption: str = "") -> Part:
     """A table; numbers are aligned to the right, yes and no are coloured. One without rows is a sentence."""
-    return {
-        "kind": "table",
-        "caption": caption,
-        "header": list(header),
-        "rows": [[_cell(c) for c in row] for row in rows],
-    }
+    cells = [[_cell(c) for c in row] for row in rows]
+    right = [any(c["style"] == "n" for c in column) for column in zip(*cells, strict=True)] or [False] * len(header)
+    heads = [{"text": h, "style": "n" if r else ""} for h, r in zip(header, right, strict=True)]
+    return {"kind": "table", "caption": caption, "header": heads, "rows": cells}
 
 
 def _cell(value: object) -> dict[str, str]:
@@ -172,8 +170,12 @@ def html(report: Report) -> str:
     )
     # Files of the package alone stand in the page as they are; all else is escaped.
     environment.globals["shipped"] = lambda name: Markup(_shipped(name))
-    names: dict[str, str] = {}
-    sections = [{"name": _name(s.title, names), "title": s.title, "parts": s.parts} for s in report.sections if s.parts]
+    taken = {"about", "result", "theme", "verdict", *(n for s in report.sections for p in s.parts for n in _names(p))}
+    sections = []
+    for section in (s for s in report.sections if s.parts):
+        name = _free(section.title, taken)
+        taken.add(name)
+        sections.append({"name": name, "title": section.title, "parts": section.parts})
     return environment.get_template("page.html.j2").render(
         title=report.title,
         summary=report.summary,
@@ -186,21 +188,30 @@ def html(report: Report) -> str:
 
 
 def _shipped(name: str) -> str:
-    """Text of a file of the page that comes with the package."""
-    return files("ivsid").joinpath("data", "report", name).read_text(encoding="utf-8")
+    """Text of a file of the page that comes with the package, without a first line that is only its address."""
+    text = files("ivsid").joinpath("data", "report", name).read_text(encoding="utf-8")
+    return text.split("\n", 1)[1] if text.startswith("/*! http") else text
 
 
-def _name(title: str, taken: dict[str, str]) -> str:
-    """A name of a section for links, which no other section has."""
+def _free(title: str, taken: Collection[str]) -> str:
+    """A name of a section for links, which nothing else on the page has."""
     plain = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-") or "section"
-    found = next(n for n in (f"{plain}{k or ''}" for k in range(len(taken) + 1)) if n not in taken)
-    taken[found] = title
-    return found
+    return next(n for n in (f"{plain}{k or ''}" for k in range(len(taken) + 1)) if n not in taken)
+
+
+def _inside(part: Part) -> list[Part]:
+    inner = part.get("parts", ())
+    return list(inner) if isinstance(inner, list) else []
+
+
+def _names(part: Part) -> list[str]:
+    """Names of a part and of those inside it, to which links lead."""
+    own = [str(part["name"])] if "name" in part else []
+    return own + [n for p in _inside(part) for n in _names(p)]
 
 
 def _interactive(part: Part) -> bool:
-    inner = part.get("parts", ())
-    return part["kind"] == "series" or (isinstance(inner, list) and any(map(_interactive, inner)))
+    return part["kind"] == "series" or any(map(_interactive, _inside(part)))
 
 
 def write(report: Report, folder: str | Path) -> None:

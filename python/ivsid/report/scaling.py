@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 # Share of the samples at each end that may not set an axis: filters ring at the ends of a log and beside gaps.
 # Source: definition: a twelfth of a minute in ten minutes
 SPIKES: Final = 0.005
-# Room beyond the quantiles, in distances between them: normal errors never reach it.
-# Source: theorem: normal distribution; the 0.5 % quantiles lie 5.2 standard deviations apart, so that 7.7 lie inside
-ROOM: Final = 1.0
+# Room beyond the quantiles, in distances between them: normal errors do not reach it.
+# Source: theorem: normal distribution; the 0.5 % quantiles lie 5.15 standard deviations apart, so that 5.15 lie inside on each side
+ROOM: Final = 0.5
 # Margin of an axis beside what it shows, in shares of the shown.
 # Source: definition: the width of a mark in a figure
 MARGIN: Final = 0.06

@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 from ivsid.report.page import Part
 from ivsid.report.scaling import robust_range
 
+# Roles of lines that are alike, in turn.
+ALIKE: Final = ("first", "second", "third", "fourth")
 Array = NDArray[np.float64]
-# Most values of one figure: two figures of as many are 2 MB in base64, and a page has 3 MB.
+# Most values of all figures of a page: 2 MB in base64, and a page has 3 MB.
 # Source: resource: the size of a mail
-MOST: Final = 180_000
+MOST: Final = 360_000
 # Most values of the stretch of a figure that is kept whole beside the thinned log.
 # Source: resource: the size of a mail
 MOST_FINE: Final = 20_000
@@ -73,7 +75,13 @@ class Mark:
 
 
 def series(
-    name: str, title: str, caption: str, time: Array, panels: Iterable[Panel], marks: Sequence[Mark] = ()
+    name: str,
+    title: str,
+    caption: str,
+    time: Array,
+    panels: Iterable[Panel],
+    marks: Sequence[Mark] = (),
+    beside: int = 1,
 ) -> Part:
     """A figure of linked time series.
 
@@ -84,10 +92,11 @@ def series(
         time: increasing clock [s], shape (n,).
         panels: one below the other; they share the clock, the cursor and the zoom.
         marks: stretches to jump to.
+        beside: figures of the page that share its size with this one.
     """
     shown = [p for p in panels if p.lines]
     rows = np.stack([line.values for p in shown for line in p.lines])
-    levels = [_level(time, rows, MOST)]
+    levels = [_level(time, rows, MOST // (1 + beside))]
     if levels[0]["bucket"] != 1 and marks:
         # The stretch of the first mark is kept sample by sample beside the thinned log.
         first, end = np.searchsorted(time, [marks[0].start, marks[0].end])

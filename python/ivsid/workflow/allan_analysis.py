@@ -15,6 +15,7 @@ from ivsid.sensors.noise import rule_for
 from ivsid.vehicle import Sensors
 from ivsid.workflow.allan_recording import read_recording
 from ivsid.workflow.allan_words import allan_notes, data_sheet_rows, half_width, sensors_toml
+from ivsid.workflow.first_screens import analysed
 from ivsid.workflow.progress import Progress, silent
 
 
@@ -102,6 +103,7 @@ def allan(
         drawings,
         {"sensors.toml": snippet},
         tuple(lines),
+        analysed(curves, record["bounds"], samples * recording.period),
     )
 
 

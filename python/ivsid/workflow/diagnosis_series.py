@@ -14,7 +14,7 @@ from ivsid.report import drawn, page, series
 from ivsid.report.drawn import Bar, Bars, Dots
 from ivsid.report.figures import MISSING, QUANTITY, stretch
 from ivsid.report.page import Part
-from ivsid.report.series import Line, Mark, Panel
+from ivsid.report.series import ALIKE, Line, Mark, Panel
 from ivsid.workflow.diagnosis_screen import size
 
 # Half-width of the tube of a measured velocity, in standard deviations of its white noise.
@@ -29,7 +29,6 @@ BETWEEN: Final = 5.0
 AROUND: Final = 10.0
 VELOCITIES: Final = ("surge velocity u [m/s]", "sway velocity v [m/s]", "yaw rate r [rad/s]")
 FORCES: Final = ("missing force X [N]", "missing force Y [N]", "missing moment N [N m]")
-ALIKE: Final = ("first", "second", "third", "fourth")
 TRAIN, TEST = "train", "test"
 
 

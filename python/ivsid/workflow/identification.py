@@ -14,12 +14,14 @@ from ivsid.report.page import Part, Report, Section
 from ivsid.report.tables import quality_record
 from ivsid.rows import WINDOW
 from ivsid.vehicle import read_vehicle
-from ivsid.workflow.log_files import quality_table
+from ivsid.workflow.first_screens import identified
+from ivsid.workflow.log_files import log_series, quality_table
 from ivsid.workflow.parameters import (
     MEANING,
     claim_lines,
     freedom_lines,
     method_table,
+    parameter_bars,
     parameter_lines,
     physical_lines,
 )
@@ -87,9 +89,17 @@ def identification_report(fit: Identification, log: Log) -> Report:
     facts += freedom_lines(fit)
     facts += claim_lines(fit)
     sections = [
-        Section("Parameters", (method_table([fit]), page.drawing(drawings[0]), page.bullets(facts))),
+        Section(
+            "Parameters",
+            (
+                *_bars(fit),
+                method_table([fit]),
+                page.bullets(facts),
+                page.details("The intervals as a picture", (page.drawing(drawings[0]),)),
+            ),
+        ),
         Section("Assumptions", (page.bullets(fit.assumes),)),
-        Section("The log", (page.drawing(drawings[1]), *_quality(log), *_notes(fit, log))),
+        Section("The log", (log_series(log), *_quality(log), *_notes(fit, log))),
     ]
     if fit.status == "empty":
         sections.insert(1, _contradiction(fit))
@@ -102,7 +112,12 @@ def identification_report(fit: Identification, log: Log) -> Report:
         drawings,
         {},
         tuple(lines),
+        identified(fit),
     )
+
+
+def _bars(fit: Identification) -> list[Part]:
+    return [parameter_bars([fit])] if fit.parameters else []
 
 
 def _quality(log: Log) -> list[Part]:

@@ -4,15 +4,27 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping, Sequence
+from itertools import cycle
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
-from ivsid.log import Quality
+from ivsid.log import Log, Quality
 from ivsid.report import page
 from ivsid.report.page import Part
+from ivsid.report.series import ALIKE, Line, Panel, series
+
+# Axes of a log's channels, with their units.
+MEASURED: Final = (
+    ("velocities", "m/s", ("u", "v")),
+    ("yaw rate", "rad/s", ("r",)),
+    ("accelerations", "m/s²", ("ax", "ay", "udot", "vdot")),
+    ("position", "m", ("x", "y")),
+    ("heading", "rad", ("psi",)),
+)
 
 
 def distinct_names(paths: Sequence[str | Path]) -> list[str]:
@@ -36,6 +48,21 @@ def parquet(t: NDArray[np.float64], columns: dict[str, NDArray[np.float64]]) -> 
     buffer = io.BytesIO()
     pl.DataFrame({"t": t, **columns}).write_parquet(buffer)
     return buffer.getvalue()
+
+
+def log_series(log: Log, name: str = "log") -> Part:
+    """The channels of a log as measured: demands, velocities, accelerations, or the first ones where it has none of these."""
+    groups = [
+        ("demands", [c for c in log.columns if c.startswith("demand_")]),
+        *((f"{what} [{unit}]", [c for c in names if c in log.columns]) for what, unit, names in MEASURED),
+    ]
+    groups = [g for g in groups if g[1]] or [("channels", list(log.columns))]
+    panels = [
+        Panel(title, tuple(Line(c, role, log.columns[c]) for c, role in zip(names, cycle(ALIKE), strict=False)))
+        for title, names in groups
+    ]
+    caption = f"{log.t.size} samples as measured, median step {log.period:.4g} s."
+    return series(name, f"The log {log.name}", caption, log.t, panels)
 
 
 def quality_table(quality: Mapping[str, Quality]) -> Part:

@@ -23,7 +23,8 @@ from ivsid.simulation import Simulated
 from ivsid.validation import Validation
 from ivsid.vehicle import Vehicle
 from ivsid.workflow.allan_analysis import coefficient_rows, coefficient_table
-from ivsid.workflow.parameters import method_table, parameter_lines, status_line
+from ivsid.workflow.log_files import log_series
+from ivsid.workflow.parameters import method_table, parameter_bars, parameter_lines, status_line
 from ivsid.workflow.thrust_curves import fit_table
 from ivsid.workflow.validation import (
     motion_table,
@@ -123,7 +124,7 @@ def sections_of(
         curves, {n: float("nan") for n in curves}, {n: "rad/s" if n == "r" else "m/s^2" for n in curves}
     )
     return (
-        Section("The twin", (page.bullets(_twin(vehicle, train)), shown_figures["train"], _table_iv(vehicle))),
+        Section("The twin", (page.bullets(_twin(vehicle, train)), log_series(train.log), _table_iv(vehicle))),
         Section(
             "Sensors (Table II, eq. 15, Figs 1-2)",
             (
@@ -138,7 +139,7 @@ def sections_of(
         ),
         Section(
             "Parameters by every method",
-            (method_table(fits), shown_figures["parameters"], page.bullets(fits[0].assumes)),
+            (parameter_bars(fits), method_table(fits), page.bullets(fits[0].assumes)),
         ),
         Section("The published inverse beside the exact one", _inverse_parts(inverses)),
         Section("Table V", _table_v(fits[0], published, narrowed, vehicle)),

@@ -26,6 +26,7 @@ from ivsid.sensors.allan import AllanDeviation, allan_deviation
 from ivsid.sensors.bounds import BoundedLog, bound_log
 from ivsid.simulation import gauss_markov
 from ivsid.vehicle import AccelerationSensor, Vehicle, parse_vehicle
+from ivsid.workflow.first_screens import demonstrated
 from ivsid.workflow.log_files import csv
 from ivsid.workflow.paper_page import Trial, drawings_of, lines_of, paper_numbers, sections_of
 from ivsid.workflow.progress import Progress, silent
@@ -100,6 +101,7 @@ def demo(*, seed: int | None = None, progress: Progress = silent) -> Report:
         drawings,
         extra,
         lines[1:],
+        demonstrated(fits, checks),
     )
 
 

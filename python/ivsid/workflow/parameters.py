@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Final
 
 from ivsid.identification import Identification, in_words
 from ivsid.intervals import shown
-from ivsid.report import page
+from ivsid.report import drawn, page
+from ivsid.report.drawn import Bar, Bars
 from ivsid.report.page import Cells, Part
 
 # Statuses of an identification in words.
@@ -24,6 +26,30 @@ MEANING = {
 MOST_DIRECTIONS = 6
 
 
+# Digits of the narrowest interval.
+# Source: definition: those of the terminal, which shows six
+MOST_DIGITS: Final = 6
+# Share of its width by which rounding may widen an interval on a page.
+# Source: definition: invisible in a figure
+NARROW: Final = 0.05
+
+
+def brief(lower: float, upper: float) -> str:
+    """An interval in as few digits as do not widen it by more than a twentieth, four at the least, rounded outward."""
+    digits = 4
+    while (
+        digits < MOST_DIGITS and math.isfinite(upper - lower) and _lost(lower, upper, digits) > NARROW * (upper - lower)
+    ):
+        digits += 1
+    return shown(lower, upper, digits)
+
+
+def _lost(lower: float, upper: float, digits: int) -> float:
+    """What rounding outward adds to the width of an interval."""
+    low, high = (float(end) for end in shown(lower, upper, digits)[1:-1].split(", "))
+    return high - low - (upper - lower)
+
+
 def method_table(fits: Sequence[Identification]) -> Part:
     """One row for each method and parameter."""
     rows: list[Cells] = []
@@ -31,7 +57,7 @@ def method_table(fits: Sequence[Identification]) -> Part:
         ids = list(fit.parameters) or ["–"]
         for k, id_ in enumerate(ids):
             p = fit.parameters.get(id_)
-            bounds = shown(p.lower, p.upper) if p else "–"
+            bounds = brief(p.lower, p.upper) if p else "–"
             width = p.width if p and math.isfinite(p.width) else None
             head = [fit.method, fit.status, fit.guaranteed] if k == 0 else ["", "", ""]
             rows.append([*head, id_, p.unit if p else "", bounds, width])
@@ -41,6 +67,21 @@ def method_table(fits: Sequence[Identification]) -> Part:
 def status_line(fit: Identification) -> str:
     """Method and status of one of several identifications, for the terminal."""
     return f"method {fit.method}: {fit.status}, {'guaranteed' if fit.guaranteed else 'NOT guaranteed'}; {MEANING[fit.status]}"
+
+
+def parameter_bars(fits: Sequence[Identification]) -> Part:
+    """The intervals of each parameter, one bar a method, beside what the vehicle file claims."""
+    claims = {c["parameter"]: float(c["value"]) for f in fits for c in f.claims}
+    numbers = []
+    for id_ in dict.fromkeys(i for f in fits for i in f.parameters):
+        with_it = [(f, f.parameters[id_]) for f in fits if id_ in f.parameters]
+        rows = tuple(Bar(f.method, p.lower, p.upper, brief(p.lower, p.upper), f.guaranteed) for f, p in with_it)
+        points = (("claimed", claims[id_]),) if id_ in claims else ()
+        numbers.append(Bars(f"{id_} [{with_it[0][1].unit}]", rows, points))
+    return drawn.bars(
+        "Green: guaranteed under the stated assumptions. Red: not guaranteed. An arrow marks what runs off the axis, which the narrow intervals set.",
+        numbers,
+    )
 
 
 def parameter_lines(fit: Identification) -> list[str]:

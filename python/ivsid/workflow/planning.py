@@ -19,6 +19,7 @@ from ivsid.programme.scenario import read_scenario
 from ivsid.report import figures, page
 from ivsid.report.page import Part, Report, Section
 from ivsid.vehicle import Vehicle, read_vehicle
+from ivsid.workflow.first_screens import separable
 from ivsid.workflow.progress import Progress, silent
 
 # Channels that a manoeuvre's log always has; others only where the log has them.
@@ -148,6 +149,7 @@ def isolability_report(vehicle: Vehicle, result: Isolability, words: Mapping[str
         () if drawing is None else (drawing,),
         {},
         tuple(_lines(result, record)),
+        separable(result),
     )
 
 

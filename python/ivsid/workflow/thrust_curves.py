@@ -16,6 +16,7 @@ from ivsid.propulsion.bollard import PUBLISHED_CUBIC, Bollard, Fit, examine
 from ivsid.report import figures, page
 from ivsid.report.page import Part, Report, Section
 from ivsid.report.tables import bollard_record
+from ivsid.workflow.first_screens import pulled
 from ivsid.workflow.progress import Progress, silent
 
 DEMANDS = ("demand", "pwm", "command", "throttle", "rpm")
@@ -103,6 +104,7 @@ def thrust(
         (drawing,),
         {"thruster.toml": snippet},
         tuple(lines),
+        pulled(table),
     )
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+
+import numpy as np
 
 from ivsid import validation
 from ivsid.identification import read_identification
@@ -10,8 +13,10 @@ from ivsid.log import read_log
 from ivsid.report import figures, page
 from ivsid.report.figures import Drawing
 from ivsid.report.page import Part, Report, Section
+from ivsid.report.series import Line, Panel, series
 from ivsid.report.tables import validation_record
-from ivsid.validation import Validation
+from ivsid.validation import ForceCheck, Validation
+from ivsid.workflow.first_screens import validated
 from ivsid.workflow.progress import Progress, silent
 from ivsid.workflow.set_up import examined, with_setup
 
@@ -33,12 +38,11 @@ def validate(fit: str | Path, log: str | Path, *, progress: Progress = silent) -
     progress("drawing")
     drawings = validation_drawings(result)
     summary = validation_summary(result)
-    parts = [page.drawing(d) for d in drawings]
     sections = (
         Section(
-            "Predicted against measured force and moment", (validation_table(result), *parts[: 2 * len(result.forces)])
+            "Predicted against measured force and moment", (validation_table(result), *map(force_series, result.forces))
         ),
-        Section("Simulated against measured motion", (motion_table(result), *parts[2 * len(result.forces) :])),
+        Section("Simulated against measured motion", (motion_table(result), *motion_series(result))),
         Section("Assumptions", (page.bullets([*known.assumes, *result.notes]),)),
     )
     report = Report(
@@ -49,8 +53,41 @@ def validate(fit: str | Path, log: str | Path, *, progress: Progress = silent) -
         drawings,
         {},
         tuple(validation_lines(result)),
+        validated(result),
     )
     return with_setup(report, findings)
+
+
+def force_series(f: ForceCheck) -> Part:
+    """Predicted and measured force of a channel in time, and the rest between them."""
+    unit = "N m" if f.channel == "yaw" else "N"
+    lines = (
+        Line("measured", "measured", f.measured.midpoint),
+        Line("predicted", "after", f.predicted_mid),
+        Line("lower bound", "third", np.where(np.isfinite(f.predicted.lower), f.predicted.lower, np.nan)),
+        Line("upper bound", "third", np.where(np.isfinite(f.predicted.upper), f.predicted.upper, np.nan)),
+    )
+    rest = Line("predicted less measured", "before", f.predicted_mid - f.measured.midpoint)
+    title = TITLES[f.channel]
+    panels = (Panel(f"{title} [{unit}]", lines, robust=True), Panel(f"error of {title} [{unit}]", (rest,), robust=True))
+    order = np.argsort(f.time, kind="stable")
+    sorted_ = tuple(replace(p, lines=tuple(replace(q, values=q.values[order]) for q in p.lines)) for p in panels)
+    caption = f"{100 * f.coverage:.4g} % of the measured values lie inside the bounds; {f.falsified} rows contradict the parameters."
+    return series(f.channel, f"Predicted {title} against measured", caption, f.time[order], sorted_, beside=3)
+
+
+def motion_series(result: Validation) -> list[Part]:
+    """Simulated and measured velocities in time; nothing where no motion was simulated."""
+    m = result.motion
+    if m.reason is not None:
+        return []
+    names = ("surge velocity u [m/s]", "sway velocity v [m/s]", "yaw rate r [rad/s]")
+    panels = [
+        Panel(n, (Line("measured", "measured", m.measured[:, k]), Line("simulated", "after", m.simulated[:, k])))
+        for k, n in enumerate(names)
+    ]
+    caption = f"Restarted from the measured state every {m.window.get('velocity', 0.0):g} s."
+    return [series("motion", "Simulated motion against measured", caption, m.time, panels, beside=3)]
 
 
 def validation_drawings(result: Validation, prefix: str = "") -> tuple[Drawing, ...]:

@@ -25,7 +25,7 @@
   const here = () => {
     const last = sections.filter((s) => s.getBoundingClientRect().top < 0.3 * innerHeight).pop() || sections[0];
     const end = innerHeight + scrollY >= root.scrollHeight - 2 && scrollY > 0;
-    const now = end ? sections[sections.length - 1] : last;
+    const now = scrollY < 1 ? sections[0] : end ? sections[sections.length - 1] : last;
     links.forEach((a, id) => (now && id === now.id ? a.setAttribute("aria-current", "true") : a.removeAttribute("aria-current")));
   };
   addEventListener("scroll", here, { passive: true });

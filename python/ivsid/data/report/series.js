@@ -72,6 +72,7 @@
       );
       this.level = level;
       this.busy = false;
+      Object.assign(this.figure.dataset, { start: from, end: from + span });
     }
 
     // A drag in one panel zooms all.
@@ -138,8 +139,10 @@
       const quoted = (words) => `"${words.replaceAll('"', '""')}"`;
       const names = this.panels.flatMap((p) => p.lines.map((q) => quoted(`${p.title}: ${q.label}`)));
       const lines = [["time [s]", ...names].join(",")];
+      // Samples at both ends belong to the view, however the ends are rounded.
+      const slack = 1e-6 * (x[1] - x[0]);
       x.forEach((t, i) => {
-        if (t >= a && t <= b) lines.push([Number(t.toPrecision(12)), ...rows.map((r) => (r[i] == null ? "" : Number(r[i].toPrecision(8))))].join(","));
+        if (t >= a - slack && t <= b + slack) lines.push([Number(t.toPrecision(12)), ...rows.map((r) => (r[i] == null ? "" : Number(r[i].toPrecision(8))))].join(","));
       });
       const link = document.createElement("a");
       link.href = URL.createObjectURL(new Blob([`${lines.join("\n")}\n`], { type: "text/csv" }));

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ivsid.report.figures.canvas import COLOURS, FORCE_LABEL, Drawing, finish, thin
+from ivsid.report.scaling import narrow_axis
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,7 +25,7 @@ def intervals(fits: Sequence[Identification], name: str = "parameters") -> Drawi
     return finish(
         name,
         "Parameter intervals by method",
-        "Green: guaranteed under the stated assumptions. Red: not guaranteed.",
+        "Green: guaranteed under the stated assumptions. Red: not guaranteed. An arrow marks what runs off the axis.",
         figure,
     )
 
@@ -43,12 +44,17 @@ def draw_intervals(figure: Figure, fits: Sequence[Identification]) -> None:
     ids = _ids(fits)
     panels = np.atleast_1d(figure.subplots(1, max(len(ids), 1)))
     for axes, id_ in zip(panels, ids, strict=False):
+        ends = narrow_axis([(f.parameters[id_].lower, f.parameters[id_].upper) for f in fits if id_ in f.parameters])
         for row, fit in enumerate(fits):
             colour = COLOURS[2] if fit.guaranteed else COLOURS[3]
             p = fit.parameters.get(id_)
             if p is not None and np.isfinite([p.lower, p.upper]).all():
                 axes.plot([p.lower, p.upper], [row, row], color=colour, lw=4, solid_capstyle="butt")
                 axes.plot([p.lower, p.upper], [row, row], "|", color=colour, ms=10)
+                if ends is not None:
+                    # A wide interval runs off, so that the narrow ones can be read.
+                    axes.plot([ends[0]] * (p.lower < ends[0]), [row] * (p.lower < ends[0]), "<", color=colour, ms=6)
+                    axes.plot([ends[1]] * (p.upper > ends[1]), [row] * (p.upper > ends[1]), ">", color=colour, ms=6)
             else:
                 axes.text(
                     0.5,
@@ -65,6 +71,8 @@ def draw_intervals(figure: Figure, fits: Sequence[Identification]) -> None:
             range(len(fits)), [f.method for f in fits] if axes is panels[0] else [""] * len(fits), fontsize=8
         )
         axes.set_ylim(len(fits) - 0.4, -0.6)
+        if ends is not None:
+            axes.set_xlim(*ends)
         axes.tick_params(axis="x", labelsize=7)
         axes.grid(True, axis="x", alpha=0.3)
 

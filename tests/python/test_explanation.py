@@ -4,6 +4,7 @@ import json
 import multiprocessing
 import os
 import re
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -13,14 +14,31 @@ import pytest
 from diagnosis_logs import logs_of, train_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis import evidence, explain, worth
+from ivsid.diagnosis.candidates.families import everything
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.plant.physics import acceleration
+from ivsid.diagnosis.statements import comparison
 from ivsid.diagnosis.statements.binning import binned, ordered_by
+from ivsid.diagnosis.statements.evidence import own_force
 from ivsid.diagnosis.statements.prose import _verdict
+from ivsid.effects import EFFECTS, Given
 from ivsid.files.records import to_json
 from ivsid.intervals import apart
 from ivsid.report import figures
+from ivsid.report.page import html
 from ivsid.workflow.diagnosis import diagnosis_report
+from pages import Page, faults
 
 LINEAR = 4.0
+# Demands that hold between their steps: nothing steers.
+STEPS = """
+[[segments]]
+manoeuvre = "steps"
+demand = [60.0, 20.0]
+period = 30.0
+duration = 120.0
+"""
 ROOT = Path(__file__).parents[2]
 
 
@@ -54,6 +72,39 @@ def test_the_evidence_is_the_force_that_was_hidden(result, seen):
     assert -LINEAR < slope < -0.3 and curve > 0.3
     first, end = e.window
     assert end - first == 900 and (e.before - e.after)[first:end].std() > 0
+
+
+def test_the_force_of_the_cause_is_that_of_its_number_alone(result, seen):
+    """All other numbers held, a linear drag is minus its number times u, in surge and nowhere else."""
+    (e,) = seen
+    last = result.selection.last
+    predictor = last.noise.predictor
+    size = last.h.values["drag.surge.linear"]
+    u = predictor.log.nu[0]
+    # The low pass and the filtered velocity cost little where the motion is slow.
+    np.testing.assert_allclose(
+        e.own[100:-100], comparison.low(predictor, -size * u[None])[0][100:-100], atol=0.03 * size
+    )
+    assert e.acts and e.own_means.mean == pytest.approx(-size * e.own_means.centre, abs=0.02 * size)
+
+
+def test_a_delay_does_nothing_in_a_steady_turn():
+    """A refit spreads a delay over every stretch; its own force lies where the demand changes."""
+    vehicle = vehicle_of()
+    log = channels(train_of(vehicle, {"thruster.delay": 0.3}, segments=STEPS, duration=120.0), vehicle, None)
+    plain = plain_fit(vehicle, log, everything)
+    effect = EFFECTS["thruster.delay"]
+    h = plain.h.with_effect(Given(effect, (0.3,)))
+    predictor = plain.noise.predictor
+    points = plain.states.points.under(*predictor.driving.force(h))
+    states = replace(plain.states, h=h, points=points, nudot=acceleration(vehicle, h, points))
+    own = own_force(predictor, plain, replace(plain, states=states), "thruster.delay")
+    demand = log.demands
+    changed = np.abs(np.diff(demand, axis=1)).max(axis=0) > 0
+    near = np.convolve(np.r_[changed, False], np.ones(2 * round(6.0 / log.h) + 1), "same") > 0
+    assert near.any() and not near.all()
+    size = np.abs(own[0]).max()
+    assert size > 1.0 and np.abs(own[0][~near]).max() < 0.02 * size
 
 
 def test_every_paragraph_is_made_of_the_numbers(result, seen):
@@ -151,6 +202,16 @@ def test_the_page_shows_each_finding_and_both_models_on_the_other_log(result):
     assert all(d.png[:4] == b"\x89PNG" and d.svg.startswith(b"<?xml") and d.caption for d in page.drawings)
     assert [d.png for d in diagnosis_report(result).drawings] == [d.png for d in page.drawings]
     titles = [s.title for s in page.sections]
+    written = html(page)
+    assert faults(written) == [] and html(diagnosis_report(result)) == written
+    screen = Page(written).text.split("What next")[0]
+    bound = result.findings[0].parameters["drag.surge.linear"]
+    low_end, high_end = map(float, re.search(r"size (\S+) to (\S+) kg/s \(statistical\)", screen).groups())
+    assert low_end <= bound.lower < bound.upper <= high_end < bound.upper + 1e-2
+    like = result.findings[0].like
+    assert f"probability {like.probability:.2f}: {like.right} of {like.of}" in screen and "chi" not in screen
+    assert "The simulation is wrong: drag.surge.linear" in screen and "after 60 s" in screen
+    assert "drag.surge.linear" in page.summary and "better by a factor of" in page.summary
     assert "Candidates that are no findings" in titles and "Gain of the extended model" in titles
     assert any("missing" in line or "simulated" in line for line in page.lines)
 

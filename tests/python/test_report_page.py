@@ -1,8 +1,10 @@
 """The report page without a browser: one file that loads nothing, whose names cannot break out, and whose figures keep every peak."""
 
 import base64
+import hashlib
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +17,7 @@ from ivsid.report.series import Line, Mark, Panel
 from ivsid.workflow.log_files import distinct_names
 from pages import Page, faults
 
+ROOT = Path(__file__).parents[2]
 HOSTILE = "</script><script>alert(1)</script><img src=http://evil.example/x onerror=alert(1)>\"'&{{ 7*7 }}"
 
 
@@ -198,3 +201,12 @@ def test_logs_of_one_name_are_told_apart_by_their_folders(tmp_path):
     assert distinct_names((a, tmp_path / "two.csv")) == ["log.csv", "two.csv"]
     assert distinct_names((a, a)) == ["log.csv", "log.csv"]
     assert distinct_names((tmp_path / "1/x/log.csv", tmp_path / "2/x/log.csv")) == ["1/x/log.csv", "2/x/log.csv"]
+
+
+def test_the_plotting_library_is_the_one_that_the_design_names():
+    folder = ROOT / "python" / "ivsid" / "data" / "report" / "uplot"
+    design = (ROOT / "DESIGN.md").read_text()
+    for name in ("uPlot.iife.min.js", "uPlot.min.css"):
+        assert hashlib.sha256((folder / name).read_bytes()).hexdigest() in design, name
+    # A copy in a page keeps its licence.
+    assert "Permission is hereby granted, free of charge" in page.html(report())

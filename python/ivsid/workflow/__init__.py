@@ -9,6 +9,8 @@
 - ``identification``, ``verification``, ``validation``: parameter intervals, their proof, and another log against them.
 - ``exporting``: a model as a file of another simulator.
 - ``diagnosis``, ``planning``: causes of what the simulation gets wrong, and manoeuvres that would separate them.
+- ``diagnosis_screen``, ``diagnosis_series``, ``diagnosis_tables``: parts of the page of a diagnosis.
+- ``first_screens``: what the other pages say first.
 - ``paper_trials``, ``paper_page``: the paper's experiment on a twin of its vehicle, and its page.
 - ``parameters``, ``log_files``, ``progress``: intervals in words, logs as files, and progress, which several commands share.
 

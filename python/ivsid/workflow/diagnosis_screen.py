@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Final
 
 from ivsid import diagnosis
@@ -76,6 +77,11 @@ def _follows(result: Diagnosis) -> list[str]:
         )
     elif gain := best_gain(result):
         words.append(gain)
+    elif all(f.effect == "unknown" for f in result.findings):
+        rest = ", ".join(
+            f"{k} {before:.3g} {'N m' if k == 'N' else 'N'}" for k, (before, _) in result.gain.force_rms.items()
+        )
+        words.append(f"The model lacks these forces on {result.gain.log}: {rest} (rms).")
     else:
         words.append(f"{result.gain.log} does not tell that the extended model is better there.")
     if result.proofs[0].refuted:
@@ -94,7 +100,8 @@ def _card(f: Finding, k: int) -> Card:
     facts.append(("how sure", _sure(f)))
     if f.alternatives:
         facts.append(("could also be", f"{', '.join(f.alternatives)} (weight of the first name {f.confidence:.2f})"))
-    words = f.description if unknown else EFFECTS[f.effect].cause
+    # The numbers of the description stand below, beside the finding.
+    words = re.sub(r" \([^()]*\)", "", f.description) if unknown else EFFECTS[f.effect].cause
     return Card(f.effect, words[:1].upper() + words[1:] + ".", tuple(facts), f"finding-{k}")
 
 
@@ -107,14 +114,14 @@ def _share(f: Finding) -> str:
         return f"the other log cannot tell ({distances})"
     if m.share <= 0:
         return f"none: the model without it runs closer ({distances})"
-    return f"{100 * max(m.interval[0], 0.0):.0f} to {100 * m.interval[1]:.0f} % explained ({distances})"
+    return f"{100 * max(m.interval[0], 0.0):.0f} to {100 * m.interval[1]:.0f} % of its square explained ({distances})"
 
 
 def _sure(f: Finding) -> str:
     if f.like is None:
         return "no finding of the examination is like it"
-    what = "of them hid something" if f.effect == "unknown" else "were right"
-    return f"probability {f.like.probability:.2f}: of {f.like.of} findings like it, {f.like.right} {what}"
+    what = "had a hidden cause" if f.effect == "unknown" else "were right"
+    return f"probability {f.like.probability:.2f}: {f.like.right} of {f.like.of} findings like it {what}"
 
 
 def _following(result: Diagnosis) -> list[str]:

@@ -27,6 +27,7 @@ BETWEEN: Final = 5.0
 # Time that is shown around a sample [s].
 # Source: definition: the response of a small hull to a step
 AROUND: Final = 10.0
+NO_FORCE: Final = "It changes what the accelerometers read and pushes nothing, so that no figure of forces shows it."
 VELOCITIES: Final = ("surge velocity u [m/s]", "sway velocity v [m/s]", "yaw rate r [rad/s]")
 FORCES: Final = ("missing force X [N]", "missing force Y [N]", "missing moment N [N m]")
 TRAIN, TEST = "train", "test"
@@ -40,7 +41,8 @@ def train_series(result: Diagnosis, seen: Sequence[Evidence]) -> Part:
         Line(t.name, role, x) for t, role, x in zip(result.vehicle.thrusters, cycle(ALIKE), log.demands, strict=False)
     ]
     panels.append(Panel("demands, in units of the log", tuple(demands)))
-    for e in seen:
+    acting = [e for e in seen if e.acts]
+    for e in acting:
         title = f"{MISSING[e.channel]} [{e.unit}], {e.effect}"
         if e.effect == "unknown":
             panels.append(
@@ -53,7 +55,7 @@ def train_series(result: Diagnosis, seen: Sequence[Evidence]) -> Part:
             Line("force of the cause", "cause", e.own),
         )
         panels.append(Panel(title, lines, robust=True))
-    marks = [Mark(f"Most of {e.effect}", *_window(e)) for e in seen]
+    marks = [Mark(f"Most of {e.effect}", *_window(e)) for e in acting]
     caption = "As measured, with 99.9 % of the stated white noise as a tube; below, the force that the model lacks without a cause and with it, and the cause's own, below 0.35 Hz."
     return series.series(TRAIN, f"The log {result.inputs[1][0]}", caption, log.t, panels, marks)
 
@@ -83,7 +85,9 @@ def test_series(result: Diagnosis) -> Part:
 def finding_parts(f: Finding, e: Evidence | None) -> list[Part]:
     """Links to the samples that show a finding, its intervals as bars, and its force against what orders it."""
     parts: list[Part] = []
-    if e is not None:
+    if e is not None and not e.acts:
+        parts.append(page.text(NO_FORCE))
+    if e is not None and e.acts:
         parts.append(page.jump("Show it in the log:", [("where most of it is", TRAIN, *_window(e)), *_samples(e)]))
     numbers = [
         _bars(name, b.unit, [("the log", b.lower, b.upper, size(b), b.guaranteed)], [("no effect", 0.0)])
@@ -92,7 +96,7 @@ def finding_parts(f: Finding, e: Evidence | None) -> list[Part]:
     ]
     if numbers:
         parts.append(drawn.bars("Intervals of its numbers.", numbers))
-    if e is not None:
+    if e is not None and e.acts:
         label = f"{MISSING[e.channel]} [{e.unit}]"
         after, own = e.means[1], e.own_means
         dots = [Dots("missing with it", "after", after.centre, after.mean, 2 * after.error)]

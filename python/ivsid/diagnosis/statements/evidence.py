@@ -28,6 +28,9 @@ Array = NDArray[np.float64]
 # Length of the stretch of time that a figure shows [s].
 # Source: resource: the width of a figure
 STRETCH: Final = 90.0
+# Share of the missing force below which the force of a cause is rounding.
+# Source: definition: rounding of doubles, with a margin
+LEAST_SHARE: Final = 1e-6
 
 
 @dataclass(frozen=True)
@@ -59,6 +62,11 @@ class Evidence:
     rms: tuple[float, float, float]
     own: Array
     own_means: Binned
+
+    @property
+    def acts(self) -> bool:
+        """Whether the cause is a force here; one that changes an accelerometer's reading alone is none."""
+        return float(np.abs(self.own).max()) > LEAST_SHARE * float(np.abs(self.before).max())
 
     @property
     def unit(self) -> str:

@@ -12,6 +12,7 @@ from command_line import run, run_process
 from conftest import as_log, embedded
 from ivsid.identification import METHODS
 from ivsid.workflow.log_files import csv as as_csv
+from pages import Page, faults
 
 
 @pytest.fixture(scope="module")
@@ -41,12 +42,15 @@ def test_identify_and_validate_leave_their_files(folder, twin, made):
     assert len(record["inputs"][0]["sha256"]) == 64 and record["vehicle"] == embedded("swan.toml")
     page = (folder / "fit" / "report.html").read_text()
     assert "http://" not in page and "https://" not in page and "data:image/png;base64," in page
+    assert faults(page) == [] and "3 parameters are enclosed" in Page(page).text
     assert {"parameters.png", "parameters.svg", "log.png", "log.svg"} <= {p.name for p in (folder / "fit").iterdir()}
     checked = run_process("validate", folder / "fit", folder / "log.csv", "--out", folder / "check", "--json")
     assert checked.returncode == 0, checked.stderr
     printed = json.loads(checked.stdout)
     assert printed == json.loads((folder / "check" / "result.json").read_text())
     assert printed["force"]["surge"]["falsified_samples"] == 0
+    page = (folder / "check" / "report.html").read_text()
+    assert faults(page) == [] and "The parameters hold on the other log" in Page(page).text
 
 
 @pytest.mark.usefixtures("made")

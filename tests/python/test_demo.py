@@ -7,6 +7,7 @@ import pytest
 from ivsid import workflow
 from ivsid.files.records import to_json
 from ivsid.report import page
+from pages import Page, faults
 
 
 @pytest.fixture(scope="module")
@@ -55,6 +56,7 @@ def test_what_the_published_inverse_is_worth(made):
 
 def test_numbers_and_figures_of_the_paper_stand_in_the_report(made):
     written = page.html(made)
+    assert faults(written) == [] and "On the second trial no rows contradict" in Page(written).text
     for words in (
         "Table V",
         "[-31.8686, 8.1316]",

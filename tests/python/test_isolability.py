@@ -12,8 +12,10 @@ from ivsid.diagnosis.planning.isolability import APART, separability
 from ivsid.log import Log
 from ivsid.programme import trials
 from ivsid.programme.scenario import parse_scenario
+from ivsid.report.page import html
 from ivsid.simulation import simulate
 from ivsid.workflow import isolability
+from pages import faults
 from sampling import spaced
 
 LINE = """
@@ -168,6 +170,7 @@ def test_the_command_advises_for_a_scenario_and_for_a_log(tmp_path):
         record = page.record
         advice = {tuple(a["effects"]): a for a in record["advice"]}
         assert [d.name for d in page.drawings] == ["separation"]
+        assert faults(html(page)) == [] and page.first is not None and page.first.following
         for c in record["classes"]:
             assert tuple(c["effects"]) in advice
         munk = advice[("added_mass.munk", "drag.lift.yaw")]

@@ -9,11 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ivsid import workflow
+from ivsid.diagnosis import Evidence, Finding
+from ivsid.diagnosis.statements.binning import Binned
 from ivsid.report import drawn, page, series
 from ivsid.report.drawn import Bar, Bars, Dots
 from ivsid.report.page import Card, First, Report, Section
 from ivsid.report.scaling import narrow_axis, robust_range, ticks
 from ivsid.report.series import Line, Mark, Panel
+from ivsid.workflow.diagnosis_series import finding_parts
 from ivsid.workflow.log_files import distinct_names
 from pages import Page, faults
 
@@ -210,3 +214,37 @@ def test_the_plotting_library_is_the_one_that_the_design_names():
         assert hashlib.sha256((folder / name).read_bytes()).hexdigest() in design, name
     # A copy in a page keeps its licence.
     assert "Permission is hereby granted, free of charge" in page.html(report())
+
+
+def test_a_table_and_a_recording_give_pages_that_say_what_to_do(tmp_path):
+    demand = np.linspace(-100, 100, 21)
+    rows = "\n".join(f"{d},{0.004 * d * abs(d)}" for d in demand)
+    (tmp_path / "pull.csv").write_text(f"demand [%],thrust [N]\n{rows}\n")
+    made = workflow.thrust(tmp_path / "pull.csv")
+    assert faults(page.html(made)) == []
+    said = Page(page.html(made)).text
+    assert f"Use the {made.record['recommended']}" in said and "-40 to 40 N" in said and "Copy thruster.toml" in said
+    rng = np.random.default_rng(0)
+    rows = "\n".join(f"{0.05 * k:.2f},{x:.9f}" for k, x in enumerate(1e-3 * rng.standard_normal(4000)))
+    (tmp_path / "still.csv").write_text(f"t,ax\n{rows}\n")
+    made = workflow.allan(tmp_path / "still.csv")
+    assert faults(page.html(made)) == []
+    a = made.record["channels"]["ax"]
+    said = Page(page.html(made)).text
+    assert f"N {a['random_walk']:.3g} (" in said and ("not resolved" in said) == (not a["bias_resolved"])
+
+
+def test_a_cause_that_pushes_nothing_has_no_figure_of_forces():
+    t = 0.1 * np.arange(900)
+    means = Binned(np.arange(3.0), np.zeros(3), np.ones(3))
+    given = (t, np.sin(t), np.cos(t), (0, 600), "u", (means,) * 3, (1.0, 1.0, 1.0))
+    still = Evidence("sensor.attitude_leak", "yaw", *given, 1e-9 * np.sin(t), means)
+    acting = Evidence("drag.yaw.linear", "yaw", *given, np.sin(t), means)
+    f = Finding("x", 1.0, (), "", {}, {})
+    assert not still.acts and [p["kind"] for p in finding_parts(f, still)] == ["text"]
+    jump, curve = finding_parts(f, acting)
+    assert acting.acts and curve["kind"] == "curve" and curve["title"] == "drag.yaw.linear in yaw"
+    # The largest forces first, each at its time, and no two of one peak.
+    times = [0.5 * (q["start"] + q["end"]) for q in jump["links"][1:]]
+    assert all(abs(np.sin(x)) > 0.98 for x in times)
+    assert min(abs(a - b) for k, a in enumerate(times) for b in times[:k]) >= 5.0

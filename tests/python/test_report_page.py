@@ -5,19 +5,21 @@ import hashlib
 import json
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from ivsid import workflow
-from ivsid.diagnosis import Evidence, Finding
+from ivsid.diagnosis import Bound, Claim, Evidence, Finding
 from ivsid.diagnosis.statements.binning import Binned
+from ivsid.diagnosis.statements.shallow_water import Change
 from ivsid.report import drawn, page, series
 from ivsid.report.drawn import Bar, Bars, Dots
 from ivsid.report.page import Card, First, Report, Section
 from ivsid.report.scaling import narrow_axis, robust_range, ticks
 from ivsid.report.series import Line, Mark, Panel
-from ivsid.workflow.diagnosis_series import finding_parts
+from ivsid.workflow.diagnosis_series import change_bars, claim_bars, finding_parts, row_links
 from ivsid.workflow.log_files import distinct_names
 from pages import Page, faults
 
@@ -248,3 +250,25 @@ def test_a_cause_that_pushes_nothing_has_no_figure_of_forces():
     times = [0.5 * (q["start"] + q["end"]) for q in jump["links"][1:]]
     assert all(abs(np.sin(x)) > 0.98 for x in times)
     assert min(abs(a - b) for k, a in enumerate(times) for b in times[:k]) >= 5.0
+
+
+def test_claims_changes_and_rows_stand_in_the_page_where_they_belong():
+    beside, alone = Bound(58.0, 62.0, "kg", "m"), Bound(-900.0, 1500.0, "kg", "m")
+    claims = [
+        Claim("mass.surge", 70.0, "kg", True, 9.0, beside, alone),
+        Claim("drag.x", 1.0, "kg/m", False, reason="no signature"),
+    ]
+    (number,) = claim_bars(claims)["numbers"]
+    narrow, wide = (r["bar"] for r in number["rows"])
+    (claimed,) = number["points"]
+    # The claim lies right of the interval that contradicts it, and the wide interval runs off both ends.
+    assert number["number"] == "mass.surge [kg]" and narrow["left"] + narrow["width"] < claimed["at"] < 100
+    assert wide["less"] and wide["more"] and not claimed["more"]
+    assert change_bars(SimpleNamespace(change=None)) == []
+    (part,) = change_bars(SimpleNamespace(change=Change({"mass.surge": (1.2, 0.01), "inertia.yaw": (1.0, 0.01)}, None)))
+    heavier, same = part["numbers"]
+    assert heavier["points"][0]["at"] < heavier["rows"][0]["bar"]["left"]
+    inside = same["rows"][0]["bar"]
+    assert inside["left"] < same["points"][0]["at"] < inside["left"] + inside["width"]
+    (link,) = row_links([{"channel": "surge", "time": 487.5, "duration": 2.0}])["links"]
+    assert link["text"] == "surge at 487.5 s" and link["start"] < 487.5 < 489.5 < link["end"]

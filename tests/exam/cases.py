@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from tests.exam.catalogue import CLAIMED, EFFECTS, ON_TEST_ALONE, OUTSIDE, drawn, possible
+from tests.exam.catalogue import CLAIMED, EFFECTS, ON_TEST_ALONE, OUTSIDE, drawn, drawn_by, possible
 from tests.exam.readings import exact as clean_readings
 from tests.exam.readings import log as noisy
 from tests.exam.shown import Sailed, shown
@@ -162,10 +162,10 @@ def case(
     w = what or str(rng.choice(["none", "one", "two", "outside"], p=[0.34, 0.46, 0.1, 0.1]))
     probe = setting(seed, **given)
     sides = tuple(t["position"][1] for t in probe.vessel.thrusters)
-    able = [i for i in EFFECTS if possible(i, sides)]
+    able = [i for i in drawn_by(seed) if possible(i, sides)]
     if effect == "each":
-        effect = list(EFFECTS)[seed % len(EFFECTS)]
-    if effect in EFFECTS and effect not in able:
+        effect = drawn_by(seed)[seed % len(drawn_by(seed))]
+    if effect in EFFECTS and not possible(effect, sides):
         raise ValueError(f"the vehicle of seed {seed} cannot have {effect}")
     ids = {
         "none": [],

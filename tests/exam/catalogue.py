@@ -95,8 +95,15 @@ OUTSIDE: dict[str, Parts] = {
 }
 # Claims without which an effect is the same as other masses and drags: docs/theory.md, "Equivalent effects".
 CLAIMED = {"thruster.gain": ("mass.surge",)}
+# Seeds from which on an effect is drawn: cases of earlier seeds, which tests and pages name, stay what they were when it joined.
+SINCE = {"thruster.shaft_lag": 90000}
 # Effects that differ between the logs: in one depth, masses and drags are what they are.
 ON_TEST_ALONE = ("environment.shallow_water",)
+
+
+def drawn_by(seed: int) -> list[str]:
+    """Effects among which the case of a seed is drawn."""
+    return [i for i in EFFECTS if seed >= SINCE.get(i, 0)]
 
 
 def possible(id_: str, sides: tuple[float, ...]) -> bool:

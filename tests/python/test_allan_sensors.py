@@ -200,9 +200,11 @@ def test_the_signs_reach_the_reader(tmp_path):
     moved = (
         Sensor(n=5e-3, order=2, cutoff=8.0).record(t.size, 0.01, rng) + 0.02 * np.sin(2 * np.pi * 1.5 * t) + t * 2e-3
     )
+    # Of a reading that moves, nothing is guessed of a filter.
+    filtered = Sensor(n=5e-3, order=2, cutoff=8.0).record(t.size, 0.01, rng)
     coarse = np.round((rng.standard_normal(t.size) * 0.2 + 0.3) / 1.0)
-    rows = "".join(f"{a:.2f},{b:.7f},{c:g}\n" for a, b, c in zip(t, moved, coarse, strict=True))
-    (tmp_path / "moved.csv").write_text("t,r,ax\n" + rows)
+    rows = "".join(f"{a:.2f},{b:.7f},{f:.7f},{c:g}\n" for a, b, f, c in zip(t, moved, filtered, coarse, strict=True))
+    (tmp_path / "moved.csv").write_text("t,r,q,ax\n" + rows)
     made = run("allan", tmp_path / "moved.csv", "--unit", "deg/s", "--out", tmp_path / "out")
     assert made.returncode == 0, made.stderr
     for words in (

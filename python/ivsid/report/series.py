@@ -22,6 +22,9 @@ MOST: Final = 360_000
 # Most values of the stretch of a figure that is kept whole beside the thinned log.
 # Source: resource: the size of a mail
 MOST_FINE: Final = 20_000
+# Values beyond this, of a simulation that diverges, are drawn here.
+# Source: definition: single precision ends at 3.4e38
+LARGEST: Final = 3e38
 # Largest difference from a uniform clock that is one, in steps.
 # Source: definition: far below what a pixel shows
 UNIFORM: Final = 1e-3
@@ -167,5 +170,5 @@ def _panel(p: Panel) -> dict[str, object]:
 
 
 def _base64(x: Array) -> str:
-    """Single precision, least byte first."""
-    return base64.b64encode(np.asarray(x, dtype="<f4").tobytes()).decode()
+    """Single precision, least byte first; what exceeds it stands at its end."""
+    return base64.b64encode(np.clip(x, -LARGEST, LARGEST).astype("<f4").tobytes()).decode()

@@ -115,7 +115,7 @@ def _model(result: Diagnosis) -> str:
 
 def _summary(result: Diagnosis) -> str:
     """The verdict with its causes and the gain in a few sentences."""
-    words = [*worse(result), f"{result.vehicle.name}: {result.verdict}. {VERDICTS[result.verdict]}"]
+    words = [f"{result.vehicle.name}: {result.verdict}. {VERDICTS[result.verdict]}"]
     named = [
         f"{f.effect} ({', '.join(size(b) for b in f.parameters.values())})" if f.parameters else f.effect
         for f in result.findings

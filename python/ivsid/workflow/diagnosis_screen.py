@@ -68,6 +68,7 @@ def _verdict(result: Diagnosis) -> str:
 
 
 def _follows(result: Diagnosis) -> list[str]:
+    """What the summary, which stands above, does not say."""
     words = []
     tested = sum(v.tested for v in result.visible.values())
     if result.verdict == "adequate":
@@ -75,17 +76,13 @@ def _follows(result: Diagnosis) -> list[str]:
             f"{tested} causes of typical size would have shown in {result.inputs[1][0]}, and none did beyond the declared errors; "
             f"{len(result.not_tested)} could not be tested with it."
         )
-    elif gain := best_gain(result):
-        words.append(gain)
     elif all(f.effect == "unknown" for f in result.findings):
         rest = ", ".join(
             f"{k} {before:.3g} {'N m' if k == 'N' else 'N'}" for k, (before, _) in result.gain.force_rms.items()
         )
         words.append(f"The model lacks these forces on {result.gain.log}: {rest} (rms).")
-    else:
+    elif not best_gain(result):
         words.append(f"{result.gain.log} does not tell that the extended model is better there.")
-    if result.proofs[0].refuted:
-        words.append("It is proved that no numbers of the model explain the log inside the declared bounds.")
     return words
 
 

@@ -74,7 +74,7 @@ def example(folder: str | Path, *, seed: int | None = None, progress: Progress =
         Section("Next", (page.text("This command names the cause:"), page.code(command))),
         Section("The logs", tuple(map(page.drawing, drawings))),
     )
-    lines = (summary, "  boat.toml, run1.csv, run2.csv, programme.toml", f"  next: {command}")
+    lines = ("  boat.toml, run1.csv, run2.csv, programme.toml", f"  next: {command}")
     return Report(f"Example: {vehicle.name}", summary, record, sections, tuple(drawings), files, lines)
 
 

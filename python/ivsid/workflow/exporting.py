@@ -45,5 +45,5 @@ def export(result: str | Path, to: str, *, progress: Progress = silent) -> Repor
         (Section("Not in the file", (lacks,)), Section(made.file, (page.code(made.text),))),
         (),
         {made.file: made.text},
-        (summary, *(f"  not in it: {sentence}" for sentence in made.unstated)),
+        tuple(f"  not in it: {sentence}" for sentence in made.unstated),
     )

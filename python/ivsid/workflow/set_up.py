@@ -38,12 +38,10 @@ def with_setup(report: Report, findings: Sequence[SetupFinding]) -> Report:
     if not findings:
         return replace(report, record=record)
     lines = [f.line for f in findings]
-    first = report.first and replace(report.first, warnings=(*lines, *report.first.warnings))
     return replace(
         report,
         record=record,
         summary=f"The set-up is doubtful, so that what follows may be about a wrong set-up: {lines[0]}. {report.summary}",
         sections=(Section("Set-up", (page.bullets(lines),)), *report.sections),
-        first=first,
         lines=(*(f"set-up: {line}" for line in lines), *report.lines),
     )

@@ -27,6 +27,12 @@ SHORTEST_LAG: Final = 1e-6
 # Difference of an error of a thrust curve from which a slope is taken, in units of the error.
 # Source: geometry: thrust is linear in the error up to a limit or a dead band, and rounding costs 1e-13 of such a difference
 ERROR_STEP: Final = 1e-3
+# Points and weights of Gauss and Legendre on [0, 1].
+# Source: theorem: exact for polynomials up to the fifth degree, Abramowitz and Stegun, *Handbook of Mathematical Functions*, 1972, table 25.4
+NODES: Final = (0.5 - 0.15**0.5, 0.5, 0.5 + 0.15**0.5)
+# Weights of these points.
+# Source: theorem: as NODES
+WEIGHTS: Final = (5 / 18, 8 / 18, 5 / 18)
 # Rounding of a number of steps that is rounded to a whole one.
 # Source: geometry: far above the rounding of a quotient of times, far below a step
 WHOLE: Final = 1e-9
@@ -175,9 +181,7 @@ class Propulsion:
         if self.log.between is not None:
             return self._finely(k, static, lag, delay, of_shaft=of_shaft)
         if lag > SHORTEST_LAG and of_shaft:
-            now, mean, end = _behind(*_late(d, _midway(d, held=self.log.held), delay, h), lag, h)
-            first, middle, last = (static(self._at(k, x)) for x in (now, mean, end))
-            return first, (first + 4 * middle + last) / 6, None
+            return *self._of_shaft(k, static, *_late(d, _midway(d, held=self.log.held), delay, h), lag, h), None
         now = static(self._samples[k])
         mean = now
         if not self.log.held:
@@ -219,6 +223,26 @@ class Propulsion:
             self._between[k] = self._at(k, demand())
         return self._between[k]
 
+    def _of_shaft(
+        self, k: int, static: Callable[[_At], Array], now: Array, held: Array, lag: float, h: float
+    ) -> tuple[Array, Array]:
+        """Thrusts of one thruster whose demand lags, at samples, and means over the steps after them.
+
+        Over a step the demand is d(s) = held + (start - held) y with y = exp(-s / lag), so that the mean of a thrust T is
+        T(held) + lag / h times the integral over y, from exp(-h / lag) to 1, of (T(d) - T(held)) / y. The integrand is linear in y where the thrust is
+        quadratic in the demand.
+
+        Source: Gauss and Legendre's rule, Abramowitz and Stegun, *Handbook of Mathematical Functions*, 1972, 25.4.30.
+        """
+        start, _, _ = _behind(now, held, lag, h)
+        over = 1.0 - float(np.exp(-h / lag))
+        goal = static(self._at(k, held))
+        mean = goal
+        for node, weight in zip(NODES, WEIGHTS, strict=True):
+            y = 1.0 - over * (1.0 - node)
+            mean = mean + (lag / h * over * weight / y) * (static(self._at(k, held + (start - held) * y)) - goal)
+        return static(self._at(k, start)), mean
+
     def _finely(
         self, k: int, static: Callable[[_At], Array], lag: float, delay: float, *, of_shaft: bool
     ) -> tuple[Array, Array, Array]:
@@ -228,9 +252,7 @@ class Propulsion:
         sent = self.log.between.demands[k].ravel() - thruster.neutral
         h = self.log.h / parts
         if lag > SHORTEST_LAG and of_shaft:
-            start, middle, end = _behind(*_late(sent, sent, delay, h), lag, h)
-            now = static(self._at(k, start))
-            mean = (now + 4 * static(self._at(k, middle)) + static(self._at(k, end))) / 6
+            now, mean = self._of_shaft(k, static, *_late(sent, sent, delay, h), lag, h)
         else:
             now = static(self._known(k, lambda: sent))
             now, mean = _late(now, now, delay, h)

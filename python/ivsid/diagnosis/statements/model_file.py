@@ -28,10 +28,12 @@ def against(vehicle: Vehicle, h: Hypothesis, seen: Points, gain: Gain) -> tuple[
     if gain.diverges[1] is not None:
         found.append(f"its simulation of {gain.log} diverges from t = {gain.diverges[1]:.6g} s")
     # Small losses beside a gain are said, and leave the choice to the reader.
+    # What the page calls better, by ranks over all quantities or by a quantity's own interval.
+    better = bool(gain.gains) or any(low > 1.0 for low, _ in gain.factors.values())
     worse = [k for k, growth in Carried(gain, complete=True).growth.items() if growth > BESIDE_STRUCTURE]
-    if worse or (gain.losses and not gain.gains):
+    if worse or (gain.losses and not better):
         found.append(f"on {gain.log} it is worse in {', '.join(worse or gain.losses)}, by more than chance")
-    if not gain.gains and gain.diverges == (None, None):
+    if not better and gain.diverges == (None, None):
         found.append(f"on {gain.log} it is better in nothing by more than chance")
     return tuple(found)
 

@@ -24,7 +24,7 @@ from ivsid.workflow.set_up import examined, with_setup
 
 VERDICTS = {
     "adequate": "Nothing beyond the declared errors: the simulation is adequate for what this log could show.",
-    "wrong": "The simulation is wrong; the findings name the causes, strongest first.",
+    "wrong": "The simulation lacks what the findings name, strongest first.",
     "unknown": "Something is wrong that no known cause explains.",
 }
 

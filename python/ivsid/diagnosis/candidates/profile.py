@@ -12,6 +12,7 @@ from typing import Final
 
 import numpy as np
 
+from ivsid.diagnosis.candidates.starts import proposed_starts
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.plant.physics import Hypothesis
@@ -152,6 +153,9 @@ def refined(problem: Problem, states: FilteredStates, given: Given, *, wide: boo
         tried = {best: chi2(best)}
         if wide and given.effect.form.bends:
             tried |= {best * share: chi2(best * share) for share in SHARES}
+            best = min(tried, key=lambda q: tried[q])
+        if given.effect.parameters[j].draw == "time":
+            tried |= {start: chi2(start) for start in proposed_starts(problem, states, given, j) if start > 0}
             best = min(tried, key=lambda q: tried[q])
         for _ in range(PASSES):
             for k in range(-AROUND, AROUND + 1):

@@ -403,7 +403,9 @@ def test_completion_of_a_vehicle_takes_files_too(tmp_path, monkeypatch):
     assert completion.vehicles("ott") == ["otter", "otters/", "otto.toml"]
 
 
-def test_completion_can_be_installed():
+def test_completion_can_be_installed(monkeypatch):
+    # Whatever the shell of the test is, the program writes the script of the one that is named.
+    monkeypatch.setenv("_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION", "1")
     made = run_process("--show-completion", "bash")
+    assert made.returncode == 0 and "complete -o default -F" in made.stdout and "COMP_WORDS" in made.stdout
     assert "--install-completion" in shown("--help")
-    assert "_IVSID_COMPLETE" in made.stdout or made.returncode == 0

@@ -186,7 +186,7 @@ def test_a_sound_log_whose_equations_are_coarse_is_adequate():
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize(("size", "close"), [(0.075, True), (0.12, False)])
+@pytest.mark.parametrize(("size", "close"), [(0.07, True), (0.12, False)])
 def test_a_small_force_outside_the_catalogue_stays_unknown(size, close):
     """Its structure is close to the threshold, so null logs are asked, and none of them shows as much; a larger one is beyond doubt."""
     c = case(

@@ -5,9 +5,11 @@ Whole diagnoses of the same logs run in `make nightly`; here stands what each of
 
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.signal import butter, sosfiltfilt
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.draw import case
@@ -33,7 +35,7 @@ from ivsid.diagnosis.estimation.noise import declared_ambient
 from ivsid.diagnosis.null.visibility import VISIBLE, visibility
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor
-from ivsid.diagnosis.statements.comparison import compare
+from ivsid.diagnosis.statements.comparison import compare, low
 from ivsid.effects import EFFECTS, Given, register, terms_of, unregister
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
@@ -279,3 +281,22 @@ def test_velocities_every_fourth_row_pass_nothing(seed, given):
     columns = {k: np.where(kept, x, np.nan) if k in ("u", "v") else x for k, x in c.train.columns.items()}
     found = screened(c.vehicle, Log("1.csv", "0" * 64, c.train.t, columns))
     assert not found.passed and found.quiet
+
+
+@pytest.mark.parametrize("h", [0.02, 0.1, 0.5])
+def test_forces_are_those_of_a_butterworth_filter_both_ways(h):
+    """SciPy's filter starts from fifteen samples beyond each end, so that the ends differ."""
+    n = round(600 / h)
+    rows_ = np.random.default_rng(3).standard_normal((3, n)).cumsum(axis=1)
+    found = low(SimpleNamespace(log=SimpleNamespace(h=h)), rows_)
+    both_ways = sosfiltfilt(butter(4, 0.35, fs=1 / h, output="sos"), rows_, axis=1)
+    inner = slice(round(60 / h), n - round(60 / h))
+    np.testing.assert_allclose(found[:, inner], both_ways[:, inner], atol=1e-7 * rows_.std())
+    # A straight line is passed up to its ends.
+    line = np.linspace(-3.0, 5.0, n)[None]
+    np.testing.assert_allclose(low(SimpleNamespace(log=SimpleNamespace(h=h)), line), line, atol=1e-6)
+
+
+def test_a_log_slower_than_the_cut_off_is_passed_whole():
+    x = np.random.default_rng(4).standard_normal((2, 90))
+    np.testing.assert_allclose(low(SimpleNamespace(log=SimpleNamespace(h=2.0)), x), x, atol=1e-9)

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from scipy.stats import binom
+from scipy.stats import binom, wilcoxon
 
-from ivsid.diagnosis.statements.losses import losses
+from ivsid.diagnosis.statements.losses import losses, signed_ranks
 
 NAMES = ("u", "v", "r", "position", "X", "Y", "N")
 WINDOWS = {"u": 30, "v": 30, "r": 30, "position": 10, "X": 30, "Y": 30, "N": 30}
@@ -44,3 +44,15 @@ def test_what_is_equal_better_or_worse_in_one_window_is_no_loss(after):
 
 def test_a_log_without_windows_tells_nothing():
     assert losses({"u": (np.zeros(0), np.zeros(0)), "X": (np.ones(2), np.full(2, 9.0))}) == {}
+
+
+@pytest.mark.parametrize("count", [1, 2, 7, 50, 51, 300])
+@pytest.mark.parametrize("step", [None, 0.1])
+def test_ranks_are_those_of_scipy_with_and_without_ties(count, step):
+    rng = np.random.default_rng(count)
+    for shift in (-0.5, 0.0, 0.4):
+        x = rng.standard_normal(count) + shift
+        x = x if step is None else step * (np.round(np.abs(x) / step) + 1) * np.sign(x)
+        exact = count <= 50 and np.unique(np.abs(x)).size == count
+        scipy = wilcoxon(x, alternative="greater", method="exact" if exact else "approx", correction=not exact)
+        assert signed_ranks(x) == pytest.approx(scipy.pvalue, rel=1e-9)

@@ -44,6 +44,20 @@ def test_a_diagnosis_loads_neither_the_signals_nor_the_distributions_of_scipy():
     assert not found & {"scipy.signal", "scipy.stats"}
 
 
+def test_a_whole_diagnosis_loads_neither_of_them(tmp_path):
+    """From the example to its report, with a cause that the model takes in: nothing in it is worth another second."""
+    first, said = tmp_path / "first", tmp_path / "said"
+    lines = [
+        ["ivsid", "example", first],
+        ["ivsid", "diagnose", *(first / n for n in ("boat.toml", "run1.csv", "run2.csv"))],
+    ]
+    code = COMMAND.format([str(x) for x in lines[0]], 0)
+    assert loaded(code)
+    found = loaded(COMMAND.format([str(x) for x in [*lines[1], "--out", said]], 0))
+    assert not found & {"scipy.signal", "scipy.stats"}
+    assert (said / "model.toml").exists()
+
+
 def test_arithmetic_loads_numpy_and_the_core_alone():
     found = loaded("from ivsid import EndpointPair, Interval, IntervalArray, IvsidError, linalg, regression")
     assert not found & HEAVY

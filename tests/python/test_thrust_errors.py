@@ -124,6 +124,18 @@ def test_values_at_the_knots_are_the_error_in_units_of_its_bound():
     assert covariance[0, 1] > 0.5 * BOUNDED**2 > covariance[0, -1]
 
 
+def test_the_total_of_errors_is_the_sum_of_each_by_its_size():
+    c = case(7, what="none", kind="twin", duration=30.0, style="rich", train_alone=True)
+    t = c.vehicle.thrusters[0]
+    rng = np.random.default_rng(2)
+    d = np.repeat(rng.uniform(-80.0, 90.0, 60), 5)
+    errors = thrust_errors(t, ThrustCurve(t.model_copy(update={"outside": "hold"})), d)
+    sizes = rng.standard_normal(len(errors.spreads))
+    # Also at demands in another order, whose branches are others.
+    for at in (d, d[::-1]):
+        np.testing.assert_allclose(errors.total(at, sizes), sizes @ errors.at(at), rtol=1e-12, atol=1e-12)
+
+
 def test_the_smoothest_functions_of_a_hysteresis_change_sign_with_the_side_of_a_demand():
     c = case(7, what="none", kind="twin", duration=30.0, style="rich", train_alone=True)
     t = c.vehicle.thrusters[0]

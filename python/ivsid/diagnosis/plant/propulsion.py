@@ -70,6 +70,10 @@ class _At:
         """Thrust errors [N] of one unit of each declared error, shape (errors, n)."""
         return self._declared.at(self.demand)
 
+    def total(self, sizes: Sequence[float]) -> Array:
+        """Sum of the declared errors [N] of given sizes, shape (n,)."""
+        return self._declared.total(self.demand, sizes)
+
 
 class Propulsion:
     """The thrusters of a vehicle under the demands of a log.
@@ -167,7 +171,7 @@ class Propulsion:
 
         def static(at: _At) -> Array:
             # The error of the curve comes before any limit or dead band.
-            thrust = at.thrust + np.asarray(sizes) @ at.errors if any(sizes) else at.thrust
+            thrust = at.thrust + at.total(sizes) if any(sizes) else at.thrust
             if errors is None:
                 return changed(thrust, at.demand)
             each = errors(at)
@@ -181,7 +185,8 @@ class Propulsion:
         if self.log.between is not None:
             return self._finely(k, static, lag, delay, of_shaft=of_shaft)
         if lag > SHORTEST_LAG and of_shaft:
-            return *self._of_shaft(k, static, *_late(d, _midway(d, held=self.log.held), delay, h), lag, h), None
+            sent = d, _midway(d, held=self.log.held)
+            return *self._of_shaft(k, static, *_late(*sent, delay, h), lag, h, own=delay <= 0), None
         now = static(self._samples[k])
         mean = now
         if not self.log.held:
@@ -224,19 +229,19 @@ class Propulsion:
         return self._between[k]
 
     def _of_shaft(
-        self, k: int, static: Callable[[_At], Array], now: Array, held: Array, lag: float, h: float
+        self, k: int, static: Callable[[_At], Array], now: Array, held: Array, lag: float, h: float, *, own: bool
     ) -> tuple[Array, Array]:
         """Thrusts of one thruster whose demand lags, at samples, and means over the steps after them.
 
         Over a step the demand is d(s) = held + (start - held) y with y = exp(-s / lag), so that the mean of a thrust T is
         T(held) + lag / h times the integral over y, from exp(-h / lag) to 1, of (T(d) - T(held)) / y. The integrand is linear in y where the thrust is
-        quadratic in the demand.
+        quadratic in the demand. ``own`` says that ``held`` is the log's own, without a delay.
 
         Source: Gauss and Legendre's rule, Abramowitz and Stegun, *Handbook of Mathematical Functions*, 1972, 25.4.30.
         """
         start, _, _ = _behind(now, held, lag, h)
         over = 1.0 - float(np.exp(-h / lag))
-        goal = static(self._at(k, held))
+        goal = static(self._known(k, lambda: held) if own else self._at(k, held))
         mean = goal
         for node, weight in zip(NODES, WEIGHTS, strict=True):
             y = 1.0 - over * (1.0 - node)
@@ -252,7 +257,7 @@ class Propulsion:
         sent = self.log.between.demands[k].ravel() - thruster.neutral
         h = self.log.h / parts
         if lag > SHORTEST_LAG and of_shaft:
-            now, mean = self._of_shaft(k, static, *_late(sent, sent, delay, h), lag, h)
+            now, mean = self._of_shaft(k, static, *_late(sent, sent, delay, h), lag, h, own=delay <= 0)
         else:
             now = static(self._known(k, lambda: sent))
             now, mean = _late(now, now, delay, h)

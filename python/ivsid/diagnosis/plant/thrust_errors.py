@@ -13,7 +13,7 @@ Source: docs/theory.md, "Diagnosis"; Rasmussen and Williams, *Gaussian Processes
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Final
@@ -103,14 +103,29 @@ class ThrustErrors:
         branch = [side * np.interp(demand, self.turns, column) for column in self.branches.T]
         return np.asarray(self.bound(demand) * np.stack([*curve, *branch]))
 
+    def total(self, demand: Array, sizes: Sequence[float]) -> Array:
+        """Sum of the thrust errors [N] of given sizes at demands from neutral in the order of time, shape (n,).
+
+        Args:
+            demand: shape (n,).
+            sizes: of the errors, in units of the bound.
+        """
+        count = self.knots.shape[1]
+        curve, branch = self.knots @ np.asarray(sizes[:count]), self.branches @ np.asarray(sizes[count:])
+        found = np.interp(demand, self.places, curve)
+        if np.any(branch):
+            found += np.where(upward(demand), 1.0, -1.0) * np.interp(demand, self.turns, branch)
+        return np.asarray(self.bound(demand) * found)
+
 
 def upward(d: Array) -> NDArray[np.bool_]:
     """Whether the last change of a demand was a rise, at each sample in the order of time; a first stretch counts as risen."""
-    moved = np.flatnonzero(np.diff(d, prepend=d[:1]))
-    if not moved.size:
-        return np.ones(d.size, dtype=bool)
-    last = np.searchsorted(moved, np.arange(d.size), side="right") - 1
-    return np.asarray((last < 0) | (d[moved[np.maximum(last, 0)]] > d[moved[np.maximum(last, 0)] - 1]))
+    if not d.size:
+        return np.ones(0, dtype=bool)
+    change = np.diff(d, prepend=d[:1])
+    change[0] = 1.0
+    last = np.maximum.accumulate(np.where(change != 0.0, np.arange(d.size), 0))
+    return np.asarray((change > 0.0)[last])
 
 
 def thrust_errors(thruster: Thruster, curve: ThrustCurve, demand: Array) -> ThrustErrors:

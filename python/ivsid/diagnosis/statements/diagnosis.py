@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Final
 
 from ivsid.diagnosis.candidates.intervals import Bound, intervals
@@ -112,7 +113,7 @@ class Diagnosis(Result):
         """Candidates that are no findings, the best first, each with the reason."""
         return rejected(self.findings, self.selection, self.withdrawn)
 
-    @property
+    @cached_property
     def against_model(self) -> tuple[str, ...]:
         """Sentences on why the extended model is not handed out as a vehicle file; none where it is."""
         return against(self.vehicle, self.model, self.selection.last.states.points, self.gain)

@@ -129,11 +129,13 @@ def test_the_total_of_errors_is_the_sum_of_each_by_its_size():
     t = c.vehicle.thrusters[0]
     rng = np.random.default_rng(2)
     d = np.repeat(rng.uniform(-80.0, 90.0, 60), 5)
-    errors = thrust_errors(t, ThrustCurve(t.model_copy(update={"outside": "hold"})), d)
+    curve = ThrustCurve(t.model_copy(update={"outside": "hold"}))
+    errors = thrust_errors(t, curve, d)
     sizes = rng.standard_normal(len(errors.spreads))
     # Also at demands in another order, whose branches are others.
     for at in (d, d[::-1]):
-        np.testing.assert_allclose(errors.total(at, sizes), sizes @ errors.at(at), rtol=1e-12, atol=1e-12)
+        total = errors.total(at, sizes, bound_of(t, curve, at))
+        np.testing.assert_allclose(total, sizes @ errors.at(at), rtol=1e-12, atol=1e-12)
 
 
 def test_the_smoothest_functions_of_a_hysteresis_change_sign_with_the_side_of_a_demand():

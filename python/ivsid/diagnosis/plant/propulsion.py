@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.channels import Channels
-from ivsid.diagnosis.plant.thrust_errors import ThrustErrors, thrust_errors
+from ivsid.diagnosis.plant.thrust_errors import ThrustErrors, bound_at, thrust_errors
 from ivsid.effects import Drive, Given, Response, Thrust, acting, for_thruster, with_stated
 from ivsid.linear.filters import decaying
 from ivsid.propulsion.thrust import ThrustCurve
@@ -59,11 +59,12 @@ class _At:
     Attributes:
         demand: from the thruster's neutral, in its own unit, shape (n,).
         thrust: by the curve [N], shape (n,).
+        kept: whether many hypotheses ask for it, so that each error is worth working out by itself.
     """
 
-    def __init__(self, demand: Array, thrust: Array, declared: ThrustErrors) -> None:
-        self.demand, self.thrust = demand, thrust
-        self._declared = declared
+    def __init__(self, thruster: Thruster, demand: Array, thrust: Array, declared: ThrustErrors, *, kept: bool) -> None:
+        self.demand, self.thrust, self.kept = demand, thrust, kept
+        self._thruster, self._declared = thruster, declared
 
     @cached_property
     def errors(self) -> Array:
@@ -72,7 +73,9 @@ class _At:
 
     def total(self, sizes: Sequence[float]) -> Array:
         """Sum of the declared errors [N] of given sizes, shape (n,)."""
-        return self._declared.total(self.demand, sizes)
+        if self.kept:
+            return np.asarray(sizes) @ self.errors
+        return self._declared.total(self.demand, sizes, bound_at(self._thruster, self.thrust))
 
 
 class Propulsion:
@@ -99,10 +102,7 @@ class Propulsion:
             if errors is None
             else list(errors)
         )
-        self._samples = [
-            _At(self.demands[k], np.asarray(c.value(log.demands[k]), dtype=np.float64), self.errors[k])
-            for k, c in enumerate(self.curves)
-        ]
+        self._samples = [self._at(k, d, kept=True) for k, d in enumerate(self.demands)]
         # Every hypothesis asks for the thrusts of the same demands between samples: they are worked out once.
         self._between: dict[int, _At] = {}
 
@@ -217,15 +217,16 @@ class Propulsion:
             thrust = change.function(thrust, drive, numbers)
         return np.asarray(thrust, dtype=np.float64)
 
-    def _at(self, k: int, demand: Array) -> _At:
+    def _at(self, k: int, demand: Array, *, kept: bool = False) -> _At:
         """One thruster at demands from its neutral."""
-        thrust = np.asarray(self.curves[k].value(demand + self.vehicle.thrusters[k].neutral), dtype=np.float64)
-        return _At(demand, thrust, self.errors[k])
+        thruster = self.vehicle.thrusters[k]
+        thrust = np.asarray(self.curves[k].value(demand + thruster.neutral), dtype=np.float64)
+        return _At(thruster, demand, thrust, self.errors[k], kept=kept)
 
     def _known(self, k: int, demand: Callable[[], Array]) -> _At:
         """One thruster at the log's own demands between samples."""
         if k not in self._between:
-            self._between[k] = self._at(k, demand())
+            self._between[k] = self._at(k, demand(), kept=True)
         return self._between[k]
 
     def _of_shaft(

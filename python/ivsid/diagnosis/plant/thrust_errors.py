@@ -44,9 +44,13 @@ BRANCHES: Final = 4
 
 def bound_of(thruster: Thruster, curve: ThrustCurve, demand: Array) -> Array:
     """Bound of the thrust error [N] at demands from neutral: no thrust has no error."""
-    accuracy = thruster.accuracy
-    thrust = np.abs(np.asarray(curve.value(demand + thruster.neutral), dtype=np.float64))
-    return np.asarray(np.minimum(accuracy.absolute + accuracy.relative * thrust, thrust), dtype=np.float64)
+    return bound_at(thruster, np.asarray(curve.value(demand + thruster.neutral), dtype=np.float64))
+
+
+def bound_at(thruster: Thruster, thrust: Array) -> Array:
+    """The same at thrusts by the curve [N]."""
+    accuracy, size = thruster.accuracy, np.abs(thrust)
+    return np.asarray(np.minimum(accuracy.absolute + accuracy.relative * size, size), dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -103,19 +107,20 @@ class ThrustErrors:
         branch = [side * np.interp(demand, self.turns, column) for column in self.branches.T]
         return np.asarray(self.bound(demand) * np.stack([*curve, *branch]))
 
-    def total(self, demand: Array, sizes: Sequence[float]) -> Array:
+    def total(self, demand: Array, sizes: Sequence[float], bound: Array) -> Array:
         """Sum of the thrust errors [N] of given sizes at demands from neutral in the order of time, shape (n,).
 
         Args:
             demand: shape (n,).
             sizes: of the errors, in units of the bound.
+            bound: at these demands [N], shape (n,), where it costs less than ``bound``.
         """
         count = self.knots.shape[1]
         curve, branch = self.knots @ np.asarray(sizes[:count]), self.branches @ np.asarray(sizes[count:])
         found = np.interp(demand, self.places, curve)
         if np.any(branch):
             found += np.where(upward(demand), 1.0, -1.0) * np.interp(demand, self.turns, branch)
-        return np.asarray(self.bound(demand) * found)
+        return np.asarray(bound * found)
 
 
 def upward(d: Array) -> NDArray[np.bool_]:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.channels import Between, Channels
+from ivsid.diagnosis.estimation.declared_errors import drawn_size
 from ivsid.diagnosis.null.closed_loop import GRID_MARGIN, RATIO_ROUNDING, TABLE, Programme, ends, simulated
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.propulsion import Propulsion
@@ -161,13 +162,14 @@ def _declared_errors(
 ) -> tuple[dict[str, Array], list[Array | None]]:
     """Declared errors of every null log.
 
-    Sizes are normal. A thrust error is a wave, a broken line, a few steps or teeth inside its bound, and the model of declared errors is fitted to it.
+    A thrust error is a wave, a broken line, a few steps or teeth inside its bound, and the model of declared errors is fitted to it.
 
     Returns:
         Sizes by name, each of shape (count,), and thrust errors by thruster, each of shape (count, TABLE) or None.
     """
     drawn = {
-        name: np.array([rng.standard_normal() for rng in rngs]) * s for name, s in programme.declared_errors.items()
+        name: np.array([drawn_size(name, prior, rng) for rng in rngs])
+        for name, prior in programme.declared_errors.items()
     }
     propulsion = Propulsion(programme.vehicle, programme.log)
     least, most = ends(programme)

@@ -35,7 +35,11 @@ def hints(fit: Fit) -> tuple[str, ...]:
         if abs(size) < SHOWN * sigma:
             continue
         if name == "~scale.velocity":
-            out.append(f"velocities read {100 * size:+.2f} % of their value too much; the vehicle file allows for that")
+            stated = fit.noise.predictor.vehicle.sensors.velocity
+            bound = 0.0 if stated is None else 100 * stated.scale_factor_error
+            out.append(
+                f"velocities read {100 * size:+.2f} % of their value too much; the vehicle file allows for {bound:.3g} %"
+            )
         elif name.endswith(".0"):
             words, unit = _BIAS[name.split(".")[1]]
             out.append(f"the {words} is about {size:.3g} {unit}, inside its specification")

@@ -61,8 +61,12 @@ class IntervalArray(Operators):
 
     @classmethod
     def around(cls, centre: ArrayLike, radius: ArrayLike) -> IntervalArray:
-        """The intervals ``centre`` +- ``radius``, rounded outward; the shapes of the two broadcast."""
-        r = np.asarray(radius, dtype=np.float64)
+        """The intervals ``centre`` +- ``radius``, rounded outward; the shapes of the two broadcast.
+
+        Raises:
+            IvsidError: no numbers, NaN, an integer without an exact double, or a negative radius.
+        """
+        r = exact_floats(radius, "the radius")
         return cls(centre) + cls(-r, r)
 
     @classmethod
@@ -119,11 +123,13 @@ class IntervalArray(Operators):
             IvsidError: points that are no numbers.
         """
         p = exact_floats(points, "the points")
+        _check_mode()
         return np.isfinite(p) & (self._lower <= p) & (p <= self._upper)
 
     def subset(self, other: IntervalArray | Interval) -> NDArray[np.bool_]:
         """Whether each interval is a subset of the other's; the empty one is a subset of all."""
         o = interval_array(other)
+        _check_mode()
         return self.empty | ((o.lower <= self._lower) & (self._upper <= o.upper))
 
     def intersection(self, other: Operand) -> IntervalArray:
@@ -202,8 +208,7 @@ class IntervalArray(Operators):
     def __eq__(self, other: object) -> Any:
         if not isinstance(other, (IntervalArray, Interval)):
             return NotImplemented
-        o = interval_array(other)
-        return (self._lower == o.lower) & (self._upper == o.upper)
+        return equal(self, other)
 
     def __getstate__(self) -> tuple[FloatArray, FloatArray]:
         return np.array(self._lower), np.array(self._upper)
@@ -227,6 +232,20 @@ def _text(lower: float, upper: float) -> str:
 
 def _interval(lower: float, upper: float) -> Interval:
     return Interval.empty_set() if lower > upper else Interval(lower, upper)
+
+
+def _check_mode() -> None:
+    """Refuses a changed floating-point mode: where denormals count as zero, comparisons of doubles are wrong, too."""
+    if not _core.environment_is_default():
+        # The core has the sentence.
+        _core.check_bounds(np.zeros(0), np.zeros(0))
+
+
+def equal(x: Operand, y: Operand) -> NDArray[np.bool_]:
+    """Whether the intervals are the same, entry by entry; shapes broadcast."""
+    a, b = interval_array(x), interval_array(y)
+    _check_mode()
+    return np.asarray((a.lower == b.lower) & (a.upper == b.upper))
 
 
 def scalar(result: IntervalArray) -> Any:
@@ -292,11 +311,42 @@ def operate(op: str, a: Any, b: Any) -> Any:
 
 
 def power(base: Operand, exponent: Operand) -> IntervalArray:
-    """``x^n`` for an integer ``n``, else ``x^y`` of the members ``x > 0``, and of 0 for positive ``y`` (IEEE 1788, pown and pow)."""
-    if isinstance(exponent, int | np.integer) and -(2**31) <= exponent < 2**31:
-        x = interval_array(base)
-        return IntervalArray._raw(_core.power(*x._flat(), int(exponent)), x.shape)
-    return binary("pow", base, exponent)
+    """``x^n`` for integers ``n``, else ``x^y`` of the members ``x > 0``, and of 0 for positive ``y`` (IEEE 1788, pown and pow).
+
+    Args:
+        base: any intervals.
+        exponent: an integer, an array of integers, or any intervals; shapes broadcast.
+    """
+    if isinstance(exponent, int | np.integer):
+        return _whole_power(interval_array(base), int(exponent))
+    whole = np.asarray(exponent) if isinstance(exponent, np.ndarray | list | tuple) else None
+    if whole is None or whole.dtype.kind not in "biu":
+        return binary("pow", base, exponent)
+    x = interval_array(base)
+    shape = np.broadcast_shapes(x.shape, whole.shape)
+    lower, upper = (np.broadcast_to(end, shape).copy() for end in (x.lower, x.upper))
+    n = np.broadcast_to(whole, shape)
+    for each in np.unique(whole):
+        at = n == each
+        found = _whole_power(IntervalArray._raw((lower[at], upper[at]), (int(at.sum()),)), int(each))
+        lower[at], upper[at] = found.lower, found.upper
+    return IntervalArray._raw((lower, upper), shape)
+
+
+def _whole_power(x: IntervalArray, n: int) -> IntervalArray:
+    """``x^n``; the members below zero have the power of their magnitude, with a sign where ``n`` is odd."""
+    if -(2**31) <= n < 2**31:
+        return IntervalArray._raw(_core.power(*x._flat(), n), x.shape)
+    largest = float(np.finfo(np.float64).max)
+    nearest = float(n) if abs(n) <= int(largest) else (largest if n > 0 else -largest)
+    # Beyond 2^53 an integer lies between two doubles.
+    between = IntervalArray(
+        nearest if int(nearest) <= n else math.nextafter(nearest, -math.inf),
+        nearest if int(nearest) >= n else math.nextafter(nearest, math.inf),
+    )
+    above = binary("pow", x, between)
+    below = binary("pow", -x, between)
+    return above.hull(-below if n % 2 else below)
 
 
 def matmul(a: Operand, b: Operand) -> IntervalArray:

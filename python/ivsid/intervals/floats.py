@@ -28,15 +28,27 @@ def exact_floats(values: ArrayLike, what: str) -> FloatArray:
     """
     array = np.asarray(values)
     if array.dtype == np.float64:
+        if not isinstance(values, np.ndarray):
+            _check_integers(values, array, what)
         return cast(FloatArray, array)
     if array.dtype.kind in "biu" or array.dtype in (np.float32, np.float16):
         floats = array.astype(np.float64)
         large = np.abs(floats) >= LARGEST_EXACT
         if array.dtype.kind in "iu" and large.any():
-            exact = all(int(f) == int(i) for f, i in zip(floats[large], array[large], strict=True))
-            if not exact:
-                raise IvsidError(
-                    f"{what} has an integer beyond 2**53 without an exact double; enclose it by two bounds"
-                )
+            _compare(floats[large], array[large], what)
         return floats
     raise IvsidError(f"{what} is of type {array.dtype}; give float64 numbers")
+
+
+def _check_integers(values: ArrayLike, floats: FloatArray, what: str) -> None:
+    """Refuses integers that NumPy rounded, because floats stand beside them in a list."""
+    large = np.isfinite(floats) & (np.abs(floats) >= LARGEST_EXACT)
+    if large.any():
+        given = np.asarray(values, dtype=object)[large]
+        whole = np.array([isinstance(x, int | np.integer) for x in given])
+        _compare(floats[large][whole], given[whole], what)
+
+
+def _compare(floats: FloatArray, integers: NDArray[np.object_] | NDArray[np.integer], what: str) -> None:
+    if any(int(f) != int(i) for f, i in zip(floats, integers, strict=True)):
+        raise IvsidError(f"{what} has an integer beyond 2**53 without an exact double; enclose it by two bounds")

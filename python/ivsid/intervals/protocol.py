@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ivsid.intervals.array import IntervalArray, Operand, binary, interval_array, matmul, power, scalar
+from ivsid.intervals.array import IntervalArray, Operand, binary, equal, interval_array, matmul, power, scalar
 from ivsid.intervals.floats import FloatArray
 
 _BINARY: dict[np.ufunc, str] = {
@@ -70,8 +71,7 @@ def ufunc(ufunc: np.ufunc, method: str, inputs: tuple[Any, ...], options: dict[s
         if ufunc is np.positive:
             return inputs[0]
         if ufunc in (np.equal, np.not_equal):
-            x, y = (interval_array(v) for v in inputs)
-            same = (x.lower == y.lower) & (x.upper == y.upper)
+            same = equal(*inputs)
             return same if ufunc is np.equal else ~same
     names = ", ".join(sorted(u.__name__ for u in (*_BINARY, *_UNARY, np.matmul, np.power)))
     if options:
@@ -90,7 +90,16 @@ def function(function: Callable[..., object], arguments: tuple[object, ...], opt
     if handler is None:
         known = ", ".join(sorted(f.__name__ for f in _FUNCTIONS))
         raise TypeError(f"np.{function.__name__} is not defined for intervals; there are {known}")
+    _refuse_out(function, arguments, options)
     return handler(*arguments, **options)
+
+
+def _refuse_out(function: Callable[..., object], arguments: tuple[object, ...], options: dict[str, object]) -> None:
+    """Refuses ``out``, by name and by place: the two ends of the intervals would be written into one array of numbers."""
+    names = list(inspect.signature(function).parameters) if "out" not in options else []
+    given = arguments[names.index("out") :] if "out" in names else ()
+    if options.get("out") is not None or any(x is not None for x in given[:1]):
+        raise TypeError(f"np.{function.__name__} of intervals takes no out; use the array that it returns")
 
 
 def _ends(function: Callable[..., FloatArray], parts: Sequence[Operand], **options: object) -> IntervalArray:

@@ -44,6 +44,17 @@ fn guarded(result: Bounds) -> PyResult<Interval> {
     Ok(Interval(result))
 }
 
+/// A number of Python's as a double, without a rounding.
+fn exact_number(value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    if let Ok(number) = value.cast::<PyFloat>() {
+        return Ok(number.value());
+    }
+    if let Some(exact) = value.cast::<PyInt>().ok().and_then(integer) {
+        return Ok(exact.lo());
+    }
+    python_door(value.py(), "_bound")?.call1((value,))?.extract()
+}
+
 #[pymethods]
 impl Interval {
     #[new]
@@ -56,17 +67,8 @@ impl Interval {
             }
             return text.to_str()?.parse().map(Self).map_err(|e| refusal(&e));
         }
-        let bound = |value: &Bound<'_, PyAny>| -> PyResult<f64> {
-            if let Ok(number) = value.cast::<PyFloat>() {
-                return Ok(number.value());
-            }
-            if let Some(exact) = value.cast::<PyInt>().ok().and_then(integer) {
-                return Ok(exact.lo());
-            }
-            python_door(py, "_bound")?.call1((value,))?.extract()
-        };
-        let lo = bound(lower)?;
-        let hi = upper.map_or(Ok(lo), bound)?;
+        let lo = exact_number(lower)?;
+        let hi = upper.map_or(Ok(lo), exact_number)?;
         Bounds::new(lo, hi).map(Self).map_err(|e| refusal(&e))
     }
 
@@ -114,14 +116,14 @@ impl Interval {
 
     /// The largest absolute value.
     #[getter]
-    fn magnitude(&self) -> f64 {
-        self.0.magnitude()
+    fn magnitude(&self) -> PyResult<f64> {
+        guarded(self.0).map(|x| x.0.magnitude())
     }
 
     /// The smallest absolute value.
     #[getter]
-    fn mignitude(&self) -> f64 {
-        self.0.mignitude()
+    fn mignitude(&self) -> PyResult<f64> {
+        guarded(self.0).map(|x| x.0.mignitude())
     }
 
     /// True if nothing is inside.
@@ -131,23 +133,27 @@ impl Interval {
     }
 
     /// True if the number is inside.
-    fn contains(&self, point: f64) -> bool {
-        self.0.contains(point)
+    ///
+    /// Raises:
+    ///     `IvsidError`: no number, or one without an exact double.
+    fn contains(&self, point: &Bound<'_, PyAny>) -> PyResult<bool> {
+        let point = exact_number(point)?;
+        Ok(guarded(self.0)?.0.contains(point))
     }
 
     /// True if this lies in the other.
-    fn subset(&self, other: &Self) -> bool {
-        self.0.subset(other.0)
+    fn subset(&self, other: &Self) -> PyResult<bool> {
+        Ok(guarded(self.0)?.0.subset(other.0))
     }
 
     /// True if this lies in the inside of the other.
-    fn interior(&self, other: &Self) -> bool {
-        self.0.interior(other.0)
+    fn interior(&self, other: &Self) -> PyResult<bool> {
+        Ok(guarded(self.0)?.0.interior(other.0))
     }
 
     /// True if no number is in both.
-    fn disjoint(&self, other: &Self) -> bool {
-        self.0.disjoint(other.0)
+    fn disjoint(&self, other: &Self) -> PyResult<bool> {
+        Ok(guarded(self.0)?.0.disjoint(other.0))
     }
 
     /// The common members.
@@ -184,12 +190,12 @@ impl Interval {
         *self
     }
 
-    fn __abs__(&self) -> Self {
-        Self(self.0.abs())
+    fn __abs__(&self) -> PyResult<Self> {
+        guarded(self.0.abs())
     }
 
-    fn __contains__(&self, point: f64) -> bool {
-        self.0.contains(point)
+    fn __contains__(&self, point: &Bound<'_, PyAny>) -> PyResult<bool> {
+        self.contains(point)
     }
 
     fn __richcmp__<'py>(
@@ -199,7 +205,7 @@ impl Interval {
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = slf.py();
         let Ok(other) = other.cast::<Self>() else { return Ok(py.NotImplemented().into_bound(py)) };
-        let equal = slf.get().0 == other.get().0;
+        let equal = guarded(slf.get().0)?.0 == other.get().0;
         Ok(match op {
             CompareOp::Eq => equal.into_pyobject(py)?.to_owned().into_any(),
             CompareOp::Ne => (!equal).into_pyobject(py)?.to_owned().into_any(),

@@ -117,9 +117,11 @@ impl Interval {
         if modulus.is_some() {
             return Err(PyTypeError::new_err("intervals have no modular powers"));
         }
-        if let Ok(number) = exponent.cast::<PyInt>()
-            && let Ok(n) = number.extract::<i32>()
-        {
+        if let Ok(number) = exponent.cast::<PyInt>() {
+            // Larger integers are the arrays' business: a real power would lose the members below zero.
+            let Ok(n) = number.extract::<i32>() else {
+                return python_door(slf.py(), "_operate")?.call1(("pow", slf, exponent));
+            };
             return Ok(Bound::new(slf.py(), guarded(slf.get().0.powi(n))?)?.into_any());
         }
         binary(slf, exponent, "pow", Bounds::pow, false)

@@ -8,6 +8,7 @@
 - ``arguments``: options that commands share, and values that they parse.
 - ``completion``: words that the shell completes.
 - ``run``: one command from its folder to its written results; ``progress``: the step and the time left, on stderr.
+- ``terminal``: words to the terminal, with control characters made visible.
 - ``entry``: exit codes, and one sentence in place of a traceback.
 
 Exit codes: 0, the command did its job; 1, an internal fault; 2, wrong usage or unusable input; 130, interrupted.

@@ -14,6 +14,7 @@ import typer
 from typer.core import TyperArgument, TyperCommand, TyperGroup, TyperOption
 
 from ivsid.cli import recognition
+from ivsid.cli.terminal import say
 from ivsid.errors import IvsidError
 
 if TYPE_CHECKING:
@@ -85,7 +86,7 @@ def _ordered(command: str, names: Sequence[str], given: Sequence[Path]) -> list[
         said = "; ".join(_is(g, k) for g, k in zip(given, kinds, strict=True))
         raise IvsidError(f"{command} needs {_all(names)}; {said}")
     files = [given[k] for k in order]
-    typer.echo(f"ivsid: taken as ivsid {command} {' '.join(map(str, files))}, by the content of the files", err=True)
+    say(f"ivsid: taken as ivsid {command} {' '.join(map(str, files))}, by the content of the files", err=True)
     return files
 
 

@@ -8,6 +8,7 @@ import warnings
 import typer
 
 from ivsid.cli.application import program
+from ivsid.cli.terminal import say
 from ivsid.errors import IvsidError
 
 
@@ -21,20 +22,20 @@ def main() -> None:
         code = 130
     except typer.TyperException as error:
         if words := _usage(error):
-            typer.echo(f"ivsid: {words} (ivsid --help shows what is possible)", err=True)
+            say(f"ivsid: {words} (ivsid --help shows what is possible)", err=True)
         code = 2
     except IvsidError as error:
-        typer.echo(f"ivsid: {error}", err=True)
+        say(f"ivsid: {error}", err=True)
         code = 2
     except BrokenPipeError:
         code = 0
     except (KeyboardInterrupt, EOFError):
         code = 130
     except MemoryError:
-        typer.echo("ivsid: not enough memory for this input; give a shorter log", err=True)
+        say("ivsid: not enough memory for this input; give a shorter log", err=True)
         code = 2
     except Exception as error:
-        typer.echo(
+        say(
             f"ivsid: an internal fault, {type(error).__name__}: {error}; please report it with the command and its files",
             err=True,
         )

@@ -13,6 +13,7 @@ from ivsid.cli import completion
 from ivsid.cli.arguments import Json, Out, Seed, VehicleFile, effect_numbers
 from ivsid.cli.questions import answers
 from ivsid.cli.run import run
+from ivsid.cli.terminal import say
 
 
 def init(
@@ -34,10 +35,10 @@ def init(
     if json:
         from ivsid.files import records  # noqa: PLC0415 - loads libraries that the help does not need
 
-        typer.echo(records.to_json(made.record))
+        say(records.to_json(made.record))
         return
     for line in made.lines:
-        typer.echo(line)
+        say(line)
 
 
 def example(

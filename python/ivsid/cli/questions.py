@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING
 import typer
 
 if TYPE_CHECKING:
-    from ivsid.proposal import Answers, Proposal
+    from ivsid.cli.terminal import say
+from ivsid.proposal import Answers, Proposal
 
 
 def answers(proposal: Proposal) -> Answers:
     """Asks for the mass of the hull, and for the place and the bollard pull of each thruster."""
     from ivsid.proposal import Answers  # noqa: PLC0415 - loads libraries that the help does not need
 
-    typer.echo("Enter alone leaves a question to the file.")
+    say("Enter alone leaves a question to the file.")
     mass = _numbers("mass of the hull with all on board [kg]", 1, above=0.0)
     positions, thrusts = {}, {}
     for d in proposal.demands:
@@ -40,6 +41,6 @@ def _numbers(question: str, count: int, above: float = -math.inf) -> tuple[float
             numbers = ()
         if len(numbers) == count and all(math.isfinite(x) and x > above for x in numbers):
             return numbers
-        typer.echo(
+        say(
             f"  {text} is not understood; write {'a positive number' if count == 1 else 'two numbers, parted by a comma'}"
         )

@@ -7,13 +7,12 @@ logs look at far more. The name of a shipped vehicle stands for its vehicle file
 
 from __future__ import annotations
 
-import json
-import tomllib
 from itertools import combinations, permutations
 from os import R_OK, access
 from pathlib import Path
 from typing import Final
 
+from ivsid.files.parsed import json_value, toml_table
 from ivsid.files.shipped import shipped
 
 VEHICLE, SCENARIO, LOG, FIT, RESULT = (
@@ -55,7 +54,7 @@ def kinds(path: str | Path) -> frozenset[str]:
 def _command(result: Path) -> str | None:
     """The command that a result names, or None."""
     try:
-        record = json.loads(result.read_bytes())
+        record = json_value(result.read_bytes())
     except (OSError, ValueError):
         return None
     command = record.get("command") if isinstance(record, dict) else None
@@ -67,7 +66,7 @@ def _toml(path: Path) -> dict[str, object] | None:
     try:
         if path.stat().st_size > MOST_TOML:
             return None
-        return tomllib.loads(path.read_text())
+        return toml_table(path.read_text())
     except (OSError, ValueError):
         return None
 

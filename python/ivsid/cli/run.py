@@ -7,9 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
-
 from ivsid.cli.progress import shown
+from ivsid.cli.terminal import say
 
 if TYPE_CHECKING:
     from ivsid.report.page import Report
@@ -51,10 +50,10 @@ def run(
         for name, place in apart.items():
             records.write_whole(place, report.files[name])
     if json:
-        typer.echo(records.to_json(report.record))
+        say(records.to_json(report.record))
         return
     for line in (report.summary, *report.lines):
-        typer.echo(line)
+        say(line)
     for name, place in apart.items():
-        typer.echo(f"  {name} stands apart: {place}")
-    typer.echo(f"written to {folder}/ (report.html, result.json, {len(report.drawings)} figures)")
+        say(f"  {name} stands apart: {place}")
+    say(f"written to {folder}/ (report.html, result.json, {len(report.drawings)} figures)")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from pathlib import Path
 from typing import Final, TypeAlias
@@ -12,6 +11,7 @@ from ivsid.errors import IvsidError
 from ivsid.exports import gazebo, mss, plain, pvs, stonefish, vrx
 from ivsid.exports.planar import planar_of
 from ivsid.exports.target import Exported, Target, exported
+from ivsid.files.parsed import json_value
 from ivsid.identification import Identification, read_identification
 from ivsid.vehicle import Vehicle, read_vehicle
 
@@ -50,7 +50,7 @@ def read_result(path: Path) -> Identification | Vehicle:
         return read_vehicle(path)
     record = path / "result.json" if path.is_dir() else path
     try:
-        found = json.loads(record.read_text())
+        found = json_value(record.read_text())
     except OSError as error:
         raise IvsidError(
             f"{record} cannot be read ({error.strerror}); give the folder of ivsid identify or diagnose, or a vehicle file"

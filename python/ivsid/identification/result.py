@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -14,6 +13,7 @@ from ivsid.display.shown import Result
 from ivsid.display.table import Cells
 from ivsid.effects import terms_of
 from ivsid.errors import IvsidError
+from ivsid.files.parsed import json_value
 from ivsid.files.records import Lower, Upper, envelope, sealed, to_json, write_whole
 from ivsid.intervals import shown
 from ivsid.vehicle import Vehicle, parse_vehicle
@@ -195,7 +195,7 @@ def read_identification(path: str | Path) -> Identification:
     path = Path(path)
     file = path / "result.json" if path.is_dir() else path
     try:
-        record = json.loads(file.read_text())
+        record = json_value(file.read_text())
     except OSError as error:
         raise IvsidError(
             f"fit {file} cannot be read ({error.strerror}); give the --out folder of ivsid identify"

@@ -9,6 +9,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from ivsid.errors import IvsidError
+from ivsid.files.parsed import toml_table
 from ivsid.files.shipped import near_shipped
 from ivsid.programme.manoeuvres import Segment
 from ivsid.vehicle import Finite, NonNegative, Positive, validated
@@ -148,7 +149,7 @@ def parse_scenario(text: str, source: str) -> Scenario:
         IvsidError: text that is not TOML, or an unknown key or unusable value, named by its path.
     """
     try:
-        table = tomllib.loads(text)
+        table = toml_table(text)
     except tomllib.TOMLDecodeError as error:
         raise IvsidError(f"{source} is not valid TOML: {error}; mend that line") from None
     return validated(Scenario, table, source)

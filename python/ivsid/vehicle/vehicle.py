@@ -13,6 +13,7 @@ from ivsid.display.shown import Shown
 from ivsid.display.table import Cells
 from ivsid.errors import IvsidError
 from ivsid.files.log_map import LogMap
+from ivsid.files.parsed import toml_table
 from ivsid.files.section import Finite, NonNegative, Pair, Positive, Section
 from ivsid.files.shipped import near_shipped, shipped
 from ivsid.vehicle.reading import validated
@@ -208,7 +209,7 @@ def parse_vehicle(text: str, source: str) -> Vehicle:
         IvsidError: as ``read_vehicle``.
     """
     try:
-        table = tomllib.loads(text)
+        table = toml_table(text)
     except tomllib.TOMLDecodeError as error:
         raise IvsidError(f"{source} is not valid TOML: {error}; mend that line") from None
     if not table:

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from ivsid.cli.terminal import say
+
 if TYPE_CHECKING:
-    from ivsid.cli.terminal import say
-from ivsid.proposal import Answers, Proposal
+    from ivsid.proposal import Answers, Proposal
 
 
 def answers(proposal: Proposal) -> Answers:

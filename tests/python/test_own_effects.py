@@ -88,16 +88,16 @@ def test_the_guide_does_what_it_says(tmp_path, monkeypatch):
         made = run(line)
         assert made.returncode == 0, (line, made.stderr)
     found = json.loads((tmp_path / "diagnosis" / "result.json").read_text())
-    assert [f["effect"] for f in found["findings"]] == ["drag.surge.cubic"]
-    bound = found["findings"][0]["parameters"]["drag.surge.cubic"]
-    assert bound["lower"] <= 8.0 <= bound["upper"] and bound["unit"] == "N/(m/s)^3"
+    assert [f["effect"] for f in found["findings"]] == ["drag.surge.turning"]
+    bound = found["findings"][0]["parameters"]["drag.surge.turning"]
+    assert bound["lower"] <= 20.0 <= bound["upper"] and bound["unit"] == "kg s"
     assert [f["name"] for f in found["own_effects"]] == ["my_effects.py"]
     fit = json.loads((tmp_path / "fit" / "result.json").read_text())
-    bound = fit["parameters"]["drag.surge.cubic"]
-    assert fit["guaranteed"] and bound["lower"] <= 8.0 <= bound["upper"]
+    bound = fit["parameters"]["drag.surge.turning"]
+    assert fit["guaranteed"] and bound["lower"] <= 20.0 <= bound["upper"]
     # The checker has no physics of it, and says so; the seal still holds.
     said = run("ivsid verify fit train/log.csv --out checked")
-    assert said.returncode == 0 and "NOT CHECKED" in said.stdout and "drag.surge.cubic" in said.stdout
+    assert said.returncode == 0 and "NOT CHECKED" in said.stdout and "drag.surge.turning" in said.stdout
     # Without the file the id means nothing, and the sentence says where it comes from.
     bare = run("ivsid identify diagnosis/model.toml train/log.csv --out bare")
     assert bare.returncode == 2 and "--own-effects" in bare.stderr and not (tmp_path / "bare").exists()
@@ -120,17 +120,17 @@ def test_a_force_with_two_channels_is_named(clean):
 
 
 def test_a_registered_term_stands_in_a_model(clean):
-    cubic = Term("drag.surge.cubic", "", "N/(m/s)^3", lambda s: {"surge": s.u * s.u * s.u})
-    register(Effect("drag.surge.cubic", "cubic", (Parameter("", "", "N/(m/s)^3", 8.0),), Terms((cubic,))))
-    ids = [*TRUTH, "drag.surge.cubic"]
+    turning = Term("drag.surge.turning", "", "kg s", lambda s: {"surge": s.u * s.r * s.r})
+    register(Effect("drag.surge.turning", "turning", (Parameter("", "", "kg s", 20.0),), Terms((turning,))))
+    ids = [*TRUTH, "drag.surge.turning"]
     vehicle = vehicle_of(extra=f"[model]\nterms = {json.dumps(ids)}\n")
     assert [t.id for t in terms_of(vehicle)] == ids
-    train = train_of(vehicle, {"drag.surge.cubic": 8.0}, duration=60.0)
+    train = train_of(vehicle, {"drag.surge.turning": 20.0}, duration=60.0)
     fit = identify(vehicle, train)
     assert fit.status == "enclosed"
-    for id_, value in {**TRUTH, "drag.surge.cubic": 8.0}.items():
+    for id_, value in {**TRUTH, "drag.surge.turning": 20.0}.items():
         assert fit.parameters[id_].lower <= value <= fit.parameters[id_].upper, id_
-    unregister("drag.surge.cubic")
+    unregister("drag.surge.turning")
     with pytest.raises(IvsidError, match="own-effects"):
         terms_of(vehicle)
 
@@ -329,11 +329,11 @@ def test_null_logs_are_kept_under_the_content_of_the_files(tmp_path, clean):
     assert own_digest() == ""
     path = tmp_path / "own.py"
     said = []
-    for body in (BLOCKS["python"][0], BLOCKS["python"][0].replace("square(s.u)", "abs(s.u)")):
+    for body in (BLOCKS["python"][0], BLOCKS["python"][0].replace("square(s.r)", "abs(s.r)")):
         path.write_text(body)
         read_effects(path)
         said.append(own_digest())
-        unregister("drag.surge.cubic")
+        unregister("drag.surge.turning")
     assert own_digest() == "" and len({"", None, *said}) == 4
     vehicle = vehicle_of()
     train = train_of(vehicle, duration=90.0)

@@ -110,7 +110,7 @@ def own_files() -> tuple[tuple[str, str], ...]:
 def _check(effect: Effect, taken: Sequence[str]) -> None:
     if not _ID.fullmatch(effect.id):
         raise IvsidError(
-            f"effect id '{effect.id}' is not usable; write words in small letters with dots, as drag.surge.cubic"
+            f"effect id '{effect.id}' is not usable; write words in small letters with dots, as drag.surge.turning"
         )
     if effect.id in taken:
         raise IvsidError(f"effect {effect.id} is in the catalogue already; give another id")

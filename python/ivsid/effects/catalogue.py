@@ -10,7 +10,7 @@ from ivsid.effects.terms import Term
 from ivsid.errors import IvsidError, choice, meant
 from ivsid.vehicle import Vehicle
 
-# Every cause that can be simulated, identified or named: the 5 terms of the plain model and 43 effects, family by family. Users add
+# Every cause that can be simulated, identified or named: the terms of the plain model and the effects, family by family. Users add
 # their own with ``registration.register``.
 EFFECTS: Final[dict[str, Effect]] = {
     e.id: e for e in (*inertia.FAMILY, *drag.FAMILY, *environment.FAMILY, *thrusters.FAMILY, *sensing.FAMILY)

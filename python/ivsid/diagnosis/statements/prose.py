@@ -197,7 +197,7 @@ def _unknown(f: Finding, seen: Evidence | None) -> list[str]:
             f"they go with {seen.quantity}."
         )
     words.append(
-        "What next: look at the figure for the shape of what is missing; a cause of your own can join the catalogue (docs: A 44th effect). Until it "
+        "What next: look at the figure for the shape of what is missing; a cause of your own can join the catalogue (docs: An effect of your own). Until it "
         "has a name, do not trust the parameters of that channel."
     )
     return words

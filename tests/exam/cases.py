@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from tests.exam.catalogue import CLAIMED, EFFECTS, ON_TEST_ALONE, OUTSIDE, drawn, drawn_by, possible
+from tests.exam.catalogue import CLAIMED, EFFECTS, ON_TEST_ALONE, OUTSIDE, drawn, drawn_by, outside_by, possible
 from tests.exam.readings import exact as clean_readings
 from tests.exam.readings import log as noisy
 from tests.exam.shown import Sailed, shown
@@ -171,7 +171,7 @@ def case(
         "none": [],
         "one": [effect or str(rng.choice(able))],
         "two": [str(i) for i in rng.choice(able, 2, replace=False)],
-        "outside": [effect or str(rng.choice(list(OUTSIDE)))],
+        "outside": [effect or str(rng.choice(outside_by(seed)))],
     }[w]
     claims = tuple(dict.fromkeys(c for i in ids for c in CLAIMED.get(i, ())))
     here = setting(seed, claims=claims, **given)

@@ -28,13 +28,16 @@ EFFECTS: dict[str, Parts] = {
     "added_mass.munk": one(6.0, 3),
     "payload.step": {"mass": (5.0, 3, "signed"), "time": (0.0, 0, "time")},
     "drag.surge.linear": one(4.0, 2.5),
+    "drag.surge.cubic": one(8.0, 1.5),
     "friction.coulomb": one(1.0, 3),
     "drag.surge.astern": one(10.0, 2),
     "drag.surge.sideslip": one(30.0, 2),
     "drag.sway.linear": one(8.0, 2.5),
+    "drag.sway.cubic": one(300.0, 1.5),
     "drag.sway.yaw_rate": one(4.0, 3.5, "signed"),
     "drag.yaw.linear": one(1.0, 4.5),
     "drag.yaw.quadratic": one(2.0, 5),
+    "drag.yaw.cubic": one(4.0, 5.5),
     "drag.cross_flow": one(25.0, 1),
     "drag.lift.sway": one(10.0, 2),
     "drag.lift.yaw": one(-3.0, 3, "signed"),
@@ -86,17 +89,25 @@ EFFECTS: dict[str, Parts] = {
     "sensor.velocity.lever_arm": {"x": (0.1, 1, "signed"), "y": (0.05, 1, "signed")},
     "sensor.velocity.delay": one(0.1, 0.5),
 }
-# Causes of no list: a drag with the cube of speed, one that depends on the place, a moment and a side force with speed.
+# Causes of no list: a drag with the cube of speed, one that depends on the place, a moment and a side force with speed, and a drag
+# ahead that grows with the square of the yaw rate (X_rru of Abkowitz 1964).
 OUTSIDE: dict[str, Parts] = {
     "x.cubic": one(12.0, 3),
     "x.shear": one(8.0, 3),
     "x.torque": one(0.8, 4),
     "x.side": one(4.0, 3),
+    "x.turning": one(20.0, 3.5),
 }
 # Claims without which an effect is the same as other masses and drags: docs/theory.md, "Equivalent effects".
 CLAIMED = {"thruster.gain": ("mass.surge",)}
-# Seeds from which on an effect is drawn: cases of earlier seeds, which tests and pages name, stay what they were when it joined.
-SINCE = {"thruster.shaft_lag": 90000}
+# Seeds from which on a cause is drawn: cases of earlier seeds, which tests and pages name, stay what they were when it joined.
+SINCE = {
+    "thruster.shaft_lag": 90000,
+    **dict.fromkeys(("drag.surge.cubic", "drag.sway.cubic", "drag.yaw.cubic", "x.turning"), 91000),
+}
+# Causes outside of the catalogue that joined it, with their names in it, and the seeds before which they are drawn as outside.
+JOINED = {"x.cubic": "drag.surge.cubic"}
+UNTIL = {"x.cubic": 91000}
 # Effects that differ between the logs: in one depth, masses and drags are what they are.
 ON_TEST_ALONE = ("environment.shallow_water",)
 
@@ -104,6 +115,11 @@ ON_TEST_ALONE = ("environment.shallow_water",)
 def drawn_by(seed: int) -> list[str]:
     """Effects among which the case of a seed is drawn."""
     return [i for i in EFFECTS if seed >= SINCE.get(i, 0)]
+
+
+def outside_by(seed: int) -> list[str]:
+    """Causes outside of the catalogue among which the case of a seed is drawn."""
+    return [i for i in OUTSIDE if SINCE.get(i, 0) <= seed < UNTIL.get(i, math.inf)]
 
 
 def possible(id_: str, sides: tuple[float, ...]) -> bool:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from tests.exam.catalogue import EFFECTS
+from tests.exam.catalogue import EFFECTS, JOINED
 from tests.exam.criteria import hit, judged, passed, seen, spurious
 from tests.exam.worth import worth
 
 
 def grade(folder: Path, said: dict, truth: dict) -> dict:
     """One case."""
+    truth = renamed(truth)
     row = {"seed": truth["seed"], "stratum": truth["stratum"], "truth": truth["truth"]}
     if "crash" in said:
         return row | said
@@ -51,6 +52,18 @@ def grade(folder: Path, said: dict, truth: dict) -> dict:
         "worth": worth(folder, record["gain"], truth) if known else {},
         "peers": said.get("peers", {}),
     }
+
+
+def renamed(truth: dict) -> dict:
+    """The answer by the names of today's catalogue: a cause that joined it after the case was drawn is a single effect."""
+    stratum = truth["stratum"]
+    joined = stratum["what"] == "outside" and set(truth["z"]) <= set(JOINED)
+    stratum = stratum | {"what": "one" if joined else stratum["what"], "sizes": _named(stratum["sizes"])}
+    return truth | {"truth": _named(truth["truth"]), "z": _named(truth["z"]), "stratum": stratum}
+
+
+def _named(numbers: dict) -> dict:
+    return {JOINED.get(k, k): q for k, q in numbers.items()}
 
 
 def same(truth):

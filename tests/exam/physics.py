@@ -78,6 +78,9 @@ HULL: dict[str, Callable] = {
     "drag.surge.sideslip": lambda q, u, v, r, b: (-q * v * v, 0.0, 0.0),
     "drag.surge.astern": lambda q, u, v, r, b: (q * u * u if u < 0 else 0.0, 0.0, 0.0),
     "friction.coulomb": lambda q, u, v, r, b: (-q * math.tanh(u / STICK), 0.0, 0.0),
+    "drag.surge.cubic": lambda q, u, v, r, b: (-q * u**3, 0.0, 0.0),
+    "drag.sway.cubic": lambda q, u, v, r, b: (0.0, -q * v**3, 0.0),
+    "drag.yaw.cubic": lambda q, u, v, r, b: (0.0, 0.0, -q * r**3),
     "drag.sway.linear": lambda q, u, v, r, b: (0.0, -q * v, 0.0),
     "drag.sway.yaw_rate": lambda q, u, v, r, b: (0.0, -q * r, 0.0),
     "drag.lift.sway": lambda q, u, v, r, b: (0.0, -q * abs(u) * v, 0.0),
@@ -90,6 +93,7 @@ HULL: dict[str, Callable] = {
     "x.cubic": lambda q, u, v, r, b: (-q * u**3, 0.0, 0.0),
     "x.torque": lambda q, u, v, r, b: (0.0, 0.0, q * u**3),
     "x.side": lambda q, u, v, r, b: (0.0, q * u * u, 0.0),
+    "x.turning": lambda q, u, v, r, b: (-q * u * r * r, 0.0, 0.0),
 }
 
 

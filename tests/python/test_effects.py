@@ -21,13 +21,16 @@ from ivsid.vehicle import parse_vehicle
 PLAIN = ["mass.surge", "mass.sway", "inertia.yaw", "drag.surge.quadratic", "drag.sway.quadratic"]
 IDS = [
     "drag.surge.linear",
+    "drag.surge.cubic",
     "friction.coulomb",
     "drag.surge.astern",
     "drag.surge.sideslip",
     "drag.sway.linear",
+    "drag.sway.cubic",
     "drag.sway.yaw_rate",
     "drag.yaw.linear",
     "drag.yaw.quadratic",
+    "drag.yaw.cubic",
     "drag.cross_flow",
     "drag.lift.sway",
     "drag.lift.yaw",
@@ -150,7 +153,7 @@ def undisturbed(nominal, rich):
 
 def test_the_catalogue_is_that_of_the_contract():
     assert [e.id for e in EFFECTS.values() if e.plain] == ["mass.surge", "mass.sway", "inertia.yaw", *PLAIN[3:]]
-    assert {e.id for e in EFFECTS.values() if not e.plain} == set(IDS) and len(IDS) == 43
+    assert {e.id for e in EFFECTS.values() if not e.plain} == set(IDS) and len(IDS) == 46
     for id_, effect in EFFECTS.items():
         parts = [f"{id_}.{p}" for p in PARTS[id_].split()] if id_ in PARTS else [id_]
         assert list(effect.parts) == parts
@@ -255,20 +258,20 @@ def test_numbers_are_spread_and_sorted():
 
 
 def test_one_may_add_an_effect(nominal, rich, undisturbed):
-    cubic = Effect(
-        "drag.surge.cubic",
+    quartic = Effect(
+        "drag.surge.quartic",
         "a drag outside the catalogue",
-        (Parameter("", "", "kg/m", 5.0),),
-        Force(lambda s, p: {"surge": -(s.u * s.u * s.u) * p[0]}),
+        (Parameter("", "", "N/(m/s)^4", 5.0),),
+        Force(lambda s, p: {"surge": -(s.u * s.u * s.u * abs(s.u)) * p[0]}),
     )
-    register(cubic)
+    register(quartic)
     try:
-        made = simulate(nominal, rich, 1, {"drag.surge.cubic": 5.0})
+        made = simulate(nominal, rich, 1, {"drag.surge.quartic": 5.0})
         assert np.abs(made.exact["u"]).max() < np.abs(undisturbed.exact["u"]).max()
         with pytest.raises(IvsidError, match="in the catalogue already"):
-            register(cubic)
+            register(quartic)
     finally:
-        del EFFECTS["drag.surge.cubic"]
+        del EFFECTS["drag.surge.quartic"]
 
 
 def test_cross_flow_in_closed_form_and_in_intervals():

@@ -12,8 +12,8 @@ import pytest
 from scipy.stats import binom, binomtest
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
-from tests.exam.cases import setting
-from tests.exam.catalogue import EFFECTS
+from tests.exam.cases import case, setting
+from tests.exam.catalogue import EFFECTS, JOINED, OUTSIDE, SINCE, UNTIL, drawn_by, outside_by
 from tests.exam.criteria import CRITERIA, clopper_pearson, judged, passed
 from tests.exam.grade import grade
 from tests.exam.readings import log as noisy
@@ -68,7 +68,7 @@ def graded(examinee, counts, seed=0):
                 "none": [],
                 "one": [str(rng.choice(list(EFFECTS)))],
                 "two": [str(q) for q in rng.choice(list(EFFECTS), 2, replace=False)],
-                "outside": ["x.cubic"],
+                "outside": ["x.side"],
             }[what]
             # A third of them is too small to be seen.
             z = {i: float(rng.choice([2.0, 12.0, 40.0])) for i in ids}
@@ -138,6 +138,54 @@ def test_a_set_of_six_is_no_name():
     for size, hits in ((5, 1), (6, 0)):
         row["sets"] = [["drag.surge.linear", *list(EFFECTS)[20 : 19 + size]]]
         assert CRITERIA[1].judge([row]).hits == hits
+
+
+def test_a_cause_joins_the_catalogue_with_the_seeds_after_it():
+    """Cases that tests and pages name keep their causes; later ones draw the new effects, and another cause outside."""
+    before, since = 90999, 91000
+    assert outside_by(before) == ["x.cubic", "x.shear", "x.torque", "x.side"]
+    assert not set(outside_by(since)) & {*JOINED, *EFFECTS} and len(outside_by(since)) == len(outside_by(before))
+    assert set(drawn_by(since)) == set(EFFECTS) > set(drawn_by(before))
+    assert not {*JOINED.values()} & {*drawn_by(before)}
+    # Each cause has an end where its successor begins, and the size of both is of one kind.
+    for old, new in JOINED.items():
+        assert UNTIL[old] == SINCE[new] and OUTSIDE[old].keys() == EFFECTS[new].keys()
+
+
+def test_a_cause_that_joined_is_the_motion_of_its_effect():
+    here = short(thrust="none")
+    for old, new in JOINED.items():
+        (size,) = here.draw(old, 1.0).values()
+        logs = [here.logs({id_: size}) for id_ in (old, new)]
+        assert all(np.array_equal(one[k], other[k]) for one, other in zip(*logs, strict=True) for k in one)
+        assert not np.array_equal(logs[0][0]["u"], here.logs({})[0]["u"])
+
+
+def test_the_name_of_a_cause_that_joined_is_right_and_unknown_is_not():
+    """The answer says what was drawn; grading reads it by the catalogue of today."""
+    for old, new in JOINED.items():
+        truth = {"seed": 1, "truth": {old: 1.0}, "exact": {}, "z": {old: 40.0}}
+        truth["stratum"] = {"what": "outside", "sizes": {old: 1.0}}
+        bound = {"lower": 0.5, "upper": 1.5, "guaranteed": True}
+        rows = {}
+        for name in (new, "unknown", "drag.surge.astern"):
+            finding = {"effect": name, "alternatives": [], "parameters": {name: bound}, "evidence": {}}
+            verdict = "unknown" if name == "unknown" else "wrong"
+            rows[name] = grade(Path(), {"record": {"verdict": verdict, "findings": [finding]}}, truth)
+        counted = {
+            name: {c.text: c.count([row])[:2] for c in CRITERIA if c.count([row])[1]} for name, row in rows.items()
+        }
+        named, missed, single = (CRITERIA[k].text for k in (1, 1, 2))
+        assert counted[new][named] == (1, 1) and counted["unknown"][missed] == (0, 1)
+        assert counted[new][single] == (0, 1) and counted["drag.surge.astern"][single] == (1, 1)
+        assert not any("outside" in text for said in counted.values() for text in said)
+        assert rows[new]["held"] == {new: [True, 1.0, 0.5, 1.5, True]}
+
+
+def test_an_old_seed_still_hides_the_cause_that_joined():
+    for seed in (40, 91000):
+        made = case(seed, what="outside", kind="twin", style="line", ambient=1.0, duration=30.0, rate=10.0)
+        assert set(made.z) <= set(outside_by(seed)), seed
 
 
 def short(**given):

@@ -15,7 +15,7 @@ from ivsid.files.seal import seal_of
 from ivsid.vehicle import read_vehicle
 
 # The cause of the default seed and of another one, by the sealed files.
-CAUSES = {None: "sensor.velocity.lever_arm", 4: "thruster.failure"}
+CAUSES = {None: "sensor.velocity.lever_arm", 4: "thruster.gain"}
 
 
 @pytest.fixture(scope="module")

@@ -40,6 +40,7 @@ FURTHER = {
     "coupling.cg_x": 1.5,
     "coupling.cg_y": -0.7,
 }
+CUBIC = {"drag.surge.cubic": 5.0, "drag.sway.cubic": 70.0, "drag.yaw.cubic": 4.0}
 BEYOND = {"friction.coulomb": 1.2, "current.steady.north": 0.3, "current.steady.east": -0.2}
 TABLE = "table = { demand = [-100, -60, -30, 0, 30, 60, 100], thrust = [-30.0, -14.0, -5.0, 0.0, 6.0, 18.0, 40.0] }"
 QUADRATIC = "quadratic = { forward = 0.011 }\ndemand_range = [-110, 110]"
@@ -266,6 +267,8 @@ def fossen(constants, states, thrusts, places, azimuths):
         damping[0] += k.get("Xastern", 0) * (a * abs(a) if a < 0 else 0) + k.get("Xfriction", 0) * math.tanh(a / 0.02)
         damping[1] = k["Yv"] * b + k.get("Yvv", 0) * abs(b) * b + k.get("Yr", 0) * r + k.get("Yuv", 0) * abs(a) * b
         damping[5] = k["Nr"] * r + k.get("Nrr", 0) * abs(r) * r + k["Nuv"] * a * b
+        for row, name, x in ((0, "Xuuu", a), (1, "Yvvv", b), (5, "Nrrr", r)):
+            damping[row] += k.get(name, 0) * x**3
         if "windN" in k:
             damping[0] += k["windN"] * math.cos(psi) + k["windE"] * math.sin(psi)
             damping[1] += k["windE"] * math.cos(psi) - k["windN"] * math.sin(psi)
@@ -324,7 +327,7 @@ def matlab(text):
 
 
 PLACES, AZIMUTHS = ((-0.35, -0.30), (-0.40, 0.25)), (0.1, -0.2)
-WHOLE = {**TRUTH, **DAMPED, **FURTHER, **BEYOND, "wind.steady.north": 1.5, "wind.steady.east": -0.8}
+WHOLE = {**TRUTH, **DAMPED, **FURTHER, **CUBIC, **BEYOND, "wind.steady.north": 1.5, "wind.steady.east": -0.8}
 
 
 def test_mss_moves_as_the_model_does():
@@ -491,6 +494,14 @@ def test_what_a_target_cannot_say_is_said_in_the_file_and_in_the_result(target):
         assert any(s.startswith(words) for s in made.unstated)
         assert words in made.text
     assert all(s.replace("--", "- -") in made.text for s in made.unstated)
+
+
+@pytest.mark.parametrize("target", [t.name for t in TARGETS])
+def test_cubic_drags_stand_in_files_of_equations_and_are_unstated_elsewhere(target):
+    """Plugins of Gazebo and VRX have matrices of linear and quadratic damping alone, Stonefish has the drag of a mesh."""
+    made = ivsid.export(boat({**TRUTH, **CUBIC}), target)
+    missing = {i for i in CUBIC if any(s.startswith(f"{i} = {CUBIC[i]:g} ") for s in made.unstated)}
+    assert missing == (set() if target in ("mss", "pvs", "yaml") else set(CUBIC))
 
 
 @pytest.mark.parametrize(

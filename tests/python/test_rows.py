@@ -25,11 +25,14 @@ FULL = [
     "drag.surge.quadratic",
     "drag.sway.quadratic",
     "drag.surge.linear",
+    "drag.surge.cubic",
     "drag.surge.sideslip",
     "drag.sway.linear",
+    "drag.sway.cubic",
     "drag.sway.yaw_rate",
     "drag.yaw.linear",
     "drag.yaw.quadratic",
+    "drag.yaw.cubic",
     "drag.lift.sway",
     "drag.lift.yaw",
     "coupling.cg_x",
@@ -39,7 +42,9 @@ FULL = [
     "friction.coulomb",
     "drag.cross_flow",
 ]
-VALUES = dict(zip(FULL, [60, 75, 8, 200, 300, 20, 30, 15, 4, 1.5, 2, 10, -3, 1.0, 0.4, 6, 20, 1.5, 25], strict=True))
+VALUES = dict(
+    zip(FULL, [60, 75, 8, 200, 300, 20, 12, 30, 15, 200, 4, 1.5, 2, 3, 10, -3, 1.0, 0.4, 6, 20, 1.5, 25], strict=True)
+)
 
 
 def violated(rows, values) -> int:

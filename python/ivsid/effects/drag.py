@@ -6,7 +6,15 @@ from collections.abc import Callable
 from typing import Final
 
 from ivsid.effects.effect import Effect, term_effect
-from ivsid.effects.functions import astern_square, cross_flow_force, cross_flow_moment, signed_square, square, tanh
+from ivsid.effects.functions import (
+    astern_square,
+    cross_flow_force,
+    cross_flow_moment,
+    cube,
+    signed_square,
+    square,
+    tanh,
+)
 from ivsid.effects.terms import Columns, State, Term
 from ivsid.errors import IvsidError
 
@@ -34,13 +42,16 @@ def _without_length(_state: State) -> Columns:
 
 
 SURGE_LINEAR: Final = Term("drag.surge.linear", "-X_u", "kg/s", lambda s: {"surge": s.u})
+SURGE_CUBIC: Final = Term("drag.surge.cubic", "-X_uuu", "kg s/m^2", lambda s: {"surge": cube(s.u)})
 COULOMB: Final = Term("friction.coulomb", "F_c", "N", lambda s: {"surge": tanh(s.u * (1 / FRICTION_SPEED))})
 ASTERN: Final = Term("drag.surge.astern", "X_a", "kg/m", lambda s: {"surge": astern_square(s.u)})
 SIDESLIP: Final = Term("drag.surge.sideslip", "-X_vv", "kg/m", lambda s: {"surge": square(s.v)})
 SWAY_LINEAR: Final = Term("drag.sway.linear", "-Y_v", "kg/s", lambda s: {"sway": s.v})
+SWAY_CUBIC: Final = Term("drag.sway.cubic", "-Y_vvv", "kg s/m^2", lambda s: {"sway": cube(s.v)})
 SWAY_YAW_RATE: Final = Term("drag.sway.yaw_rate", "-Y_r", "kg m/s", lambda s: {"sway": s.r})
 YAW_LINEAR: Final = Term("drag.yaw.linear", "-N_r", "N m s", lambda s: {"yaw": s.r})
 YAW_QUADRATIC: Final = Term("drag.yaw.quadratic", "-N_|r|r", "N m s^2", lambda s: {"yaw": signed_square(s.r)})
+YAW_CUBIC: Final = Term("drag.yaw.cubic", "-N_rrr", "N m s^3", lambda s: {"yaw": cube(s.r)})
 CROSS_FLOW: Final = Term("drag.cross_flow", "rho C_d T / 2", "kg/m^2", _without_length, _cross_flow)
 LIFT_SWAY: Final = Term("drag.lift.sway", "-Y_|u|v", "kg/m", lambda s: {"sway": abs(s.u) * s.v})
 LIFT_YAW: Final = Term("drag.lift.yaw", "-N_uv", "kg", lambda s: {"yaw": s.u * s.v})
@@ -70,6 +81,13 @@ FAMILY: Final[tuple[Effect, ...]] = (
         "laminar skin friction at a low Reynolds number",
         confusable=("friction.coulomb", "thruster.advance_loss", "thruster.curve"),
         separate="coast from full speed to rest; a zigzag tells it from advance loss",
+    ),
+    term_effect(
+        SURGE_CUBIC,
+        8.0,
+        "drag in surge that grows with the cube of the speed, as where waves or a squatting stern add to the form drag",
+        confusable=("thruster.advance_loss", "thruster.curve", "drag.surge.linear"),
+        separate="speed steps from a creep to full speed, and a zigzag",
     ),
     term_effect(
         COULOMB,
@@ -102,6 +120,14 @@ FAMILY: Final[tuple[Effect, ...]] = (
         separate="circles at two speeds",
     ),
     term_effect(
+        SWAY_CUBIC,
+        300.0,
+        "drag in sway that grows with the cube of the sideways velocity",
+        confusable=("drag.sway.linear", "drag.cross_flow"),
+        turning=True,
+        separate="drift sideways at several speeds",
+    ),
+    term_effect(
         SWAY_YAW_RATE,
         4.0,
         "a stern appendage or lateral area off the centre pushes sideways in a turn",
@@ -123,6 +149,14 @@ FAMILY: Final[tuple[Effect, ...]] = (
         2.0,
         "quadratic damping of turning",
         confusable=("drag.yaw.linear", "drag.cross_flow", "coupling.cg_x"),
+        turning=True,
+        separate="turns whose rates span a factor of four",
+    ),
+    term_effect(
+        YAW_CUBIC,
+        4.0,
+        "damping of turning that grows with the cube of the yaw rate",
+        confusable=("drag.yaw.quadratic", "drag.yaw.linear", "drag.cross_flow"),
         turning=True,
         separate="turns whose rates span a factor of four",
     ),
@@ -158,13 +192,16 @@ TERMS: Final[tuple[Term, ...]] = (
     SURGE_QUADRATIC,
     SWAY_QUADRATIC,
     SURGE_LINEAR,
+    SURGE_CUBIC,
     COULOMB,
     ASTERN,
     SIDESLIP,
     SWAY_LINEAR,
+    SWAY_CUBIC,
     SWAY_YAW_RATE,
     YAW_LINEAR,
     YAW_QUADRATIC,
+    YAW_CUBIC,
     CROSS_FLOW,
     LIFT_SWAY,
     LIFT_YAW,

@@ -13,7 +13,7 @@ import numpy as np
 
 from ivsid.effects.cross_flow import cross_flow_over
 from ivsid.effects.quantity import Quantity
-from ivsid.intervals import FloatArray
+from ivsid.intervals import FloatArray, Interval, IntervalArray
 
 
 def _apply(name: str, x: Quantity, scalar: Callable[[float], float]) -> Quantity:
@@ -51,6 +51,14 @@ def signed_square(x: Quantity) -> Quantity:
 def square(x: Quantity) -> Quantity:
     """``x^2``; for intervals the exact range, also where they hold both signs."""
     return x.square() if hasattr(x, "square") else x * x
+
+
+def cube(x: Quantity) -> Quantity:
+    """``x^3``; for intervals the exact range, also where they hold both signs."""
+    if isinstance(x, Interval | IntervalArray):
+        return x**3
+    # Products, because NumPy takes powers of an array by logarithms.
+    return x.cube() if hasattr(x, "cube") else x * x * x
 
 
 def astern_square(x: Quantity) -> Quantity:

@@ -31,15 +31,18 @@ class Damping:
 DAMPING: Final[Mapping[str, Damping]] = {
     "drag.surge.linear": Damping("Xu", "X_u", "X", "u_r"),
     "drag.surge.quadratic": Damping("Xuu", "X_|u|u", "X", "abs(u_r)*u_r"),
+    "drag.surge.cubic": Damping("Xuuu", "X_uuu", "X", "u_r*u_r*u_r"),
     "drag.surge.astern": Damping("Xastern", "-X_a", "X", "0.5*(abs(u_r)*u_r - u_r*u_r)"),
     "drag.surge.sideslip": Damping("Xvv", "X_vv", "X", "v_r*v_r"),
     "friction.coulomb": Damping("Xfriction", "-F_c", "X", f"tanh(u_r*{1 / FRICTION_SPEED!r})"),
     "drag.sway.linear": Damping("Yv", "Y_v", "Y", "v_r"),
     "drag.sway.quadratic": Damping("Yvv", "Y_|v|v", "Y", "abs(v_r)*v_r"),
+    "drag.sway.cubic": Damping("Yvvv", "Y_vvv", "Y", "v_r*v_r*v_r"),
     "drag.sway.yaw_rate": Damping("Yr", "Y_r", "Y", "r"),
     "drag.lift.sway": Damping("Yuv", "Y_|u|v", "Y", "abs(u_r)*v_r"),
     "drag.yaw.linear": Damping("Nr", "N_r", "N", "r"),
     "drag.yaw.quadratic": Damping("Nrr", "N_|r|r", "N", "abs(r)*r"),
+    "drag.yaw.cubic": Damping("Nrrr", "N_rrr", "N", "r*r*r"),
 }
 USUAL: Final = ("drag.surge.linear", "drag.sway.linear", "drag.yaw.linear")
 # Effects that keys of a thruster state and its formula holds.

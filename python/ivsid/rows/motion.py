@@ -68,6 +68,10 @@ class Motion:
         """``x |x|``."""
         return Motion(self.value.signed_square(), 2.0 * abs(self.value) * self.rate)
 
+    def cube(self) -> Motion:
+        """``x^3``."""
+        return Motion(self.value**3, 3.0 * self.value.square() * self.rate)
+
     def astern_square(self) -> Motion:
         """``x |x|`` where x is negative, else 0."""
         negative = _minimum(self.value, 0.0)

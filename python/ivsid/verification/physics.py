@@ -61,6 +61,10 @@ class Motion:
         """``x |x|``."""
         return Motion(self.value.signed_square(), abs(self.value) * self.rate * 2)
 
+    def cube(self) -> Motion:
+        """``x^3``."""
+        return Motion(self.value.cube(), self.value.square() * self.rate * 3)
+
     def negative_part(self) -> Motion:
         """``min(x, 0)``, whose rate is that of x or 0."""
         return Motion(self.value.negative_part(), self.rate.hull(Range(0)))
@@ -149,13 +153,16 @@ _TERMS: Final[dict[str, tuple[str, str, Column]]] = {
     "drag.surge.quadratic": ("-X_|u|u", "kg/m", lambda s: {"surge": s.u.signed_square()}),
     "drag.sway.quadratic": ("-Y_|v|v", "kg/m", lambda s: {"sway": s.v.signed_square()}),
     "drag.surge.linear": ("-X_u", "kg/s", lambda s: {"surge": s.u}),
+    "drag.surge.cubic": ("-X_uuu", "kg s/m^2", lambda s: {"surge": s.u.cube()}),
     "friction.coulomb": ("F_c", "N", lambda s: {"surge": _friction(s.u)}),
     "drag.surge.astern": ("X_a", "kg/m", lambda s: {"surge": _astern(s.u)}),
     "drag.surge.sideslip": ("-X_vv", "kg/m", lambda s: {"surge": s.v.square()}),
     "drag.sway.linear": ("-Y_v", "kg/s", lambda s: {"sway": s.v}),
+    "drag.sway.cubic": ("-Y_vvv", "kg s/m^2", lambda s: {"sway": s.v.cube()}),
     "drag.sway.yaw_rate": ("-Y_r", "kg m/s", lambda s: {"sway": s.r}),
     "drag.yaw.linear": ("-N_r", "N m s", lambda s: {"yaw": s.r}),
     "drag.yaw.quadratic": ("-N_|r|r", "N m s^2", lambda s: {"yaw": s.r.signed_square()}),
+    "drag.yaw.cubic": ("-N_rrr", "N m s^3", lambda s: {"yaw": s.r.cube()}),
     "drag.lift.sway": ("-Y_|u|v", "kg/m", lambda s: {"sway": abs(s.u) * s.v}),
     "drag.lift.yaw": ("-N_uv", "kg", lambda s: {"yaw": s.u * s.v}),
 }

@@ -145,6 +145,10 @@ class Range:
         """``x |x|``."""
         return Range.raw(self.low * abs(self.low) >> SCALE, -(-self.high * abs(self.high) >> SCALE))
 
+    def cube(self) -> Range:
+        """``x^3``."""
+        return Range.raw(self.low**3 >> 2 * SCALE, -(-(self.high**3) >> 2 * SCALE))
+
     def negative_part(self) -> Range:
         """``min(x, 0)``."""
         return Range.raw(min(self.low, 0), min(self.high, 0))

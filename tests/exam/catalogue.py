@@ -90,13 +90,14 @@ EFFECTS: dict[str, Parts] = {
     "sensor.velocity.delay": one(0.1, 0.5),
 }
 # Causes of no list: a drag with the cube of speed, one that depends on the place, a moment and a side force with speed, and a drag
-# ahead that grows with the square of the yaw rate (X_rru of Abkowitz 1964).
+# ahead that grows with the square of the yaw rate (X_rru of Abkowitz 1964), a hump of the wave resistance (Havelock 1909).
 OUTSIDE: dict[str, Parts] = {
     "x.cubic": one(12.0, 3),
     "x.shear": one(8.0, 3),
     "x.torque": one(0.8, 4),
     "x.side": one(4.0, 3),
     "x.turning": one(20.0, 3.5),
+    "x.hump": one(8.0, 3),
 }
 # Claims without which an effect is the same as other masses and drags: docs/theory.md, "Equivalent effects".
 CLAIMED = {"thruster.gain": ("mass.surge",)}
@@ -104,6 +105,7 @@ CLAIMED = {"thruster.gain": ("mass.surge",)}
 SINCE = {
     "thruster.shaft_lag": 90000,
     **dict.fromkeys(("drag.surge.cubic", "drag.sway.cubic", "drag.yaw.cubic", "x.turning"), 91000),
+    "x.hump": 95000,
 }
 # Causes outside of the catalogue that joined it, with their names in it, and the seeds before which they are drawn as outside.
 JOINED = {"x.cubic": "drag.surge.cubic"}

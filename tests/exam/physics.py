@@ -94,7 +94,14 @@ HULL: dict[str, Callable] = {
     "x.torque": lambda q, u, v, r, b: (0.0, 0.0, q * u**3),
     "x.side": lambda q, u, v, r, b: (0.0, q * u * u, 0.0),
     "x.turning": lambda q, u, v, r, b: (-q * u * r * r, 0.0, 0.0),
+    "x.hump": lambda q, u, v, r, b: (-q * wave_hump(u, b.length), 0.0, 0.0),
 }
+
+
+def wave_hump(u: float, length: float) -> float:
+    """A hump of the wave resistance about the speed at which half a wave is as long as the hull, a third of it wide."""
+    top = 0.3 * math.sqrt(9.81 * length)
+    return math.copysign(math.exp(-(((abs(u) - top) / (top / 3)) ** 2)), u) - math.copysign(math.exp(-9.0), u)
 
 
 def from_north(psi: float, north: float, east: float) -> tuple[float, float]:

@@ -4,7 +4,8 @@ Two linear causes can add up to a force that neither of them is: a share of the 
 acceleration, is one that follows the drag. Each then stands in a fit with many standard deviations, and nothing is left unexplained. But one
 regressor of the adequacy's dictionary, in the place of all of them and with one number, explains as much. A single cause is none where
 such a regressor explains more in its place than the cause does. A regressor stands in the place of causes if hardly anything is left to
-them beside it: one that explains another part of the errors replaces nothing.
+them beside it: one that explains another part of the errors replaces nothing. The same is asked of any function of one velocity
+(``speed_curves``), which has many numbers.
 
 Source: docs/theory.md, "Diagnosis"; Akaike, "A new look at the statistical model identification", IEEE Transactions on Automatic Control 19,
 1974.
@@ -24,7 +25,8 @@ from ivsid.diagnosis.estimation.projection import NOTHING_LEFT, Projection
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.selection.dictionary import regressors
 from ivsid.diagnosis.selection.rivals import Found
-from ivsid.diagnosis.selection.rules import BETTER_FORCE, ONE_FORCE, Together
+from ivsid.diagnosis.selection.rules import BETTER_CURVE, BETTER_FORCE, ONE_FORCE, Curve, Together
+from ivsid.diagnosis.selection.speed_curves import speed_curves, words
 
 Array = NDArray[np.float64]
 # Largest share of what causes explain that they explain beside a force which stands in their place.
@@ -52,7 +54,10 @@ def imitating(fit: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:
     g = fit.gram.only(fit.base)
     first = len(g.names)
     wide = g.joined(names, x, unit)
+    curves, lines, lengths, groups = speed_curves(fit)
+    wide = wide.joined(curves, lines, lengths)
     place = {k: i for i, k in enumerate(fit.base)}
+    last = first + len(names)
     refused: dict[str, Refusal] = {}
     # The largest sets first: a set that one force explains takes its parts with it.
     for count in range(len(own), 0, -1):
@@ -62,7 +67,7 @@ def imitating(fit: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:
             at = [place[k] for i in ids for k in own[i]]
             held = np.array([numbers[g.names[k]] for k in at]) * g.unit[at]
             p = Projection(wide, [k for k in range(first) if k not in at])
-            fall, alone, kept = in_their_place(p, at, held, range(first, len(wide.names)))
+            fall, alone, kept = in_their_place(p, at, held, range(first, last))
             # A force beside which the causes explain what they did is another part of the errors.
             alone = np.where(kept <= REPLACED * fall, alone, 0.0)
             best = int(np.argmax(alone))
@@ -71,7 +76,37 @@ def imitating(fit: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:
             others = [f.id for f in found if f.id not in ids]
             if (refusal := (ONE_FORCE if count > 1 else BETTER_FORCE).refuses(case, others)) is not None:
                 refused |= dict.fromkeys(ids, refusal)
+                continue
+            for group in groups:
+                shape, left, directions = curve_in_their_place(p, at, held, [last + k for k in group])
+                if left <= REPLACED * fall:
+                    case = Curve(ids, fall, len(at), words(curves, group), shape, directions)
+                    if (refusal := BETTER_CURVE.refuses(case, others)) is not None:
+                        refused |= dict.fromkeys(ids, refusal)
     return refused
+
+
+def curve_in_their_place(
+    p: Projection, columns: Sequence[int], held: Array, curve: Sequence[int]
+) -> tuple[float, float, int]:
+    """Fall of chi-squared by a curve of several columns in the place of causes, by the causes beside it, and its directions.
+
+    Args:
+        p: least squares on all that is neither.
+        columns: of the causes.
+        held: their coefficients that the errors no longer hold, in unit lengths, shape (columns,).
+        curve: columns of the curve.
+    """
+    columns, curve = list(columns), list(curve)
+    H, G, between = p.information(columns), p.information(curve), p.left(curve, columns)
+    mine, own = p.left_score[columns] + H @ held, p.left_score[curve] + between @ held
+    values, vectors = np.linalg.eigh(G)
+    kept = values > NOTHING_LEFT * max(float(values.max()), 1e-300)
+    inverse = (vectors[:, kept] / values[kept]) @ vectors[:, kept].T
+    beside = _fall(
+        H - between.T @ inverse @ between, mine - between.T @ (inverse @ own), float(np.linalg.eigvalsh(H).max())
+    )
+    return float(own @ inverse @ own), beside, int(kept.sum())
 
 
 def in_their_place(

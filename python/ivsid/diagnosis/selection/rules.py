@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from scipy.special import chdtri
+
 from ivsid.diagnosis.estimation.kinds.candidate import PRICE, Scored
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.rule import Refusal, Rule
@@ -84,6 +86,12 @@ class Full:
 # Share of a cause's fall of chi-squared by which a force may beat it and still be the cause's own.
 # Source: measured: make exam
 MORE: Final = 0.25
+# Chance with which a function of a velocity may beat the true cause.
+# Source: definition: a tenth of the level of a whole verdict
+SHAPES: Final = 1e-3
+# Share of a cause's fall of chi-squared by which a function of a velocity may beat it and still be the cause's own.
+# Source: measured: beside true drags it is at most 0.012 for falls above 1000, beside humps of the wave resistance 0.04 and more
+BENT: Final = 0.02
 
 
 @dataclass(frozen=True)
@@ -196,6 +204,19 @@ OWN: Final = Rule[bool](
     lambda _: 1.0,
     "it has no signature of its own there",
 )
+
+
+@dataclass(frozen=True)
+class Curve(Together):
+    """Causes whose sum any function of one velocity may be.
+
+    Attributes:
+        directions: numbers of the function that the log determines.
+    """
+
+    directions: int = 0
+
+
 ONE_FORCE: Final = Rule[Together](
     "one force",
     "merit of several linear causes together over that of the best single force of no cause in their place",
@@ -220,8 +241,20 @@ BETTER_FORCE: Final = Rule[Together](
     "it explains {case.fall:.0f} in chi², and one force, {case.force}, explains {case.alone:.0f} in its place; {limit:.0f} more are too many",
     least=False,
 )
+BETTER_CURVE: Final = Rule[Curve](
+    "better curve",
+    "merit of any function of one velocity over that of linear causes in whose place it stands",
+    f"at most the fall of chi² that its further numbers exceed by chance once in {1 / SHAPES:.0f}, or {BENT:g} of the causes' own fall where that is more",
+    "A force that goes with one velocity and has another shape than the causes is one that the catalogue lacks: a hump of the wave resistance "
+    "stands out as a linear, a dry or a cubic drag.",
+    "theorem: chi-squared of the further numbers",
+    lambda c: c.alone - c.fall,
+    lambda c: max(float(chdtri(max(c.directions - c.numbers, 1), SHAPES)), BENT * c.fall),
+    "it explains {case.fall:.0f} in chi², and {case.force} explains {case.alone:.0f} in its place; {limit:.0f} more are too many",
+    least=False,
+)
 LATE: Final = (MOST_RULE, WORTH_RULE)
-FULL_FITS: Final = (FINALIST, NUMBERS, RIVAL, FULL, OWN, SETTLED, ONE_FORCE, BETTER_FORCE)
+FULL_FITS: Final = (FINALIST, NUMBERS, RIVAL, FULL, OWN, SETTLED, ONE_FORCE, BETTER_FORCE, BETTER_CURVE)
 
 
 def full_refused(test: Threshold, s: Scored, fall: float, beside: Sequence[str] = ()) -> Refusal | None:

@@ -1,0 +1,87 @@
+"""Causes that imitate a force of another shape: a curve in their place against dense least squares, the rule, and whole logs."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
+from tests.exam.cases import case
+
+from ivsid import diagnose
+from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.selection.one_force import curve_in_their_place
+from ivsid.diagnosis.selection.rules import BETTER_CURVE, Curve
+from ivsid.log import Log
+from ivsid.vehicle import parse_vehicle
+from test_one_force import CAUSES, FORCES, MODEL, gram_of, least
+
+
+def case_of(fall, alone, directions=9):
+    return Curve(("drag.surge.linear",), fall, 1, "any function of u in surge", alone, directions)
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=40, deadline=None)
+def test_the_curves_fall_is_that_of_all_its_columns(seed):
+    rng = np.random.default_rng(seed)
+    x, y = rng.standard_normal((80, 7)) * rng.uniform(0.1, 10.0, 7), rng.standard_normal(80)
+    held = rng.standard_normal(2)
+    g = gram_of(x, y - x[:, CAUSES] @ held)
+    alone, left, directions = curve_in_their_place(Projection(g, MODEL), CAUSES, held * g.unit[list(CAUSES)], FORCES)
+    bare, curve = least(x, y, [*MODEL]), least(x, y, [*MODEL, *FORCES])
+    assert directions == len(FORCES)
+    assert alone == pytest.approx(bare - curve, rel=1e-5, abs=1e-6)
+    assert left == pytest.approx(curve - least(x, y, [*MODEL, *FORCES, *CAUSES]), rel=1e-5, abs=1e-6)
+
+
+def test_columns_that_say_the_same_count_once():
+    rng = np.random.default_rng(3)
+    x, y = rng.standard_normal((80, 7)), rng.standard_normal(80)
+    x[:, FORCES[2]] = x[:, FORCES[0]] - x[:, FORCES[1]]
+    g = gram_of(x, y)
+    alone, _, directions = curve_in_their_place(Projection(g, MODEL), CAUSES, np.zeros(2), FORCES)
+    assert directions == 2
+    assert alone == pytest.approx(least(x, y, [*MODEL]) - least(x, y, [*MODEL, *FORCES[:2]]), rel=1e-5)
+
+
+def test_the_true_shape_is_beaten_by_chance_once_in_a_thousand():
+    rng = np.random.default_rng(4)
+    refused = sum(
+        BETTER_CURVE.refuses(case_of(100.0, 100.0 + x)) is not None for x in rng.chisquare(8, 20_000).tolist()
+    )
+    assert 8 <= refused <= 36
+    assert BETTER_CURVE.refuses(case_of(2000.0, 2035.0)) is None
+    assert "any function of u in surge explains 2060" in BETTER_CURVE.refuses(case_of(2000.0, 2060.0)).sentence
+
+
+def said(seed, effect, what):
+    c = case(seed, duration=300.0, what=what, effect=effect)
+    logs = [
+        Log(f"{k}.csv", "0" * 64, q["t"], {n: x for n, x in q.items() if n != "t"}) for k, q in enumerate(c.logs, 1)
+    ]
+    return diagnose(parse_vehicle(c.text, "vehicle.toml"), *logs)
+
+
+NIGHT = [pytest.param(s, marks=pytest.mark.nightly) for s in (95100, 95102, 95107)]
+
+
+@pytest.mark.parametrize("seed", [95103, *NIGHT])
+def test_a_hump_of_the_wave_resistance_is_no_drag_of_the_catalogue(seed):
+    result = said(seed, "x.hump", "outside")
+    assert [f.effect for f in result.findings] == ["unknown"]
+    assert any(r.refusal.rule == "better curve" for r in result.rejected)
+
+
+@pytest.mark.parametrize(
+    ("seed", "effect"),
+    [
+        (95204, "drag.surge.cubic"),
+        *(pytest.param(95201, f"drag.surge.{k}", marks=pytest.mark.nightly) for k in ("cubic", "linear")),
+    ],
+)
+def test_a_drag_of_the_catalogue_keeps_its_name(seed, effect):
+    assert [f.effect for f in said(seed, effect, "one").findings] == [effect]

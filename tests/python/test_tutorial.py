@@ -1,67 +1,25 @@
 """The commands of docs/tutorial.md print what the page shows, in order."""
 
+import json
 import re
-import shlex
-import subprocess
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from tests.page_steps import changed, shown, steps
 
-from command_line import run
+from pages_followed import follow_page
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "tutorial.md"
-BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.S | re.M)
 # Steps of a second or two.
-QUICK = ("example", "head", "cat", "init", "identify mine.toml")
-
-
-@dataclass(frozen=True)
-class Step:
-    """A command and the lines that the page shows, or a section of a file that the page has its reader write."""
-
-    command: str
-    lines: tuple[str, ...]
-    section: str = ""
-
-
-def steps() -> list[Step]:
-    found = []
-    for language, content in BLOCK.findall(PAGE.read_text()):
-        if language == "toml":
-            found.append(Step("", (), content))
-        else:
-            command, *lines = content.rstrip("\n").split("\n")
-            assert command.startswith("$ ")
-            found.append(Step(command.removeprefix("$ "), tuple(lines)))
-    return found
-
-
-def shown(lines: tuple[str, ...], printed: str) -> bool:
-    """Whether the lines are printed, in order; ``...`` stands for any text."""
-    parts = [re.escape(part.strip("\n")) for part in "\n".join(lines).split("...")]
-    return re.fullmatch(r"\s*" + r"(?s:.*)".join(parts) + r"\s*", printed) is not None
-
-
-def follow(step: Step) -> None:
-    """Does a step in the working directory."""
-    if step.section:
-        head, _, keys = step.section.partition("\n")
-        text = Path("trip/boat.toml").read_text()
-        assert text.count(head) == 1
-        Path("fixed.toml").write_text(text.replace(head, f"{head}\n{keys}"))
-        return
-    words = shlex.split(step.command)
-    done = run(*words[1:]) if words[0] == "ivsid" else subprocess.run(words, capture_output=True, text=True, check=True)
-    printed = done.stdout or done.stderr
-    assert shown(step.lines, printed), f"{step.command}\n{printed}"
+QUICK = ("ivsid example", "head", "cat", "ivsid init", "ivsid identify mine.toml")
 
 
 def test_ten_steps_stand_in_the_page():
     text = PAGE.read_text()
     assert [int(n) for n in re.findall(r"^## (\d+)\.", text, re.M)] == list(range(1, 11))
-    commands = [s.command for s in steps() if s.command]
-    assert len(commands) == 10
+    found = steps(text)
+    commands = [s.text for s in found if s.kind == "command"]
+    assert len(commands) == 11 and [s.kind for s in found].count("change") == 1
     for name in ("example", "diagnose", "identify", "verify", "init"):
         assert any(c.startswith(f"ivsid {name} ") for c in commands)
 
@@ -71,23 +29,23 @@ def test_lines_that_are_not_printed_are_noticed():
     assert not shown(("a", "c"), "a\nb\nc\n") and not shown(("x", "..."), "a\n") and not shown(("a",), "a\nb\n")
 
 
+def test_keys_are_changed_in_their_section_and_sections_are_added():
+    text = "[a]\nx = 1\n[b]\nx = 2\ny = 3\n"
+    assert changed(text, "[b]\nx = 9\nz = 4\n[c]\nw = 5\n") == "[a]\nx = 1\n[b]\nz = 4\nx = 9\ny = 3\n\n[c]\nw = 5\n"
+    assert changed("[[t]]\nn = 1\n", "[[t]]\nn = 2\n") == "[[t]]\nn = 1\n\n[[t]]\nn = 2\n"
+
+
 def test_the_quick_steps_print_what_the_page_shows(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    quick = [s for s in steps() if s.command.removeprefix("ivsid ").startswith(QUICK)]
-    assert len(quick) == 6
-    for step in quick:
-        follow(step)
+    assert follow_page(PAGE, lambda step: step.text.startswith(QUICK)) == 6
 
 
 @pytest.mark.nightly
 def test_all_steps_print_what_the_page_shows(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    for step in steps():
-        follow(step)
+    assert follow_page(PAGE) == 12
     # What the text says beside its blocks.
-    import json
-
     truth = json.loads(Path("trip/truth/truth.json").read_text())["numbers"]
     (finding,) = json.loads(Path("found/result.json").read_text())["findings"]
     assert finding["effect"] == "sensor.velocity.lever_arm"

@@ -17,7 +17,7 @@ CORE = ROOT / "crates" / "interval-core" / "src"
 BASES = (ROOT, PACKAGE, PACKAGE / "diagnosis", CORE, ROOT / "docs", ROOT / "tests" / "python", ROOT / "tests" / "rust")
 DOCUMENTS = [
     *(ROOT / name for name in ("ARCHITECTURE.md", "CONTRIBUTING.md", "DESIGN.md", "README.md")),
-    *sorted((ROOT / "docs").glob("*.md")),
+    *sorted((ROOT / "docs").rglob("*.md")),
 ]
 # Files of a user in examples.
 EXAMPLES = {"my_effects.py"}
@@ -98,10 +98,43 @@ def test_modules_and_files_that_a_document_names_exist(page):
     assert not faults(page.read_text())
 
 
+LINK = re.compile(r"\]\(([^)#\s]*)(?:#([^)\s]*))?\)")
+
+
+def anchors(text: str) -> set[str]:
+    """Anchors of the headings of a page, as GitHub and MyST make them: words in small letters, joined by hyphens."""
+    found: dict[str, int] = {}
+    for title in re.findall(r"^#{1,6} (.*)$", re.sub(r"^```.*?^```", "", text, flags=re.S | re.M), re.M):
+        slug = re.sub(r"[^\w\- ]", "", title.strip().lower()).replace(" ", "-")
+        found[slug] = found.get(slug, -1) + 1
+    return {slug if not k else f"{slug}-{k}" for slug, last in found.items() for k in range(last + 1)}
+
+
+def broken(page: Path, text: str) -> list[str]:
+    """Links of a page to files or headings that do not exist, and addresses that are none."""
+    found = []
+    for target, anchor in LINK.findall(re.sub(r"`[^`\n]*`", "", text)):
+        if "://" in target:
+            if not re.fullmatch(r"https?://[\w.-]+(/\S*)?", target):
+                found.append(target)
+            continue
+        file = page.parent / target if target else page
+        if not file.exists():
+            found.append(target)
+        elif anchor and (file.suffix != ".md" or anchor not in anchors(text if file == page else file.read_text())):
+            found.append(f"{target}#{anchor}")
+    return found
+
+
 @pytest.mark.parametrize("page", DOCUMENTS, ids=lambda p: p.name)
-def test_links_to_files_lead_somewhere(page):
-    targets = re.findall(r"\]\(([^)#\s]+)(?:#[^)\s]*)?\)", page.read_text())
-    assert not [t for t in targets if "://" not in t and not (page.parent / t).exists()]
+def test_links_to_files_and_headings_lead_somewhere(page):
+    assert not broken(page, page.read_text())
+
+
+def test_broken_links_are_noticed():
+    page = ROOT / "docs" / "index.md"
+    text = "# A `b`, c\n[x](lost.md) [y](#a-b-c) [z](#lost) [w](theory.md#rows) [v](theory.md#lost) [u](ftp://a)\n"
+    assert broken(page, text) == ["lost.md", "#lost", "theory.md#lost", "ftp://a"]
 
 
 def chapter_tables(text: str) -> dict[str, list[str]]:

@@ -13,8 +13,8 @@ CRATES := --workspace --exclude benches
 ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 FIXED := PROPTEST_RNG_SEED=1
 
-.PHONY: demo test test-rust test-python dependencies check rustfmt clippy lint rules null-logs constants constants-page rules-page rule-counts types stubs imports docs docs-rust docs-python nightly \
-	bench same same-compare vessels peers inverse-peers throughput diagnosis-time first-diagnosis exhaustive twins itf1788 differential fuzz exam reliability handbook build release venv format clean
+.PHONY: demo test test-rust test-python dependencies check rustfmt clippy lint rules null-logs constants constants-page rules-page rule-counts types stubs imports docs-rust docs-python nightly \
+	site links workflows wheel try-wheel licences bench same same-compare vessels peers inverse-peers fit-peers throughput diagnosis-time first-diagnosis exhaustive twins itf1788 differential fuzz exam reliability handbook build release venv tools format clean
 
 demo: release
 	$(BIN)/ivsid demo --out $(OUT)
@@ -38,7 +38,7 @@ test-rust:
 test-python: build
 	$(ONE_THREAD) $(BIN)/pytest -n auto --dist loadfile -m "not nightly"
 
-check: rustfmt clippy lint rules types stubs imports docs
+check: rustfmt clippy lint rules types stubs imports site workflows
 
 rustfmt:
 	cargo fmt --all --check
@@ -88,13 +88,49 @@ constants: release
 rule-counts: release
 	$(BIN)/python benches/rules.py
 
-docs: docs-rust docs-python
+# The site: the pages, the Python reference, and rustdoc beside them. Its links are checked without a network.
+SITE := docs/_build/html
+site: docs-rust docs-python
+	rm -rf $(SITE)/rust
+	cp -r target/doc $(SITE)/rust
+	$(BIN)/python docs/check_site.py $(SITE)
 
 docs-rust:
 	RUSTDOCFLAGS="-D warnings" cargo doc $(GATE) $(CRATES) --no-deps
 
 docs-python: build
-	$(BIN)/sphinx-build -q -W --keep-going docs docs/_build/html
+	rm -rf $(SITE)
+	$(BIN)/sphinx-build -q -W --keep-going docs $(SITE)
+
+# Links to other sites, which need the network.
+links: build
+	$(BIN)/sphinx-build -q -b linkcheck docs docs/_build/links
+
+# The release workflow and CITATION.cff against the schemas that the checker ships, and the workflow's rights and pins.
+workflows: tools
+	$(TOOLS)/check-jsonschema --builtin-schema vendor.github-workflows .github/workflows/*.yml
+	$(TOOLS)/check-jsonschema --builtin-schema vendor.citation-file-format CITATION.cff
+	$(TOOLS)/zizmor --offline --quiet --persona pedantic .github/workflows
+
+# Wheel, source distribution and crate in dist/, each checked. The wheel is linked by zig against an old C library where one can be had,
+# so that it runs on every Linux since 2018 (manylinux_2_28); elsewhere it is the platform's own.
+LINUX := $(filter Linux,$(shell uname -s))
+wheel: venv tools
+	rm -rf dist
+	PATH="$(abspath $(TOOLS)):$$PATH" $(BIN)/maturin build --release --locked --out dist \
+		$(if $(LINUX),--zig --compatibility manylinux_2_28 --target $(shell uname -m)-unknown-linux-gnu)
+	$(BIN)/maturin sdist --out dist
+	cargo package --locked --allow-dirty -p interval-core
+	cp target/package/interval-core-*.crate dist/
+	$(BIN)/python -m tests.packages
+
+# The wheel in an environment of its own, away from the tree: the tutorial's commands, in minutes. SOURCE=1 builds a wheel of the source there first.
+try-wheel: venv
+	$(BIN)/python -m tests.try_wheel $(if $(SOURCE),--source dist/*.tar.gz,dist/*.whl)
+
+# The licences of the crates that a wheel holds.
+licences: venv
+	$(BIN)/python -m tests.licences
 
 # Everything that left the gate, and fresh seeds; its last run becomes docs/nightly.md. PARTS names some of the parts.
 nightly: build
@@ -146,6 +182,10 @@ exhaustive:
 inverse-peers: release
 	$(BIN)/python benches/inverse_peers.py
 
+# Parameter intervals beside those of statistical fits, on twins of a known truth; statsmodels joins where it is installed.
+fit-peers: release
+	$(ONE_THREAD) $(BIN)/python benches/fit_peers.py --twins 100
+
 throughput: release
 	cargo bench --locked --bench inverse -- sweep
 	$(BIN)/python benches/throughput.py docs/throughput.png
@@ -160,6 +200,14 @@ fuzz:
 	IVSID_FUZZ_SECONDS=$(SECONDS) cargo test --locked --release --test fuzz_text -- --nocapture
 
 venv: $(VENV)/.ready
+
+# Programs of a release, in an environment of their own: the gate needs none of them.
+TOOLS := $(VENV)/tools/bin
+tools: $(VENV)/.tools
+$(VENV)/.tools: $(VENV)/.ready requirements/release.txt
+	$(PYTHON) -m venv $(VENV)/tools
+	$(TOOLS)/pip install --quiet --disable-pip-version-check --no-compile --requirement requirements/release.txt
+	touch $@
 
 # The compiled module of the gate serves whoever changes the code; that of a release replaces it, and serves the tests as well.
 build: $(VENV)/.built
@@ -192,7 +240,7 @@ $(VENV)/.release: $(VENV)/.ready $(RUST_SOURCES) pyproject.toml
 	touch $(VENV)/.built $@
 
 clean:
-	rm -rf $(VENV) target out docs/_build python/ivsid/*.so
+	rm -rf $(VENV) target out dist docs/_build python/ivsid/*.so
 
 # Drawn cases of the diagnosis, sealed, and their score, which becomes a page of the docs; an hour and a half for 1000 on two cores.
 SEED ?= $(shell date +%s)

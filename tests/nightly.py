@@ -64,8 +64,10 @@ PARTS = (
         "cargo test --profile gate --locked --workspace --exclude benches --test fuzz_text",
         "IVSID_FUZZ_SECONDS=120",
     ),
-    # Lints of the benchmarks, and the documentation of the crates and of the package.
-    Part("lints", "make clippy docs"),
+    # Wheel, source distribution and crate, and the tutorial with the wheel away from the tree; a wheel of the source there.
+    Part("packages", "make wheel try-wheel && make try-wheel SOURCE=1"),
+    # Lints of the benchmarks, and the documentation of the crates and of the package, and the release workflow.
+    Part("lints", "make clippy site workflows"),
 )
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import re
 import shlex
+import shutil
 import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -110,5 +111,7 @@ def follow(step: Step, ivsid: Callable[[list[str]], str], python: Callable[[str]
         if words[0] == "ivsid":
             printed = ivsid(words[1:])
         else:
-            printed = subprocess.run(["bash", "-c", step.text], capture_output=True, text=True, check=True).stdout
+            # Windows would take the bash of its subsystem for Linux before that of the path.
+            shell = [shutil.which("bash") or "bash", "-c", step.text]
+            printed = subprocess.run(shell, capture_output=True, encoding="utf-8", check=True).stdout
     assert shown(step.lines, printed), f"{step.text}\nshown:\n" + "\n".join(step.lines) + f"\nprinted:\n{printed}"

@@ -22,7 +22,7 @@ DOCUMENTS = [
 # Files of a user in examples.
 EXAMPLES = {"my_effects.py"}
 # Folders that commands make and git ignores.
-MADE = (".venv/", "out/", "target/")
+MADE = (".venv/", "dist/", "docs/_build/", "out/", "target/")
 # Files that commands read and write: their first word may be that of a chapter.
 RESULTS = (".csv", ".html", ".json", ".md", ".parquet", ".py", ".rs", ".toml")
 # Roots of dotted names: the package, the chapters without ``ivsid``, the stages without ``ivsid.diagnosis``.

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from typer.main import get_command
 
+from command_line import run
 from ivsid import regression
 from ivsid.cli.application import app
 from ivsid.programme.scenario import parse_scenario
@@ -130,3 +131,36 @@ def test_the_rows_of_ones_own_of_the_guide_are_solved():
 def test_the_arithmetic_of_its_page_runs():
     for text in blocks("docs/arithmetic.md", "python"):
         exec(compile(text, "arithmetic.md", "exec"), {})
+
+
+# Commands of the README that need what no test has: a data set of others.
+ELSEWHERE = ("ivsid import", "pip ")
+
+
+@pytest.mark.nightly
+def test_every_command_of_the_readme_does_its_job(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    ivsid(["example", "trip"])
+    for name in ("boat.toml", "run1.csv", "run2.csv", "programme.toml"):
+        (tmp_path / name).write_text((tmp_path / "trip" / name).read_text())
+    (tmp_path / "my_log.csv").write_text((tmp_path / "run1.csv").read_text())
+    rng = np.random.default_rng(1)
+    still = np.c_[np.arange(6000) / 20, 0.01 * rng.standard_normal((6000, 2))]
+    np.savetxt("deck.csv", still, delimiter=",", header="t,ax,r", comments="")
+    np.savetxt(
+        "bollard.csv",
+        [[-100, -60], [-50, -15], [0, 0], [50, 28], [100, 110]],
+        delimiter=",",
+        header="demand,thrust",
+        comments="",
+    )
+    lines = [line for text in blocks("README.md", "console") for line in text.splitlines() if line.startswith("ivsid ")]
+    commands = [re.sub(r"#.*", "", line).split()[1:] for line in lines if not line.startswith(ELSEWHERE)]
+    assert len(commands) >= 10
+    for words in commands:
+        (tmp_path / "boat.toml").write_text((tmp_path / "trip" / "boat.toml").read_text())
+        # A file that `ivsid init` proposes stands in a place of its own: it overwrites none.
+        more = ["--yes", "--out", f"proposed{len(words)}.toml"] if words[0] == "init" else []
+        done = run(*words, *more)
+        assert done.returncode == 0, f"{words}\n{done.stdout}{done.stderr}"

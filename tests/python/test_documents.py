@@ -17,7 +17,7 @@ CORE = ROOT / "crates" / "interval-core" / "src"
 BASES = (ROOT, PACKAGE, PACKAGE / "diagnosis", CORE, ROOT / "docs", ROOT / "tests" / "python", ROOT / "tests" / "rust")
 DOCUMENTS = [
     *(ROOT / name for name in ("ARCHITECTURE.md", "CONTRIBUTING.md", "DESIGN.md", "README.md")),
-    *sorted((ROOT / "docs").rglob("*.md")),
+    *sorted(p for p in (ROOT / "docs").rglob("*.md") if "_build" not in p.parts),
 ]
 # Files of a user in examples.
 EXAMPLES = {"my_effects.py"}

@@ -26,9 +26,12 @@ def version() -> str:
 
 
 def tracked(folder: str) -> set[str]:
-    """Files of a folder that git knows, relative to it."""
-    listed = subprocess.run(["git", "ls-files", folder], cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    return {str(Path(line).relative_to(folder)) for line in listed.splitlines()}
+    """Files of a folder that git knows, relative to it; in an unpacked archive all that no build leaves behind."""
+    listed = subprocess.run(["git", "ls-files", folder], cwd=ROOT, capture_output=True, text=True, check=False)
+    if listed.returncode == 0 and listed.stdout:
+        return {Path(line).relative_to(folder).as_posix() for line in listed.stdout.splitlines()}
+    files = (p for p in (ROOT / folder).rglob("*") if p.is_file() and p.suffix not in (".so", ".pyd", ".pyc"))
+    return {p.relative_to(ROOT / folder).as_posix() for p in files}
 
 
 def wheel_faults(path: Path, auditwheel: str) -> list[str]:

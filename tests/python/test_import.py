@@ -1,7 +1,6 @@
 """``ivsid import``: the public sets load with the facts that are known of them, and a wrong folder gets one sentence."""
 
 import json
-import shutil
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ import pytest
 from command_line import run
 from conftest import embedded
 from ivsid import IvsidError, read_log, read_vehicle, workflow
-from ivsid.adapters import ADAPTERS, read_cse1, read_rov30k, read_t200
+from ivsid.adapters import ADAPTERS, read_cse1, read_rov30k
 from ivsid.propulsion.thrust import ThrustCurve
 
 
@@ -304,140 +303,3 @@ def test_a_wrong_folder_is_one_sentence_and_leaves_nothing(tmp_path, name):
 def test_an_unknown_set_is_refused(tmp_path):
     made = run("import", "titanic", tmp_path, "--out", tmp_path / "out")
     assert made.returncode == 2 and "choose one of cse1, rov30k, t200" in made.stderr
-
-
-def writable(real, folder):
-    """A copy of the set that a test may damage."""
-    shutil.copytree(real("cse1"), folder, copy_function=shutil.copyfile)
-    for place in (folder, *folder.rglob("*")):
-        place.chmod(0o755 if place.is_dir() else 0o644)
-    return folder
-
-
-def test_damaged_files_are_left_out_with_a_note(real, tmp_path):
-    """A file that broke off, one of 30 bytes, a matrix of another shape, a recording without numbers; the rest is whole."""
-    from scipy.io import savemat
-
-    copy = writable(real, tmp_path / "cse1")
-    free = copy / "freerun" / "CSE1_data_run1.mat"
-    whole = free.read_bytes()
-    for content in (whole[: len(whole) // 2], whole[:30], b""):
-        free.write_bytes(content)
-        made = read_cse1(copy)
-        (note,) = [n for n in made.notes if n.startswith("left out")]
-        assert "freerun/CSE1_data_run1.mat" in note and "\n" not in note
-        assert set(made.logs) == {"random_run1", "random_run3"} and len(made.inputs) == 2 + 54 + 21 + 11 + 6
-    savemat(free, {"cse1_data": np.zeros((4, 100))}, format="4")
-    assert any("no matrix cse1_data of at least 14 rows" in n for n in read_cse1(copy).notes)
-    savemat(free, {"other": np.zeros((4, 100))}, format="4")
-    assert any(n.startswith("1 MATLAB files have no matrix cse1_data") for n in read_cse1(copy).notes)
-    free.write_bytes(whole)
-    asc = copy / "captive" / "VSPsway" / "vsp_sway_u2_10_pos.asc"
-    for content, words in (("Time\tF8113\nnothing\n", "no Catman recording"), ("Time\tA\n0\t1\n1\t2\n", "it has A")):
-        asc.write_text(content)
-        made = read_cse1(copy)
-        (note,) = [n for n in made.notes if n.startswith("left out")]
-        assert "VSPsway/vsp_sway_u2_10_pos.asc" in note and words in note
-        assert made.tables["vsp_sway"].demand.max() == 0.8 and len(made.logs) == 3
-
-
-def test_a_set_of_damaged_files_alone_is_refused(tmp_path):
-    (tmp_path / "run.mat").write_bytes(b"MATLAB 5.0 MAT-file, but short")
-    with pytest.raises(IvsidError, match=r"holds no run of the set: run.mat .* which can be had from"):
-        read_cse1(tmp_path)
-
-
-def test_cse1_in_the_folders_of_its_publisher(real, tmp_path):
-    """Folders with other names, at other depths, with copies of a recording and one name twice."""
-    archive = tmp_path / "CS_EnterpriseI_archive" / "10 prev work"
-    captive, free = archive / "2014 Tran" / "Matlab", archive / "2014 Tran" / "realWorldData"
-    for folder, name in (
-        ("SurgeDamping", "Damping"),
-        ("VSPsurge", "surge"),
-        ("VSPsway", "sway"),
-        ("BowThruster", "bow"),
-    ):
-        shutil.copytree(real("cse1") / "captive" / folder, captive / name, copy_function=shutil.copyfile)
-    (captive / "surge").chmod(0o755)
-    free.mkdir()
-    for k, run_ in enumerate(sorted((real("cse1") / "freerun").iterdir())):
-        shutil.copyfile(run_, free / run_.name)
-        (archive / f"copy {k}").mkdir()
-    shutil.copyfile(free / "CSE1_data_run1.mat", archive / "copy 0" / "again.mat")
-    shutil.copyfile(free / "CSE1_data_run1.mat", free / "CSE1_data_twice.mat")
-    published, here = read_cse1(tmp_path / "CS_EnterpriseI_archive"), read_cse1(real("cse1"))
-    assert len([n for n in published.notes if n.endswith("read once")]) == 2
-    assert published.facts["towing"] == here.facts["towing"] and published.facts["slopes"] == here.facts["slopes"]
-    assert sorted(len(p.t) for p in published.logs.values()) == sorted(len(p.t) for p in here.logs.values())
-    shutil.rmtree(archive / "2014 Tran" / "realWorldData")
-    shutil.rmtree(archive / "copy 0")
-    assert not read_cse1(archive).logs and set(read_cse1(archive).tables) == set(here.tables)
-
-
-def test_cse1_towing_runs_bound_the_drag_in_surge(sets):
-    """The proved intervals hold the least squares of the tank, and every run of the table has its bounds."""
-    out, record = sets("cse1", "cse1")
-    found, tank = record["facts"]["captive"]["surge"], record["facts"]["towing"]
-    assert found["status"] == "enclosed" and found["guaranteed"] and found["runs"] == 54 and 0 < found["inflation"] < 1
-    for name in ("linear", "quadratic"):
-        low, high = found["coefficients"][f"drag.surge.{name}"]
-        assert low < -tank[name] < high
-    assert found["coefficients"]["drag.surge.quadratic"][0] > 1
-    table = np.genfromtxt(out / "towing.csv", delimiter=",", names=True)
-    assert len(table) == 54
-    for name in ("u", "force_X"):
-        assert (table[f"{name}_lower"] < table[name]).all() and (table[name] < table[f"{name}_upper"]).all()
-    # Two gauges of 77.02 and 55.3 N, and a carriage of 3.125 m/s, at 0.1 % of these.
-    assert (table["force_X_upper"] - table["force_X"] >= 0.13232 - 1e-9).all()
-    assert ((table["u_upper"] - table["u_lower"]) >= 2 * 0.003125 - 1e-9).all()
-    assert any("stated bounds, which the set does not give" in n for n in record["notes"])
-    assert any("nothing of drag in sway and yaw" in n for n in record["notes"])
-    assert "guaranteed under the stated bounds" in (out / "report.html").read_text()
-
-
-@pytest.mark.parametrize("axis", ["surge", "yaw"])
-def test_drag_intervals_are_those_of_linear_programs(axis):
-    """Bounds of speed of width 0 make the set a polytope, whose extent HiGHS gives apart."""
-    from scipy.optimize import linprog
-
-    from ivsid.adapters.captive import Run, drag_intervals
-
-    rng = np.random.default_rng(3)
-    speed = np.linspace(-0.6, 0.6, 14)
-    force = -(0.4 * speed + 2.5 * speed * np.abs(speed)) + rng.uniform(-0.05, 0.05, speed.size)
-    runs_ = [Run((u, u, u), (f, f - 0.06, f + 0.06)) for u, f in zip(speed, force, strict=True)]
-    found = drag_intervals(runs_, axis)
-    matrix = np.c_[speed, speed * np.abs(speed)]
-    walls = np.r_[matrix, -matrix], np.r_[-force + 0.06, force + 0.06]
-    for k, name in enumerate(("linear", "quadratic")):
-        ends = [
-            sign * linprog(sign * np.eye(2)[k], *walls, bounds=[(None, None)] * 2, method="highs").fun
-            for sign in (1, -1)
-        ]
-        given = found["coefficients"][f"drag.{axis}.{name}"]
-        assert given == pytest.approx(ends, abs=1e-6)
-        assert given[0] <= ends[0] + 1e-9 and given[1] >= ends[1] - 1e-9
-    assert found["guaranteed"]
-    # Forces that no such drag explains: said, without a number.
-    wrong = [*runs_, Run((0.3, 0.3, 0.3), (5.0, 4.9, 5.1))]
-    empty = drag_intervals(wrong, axis)
-    assert (
-        empty["status"] == "empty"
-        and not empty["guaranteed"]
-        and empty["coefficients"] == {}
-        and empty["inflation"] > 1
-    )
-    one = drag_intervals(runs_[:1], axis)
-    assert one["status"] == "unbounded" and not one["guaranteed"] and one["coefficients"] == {}
-
-
-def test_a_t200_table_without_its_columns(tmp_path):
-    (tmp_path / "T200_16V.csv").write_text("a,b\n1,2\n2,3\n3,4\n")
-    with pytest.raises(IvsidError, match="lacks a column PWM or Force"):
-        read_t200(tmp_path)
-    (tmp_path / "T200_16V.csv").write_text("PWM,Force\n1,2\n1,3\n3,4\n")
-    with pytest.raises(IvsidError, match="do not increase"):
-        read_t200(tmp_path)
-    (tmp_path / "T200_xV.csv").write_text("PWM,Force\n1,2\n2,3\n3,4\n")
-    with pytest.raises(IvsidError, match="tells no voltage"):
-        read_t200(tmp_path)

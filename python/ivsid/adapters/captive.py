@@ -1,7 +1,8 @@
 """Static force tables of captive runs, and drag coefficients as intervals from them.
 
 A model that is towed at a constant speed u feels F = -(linear u + quadratic u|u|). With bounds of every speed and force, each run is one
-interval row; ``feasible_set`` proves the hull of all coefficients that fit every row.
+interval row; ``feasible_set`` proves the hull of all coefficients that fit every row. The bounds themselves rest on assumptions that no
+recording proves (``ASSUMES``), so a result of this module is never called guaranteed.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.intervals import IntervalArray
+from ivsid.intervals import Interval, IntervalArray
 from ivsid.linear import regression
 from ivsid.linear.regression import FeasibleStatus
 
@@ -24,6 +25,12 @@ GAUGE_CLASS: Final = 1e-3
 # Parts of a run whose means show how far its force has settled.
 # Source: definition: quarters of a run.
 PARTS: Final = 4
+# What the bounds of a run rest on, a sentence each.
+ASSUMES: Final = (
+    f"each gauge and the speed err by at most {GAUGE_CLASS:.1%} of their nominal values, an accuracy class that the set does not state",
+    f"the mean force of a run stands no further from its true mean than the mean of any of {PARTS} parts of the run does, seen and not proved",
+    "the drag is linear and quadratic in the speed",
+)
 
 
 @dataclass(frozen=True)
@@ -39,24 +46,31 @@ class Run:
     force: tuple[float, float, float]
 
 
-def static_run(speed: Array, force: Array, speed_accuracy: float, force_accuracy: float) -> Run:
+def accuracy(nominal: float) -> Interval:
+    """The error of a gauge under the assumed accuracy class, [-e, e] in the unit of its nominal value, rounded outward."""
+    reach = (Interval(GAUGE_CLASS, GAUGE_CLASS) * abs(nominal)).upper
+    return Interval(-reach, reach)
+
+
+def static_run(speed: Array, force: IntervalArray, speed_error: Interval, force_error: Interval) -> Run:
     """A captive run as one point of a static force table.
 
     The speed lies between its least and largest reading, widened by its accuracy. The force lies about its mean, as far as the mean of
-    any quarter of the run stands from it, widened by its accuracy.
+    any quarter of the run stands from it, widened by its accuracy. All ends are rounded outward.
 
     Args:
         speed: readings, shape (n,).
         force: readings of the force of the water on the hull, shape (n,).
-        speed_accuracy: of the speed, in its unit.
-        force_accuracy: of the force, in its unit.
+        speed_error: of the speed, in its unit.
+        force_error: of the force, in its unit.
     """
-    middle = float(force.mean())
-    settled = max(abs(float(part.mean()) - middle) for part in np.array_split(force, PARTS))
-    width = settled + force_accuracy
+    middle = force.sum() / len(force)
+    parts = [part for part in np.array_split(np.arange(len(force)), PARTS) if part.size]
+    drift = max((abs(force[part].sum() / part.size - middle)).upper for part in parts)
+    within, around = Interval(speed.min(), speed.max()) + speed_error, middle + force_error + Interval(-drift, drift)
     return Run(
-        (float(speed.mean()), float(speed.min()) - speed_accuracy, float(speed.max()) + speed_accuracy),
-        (middle, middle - width, middle + width),
+        (float(speed.mean()), within.lower, within.upper),
+        (middle.midpoint, around.lower, around.upper),
     )
 
 
@@ -69,20 +83,19 @@ def table(runs: list[Run], speed: str, force: str) -> dict[str, Array]:
 
 
 def drag_intervals(runs: list[Run], axis: str) -> dict[str, object]:
-    """The drag coefficients of one axis: proved under the bounds of the runs, or said not to be.
+    """The drag coefficients of one axis: every pair that the bounds of the runs allow.
 
     Args:
         runs: with their bounds, at least one.
         axis: surge, sway or yaw, for the names of the coefficients.
 
     Returns:
-        ``status`` and ``guaranteed``; the interval of each coefficient by its id, empty unless the status is ``enclosed``; ``inflation``, the
-        factor on the widths of the bounds at which the model just stops to contradict the runs.
+        ``status``; the interval of each coefficient by its id, empty unless the status is ``enclosed``; ``inflation``, the factor on the
+        widths of the bounds at which the model just stops to contradict the runs; ``guaranteed``, which is false, and ``assumes``, the
+        sentences that forbid it.
     """
-    low, high = (np.array([r.speed[k] for r in runs]) for k in (1, 2))
-    # u|u| grows with u. One step outward holds the rounding of its product and of the bounds.
-    square = [np.nextafter(u * np.abs(u), sign * np.inf) for u, sign in ((low, -1), (high, 1))]
-    rows = IntervalArray(np.c_[np.nextafter(low, -np.inf), square[0]], np.c_[np.nextafter(high, np.inf), square[1]])
+    speed = IntervalArray(*(np.array([r.speed[k] for r in runs]) for k in (1, 2)))
+    rows = IntervalArray.stack([speed, speed.signed_square()], axis=1)
     right = IntervalArray(np.array([-r.force[2] for r in runs]), np.array([-r.force[1] for r in runs]))
     found = regression.feasible_set(rows, right)
     ids = [f"drag.{axis}.linear", f"drag.{axis}.quadratic"]
@@ -90,7 +103,8 @@ def drag_intervals(runs: list[Run], axis: str) -> dict[str, object]:
     ends = [] if found.value is None else zip(found.value.lower.tolist(), found.value.upper.tolist(), strict=True)
     return {
         "status": found.status.value,
-        "guaranteed": found.guaranteed and enclosed,
+        "guaranteed": False,
+        "assumes": list(ASSUMES),
         "runs": len(runs),
         "coefficients": {i: list(e) for i, e in zip(ids, ends, strict=True)} if enclosed else {},
         "inflation": found.inflation,

@@ -16,10 +16,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.adapters.captive import GAUGE_CLASS, Run, drag_intervals, static_run, table
+from ivsid.adapters.captive import ASSUMES, Run, accuracy, drag_intervals, static_run, table
 from ivsid.adapters.catman import Recording, read_catman
 from ivsid.adapters.imported import Imported, Part, Table, digests, files_below, readable, runs
 from ivsid.errors import IvsidError
+from ivsid.intervals import IntervalArray
 from ivsid.log.matlab import matlab_variables
 
 Array = NDArray[np.float64]
@@ -99,8 +100,7 @@ def read_cse1(folder: Path) -> Imported:
         facts["towing"] = _drag(others["towing"]["u"], others["towing"]["force_X"])
         facts["captive"] = {"surge": drag_intervals(towed, "surge")}
         notes += [
-            f"drag by intervals rests on stated bounds, which the set does not give: each gauge and the speed err by at most {GAUGE_CLASS:.1%} of "
-            "their nominal values, the force by the largest deviation of a quarter of the run besides, and the drag is linear and quadratic",
+            f"drag by intervals is not guaranteed, it rests on assumptions: {'; '.join(ASSUMES)}",
             "every run of the tank is straight, without drift or yaw rate: it says nothing of drag in sway and yaw",
         ]
     return Imported(
@@ -224,8 +224,8 @@ def _towing(path: Path, recording: Recording) -> Run:
     if silent:
         raise IvsidError(f"{path} states no nominal value of {silent[0]}, from which its accuracy follows")
     c = recording.channels
-    front, rear, carriage = (GAUGE_CLASS * recording.nominal[n] for n in TOWING)
-    return static_run(c["Speed_X"], c["Fx8111"] - c["Fx8113"], carriage, front + rear)
+    front, rear, carriage = (accuracy(recording.nominal[n]) for n in TOWING)
+    return static_run(c["Speed_X"], IntervalArray(c["Fx8111"]) - c["Fx8113"], carriage, front + rear)
 
 
 def _tables(pulls: list[Pull]) -> dict[str, Table]:

@@ -65,7 +65,7 @@ def import_set(name: str, folder: str | Path, *, progress: Progress = silent) ->
         f", vehicle file {made.vehicle}." if made.vehicle else "."
     )
     lines = [f"  {', '.join(sorted(content))}"]
-    lines += [f"  {r[1]} in [{r[2]}, {r[3]}] ({r[4]} captive runs, {r[5]}, {r[6]})" for r in drag]
+    lines += [f"  {r[1]} in [{r[2]}, {r[3]}] ({r[4]} captive runs, {r[5]}, not guaranteed)" for r in drag]
     lines += [f"  note: {n}" for n in made.notes]
     lines += [f"  {n}: {note}" for n, part in made.logs.items() for note in part.notes]
     return Report(f"Import of {made.title}", summary, record, tuple(sections), drawings, content, tuple(lines))
@@ -75,10 +75,16 @@ def _drag_rows(made: Imported) -> list[list[object]]:
     """A row for each coefficient that captive runs give, or one that says why they give none."""
     rows: list[list[object]] = []
     for axis, found in made.facts.get("captive", {}).items():
-        said = "guaranteed under the stated bounds" if found["guaranteed"] else "not guaranteed"
         ends = found["coefficients"] or {f"drag.{axis}": ["none", "none"]}
         rows += [
-            [axis, i, *(f"{x:.4g}" if isinstance(x, float) else x for x in e), found["runs"], found["status"], said]
+            [
+                axis,
+                i,
+                *(f"{x:.4g}" if isinstance(x, float) else x for x in e),
+                found["runs"],
+                found["status"],
+                "no, it rests on assumptions",
+            ]
             for i, e in ends.items()
         ]
     return rows

@@ -14,7 +14,7 @@ import pytest
 import program_logs as programs
 from command_line import run
 from conftest import embedded
-from ivsid import IvsidError
+from ivsid import IvsidError, identify
 from ivsid.log import read_log
 from ivsid.programme.scenario import parse_scenario
 from ivsid.proposal import propose
@@ -256,6 +256,21 @@ def test_a_proposed_file_is_refused_until_its_marked_keys_are_filled_and_read_th
     for name in ("u", "v", "r", "ax", "ay", "psi"):
         assert (bounded[name].lower <= exact[name]).all() and (exact[name] <= bounded[name].upper).all(), name
         assert np.median(bounded[name].upper - bounded[name].lower) < 0.2 * np.ptp(exact[name]), name
+
+
+def test_nothing_is_called_guaranteed_while_the_file_holds_guesses(tmp_path, otter_log):
+    """With every mark filled in, too; the comment says what to write once the bounds are known."""
+    out = tmp_path / "boat.toml"
+    init([otter_log], out)
+    guessed = filled(out.read_text())
+    fit = identify(parse_vehicle(guessed, "boat.toml"), otter_log)
+    assert fit.status in ("enclosed", "unbounded", "empty") and not fit.guaranteed
+    assert "accuracy = { relative = 0.2 }" in guessed and "not a bound for a log" in fit.assumes[0]
+    (line,) = re.findall(r"^sigmas = .*$", guessed, flags=re.M)
+    (stated,) = re.findall(
+        r"once you know all bounds, .* write in its place: (confidence = [0-9.]+)$", guessed, flags=re.M
+    )
+    assert identify(parse_vehicle(guessed.replace(line, stated), "boat.toml"), otter_log).guaranteed
 
 
 @pytest.mark.nightly

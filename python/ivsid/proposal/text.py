@@ -8,8 +8,10 @@ from collections.abc import Iterator, Mapping
 from typing import Final
 
 from ivsid.proposal.blanks import Answers, Demand
+from ivsid.proposal.noise import SIGMAS
 from ivsid.proposal.propose import Proposal
 from ivsid.proposal.signs import word
+from ivsid.sensors.noise import DEFAULT_CONFIDENCE
 from ivsid.vehicle.reading import TODO
 
 MARK: Final = f'"{TODO}"'
@@ -93,7 +95,11 @@ def _thruster(demand: Demand, answers: Answers) -> Iterator[str]:
 
 def _sensors(proposal: Proposal) -> Iterator[str]:
     yield "[sensors]"
-    yield _line("confidence", "0.999", "that every error of a whole log stays in its bound")
+    # Bounds that are guesses hold with no stated probability: under ``sigmas`` no command calls a result guaranteed.
+    yield _line(
+        "sigmas", _number(SIGMAS), "under sigmas nothing is called guaranteed, as long as this file holds guesses;"
+    )
+    yield f"{'':<{WIDTH}}# once you know all bounds, thrust accuracy too, write in its place: confidence = {DEFAULT_CONFIDENCE:g}"
     for section, numbers in proposal.sensors.items():
         yield f"[sensors.{section}]"
         for n in numbers:

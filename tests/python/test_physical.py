@@ -86,6 +86,31 @@ def test_a_matrix_with_positive_masses_may_be_none():
         assert [f.bound for f in faults(subject(terms), box)] == bounds
 
 
+@pytest.mark.parametrize("form", ["total", "added"])
+def test_a_matrix_that_is_positive_definite_by_less_than_a_rounding_is_no_fault(form):
+    """The inertia is the smallest double for which all leading minors are positive, in fractions of the file's decimals."""
+    terms = '[model]\nterms = ["mass.surge", "mass.sway", "inertia.yaw"]\n'
+    rng = np.random.default_rng(8)
+    # Parameters whose products are exact, so that no rounding of theirs hides one of the file's numbers.
+    surge, sway = (64.0, 32.0) if form == "total" else (0.0, 0.0)
+    for _ in range(150):
+        mass, length, x_g, y_g = (round(rng.uniform(*e), 3) for e in ((20, 90), (0.5, 3), (-0.3, 0.3), (-0.2, 0.2)))
+        hull = f'name = "v"\n[hull]\nmass = {mass!r}\nlength = {length!r}\ncentre_of_gravity = [{x_g!r}, {y_g!r}]\n'
+        vehicle = parse_vehicle(hull + terms, "v.toml")
+        one = replace(
+            subject(), vehicle=vehicle, terms=terms_of(vehicle, form), known_mass=mass if form == "added" else 0.0
+        )
+        dry, known = Fraction(repr(mass)), Fraction(repr(mass)) if form == "added" else Fraction(0)
+        # Schur's complement of the masses: I > (m x_G)^2 / m_sway + (m y_G)^2 / m_surge.
+        along, across = ((dry * Fraction(repr(x))) ** 2 / (known + Fraction(m)) for x, m in ((x_g, sway), (y_g, surge)))
+        inertia = float(along + across)
+        inertia = inertia if Fraction(inertia) > along + across else float(np.nextafter(inertia, np.inf))
+        assert along + across < Fraction(inertia) <= (along + across) * (1 + Fraction(1, 2**50))
+        for value, held in ((inertia, True), (inertia * (1 - 1e-9), False)):
+            box = {t.id: (x, x) for t, x in zip(one.terms, (surge, sway, value), strict=True)}
+            assert ("physical.inertia" in [f.bound for f in faults(one, box)]) != held
+
+
 def test_a_negative_drag_may_be_made_up_for_by_another_inside_the_velocities_alone():
     """-5 u + 28 u|u| drives below 5/28 m/s and nowhere else."""
     terms = '[model]\nterms = ["mass.surge", "mass.sway", "inertia.yaw", "drag.surge.linear", "drag.surge.quadratic"]\n'

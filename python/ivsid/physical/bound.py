@@ -54,6 +54,31 @@ class Subject:
                     units[k, CHANNELS.index(channel), j] += float(column) - float(still.get(channel, 0.0))
         return known, units
 
+    def enclosed_inertia(self) -> tuple[IntervalArray, IntervalArray]:
+        """``inertia`` with every number of the file as the decimal that it is, and every operation rounded outward."""
+        hull = self.vehicle.hull
+        x_g, y_g = (_decimal(x) for x in hull.centre_of_gravity)
+        mass, known_mass = _decimal(hull.mass), _decimal(self.known_mass)
+        zero, moved = IntervalArray(np.zeros(3)), [IntervalArray(row) for row in np.eye(3)]
+        place = Place(zero, zero, zero, zero, zero, zero)
+        rest, state = State(*[zero] * 6, place=place), State(zero, zero, zero, *moved, place=place)
+        # Column j of each matrix is the state in which the acceleration j alone is 1.
+        known = IntervalArray(np.zeros((3, 3)))
+        for number, one in zip((mass * x_g, mass * y_g, known_mass), np.eye(3).tolist(), strict=True):
+            known = known + _rows(rigid_body(state, *one), zero) * number
+        units = [_rows(t.columns(state), zero) - _rows(t.columns(rest), zero) for t in self.terms]
+        return known, IntervalArray.stack(units)
+
+
+def _decimal(x: float) -> IntervalArray:
+    """A number of a file, shape (): its decimal lies between the neighbours of its double, and 0 is exact."""
+    return IntervalArray(np.nextafter(x, -np.inf), np.nextafter(x, np.inf)) if x else IntervalArray(0.0)
+
+
+def _rows(columns: Mapping[str, IntervalArray | float], zero: IntervalArray) -> IntervalArray:
+    """The entries of the three equations below one another, of the shape of ``zero`` each."""
+    return IntervalArray.stack([zero + columns.get(c, zero) for c in CHANNELS])
+
 
 @dataclass(frozen=True)
 class Inequalities:

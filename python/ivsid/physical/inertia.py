@@ -37,7 +37,12 @@ def inequalities(subject: Subject, box: Box | None = None) -> tuple[Inequalities
     scale = np.diag([1.0, 1.0, 1.0 / length])
     values, vectors = np.linalg.eigh(scale @ (0.5 * (matrix + matrix.T)) @ scale)
     q = scale @ vectors[:, 0]
-    row = np.einsum("i,kij,j->k", q, units, q)
+    # The direction is as good as any, and its energy is enclosed: what is called a contradiction is none of rounding.
+    along = IntervalArray(q)
+    pairs = along.reshape(3, 1) * along.reshape(1, 3)
+    still, each = subject.enclosed_inertia()
+    row = (each * pairs).sum(axis=1).sum(axis=1)
+    least = -(still * pairs).sum().upper
     channel = np.array([int(np.argmax(np.abs(vectors[:, 0])))], dtype=np.int64)
 
     def words(_row: int, _reached: float) -> str:
@@ -47,4 +52,4 @@ def inequalities(subject: Subject, box: Box | None = None) -> tuple[Inequalities
         )
 
     time = subject.time[:1] if subject.time.size else np.zeros(1)
-    return (Inequalities(KIND, IntervalArray(row[None]), np.array([-float(q @ known @ q)]), channel, time, words),)
+    return (Inequalities(KIND, row.reshape(1, len(row)), np.array([least]), channel, time, words),)

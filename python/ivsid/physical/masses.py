@@ -47,13 +47,14 @@ def largest_inertia(subject: Subject) -> float | None:
 def inequalities(subject: Subject, _box: Box | None = None) -> tuple[Inequalities, ...]:
     """The least and the largest diagonal entry of the inertia matrix, for each equation that has a mass."""
     known, units = subject.inertia()
+    _, enclosed = subject.enclosed_inertia()
     mass, largest = subject.vehicle.hull.mass, largest_inertia(subject)
     ends = [(LEAST * mass, MOST * mass)] * 2 + [(0.0, np.inf if largest is None else largest)]
     own = [k for k in range(3) if units[:, k, k].any()]
     made = []
     for kind, sign, place in zip(KINDS, (1.0, -1.0), (0, 1), strict=True):
         at = [k for k in own if np.isfinite(ends[k][place])]
-        matrix = np.array([sign * units[:, k, k] for k in at]).reshape(len(at), len(subject.terms))
+        matrix = enclosed[:, at, at].T * sign
         limits = [ends[k][place] for k in at]
         least = np.array([sign * (limit - known[k, k]) for k, limit in zip(at, limits, strict=True)])
         size = np.array([abs(limit) + abs(float(known[k, k])) for k, limit in zip(at, limits, strict=True)])
@@ -69,5 +70,5 @@ def inequalities(subject: Subject, _box: Box | None = None) -> tuple[Inequalitie
             return f"the {name} is {side} {value:.6g} {unit}, {beyond} the {limit} that {why}"
 
         zero = np.full(len(at), float(subject.time[0]) if subject.time.size else 0.0)
-        made.append(Inequalities(kind, IntervalArray(matrix), least, np.array(at, dtype=np.int64), zero, words))
+        made.append(Inequalities(kind, matrix, least, np.array(at, dtype=np.int64), zero, words))
     return tuple(made)

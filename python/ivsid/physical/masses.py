@@ -7,7 +7,6 @@ from typing import Final
 import numpy as np
 
 from ivsid.effects import CHANNELS
-from ivsid.intervals import IntervalArray
 from ivsid.physical.bound import Box, Inequalities, Subject
 
 KINDS: Final = ("physical.least", "physical.most")

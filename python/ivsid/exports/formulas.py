@@ -74,7 +74,7 @@ def formulas(model: Planar) -> Formulas:
         "m": exact(model.mass, "kg"),
         "xg": exact(x, "m"),
         "yg": exact(y, "m"),
-        "Iz": exact(model.rigid_inertia + model.mass * (x * x + y * y), "kg m^2"),
+        "Iz": exact(model.rigid_about_origin.value, "kg m^2"),
         "Xudot": (-surge).called("X_udot"),
         "Yvdot": (-sway).called("Y_vdot"),
         "Nrdot": (-yaw).called("N_rdot"),

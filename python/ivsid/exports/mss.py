@@ -5,6 +5,7 @@ Source: MSS, VESSELS/otter.m; docs/export.md.
 
 from __future__ import annotations
 
+import keyword
 import math
 import re
 from typing import Final
@@ -13,11 +14,43 @@ from ivsid.exports.formulas import current, formulas
 from ivsid.exports.planar import Planar
 from ivsid.exports.target import INERTIA, Body, Target, steering_sentences
 
+# Words of MATLAB and Python, and names that the files use themselves.
+# Source: definition: MATLAB, iskeyword; Python, keyword
+WORDS: Final = frozenset(
+    [
+        "break",
+        "case",
+        "catch",
+        "classdef",
+        "continue",
+        "else",
+        "elseif",
+        "end",
+        "for",
+        "function",
+        "global",
+        "if",
+        "otherwise",
+        "parfor",
+        "persistent",
+        "return",
+        "spmd",
+        "switch",
+        "try",
+        "while",
+        "piecewise",
+        "np",
+        "sin",
+        "cos",
+        "tanh",
+    ]
+) | frozenset(keyword.kwlist)
+
 
 def name_of(model: Planar) -> str:
-    """The vehicle's name as an identifier."""
+    """The vehicle's name as an identifier of MATLAB and of Python."""
     plain = re.sub(r"\W+", "_", model.vehicle.name.lower(), flags=re.ASCII).strip("_")
-    return plain if plain[:1].isalpha() else f"vessel_{plain}"
+    return plain if plain[:1].isalpha() and plain not in WORDS else f"vessel_{plain}"
 
 
 def write(model: Planar) -> Body:

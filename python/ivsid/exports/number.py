@@ -52,6 +52,11 @@ class Number:
         return ", ".join(w for w in (self.symbol, f"{inside} {self.unit}") if w)
 
 
+def one_line(text: str) -> str:
+    """Words on one line: a break ends a comment of code, and no XML or YAML takes a control character."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+
+
 def exact(value: float, unit: str, symbol: str = "") -> Number:
     """A number that is known: its interval is a point."""
     return Number(value, unit, symbol, Interval(value, value))

@@ -12,7 +12,7 @@ from typing import Final
 from ivsid.diagnosis import Diagnosis, extended_vehicle
 from ivsid.effects import EFFECTS, PAPER_TERMS, fitted
 from ivsid.errors import IvsidError
-from ivsid.exports.number import Number, exact
+from ivsid.exports.number import Number, exact, one_line
 from ivsid.identification import Identification
 from ivsid.intervals import Interval
 from ivsid.vehicle import Vehicle, parse_vehicle
@@ -42,8 +42,8 @@ class Planar:
 
     @property
     def title(self) -> str:
-        """The vehicle's name on one line: a line break would end a comment."""
-        return " ".join(self.vehicle.name.split())
+        """The vehicle's name on one line."""
+        return one_line(self.vehicle.name)
 
     def get(self, id_: str, unit: str = "") -> Number:
         """A number, or an exact 0 where the model has none."""
@@ -90,15 +90,22 @@ class Planar:
         return whole if length is None else min(whole, self.mass * (GYRATION * length) ** 2)
 
     @property
+    def rigid_about_origin(self) -> Number:
+        """Moment of inertia of the rigid body about the origin [kg m^2]: the sum in floats, and an interval that holds the true one, too."""
+        x, y = self.centre
+        whole = self.rigid_inertia + self.mass * (x * x + y * y)
+        squares = Interval(x, x).square() + Interval(y, y).square()
+        ends = Interval(self.rigid_inertia, self.rigid_inertia) + Interval(self.mass, self.mass) * squares
+        return Number(whole, "kg m^2", ends=ends.hull(Interval(whole, whole)))
+
+    @property
     def added(self) -> tuple[Number, Number, Number]:
         """Added masses in surge and sway [kg], added inertia in yaw about the origin [kg m^2], positive."""
-        x, y = self.centre
         rigid = exact(self.mass, "kg")
-        about = exact(self.rigid_inertia + self.mass * (x * x + y * y), "kg m^2")
         return (
             (self.surge - rigid).called("-X_udot"),
             (self.sway - rigid).called("-Y_vdot"),
-            (self.yaw - about).called("-N_rdot"),
+            (self.yaw - self.rigid_about_origin).called("-N_rdot"),
         )
 
     @property

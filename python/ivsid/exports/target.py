@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from ivsid.exports.number import one_line
 from ivsid.exports.planar import Planar
 from ivsid.files.records import write_whole
 
@@ -79,7 +81,7 @@ def exported(target: Target, model: Planar) -> Exported:
     left = [f"{k} = {n.value:.6g} {n.unit} ({n.words})" for k, n in model.numbers.items() if k not in body.says]
     unstated = (*body.unstated, *left)
     head = [
-        f"{model.title} for {target.title}, made by ivsid from {' '.join(Path(model.source).name.split())}.",
+        f"{model.title} for {target.title}, made by ivsid from {Path(model.source).name}.",
         "Numbers are mid-values; their intervals stand beside them.",
         *(["Not in this file:"] if unstated else ["Every number of the model is in this file."]),
         *(f"- {sentence}" for sentence in unstated),
@@ -90,9 +92,10 @@ def exported(target: Target, model: Planar) -> Exported:
 
 
 def commented(lines: Iterable[str], comment: tuple[str, str]) -> list[str]:
-    """Lines as comments; two hyphens would end a comment of XML."""
+    """Each line as a comment of one line; two hyphens would end a comment of XML."""
     first, last = comment
-    return [f"{first} {line.replace('--', '- -') if last else line} {last}".rstrip() for line in lines]
+    words = [one_line(line) for line in lines]
+    return [f"{first} {re.sub('-(?=-)', '- ', line) if last else line} {last}".rstrip() for line in words]
 
 
 def steering_sentences(model: Planar) -> tuple[str, ...]:

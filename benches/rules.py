@@ -32,15 +32,15 @@ from ivsid.diagnosis.null.screening import SCREENING
 from ivsid.diagnosis.selection import select, verdict
 from ivsid.diagnosis.selection.rules import FULL_FITS, LATE
 from ivsid.diagnosis.selection.verdict import VERDICT
-from ivsid.diagnosis.statements import findings
-from ivsid.diagnosis.statements.carried import CARRIES
+from ivsid.diagnosis.statements import carried, findings
+from ivsid.diagnosis.statements.carried import CARRIES, STAYS
 from ivsid.diagnosis.statements.rules import HELD, UNNAMED
 from ivsid.errors import IvsidError
 from ivsid.log import read_log
 from ivsid.vehicle import read_vehicle
 
 DEFAULTS = ("100", "70000")
-ALL = (*SCREENING, *LATE, *FULL_FITS, *VERDICT, *HELD, UNNAMED, CARRIES)
+ALL = (*SCREENING, *LATE, *FULL_FITS, *VERDICT, *HELD, UNNAMED, STAYS, CARRIES)
 # By name of the rule: refusals, those that no other rule of the stage shares, and such of a cause that is hidden.
 counts: dict[str, list[int]] = defaultdict(lambda: [0, 0, 0])
 hidden: set[str] = set()
@@ -99,7 +99,7 @@ def refuses(self, one, beside=()):
 def main() -> None:
     """Prints the table."""
     count, seed = map(int, (*sys.argv[1:], *DEFAULTS[len(sys.argv) - 1 :]))
-    for module in (family_wise, findings, select, verdict):
+    for module in (carried, family_wise, findings, select, verdict):
         module.first_refusal = first_refusal
     rule.Rule.refuses = refuses
     done = 0

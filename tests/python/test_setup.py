@@ -10,6 +10,7 @@ from tests.exam.cases import case
 import ivsid
 import setup_faults
 from ivsid import IvsidError, setup_findings, workflow
+from ivsid.identification import read_identification
 from ivsid.log import Log, read_log
 from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.report import page
@@ -147,6 +148,8 @@ def test_degrees_for_radians_are_refused_with_the_key_and_the_way_round(tmp_path
     for command in (
         lambda: workflow.identify(vehicle, log),
         lambda: workflow.diagnose(vehicle, log, log, cache=False),
+        lambda: ivsid.identify(vehicle, log),
+        lambda: ivsid.diagnose(vehicle, log, log),
     ):
         with pytest.raises(IvsidError) as refusal:
             command()
@@ -172,6 +175,39 @@ def test_an_accepted_fault_is_told_first(tmp_path):
     # The record keeps its seal, and validate reads it.
     assert ivsid.verify(tmp_path / "fit", log).failures == ()
     assert json.loads((tmp_path / "fit" / "result.json").read_text())["setup"][0]["certain"] is True
+
+
+def test_results_of_functions_carry_the_finding_and_print_nothing(tmp_path, capsys):
+    """Commands and functions say the same, since both ask one place."""
+    text, t, columns = drawn(7004)
+    wrong = {"t": t, **setup_faults.times(demand_port=-1)(columns)}
+    vehicle = parse_vehicle(text, "v.toml")
+    fit = ivsid.identify(vehicle, wrong)
+    (found,) = fit.setup
+    assert found.id == "setup.thruster.reversed" and "doubtful: setup.thruster.reversed" in repr(fit)
+    fit.save(tmp_path / "fit")
+    assert read_identification(tmp_path / "fit").setup == fit.setup
+    told = workflow.identify(*files(tmp_path, text, t, {k: x for k, x in wrong.items() if k != "t"})).record["setup"]
+    assert [f["evidence"] for f in told] == [dict(found.evidence)]
+    sound = ivsid.identify(vehicle, {"t": t, **columns})
+    assert sound.setup == () and "doubtful" not in repr(sound)
+    if sound.estimate:
+        assert [f.id for f in ivsid.validate(sound, wrong).setup] == ["setup.thruster.reversed"]
+        with pytest.raises(IvsidError, match="yaw rate r has the wrong sign"):
+            ivsid.validate(sound, {"t": t, **setup_faults.times(r=-1)(columns)})
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_diagnosis_carries_the_finding():
+    text, t, columns = drawn(7004)
+    tight = text.replace("yaw_acceleration = 3.0", "yaw_acceleration = 0.001") + '[setup]\naccept = ["setup.r.limit"]\n'
+    heard = []
+    table = {"t": t, **columns}
+    result = ivsid.diagnose(parse_vehicle(tight, "v.toml"), table, table, null_logs=0, progress=heard.append)
+    # Once for each log.
+    assert [f.id for f in result.setup] == ["setup.r.limit"] * 2
+    assert result.record()["setup"] == [f.record() for f in result.setup]
+    assert "doubtful: setup.r.limit" in repr(result) and heard[0].startswith("set-up: ")
 
 
 def test_a_reversed_thruster_is_reported_and_refuses_nothing(tmp_path):

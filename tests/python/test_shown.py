@@ -206,6 +206,7 @@ def test_a_diagnosis_shows_its_causes_and_draws_its_residuals():
             "vehicle": Made(name="OTTER"),
             "inputs": (("v.toml", ""), ("a.csv", ""), ("b.csv", "")),
             "gain": gain,
+            "setup": (),
         }
     )
     text = repr(made)

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from ivsid.diagnosis.candidates.families import everything
-from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.data.channels import Channels, channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.detection import detection_limits
 from ivsid.diagnosis.null.family_wise import Threshold
@@ -38,7 +38,8 @@ from ivsid.diagnosis.statements.shallow_water import change
 from ivsid.diagnosis.statements.trial import Trial
 from ivsid.intervals.apart import Apart
 from ivsid.log import GivenLog, Log, log_of
-from ivsid.vehicle import GivenVehicle, vehicle_of
+from ivsid.setup import examined
+from ivsid.vehicle import GivenVehicle, Vehicle, vehicle_of
 
 # Times above this are seconds since 1970 and are counted from the log's first sample [s].
 # Source: definition: 1e8 s is more than three years
@@ -70,14 +71,14 @@ def diagnose(
         cache: folder in which scores of null logs are kept, or None.
 
     Raises:
-        IvsidError: a log that the model cannot be diagnosed with, in one sentence.
+        IvsidError: a log that the model cannot be diagnosed with, or a wrong set-up that is beyond doubt, in one sentence.
 
     Source: docs/theory.md, "Diagnosis".
     """
     vehicle = vehicle_of(vehicle)
     train, test = log_of(train, vehicle.log), log_of(test, vehicle.log)
-    origin = float(train.t[0]) if max(train.t[0], test.t[0]) > EPOCH else None
-    log, other = channels(train, vehicle, origin), channels(test, vehicle, origin)
+    doubts = examined(vehicle, [train, test], progress)
+    log, other = _on_one_origin(train, test, vehicle)
     progress("fitting the model")
     fit = plain_fit(vehicle, log, everything)
     visible = visibility(fit)
@@ -154,7 +155,14 @@ def diagnose(
         claimed,
         withdrawn,
         water,
+        doubts,
     )
+
+
+def _on_one_origin(train: Log, test: Log, vehicle: Vehicle) -> tuple[Channels, Channels]:
+    """Both logs on their clocks, with times since 1970 counted from the first sample of TRAIN."""
+    origin = float(train.t[0]) if max(train.t[0], test.t[0]) > EPOCH else None
+    return channels(train, vehicle, origin), channels(test, vehicle, origin)
 
 
 def _twice(train: Log, test: Log) -> str:

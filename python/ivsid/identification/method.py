@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -21,6 +21,7 @@ from ivsid.linear.linalg import INVERSE_METHODS, partition_count
 from ivsid.log import GivenLog, log_of
 from ivsid.rows import ROW_KINDS, WINDOW, RegressionRows, build_rows
 from ivsid.sensors.bounds import BoundedLog, bound_log
+from ivsid.setup import examined
 from ivsid.vehicle import GivenVehicle, Vehicle, vehicle_of
 
 METHODS: Final = ("feasible", *regression.LEAST_SQUARES_METHODS, *INVERSE_METHODS)
@@ -38,6 +39,7 @@ def identify(
     bias: str = "auto",
     outliers: int = 0,
     physical: bool = False,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> Identification:
     """Parameter intervals of the vehicle file's model from a log.
 
@@ -59,9 +61,13 @@ def identify(
             every parameter that all but that many rows allow.
         physical: whether the bounds that every vessel keeps are rows, too, for ``feasible`` (docs/theory.md, "Physical bounds"). They are
             assumptions, and stand in ``assumes``.
+        progress: told of each step.
+
+    Returns:
+        The intervals; ``setup`` holds what is doubtful about the set-up.
 
     Raises:
-        IvsidError: unusable input, in one sentence.
+        IvsidError: unusable input, or a wrong set-up that is beyond doubt, in one sentence.
     """
     if bias not in CHOICES:
         raise IvsidError(f"bias '{bias}' is unknown; {meant(bias, CHOICES)}use {', '.join(CHOICES)}")
@@ -78,6 +84,8 @@ def identify(
         )
     vehicle = vehicle_of(vehicle)
     log = log_of(log, vehicle.log)
+    doubts = examined(vehicle, [log], progress)
+    progress(f"identifying by {method} on {log.t.size} samples")
     terms = terms_of(vehicle, form)
     bounded = bound_log(log, vehicle, 1 if isinstance(window, float | int) else max(len(window), 1))
     # A row that bounds a bias is no measurement, so it cannot be wrong: with outliers the bias is bounded at every sample.
@@ -105,6 +113,7 @@ def identify(
         fit,
         physical=tuple(f.record() for f in contradicted(subject, fit.parameters)),
         notes=(*fit.notes, INFLATION) if physical else fit.notes,
+        setup=doubts,
     )
 
 

@@ -16,6 +16,7 @@ from ivsid.errors import IvsidError
 from ivsid.files.parsed import json_value
 from ivsid.files.records import Lower, Upper, envelope, sealed, to_json, write_whole
 from ivsid.intervals import shown
+from ivsid.setup import SetupFinding, in_doubt
 from ivsid.vehicle import Vehicle, parse_vehicle
 
 
@@ -87,6 +88,7 @@ class Identification(Result):
         claims: numbers that the vehicle file states in ``[model] values``, and whether their intervals contradict them.
         outliers: for each block, with ``options.outliers``, the least number of rows that must be wrong, and every choice of that many.
         physical: bounds of every vessel that no parameter of the intervals keeps: ``bound``, ``parameters``, and a sentence ``says``.
+        setup: faults of the set-up that the vehicle file accepts, or that are not beyond doubt.
     """
 
     method: str
@@ -112,10 +114,13 @@ class Identification(Result):
     claims: tuple[ClaimCheck, ...] = ()
     outliers: tuple[dict[str, Any], ...] = ()
     physical: tuple[dict[str, Any], ...] = ()
+    setup: tuple[SetupFinding, ...] = ()
 
     def _heading(self) -> str:
         word = "guaranteed" if self.guaranteed else "not guaranteed"
-        return f"of {self.vehicle.name} by {self.method} on {self.log_name}: {self.status}, {word}"
+        return (
+            f"of {self.vehicle.name} by {self.method} on {self.log_name}: {self.status}, {word}{in_doubt(self.setup)}"
+        )
 
     def _cells(self) -> Cells:
         found = self.parameters.items()
@@ -167,6 +172,7 @@ class Identification(Result):
             "claims": self.claims,
             "outliers": self.outliers,
             "physical": self.physical,
+            "setup": [f.record() for f in self.setup],
             "rows": self.rows,
             "notes": self.notes,
             "ignored": self.ignored,
@@ -222,6 +228,7 @@ def _identification(record: dict[str, Any]) -> Identification:
         "vehicle": parse_vehicle(record["vehicle"], record["vehicle_source"]),
         "log_name": record["inputs"][1]["name"],
         "log_sha256": record["inputs"][1]["sha256"],
+        "setup": tuple(SetupFinding(**f) for f in record.get("setup", ())),
     }
     numbers = [e for p in parameters.values() for e in (p.lower, p.upper)] + list(given["estimate"].values())
     if not all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in numbers):

@@ -26,6 +26,7 @@ def validation_record(result: Validation) -> dict[str, object]:
         "method": fit.method,
         "fit_status": fit.status,
         "fit_guaranteed": fit.guaranteed,
+        "setup": [f.record() for f in result.setup],
         "force": {
             f.channel: {
                 "rows": f.time.size,

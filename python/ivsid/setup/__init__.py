@@ -9,7 +9,7 @@
 The chapter may use ``propulsion``, ``sensors`` and the chapters below them. It fits no model: masses and drags are unknown to it.
 """
 
-from ivsid.setup.finding import SetupFinding
-from ivsid.setup.findings import refuse, setup_findings
+from ivsid.setup.finding import SetupFinding, in_doubt
+from ivsid.setup.findings import examined, refuse, setup_findings
 
-__all__ = ["SetupFinding", "refuse", "setup_findings"]
+__all__ = ["SetupFinding", "examined", "in_doubt", "refuse", "setup_findings"]

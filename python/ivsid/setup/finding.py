@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -42,6 +42,12 @@ class SetupFinding:
     def line(self) -> str:
         """The sentence with its remedy, for the terminal and the page."""
         return f"{self.sentence}: {self.remedy}"
+
+
+def in_doubt(findings: Iterable[SetupFinding]) -> str:
+    """The end of a heading of a result from a doubtful set-up, empty without a finding."""
+    ids = dict.fromkeys(f.id for f in findings)
+    return f"; the set-up is doubtful: {', '.join(ids)}" if ids else ""
 
 
 @dataclass(frozen=True)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Final
 
 from ivsid.errors import IvsidError
-from ivsid.log import GivenLog, log_of
+from ivsid.log import GivenLog, Log, log_of
 from ivsid.setup.demands import demands
 from ivsid.setup.finding import Check, SetupFinding
 from ivsid.setup.histories import HISTORIES
@@ -51,6 +51,26 @@ def setup_findings(vehicle: GivenVehicle, log: GivenLog) -> tuple[SetupFinding, 
         found += checked.findings
         log = checked.log
     return tuple(found)
+
+
+def examined(
+    vehicle: Vehicle, logs: Sequence[Log], progress: Callable[[str], None] = lambda _: None
+) -> tuple[SetupFinding, ...]:
+    """Faults of the set-up in any of the logs, for whatever is computed from them: commands and functions alike.
+
+    Args:
+        vehicle: a checked vehicle.
+        logs: checked logs.
+        progress: told of each fault.
+
+    Raises:
+        IvsidError: a fault beyond doubt that the vehicle file does not accept.
+    """
+    found = tuple(f for log in logs for f in setup_findings(vehicle, log))
+    refuse(found, vehicle)
+    for f in found:
+        progress(f"set-up: {f.sentence}")
+    return found
 
 
 def refuse(findings: Iterable[SetupFinding], vehicle: Vehicle) -> None:

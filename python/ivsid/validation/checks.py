@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -19,6 +20,7 @@ from ivsid.propulsion.actuation import nominal_force
 from ivsid.propulsion.lag import GAP
 from ivsid.rows import RegressionRows, build_rows
 from ivsid.sensors.bounds import bound_log
+from ivsid.setup import SetupFinding, examined, in_doubt
 from ivsid.validation.motion import Runs, runs_of
 
 # Length of a window of simulated velocities [s].
@@ -91,10 +93,11 @@ class Validation(Result):
     forces: tuple[ForceCheck, ...]
     motion: MotionCheck
     notes: tuple[str, ...]
+    setup: tuple[SetupFinding, ...] = ()
 
     def _heading(self) -> str:
         wrong, rows = sum(f.falsified for f in self.forces), sum(f.time.size for f in self.forces)
-        return f"of {self.fit.vehicle.name} by {self.fit.method} on {self.log_name}: {wrong} of {rows} rows contradict the fit"
+        return f"of {self.fit.vehicle.name} by {self.fit.method} on {self.log_name}: {wrong} of {rows} rows contradict the fit{in_doubt(self.setup)}"
 
     def _cells(self) -> Cells:
         return self._columns()
@@ -113,15 +116,19 @@ class Validation(Result):
         }
 
 
-def validate(fit: Identification, log: GivenLog) -> Validation:
+def validate(fit: Identification, log: GivenLog, *, progress: Callable[[str], None] = lambda _: None) -> Validation:
     """Checks a fit on another log than its own.
 
     Args:
         fit: by ``identify``.
         log: a checked log, its path, or a table in memory.
+        progress: told of each step.
+
+    Returns:
+        Both checks; ``setup`` holds what is doubtful about the set-up.
 
     Raises:
-        IvsidError: a fit without parameters, or a log without the channels of its model.
+        IvsidError: a fit without parameters, a log without the channels of its model, or a wrong set-up that is beyond doubt.
     """
     if not fit.estimate:
         raise IvsidError(
@@ -129,6 +136,8 @@ def validate(fit: Identification, log: GivenLog) -> Validation:
         )
     vehicle = fit.vehicle
     log = log_of(log, vehicle.log)
+    doubts = examined(vehicle, [log], progress)
+    progress(f"validating on {log.t.size} samples")
     form = fit.options["form"]
     bounded = bound_log(log, vehicle)
     rows = build_rows(
@@ -146,7 +155,7 @@ def validate(fit: Identification, log: GivenLog) -> Validation:
     beside = ", ".join(n for g in causes(vehicle) for n in g.named)
     absent = (f"{beside} of [model.fitted] moves the simulated vehicle, and stands in no row of forces and no reading",)
     notes = (*(own if log.sha256 == fit.log_sha256 else ()), *bounded.log.notes, *(absent if beside else ()))
-    return Validation(fit, log.name, log.sha256, forces, simulate_windows(fit, bounded.log), notes)
+    return Validation(fit, log.name, log.sha256, forces, simulate_windows(fit, bounded.log), notes, doubts)
 
 
 def _checkable(fit: Identification, rows: RegressionRows, index: int) -> bool:
@@ -221,10 +230,13 @@ def simulate_windows(fit: Identification, log: Log) -> MotionCheck:
     position = _position_error(runs, log, complete)
     if position is not None:
         window["position"] = POSITION_WINDOW
-        rms["position"], median["position"] = float(np.sqrt(np.mean(position**2))), float(np.median(position))
+        with np.errstate(over="ignore"):
+            rms["position"], median["position"] = float(np.sqrt(np.mean(position**2))), float(np.median(position))
     return MotionCheck(window, rms, median, log.t[at].ravel(), simulated.reshape(-1, 3), nu[at].reshape(-1, 3), None)
 
 
+# A motion that grows without bound has an infinite error.
+@np.errstate(over="ignore", invalid="ignore")
 def _position_error(runs: Runs, log: Log, complete: NDArray[np.bool_]) -> NDArray[np.float64] | None:
     """Rms distance [m] over each position window, or None where the log has no pose."""
     if not all(n in log.columns for n in ("psi", "x", "y")):
@@ -244,7 +256,8 @@ def _position_error(runs: Runs, log: Log, complete: NDArray[np.bool_]) -> NDArra
     east = middle[:, :, 0] * np.sin(heading) + middle[:, :, 1] * np.cos(heading)
     track = np.stack([np.cumsum(north * steps, axis=1), np.cumsum(east * steps, axis=1)], axis=2)
     measured = pose[at[:, 1:], :2] - pose[starts, None, :2]
-    return np.asarray(np.sqrt(np.mean(np.sum((track - measured) ** 2, axis=2), axis=1)), dtype=np.float64)
+    error = np.sqrt(np.mean(np.sum((track - measured) ** 2, axis=2), axis=1))
+    return np.asarray(np.where(np.isnan(error), np.inf, error), dtype=np.float64)
 
 
 def _windows(log: Log, complete: NDArray[np.bool_], length: float) -> tuple[NDArray[np.int64], int]:

@@ -20,7 +20,7 @@ from ivsid.workflow.diagnosis_series import change_bars, claim_bars, finding_par
 from ivsid.workflow.diagnosis_tables import allowed_table, candidates_table, claims_table, gain_table, untested_table
 from ivsid.workflow.log_files import distinct_names
 from ivsid.workflow.progress import Progress, silent
-from ivsid.workflow.set_up import examined, with_setup
+from ivsid.workflow.set_up import with_setup
 
 VERDICTS = {
     "adequate": "Nothing beyond the declared errors: the simulation is adequate for what this log could show.",
@@ -50,7 +50,6 @@ def diagnose(
     checked = read_vehicle(vehicle)
     paths = (train, test)
     logs = [replace(read_log(p, checked.log), name=name) for p, name in zip(paths, distinct_names(paths), strict=True)]
-    findings = examined(checked, logs, progress)
     result = diagnosis.diagnose(
         checked,
         *logs,
@@ -60,7 +59,7 @@ def diagnose(
         cache=cache_folder() if cache else None,
     )
     progress("drawing")
-    return with_setup(diagnosis_report(result), findings)
+    return diagnosis_report(result)
 
 
 def diagnosis_report(result: Diagnosis) -> Report:
@@ -95,7 +94,7 @@ def diagnosis_report(result: Diagnosis) -> Report:
     record = result.record()
     residual = figures.force_residual(result.gain)
     files = {**diagnosis.model_files(result), **_certificates(result)}
-    return Report(
+    report = Report(
         f"Diagnosis of {result.vehicle.name}",
         _summary(result),
         record,
@@ -105,6 +104,7 @@ def diagnosis_report(result: Diagnosis) -> Report:
         tuple(_lines(result)),
         first_screen(result),
     )
+    return with_setup(report, result.setup)
 
 
 def _model(result: Diagnosis) -> str:

@@ -26,7 +26,7 @@ from ivsid.workflow.parameters import (
     physical_lines,
 )
 from ivsid.workflow.progress import Progress, silent
-from ivsid.workflow.set_up import examined, with_setup
+from ivsid.workflow.set_up import with_setup
 
 
 def identify(
@@ -51,8 +51,6 @@ def identify(
     progress("reading")
     checked = read_vehicle(vehicle)
     data = read_log(log, checked.log)
-    findings = examined(checked, [data], progress)
-    progress(f"identifying by {method} on {data.t.size} samples")
     fit = identification.identify(
         checked,
         data,
@@ -64,9 +62,10 @@ def identify(
         bias=bias,
         outliers=outliers,
         physical=physical,
+        progress=progress,
     )
     progress("drawing")
-    return with_setup(identification_report(fit, data), findings)
+    return identification_report(fit, data)
 
 
 def identification_report(fit: Identification, log: Log) -> Report:
@@ -104,7 +103,7 @@ def identification_report(fit: Identification, log: Log) -> Report:
     if fit.status == "empty":
         sections.insert(1, _contradiction(fit))
     lines = parameter_lines(fit) + [f"  note: {n}" for n in fit.notes]
-    return Report(
+    report = Report(
         f"Identification of {fit.vehicle.name}",
         summary,
         sealed({**fit.record(), "quality": quality_record(log.quality)}),
@@ -114,6 +113,7 @@ def identification_report(fit: Identification, log: Log) -> Report:
         tuple(lines),
         identified(fit),
     )
+    return with_setup(report, fit.setup)
 
 
 def _bars(fit: Identification) -> list[Part]:

@@ -18,7 +18,7 @@ from ivsid.report.tables import validation_record
 from ivsid.validation import ForceCheck, Validation
 from ivsid.workflow.first_screens import validated
 from ivsid.workflow.progress import Progress, silent
-from ivsid.workflow.set_up import examined, with_setup
+from ivsid.workflow.set_up import with_setup
 
 TITLES = {"surge": "force X", "sway": "force Y", "yaw": "moment N"}
 
@@ -32,9 +32,7 @@ def validate(fit: str | Path, log: str | Path, *, progress: Progress = silent) -
     progress("reading")
     known = read_identification(fit)
     data = read_log(log, known.vehicle.log)
-    findings = examined(known.vehicle, [data], progress)
-    progress(f"validating on {data.t.size} samples")
-    result = validation.validate(known, data)
+    result = validation.validate(known, data, progress=progress)
     progress("drawing")
     drawings = validation_drawings(result)
     summary = validation_summary(result)
@@ -55,7 +53,7 @@ def validate(fit: str | Path, log: str | Path, *, progress: Progress = silent) -
         tuple(validation_lines(result)),
         validated(result),
     )
-    return with_setup(report, findings)
+    return with_setup(report, result.setup)
 
 
 def force_series(f: ForceCheck) -> Part:

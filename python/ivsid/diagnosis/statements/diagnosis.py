@@ -28,6 +28,7 @@ from ivsid.effects import EFFECTS, Effect
 from ivsid.files.records import envelope
 from ivsid.intervals import shown
 from ivsid.log import Log
+from ivsid.setup import SetupFinding, in_doubt
 from ivsid.vehicle import Vehicle
 
 # Name of the extended model's file.
@@ -58,6 +59,7 @@ class Diagnosis(Result):
         claims: of the vehicle file, each against the log.
         withdrawn: refusals of causes that the fit holds and that are no findings, by id.
         change: masses and drags of TEST over those of TRAIN; None where the logs do not tell.
+        setup: faults of the set-up that the vehicle file accepts, or that are not beyond doubt.
     """
 
     verdict: str
@@ -79,10 +81,11 @@ class Diagnosis(Result):
     claims: tuple[Claim, ...] = field(default=())
     withdrawn: Mapping[str, Refusal] = field(default_factory=dict)
     change: Change | None = None
+    setup: tuple[SetupFinding, ...] = ()
 
     def _heading(self) -> str:
         logs = " and ".join(name for name, _ in self.inputs[1:])
-        return f"of {self.vehicle.name} on {logs}: {self.verdict}, {len(self.findings)} findings"
+        return f"of {self.vehicle.name} on {logs}: {self.verdict}, {len(self.findings)} findings{in_doubt(self.setup)}"
 
     def _cells(self) -> Cells:
         bounds = [[f"{k} {shown(b.lower, b.upper)} {b.unit}" for k, b in f.parameters.items()] for f in self.findings]
@@ -147,6 +150,7 @@ class Diagnosis(Result):
             "why_no_model": list(self.against_model),
             "parameters": {k: float(v) for k, v in self.model.values.items()},
             "notes": list(self.notes),
+            "setup": [f.record() for f in self.setup],
         }
 
 

@@ -5,6 +5,7 @@
 
 import argparse
 import json
+import re
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -80,6 +81,12 @@ def thruster_faults(c: Columns) -> Iterator[tuple[str, Columns, tuple[str, ...]]
         yield "a reversed thruster", times(**{f"demand_{name}": -1.0})(c), ("setup.thruster.reversed",)
         for angle in (f"rudder_{name}", f"azimuth_{name}"):
             if angle in c:
+                yield f"{angle.partition('_')[0]} in degrees", times(**{angle: DEGREES})(c), ("setup.angle.unit",)
+                yield (
+                    f"{angle.partition('_')[0]} in degrees, 0 to 360",
+                    {**c, angle: np.mod(c[angle] * DEGREES, 360.0)},
+                    ("setup.angle.unit",),
+                )
                 yield "a rudder or azimuth of the wrong sign", times(**{angle: -1.0})(c), ("setup.angle.sign",)
     if len(names) > 1:
         swap = exchanged(f"demand_{names[0]}", f"demand_{names[1]}")
@@ -103,6 +110,18 @@ def pulses(text: str, c: Columns, *, hold: bool) -> tuple[str, Columns]:
     return text, {k: 1500.0 + 4.0 * x if k.startswith("demand_") else x for k, x in c.items()}
 
 
+def hundredths(text: str, c: Columns, *, fraction: bool, demands: float) -> tuple[str, Columns]:
+    """Demands times a factor, beside tables that go to 100 as they are drawn, or to 1 and hold their ends."""
+
+    def divided(match: re.Match[str]) -> str:
+        return "demand = [" + ", ".join(repr(float(x) / 100) for x in match[1].split(",")) + "]"
+
+    if fraction:
+        text = re.sub(r"demand = \[([^\]]*)\]", divided, text)
+        text = text.replace("accuracy = { absolute", 'outside = "hold"\naccuracy = { absolute')
+    return text, {k: x * demands if k.startswith("demand_") else x for k, x in c.items()}
+
+
 def counts(seeds: range, hidden: range) -> Iterator[dict[str, list[int]]]:
     """Logs, those whose fault is named, and those of which something else is said, by fault, after each seed."""
     found: dict[str, list[int]] = {}
@@ -124,6 +143,14 @@ def counts(seeds: range, hidden: range) -> Iterator[dict[str, list[int]]]:
             counted(fault, named(drawn.text, t, changed), right)
         text, changed = pulses(drawn.text, columns, hold=True)
         counted("pulse widths for a table of ±100", named(text, t, changed), ("setup.demand.unit",))
+        for fault, fraction, demands in (
+            ("percentages for a table of ±1", True, 1.0),
+            ("fractions for a table of ±100", False, 0.01),
+        ):
+            text, changed = hundredths(drawn.text, columns, fraction=fraction, demands=demands)
+            counted(fault, named(text, t, changed), ("setup.demand.unit",))
+        text, changed = hundredths(drawn.text, columns, fraction=True, demands=0.01)
+        counted("none, tables of ±1", named(text, t, changed), ())
         yield found
     for seed in hidden:
         for what in ("none", "one", "two", "outside"):

@@ -1,8 +1,11 @@
-"""The unit of a demand, told by its range: servo pulse widths about 1500 microseconds, or fractions about zero."""
+"""The unit of a demand, told by its range: servo pulse widths about 1500 microseconds, fractions about zero, or percentages."""
 
 from __future__ import annotations
 
 from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ivsid.vehicle import Thruster
 
@@ -19,21 +22,33 @@ HALF_RANGE: Final = 400.0
 # Largest fraction of a command, rounding included.
 # Source: definition: the whole, with a quantised end of the scale
 WHOLE: Final = 1.05
+# Largest percentage of a command, rounding included, and the least that the largest one of a log has to reach: below, another quantity of
+# a few units is as likely.
+# Source: definition: the whole in percent, with a quantised end of the scale, and a tenth of it
+PERCENT: Final = (10.0, 105.0)
 
 
-def advice(thruster: Thruster, ends: tuple[float, float], least: float, most: float) -> tuple[str, str] | None:
-    """What demands from ``least`` to ``most`` are, and the key to change, if another unit or neutral than the curve's tells them.
+def percentages(demand: NDArray[np.float64]) -> bool:
+    """Whether demands are of the size of percentages: none beyond 105, some beyond 10, and most of those that are not 0 beyond any fraction."""
+    size = np.abs(demand[np.isfinite(demand) & (demand != 0.0)])
+    if not size.size:
+        return False
+    return bool(PERCENT[0] < size.max() <= PERCENT[1] and np.median(size) > WHOLE)
+
+
+def advice(thruster: Thruster, ends: tuple[float, float], demand: NDArray[np.float64]) -> tuple[str, str] | None:
+    """The unit of demands, and the key to change, if another unit or neutral than the curve's tells them.
 
     Args:
         thruster: with its neutral.
         ends: of the demands that its curve covers, counted with the neutral.
-        least: the lowest demand of a log.
-        most: the highest.
+        demand: all demands of a log, with at least one number.
 
     Returns:
         The fault and the remedy in words; None where the demands do not say.
     """
     low, high = ends
+    least, most = float(np.nanmin(demand)), float(np.nanmax(demand))
     name, neutral = thruster.name, thruster.neutral
     span = "demand_range" if thruster.table is None else "table"
     fractions, pulses = max(abs(least), abs(most)) <= WHOLE, PULSES[0] <= least and most <= PULSES[1]
@@ -64,5 +79,11 @@ def advice(thruster: Thruster, ends: tuple[float, float], least: float, most: fl
             f"these are fractions, and the curve of thruster {name} takes pulse widths in microseconds",
             f"bring the demands to the curve by demand_{name} = {scaled} under [log.columns], or leave neutral of thruster {name} out and state its "
             f"{span} in fractions",
+        )
+    if neutral == 0.0 and 0.0 < max(-low, high) <= WHOLE and percentages(demand):
+        return (
+            f"these are of the size of percentages, and the curve of thruster {name} counts from {low:g} to {high:g}",
+            f'bring the demands to the curve by demand_{name} = {{ from = "demand_{name}", scale = 0.01 }} under [log.columns], or by the factor of '
+            f"their own unit, or state its {span} in that unit",
         )
     return None

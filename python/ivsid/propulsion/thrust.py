@@ -137,7 +137,7 @@ class ThrustCurve:
         if self.thruster.outside != "hold" and outside.any():
             low, high = self.range
             what = "demand_range" if self.thruster.table is None else "table"
-            unit = advice(self.thruster, (low, high), float(np.nanmin(demand)), float(np.nanmax(demand)))
+            unit = advice(self.thruster, (low, high), demand)
             remedy = (
                 f'extend the {what}, or set outside = "hold" to keep its end values'
                 if unit is None

@@ -1,7 +1,7 @@
 """Wrong set-ups, named before anything is fitted: signs, axes, units, and thrusters that are reversed or swapped.
 
 - ``finding``: a fault in words and figures, with the key of the vehicle file to change; the shape of a check.
-- ``demands``, ``motion``, ``limits``, ``response``: the checks, one file each. ``findings`` calls them in turn, and refuses certain faults.
+- ``demands``, ``motion``, ``limits``, ``angles``, ``response``, ``scale``: the checks, one file each. ``findings`` calls them in turn, and refuses certain faults.
 - ``suspects``: the faults of channels that ``motion`` judges; ``identities`` of the kinematics, by which it does.
 - ``histories``: the modelled forces under each fault of the thrusters, which ``response`` judges.
 - ``windows``: changes and integrals of channels over windows.

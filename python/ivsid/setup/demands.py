@@ -1,4 +1,4 @@
-"""Demands in another unit than their thrust curve: pulse widths for fractions, and fractions for pulse widths."""
+"""Demands in another unit than their thrust curve, by their range: pulse widths, fractions and percentages."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def demands(vehicle: Vehicle, log: Log) -> Checked:
         ends = ThrustCurve(thruster).range
         # A gain without ends takes any demand: it may be meant so.
         bounded = bool(np.isfinite(ends).any()) or thruster.neutral != 0.0
-        said = advice(thruster, ends, least, most)
+        said = advice(thruster, ends, values)
         if said is None:
             continue
         what, remedy = said

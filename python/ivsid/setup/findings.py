@@ -7,17 +7,19 @@ from typing import Final
 
 from ivsid.errors import IvsidError
 from ivsid.log import GivenLog, Log, log_of
+from ivsid.setup.angles import angles
 from ivsid.setup.demands import demands
 from ivsid.setup.finding import Check, SetupFinding
 from ivsid.setup.histories import HISTORIES
 from ivsid.setup.limits import LIMITED, limits
 from ivsid.setup.motion import motion
 from ivsid.setup.response import response
+from ivsid.setup.scale import scale
 from ivsid.setup.suspects import SUSPECTS
 from ivsid.setup.windows import shortened
 from ivsid.vehicle import GivenVehicle, Vehicle, vehicle_of
 
-CHECKS: Final[tuple[Check, ...]] = (demands, motion, limits, response)
+CHECKS: Final[tuple[Check, ...]] = (demands, motion, limits, angles, response, scale)
 # Ids of all findings, as [setup] accept takes them.
 IDS: Final = tuple(
     dict.fromkeys(("setup.demand.unit", *(s.id for s in SUSPECTS), *(f"setup.{n}.limit" for n in LIMITED), *HISTORIES))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ivsid.log import Log
 from ivsid.propulsion.actuation import nominal_force
-from ivsid.setup.suspects import renamed, scaled
+from ivsid.setup.suspects import DEGREE, in_unit, renamed, scaled
 from ivsid.vehicle import Thruster, Vehicle
 
 Array = NDArray[np.float64]
@@ -24,6 +24,7 @@ HISTORIES: Final = (
         "setup.thruster.reversed",
         "setup.thruster.swapped",
         "setup.angle.sign",
+        "setup.angle.unit",
         "setup.force.sign",
         "setup.frame",
     ),
@@ -86,6 +87,13 @@ def histories(vehicle: Vehicle, log: Log) -> Iterator[History]:
                 remedy = f"state {scaled(vehicle, name, -1.0)} under [log.columns]"
                 forces = stated(vehicle, replace(log, columns=columns))
                 yield History("setup.angle.sign", f"{name} has the wrong sign", remedy, forces)
+                if prefix == "rudder_":
+                    continue
+                # A lift goes with the angle in any measure. A direction does not, and only the right one pushes where the vessel goes.
+                columns = {**log.columns, name: log.columns[name] * DEGREE}
+                remedy = f"state {in_unit(vehicle, name, 'deg', DEGREE)} under [log.columns]"
+                forces = stated(vehicle, replace(log, columns=columns))
+                yield History("setup.angle.unit", f"{name} is in degrees and taken for radians", remedy, forces)
     if len(vehicle.thrusters) > 1:
         yield History(
             "setup.thruster.reversed",

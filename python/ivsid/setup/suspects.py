@@ -57,10 +57,7 @@ class Suspect:
         source = self.sources.get(name, name)
         if name in self.sources:
             return renamed(vehicle, name, source)
-        column = column_of(vehicle, source)
-        if self.unit is not None and column.unit is None and column.scale == 1.0:
-            return f'{name} = {{ from = "{column.from_}", unit = "{self.unit}" }}'
-        return scaled(vehicle, name, self.factors[name])
+        return in_unit(vehicle, name, self.unit, self.factors[name])
 
 
 def column_of(vehicle: Vehicle, name: str) -> Column:
@@ -72,6 +69,14 @@ def column_of(vehicle: Vehicle, name: str) -> Column:
 def renamed(vehicle: Vehicle, name: str, source: str) -> str:
     """The line of ``[log.columns]`` that takes a channel from the foreign column of another."""
     return f'{name} = "{column_of(vehicle, source).from_}"'
+
+
+def in_unit(vehicle: Vehicle, name: str, unit: str | None, factor: float) -> str:
+    """The line of ``[log.columns]`` that reads a channel in another unit: by its name where the file states none, else by its factor."""
+    column = column_of(vehicle, name)
+    if unit is not None and column.unit is None and column.scale == 1.0:
+        return f'{name} = {{ from = "{column.from_}", unit = "{unit}" }}'
+    return scaled(vehicle, name, factor)
 
 
 def scaled(vehicle: Vehicle, name: str, factor: float) -> str:

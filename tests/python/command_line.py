@@ -10,7 +10,9 @@ import sys
 import warnings
 from unittest import mock
 
+from conftest import embedded
 from ivsid.cli import main
+from ivsid.workflow.log_files import csv
 
 COMMAND = [sys.executable, "-c", "from ivsid.cli import main; main()"]
 
@@ -39,3 +41,13 @@ def run(*arguments):
         else:
             raise AssertionError("the command line came back")
     return subprocess.CompletedProcess(words, code, out.getvalue(), err.getvalue())
+
+
+def shell_files(folder, twin):
+    """A folder with a vehicle file, a scenario, a log and a fit of it."""
+    (folder / "boat.toml").write_text(embedded("swan.toml"))
+    (folder / "plan.toml").write_text(embedded("swan_train.toml").replace("duration = 300.0", "duration = 20.0", 1))
+    (folder / "run.csv").write_text(csv(twin.t, twin.columns))
+    made = run("identify", folder / "boat.toml", folder / "run.csv", "--out", folder / "fit")
+    assert made.returncode == 0, made.stderr
+    return folder

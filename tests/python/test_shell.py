@@ -1,39 +1,26 @@
-"""The shell: help, misspelt names, files in another order, progress, completion, and the summary on the terminal."""
+"""The shell: help, misspelt names, completion, and the summary on the terminal."""
 
-import io
 import json
 import os
-import pty
 import re
 import subprocess
-import time
 from pathlib import Path
 
 import pytest
 
-from command_line import COMMAND, run, run_process
-from conftest import embedded
+from command_line import COMMAND, run, run_process, shell_files
 from ivsid import workflow
-from ivsid.cli import recognition
 from ivsid.cli.application import program
 from ivsid.cli.arguments import SHIPPED
-from ivsid.cli.progress import Watch, lines
 from ivsid.effects import EFFECTS
 from ivsid.identification import METHODS, read_identification
 from ivsid.log import read_log
 from ivsid.report.page import Report
-from ivsid.workflow.log_files import csv as as_csv
 
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory, twin):
-    folder = tmp_path_factory.mktemp("shell")
-    (folder / "boat.toml").write_text(embedded("swan.toml"))
-    (folder / "plan.toml").write_text(embedded("swan_train.toml").replace("duration = 300.0", "duration = 20.0", 1))
-    (folder / "run.csv").write_text(as_csv(twin.t, twin.columns))
-    made = run("identify", folder / "boat.toml", folder / "run.csv", "--out", folder / "fit")
-    assert made.returncode == 0, made.stderr
-    return folder
+    return shell_files(tmp_path_factory.mktemp("shell"), twin)
 
 
 def shown(*words):
@@ -136,71 +123,6 @@ def test_a_misspelt_column_gets_its_neighbour(place):
     assert made.returncode == 2 and "for demand_port, did you mean demnd_port?" in made.stderr
 
 
-def test_kinds_of_files_are_known_by_their_content(place, tmp_path):
-    for name in ("boat.toml", "plan.toml", "run.csv"):
-        (tmp_path / name.rpartition(".")[0]).write_bytes((place / name).read_bytes())
-    assert recognition.kinds(tmp_path / "boat") == {recognition.VEHICLE}
-    assert recognition.kinds(tmp_path / "plan") == {recognition.SCENARIO}
-    assert recognition.kinds(tmp_path / "run") == {recognition.LOG}
-    assert recognition.kinds(place / "fit") == recognition.kinds(place / "fit" / "result.json") == {recognition.FIT}
-    assert recognition.kinds("otter") == {recognition.VEHICLE, recognition.SCENARIO}
-    assert recognition.kinds("swan") == {recognition.VEHICLE}
-    (tmp_path / "broken.toml").write_text("[hull\nmass = 1")
-    assert recognition.kinds(tmp_path / "broken.toml") == recognition.kinds(tmp_path / "nothing") == frozenset()
-    (tmp_path / "other").mkdir()
-    (tmp_path / "other" / "result.json").write_text(json.dumps({"command": "simulate"}))
-    assert recognition.kinds(tmp_path / "other") == {recognition.RESULT, recognition.LOG}
-
-
-def test_swapped_files_are_put_right_and_named(place):
-    straight = (place / "fit" / "result.json").read_bytes()
-    swapped = run("identify", place / "run.csv", place / "boat.toml", "--out", place / "swapped")
-    assert swapped.returncode == 0
-    assert swapped.stderr == (
-        f"ivsid: taken as ivsid identify {place / 'boat.toml'} {place / 'run.csv'}, by the content of the files\n"
-    )
-    assert (place / "swapped" / "result.json").read_bytes() == straight
-    again = run("verify", place / "run.csv", place / "fit", "--out", place / "proved", "--json")
-    assert again.returncode == 0 and json.loads(again.stdout)["status"] == "proved"
-
-
-def test_two_logs_keep_their_order():
-    vehicle, log = frozenset({recognition.VEHICLE}), frozenset({recognition.LOG})
-    needed = (vehicle, log, log)
-    assert recognition.in_order((log, log, vehicle), needed) == (2, 0, 1)
-    assert recognition.in_order((log, vehicle, log), needed) == (1, 0, 2)
-    assert recognition.in_order((log, log, log), needed) is None
-    assert recognition.in_order((vehicle, frozenset(), log), needed) is None
-
-
-WRONG = {
-    ("identify", "run.csv"): ("Missing argument VEHICLE", "needs a vehicle file and a log", "run.csv is a log"),
-    ("identify", "boat.toml"): ("Missing argument LOG", "boat.toml is a vehicle file"),
-    ("identify", "--json"): ("Missing argument VEHICLE", "nothing was given"),
-    ("identify", "run.csv", "run.csv"): ("needs a vehicle file and a log", "run.csv is a log"),
-    ("diagnose", "boat.toml", "run.csv"): ("Missing argument TEST", "another log"),
-    ("diagnose", "run.csv", "run.csv"): ("Missing argument VEHICLE",),
-    ("validate", "boat.toml", "run.csv"): (
-        "needs the result of ivsid identify and a log",
-        "boat.toml is a vehicle file",
-    ),
-    ("allan", "boat.toml"): ("needs a static recording", "boat.toml is a vehicle file"),
-    ("thrust", "fit"): ("needs a bollard-pull table", "fit is the result of ivsid identify"),
-    ("simulate", "boat.toml", "run.csv"): ("needs a vehicle file and a scenario", "run.csv is a log"),
-    ("import", "cse1"): ("Missing argument DIR", "needs SET and DIR", "cse1 was given"),
-}
-
-
-@pytest.mark.parametrize("words", WRONG, ids=" ".join)
-def test_wrong_files_get_one_sentence(place, monkeypatch, words):
-    monkeypatch.chdir(place)
-    made = run(*words, "--out", "none")
-    assert made.returncode == 2 and made.stdout == "" and len(made.stderr.splitlines()) == 1
-    for part in WRONG[words]:
-        assert part in made.stderr, made.stderr
-    assert not Path("none").exists()
-
-
 def summary_of(page: str) -> str:
     """The page's first sentences."""
     from html import unescape
@@ -258,102 +180,6 @@ def test_summaries_do_not_stand_in_the_lines_below_them(place):
     fit = read_identification(place / "fit")
     report = identification_report(fit, read_log(place / "run.csv", fit.vehicle.log))
     assert report.summary not in report.lines and "guaranteed under the stated assumptions" in report.summary
-
-
-def test_a_pipe_may_be_any_file(tmp_path):
-    os.mkfifo(tmp_path / "pipe")
-    assert recognition.kinds(tmp_path / "pipe") == frozenset()
-
-
-class Clock:
-    def __init__(self):
-        self.now = 0.0
-
-    def __call__(self):
-        return self.now
-
-
-def test_time_left_is_the_rest_of_a_counted_step():
-    clock = Clock()
-    watch = Watch("diagnose", clock)
-    watch("fitting the model")
-    clock.now = 70.0
-    assert watch.words() == "diagnose: fitting the model, 1:10"
-    watch("null logs 0 of 400")
-    assert watch.words() == "diagnose: null logs 0 of 400, 1:10"
-    clock.now = 90.0
-    watch("null logs 100 of 400")
-    # A hundred in twenty seconds: three hundred are left.
-    assert watch.words() == "diagnose: null logs 100 of 400, 1:30, about 1:00 left in this step"
-    clock.now = 100.0
-    assert watch.words() == "diagnose: null logs 100 of 400, 1:40, about 0:50 left in this step"
-    watch("null logs 300 of 400: last")
-    assert watch.words() == "diagnose: null logs 300 of 400: last, 1:40, about 0:10 left in this step"
-    # A second count of the same words begins anew.
-    watch("null logs 0 of 400")
-    assert "left" not in watch.words()
-    clock.now = 4000.0
-    watch("drawing")
-    assert watch.words() == "diagnose: drawing, 1:06:40"
-
-
-def test_lines_come_at_their_rate_and_end_with_the_work():
-    stream, watch = io.StringIO(), Watch("verify")
-    watch("certificates 1 of 9")
-    with lines(watch, stream, 0.05):
-        time.sleep(0.28)
-    said = stream.getvalue().splitlines()
-    assert 2 <= len(said) <= 6 and all(s.startswith("ivsid verify: certificates 1 of 9, 0:0") for s in said)
-    time.sleep(0.12)
-    assert stream.getvalue().splitlines() == said
-    quick = io.StringIO()
-    with lines(watch, quick, 30.0):
-        pass
-    assert quick.getvalue() == ""
-
-
-SLOW = """
-import time
-from ivsid.cli import progress
-progress.EVERY = 0.1
-with progress.shown("thrust", quiet=False) as told:
-    for k in range(5):
-        told(f"pieces {k} of 5")
-        time.sleep(0.15)
-print("done")
-"""
-
-
-def test_a_pipe_gets_plain_lines():
-    made = subprocess.run([COMMAND[0], "-c", SLOW], capture_output=True, text=True, timeout=60, check=False)
-    said = made.stderr.splitlines()
-    assert made.returncode == 0 and made.stdout == "done\n"
-    assert len(said) >= 3 and all(re.match(r"ivsid thrust: pieces \d of 5, 0:0\d", s) for s in said), said
-    assert "\x1b" not in made.stderr and any("left in this step" in s for s in said)
-
-
-def test_a_terminal_gets_a_line_that_changes_and_goes():
-    reader, writer = pty.openpty()
-    with subprocess.Popen(
-        [COMMAND[0], "-c", SLOW],
-        stdout=subprocess.PIPE,
-        stderr=writer,
-        env={**os.environ, "TERM": "xterm", "COLUMNS": "120"},
-    ) as process:
-        os.close(writer)
-        said = b""
-        while True:
-            try:
-                part = os.read(reader, 4096)
-            except OSError:
-                break
-            if not part:
-                break
-            said += part
-        out = process.stdout.read()
-    os.close(reader)
-    assert process.returncode == 0 and out == b"done\n"
-    assert b"thrust: pieces 3 of 5" in said and b"left in this step" in said and b"\x1b[2K" in said
 
 
 @pytest.mark.parametrize("words", [(), ("--json",)])

@@ -242,6 +242,36 @@ def test_identification_says_what_its_rows_leave_out(tmp_path):
     assert any("thruster.delay" in n for n in validate(fit, log).notes)
 
 
+@pytest.fixture(scope="module")
+def short():
+    return rows(train_of(vehicle_of(), duration=12.0), slice(20, 50))
+
+
+# Effects that no term of a model and no key of a thruster holds, each with all its numbers; one of them of one thruster alone.
+OUTSIDE = {
+    **{i: dict(zip(f.parts, value_of(f), strict=True)) for i, f in FORMS if not f.terms and f.key is None},
+    "one thruster": {"thruster.delay.port": 0.1},
+    "two causes": {"current.steady.north": 0.2, "current.steady.east": -0.1, "sensor.yaw_rate.bias": 0.02},
+}
+
+
+@pytest.mark.parametrize("which", OUTSIDE)
+def test_no_cause_outside_the_rows_leaves_a_guarantee(short, tmp_path, which):
+    """Delays, currents, and causes in sensors are in no row, so that the true parameters need not keep them."""
+    numbers = OUTSIDE[which]
+    lines = "".join(f'"{k}" = {v!r}\n' for k, v in numbers.items())
+    vehicle = vehicle_of()
+    known = parse_vehicle(f"{vehicle.text}\n[model.fitted]\n{lines}", "model.toml")
+    fit = identify(known, short)
+    assert not fit.guaranteed and identify(vehicle, short).guaranteed
+    for name in numbers:
+        assert any(a.endswith("acts in no row") and name in a for a in fit.assumes), fit.assumes
+        assert any("the rows leave out" in n and name in n and "nothing is guaranteed" in n for n in fit.notes)
+    # The checker tells a record that claims it all the same.
+    replace(fit, guaranteed=True).save(tmp_path)
+    assert any("leave out" in f for f in verify(tmp_path, short).failures)
+
+
 def test_validation_simulates_with_the_causes_of_the_model():
     """On a log with a delay and a current the simulated motion is right with them, and wrong without."""
     vehicle = vehicle_of()

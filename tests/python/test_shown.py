@@ -130,6 +130,18 @@ def test_long_tables_say_what_they_leave_out():
     assert table.text("none", {"a": []}) == "none"
 
 
+def test_one_interval_stands_in_few_digits_and_in_all_of_them():
+    found = Cells(Interval(0.1, 2 / 3)._repr_html_())
+    assert found.tags <= {"div", "table", "thead", "tbody", "tr", "th", "td"}
+    heading, name, digits = found.cells
+    assert (heading, name) == ("Interval [0.1, 0.666667]", "with all digits")
+    low, high = digits[1:-1].split(", ")
+    assert (float(low), float(high)) == (0.1, 2 / 3)
+    assert Fraction(low) <= Fraction(0.1) and Fraction(2 / 3) <= Fraction(high)
+    assert Cells(Interval(0.0, np.inf)._repr_html_()).cells[0] == "Interval [0, no bound]"
+    assert Cells(Interval.empty_set()._repr_html_()).cells == ["Interval [empty]"]
+
+
 def test_matrices_stand_as_they_are():
     a = IntervalArray(np.array([[1.0, 2.0], [3.0, 4.0]]), np.array([[1.5, 2.5], [3.5, 4.5]]))
     found = Cells(a._repr_html_()).cells

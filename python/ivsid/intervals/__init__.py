@@ -15,9 +15,9 @@ from ivsid.intervals.array import Interval, IntervalArray, Operand, bound, follo
 from ivsid.intervals.endpoints import EndpointPair
 from ivsid.intervals.floats import FloatArray
 from ivsid.intervals.protocol import ufunc
-from ivsid.intervals.shown import shown
+from ivsid.intervals.shown import interval_html, shown
 
-# The core's Interval calls these for operands that are neither intervals nor numbers.
-_bound, _operate, _ufunc = bound, operate, ufunc
+# The core's Interval calls these for operands that are neither intervals nor numbers, and in a notebook.
+_bound, _operate, _ufunc, _html = bound, operate, ufunc, interval_html
 
 __all__ = ["EndpointPair", "FloatArray", "Interval", "IntervalArray", "Operand", "follow", "outward_decimal", "shown"]

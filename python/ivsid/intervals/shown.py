@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 # Entries of an array that its text shows.
 # Source: resource: with all digits of both bounds, a dozen lines of a terminal
 MOST_ENTRIES: Final = 16
+# Digits that tell any two doubles apart.
+# Source: IEEE 754-2019, section 5.12.2
+DIGITS: Final = 17
 
 
 def shown(lower: float, upper: float, digits: int = 6) -> str:
@@ -48,6 +51,13 @@ def array_text(array: IntervalArray, entry: Callable[[float, float], str]) -> st
 
     rest = "" if max(array.shape, default=0) <= most else f", shape {array.shape}"
     return f"IntervalArray({nested(array.lower, array.upper)}{rest})"
+
+
+def interval_html(lower: float, upper: float) -> str:
+    """One interval in few digits, and below in as many as tell each double from its neighbours."""
+    if lower > upper:
+        return html("Interval [empty]", {})
+    return html(f"Interval {shown(lower, upper)}", {"with all digits": [shown(lower, upper, DIGITS)]})
 
 
 def array_html(array: IntervalArray) -> str:

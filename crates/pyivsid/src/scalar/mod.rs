@@ -243,6 +243,11 @@ impl Interval {
         self.0.to_string()
     }
 
+    /// The interval in a notebook, as the tables of arrays show it.
+    fn _repr_html_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        python_door(py, "_html")?.call1((self.0.lo(), self.0.hi()))
+    }
+
     /// Arrays beside an interval, and `NumPy`'s functions of one, are the array class's business.
     #[pyo3(signature = (ufunc, method, *inputs, **options))]
     #[expect(clippy::unused_self, reason = "the operands are in the inputs")]

@@ -5,6 +5,7 @@
 - ``symbols``, ``compiled``: symbols that note operations down, and functions and Runge-Kutta steps compiled from the notes.
 - ``true_thrust``: a thrust curve with its true error; ``propulsion``: demands to thrusts in time, with effects, lag and delay.
 - ``integrate``: the Runge-Kutta method, with steps halved until the motion settles.
+- ``steersman``: a helm that follows a programme; ``surroundings``: wind, depth and voltage.
 - ``sensing``: geometry, noise and faults of the sensors.
 - ``hidden``: effects drawn from a seed.
 

@@ -13,14 +13,16 @@ from numpy.typing import NDArray
 from ivsid.effects import Given, Reading, of_kind, sort_given, terms_of
 from ivsid.effects.environment import STEADY_CURRENT
 from ivsid.errors import IvsidError
-from ivsid.programme.manoeuvres import Command, Programme
+from ivsid.programme.manoeuvres import Programme
 from ivsid.programme.scenario import Scenario, Start
-from ivsid.simulation.equations import Plant, axis, equations, plant, steps
+from ivsid.simulation.equations import Plant, equations, plant, steps
 from ivsid.simulation.integrate import Helm, Path, Pose, settle
 from ivsid.simulation.propulsion import INSIDE, Propulsion
-from ivsid.simulation.sensing import bounded, faulty, gauss_markov, noisy, sensed
+from ivsid.simulation.sensing import faulty, gauss_markov, noisy, sensed
+from ivsid.simulation.steersman import Steersman
+from ivsid.simulation.surroundings import readings, voltage_of, wind_of
 from ivsid.simulation.true_thrust import TrueThrust
-from ivsid.vehicle import Thruster, Vehicle
+from ivsid.vehicle import Vehicle
 
 # Time constants after which a lag has forgotten its past.
 # Source: theorem: exp(-40) = 4e-18 lies below the rounding of float64
@@ -81,8 +83,8 @@ def simulate(
     ambient = _ambient(vehicle, samples, h, rng)
     programme = Programme(scenario.segments, samples, scenario.rate, rng)
     # Wind and faults draw from generators of their own, so that they do not change the noise that a seed gives.
-    wind = _wind(scenario, samples, np.random.default_rng([number, 1]))
-    voltage = _voltage(scenario, t)
+    wind = wind_of(scenario, samples, np.random.default_rng([number, 1]))
+    voltage = voltage_of(scenario, t)
 
     def make() -> tuple[Propulsion, Helm]:
         propulsion = Propulsion(model, curves)
@@ -98,7 +100,7 @@ def simulate(
     further = np.random.default_rng([number, 2])
     faulty(columns, scenario, further)
     columns.update(_commanded(vehicle, path))
-    columns.update(_surroundings(vehicle, scenario, t, wind, voltage, further))
+    columns.update(readings(vehicle, scenario, t, wind, voltage, further))
     return Simulated(
         t, columns, _truth(model, given, scenario, number, effects or {}, curves, sensor_truth, path), exact
     )
@@ -177,44 +179,6 @@ def channels(path: Path) -> dict[str, NDArray[np.float64]]:
     return exact
 
 
-class Steersman:
-    """A helm that follows a programme within the ranges and rates of the thrusters."""
-
-    def __init__(self, vehicle: Vehicle, curves: list[TrueThrust], programme: Programme, step: float) -> None:
-        self._curves, self._pilot = curves, programme.pilot()
-        self._shares = [_shares(t) for t in vehicle.thrusters]
-        self._kinds = [("rudder" if t.rudder is not None else t.steering) for t in vehicle.thrusters]
-        self._steers = any(k != "fixed" for k in self._kinds)
-        rates = [t.rudder.rate if t.rudder is not None else t.steering_rate for t in vehicle.thrusters]
-        self._most = [float("inf") if q is None else q * step for q in rates]
-        self._angles = [0.0 for _ in vehicle.thrusters]
-
-    def __call__(self, k: int, state: Pose) -> tuple[list[float], list[float]]:
-        """Demands of the thrusters and angles [rad] of rudders and azimuth thrusters from sample k on."""
-        asked = self._pilot.command(k, state)
-        surge, sway, turn = asked[:3]
-        demands = [
-            c.clip(a * surge + b * sway + t * turn) for c, (a, b, t) in zip(self._curves, self._shares, strict=True)
-        ]
-        if self._steers:
-            # The motion keeps the list, so that it must be a new one.
-            self._angles = [self._turned(j, asked) if kind != "fixed" else 0.0 for j, kind in enumerate(self._kinds)]
-        return demands, self._angles
-
-    def _turned(self, j: int, asked: Command) -> float:
-        wanted = asked.rudder if self._kinds[j] == "rudder" else asked.azimuth
-        now = self._angles[j]
-        return now + min(max(wanted - now, -self._most[j]), self._most[j])
-
-
-def _shares(thruster: Thruster) -> tuple[float, float, float]:
-    """Signs of a thruster's force ahead and to starboard, and of its moment to starboard."""
-    c, s = axis(0.0 if thruster.steering == "azimuth" else thruster.azimuth)
-    x, y = thruster.position
-    moment = x * s - y * c
-    return tuple(0.0 if abs(q) <= 1e-12 else float(np.sign(q)) for q in (c, s, moment))  # type: ignore[return-value]
-
-
 def _pose(start: Start) -> Pose:
     return start.u, start.v, start.r, start.psi, start.x, start.y
 
@@ -248,24 +212,6 @@ def _ambient(vehicle: Vehicle, n: int, h: float, rng: np.random.Generator) -> ND
     return np.stack([gauss_markov(n, h, rms, a.time, rng) for rms in (a.force, a.force, a.moment)], axis=1)
 
 
-def _wind(scenario: Scenario, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
-    """The air's velocity north and east [m/s], shape (n, 2)."""
-    where = scenario.environment
-    if where.wind_speed is None:
-        return np.zeros((n, 2))
-    speed = np.full(n, where.wind_speed)
-    if where.wind_gust:
-        speed = np.maximum(speed + gauss_markov(n, 1 / scenario.rate, where.wind_gust, where.wind_gust_time, rng), 0.0)
-    # The stated direction is the one that the wind comes from.
-    wind: NDArray[np.float64] = -np.outer(speed, [np.cos(where.wind_direction), np.sin(where.wind_direction)])
-    return wind
-
-
-def _voltage(scenario: Scenario, t: NDArray[np.float64]) -> NDArray[np.float64] | None:
-    where = scenario.environment
-    return None if where.voltage is None else np.maximum(where.voltage - where.voltage_fall * t, 0.0)
-
-
 def _commanded(vehicle: Vehicle, path: Path) -> dict[str, NDArray[np.float64]]:
     columns = {f"demand_{t.name}": path.demands[:, k] for k, t in enumerate(vehicle.thrusters)}
     for k, thruster in enumerate(vehicle.thrusters):
@@ -273,27 +219,6 @@ def _commanded(vehicle: Vehicle, path: Path) -> dict[str, NDArray[np.float64]]:
             columns[f"rudder_{thruster.name}"] = path.angles[:, k]
         elif thruster.steering == "azimuth":
             columns[f"azimuth_{thruster.name}"] = path.angles[:, k]
-    return columns
-
-
-def _surroundings(
-    vehicle: Vehicle,
-    scenario: Scenario,
-    t: NDArray[np.float64],
-    wind: NDArray[np.float64],
-    voltage: NDArray[np.float64] | None,
-    rng: np.random.Generator,
-) -> dict[str, NDArray[np.float64]]:
-    columns: dict[str, NDArray[np.float64]] = {}
-    where = scenario.environment
-    if where.wind_speed is not None:
-        accuracy = 0.0 if vehicle.sensors.wind is None else vehicle.sensors.wind.accuracy
-        columns["wind_speed"] = np.maximum(np.hypot(*wind.T) + bounded(accuracy, t.size, scenario.noise, rng), 0.0)
-        columns["wind_direction"] = np.full(t.size, where.wind_direction)
-    if where.depth is not None:
-        columns["depth"] = np.full(t.size, where.depth)
-    if voltage is not None:
-        columns["voltage"] = voltage
     return columns
 
 

@@ -25,10 +25,11 @@ FURTHER = {
     "coupling.cg_x": 1.5,
     "coupling.cg_y": -0.7,
 }
+CUBIC = {"drag.surge.cubic": 5.0, "drag.sway.cubic": 70.0, "drag.yaw.cubic": 4.0}
 BEYOND = {"friction.coulomb": 1.2, "current.steady.north": 0.3, "current.steady.east": -0.2}
 TABLE = "table = { demand = [-100, -60, -30, 0, 30, 60, 100], thrust = [-30.0, -14.0, -5.0, 0.0, 6.0, 18.0, 40.0] }"
 QUADRATIC = "quadratic = { forward = 0.011 }\ndemand_range = [-110, 110]"
-WHOLE = {**TRUTH, **DAMPED, **FURTHER, **BEYOND, "wind.steady.north": 1.5, "wind.steady.east": -0.8}
+WHOLE = {**TRUTH, **DAMPED, **FURTHER, **CUBIC, **BEYOND, "wind.steady.north": 1.5, "wind.steady.east": -0.8}
 
 
 def boat(numbers, curve=QUADRATIC, *, extra="", terms="", hull="length = 1.2", head=""):

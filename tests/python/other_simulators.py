@@ -143,6 +143,8 @@ def fossen(constants, states, thrusts, places, azimuths):
         damping[0] += k.get("Xastern", 0) * (a * abs(a) if a < 0 else 0) + k.get("Xfriction", 0) * math.tanh(a / 0.02)
         damping[1] = k["Yv"] * b + k.get("Yvv", 0) * abs(b) * b + k.get("Yr", 0) * r + k.get("Yuv", 0) * abs(a) * b
         damping[5] = k["Nr"] * r + k.get("Nrr", 0) * abs(r) * r + k["Nuv"] * a * b
+        for row, name, x in ((0, "Xuuu", a), (1, "Yvvv", b), (5, "Nrrr", r)):
+            damping[row] += k.get(name, 0) * x**3
         if "windN" in k:
             damping[0] += k["windN"] * math.cos(psi) + k["windE"] * math.sin(psi)
             damping[1] += k["windE"] * math.cos(psi) - k["windN"] * math.sin(psi)

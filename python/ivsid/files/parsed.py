@@ -6,7 +6,7 @@ import json
 import re
 import tomllib
 from collections.abc import Iterator
-from typing import Any, Final
+from typing import Final
 
 # Levels of tables and lists in each other, at most.
 # Source: definition: no file of this package has ten
@@ -17,7 +17,7 @@ TOO_DEEP: Final = f"tables or lists stand in each other more than {DEEPEST} deep
 CONTROL: Final = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
 
 
-def toml_table(text: str) -> dict[str, Any]:
+def toml_table(text: str) -> dict[str, object]:
     """The table of a TOML text.
 
     Raises:
@@ -34,14 +34,14 @@ def toml_table(text: str) -> dict[str, Any]:
     return table
 
 
-def json_value(text: str | bytes) -> Any:
+def json_value(text: str | bytes) -> object:
     """The value of a JSON text.
 
     Raises:
         ValueError: no JSON, or nested too deeply.
     """
     try:
-        value = json.loads(text)
+        value: object = json.loads(text)
     except RecursionError:
         raise ValueError(TOO_DEEP) from None
     for _ in _words(value, ValueError):

@@ -18,7 +18,6 @@ from ivsid.diagnosis.null.tail import NullTest
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.effects import own_digest
 from ivsid.errors import IvsidError
-from ivsid.files.parsed import json_value
 from ivsid.files.records import sealed, to_json, write_whole
 from ivsid.files.seal import KEY, seal_of
 from ivsid.vehicle import Vehicle
@@ -127,7 +126,7 @@ def kept(folder: Path, key: str, level: float) -> NullTest | None:
         level: probability of a false finding.
     """
     try:
-        record = json_value((folder / f"{key}.json").read_text())
+        record = json.loads((folder / f"{key}.json").read_text())
         seal = record.pop(KEY)
         if seal != seal_of(to_json(record)) or record["key"] != key:
             return None

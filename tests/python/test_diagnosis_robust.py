@@ -176,5 +176,9 @@ def test_a_spin_that_the_clock_cannot_follow_is_refused():
     vehicle = vehicle_of()
     train, test = logs_of(vehicle, duration=90.0)
     spinning = with_columns(train, lambda k, x: 40.0 * x if k == "r" else x)
-    with pytest.raises(IvsidError, match="from one sample to the next"):
+    # The set-up looks like degrees taken for radians, which is said first unless the file insists.
+    with pytest.raises(IvsidError, match="in deg/s and taken for rad/s"):
         diagnose(vehicle, spinning, test)
+    insists = parse_vehicle(vehicle.text + '\n[setup]\naccept = ["setup.yaw_rate.unit"]\n', "vehicle.toml")
+    with pytest.raises(IvsidError, match="from one sample to the next"):
+        diagnose(insists, spinning, test)

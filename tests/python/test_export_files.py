@@ -153,11 +153,11 @@ def test_a_name_is_text_in_every_file():
 )
 def test_every_file_stays_well_formed(name):
     """Names and ids that would end a comment, that no XML takes, or that are words of a language."""
-    text = boat({**TRUTH, **DAMPED}).text.replace('name = "Small boat"', f"name = {json.dumps(name)}", 1)
-    text = text.replace(
+    text = boat({**TRUTH, **DAMPED}).text.replace(
         "[model.fitted]", '[model.values]\n"a\\nraise SystemExit #" = 1\n"b ---> <c" = 2\n[model.fitted]'
     )
-    vehicle = parse_vehicle(text, "boat.toml")
+    # A file with control characters is refused, a vehicle made in Python is not.
+    vehicle = parse_vehicle(text, "boat.toml").model_copy(update={"name": name})
     for target in TARGETS:
         made = ivsid.export(vehicle, target.name)
         assert not any(line.startswith("raise") for line in made.text.splitlines())

@@ -10,7 +10,7 @@ from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.levels import NAMES
-from ivsid.diagnosis.null.thresholds import calibrate
+from ivsid.diagnosis.null.thresholds import DRAWS, calibrate
 from ivsid.diagnosis.null.visibility import visibility
 from sampling import NIGHTLY
 
@@ -27,8 +27,12 @@ def seen(fit):
 
 
 def test_seeds_agree_on_the_threshold(fit, seen):
-    """Before, 400 draws by block moved it by a factor of 1.6 between five seeds."""
-    found = [calibrate(fit, seen, NAMES, seed).chance for seed in range(5)]
+    """Before, 400 draws by block moved it by a factor of 1.6 to 2.3 between five seeds.
+
+    Sixty of 12,000 draws lie beyond, so that one threshold has a standard error of 13 % and five differ by 1.35 as a rule: this was met by
+    luck. Four times as many draws have half of it, and show that nothing but the number of draws moves the threshold.
+    """
+    found = [calibrate(fit, seen, NAMES, seed, draws=4 * DRAWS).chance for seed in range(5)]
     assert max(found) < 1.35 * min(found)
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import Channels, channels
+from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.detection import detection_limits
 from ivsid.diagnosis.null.family_wise import Threshold
@@ -36,9 +37,10 @@ from ivsid.diagnosis.statements.proved import proof_of, proved_findings
 from ivsid.diagnosis.statements.residuals import before_and_after, unexplained
 from ivsid.diagnosis.statements.shallow_water import change
 from ivsid.diagnosis.statements.trial import Trial
+from ivsid.errors import IvsidError
 from ivsid.intervals.apart import Apart
 from ivsid.log import GivenLog, Log, log_of
-from ivsid.setup import examined
+from ivsid.setup import SetupFinding, examined
 from ivsid.vehicle import GivenVehicle, Vehicle, vehicle_of
 
 # Times above this are seconds since 1970 and are counted from the log's first sample [s].
@@ -77,10 +79,7 @@ def diagnose(
     """
     vehicle = vehicle_of(vehicle)
     train, test = log_of(train, vehicle.log), log_of(test, vehicle.log)
-    doubts = examined(vehicle, [train, test], progress)
-    log, other = _on_one_origin(train, test, vehicle)
-    progress("fitting the model")
-    fit = plain_fit(vehicle, log, everything)
+    log, other, fit, doubts = _fitted(vehicle, train, test, progress)
     visible = visibility(fit)
     seen = frozenset(i for i, v in visible.items() if v.tested)
     limits = Apart(partial(detection_limits, fit))
@@ -157,6 +156,28 @@ def diagnose(
         water,
         doubts,
     )
+
+
+def _fitted(
+    vehicle: Vehicle, train: Log, test: Log, progress: Callable[[str], None]
+) -> tuple[Channels, Channels, Fit, tuple[SetupFinding, ...]]:
+    """Both logs on their clocks, the vehicle file's model fitted to the first, and doubts of the set-up, which is examined meanwhile.
+
+    Raises:
+        IvsidError: a wrong set-up that is beyond doubt, which comes before all other reasons, or a log that no numbers follow.
+    """
+    progress("fitting the model")
+    doubtful = Apart(partial(examined, vehicle, (train, test)))
+    try:
+        log, other = _on_one_origin(train, test, vehicle)
+        fit = plain_fit(vehicle, log, everything)
+    except IvsidError:
+        doubtful.result()
+        raise
+    doubts = doubtful.result()
+    for doubt in doubts:
+        progress(f"set-up: {doubt.sentence}")
+    return log, other, fit, doubts
 
 
 def _on_one_origin(train: Log, test: Log, vehicle: Vehicle) -> tuple[Channels, Channels]:

@@ -40,6 +40,7 @@ def identify(
     outliers: int = 0,
     physical: bool = False,
     progress: Callable[[str], None] = lambda _: None,
+    examine: bool = True,
 ) -> Identification:
     """Parameter intervals of the vehicle file's model from a log.
 
@@ -62,6 +63,7 @@ def identify(
         physical: whether the bounds that every vessel keeps are rows, too, for ``feasible`` (docs/theory.md, "Physical bounds"). They are
             assumptions, and stand in ``assumes``.
         progress: told of each step.
+        examine: whether the set-up is examined first; a caller that has done so says no.
 
     Returns:
         The intervals; ``setup`` holds what is doubtful about the set-up.
@@ -84,7 +86,7 @@ def identify(
         )
     vehicle = vehicle_of(vehicle)
     log = log_of(log, vehicle.log)
-    doubts = examined(vehicle, [log], progress)
+    doubts = examined(vehicle, [log], progress) if examine else ()
     progress(f"identifying by {method} on {log.t.size} samples")
     terms = terms_of(vehicle, form)
     bounded = bound_log(log, vehicle, 1 if isinstance(window, float | int) else max(len(window), 1))

@@ -8,6 +8,7 @@ import tomllib
 import numpy as np
 import pytest
 
+import ivsid
 from command_line import run
 from conftest import embedded
 from ivsid.effects import EFFECTS
@@ -101,8 +102,18 @@ def test_the_first_diagnosis_names_the_hidden_cause_and_reads_no_truth(tmp_path,
     record = json.loads(done.stdout)
     assert record["verdict"] == "wrong"
     (finding,) = record["findings"]
-    assert finding["effect"] == CAUSES[seed]
-    for id_, value in truth["numbers"].items():
+    assert CAUSES[seed] in {finding["effect"], *finding["alternatives"]}
+    # Intervals are those of the first of a set.
+    for id_, value in truth["numbers"].items() if finding["effect"] == truth["effect"] else ():
         assert finding["parameters"][id_]["lower"] <= value <= finding["parameters"][id_]["upper"], id_
     digests = {i["sha256"] for i in record["inputs"]}
     assert hashlib.sha256(logs[0].read_bytes()).hexdigest() in digests
+
+
+def test_a_gain_beside_a_stated_centre_of_gravity_is_no_other_centre(tmp_path):
+    """Every mass and drag takes up a gain but the moments of the stated centre of gravity: the log does not tell it from another centre."""
+    assert run("example", tmp_path / "gain", "--seed", 4).returncode == 0
+    place = tmp_path / "gain"
+    assert read_vehicle(place / "boat.toml").hull.centre_of_gravity[0] > 0.1
+    result = ivsid.diagnose(place / "boat.toml", place / "run1.csv", place / "run2.csv")
+    assert [{f.effect, *f.alternatives} for f in result.findings] == [{"coupling.cg_x", CAUSES[4]}]

@@ -252,7 +252,7 @@ class Effect:
         turning: whether it has no signature of its own where the vehicle does not turn.
         shares: the plain term with which it shares one column in the paper's model.
         needed: whether every model has it, since no mass matrix is regular without it.
-        one_factor: whether it changes all masses and drags by one factor: no log without a claimed number shows it.
+        one_factor: whether it changes all masses and drags by one factor: no log without a claimed number, or a stated centre of gravity off the origin, shows it.
         hidden: the reason why no single log shows it; empty for all others.
         stated: the entry of a scenario's environment that states it.
     """

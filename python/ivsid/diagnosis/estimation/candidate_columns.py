@@ -68,6 +68,7 @@ def _impossible(s: Signatures, effect: Effect, terms: set[str]) -> str | None:
         return "a term of every model"
     if effect.hidden:
         return effect.hidden
-    if effect.one_factor and not set(vehicle.model.values) - s.h.freed:
+    if effect.one_factor and not set(vehicle.model.values) - s.h.freed and not any(vehicle.hull.centre_of_gravity):
+        # A stated centre of gravity off the origin is a claim, too: its moments do not scale.
         return "it scales every mass and drag alike, and none is claimed"
     return lacking(effect, vehicle, [c.largest for c in s.predictor.propulsion.curves])

@@ -1,6 +1,7 @@
 """Causes that imitate a force of another shape: a curve in their place against dense least squares, the rule, and whole logs."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +12,15 @@ from hypothesis import strategies as st
 sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import case
 
+from diagnosis_logs import TWIN, train_of, vehicle_of
 from ivsid import diagnose
+from ivsid.diagnosis.candidates.families import everything
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.selection.one_force import curve_in_their_place
 from ivsid.diagnosis.selection.rules import BETTER_CURVE, Curve
+from ivsid.diagnosis.selection.speed_curves import speed_curves
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 from test_one_force import CAUSES, FORCES, MODEL, gram_of, least
@@ -58,6 +64,21 @@ def test_the_true_shape_is_beaten_by_chance_once_in_a_thousand():
     assert "any function of u in surge explains 2060" in BETTER_CURVE.refuses(case_of(2000.0, 2060.0)).sentence
 
 
+@pytest.fixture(scope="module")
+def fit():
+    vehicle = vehicle_of(TWIN)
+    return plain_fit(vehicle, channels(train_of(vehicle), vehicle), everything)
+
+
+def test_a_sea_without_a_force_leaves_columns_of_unit_length(fit):
+    """A length of zero would make every product of a column no number."""
+    predictor = fit.noise.predictor
+    calm = predictor.adopt(replace(predictor.ambient, deviation=(0.0, 0.0, 0.0)))
+    _, x, unit, groups = speed_curves(replace(fit, noise=replace(fit.noise, predictor=calm)))
+    assert groups and (unit > 0).all() and np.isfinite(x).all()
+    np.testing.assert_allclose((x**2).sum(axis=(1, 2)), 1.0, rtol=1e-6)
+
+
 def said(seed, effect, what):
     c = case(seed, duration=300.0, what=what, effect=effect)
     logs = [
@@ -85,3 +106,12 @@ def test_a_hump_of_the_wave_resistance_is_no_drag_of_the_catalogue(seed):
 )
 def test_a_drag_of_the_catalogue_keeps_its_name(seed, effect):
     assert [f.effect for f in said(seed, effect, "one").findings] == [effect]
+
+
+def test_velocities_of_a_few_values_have_no_curve_and_other_forces_are_asked(monkeypatch):
+    """A sensor of few bits: beside nine speeds that are one there is no function to fit, and the cause keeps its name."""
+    monkeypatch.setattr(
+        "ivsid.diagnosis.selection.speed_curves.through_water",
+        lambda s: tuple(np.round(q / np.ptp(q)) for q in s.states.points.nu),
+    )
+    assert [f.effect for f in said(95204, "drag.surge.cubic", "one").findings] == ["drag.surge.cubic"]

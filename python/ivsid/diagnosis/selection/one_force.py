@@ -55,7 +55,8 @@ def imitating(fit: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:
     first = len(g.names)
     wide = g.joined(names, x, unit)
     curves, lines, lengths, groups = speed_curves(fit)
-    wide = wide.joined(curves, lines, lengths)
+    if groups:
+        wide = wide.joined(curves, lines, lengths)
     place = {k: i for i, k in enumerate(fit.base)}
     last = first + len(names)
     refused: dict[str, Refusal] = {}

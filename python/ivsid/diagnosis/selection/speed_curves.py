@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.declared_errors import through_water
 from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.selection.dictionary import LEAST_AMBIENT
 from ivsid.effects import CHANNELS
 
 Array = NDArray[np.float64]
@@ -50,7 +51,7 @@ def speed_curves(fit: Fit) -> tuple[list[str], Array, Array, list[range]]:
         first = len(names)
         for j, hat in enumerate(np.eye(SPEEDS)):
             process = np.zeros((3, velocity.size))
-            process[k] = predictor.ambient.deviation[k] * np.interp(velocity, places, hat)
+            process[k] = max(predictor.ambient.deviation[k], LEAST_AMBIENT) * np.interp(velocity, places, hat)
             names.append(f"{channel}|{VELOCITIES[k]} {j}")
             arrays.append(process)
         groups.append(range(first, len(names)))

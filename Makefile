@@ -165,7 +165,7 @@ itf1788:
 # Operands of every function that are compared with MPFR, and of every back end that are compared with the operators.
 CASES ?= 1e8
 differential: release
-	IVSID_CASES=$(CASES) $(ONE_THREAD) $(BIN)/pytest -n auto tests/python/test_oracle.py
+	IVSID_CASES=$(CASES) $(ONE_THREAD) $(BIN)/pytest -n auto tests/python/test_oracle.py tests/python/test_recommended.py
 	IVSID_CASES=$(CASES) cargo test --locked --release --test slices
 
 # Twins with a known truth, several vehicles, both kinds of rows and noise: is it inside? VERIFY=--verify proves each result, too.

@@ -87,6 +87,19 @@ pub fn power<'py>(
     interval_vector(py, &result.map_err(|e| refusal(&e))?)
 }
 
+/// `{x^(1/n)}` for an integer `n`.
+#[pyfunction]
+pub fn root<'py>(
+    py: Python<'py>,
+    lo: PyReadonlyArray1<'py, f64>,
+    hi: PyReadonlyArray1<'py, f64>,
+    n: i32,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (lo, hi) = (vector(&lo)?, vector(&hi)?);
+    let result = py.detach(|| intervals(lo, hi).map(|x| x.into_iter().map(|v| v.rootn(n)).collect::<Vec<_>>()));
+    interval_vector(py, &result.map_err(|e| refusal(&e))?)
+}
+
 /// The tightest interval around the sum of all intervals: each end rounded once.
 #[pyfunction]
 pub fn exact_sum(py: Python<'_>, lo: PyReadonlyArray1<'_, f64>, hi: PyReadonlyArray1<'_, f64>) -> PyResult<(f64, f64)> {

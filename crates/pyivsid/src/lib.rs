@@ -20,7 +20,7 @@ mod core_module {
     #[pymodule_export]
     use super::elementwise::{
         backend, binary, check_bounds, environment_is_default, exact_sum, follow, format_interval, measure,
-        outward_decimal, power, unary,
+        outward_decimal, power, root, unary,
     };
     #[pymodule_export]
     use super::filters::{respond, whiten};

@@ -13,12 +13,13 @@ from ivsid import _core
 from ivsid.errors import IvsidError
 from ivsid.intervals.floats import FloatArray, exact_floats
 from ivsid.intervals.operators import Operators
+from ivsid.intervals.recommended import RecommendedFunctions
 from ivsid.intervals.shown import array_html, array_text
 
 Interval = _core.Interval
 
 
-class IntervalArray(Operators):
+class IntervalArray(Operators, RecommendedFunctions):
     """An array of closed intervals.
 
     Operators, matmul, and NumPy's arithmetic, elementary (exp, log, sin, arctan2, power, ...) and rounding functions give the

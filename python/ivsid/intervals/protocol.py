@@ -20,6 +20,7 @@ _BINARY: dict[np.ufunc, str] = {
     np.minimum: "min",
     np.maximum: "max",
     np.arctan2: "atan2",
+    np.hypot: "hypot",
 }
 _UNARY: dict[np.ufunc, str] = {
     np.negative: "neg",
@@ -31,6 +32,9 @@ _UNARY: dict[np.ufunc, str] = {
     np.exp: "exp",
     np.exp2: "exp2",
     np.log: "ln",
+    np.expm1: "exp_m1",
+    np.log1p: "ln_1p",
+    np.cbrt: "cbrt",
     np.log2: "log2",
     np.log10: "log10",
     np.sin: "sin",

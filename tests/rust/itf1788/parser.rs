@@ -1,7 +1,8 @@
 //! Reads `.itl` files as data: comments, test cases, statements `operation operands = results signal X;`.
 
-use interval_core::exact::{from_text, ratio_down, ratio_up};
+use interval_core::exact::{from_text, ratio_down, ratio_up, rational};
 use interval_core::{DecoratedInterval, Decoration, Interval};
+use num_bigint::BigInt;
 
 /// One operand or result.
 #[derive(Debug, Clone)]
@@ -78,7 +79,13 @@ pub fn number(text: &str) -> Option<f64> {
     }
     let exact = from_text(text.trim())?;
     let (down, up) = (ratio_down(&exact), ratio_up(&exact));
-    if down == up { Some(down) } else { text.trim().parse().ok() }
+    if down == up || !down.is_finite() || !up.is_finite() {
+        return if down == up { Some(down) } else { text.trim().parse().ok() };
+    }
+    let middle = (rational(down) + rational(up)) / BigInt::from(2);
+    // The middle goes to the double whose last bit is 0.
+    let low = exact < middle || (exact == middle && down.to_bits() % 2 == 0);
+    Some(if low { down } else { up })
 }
 
 fn interval(text: &str) -> Option<Interval> {

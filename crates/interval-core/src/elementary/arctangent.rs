@@ -14,6 +14,8 @@ const TINY: f64 = f64::from_bits((1023 - 27) << 52);
 /// The largest difference of the coordinates' exponents, so that nothing over- or underflows. Beyond it the last resort
 /// decides.
 const FAR: i64 = 400;
+/// From this difference on the angle to an axis is below 2^-59.
+const AXIS: i64 = 60;
 
 /// `atan t`, `0 <= t <= 1`: `u = (t - c) / (1 + c t)`, `c = j/64`, `|u| < 2^-7`; `u - u^3/3` in double-double,
 /// `u^5/5 - ...` (2^-30 relative) in double with four roundings, tail `u^13/13`: 2^-79 relative.
@@ -37,7 +39,7 @@ fn first_octant(t: Dd, tables: &Tables) -> Dd {
 
 /// The angle of the point `(x, y)`, `y >= 0`, in [0, pi]: within 2^-77 relative.
 #[inline(always)]
-fn angle(y: Dd, x: Dd, tables: &Tables) -> Dd {
+pub(super) fn angle(y: Dd, x: Dd, tables: &Tables) -> Dd {
     let across = x.with_sign(x.hi);
     let acute = if y.hi <= across.hi {
         first_octant(y.div(across), tables)
@@ -63,7 +65,7 @@ pub(crate) fn atan(x: f64) -> Bracket {
 
 /// The square root of `1 - x^2`, `|x| <= 1`.
 #[inline(always)]
-fn leg(x: f64) -> Dd {
+pub(super) fn leg(x: f64) -> Dd {
     (two_sum(1.0, x) * two_sum(1.0, -x)).sqrt()
 }
 
@@ -120,6 +122,13 @@ pub(crate) fn atan2(y: f64, x: f64) -> Bracket {
 fn finite(rise: f64, x: f64, run: f64, tables: &Tables) -> Bracket {
     let ((m, e), (n, f)) = (split(rise), split(run));
     let difference = e - f;
+    // Neither pi nor its half lies within 2^-56 of a double, relative to it.
+    if difference > AXIS {
+        return constant(tables.pi.scale(0.5));
+    }
+    if difference < -AXIS && x < 0.0 {
+        return constant(tables.pi);
+    }
     if difference.abs() < FAR {
         let y = m * power_of_two(difference);
         if let Some(bracket) = decide(angle(Dd::from(y), Dd::from(if x < 0.0 { -n } else { n }), tables), ERROR) {

@@ -9,14 +9,14 @@ use super::{decide, nearest, power_of_two};
 /// Relative error of [`kernel`], doubled twice over.
 pub(super) const ERROR: f64 = power(-71);
 /// Relative error of the hyperbolic sine and tangent: six bits may cancel at 2^-5.
-const HYPERBOLIC_ERROR: f64 = power(-64);
+pub(super) const HYPERBOLIC_ERROR: f64 = power(-64);
 /// Below this the series of the hyperbolic sine is used, above it the exponentials, whose difference cancels.
-const SMALL: f64 = power(-5);
+pub(super) const SMALL: f64 = power(-5);
 /// Below this the second term of the series, at most `x^2 / 2` of the value, is less than half the distance to the
 /// neighbouring double.
-const TINY: f64 = power(-27);
+pub(super) const TINY: f64 = power(-27);
 /// Above this `e^x` exceeds the largest double, whose logarithm is about 709.78.
-const OVERFLOW: f64 = 709.8;
+pub(super) const OVERFLOW: f64 = 709.8;
 /// Below this `e^x` lies under half the smallest double: `ln 2^-1075` is about -745.13.
 const UNDERFLOW: f64 = -745.2;
 
@@ -59,9 +59,9 @@ pub(super) fn finish(m: Dd, k: i64, error: f64) -> Option<Bracket> {
 }
 
 /// The bounds of a value above the largest double.
-const TOO_LARGE: Bracket = Bracket { down: f64::MAX, up: f64::INFINITY };
+pub(super) const TOO_LARGE: Bracket = Bracket { down: f64::MAX, up: f64::INFINITY };
 /// The bounds of a positive value below half the smallest double.
-const TOO_SMALL: Bracket = Bracket { down: 0.0, up: f64::from_bits(1) };
+pub(super) const TOO_SMALL: Bracket = Bracket { down: 0.0, up: f64::from_bits(1) };
 
 #[inline(always)]
 fn near_one(x: f64) -> Bracket {
@@ -149,7 +149,7 @@ fn exp10_exactly(x: f64) -> Bracket {
 
 /// `sinh x` for 2^-27 < x < 2^-5: `x + x^3/6` in double-double, the rest below 2^-26 relative in double: 2^-76.
 #[inline(always)]
-fn sinh_series(x: f64, tables: &Tables) -> Dd {
+pub(super) fn sinh_series(x: f64, tables: &Tables) -> Dd {
     let square = two_product(x, x);
     let z = square.hi;
     let tail = z.mul_add(z.mul_add(z.mul_add(1.0 / 39_916_800.0, 1.0 / 362_880.0), 1.0 / 5040.0), 1.0 / 120.0);
@@ -159,7 +159,7 @@ fn sinh_series(x: f64, tables: &Tables) -> Dd {
 
 /// `e^x`, `x < 41`, as one double-double.
 #[inline(always)]
-fn growth(x: f64, tables: &Tables) -> Dd {
+pub(super) fn growth(x: f64, tables: &Tables) -> Dd {
     let (m, k) = kernel(Dd::from(x), tables);
     m.scale(power_of_two(k))
 }

@@ -125,25 +125,50 @@ pub(crate) fn log(x: &Ball, precision: i64) -> Option<Ball> {
     let (m, k) = if m.approximate() < 0.7 { (m.scale(1), size - 1) } else { (m, size) };
     let one = Ball::integer(1);
     let z = m.sub(&one).div(&m.add(&one), guard + 16)?;
-    let square = z.mul(&z).shorten(guard + 16);
-    // ln m = 2 artanh z, |z| < 0.18: the powers are summed with their divisors apart.
+    // ln m = 2 artanh z, |z| < 0.18.
+    let result = artanh(&z, guard)?.scale(1);
+    Some(if k == 0 { result } else { result.add(&ln2(guard + 16).mul(&Ball::integer(k))) }.shorten(guard))
+}
+
+/// The inverse hyperbolic tangent of `|z| < 0.6`: the powers are summed with their divisors apart.
+pub(crate) fn artanh(z: &Ball, guard: i64) -> Option<Ball> {
+    let square = z.mul(z).shorten(guard + 16);
     let mut power = z.clone();
-    let mut sum = z;
-    if !sum.mid.is_zero() {
-        for n in 1.. {
-            power = power.mul(&square).shorten(guard + 16);
-            let term = power.div_integer(2 * n + 1);
-            sum = sum.add(&term).shorten(guard + 32);
-            let size = i64::try_from(power.mid.bits().max(power.rad.bits())).ok()? + power.exp;
-            let whole = i64::try_from(sum.mid.bits()).ok()? + sum.exp;
-            if power.mid.is_zero() || size < whole - guard {
-                sum = sum.add(&unit(size + 1));
-                break;
-            }
+    let mut sum = z.clone();
+    if z.mid.is_zero() && z.is_exact() {
+        return Some(sum);
+    }
+    for n in 1.. {
+        power = power.mul(&square).shorten(guard + 16);
+        sum = sum.add(&power.div_integer(2 * n + 1)).shorten(guard + 32);
+        let size = i64::try_from(power.mid.bits().max(power.rad.bits())).ok()? + power.exp;
+        let whole = i64::try_from(sum.mid.bits()).ok()? + sum.exp;
+        if power.mid.is_zero() || size < whole - guard {
+            // The powers fall by more than half, so the tail is below the last one.
+            return Some(sum.add(&unit(size + 1)));
         }
     }
-    let result = sum.scale(1);
-    Some(if k == 0 { result } else { result.add(&ln2(guard + 16).mul(&Ball::integer(k))) }.shorten(guard))
+    None
+}
+
+/// `e^x - 1`, without cancellation near 0.
+pub(crate) fn exp_m1(x: &Ball, precision: i64) -> Option<Ball> {
+    if x.approximate().abs() > 0.25 {
+        return Some(exp(x, precision + 8)?.sub(&Ball::integer(1)));
+    }
+    let x = x.clone().shorten(precision + 96);
+    Some(if x.mid.is_zero() && x.is_exact() { x } else { series(x.clone(), &x, |k| k + 1, precision + 32) })
+}
+
+/// `ln(1 + x)` for `x > -1`, without cancellation near 0.
+pub(crate) fn ln_1p(x: &Ball, precision: i64) -> Option<Ball> {
+    let one = Ball::integer(1);
+    if x.approximate().abs() > 0.25 {
+        return log(&x.add(&one), precision);
+    }
+    // ln(1 + x) = 2 artanh(x / (2 + x))
+    let z = x.div(&x.add(&one.scale(1)), precision + 96)?;
+    Some(artanh(&z, precision + 32)?.scale(1))
 }
 
 /// `sin x`, `cos x`, and the number `q` of the quarter turn below `x`: `q pi/2 <= x < (q + 1) pi/2`.

@@ -35,6 +35,8 @@ pub(super) struct Tables {
     /// `pi / 2` in three parts of 53 bits: within 2^-160 absolute.
     pub half_pi: [f64; 3],
     pub pi: Dd,
+    /// `1 / pi`.
+    pub per_pi: Dd,
     /// `sin` and `cos` of `j/128`.
     pub sin_cos: [(Dd, Dd); 102],
     /// `atan` of `j/64`.
@@ -100,6 +102,7 @@ impl Tables {
             atan: std::array::from_fn(|j| double_double(atan(&fraction(j, 64.0), BITS))),
             ln2: double_double(Some(ln2)),
             ln10: double_double(Some(ln10)),
+            per_pi: double_double(one.div(&pi, BITS)),
             pi: double_double(Some(pi)),
         }
     }

@@ -10,7 +10,7 @@ use num_bigint::BigInt;
 use num_traits::ToPrimitive;
 
 /// Relative error of sine and cosine and, with a quotient more, of the tangent, doubled and more.
-const ERROR: f64 = f64::from_bits((1023 - 68) << 52);
+pub(super) const ERROR: f64 = f64::from_bits((1023 - 68) << 52);
 /// Below this the second term of the series, at most `x^2 / 2` of the value, is less than half the distance to the
 /// neighbouring double.
 const TINY: f64 = f64::from_bits((1023 - 27) << 52);
@@ -42,7 +42,7 @@ fn reduce(x: f64, tables: &Tables) -> (Dd, i64) {
 /// 2^-77.5 absolute, against a sine of at least 2^-8 where `j > 0`, and `h^2/6` of that relative to `h` where `j = 0`:
 /// 2^-69.5.
 #[inline(always)]
-fn kernel(r: Dd, cosine: bool, tables: &Tables) -> Dd {
+pub(super) fn kernel(r: Dd, cosine: bool, tables: &Tables) -> Dd {
     let a = r.with_sign(r.hi);
     let j = nearest(a.hi * 128.0);
     // Exact (Sterbenz).
@@ -64,9 +64,9 @@ fn kernel(r: Dd, cosine: bool, tables: &Tables) -> Dd {
 /// A finite angle, reduced once for all that is asked of it.
 #[derive(Clone, Copy)]
 pub(crate) struct Angle {
-    x: f64,
+    pub(super) x: f64,
     /// Remainder and count of quarter turns, for angles up to [`MODERATE`].
-    reduced: Option<(Dd, i64)>,
+    pub(super) reduced: Option<(Dd, i64)>,
 }
 
 impl Angle {
@@ -134,6 +134,6 @@ fn turns_of_large(x: f64) -> Option<i64> {
 }
 
 #[cold]
-fn exactly(x: f64, choose: impl Fn(Ball, Ball, i64) -> Option<Ball>) -> Bracket {
+pub(super) fn exactly(x: f64, choose: impl Fn(Ball, Ball, i64) -> Option<Ball>) -> Bracket {
     settle(|p| sin_cos(&Ball::from_f64(x), p).and_then(|(s, c, _)| choose(s, c, p)))
 }

@@ -12,9 +12,46 @@ macro_rules! increasing {
         if x.is_empty() { Interval::EMPTY } else { Interval::made($f(x.lo).down, $f(x.hi).up) }
     }};
 }
+pub(super) use increasing;
+
+/// Angles of the points (x, y) of a box, the half turn being `$turn`.
+macro_rules! angles {
+    ($y:expr, $x:expr, $f:path, $turn:expr) => {{
+        let (y, x): (Interval, Interval) = ($y, $x);
+        if y.is_empty() || x.is_empty() || (y == Interval::ZERO && x == Interval::ZERO) {
+            Interval::EMPTY
+        } else if y.lo < 0.0 && y.hi >= 0.0 && x.lo < 0.0 {
+            let turn: f64 = $turn;
+            Interval::made(-turn, turn)
+        } else if y.lo < 0.0 && y.hi > 0.0 {
+            // The right half plane: the steepest directions are at the smallest x.
+            Interval::made($f(y.lo, x.lo).down, $f(y.hi, x.lo).up)
+        } else {
+            // The upper half plane, in which the angle falls as x grows.
+            let below = y.lo < 0.0;
+            let y = if below { -y } else { y };
+            let least = if x.hi > 0.0 {
+                $f(y.lo, x.hi).down
+            } else {
+                // If the box ends on the y axis or left of it, the least angle is at its top; (0, 0) itself has none.
+                $f(y.hi, if y.hi == 0.0 { -1.0 } else { x.hi }).down
+            };
+            let greatest = if x.lo < 0.0 {
+                $f(y.lo, x.lo).up
+            } else if y.hi == 0.0 {
+                0.0
+            } else {
+                $f(y.hi, x.lo).up
+            };
+            let found = Interval::made(least, greatest);
+            if below { -found } else { found }
+        }
+    }};
+}
+pub(super) use angles;
 
 /// True if some integer `q` with `first < q <= last` is `residue` modulo `period`.
-fn passes(first: i64, last: i64, residue: i64, period: i64) -> bool {
+pub(super) fn passes(first: i64, last: i64, residue: i64, period: i64) -> bool {
     (last - residue).div_euclid(period) > (first - residue).div_euclid(period)
 }
 
@@ -186,41 +223,7 @@ impl Interval {
     #[must_use]
     #[inline(always)]
     pub fn atan2(self, x: Self) -> Self {
-        let y = self;
-        if y.is_empty() || x.is_empty() || (y == Self::ZERO && x == Self::ZERO) {
-            return Self::EMPTY;
-        }
-        if y.lo < 0.0 && y.hi >= 0.0 && x.lo < 0.0 {
-            let turn = point::atan2(0.0, -1.0).up;
-            return Self::made(-turn, turn);
-        }
-        if y.lo < 0.0 && y.hi <= 0.0 {
-            return -Self::upper_half(-y, x);
-        }
-        if y.lo >= 0.0 {
-            return Self::upper_half(y, x);
-        }
-        // The right half plane: the steepest directions are at the smallest x.
-        Self::made(point::atan2(y.lo, x.lo).down, point::atan2(y.hi, x.lo).up)
-    }
-
-    /// Angles of a box with `y >= 0`, which fall as `x` grows.
-    #[inline(always)]
-    fn upper_half(y: Self, x: Self) -> Self {
-        let least = if x.hi > 0.0 {
-            point::atan2(y.lo, x.hi).down
-        } else {
-            // If the box ends on the y axis or left of it, the least angle is at its top; (0, 0) itself has none.
-            point::atan2(y.hi, if y.hi == 0.0 { -1.0 } else { x.hi }).down
-        };
-        let greatest = if x.lo < 0.0 {
-            point::atan2(y.lo, x.lo).up
-        } else if y.hi == 0.0 {
-            0.0
-        } else {
-            point::atan2(y.hi, x.lo).up
-        };
-        Self::made(least, greatest)
+        angles!(self, x, point::atan2, point::atan2(0.0, -1.0).up)
     }
 
     /// `{sinh x}`.

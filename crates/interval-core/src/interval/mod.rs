@@ -8,6 +8,10 @@
 //! | recip, sqr, sqrt, fma, pown, pow | [`recip`](Interval::recip), [`square`](Interval::square), [`sqrt`](Interval::sqrt), [`mul_add`](Interval::mul_add), [`powi`](Interval::powi), [`pow`](Interval::pow) |
 //! | exp, exp2, exp10, log, log2, log10 | [`exp`](Interval::exp), [`exp2`](Interval::exp2), [`exp10`](Interval::exp10), [`ln`](Interval::ln), [`log2`](Interval::log2), [`log10`](Interval::log10) |
 //! | sin, cos, tan, asin, acos, atan, atan2 and the hyperbolic functions | the same names |
+//! | expm1, exp2m1, exp10m1, logp1, log2p1, log10p1, compoundm1 | [`exp_m1`](Interval::exp_m1), [`exp2_m1`](Interval::exp2_m1), [`exp10_m1`](Interval::exp10_m1), [`ln_1p`](Interval::ln_1p), [`log2_1p`](Interval::log2_1p), [`log10_1p`](Interval::log10_1p), [`compound_m1`](Interval::compound_m1) |
+//! | rootn, rSqrt, hypot, and cbrt | [`rootn`](Interval::rootn), [`rsqrt`](Interval::rsqrt), [`hypot`](Interval::hypot), [`cbrt`](Interval::cbrt) |
+//! | sinPi, cosPi, tanPi, asinPi, acosPi, atanPi, atan2Pi | [`sin_pi`](Interval::sin_pi) and so on |
+//! | sec, csc, cot, acot, sech, csch, coth, acoth | the same names |
 //! | sign, ceil, floor, trunc, roundTiesToEven, roundTiesToAway | [`sign`](Interval::sign), [`ceil`](Interval::ceil), [`floor`](Interval::floor), [`trunc`](Interval::trunc), [`round_ties_even`](Interval::round_ties_even), [`round`](Interval::round) |
 //! | abs, min, max, intersection, convexHull | [`abs`](Interval::abs), [`min`](Interval::min), [`max`](Interval::max), [`intersection`](Interval::intersection), [`hull`](Interval::hull) |
 //! | inf, sup, mid, rad, wid, mag, mig | [`lo`](Interval::lo), [`hi`](Interval::hi), [`midpoint`](Interval::midpoint), [`radius`](Interval::radius), [`width`](Interval::width), [`magnitude`](Interval::magnitude), [`mignitude`](Interval::mignitude) |
@@ -27,11 +31,15 @@ mod cancel;
 mod decorated;
 mod elementary;
 mod fused;
+mod half_turns;
 mod integer;
+mod less_one;
 mod measures;
 mod power;
+mod reciprocal;
 mod relations;
 mod reverse;
+mod roots;
 #[cfg(feature = "serde")]
 mod serialize;
 mod sets;

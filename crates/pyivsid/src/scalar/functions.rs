@@ -61,4 +61,48 @@ functions! {
     arccosh acosh;
     /// Inverse hyperbolic tangents of the members in (-1, 1).
     arctanh atanh;
+    /// Exponentials less 1.
+    expm1 exp_m1;
+    /// Powers of 2 less 1.
+    exp2m1 exp2_m1;
+    /// Powers of 10 less 1.
+    exp10m1 exp10_m1;
+    /// Natural logarithms of 1 plus the members above -1.
+    log1p ln_1p;
+    /// Logarithms to base 2 of 1 plus the members above -1.
+    log2p1 log2_1p;
+    /// Logarithms to base 10 of 1 plus the members above -1.
+    log10p1 log10_1p;
+    /// Cube roots.
+    cbrt cbrt;
+    /// Reciprocals of the square roots of the positive members.
+    rsqrt rsqrt;
+    /// Sines, of half turns.
+    sinpi sin_pi;
+    /// Cosines, of half turns.
+    cospi cos_pi;
+    /// Tangents, of half turns.
+    tanpi tan_pi;
+    /// Arc sines in half turns of the members in [-1, 1].
+    arcsinpi asin_pi;
+    /// Arc cosines in half turns of the members in [-1, 1].
+    arccospi acos_pi;
+    /// Arc tangents in half turns.
+    arctanpi atan_pi;
+    /// Reciprocals of the cosines, of radians.
+    sec sec;
+    /// Reciprocals of the sines, of radians.
+    csc csc;
+    /// Cotangents, of radians.
+    cot cot;
+    /// Arc cotangents in (0, pi).
+    arccot acot;
+    /// Reciprocals of the hyperbolic cosines.
+    sech sech;
+    /// Reciprocals of the hyperbolic sines of the members other than 0.
+    csch csch;
+    /// Hyperbolic cotangents of the members other than 0.
+    coth coth;
+    /// Inverse hyperbolic cotangents of the members outside [-1, 1].
+    arccoth acoth;
 }

@@ -171,6 +171,26 @@ impl Interval {
         binary(slf, other, "atan2", Bounds::atan2, false)
     }
 
+    /// The same in half turns, in (-1, 1].
+    fn arctan2pi<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        binary(slf, other, "atan2_pi", Bounds::atan2_pi, false)
+    }
+
+    /// The lengths of the vectors (self, other).
+    fn hypot<'py>(slf: &Bound<'py, Self>, other: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        binary(slf, other, "hypot", Bounds::hypot, false)
+    }
+
+    /// ``(1 + self)^exponent - 1``, of the members above -1.
+    fn compoundm1<'py>(slf: &Bound<'py, Self>, exponent: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        binary(slf, exponent, "compound_m1", Bounds::compound_m1, false)
+    }
+
+    /// The n-th roots: of all members for an odd ``n``, of those from 0 on for an even one, and not of 0 for a negative one.
+    fn rootn(&self, n: i32) -> PyResult<Self> {
+        guarded(self.0.rootn(n))
+    }
+
     /// ``self * y + z`` with one rounding.
     fn fma(&self, y: &Self, z: &Self) -> PyResult<Self> {
         guarded(self.0.mul_add(y.0, z.0))

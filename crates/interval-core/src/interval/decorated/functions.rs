@@ -19,6 +19,17 @@ fn steps(result: Interval, step_at_end: bool) -> Decoration {
     }
 }
 
+/// The decoration of the angle of the points of a box: none at the origin, and a jump across the negative half axis.
+fn turning(y: Interval, x: Interval) -> Decoration {
+    if y.contains(0.0) && x.contains(0.0) {
+        Decoration::Trv
+    } else if y.contains(0.0) && x.lo < 0.0 {
+        if y.lo < 0.0 { Decoration::Def } else { Decoration::Dac }
+    } else {
+        Decoration::Com
+    }
+}
+
 /// Operations of one operand with their local decoration.
 macro_rules! unary {
     ($($(#[$doc:meta])* $name:ident => |$x:ident, $result:ident| $local:expr;)*) => {
@@ -79,6 +90,50 @@ unary! {
     acosh => |x, _r| on_domain(x.lo >= 1.0);
     /// [`Interval::atanh`].
     atanh => |x, _r| on_domain(-1.0 < x.lo && x.hi < 1.0);
+    /// [`Interval::exp_m1`].
+    exp_m1 => |_x, _r| Decoration::Com;
+    /// [`Interval::exp2_m1`].
+    exp2_m1 => |_x, _r| Decoration::Com;
+    /// [`Interval::exp10_m1`].
+    exp10_m1 => |_x, _r| Decoration::Com;
+    /// [`Interval::ln_1p`].
+    ln_1p => |x, _r| on_domain(x.lo > -1.0);
+    /// [`Interval::log2_1p`].
+    log2_1p => |x, _r| on_domain(x.lo > -1.0);
+    /// [`Interval::log10_1p`].
+    log10_1p => |x, _r| on_domain(x.lo > -1.0);
+    /// [`Interval::cbrt`].
+    cbrt => |_x, _r| Decoration::Com;
+    /// [`Interval::rsqrt`].
+    rsqrt => |x, _r| on_domain(x.lo > 0.0);
+    /// [`Interval::sin_pi`].
+    sin_pi => |_x, _r| Decoration::Com;
+    /// [`Interval::cos_pi`].
+    cos_pi => |_x, _r| Decoration::Com;
+    /// [`Interval::tan_pi`].
+    tan_pi => |_x, r| on_domain(r.is_bounded());
+    /// [`Interval::asin_pi`].
+    asin_pi => |x, _r| on_domain(x.subset(Interval::UNIT));
+    /// [`Interval::acos_pi`].
+    acos_pi => |x, _r| on_domain(x.subset(Interval::UNIT));
+    /// [`Interval::atan_pi`].
+    atan_pi => |_x, _r| Decoration::Com;
+    /// [`Interval::sec`].
+    sec => |_x, r| on_domain(!r.is_entire());
+    /// [`Interval::csc`].
+    csc => |x, r| on_domain(!r.is_entire() && !x.contains(0.0));
+    /// [`Interval::cot`].
+    cot => |x, r| on_domain(!r.is_entire() && !x.contains(0.0));
+    /// [`Interval::acot`].
+    acot => |_x, _r| Decoration::Com;
+    /// [`Interval::sech`].
+    sech => |_x, _r| Decoration::Com;
+    /// [`Interval::csch`].
+    csch => |x, _r| on_domain(!x.contains(0.0));
+    /// [`Interval::coth`].
+    coth => |x, _r| on_domain(!x.contains(0.0));
+    /// [`Interval::acoth`].
+    acoth => |x, _r| on_domain(x.lo > 1.0 || x.hi < -1.0);
     /// [`Interval::sign`].
     sign => |x, r| steps(r, x.contains(0.0));
     /// [`Interval::ceil`].
@@ -115,13 +170,13 @@ binary! {
     /// [`Interval::pow`].
     pow => |x, y| on_domain(x.lo > 0.0 || (x.lo == 0.0 && y.lo > 0.0));
     /// [`Interval::atan2`], `self` being y.
-    atan2 => |y, x| if y.contains(0.0) && x.contains(0.0) {
-        Decoration::Trv
-    } else if y.contains(0.0) && x.lo < 0.0 {
-        if y.lo < 0.0 { Decoration::Def } else { Decoration::Dac }
-    } else {
-        Decoration::Com
-    };
+    atan2 => |y, x| turning(y, x);
+    /// [`Interval::atan2_pi`], `self` being y.
+    atan2_pi => |y, x| turning(y, x);
+    /// [`Interval::hypot`].
+    hypot => |_x, _y| Decoration::Com;
+    /// [`Interval::compound_m1`].
+    compound_m1 => |x, y| on_domain(x.lo > -1.0 || (x.lo == -1.0 && y.lo > 0.0));
     /// [`Interval::intersection`].
     intersection => |_x, _y| Decoration::Trv;
     /// [`Interval::hull`].
@@ -150,6 +205,14 @@ impl DecoratedInterval {
     pub fn powi(self, n: i32) -> Self {
         let local = on_domain(n >= 0 || !self.interval.contains(0.0));
         Self::carry(&[self], self.interval.powi(n), local)
+    }
+
+    /// [`Interval::rootn`].
+    #[must_use]
+    pub fn rootn(self, n: i32) -> Self {
+        let x = self.interval;
+        let inside = n != 0 && (n % 2 != 0 || x.lo >= 0.0) && (n > 0 || !x.contains(0.0));
+        Self::carry(&[self], x.rootn(n), on_domain(inside))
     }
 
     /// [`Interval::mul_add`].

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ivsid.errors import IvsidError
     from ivsid.exports.export import export
     from ivsid.identification import Identification, Parameter, identify
-    from ivsid.intervals import EndpointPair, Interval, IntervalArray
+    from ivsid.intervals import EndpointPair, Interval, IntervalArray, exchange
     from ivsid.linear import linalg, regression
     from ivsid.log import Log, read_log
     from ivsid.setup import setup_findings
@@ -79,6 +79,7 @@ __all__ = [
     "Verification",
     "__version__",
     "diagnose",
+    "exchange",
     "export",
     "identify",
     "linalg",
@@ -96,6 +97,8 @@ def __getattr__(name: str) -> object:
         found: object = import_module("importlib.metadata").version("ivsid")
     elif name in ("linalg", "regression"):
         found = import_module(f"ivsid.linear.{name}")
+    elif name == "exchange":
+        found = import_module("ivsid.intervals.exchange")
     elif name in _HOMES:
         found = getattr(import_module(_HOMES[name]), name)
     else:

@@ -2,7 +2,8 @@
 
 - ``array``: ``IntervalArray`` over two NumPy arrays. ``Interval`` is the core's, which this module alone imports here.
 - ``floats``: numbers of a user as float64, without a rounding.
-- ``protocol``: NumPy's functions of interval arrays.
+- ``protocol``: NumPy's functions of interval arrays; ``recommended``: functions of IEEE 1788 that NumPy lacks.
+- ``exchange``: intervals of other libraries, and columns of intervals.
 - ``endpoints``: bounds that may be reversed, the result of the published method.
 - ``shown``: intervals and arrays in words, rounded outward.
 - ``pieces``: work over many rows in pieces that stay in the cache, on all processors.

@@ -45,6 +45,7 @@ rustfmt:
 
 clippy:
 	cargo clippy $(GATE) --workspace --all-targets -- -D warnings
+	cargo clippy $(GATE) -p interval-core --no-default-features -- -D warnings
 
 lint: venv
 	$(BIN)/ruff format --check python tests examples benches docs/*.py

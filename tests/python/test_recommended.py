@@ -13,9 +13,9 @@ from typing import Any
 import gmpy2
 import numpy as np
 import pytest
-from test_oracle import blocks, cases, judge, spicy
 
 from ivsid import Interval, IntervalArray, IvsidError
+from test_oracle import blocks, cases, judge, spicy
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 
@@ -27,7 +27,9 @@ def precisely(function: Callable[..., Any], bits: int = BITS) -> Callable[..., A
     """A function in many bits, rounded once by the context of the caller."""
 
     def oracle(*operands: float) -> Any:
-        with gmpy2.context(gmpy2.get_context(), precision=bits, emin=-100_000, emax=100_000, subnormalize=False, round=0):
+        with gmpy2.context(
+            gmpy2.get_context(), precision=bits, emin=-100_000, emax=100_000, subnormalize=False, round=0
+        ):
             value = function(*map(gmpy2.mpfr, operands))
         return +value
 
@@ -38,7 +40,9 @@ def _turned(function: Callable[[Any], Any], exact: Callable[[Fraction], float | 
     def of(x: Any) -> Any:
         rest = gmpy2.fmod(x, 2)
         found = exact(Fraction(*map(int, rest.as_integer_ratio())))
-        return gmpy2.mpfr(found) if found is not None else function(gmpy2.const_pi(gmpy2.get_context().precision) * rest)
+        return (
+            gmpy2.mpfr(found) if found is not None else function(gmpy2.const_pi(gmpy2.get_context().precision) * rest)
+        )
 
     return of
 
@@ -125,7 +129,14 @@ TRIGONOMETRIC = ("sec", "csc", "cot")
 def special(name: str, rng: np.random.Generator, n: int) -> np.ndarray:
     """Arguments with exact values: integers and powers of two and ten, with their neighbours, less one, quarters."""
     k = rng.integers(-60, 60, n)
-    made = [k.astype(float), k / 4, np.ldexp(1.0, k), np.ldexp(1.0, k) - 1, 10.0 ** (k / 3).astype(int) - 1, (k / 4) ** 3]
+    made = [
+        k.astype(float),
+        k / 4,
+        np.ldexp(1.0, k),
+        np.ldexp(1.0, k) - 1,
+        10.0 ** (k / 3).astype(int) - 1,
+        (k / 4) ** 3,
+    ]
     x = np.choose(rng.integers(0, len(made), n), made)
     return np.where(rng.random(n) < 0.7, x, np.nextafter(x, rng.choice([-np.inf, np.inf], n)))
 
@@ -150,7 +161,7 @@ def test_angles_in_half_turns_of_points() -> None:
         y, x = spicy(rng, n, 4.0), spicy(rng, n, 4.0)
         y = np.where((y == 0) & (x <= 0), 1.0, y)
         x = np.where(rng.random(n) < 0.1, y * rng.choice([-1, 1], n), x)
-        y, x = np.where((y == 0) & (x == 0), 1.0, y), x
+        y = np.where((y == 0) & (x == 0), 1.0, y)
         judge("arctan2pi", oracle, IntervalArray(y).arctan2pi(IntervalArray(x)), [y, x])
 
 
@@ -166,7 +177,11 @@ def test_lengths_of_vectors() -> None:
 def test_integer_roots(n: int) -> None:
     for rng, count in blocks(cases(2e3), 24):
         x = other_than_zero(spicy(rng, count, 10.0))
-        exact = np.ldexp(1.0, rng.integers(-30, 30, count)) if abs(n) > 60 else rng.integers(1, 4, count) ** float(min(abs(n), 30))
+        exact = (
+            np.ldexp(1.0, rng.integers(-30, 30, count))
+            if abs(n) > 60
+            else rng.integers(1, 4, count) ** float(min(abs(n), 30))
+        )
         x = np.where(rng.random(count) < 0.2, exact, x)
         x = np.abs(x) if n % 2 == 0 else x
 

@@ -3,9 +3,8 @@
 //! A fixed-point accumulator spans all products of two doubles (Kulisch): nothing is lost before the last rounding, so
 //! the result does not depend on the order of the operands.
 
-use crate::exact::{decode, dyadic_down};
-use num_bigint::{BigInt, Sign};
-use num_traits::Zero;
+use crate::dyadic::{decode, dyadic_down};
+use crate::integers::Integer;
 use std::cmp::Ordering;
 
 /// The least exponent of a product of two doubles.
@@ -79,7 +78,7 @@ impl Accumulator {
     }
 
     /// The sum as an integer multiple of `2^LEAST`.
-    fn value(mut self) -> BigInt {
+    fn value(mut self) -> Integer {
         self.carry();
         let negative = self.limbs[LIMBS - 1] < 0;
         if negative {
@@ -89,7 +88,7 @@ impl Accumulator {
             self.carry();
         }
         let digits: Vec<u32> = self.limbs.iter().map(|&limb| u32::try_from(limb).unwrap_or(u32::MAX)).collect();
-        BigInt::from_slice(if negative { Sign::Minus } else { Sign::Plus }, &digits)
+        Integer::from_halves(negative, &digits)
     }
 }
 
@@ -124,7 +123,7 @@ impl Special {
 }
 
 /// The exact sum of products as an integer multiple of `2^LEAST`, or the effect of infinite and undefined terms.
-pub(crate) fn accumulate(terms: impl Iterator<Item = (f64, f64)>) -> Result<BigInt, f64> {
+pub(crate) fn accumulate(terms: impl Iterator<Item = (f64, f64)>) -> Result<Integer, f64> {
     let mut special = Special::NONE;
     let mut sum = Accumulator::new();
     for (x, y) in terms {
@@ -138,12 +137,12 @@ pub(crate) fn accumulate(terms: impl Iterator<Item = (f64, f64)>) -> Result<BigI
 }
 
 /// The sum rounded down.
-pub(crate) fn down(value: &BigInt) -> f64 {
+pub(crate) fn down(value: &Integer) -> f64 {
     dyadic_down(value, LEAST)
 }
 
 /// The sum rounded to nearest, ties to even.
-pub(crate) fn nearest(value: &BigInt) -> f64 {
+pub(crate) fn nearest(value: &Integer) -> f64 {
     let (below, above) = (down(value), -down(&-value));
     if below == above {
         return below;
@@ -151,9 +150,9 @@ pub(crate) fn nearest(value: &BigInt) -> f64 {
     // Beyond the largest double the neighbour counts as 2^1024.
     let scaled = |x: f64| {
         let (m, e) = if x.is_finite() { decode(x) } else { (if x > 0.0 { 1 } else { -1 }, 1024) };
-        BigInt::from(m) << (e - LEAST).unsigned_abs()
+        Integer::from(m) << (e - LEAST).unsigned_abs()
     };
-    match (value * 2_i32).cmp(&(scaled(below) + scaled(above))) {
+    match (value << 1).cmp(&(&scaled(below) + &scaled(above))) {
         Ordering::Less => below,
         Ordering::Greater => above,
         Ordering::Equal => {
@@ -165,12 +164,12 @@ pub(crate) fn nearest(value: &BigInt) -> f64 {
 
 /// The sign of an exact sum of finite doubles.
 pub(crate) fn sign_of_sum(x: &[f64]) -> Ordering {
-    let value = accumulate(x.iter().map(|&v| (v, 1.0))).unwrap_or_else(|_| BigInt::zero());
-    value.cmp(&BigInt::zero())
+    let value = accumulate(x.iter().map(|&v| (v, 1.0))).unwrap_or(Integer::ZERO);
+    value.cmp(&Integer::ZERO)
 }
 
 /// The sign of `a b + c - x` for finite doubles.
 pub(crate) fn sign_of_fused(a: f64, b: f64, c: f64, x: f64) -> Ordering {
-    let value = accumulate([(a, b), (c, 1.0), (-x, 1.0)].into_iter()).unwrap_or_else(|_| BigInt::zero());
-    value.cmp(&BigInt::zero())
+    let value = accumulate([(a, b), (c, 1.0), (-x, 1.0)].into_iter()).unwrap_or(Integer::ZERO);
+    value.cmp(&Integer::ZERO)
 }

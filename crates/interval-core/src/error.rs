@@ -1,31 +1,27 @@
-//! Misuse of the library: one variant a cause. A numerical outcome is never an error but a [`Status`](crate::Status).
+//! Misuse of the library: one variant a cause. A numerical outcome is never an error but a `Status`.
 
-use thiserror::Error as ThisError;
+use std::fmt;
 
 /// Misuse by a caller, with the given and the needed values.
 #[non_exhaustive]
-#[derive(Debug, Clone, PartialEq, Eq, ThisError)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Error {
     /// A bound is NaN.
-    #[error("bound {index} is NaN; give a number, or an infinity for an open end")]
     NotANumber {
         /// Flat position of the bound.
         index: usize,
     },
     /// A lower bound lies above its upper bound.
-    #[error("the lower bound exceeds the upper bound at entry {index}; swap them or mend the data")]
     ReversedBounds {
         /// Flat position of the entry.
         index: usize,
     },
     /// An interval without a finite point, such as \[inf, inf\].
-    #[error("entry {index} has no finite point; a lower bound must be below +inf and an upper bound above -inf")]
     NoFinitePoint {
         /// Flat position of the entry.
         index: usize,
     },
     /// Two shapes do not fit.
-    #[error("{what} has {given} entries where {needed} are needed")]
     Shape {
         /// The operand.
         what: &'static str,
@@ -35,7 +31,6 @@ pub enum Error {
         needed: usize,
     },
     /// A square matrix is needed.
-    #[error("a square matrix is needed, this one is {rows} by {columns}")]
     NotSquare {
         /// Rows given.
         rows: usize,
@@ -43,19 +38,13 @@ pub enum Error {
         columns: usize,
     },
     /// A count that has to be positive.
-    #[error("{what} must be at least 1")]
     Zero {
         /// The count.
         what: &'static str,
     },
     /// The processor rounds otherwise than to nearest, or flushes subnormal numbers to zero.
-    #[error(
-        "the processor does not round to nearest or flushes subnormal numbers to zero; undo the change of the \
-         floating-point mode"
-    )]
     Environment,
     /// A name that is not among those known.
-    #[error("{what} '{given}' is not available; choose one of {known}")]
     Name {
         /// The kind of the name.
         what: &'static str,
@@ -65,12 +54,43 @@ pub enum Error {
         known: String,
     },
     /// Text that is no interval literal.
-    #[error("'{text}' is not an interval; write [lower, upper] or a number, for example [0.1, 0.2]")]
     Text {
         /// The text given.
         text: String,
     },
 }
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotANumber { index } => {
+                write!(f, "bound {index} is NaN; give a number, or an infinity for an open end")
+            }
+            Self::ReversedBounds { index } => {
+                write!(f, "the lower bound exceeds the upper bound at entry {index}; swap them or mend the data")
+            }
+            Self::NoFinitePoint { index } => write!(
+                f,
+                "entry {index} has no finite point; a lower bound must be below +inf and an upper bound above -inf"
+            ),
+            Self::Shape { what, given, needed } => write!(f, "{what} has {given} entries where {needed} are needed"),
+            Self::NotSquare { rows, columns } => {
+                write!(f, "a square matrix is needed, this one is {rows} by {columns}")
+            }
+            Self::Zero { what } => write!(f, "{what} must be at least 1"),
+            Self::Environment => f.write_str(
+                "the processor does not round to nearest or flushes subnormal numbers to zero; undo the change of the \
+         floating-point mode",
+            ),
+            Self::Name { what, given, known } => write!(f, "{what} '{given}' is not available; choose one of {known}"),
+            Self::Text { text } => {
+                write!(f, "'{text}' is not an interval; write [lower, upper] or a number, for example [0.1, 0.2]")
+            }
+        }
+    }
+}
+
+impl std::error::Error for Error {}
 
 impl Error {
     /// The same of a slice that starts `by` entries further on.

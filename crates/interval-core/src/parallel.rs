@@ -1,11 +1,13 @@
-//! Work shared between threads where there is enough of it. Without the feature `rayon` everything runs on the
+//! Work shared between threads where there is enough of it. Without the feature `parallel` everything runs on the
 //! caller's.
 
 /// Operations below which starting threads costs more than it saves.
+#[cfg(feature = "linalg")]
 const WORTHWHILE: usize = 1 << 18;
 
 /// `work(i, lo, hi)` on every row of `width` entries of two slices; the rows do not depend on each other, so the result
 /// does not depend on the number of threads.
+#[cfg(feature = "linalg")]
 pub(crate) fn rows(
     operations: usize,
     width: usize,
@@ -16,8 +18,8 @@ pub(crate) fn rows(
     if width == 0 {
         return;
     }
-    if cfg!(feature = "rayon") && operations >= WORTHWHILE {
-        #[cfg(feature = "rayon")]
+    if cfg!(feature = "parallel") && operations >= WORTHWHILE {
+        #[cfg(feature = "parallel")]
         {
             use rayon::prelude::*;
             lo.par_chunks_mut(width).zip(hi.par_chunks_mut(width)).enumerate().for_each(|(i, (l, h))| work(i, l, h));
@@ -29,7 +31,7 @@ pub(crate) fn rows(
 
 /// `merge` of `map(0)`, `map(1)`, ...; `None` as soon as one of them is, and the rest is left out. The merge is
 /// associative and commutative to the bit.
-#[cfg(feature = "rayon")]
+#[cfg(all(feature = "linalg", feature = "parallel"))]
 pub(crate) fn try_map_reduce<T: Send>(
     count: u64,
     map: impl Fn(u64) -> Option<T> + Sync + Send,
@@ -40,27 +42,28 @@ pub(crate) fn try_map_reduce<T: Send>(
 }
 
 /// `merge` of `map(0)`, `map(1)`, ...; `None` as soon as one of them is.
-#[cfg(not(feature = "rayon"))]
+#[cfg(all(feature = "linalg", not(feature = "parallel")))]
 pub(crate) fn try_map_reduce<T>(count: u64, map: impl Fn(u64) -> Option<T>, merge: impl Fn(T, T) -> T) -> Option<T> {
     let first = map(0)?;
     (1..count).try_fold(first, |sum, i| Some(merge(sum, map(i)?)))
 }
 
 /// Both, at once where there are threads.
-#[cfg(feature = "rayon")]
+#[cfg(feature = "parallel")]
 pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
     rayon::join(a, b)
 }
 
 /// Both, one after the other.
-#[cfg(not(feature = "rayon"))]
+#[cfg(not(feature = "parallel"))]
 pub(crate) fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
     (a(), b())
 }
 
 /// `work(0)`, `work(1)`, ... in this order, shared out where that is worth while.
+#[cfg(feature = "linalg")]
 pub(crate) fn map<T: Send>(count: usize, worthwhile: bool, work: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
-    #[cfg(feature = "rayon")]
+    #[cfg(feature = "parallel")]
     if worthwhile {
         use rayon::prelude::*;
         return (0..count).into_par_iter().map(work).collect();
@@ -70,13 +73,14 @@ pub(crate) fn map<T: Send>(count: usize, worthwhile: bool, work: impl Fn(usize) 
 }
 
 /// `work(i, a, b)` on every piece of `width` entries of two slices (the last may be shorter), in this order.
+#[cfg(feature = "linalg")]
 pub(crate) fn chunks<T: Send>(
     width: usize,
     a: &mut [f64],
     b: &mut [f64],
     work: impl Fn(usize, &mut [f64], &mut [f64]) -> T + Sync + Send,
 ) -> Vec<T> {
-    #[cfg(feature = "rayon")]
+    #[cfg(feature = "parallel")]
     if a.len() > width {
         use rayon::prelude::*;
         let pieces = a.par_chunks_mut(width).zip(b.par_chunks_mut(width)).enumerate();
@@ -86,8 +90,9 @@ pub(crate) fn chunks<T: Send>(
 }
 
 /// `work` on every item, shared out where that is worth while; the items do not depend on each other.
+#[cfg(feature = "linalg")]
 pub(crate) fn for_each<T: Send>(items: &mut [T], worthwhile: bool, work: impl Fn(&mut T) + Sync + Send) {
-    #[cfg(feature = "rayon")]
+    #[cfg(feature = "parallel")]
     if worthwhile {
         use rayon::prelude::*;
         items.par_iter_mut().for_each(work);

@@ -11,7 +11,8 @@ from ivsid import _core
 from ivsid.errors import IvsidError
 
 if TYPE_CHECKING:
-    from ivsid.intervals.array import FloatArray, IntervalArray, Operand
+    from ivsid.intervals.array import IntervalArray, Operand
+    from ivsid.intervals.floats import FloatArray
 
 
 class RecommendedFunctions:
@@ -27,7 +28,8 @@ class RecommendedFunctions:
         @classmethod
         def _raw(cls, bounds: tuple[FloatArray, FloatArray] | FloatArray, shape: tuple[int, ...]) -> Self: ...
         @property
-        def shape(self) -> tuple[int, ...]: ...
+        def shape(self) -> tuple[int, ...]:
+            """Shape of the array."""
 
     def exp10(self) -> IntervalArray:
         """Powers of 10."""

@@ -3,35 +3,39 @@
 //! Every operation returns a ball that holds the exact result for all members of its operands. The function `shorten`
 //! keeps the midpoint at a number of bits and moves the part that it cuts into the radius.
 
-use crate::exact::{dyadic_down, shifted};
-use num_bigint::BigInt;
-use num_traits::{One, Signed, ToPrimitive, Zero};
+use crate::dyadic::{decode, dyadic_down, shifted};
+use crate::integers::Integer;
+use std::cmp::Ordering;
 
 /// The numbers within `rad * 2^exp` of `mid * 2^exp`; `rad >= 0`.
 #[derive(Debug, Clone)]
 pub(crate) struct Ball {
-    pub mid: BigInt,
-    pub rad: BigInt,
+    pub mid: Integer,
+    pub rad: Integer,
     pub exp: i64,
 }
 
-fn bits(x: &BigInt) -> i64 {
+fn two() -> Integer {
+    Integer::from(2_u64)
+}
+
+fn bits(x: &Integer) -> i64 {
     i64::try_from(x.bits()).unwrap_or(i64::MAX)
 }
 
 impl Ball {
-    pub fn exact(mid: BigInt, exp: i64) -> Self {
-        Self { mid, rad: BigInt::zero(), exp }
+    pub fn exact(mid: Integer, exp: i64) -> Self {
+        Self { mid, rad: Integer::ZERO, exp }
     }
 
     pub fn integer(x: i64) -> Self {
-        Self::exact(BigInt::from(x), 0)
+        Self::exact(Integer::from(x), 0)
     }
 
     /// A finite double.
     pub fn from_f64(x: f64) -> Self {
-        let (mantissa, exp) = crate::exact::decode(x);
-        Self::exact(BigInt::from(mantissa), exp)
+        let (mantissa, exp) = decode(x);
+        Self::exact(Integer::from(mantissa), exp)
     }
 
     /// True if it is one number.
@@ -41,7 +45,7 @@ impl Ball {
 
     /// The sign that all members have; 0 where they differ.
     pub fn sign(&self) -> i32 {
-        if self.mid.magnitude() <= self.rad.magnitude() {
+        if self.mid.compare_magnitude(&self.rad) != Ordering::Greater {
             0
         } else if self.mid.is_positive() {
             1
@@ -53,7 +57,8 @@ impl Ball {
     /// The midpoint to double precision: for choosing a method, never for a bound.
     pub fn approximate(&self) -> f64 {
         let cut = (bits(&self.mid) - 60).max(0);
-        let top = shifted(&self.mid, -cut).to_f64().unwrap_or(0.0);
+        #[expect(clippy::cast_precision_loss, reason = "an approximation")]
+        let top = shifted(&self.mid, -cut).to_i64().unwrap_or(0) as f64;
         let exponent = (self.exp + cut).clamp(-4000, 4000);
         // Two steps, so that no factor overflows on the way to a subnormal number.
         let half = i32::try_from(exponent / 2).unwrap_or(0);
@@ -69,7 +74,7 @@ impl Ball {
         }
         let exact = self.is_exact() && self.mid.trailing_zeros().is_some_and(|z| i64::try_from(z).unwrap_or(0) >= cut);
         let mid = shifted(&self.mid, -cut);
-        let rad = if exact { BigInt::zero() } else { shifted(&self.rad, -cut) + 2 };
+        let rad = if exact { Integer::ZERO } else { &shifted(&self.rad, -cut) + &two() };
         Self { mid, rad, exp: self.exp + cut }
     }
 
@@ -81,8 +86,8 @@ impl Ball {
         let exp = self.exp.min(other.exp);
         let (a, b) = (self.exp - exp, other.exp - exp);
         Self {
-            mid: shifted(&self.mid, a) + shifted(&other.mid, b),
-            rad: shifted(&self.rad, a) + shifted(&other.rad, b),
+            mid: &shifted(&self.mid, a) + &shifted(&other.mid, b),
+            rad: &shifted(&self.rad, a) + &shifted(&other.rad, b),
             exp,
         }
     }
@@ -92,7 +97,8 @@ impl Ball {
     }
 
     pub fn mul(&self, other: &Self) -> Self {
-        let rad = self.mid.abs() * &other.rad + other.mid.abs() * &self.rad + &self.rad * &other.rad;
+        let (a, b) = (&self.mid.abs() * &other.rad, &other.mid.abs() * &self.rad);
+        let rad = &(&a + &b) + &(&self.rad * &other.rad);
         Self { mid: &self.mid * &other.mid, rad, exp: self.exp + other.exp }
     }
 
@@ -103,18 +109,19 @@ impl Ball {
 
     /// The quotient to about `precision` bits. The value is `None` if the divisor may be zero.
     pub fn div(&self, other: &Self, precision: i64) -> Option<Self> {
-        let least = other.mid.abs() - &other.rad;
+        let least = &other.mid.abs() - &other.rad;
         if !least.is_positive() {
             return None;
         }
         let shift = (precision + bits(&other.mid) - bits(&self.mid)).max(0);
         let numerator = shifted(&self.mid, shift);
-        let mid = &numerator / &other.mid;
+        let mid = numerator.quotient(&other.mid);
         // |x/y - m/d| <= (|x - m| + |m/d| |y - d|) / |y|, and one more for the truncated quotient.
         let rad = if self.is_exact() && other.is_exact() && (&mid * &other.mid) == numerator {
-            BigInt::zero()
+            Integer::ZERO
         } else {
-            (shifted(&self.rad, shift) + (mid.abs() + 1) * &other.rad) / least + 2
+            let slope = &(&mid.abs() + &Integer::from(1_u64)) * &other.rad;
+            &(&shifted(&self.rad, shift) + &slope).quotient(&least) + &two()
         };
         Some(Self { mid, rad, exp: self.exp - other.exp - shift })
     }
@@ -122,9 +129,8 @@ impl Ball {
     /// Divided by a positive integer.
     pub fn div_integer(&self, divisor: u64) -> Self {
         let guard = 64;
-        let numerator = &self.mid << guard;
-        let rad = ((&self.rad << guard) / divisor) + 2;
-        Self { mid: numerator / divisor, rad, exp: self.exp - 64 }
+        let rad = &(&self.rad << guard).divided(divisor) + &two();
+        Self { mid: (&self.mid << guard).divided(divisor), rad, exp: self.exp - 64 }
     }
 
     /// The square root to about `precision` bits. The value is `None` if a member may be negative.
@@ -143,21 +149,21 @@ impl Ball {
         }
         let root = mid.sqrt();
         let rad = if self.is_exact() && &root * &root == mid {
-            BigInt::zero()
+            Integer::ZERO
         } else {
             // |sqrt(x) - sqrt(m)| <= |x - m| / sqrt(least).
-            rad / least.sqrt() + 2
+            &rad.quotient(&least.sqrt()) + &two()
         };
         Some(Self { mid: root, rad, exp: (self.exp - shift) / 2 })
     }
 
     /// An integer within one of the midpoint.
-    pub fn nearby_integer(&self) -> BigInt {
+    pub fn nearby_integer(&self) -> Integer {
         if self.exp >= 0 {
             return shifted(&self.mid, self.exp);
         }
-        let half = BigInt::one() << (-self.exp - 1).unsigned_abs();
-        shifted(&(&self.mid + half), self.exp)
+        let half = Integer::from(1_u64) << (-self.exp - 1).unsigned_abs();
+        shifted(&(&self.mid + &half), self.exp)
     }
 
     /// The lower end rounded down and the upper end rounded up to doubles.

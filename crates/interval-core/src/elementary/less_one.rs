@@ -8,8 +8,7 @@ use super::multiprecision::{self, Bracket, settle};
 use super::plus_one::{self, ln_1p_of};
 use super::tables::{TABLES, Tables};
 use super::{decide, power_of_two, split};
-use num_bigint::BigInt;
-use num_traits::{One, Zero};
+use crate::integers::Integer;
 
 /// Relative error of [`of_double_double`]: 2^-68 from the cancellation of five bits at 2^-5, and more than twice that.
 const ERROR: f64 = f64::from_bits((1023 - 66) << 52);
@@ -162,12 +161,12 @@ fn compound_exactly(x: f64, y: f64) -> Bracket {
 fn compound_of_a_root(x: f64, y: f64) -> Option<Ball> {
     let base = Ball::from_f64(x).add(&Ball::integer(1));
     let zeros = i64::try_from(base.mid.trailing_zeros()?).ok()?;
-    let (mut m, mut e) = (&base.mid >> zeros, base.exp + zeros);
-    let (numerator, exponent) = crate::exact::decode(y);
+    let (mut m, mut e) = (&base.mid >> zeros.unsigned_abs(), base.exp + zeros);
+    let (numerator, exponent) = crate::dyadic::decode(y);
     let mut n = numerator;
     for _ in 0..(-exponent).max(0) {
         let root = m.sqrt();
-        if &root * &root != m || e % 2 != 0 || (m.is_one() && e.is_zero()) {
+        if &root * &root != m || e % 2 != 0 || (m.is_one() && e == 0) {
             return None;
         }
         (m, e) = (root, e / 2);
@@ -183,7 +182,7 @@ fn compound_of_a_root(x: f64, y: f64) -> Option<Ball> {
     if i64::try_from(m.bits()).ok()?.checked_mul(i64::try_from(count).ok()?)? > MOST_BITS {
         return None;
     }
-    let power = if m.is_one() { BigInt::one() } else { m.pow(u32::try_from(count).ok()?) };
+    let power = if m.is_one() { Integer::from(1_u64) } else { m.pow(u32::try_from(count).ok()?) };
     Some(Ball::exact(power, e.checked_mul(n)?).sub(&Ball::integer(1)))
 }
 

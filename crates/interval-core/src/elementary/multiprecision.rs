@@ -4,8 +4,7 @@
 //! A result may carry fewer correct bits than asked where the argument cancels; [`settle`] then asks for more.
 
 use super::ball::Ball;
-use num_bigint::BigInt;
-use num_traits::{One, ToPrimitive, Zero};
+use crate::integers::Integer;
 
 /// Directed roundings of one real number: the largest double not above it and the smallest not below it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,27 +33,27 @@ pub(crate) fn settle(evaluate: impl Fn(i64) -> Option<Ball>) -> Bracket {
 
 /// A ball of radius one unit of the last of `precision` bits times `scale`.
 fn unit(exponent: i64) -> Ball {
-    Ball { mid: BigInt::zero(), rad: BigInt::one(), exp: exponent }
+    Ball { mid: Integer::ZERO, rad: Integer::from(1_u64), exp: exponent }
 }
 
 /// `sum 1 / ((2k + 1) n^(2k + 1))`, alternating for the arctangent of `1/n`, plain for its hyperbolic sister.
 fn inverse_series(n: u64, alternating: bool, precision: i64) -> Ball {
     let guard = precision + 16;
-    let mut power = (BigInt::one() << guard.unsigned_abs()) / n;
-    let mut sum = BigInt::zero();
+    let mut power = (Integer::from(1_u64) << guard.unsigned_abs()).divided(n);
+    let mut sum = Integer::ZERO;
     let mut k = 0_u64;
     while !power.is_zero() {
-        let term = &power / (2 * k + 1);
+        let term = power.divided(2 * k + 1);
         if alternating && k % 2 == 1 {
-            sum -= term;
+            sum = &sum - &term;
         } else {
-            sum += term;
+            sum = &sum + &term;
         }
-        power /= n * n;
+        power = power.divided(n * n);
         k += 1;
     }
     // Two truncations a term, and a tail below one unit.
-    Ball { mid: sum, rad: BigInt::from(2 * k + 2), exp: -guard }
+    Ball { mid: sum, rad: Integer::from(2 * k + 2), exp: -guard }
 }
 
 /// Pi (Machin 1706).
@@ -75,7 +74,7 @@ pub(crate) fn ln10(precision: i64) -> Ball {
 }
 
 /// `x - k c`, for the integer `k` nearest to `x / c`, and `k`.
-fn reduce(x: &Ball, constant: impl Fn(i64) -> Ball, precision: i64) -> Option<(Ball, BigInt)> {
+fn reduce(x: &Ball, constant: impl Fn(i64) -> Ball, precision: i64) -> Option<(Ball, Integer)> {
     let size = i64::try_from(x.mid.bits()).ok()? + x.exp;
     let bits = precision + size.max(0) + 16;
     let c = constant(bits);
@@ -172,7 +171,7 @@ pub(crate) fn ln_1p(x: &Ball, precision: i64) -> Option<Ball> {
 }
 
 /// `sin x`, `cos x`, and the number `q` of the quarter turn below `x`: `q pi/2 <= x < (q + 1) pi/2`.
-pub(crate) fn sin_cos(x: &Ball, precision: i64) -> Option<(Ball, Ball, BigInt)> {
+pub(crate) fn sin_cos(x: &Ball, precision: i64) -> Option<(Ball, Ball, Integer)> {
     let guard = precision + 32;
     let half_pi = |bits: i64| pi(bits + 2).scale(-1);
     let (r, k) = reduce(x, half_pi, guard)?;
@@ -188,12 +187,11 @@ pub(crate) fn sin_cos(x: &Ball, precision: i64) -> Option<(Ball, Ball, BigInt)> 
     };
     let below = match r.sign() {
         1 => k.clone(),
-        -1 => &k - 1,
+        -1 => &k - &Integer::from(1_u64),
         _ if r.is_exact() => k.clone(),
         _ => return None,
     };
-    let turn: BigInt = ((&k % 4_i32) + 4_i32) % 4_i32;
-    let (sin, cos) = match turn.to_u8()? {
+    let (sin, cos) = match k.modulo(4) {
         0 => (sin, cos),
         1 => (cos, sin.neg()),
         2 => (sin.neg(), cos.neg()),
@@ -233,7 +231,7 @@ pub(crate) fn atan(x: &Ball, precision: i64) -> Option<Ball> {
         return Some(angle);
     }
     let quarter = pi(guard + 16).scale(-1);
-    Some(if x.mid.sign() == num_bigint::Sign::Minus { quarter.neg() } else { quarter }.sub(&angle))
+    Some(if x.mid.is_negative() { quarter.neg() } else { quarter }.sub(&angle))
 }
 
 /// The angle of the point `(x, y)`, for `x` and `y` not both zero.
@@ -242,7 +240,7 @@ pub(crate) fn atan2(y: &Ball, x: &Ball, precision: i64) -> Option<Ball> {
     let half_turn = pi(guard + 16);
     let half_turn = if y.sign() < 0 { half_turn.neg() } else { half_turn };
     if x.sign() == 0 {
-        debug_assert!(x.mid == BigInt::ZERO && x.is_exact(), "the callers' coordinates have a sign");
+        debug_assert!(x.mid.is_zero() && x.is_exact(), "the callers' coordinates have a sign");
         return Some(half_turn.scale(-1));
     }
     let angle = atan(&y.div(x, guard + 64)?, guard)?;

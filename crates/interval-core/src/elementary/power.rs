@@ -5,8 +5,8 @@ use super::double_double::Dd;
 use super::multiprecision::{self, Bracket, settle};
 use super::tables::TABLES;
 use super::{decide, exponential, logarithm, split};
-use crate::exact::decode;
-use num_bigint::BigInt;
+use crate::dyadic::decode;
+use crate::integers::Integer;
 
 /// Relative error of a product of at most 64 factors: `64 * 6 u^2` is far below it.
 const PRODUCT_ERROR: f64 = f64::from_bits((1023 - 90) << 52);
@@ -65,7 +65,7 @@ fn integer_exactly(a: f64, n: i64) -> Bracket {
     let (mantissa, exponent) = decode(a);
     if mantissa == 1 {
         // A power of two, also for negative n.
-        let whole = Ball::exact(BigInt::from(1), exponent.saturating_mul(n).clamp(-5000, 5000));
+        let whole = Ball::exact(Integer::from(1_u64), exponent.saturating_mul(n).clamp(-5000, 5000));
         let (down, up) = whole.outward();
         return Bracket { down, up };
     }
@@ -147,7 +147,7 @@ fn exact_root(x: f64, k: i64) -> Option<f64> {
             return None;
         }
     }
-    let root = Ball::exact(BigInt::from(m), e);
+    let root = Ball::exact(Integer::from(m), e);
     Some(root.outward().0)
 }
 

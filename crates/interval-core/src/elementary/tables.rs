@@ -3,8 +3,8 @@
 use super::ball::Ball;
 use super::double_double::{Dd, fast_two_sum};
 use super::multiprecision::{atan, exp, ln2, ln10, log, pi, sin_cos};
-use crate::exact::dyadic_down;
-use num_bigint::BigInt;
+use crate::dyadic::dyadic_down;
+use crate::integers::Integer;
 use std::sync::LazyLock;
 
 /// Bits of the balls from which the tables are rounded: more than twice those of a double-double.
@@ -95,7 +95,7 @@ impl Tables {
             quarters_per_radian: Ball::integer(2).div(&pi, BITS).map_or(0.0, |b| b.approximate()),
             half_pi: parts(&pi.clone().scale(-1)),
             sin_cos: std::array::from_fn(|j| {
-                let (sin, cos, _): (Ball, Ball, BigInt) =
+                let (sin, cos, _): (Ball, Ball, Integer) =
                     sin_cos(&fraction(j, 128.0), BITS).expect("angles of the table are small");
                 (double_double(Some(sin)), double_double(Some(cos)))
             }),

@@ -6,8 +6,7 @@ use super::double_double::{Dd, fast_two_sum, two_product, two_sum};
 use super::multiprecision::{Bracket, settle, sin_cos};
 use super::nearest;
 use super::tables::{TABLES, Tables};
-use num_bigint::BigInt;
-use num_traits::ToPrimitive;
+use crate::integers::Integer;
 
 /// Relative error of sine and cosine and, with a quotient more, of the tangent, doubled and more.
 pub(super) const ERROR: f64 = f64::from_bits((1023 - 68) << 52);
@@ -130,7 +129,7 @@ fn turns_of_large(x: f64) -> Option<i64> {
     if x.abs() > 4.0e18 {
         return None;
     }
-    (7..14).find_map(|step| sin_cos(&Ball::from_f64(x), 1 << step)).and_then(|(_, _, q): (_, _, BigInt)| q.to_i64())
+    (7..14).find_map(|step| sin_cos(&Ball::from_f64(x), 1 << step)).and_then(|(_, _, q): (_, _, Integer)| q.to_i64())
 }
 
 #[cold]

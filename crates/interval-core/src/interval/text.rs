@@ -2,12 +2,10 @@
 //! writing rounds outward from the exact doubles.
 
 use super::Interval;
+use crate::decimals::{Ratio, decimal_value, decimal_with_place, from_text, natural, outward_decimal};
+use crate::dyadic::decode;
 use crate::error::Error;
-use crate::exact::{
-    compare, decimal_value, decimal_with_place, decode, from_text, natural, outward_decimal, ratio_down, ratio_up,
-};
-use num_bigint::BigInt;
-use num_rational::BigRational;
+use crate::integers::Integer;
 use std::cmp::Ordering;
 use std::fmt;
 use std::str::FromStr;
@@ -17,9 +15,9 @@ pub(super) enum Literal {
     Empty,
     NotAnInterval,
     /// Bounds, `None` for an open end.
-    Bounds(Option<BigRational>, Option<BigRational>),
+    Bounds(Option<Ratio>, Option<Ratio>),
     /// The same from a midpoint and a radius, which are never out of order.
-    Around(Option<BigRational>, Option<BigRational>),
+    Around(Option<Ratio>, Option<Ratio>),
 }
 
 /// Reads an undecorated literal: `[l, u]`, `[x]`, `[empty]`, `[entire]`, `[nai]`, `m?rue`, or a plain number.
@@ -49,7 +47,7 @@ pub(super) fn literal(text: &str) -> Option<Literal> {
 
 /// The text of a bound: a number, `None` for nothing or the infinity of its side, or something else.
 enum Bound {
-    At(Option<BigRational>),
+    At(Option<Ratio>),
     Unreadable,
 }
 
@@ -87,12 +85,12 @@ fn uncertain(mantissa: &str, tail: &str) -> Option<Literal> {
     // In units of the last place, or in tenths of it where the radius is half a unit.
     let (centre, width, place) = match radius {
         "?" => (centre, None, place),
-        "" => (centre * 10_u32, Some(BigInt::from(5)), place - 1),
+        "" => (&centre * &Integer::from(10_u64), Some(Integer::from(5_u64)), place - 1),
         count => (centre, Some(natural(count, 10)?), place),
     };
     let lower = if down { width.as_ref().map(|w| &centre - w) } else { Some(centre.clone()) };
     let upper = if up { width.as_ref().map(|w| &centre + w) } else { Some(centre) };
-    let value = |end: Option<BigInt>| end.map(|units| decimal_value(units, place));
+    let value = |end: Option<Integer>| end.map(|units| decimal_value(units, place));
     Some(Literal::Around(value(lower), value(upper)))
 }
 
@@ -102,16 +100,16 @@ fn refusal(text: &str) -> Error {
 
 /// True if both numbers lie far outside the range of doubles, on the same side, so that their exponents may have been
 /// cut and their order is not known.
-fn out_of_sight(a: &BigRational, b: &BigRational) -> bool {
+fn out_of_sight(a: &Ratio, b: &Ratio) -> bool {
     // Less than the size of any number whose exponent may have been cut, and far outside the range of doubles.
     const BITS: u64 = 30_000;
-    let huge = |x: &BigRational| x.numer().bits() > x.denom().bits() + BITS;
-    let tiny = |x: &BigRational| x.denom().bits() > x.numer().bits() + BITS;
+    let huge = |x: &Ratio| x.numerator.bits() > x.denominator.bits() + BITS;
+    let tiny = |x: &Ratio| x.denominator.bits() > x.numerator.bits() + BITS;
     (huge(a) && huge(b)) || (tiny(a) && tiny(b))
 }
 
-fn round_outward(lower: Option<&BigRational>, upper: Option<&BigRational>) -> Interval {
-    Interval::made(lower.map_or(f64::NEG_INFINITY, ratio_down), upper.map_or(f64::INFINITY, ratio_up))
+fn round_outward(lower: Option<&Ratio>, upper: Option<&Ratio>) -> Interval {
+    Interval::made(lower.map_or(f64::NEG_INFINITY, Ratio::down), upper.map_or(f64::INFINITY, Ratio::up))
 }
 
 impl Interval {
@@ -133,9 +131,9 @@ impl Interval {
             Literal::Empty => Ok((Self::EMPTY, false)),
             Literal::NotAnInterval => Err(refusal(text)),
             Literal::Bounds(Some(l), Some(u)) => {
-                let order = compare(&l, &u);
+                let order = l.compare(&u);
                 let (lower, upper) = if order == Ordering::Greater { (u, l) } else { (l, u) };
-                let doubtful = order != Ordering::Equal && ratio_up(&lower) > ratio_down(&upper);
+                let doubtful = order != Ordering::Equal && lower.up() > upper.down();
                 if order == Ordering::Greater && !doubtful && !out_of_sight(&lower, &upper) {
                     return Err(Error::ReversedBounds { index: 0 });
                 }
@@ -186,7 +184,7 @@ impl FromStr for Interval {
         match literal(text).ok_or_else(|| refusal(text))? {
             Literal::Empty => Ok(Self::EMPTY),
             Literal::NotAnInterval => Err(refusal(text)),
-            Literal::Bounds(Some(l), Some(u)) if compare(&l, &u) == Ordering::Greater => {
+            Literal::Bounds(Some(l), Some(u)) if l.compare(&u) == Ordering::Greater => {
                 // Either order encloses.
                 if out_of_sight(&l, &u) {
                     Ok(round_outward(Some(&u), Some(&l)))

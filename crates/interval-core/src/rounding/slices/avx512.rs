@@ -150,6 +150,7 @@ pub(super) fn sqrt(a: Avx512, b: Avx512) -> Outcome {
 
 /// A row times 16 packed columns. All bounds are finite: a lower sum can only fall to -inf, an upper one only rise to
 /// inf, so nothing is NaN.
+#[cfg(feature = "linalg")]
 #[inline(always)]
 pub(super) fn group_product(a: (&[f64], &[f64]), block: (&[f64], &[f64]), sums: &mut ([f64; 16], [f64; 16])) {
     unsafe {

@@ -22,6 +22,7 @@ mod door;
 mod kernel;
 mod operations;
 mod portable;
+#[cfg(feature = "linalg")]
 mod product;
 #[cfg(target_arch = "x86_64")]
 mod sse2;
@@ -30,4 +31,5 @@ pub use door::{Backend, binary, binary_with, unary, unary_with};
 #[doc(hidden)]
 pub use door::{binary_on_arrays, unary_on_arrays};
 pub use operations::{Binary, Bounds, BoundsMut, Unary};
+#[cfg(feature = "linalg")]
 pub(crate) use product::Packed;

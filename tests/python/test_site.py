@@ -37,7 +37,7 @@ def test_lost_links_and_requests_to_other_sites_are_noticed(tmp_path):
 def test_every_public_name_stands_in_the_reference():
     page = (ROOT / "docs" / "reference" / "python.md").read_text()
     listed = re.findall(r"^\.\. auto(?:class|function|exception):: (\w+)$", page, re.M)
-    modules = re.findall(r"^\.\. automodule:: ivsid\.linear\.(\w+)$", page, re.M)
+    modules = re.findall(r"^\.\. automodule:: ivsid\.(?:linear|intervals)\.(\w+)$", page, re.M)
     assert len(listed) == len(set(listed)) and {*listed, *modules, "__version__"} == set(ivsid.__all__)
 
 

@@ -151,6 +151,16 @@ class IntervalArray(Operators, RecommendedFunctions):
         """``x^2``."""
         return self._unary("square")
 
+    def rootn(self, n: int) -> IntervalArray:
+        """The n-th roots: of all members for an odd ``n``, of those from 0 on for an even one, and not of 0 for a negative one.
+
+        Raises:
+            IvsidError: ``n`` is no integer of 32 bits.
+        """
+        if not -(2**31) <= n < 2**31:
+            raise IvsidError(f"rootn takes an integer between -2^31 and 2^31, and {n} was given")
+        return IntervalArray._raw(_core.root(*self._flat(), n), self.shape)
+
     def sum(self, axis: int | None = None) -> Any:
         """The sum along an axis, by halves, each step rounded outward; without an axis the sum of all entries, rounded once."""
         if axis is None:

@@ -13,9 +13,10 @@ from __future__ import annotations
 
 import importlib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Final
+from types import ModuleType
+from typing import TYPE_CHECKING, Final, Protocol, TypeAlias, cast
 
 import numpy as np
 
@@ -26,7 +27,31 @@ if TYPE_CHECKING:
     import polars as pl
 
 
-def _library(name: str, package: str) -> Any:
+# An interval of another library, whose classes cannot be named where it is not installed.
+Foreign: TypeAlias = object
+# Sign, mantissa, exponent and bits of a number of mpmath.
+_Number: TypeAlias = tuple[int, int, int, int]
+
+
+class _Mpmath(Protocol):
+    _mpi_: tuple[_Number, _Number]
+
+
+class _Arb(Protocol):
+    def mid(self) -> _Arb: ...
+    def rad(self) -> _Arb: ...
+    def man_exp(self) -> tuple[int, int]: ...
+    def is_finite(self) -> bool: ...
+    def is_nan(self) -> bool: ...
+
+
+class _Codac(Protocol):
+    def lb(self) -> float: ...
+    def ub(self) -> float: ...
+    def is_empty(self) -> bool: ...
+
+
+def _library(name: str, package: str) -> ModuleType:
     try:
         return importlib.import_module(name)
     except ImportError:
@@ -46,9 +71,14 @@ def _outward(lower: Fraction, upper: Fraction) -> Interval:
     return Interval(_down(lower), -_down(-upper))
 
 
-def _dyadic(mantissa: Any, exponent: Any) -> Fraction:
+def _dyadic(mantissa: int, exponent: int) -> Fraction:
     power = int(exponent)
     return Fraction(int(mantissa)) * (Fraction(2) ** power)
+
+
+# Bits of a midpoint of two doubles at most, which lie between 2^1024 and 2^-1074, and some to spare.
+# Source: definition: exponents of a double
+WIDEST: Final = 4400
 
 
 def _not_empty(x: Interval, library: str) -> None:
@@ -56,7 +86,7 @@ def _not_empty(x: Interval, library: str) -> None:
         raise IvsidError(f"{library} has no empty interval; ask x.empty first")
 
 
-def to_mpmath(x: Interval) -> Any:
+def to_mpmath(x: Interval) -> Foreign:
     """The same interval as ``mpmath.iv.mpf``, exactly.
 
     Raises:
@@ -65,10 +95,10 @@ def to_mpmath(x: Interval) -> Any:
     mpmath = _library("mpmath", "mpmath")
     _not_empty(x, "mpmath")
     convert = mpmath.libmp.from_float
-    return mpmath.iv.make_mpf((convert(x.lower), convert(x.upper)))
+    return cast(Foreign, mpmath.iv.make_mpf((convert(x.lower), convert(x.upper))))
 
 
-def _mpmath_end(value: tuple[Any, Any, Any, Any], libmp: Any) -> Fraction | float:
+def _mpmath_end(value: _Number, libmp: ModuleType) -> Fraction | float:
     if value == libmp.finf:
         return math.inf
     if value == libmp.fninf:
@@ -79,7 +109,7 @@ def _mpmath_end(value: tuple[Any, Any, Any, Any], libmp: Any) -> Fraction | floa
     return _dyadic(-mantissa if sign else mantissa, exponent)
 
 
-def from_mpmath(x: Any) -> Interval:
+def from_mpmath(x: Foreign) -> Interval:
     """An interval of ``mpmath.iv``, rounded outward.
 
     Raises:
@@ -88,12 +118,12 @@ def from_mpmath(x: Any) -> Interval:
     if not hasattr(x, "_mpi_"):
         raise IvsidError(f"from_mpmath takes an interval of mpmath.iv, and {type(x).__name__} was given")
     libmp = _library("mpmath", "mpmath").libmp
-    lower, upper = (_mpmath_end(end, libmp) for end in x._mpi_)
+    lower, upper = (_mpmath_end(end, libmp) for end in cast(_Mpmath, x)._mpi_)
     low = _down(lower) if isinstance(lower, Fraction) else lower
     return Interval(low, -_down(-upper) if isinstance(upper, Fraction) else upper)
 
 
-def to_arb(x: Interval) -> Any:
+def to_arb(x: Interval) -> Foreign:
     """A ball of python-flint around the interval: its midpoint is exact, its radius rounded up.
 
     Raises:
@@ -102,27 +132,22 @@ def to_arb(x: Interval) -> Any:
     flint = _library("flint", "python-flint")
     _not_empty(x, "python-flint")
     if not (math.isfinite(x.lower) and math.isfinite(x.upper)):
-        return flint.arb(0, math.inf)
+        return cast(Foreign, flint.arb(0, math.inf))
     # Twice the midpoint and twice the radius over a power of two: the constructor takes integers exactly.
     twice, width = (Fraction(x.upper) + Fraction(x.lower)), (Fraction(x.upper) - Fraction(x.lower))
     exponent = max(twice.denominator.bit_length(), width.denominator.bit_length()) - 1
     mid, radius = (int(v * 2**exponent) for v in (twice, width))
-    scale = flint.arb((1, -exponent - 1))
     ball = flint.arb(mid, flint.arb(radius)) if radius else flint.arb(mid)
-    return _scaled(flint, ball, scale)
-
-
-def _scaled(flint: Any, ball: Any, scale: Any) -> Any:
-    """A ball times a power of two, with enough bits that its midpoint stays exact."""
     before = flint.ctx.prec
     try:
-        flint.ctx.prec = 4400
-        return ball * scale
+        # Enough bits that the midpoint stays exact under a power of two.
+        flint.ctx.prec = WIDEST
+        return cast(Foreign, ball * flint.arb((1, -exponent - 1)))
     finally:
         flint.ctx.prec = before
 
 
-def from_arb(x: Any) -> Interval:
+def from_arb(x: Foreign) -> Interval:
     """The tightest interval around a ball of python-flint.
 
     Raises:
@@ -130,25 +155,26 @@ def from_arb(x: Any) -> Interval:
     """
     if not all(hasattr(x, name) for name in ("mid", "rad", "is_finite")):
         raise IvsidError(f"from_arb takes a ball of python-flint, and {type(x).__name__} was given")
-    if x.is_nan():
+    ball = cast(_Arb, x)
+    if ball.is_nan():
         raise IvsidError("from_arb takes a ball around numbers, and NaN was given")
-    if not x.is_finite():
+    if not ball.is_finite():
         return Interval.entire()
-    mid, radius = (_dyadic(*part.man_exp()) for part in (x.mid(), x.rad()))
+    mid, radius = (_dyadic(*part.man_exp()) for part in (ball.mid(), ball.rad()))
     return _outward(mid - radius, mid + radius)
 
 
-def to_codac(x: Interval) -> Any:
+def to_codac(x: Interval) -> Foreign:
     """The same interval as ``codac.Interval``, exactly.
 
     Raises:
         IvsidError: codac is not installed, or has changed the rounding mode.
     """
     codac = _library("codac", "codac")
-    return codac.Interval.empty() if x.empty else codac.Interval(x.lower, x.upper)
+    return cast(Foreign, codac.Interval.empty() if x.empty else codac.Interval(x.lower, x.upper))
 
 
-def from_codac(x: Any) -> Interval:
+def from_codac(x: Foreign) -> Interval:
     """An interval of codac, exactly.
 
     Raises:
@@ -156,20 +182,21 @@ def from_codac(x: Any) -> Interval:
     """
     if not all(hasattr(x, name) for name in ("lb", "ub", "is_empty")):
         raise IvsidError(f"from_codac takes an interval of codac, and {type(x).__name__} was given")
-    return Interval.empty_set() if x.is_empty() else Interval(float(x.lb()), float(x.ub()))
+    found = cast(_Codac, x)
+    return Interval.empty_set() if found.is_empty() else Interval(float(found.lb()), float(found.ub()))
 
 
-def to_pyinterval(x: Interval) -> Any:
+def to_pyinterval(x: Interval) -> Foreign:
     """The same interval as ``interval.interval`` of pyinterval, exactly.
 
     Raises:
         IvsidError: pyinterval is not installed.
     """
     interval = _library("interval", "pyinterval").interval
-    return interval() if x.empty else interval([x.lower, x.upper])
+    return cast(Foreign, interval() if x.empty else interval([x.lower, x.upper]))
 
 
-def from_pyinterval(x: Any) -> Interval:
+def from_pyinterval(x: Foreign) -> Interval:
     """The hull of an interval of pyinterval, which may be a union of several, exactly.
 
     Raises:
@@ -177,11 +204,11 @@ def from_pyinterval(x: Any) -> Interval:
     """
     if not hasattr(x, "extrema"):
         raise IvsidError(f"from_pyinterval takes an interval of pyinterval, and {type(x).__name__} was given")
-    ends = [end for part in x for end in part]
+    ends = [end for part in cast(Iterable[tuple[float, float]], x) for end in part]
     return Interval(min(ends), max(ends)) if ends else Interval.empty_set()
 
 
-_FROM: Final[dict[str, Callable[[Any], Interval]]] = {
+_FROM: Final[dict[str, Callable[[Foreign], Interval]]] = {
     "mpmath": from_mpmath,
     "flint": from_arb,
     "codac": from_codac,
@@ -189,7 +216,7 @@ _FROM: Final[dict[str, Callable[[Any], Interval]]] = {
 }
 
 
-def interval_of(x: Any) -> Interval:
+def interval_of(x: Foreign) -> Interval:
     """An interval of any of these libraries, told by the module of its type.
 
     Raises:

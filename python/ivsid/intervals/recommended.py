@@ -5,14 +5,10 @@ Source: IEEE 1788-2015, table 10.5, and the reciprocals of the trigonometric and
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Self
-
-from ivsid import _core
-from ivsid.errors import IvsidError
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from ivsid.intervals.array import IntervalArray, Operand
-    from ivsid.intervals.floats import FloatArray
 
 
 class RecommendedFunctions:
@@ -24,12 +20,6 @@ class RecommendedFunctions:
 
         def _unary(self, op: str) -> IntervalArray: ...
         def _binary(self, op: str, other: Operand) -> IntervalArray: ...
-        def _flat(self) -> tuple[FloatArray, FloatArray]: ...
-        @classmethod
-        def _raw(cls, bounds: tuple[FloatArray, FloatArray] | FloatArray, shape: tuple[int, ...]) -> Self: ...
-        @property
-        def shape(self) -> tuple[int, ...]:
-            """Shape of the array."""
 
     def exp10(self) -> IntervalArray:
         """Powers of 10."""
@@ -134,13 +124,3 @@ class RecommendedFunctions:
     def compoundm1(self, exponent: Operand) -> IntervalArray:
         """``(1 + self)^exponent - 1``, of the members above -1; shapes broadcast."""
         return self._binary("compound_m1", exponent)
-
-    def rootn(self, n: int) -> Self:
-        """The n-th roots: of all members for an odd ``n``, of those from 0 on for an even one, and not of 0 for a negative one.
-
-        Raises:
-            IvsidError: ``n`` is no integer of 32 bits.
-        """
-        if not -(2**31) <= n < 2**31:
-            raise IvsidError(f"rootn takes an integer between -2^31 and 2^31, and {n} was given")
-        return self._raw(_core.root(*self._flat(), n), self.shape)

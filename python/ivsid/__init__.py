@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from ivsid.linear import linalg, regression
     from ivsid.log import Log, read_log
     from ivsid.setup import setup_findings
+    from ivsid.tubes import Tube, tube
     from ivsid.validation import Validation, validate
     from ivsid.vehicle import Vehicle, read_vehicle
     from ivsid.verification import Verification
@@ -50,6 +51,7 @@ _HOMES: Final = {
     "IvsidError": "ivsid.errors",
     "Log": "ivsid.log",
     "Parameter": "ivsid.identification",
+    "Tube": "ivsid.tubes",
     "Validation": "ivsid.validation",
     "Vehicle": "ivsid.vehicle",
     "Verification": "ivsid.verification",
@@ -61,6 +63,7 @@ _HOMES: Final = {
     "read_vehicle": "ivsid.vehicle",
     "regression": "ivsid.linear",
     "setup_findings": "ivsid.setup",
+    "tube": "ivsid.tubes",
     "validate": "ivsid.validation",
     "verify": "ivsid.verification",
 }
@@ -74,6 +77,7 @@ __all__ = [
     "IvsidError",
     "Log",
     "Parameter",
+    "Tube",
     "Validation",
     "Vehicle",
     "Verification",
@@ -87,6 +91,7 @@ __all__ = [
     "read_vehicle",
     "regression",
     "setup_findings",
+    "tube",
     "validate",
     "verify",
 ]

@@ -24,6 +24,7 @@ __all__ = [
     "SWEEPS",
     "VERDICTS",
     "Interval",
+    "TubeModel",
     "backend",
     "binary",
     "check_bounds",
@@ -237,3 +238,41 @@ def respond(inputs: list[_Array], numerators: _Array, denominators: _Array) -> _
 def whiten(
     columns: list[_Array], groups: list[list[int]], taps: list[_Array], length: int, weight: _Array | None, unit: bool
 ) -> tuple[_Array, list[float]]: ...
+
+class _Followed(TypedDict):
+    lower: _Array
+    upper: _Array
+    steps: list[tuple[int, int]]
+    parts_lower: _Array
+    parts_upper: _Array
+
+@final
+class TubeModel:
+    def __new__(
+        cls,
+        program: list[tuple[str, int, int, float]],
+        channels: list[list[tuple[int, int | None, tuple[float, float, float]]]],
+        vertices: list[list[tuple[list[float], list[float]]]],
+        hull: tuple[list[float], list[float]],
+        free: tuple[bool, bool, bool],
+    ) -> Self: ...
+    def follow(
+        self,
+        start: tuple[list[float], list[float]],
+        h: _Bounds,
+        force: _Bounds,
+        given: _Bounds | None,
+        parts: int,
+        certify: bool,
+    ) -> _Followed: ...
+    def members(
+        self,
+        theta: list[float],
+        start: list[tuple[float, float]],
+        h: _Array,
+        centre: _Array,
+        errors: list[_Array],
+        given: _Array | None,
+        signs: tuple[list[float], list[float]],
+        towards: list[tuple[int, list[float]]],
+    ) -> list[_Array]: ...

@@ -62,6 +62,8 @@ pub mod status;
 #[cfg(feature = "linalg")]
 pub mod systems;
 #[cfg(feature = "linalg")]
+pub mod tube;
+#[cfg(feature = "linalg")]
 mod verify;
 #[cfg(feature = "linalg")]
 mod witness;

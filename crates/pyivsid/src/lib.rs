@@ -11,6 +11,7 @@ mod linalg;
 mod names;
 mod regression;
 mod scalar;
+mod tube;
 
 use pyo3::prelude::*;
 
@@ -32,6 +33,8 @@ mod core_module {
     use super::regression::{feasible_set, least_squares, normal_equations};
     #[pymodule_export]
     use super::scalar::Interval;
+    #[pymodule_export]
+    use super::tube::TubeModel;
 
     use pyo3::prelude::*;
 

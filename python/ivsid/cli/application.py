@@ -13,6 +13,7 @@ from ivsid.cli.command import Command, plain
 from ivsid.cli.parameters import export, identify, validate, verify
 from ivsid.cli.preparation import allan, demo, example, import_, init, simulate, thrust
 from ivsid.cli.progress import EVERY
+from ivsid.cli.trajectories import tube
 
 # Groups of the help, by task.
 FIRST, MEASURED, SIMULATION, INTERVALS, CAUSES = (
@@ -82,6 +83,7 @@ app.command(cls=Command, rich_help_panel=SIMULATION, no_args_is_help=True)(simul
 app.command(cls=Command, rich_help_panel=INTERVALS, no_args_is_help=True)(identify)
 app.command(cls=Command, rich_help_panel=INTERVALS, no_args_is_help=True)(verify)
 app.command(cls=Command, rich_help_panel=INTERVALS, no_args_is_help=True)(validate)
+app.command(cls=Command, rich_help_panel=INTERVALS, no_args_is_help=True)(tube)
 app.command(cls=Command, rich_help_panel=SIMULATION, no_args_is_help=True)(export)
 app.command(cls=Command, rich_help_panel=CAUSES, no_args_is_help=True)(diagnose)
 app.command(cls=Command, rich_help_panel=CAUSES, no_args_is_help=True)(isolability)

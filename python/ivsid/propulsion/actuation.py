@@ -160,6 +160,28 @@ class Push:
             whole,
         )
 
+    def ranges(self) -> tuple[IntervalArray, tuple[IntervalArray, IntervalArray, IntervalArray]]:
+        """The thrust [N] at all moments of each step, shape (n - 1,), and its shares in X, Y [1] and N [m] there.
+
+        A held demand gives any thrust within its accuracy at any moment. A lagged thrust never leaves the hull of its ranges at both rows,
+        whose ends approach those of the goal one-sidedly.
+
+        Raises:
+            IvsidError: a thruster whose force depends on the motion.
+        """
+        thruster = self.thruster
+        if thruster.advance_loss or thruster.rudder is not None:
+            raise IvsidError(
+                f"thruster {thruster.name} claims advance_loss or has a rudder, whose force depends on the motion, and a tube takes forces "
+                "that demands alone determine; leave the claim out and widen the thruster's accuracy by it"
+            )
+        at, over = self._thrust(slice(None), slice(None, -1))
+        if thruster.time_constant and thruster.lag == "thrust":
+            over = at[:-1].hull(at[1:])
+        if self.turned is None:
+            return over, directions(thruster)
+        return over, _shares(thruster, self.turned.over_steps)
+
     def _thrust(self, here: slice, between: slice) -> tuple[IntervalArray, IntervalArray]:
         """The thrust [N] at rows and over the steps between them, without advance loss."""
         if self.lagged is not None:

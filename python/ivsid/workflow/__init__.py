@@ -7,6 +7,7 @@
 - ``example_runs``: two logs with a hidden cause, for a first diagnosis.
 - ``simulation``: a log from a known truth.
 - ``identification``, ``verification``, ``validation``: parameter intervals, their proof, and another log against them.
+- ``trajectories``: bounds of every trajectory that a fit allows.
 - ``exporting``: a model as a file of another simulator.
 - ``diagnosis``, ``planning``: causes of what the simulation gets wrong, and manoeuvres that would separate them.
 - ``diagnosis_screen``, ``diagnosis_series``, ``diagnosis_tables``: parts of the page of a diagnosis.
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from ivsid.workflow.proposal import init
     from ivsid.workflow.simulation import simulate
     from ivsid.workflow.thrust_curves import thrust
+    from ivsid.workflow.trajectories import tube
     from ivsid.workflow.validation import validate
     from ivsid.workflow.verification import verify
 
@@ -48,6 +50,7 @@ _HOMES: Final = {
     "isolability": "planning",
     "simulate": "simulation",
     "thrust": "thrust_curves",
+    "tube": "trajectories",
     "validate": "validation",
     "verify": "verification",
 }
@@ -64,6 +67,7 @@ __all__ = [
     "isolability",
     "simulate",
     "thrust",
+    "tube",
     "validate",
     "verify",
 ]

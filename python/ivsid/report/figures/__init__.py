@@ -3,6 +3,7 @@
 - ``canvas``: colours, sizes, and a figure as files; the same input gives the same bytes.
 - ``measurements``: logs, Allan deviations, bollard-pull tables, towing runs.
 - ``fits``: parameter intervals, predicted forces, simulated motion.
+- ``tubes``: bounds of all consistent trajectories.
 - ``diagnosis``: signatures of findings, and force and motion before and after.
 - ``plots``: the same drawings on demand, for ``result.plot()``; the only module that loads pyplot.
 
@@ -23,6 +24,7 @@ from ivsid.report.figures.diagnosis import (
 )
 from ivsid.report.figures.fits import force_bounds, force_mid, intervals, motion
 from ivsid.report.figures.measurements import allan_curves, channels, drag_curve, thrust_curve
+from ivsid.report.figures.tubes import tube
 
 __all__ = [
     "COLOURS",
@@ -45,4 +47,5 @@ __all__ = [
     "signature",
     "stretch",
     "thrust_curve",
+    "tube",
 ]

@@ -1,0 +1,219 @@
+"""The parameters of a fit as vertices: what its certificates leave of its box, without the log that it was made of.
+
+Every row of a certificate is a pair of half-spaces that hold every consistent parameter of its cell of signs (docs/theory.md, "The
+feasible set"). Together with the box they bound a polytope, whose vertices follow in fractions. Leaving a row out only makes the
+polytope larger, so that its size can be kept in bounds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import product
+from typing import Any, Final, TypeAlias
+
+from ivsid.errors import IvsidError
+from ivsid.identification import Identification
+from ivsid.intervals import Interval
+from ivsid.linear.trajectories import Column, Vertex
+
+Point: TypeAlias = tuple[Fraction, ...]
+# Half-space: factors, and the most that their sum with a parameter can be.
+HalfSpace: TypeAlias = tuple[Point, Fraction]
+# Most vertices of a set of parameters that share rows. A row that would leave more is left out.
+# Source: resource: each vertex costs some 0.1 us a step and channel
+MOST_OF_BLOCK: Final = 64
+# Most vertices of a channel, over all sets that act in it. Beyond it the sets with most vertices count as boxes.
+# Source: resource: as above
+MOST_OF_CHANNEL: Final = 256
+# Most parameters of a set of which corners are formed; a larger set counts as a box.
+# Source: resource: 2^6 corners are MOST_OF_BLOCK
+MOST_PARAMETERS: Final = 6
+
+
+@dataclass(frozen=True)
+class Block:
+    """Parameters that share rows: their ids, and the vertices of the polytope of what is consistent."""
+
+    ids: tuple[str, ...]
+    vertices: tuple[Point, ...]
+    rows: int
+
+
+def blocks_of(fit: Identification) -> list[Block]:
+    """The parameters of a fit, set by set.
+
+    Raises:
+        IvsidError: a fit without finite intervals.
+    """
+    if fit.status == "empty" or not fit.parameters:
+        raise IvsidError(
+            f"the fit ({fit.method}, {fit.status}) has no parameters to simulate: {fit.reason or 'its set is empty'}; identify again"
+        )
+    for id_, p in fit.parameters.items():
+        if not (math.isfinite(p.lower) and math.isfinite(p.upper) and p.lower <= p.upper):
+            raise IvsidError(
+                f"{id_} has the interval [{p.lower:g}, {p.upper:g}], and a tube needs finite ones; identify with a log that excites it, "
+                "or with --physical"
+            )
+    cells = _cells(fit)
+    rest = [i for i in fit.parameters if not any(i in ids for ids in cells)]
+    found = [_block(fit, ids, rows) for ids, rows in cells.items()]
+    return [*found, *(_block(fit, (i,), ()) for i in rest)]
+
+
+def _cells(fit: Identification) -> dict[tuple[str, ...], tuple[HalfSpace, ...]]:
+    """Half-spaces by set of parameters, where a single cell of signs holds all of it and no row may be wrong."""
+    if fit.method != "feasible" or fit.options.get("outliers"):
+        return {}
+    bounding: dict[tuple[str, ...], dict[tuple[int, ...], list[Mapping[str, Any]]]] = {}
+    for c in fit.certificates:
+        if c["proves"] == "bound" and set(c["orthant"]) <= set(fit.parameters):
+            cells = bounding.setdefault(tuple(c["orthant"]), {})
+            cells.setdefault(tuple(c["orthant"].values()), []).extend(c["rows"])
+    made: dict[tuple[str, ...], tuple[HalfSpace, ...]] = {}
+    for ids, cells in bounding.items():
+        if len(cells) == 1 and not any(set(ids) & set(other) for other in bounding if other != ids):
+            ((signs, rows),) = cells.items()
+            if all(signs) and all(len(r["lower"]) == len(ids) for r in rows):
+                made[ids] = tuple(dict.fromkeys(h for r in rows for h in _half_spaces(r, signs)))
+    return made
+
+
+def _half_spaces(row: Mapping[str, Any], signs: Sequence[int]) -> tuple[HalfSpace, HalfSpace]:
+    """Least and most of the row over the cell: least <= upper end of the right-hand side, most >= its lower end."""
+    low, high = ([Fraction(float.fromhex(x)) for x in row[end]] for end in ("lower", "upper"))
+    least = tuple(a if s > 0 else b for a, b, s in zip(low, high, signs, strict=True))
+    most = tuple(-(b if s > 0 else a) for a, b, s in zip(low, high, signs, strict=True))
+    right = [Fraction(float.fromhex(x)) for x in row["right"]]
+    return (least, right[1]), (most, -right[0])
+
+
+def _block(fit: Identification, ids: tuple[str, ...], rows: Sequence[HalfSpace]) -> Block:
+    ends = [(Fraction(fit.parameters[i].lower), Fraction(fit.parameters[i].upper)) for i in ids]
+    if len(ids) > MOST_PARAMETERS:
+        return Block(ids, (), 0)
+    # A corner with the numbers of the bounds that are tight there: 2 j for the lower end of parameter j, 2 j + 1 for the upper.
+    corners: dict[Point, frozenset[int]] = {
+        tuple(e[c] for e, c in zip(ends, choice, strict=True)): frozenset(2 * j + c for j, c in enumerate(choice))
+        for choice in product((0, 1), repeat=len(ids))
+    }
+    used = 0
+    for number, half in enumerate(sorted(rows, key=lambda h: -_cut(h, ends)), start=2 * len(ids)):
+        clipped = _clipped(corners, half, number, len(ids))
+        if len(clipped) <= max(MOST_OF_BLOCK, len(corners)):
+            used += len(clipped.keys() - corners.keys()) > 0
+            corners = clipped
+    if not corners:
+        raise IvsidError("the certificates of the fit contradict each other; identify again")
+    return Block(ids, tuple(corners), used)
+
+
+def _cut(half: HalfSpace, ends: Sequence[tuple[Fraction, Fraction]]) -> Fraction:
+    """How far the half-space reaches into the box, as a share of its own range there."""
+    most = sum(max(f * a, f * b) for f, (a, b) in zip(half[0], ends, strict=True))
+    least = sum(min(f * a, f * b) for f, (a, b) in zip(half[0], ends, strict=True))
+    return (most - half[1]) / (most - least) if most > least else Fraction(0)
+
+
+def _clipped(
+    corners: Mapping[Point, frozenset[int]], half: HalfSpace, number: int, dimension: int
+) -> dict[Point, frozenset[int]]:
+    """The vertices of the polytope inside a half-space (double description: Motzkin and others 1953).
+
+    An edge that is cut has its ends on opposite sides, and they share at least ``dimension - 1`` tight bounds. A pair that meets this and is
+    no edge only adds a point inside.
+    """
+    over = {p: sum(f * x for f, x in zip(half[0], p, strict=True)) - half[1] for p in corners}
+    kept = {p: tight | {number} if over[p] == 0 else tight for p, tight in corners.items() if over[p] <= 0}
+    if len(kept) == len(corners):
+        return kept
+    inside = [p for p in corners if over[p] < 0]
+    outside = [p for p in corners if over[p] > 0]
+    for p, q in product(inside, outside):
+        shared = corners[p] & corners[q]
+        if len(shared) >= dimension - 1:
+            share = over[q] / (over[q] - over[p])
+            point = tuple(y + share * (x - y) for x, y in zip(p, q, strict=True))
+            kept[point] = kept.get(point, frozenset()) | shared | {number}
+    return kept
+
+
+def down(x: Fraction) -> float:
+    """The largest double that is not above."""
+    near = float(x)
+    return near if Fraction(near) <= x else math.nextafter(near, -math.inf)
+
+
+def up(x: Fraction) -> float:
+    """The smallest double that is not below."""
+    return -down(-x)
+
+
+def vertices_of(
+    blocks: Sequence[Block],
+    ids: Sequence[str],
+    fit: Identification,
+    known: Sequence[Interval],
+    channel: Sequence[Column],
+) -> list[Vertex]:
+    """The vertices of all parameters that act in a channel, each as a box; others are 0 there.
+
+    Args:
+        blocks: of the fit.
+        ids: of the terms, in their order.
+        fit: for the box.
+        known: numbers of the rigid body, which stand after the terms.
+        channel: its columns.
+    """
+    acting = {number for number, _, _ in channel}
+    choices: list[list[dict[str, tuple[float, float]]]] = []
+    for block in blocks:
+        inside = [i for i in block.ids if ids.index(i) in acting]
+        if not inside:
+            continue
+        places = [block.ids.index(i) for i in inside]
+        points = list(dict.fromkeys(tuple(p[j] for j in places) for p in block.vertices))
+        whole = {i: (fit.parameters[i].lower, fit.parameters[i].upper) for i in inside}
+        made = [{i: (down(x), up(x)) for i, x in zip(inside, p, strict=True)} for p in _outermost(points)]
+        choices.append(made or [whole])
+    while math.prod(len(c) for c in choices) > MOST_OF_CHANNEL:
+        largest = max(range(len(choices)), key=lambda k: len(choices[k]))
+        choices[largest] = [{i: (fit.parameters[i].lower, fit.parameters[i].upper) for i in choices[largest][0]}]
+    found: list[Vertex] = []
+    for choice in product(*choices):
+        merged = {i: ends for part in choice for i, ends in part.items()}
+        ends = [merged.get(i, (0.0, 0.0)) for i in ids]
+        ends += [(k.lower, k.upper) if len(ids) + j in acting else (0.0, 0.0) for j, k in enumerate(known)]
+        found.append(([a for a, _ in ends], [b for _, b in ends]))
+    return found
+
+
+def _outermost(points: list[Point]) -> list[Point]:
+    """Points of one dimension reduced to their ends; those of more dimensions stay, since a point inside does no harm."""
+    if points and len(points[0]) == 1:
+        return sorted({min(points), max(points)})
+    return points
+
+
+def members_of(
+    blocks: Sequence[Block], ids: Sequence[str], fit: Identification, known: Sequence[Interval], most: int
+) -> list[list[float]]:
+    """Single parameters in plain floats, of the outermost members: combinations of the blocks' vertices, evenly spaced ones where there are more."""
+    choices = [
+        [[float(x) for x in p] for p in b.vertices]
+        or [[fit.parameters[i].lower for i in b.ids], [fit.parameters[i].upper for i in b.ids]]
+        for b in blocks
+    ]
+    total = math.prod(len(c) for c in choices)
+    picked = range(total) if total <= most else sorted({round(k * (total - 1) / (most - 1)) for k in range(most)})
+    found = []
+    for number in picked:
+        values: dict[str, float] = {}
+        for block, choice in zip(blocks, choices, strict=True):
+            number, place = divmod(number, len(choice))  # noqa: PLW2901 - the digits of the number are the choices
+            values |= zip(block.ids, choice[place], strict=True)
+        found.append([values[i] for i in ids] + [float(k.midpoint) for k in known])
+    return found

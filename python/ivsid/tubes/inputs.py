@@ -96,7 +96,12 @@ def course_of(vehicle: Vehicle, log: Log) -> Course:
         IntervalArray.stack([bounded.channels[n] for n in VELOCITIES], axis=1),
         bounded.channels.get("psi"),
         bounded.statistical,
-        (*assumes, *bounded.statistical),
+        (
+            f"the readings of {log.name} from which tubes start stay inside their sensor bounds",
+            "the vehicle's parameters are the same in both logs",
+            *assumes,
+            *bounded.statistical,
+        ),
     )
 
 
@@ -127,7 +132,9 @@ def _forces(
             else push.there[:-1] & push.there[1:]
         )
         there &= known_rows if push.whole is None else known_rows & push.whole
-        thrust = _filled(thrust, np.isfinite(thrust.lower) & np.isfinite(thrust.upper))
+        finite = np.asarray(np.isfinite(thrust.lower) & np.isfinite(thrust.upper))
+        there &= finite
+        thrust = _filled(thrust, finite)
         total = total + IntervalArray.stack([thrust * s for s in shares], axis=1)
         middle = np.stack([np.broadcast_to(s.midpoint, (n,)) for s in shares], axis=1)
         centre = centre + thrust.midpoint[:, None] * middle

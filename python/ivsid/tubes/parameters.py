@@ -82,13 +82,20 @@ def _cells(fit: Identification) -> dict[tuple[str, ...], tuple[HalfSpace, ...]]:
     return made
 
 
-def _half_spaces(row: Mapping[str, Any], signs: Sequence[int]) -> tuple[HalfSpace, HalfSpace]:
-    """Least and most of the row over the cell: least <= upper end of the right-hand side, most >= its lower end."""
+def _half_spaces(row: Mapping[str, Any], signs: Sequence[int]) -> list[HalfSpace]:
+    """Least and most of the row over the cell: least <= upper end of the right-hand side, most >= its lower end; open ends say nothing."""
+    right = [float.fromhex(x) for x in row["right"]]
+    if not all(math.isfinite(float.fromhex(x)) for end in ("lower", "upper") for x in row[end]):
+        return []
     low, high = ([Fraction(float.fromhex(x)) for x in row[end]] for end in ("lower", "upper"))
     least = tuple(a if s > 0 else b for a, b, s in zip(low, high, signs, strict=True))
     most = tuple(-(b if s > 0 else a) for a, b, s in zip(low, high, signs, strict=True))
-    right = [Fraction(float.fromhex(x)) for x in row["right"]]
-    return (least, right[1]), (most, -right[0])
+    found = []
+    if math.isfinite(right[1]):
+        found.append((least, Fraction(right[1])))
+    if math.isfinite(right[0]):
+        found.append((most, -Fraction(right[0])))
+    return found
 
 
 def _block(fit: Identification, ids: tuple[str, ...], rows: Sequence[HalfSpace]) -> Block:

@@ -87,6 +87,9 @@ fn parabola(
         }
     }
     let delta = largest(model.drift(i, &over, &rates, work));
+    if !gamma.is_finite() || !delta.is_finite() {
+        return None;
+    }
     // Z stays within [0, H] times this slope, which kappa has to confirm.
     let (gamma_at, half) = (Interval::raw(gamma, gamma), h * Interval::raw(0.5, 0.5));
     let span = Interval::raw(0.0, h.hi());
@@ -96,6 +99,9 @@ fn parabola(
     over[i] = if up { at + reach } else { at - reach };
     let unit: Three = std::array::from_fn(|k| if k == i { Interval::ONE } else { Interval::ZERO });
     let slopes = model.drift(i, &over, &unit, work);
+    if !slopes.is_common() {
+        return None;
+    }
     let half_span = Interval::raw(0.0, half.hi());
     let needed = |kappa: f64| {
         let slope = gamma_at + Interval::raw(kappa, kappa) * half_span;
@@ -103,6 +109,9 @@ fn parabola(
     };
     let mut kappa = needed(0.0).1;
     for _ in 0..ATTEMPTS {
+        if !kappa.is_finite() {
+            return None;
+        }
         let (slope, least) = needed(kappa);
         if kappa >= least && slope.subset(guess) {
             let k = Interval::raw(kappa, kappa);

@@ -1,0 +1,323 @@
+"""Tubes: no consistent trajectory leaves them, they are narrow, and a vehicle outside the fit does."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import ivsid
+from command_line import run
+from conftest import as_log, embedded
+from ivsid import IvsidError, identify
+from ivsid.intervals import IntervalArray
+from ivsid.linear.trajectories import Model
+from ivsid.log import Log
+from ivsid.programme.scenario import parse_scenario
+from ivsid.simulation import simulate
+from ivsid.tubes import tube
+from ivsid.tubes.equations import equations_of
+from ivsid.tubes.given import straight
+from ivsid.tubes.horizons import start_of
+from ivsid.tubes.inputs import course_of
+from ivsid.tubes.parameters import blocks_of
+from ivsid.vehicle import parse_vehicle
+from tube_oracle import integrate, shapes
+
+SWAN = parse_vehicle(embedded("swan.toml"), "swan.toml")
+REACH = 0.5
+
+
+@pytest.fixture(scope="module")
+def fit(once):
+    def make(_):
+        text = embedded("swan_train.toml").replace("duration = 300.0", "duration = 90.0", 1)
+        made = simulate(SWAN, parse_scenario(text, "train"))
+        return identify(SWAN, as_log(made), examine=False)
+
+    return once("tube-fit", make)
+
+
+@pytest.fixture(scope="module")
+def test_log(once):
+    def make(_):
+        text = embedded("swan_test.toml").replace("duration = 300.0", "duration = 60.0", 1)
+        return as_log(simulate(SWAN, parse_scenario(text, "test")))
+
+    return once("tube-log", make)
+
+
+@pytest.fixture(scope="module")
+def course(test_log):
+    return course_of(SWAN, test_log)
+
+
+def thrusts(log, rows):
+    """Thrusts without errors, from the file's table by SciPy's own interpolation, over each step."""
+    from scipy.interpolate import PchipInterpolator
+
+    table = SWAN.thrusters[0].table
+    curve = PchipInterpolator(table.demand, table.thrust)
+    found = []
+    for t in SWAN.thrusters:
+        d = log.columns[f"demand_{t.name}"][rows][:-1]
+        found.append(np.where(d < table.demand[0], d * table.thrust[0] / table.demand[0], curve(np.maximum(d, 15.0))))
+    return np.stack(found, axis=1)
+
+
+def members(rng, fit, k):
+    """Parameters inside the polytope: its vertices first, then convex combinations."""
+    blocks = {i: b for b in blocks_of(fit) for i in b.ids}
+    pair, single = blocks["mass.surge"], blocks["inertia.yaw"]
+    v = np.array([[float(x) for x in p] for p in pair.vertices])
+    weights = rng.dirichlet(np.full(len(v), 0.3), k)
+    weights[: len(v)] = np.eye(len(v))[:k]
+    m, d = (weights @ v).T
+    ends = [float(p[0]) for p in single.vertices]
+    share = rng.choice([0.0, 1.0, 0.5], k)
+    return m, d, ends[0] + share * (ends[-1] - ends[0])
+
+
+def starts(rng, box, k):
+    """Starts inside a box: corners for half of the members."""
+    share = np.where(rng.random((6, k)) < 0.5, rng.integers(0, 2, (6, k)), rng.random((6, k)))
+    inside = box.lower[:, None] + share * (box.upper - box.lower)[:, None]
+    return np.clip(inside, box.lower[:, None], box.upper[:, None])
+
+
+def escapes(bounds, states):
+    """Number of samples outside, of bounds of shape (n, 6) and states of shape (n, 6, k)."""
+    return int(((states < bounds.lower[:, :, None]) | (states > bounds.upper[:, :, None])).sum())
+
+
+def examined(rng, fit, course, first, count, k, channels="all"):
+    """Bounds and states of one window."""
+    alone = channels == "straight"
+    equations = equations_of(fit, (True, not alone, not alone))
+    given = straight(course) if alone else None
+    rows = slice(first, first + count + 1)
+    bounds = followed(equations.model, course, first, count, given)
+    box = start_of(course, first, given)
+    t = course.log.t[rows]
+    states = integrate(
+        starts(rng, box, k),
+        *members(rng, fit, k),
+        t,
+        thrusts(course.log, rows),
+        shapes(rng, k, t, REACH * (1 - 1e-12), 3.0),
+        straight=alone,
+    )
+    return bounds, states
+
+
+def followed(model: Model, course, first, count, given=None, force=None):
+    steps = slice(first, first + count)
+    return model.follow(
+        start_of(course, first, given),
+        course.h[steps],
+        (course.force if force is None else force)[steps],
+        None if given is None else given[steps],
+    ).bounds
+
+
+@pytest.mark.parametrize("first", [0, 310, 640])
+def test_no_trajectory_leaves_the_tube(fit, course, first):
+    bounds, states = examined(np.random.default_rng(first), fit, course, first, 80, 40)
+    assert bounds.shape[0] == 81
+    assert escapes(bounds, states) == 0
+
+
+def test_no_straight_run_leaves_the_tube_of_surge(fit, course):
+    bounds, states = examined(np.random.default_rng(5), fit, course, 0, 200, 30, "straight")
+    assert escapes(bounds, states) == 0
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("first", range(0, 1000, 100))
+def test_no_trajectory_of_many_leaves_the_tube(fit, course, first):
+    bounds, states = examined(np.random.default_rng([7, first]), fit, course, first, 200, 500)
+    assert bounds.shape[0] == 201
+    assert escapes(bounds, states) == 0
+
+
+def middles(x):
+    return IntervalArray(x.midpoint)
+
+
+@pytest.mark.parametrize("mutant", ["thrust", "half", "start", "parameters", "step"])
+def test_a_tube_of_too_little_is_left(fit, course, mutant):
+    """Each bound is needed: without one of them the same trajectories escape."""
+    rng = np.random.default_rng(11)
+    first, count, k = 310, 60, 40
+    _, states = examined(rng, fit, course, first, count, k)
+    model, force, h = equations_of(fit).model, course.force, course.h
+    start = start_of(course, first, None)
+    if mutant == "thrust":
+        force = middles(force)
+    if mutant == "half":
+        force = middles(force) + IntervalArray(-0.5 * force.radius, 0.5 * force.radius)
+    if mutant == "start":
+        start = middles(start)
+    if mutant == "step":
+        h = h * IntervalArray(np.array(0.9))
+    if mutant == "parameters":
+        centre = {i: replace(p, lower=p.midpoint, upper=p.midpoint) for i, p in fit.parameters.items()}
+        model = equations_of(replace(fit, parameters=centre, certificates=())).model
+    steps = slice(first, first + count)
+    bounds = model.follow(start, h[steps], force[steps], None).bounds
+    assert escapes(bounds, states) > 0
+
+
+def test_the_tube_of_surge_is_attained(fit, test_log):
+    """Outer over inner: a straight run's bounds are those of extreme members but for the switches of its demands."""
+    made = tube(fit, test_log, channels="straight", windows=[10.0])
+    for r in made.runs:
+        ratio = r.ratio(0)
+        assert np.median(ratio) <= 1.01 and ratio.max() <= 2.0, r.name
+    widest = made.runs[0].horizon.bounds
+    assert np.all(widest.lower[:, 0] <= widest.upper[:, 0]) and np.isfinite(widest.lower[:, 0]).all()
+
+
+def test_all_channels_over_short_windows(fit, test_log):
+    made = tube(fit, test_log, windows=[2.0])
+    windows = made.runs[1]
+    assert [np.median(windows.ratio(k)) <= most for k, most in ((0, 1.6), (1, 1.2), (2, 1.1))] == [True] * 3
+    assert made.guaranteed and not made.refuted
+    assert "any function of time" in " ".join(made.assumes)
+
+
+def test_twice_the_box_is_not_far_wider(fit, course):
+    """Parameters, thrust errors and start twice as far from their middles."""
+
+    def widths(factor):
+        wide = {
+            i: replace(p, lower=p.midpoint - factor * p.width / 2, upper=p.midpoint + factor * p.width / 2)
+            for i, p in fit.parameters.items()
+        }
+        model = equations_of(replace(fit, parameters=wide, certificates=()), (True, False, False)).model
+        r = factor * course.force.radius
+        bounds = followed(model, course, 0, 1000, straight(course), middles(course.force) + IntervalArray(-r, r))
+        return bounds.upper[:, 0] - bounds.lower[:, 0]
+
+    once, twice = widths(1.0), widths(2.0)
+    assert np.all(twice[1:] <= 2.5 * once[1:])
+
+
+def test_time_is_linear_in_samples(fit, course):
+    import time
+
+    model, given = equations_of(fit, (True, False, False)).model, straight(course)
+
+    def seconds(count):
+        least = np.inf
+        for _ in range(3):
+            begun = time.process_time()
+            followed(model, course, 0, count, given)
+            least = min(least, time.process_time() - begun)
+        return least
+
+    # Twice the samples and a part for what does not grow: the share of a quadratic cost would be four.
+    assert seconds(1000) <= 3.2 * seconds(500)
+
+
+def test_a_vehicle_outside_the_fit_is_refuted(fit):
+    """Another drag: its readings leave the tube, and the window that shows it is the shortest."""
+    text = embedded("swan_test.toml").replace("duration = 300.0", "duration = 30.0", 1)
+    text = text.replace('"drag.surge.quadratic" = 255.0', '"drag.surge.quadratic" = 340.0')
+    other = as_log(simulate(SWAN, parse_scenario(text, "other")))
+    made = tube(fit, other, windows=[10.0], inner=False)
+    assert made.refuted
+    found = next(f for r in made.runs for f in r.refuted)
+    assert found.measured[0] > found.tube[1] or found.tube[0] > found.measured[1]
+    course, model = course_of(SWAN, other), equations_of(fit).model
+    begin, last = found.rows
+    assert found.start == other.t[begin] and found.end == other.t[last]
+    column = "uvr".index(found.component)
+    again = followed(model, course, begin, last - begin)
+    assert (again.lower[-1, column], again.upper[-1, column]) == found.tube
+    shorter = followed(model, course, begin + 1, last - begin - 1)
+    reading = course.measured[last]
+    assert np.all((shorter.lower[-1, :3] <= reading.upper) & (reading.lower <= shorter.upper[-1, :3]))
+
+
+def test_gaps_end_a_tube(fit, test_log):
+    """A lost row may have held a demand: the tube restarts behind it from the measured state."""
+    keep = np.r_[0:200, 230:400]
+    columns = {n: x[keep] for n, x in test_log.columns.items()}
+    log = Log(test_log.name, test_log.sha256, test_log.t[keep], columns)
+    made = tube(fit, log, windows=[5.0], inner=False)
+    assert [(w.first, w.last) for w in made.runs[0].horizon.windows] == [(0, 199), (200, 369)]
+    assert all(w.last <= 199 or w.first >= 200 for r in made.runs for w in r.horizon.windows)
+
+
+def test_surge_alone_takes_drift_and_turn_from_the_log(fit, test_log):
+    made = tube(fit, test_log, channels="surge", windows=[], inner=False)
+    assert not made.refuted and np.median(made._columns()["median width"]) < 0.1
+    assert any("v and r are as measured" in s for s in made.assumes)
+
+
+REFUSED = {
+    "channels": (lambda f, log: tube(f, log, channels="sway"), "channels 'sway' are unknown"),
+    "windows": (lambda f, log: tube(f, log, windows=[0.0]), "positive lengths are needed"),
+    "parts": (lambda f, log: tube(f, log, parts=0), "at least 1, is needed"),
+    "open": (
+        lambda f, log: tube(
+            replace(f, parameters=f.parameters | {"inertia.yaw": replace(f.parameters["inertia.yaw"], upper=np.inf)}),
+            log,
+        ),
+        "inertia.yaw has the interval [",
+    ),
+    "empty": (lambda f, log: tube(replace(f, status="empty", parameters={}), log), "has no parameters to simulate"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_bad_input_gets_one_sentence(fit, test_log, case):
+    call, words = REFUSED[case]
+    with pytest.raises(IvsidError) as caught:
+        call(fit, test_log)
+    assert words in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_forces_that_depend_on_the_motion_are_refused(fit, test_log):
+    text = embedded("swan.toml").replace("azimuth = 0.0\n", "azimuth = 0.0\nadvance_loss = 0.1\n", 1)
+    with pytest.raises(IvsidError, match="claims advance_loss or has a rudder"):
+        tube(replace(fit, vehicle=parse_vehicle(text, "swan.toml")), test_log)
+
+
+def test_the_command_leaves_its_files(fit, test_log, tmp_path):
+    fit.save(tmp_path / "fit")
+    from ivsid.workflow.log_files import csv
+
+    short = {n: x[:200] for n, x in test_log.columns.items()}
+    (tmp_path / "log.csv").write_text(csv(test_log.t[:200], short))
+    done = run("tube", tmp_path / "fit", tmp_path / "log.csv", "--windows", "5", "--out", tmp_path / "made")
+    assert done.returncode == 0, done.stderr
+    record = json.loads((tmp_path / "made" / "result.json").read_text())
+    assert (
+        record["command"] == "tube"
+        and record["guaranteed"] is True
+        and [r["window"] for r in record["runs"]] == [None, 5.0]
+    )
+    assert record["runs"][0]["components"]["u"]["median_ratio"] >= 1.0
+    names = {p.name for p in (tmp_path / "made").iterdir()}
+    assert {"tube.csv", "tube_whole.png", "tube_5s.svg", "report.html"} <= names
+    (tmp_path / "programme.toml").write_text(
+        embedded("swan_test.toml").replace("duration = 300.0", "duration = 12.0", 1)
+    )
+    done = run(
+        "tube",
+        tmp_path / "fit",
+        tmp_path / "programme.toml",
+        "--no-inner",
+        "--out",
+        tmp_path / "planned",
+        "--channels",
+        "straight",
+    )
+    assert done.returncode == 0, done.stderr
+    assert "written to" in done.stdout
+
+
+def test_the_name_in_python():
+    assert ivsid.tube is tube

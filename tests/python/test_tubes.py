@@ -22,6 +22,7 @@ from ivsid.tubes.horizons import start_of
 from ivsid.tubes.inputs import course_of
 from ivsid.tubes.parameters import blocks_of
 from ivsid.vehicle import parse_vehicle
+from ivsid.verification.tubes import TubeChecker, part_of
 from tube_oracle import integrate, shapes
 
 SWAN = parse_vehicle(embedded("swan.toml"), "swan.toml")
@@ -321,3 +322,36 @@ def test_the_command_leaves_its_files(fit, test_log, tmp_path):
 
 def test_the_name_in_python():
     assert ivsid.tube is tube
+
+
+@pytest.mark.parametrize("channels", ["all", "straight"])
+def test_the_checker_proves_every_step(fit, test_log, channels):
+    """In exact arithmetic, from the second definitions of the terms."""
+    log = Log("part.csv", test_log.sha256, test_log.t[:60], {n: x[300:360] for n, x in test_log.columns.items()})
+    made = tube(fit, log, channels=channels, windows=[], inner=False, check=True)
+    assert made.checked.parts == made.checked.proved == 59 and not made.checked.faults
+
+
+FORGED = {
+    "upper": (8, 1, -1e-4),
+    "lower": (6, 0, 1e-4),
+    "sway": (7, 1, -1e-4),
+    "rates": (3, 1, -1e-3),
+    "turn": (5, 0, 1e-3),
+    "start": (2, 1, 1e-3),
+}
+
+
+@pytest.mark.parametrize("case", FORGED)
+def test_the_checker_refuses_a_claim_that_is_too_narrow(fit, course, case):
+    column, end, shift = FORGED[case]
+    equations = equations_of(fit)
+    steps = slice(310, 311)
+    followed = equations.model.follow(start_of(course, 310, None), course.h[steps], course.force[steps], certify=True)
+    row = [list(e) for e in zip(followed.parts.lower[0].tolist(), followed.parts.upper[0].tolist(), strict=True)]
+    force = list(zip(course.force.lower[310].tolist(), course.force.upper[310].tolist(), strict=True))
+    h = (float(course.h.lower[310]), float(course.h.upper[310]))
+    checker = TubeChecker(fit.vehicle, "total", equations.points)
+    assert checker.fault(part_of(row, force, h, 1)) is None
+    row[column][end] += shift
+    assert checker.fault(part_of(row, force, h, 1)) is not None

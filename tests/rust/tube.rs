@@ -84,7 +84,7 @@ fn quadratic_drag_has_its_closed_form() {
     for (k, u) in found.iter().enumerate() {
         let exact = -1.0 / (1.0 / 0.8 + 255.0 / 60.0 * h * k as f64);
         assert!(u.contains(exact) || (u.lo() - exact).abs().min((u.hi() - exact).abs()) < 1e-15, "{k}: {u:?}");
-        assert!(u.width() <= 2e-3, "{k}: {u:?}");
+        assert!(u.width() <= 5e-3, "{k}: {u:?}");
     }
 }
 

@@ -37,6 +37,12 @@ def tube(
         int, typer.Option("--parts", min=1, help="Equal parts of each step; more are narrower and slower.")
     ] = 1,
     inner: Annotated[bool, typer.Option("--inner/--no-inner", help="Simulate extreme members beside the tube.")] = True,
+    check: Annotated[
+        bool,
+        typer.Option(
+            "--check", help="Prove each step of the whole tube once more in exact arithmetic, without the core."
+        ),
+    ] = False,
     out: Out = None,
     json: Json = False,
 ) -> None:
@@ -51,6 +57,6 @@ def tube(
         out,
         json,
         lambda progress: workflow.tube(
-            fit, log, channels=channels, windows=listed, parts=parts, inner=inner, progress=progress
+            fit, log, channels=channels, windows=listed, parts=parts, inner=inner, check=check, progress=progress
         ),
     )

@@ -18,6 +18,7 @@ from ivsid.intervals import IntervalArray
 from ivsid.log import GivenLog, log_of
 from ivsid.tubes import given as taken
 from ivsid.tubes.attained import attained
+from ivsid.tubes.checked import Checked, checked
 from ivsid.tubes.equations import equations_of
 from ivsid.tubes.horizons import Horizon, follow
 from ivsid.tubes.inputs import course_of
@@ -28,8 +29,11 @@ Array: TypeAlias = NDArray[np.float64]
 # Source: definition: the windows of velocities and positions of ``validate``
 WINDOWS: Final = (10.0, 30.0)
 # Equal parts into which each step is cut.
-# Source: measured: make constants
+# Source: definition: one step a hold interval
 PARTS: Final = 1
+# Faults of the checker that a result lists.
+# Source: definition: what a reader looks at
+MOST_FAULTS: Final = 20
 CHANNELS: Final = ("all", "surge", "straight")
 NAMES: Final = ("u", "v", "r", "psi", "x", "y")
 UNITS: Final = ("m/s", "m/s", "rad/s", "rad", "m", "m")
@@ -84,6 +88,7 @@ class Tube(Result):
         assumes: sentences that the bounds rely on.
         vertices: numbers of vertices of the parameters in surge, sway and yaw.
         parts: equal parts of each step.
+        checked: what the checker proved of the tubes without restarts; None where not asked for.
     """
 
     fit: Identification
@@ -97,6 +102,7 @@ class Tube(Result):
     assumes: tuple[str, ...]
     vertices: tuple[int, int, int]
     parts: int
+    checked: Checked | None = None
 
     @property
     def components(self) -> tuple[int, ...]:
@@ -153,6 +159,7 @@ def tube(
     windows: Sequence[float] = WINDOWS,
     parts: int = PARTS,
     inner: bool = True,
+    check: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Tube:
     """Bounds of every trajectory of every parameter that is consistent with the fit's log, under the demands of a log.
@@ -165,6 +172,8 @@ def tube(
         windows: lengths [s] after which a tube restarts from the measured state, beside the one without restarts.
         parts: equal parts into which each step is cut; more are narrower and slower.
         inner: whether members are simulated beside the tubes.
+        check: whether each part of the tube without restarts is proved once more in exact arithmetic, by code that shares nothing with the
+            engine; some 5 ms a step.
         progress: told of each step.
 
     Returns:
@@ -179,6 +188,10 @@ def tube(
         raise IvsidError(f"parts = {parts} was given; a number of equal parts of a step, at least 1, is needed")
     if any(not 0 < w < np.inf for w in windows):
         raise IvsidError(f"windows of {', '.join(f'{w:g}' for w in windows)} s were given; positive lengths are needed")
+    if check and channels == "surge":
+        raise IvsidError(
+            "the checker proves tubes of all channels and of straight runs; give channels all or straight with check"
+        )
     vehicle = fit.vehicle
     data = log_of(log, vehicle.log)
     course = course_of(vehicle, data)
@@ -209,6 +222,8 @@ def tube(
         raise IvsidError(
             f"{data.name} has no step with known forces after a complete measured state; look at the missing samples and the gaps"
         )
+    whole = runs[0].horizon.windows
+    again = checked(fit, equations, course, whole, given, parts=parts, progress=progress) if check else None
     assumes = [*fit.assumes, *course.assumes]
     if channels == "straight":
         assumes.append("the run is straight: v = r = 0")
@@ -226,6 +241,7 @@ def tube(
         tuple(dict.fromkeys(assumes)),
         equations.vertices,
         parts,
+        again,
     )
 
 
@@ -238,6 +254,9 @@ def record_of(made: Tube) -> dict[str, Any]:
         "parts": made.parts,
         "vertices": dict(zip(("surge", "sway", "yaw"), made.vertices, strict=True)),
         "fit": {"log": made.fit.log_name, "sha256": made.fit.log_sha256},
+        "checked": None
+        if made.checked is None
+        else {"parts": made.checked.parts, "proved": made.checked.proved, "faults": made.checked.faults[:MOST_FAULTS]},
         "runs": [
             {
                 "window": r.horizon.length,

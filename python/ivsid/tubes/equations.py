@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 from ivsid.effects import terms_of
 from ivsid.errors import IvsidError
@@ -16,7 +17,7 @@ from ivsid.tubes.parameters import Block, blocks_of, members_of, vertices_of
 
 # Single members that are simulated beside a tube.
 # Source: resource: each costs a Runge-Kutta run of the log
-MEMBERS = 8
+MEMBERS: Final = 8
 
 
 @dataclass(frozen=True)
@@ -27,15 +28,20 @@ class Equations:
         model: of the core.
         ids: of its terms.
         blocks: sets of parameters that share rows, with their vertices.
-        vertices: number of vertices in surge, sway and yaw.
+        points: vertices in surge, sway and yaw, one end a term and known number.
         members: outermost parameters in plain floats, one number a term and known number.
     """
 
     model: Model
     ids: tuple[str, ...]
     blocks: tuple[Block, ...]
-    vertices: tuple[int, int, int]
+    points: tuple[list[Vertex], list[Vertex], list[Vertex]]
     members: list[list[float]]
+
+    @property
+    def vertices(self) -> tuple[int, int, int]:
+        """Numbers of vertices in surge, sway and yaw."""
+        return len(self.points[0]), len(self.points[1]), len(self.points[2])
 
 
 def equations_of(fit: Identification, free: tuple[bool, bool, bool] = (True, True, True)) -> Equations:
@@ -62,11 +68,10 @@ def equations_of(fit: Identification, free: tuple[bool, bool, bool] = (True, Tru
     program, channels = columns_of(terms, has)
     ids = tuple(t.id for t in terms)
     blocks = blocks_of(fit)
-    vertices = [vertices_of(blocks, ids, fit, known, c) for c in channels]
+    surge, sway, yaw = (vertices_of(blocks, ids, fit, known, c) for c in channels)
     hull: Vertex = (
         [fit.parameters[i].lower for i in ids] + [k.lower for k in known],
         [fit.parameters[i].upper for i in ids] + [k.upper for k in known],
     )
-    model = Model(program, channels, vertices, hull, free)
-    count = (len(vertices[0]), len(vertices[1]), len(vertices[2]))
-    return Equations(model, ids, tuple(blocks), count, members_of(blocks, ids, fit, known, MEMBERS))
+    model = Model(program, channels, (surge, sway, yaw), hull, free)
+    return Equations(model, ids, tuple(blocks), (surge, sway, yaw), members_of(blocks, ids, fit, known, MEMBERS))

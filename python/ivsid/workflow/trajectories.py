@@ -30,6 +30,7 @@ def tube(
     windows: Sequence[float] = WINDOWS,
     parts: int = PARTS,
     inner: bool = True,
+    check: bool = False,
     progress: Progress = silent,
 ) -> Report:
     """Reads a fit and a log or a scenario, follows the tubes and reports.
@@ -40,7 +41,9 @@ def tube(
     progress("reading")
     known = read_identification(fit)
     data = _log_of(known, Path(log), progress)
-    result = tubes.tube(known, data, channels=channels, windows=windows, parts=parts, inner=inner, progress=progress)
+    result = tubes.tube(
+        known, data, channels=channels, windows=windows, parts=parts, inner=inner, check=check, progress=progress
+    )
     progress("drawing")
     drawings = tuple(figures.tube(result, r, _file(r)) for r in result.runs if r.horizon.windows)
     table = _table(result)
@@ -115,6 +118,10 @@ def lines_of(result: Tube) -> tuple[str, ...]:
         ends = [w for w in run.horizon.windows if w.proved < w.last]
         if ends:
             lines.append(f"  {run.name}: no bound is proved after {result.t[ends[0].proved]:g} s")
+    if result.checked is not None:
+        lines.append(
+            f"  checker: {result.checked.proved} of {result.checked.parts} parts of steps proved once more in exact arithmetic"
+        )
     return tuple(lines)
 
 

@@ -1,0 +1,75 @@
+"""Tubes proved once more, part by part, by the checker, which shares no code with the engine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ivsid.identification import Identification
+from ivsid.intervals import IntervalArray
+from ivsid.tubes.equations import Equations
+from ivsid.tubes.horizons import Window, start_of
+from ivsid.tubes.inputs import Course
+from ivsid.verification.tubes import TubeChecker, part_of
+
+
+@dataclass(frozen=True)
+class Checked:
+    """What the checker proved of the parts of all steps.
+
+    Attributes:
+        parts: number of parts.
+        proved: number of those that are proved.
+        faults: the first claim that is not proved of each other part, with the time of its step [s].
+    """
+
+    parts: int
+    proved: int
+    faults: tuple[tuple[float, str], ...]
+
+
+def checked(
+    fit: Identification,
+    equations: Equations,
+    course: Course,
+    windows: tuple[Window, ...],
+    given: IntervalArray | None,
+    *,
+    parts: int,
+    progress: Callable[[str], None],
+) -> Checked:
+    """Follows the windows again with a certificate of each part, and proves each in exact ranges.
+
+    Args:
+        fit: whose parameters move.
+        equations: of the fit.
+        course: of the log.
+        windows: of a horizon.
+        given: zeros where surge of a straight run alone is followed; None where all components are free.
+        parts: equal parts of each step.
+        progress: told of each window.
+    """
+    free = (True, given is None, given is None)
+    checker = TubeChecker(fit.vehicle, fit.options["form"], equations.points, free)
+    count, faults = 0, []
+    for number, w in enumerate(windows, start=1):
+        progress(f"proving window {number} of {len(windows)} once more")
+        steps = slice(w.first, w.proved)
+        followed = equations.model.follow(
+            start_of(course, w.first, given),
+            course.h[steps],
+            course.force[steps],
+            None if given is None else given[steps],
+            parts=parts,
+            certify=True,
+        )
+        low, high = followed.parts.lower.tolist(), followed.parts.upper.tolist()
+        for (step, share), a, b in zip(followed.steps, low, high, strict=True):
+            k = w.first + step
+            force = list(zip(course.force.lower[k].tolist(), course.force.upper[k].tolist(), strict=True))
+            h = (float(course.h.lower[k]), float(course.h.upper[k]))
+            fault = checker.fault(part_of(list(zip(a, b, strict=True)), force, h, share))
+            count += 1
+            if fault is not None:
+                faults.append((float(course.log.t[k]), fault))
+    return Checked(count, count - len(faults), tuple(faults))

@@ -10,6 +10,8 @@ import ivsid
 from command_line import run
 from conftest import as_log, embedded
 from ivsid import IvsidError, identify
+from ivsid.effects import terms_of
+from ivsid.identification import Parameter
 from ivsid.intervals import IntervalArray
 from ivsid.linear.trajectories import Model
 from ivsid.log import Log
@@ -355,3 +357,38 @@ def test_the_checker_refuses_a_claim_that_is_too_narrow(fit, course, case):
     assert checker.fault(part_of(row, force, h, 1)) is None
     row[column][end] += shift
     assert checker.fault(part_of(row, force, h, 1)) is not None
+
+
+OTTER = parse_vehicle(embedded("otter.toml"), "otter.toml")
+
+
+@pytest.fixture(scope="module")
+def otter(fit):
+    """Nine parameters within 2 % of the truth of the shipped programme, with a cross flow, lagging shafts and Munk's moment; and its twin."""
+    scenario = parse_scenario(
+        embedded("otter_programme.toml").replace("duration = 600.0", "duration = 40.0", 1), "otter"
+    )
+    ids = [t.id for t in terms_of(OTTER)]
+    around = {i: Parameter(0.98 * scenario.truth[i], 1.02 * scenario.truth[i], "", "") for i in ids}
+    known = replace(fit, vehicle=OTTER, parameters=around, estimate=dict(scenario.truth), certificates=())
+    return known, simulate(OTTER, scenario)
+
+
+def test_a_twin_of_nine_parameters_stays_inside(otter):
+    known, twin = otter
+    made = tube(known, as_log(twin), windows=[5.0], inner=False)
+    truth = np.stack([twin.exact[n] for n in ("u", "v", "r")], axis=1)
+    for r in made.runs:
+        low, high = r.horizon.bounds.lower[:, :3], r.horizon.bounds.upper[:, :3]
+        assert np.all((low <= truth) & (truth <= high)), r.name
+    assert not made.refuted
+    widths = made.runs[1].horizon.bounds
+    assert np.median(widths.upper[:, 0] - widths.lower[:, 0]) < 0.25
+
+
+def test_the_checker_knows_the_cross_flow(otter):
+    known, twin = otter
+    log = as_log(twin)
+    part = Log("part.csv", log.sha256, log.t[:12], {n: x[400:412] for n, x in log.columns.items()})
+    made = tube(known, part, windows=[], inner=False, check=True)
+    assert made.checked.parts >= 11 and not made.checked.faults

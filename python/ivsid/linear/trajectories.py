@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +19,6 @@ Operation: TypeAlias = tuple[str, int, int, float]
 Column: TypeAlias = tuple[int, int | None, tuple[float, float, float]]
 # Lower and upper ends, one a term.
 Vertex: TypeAlias = tuple[list[float], list[float]]
-# Components of a trajectory: u, v, r, psi, x, y.
-COMPONENTS: Final = 6
 
 
 @dataclass(frozen=True)

@@ -175,7 +175,7 @@ class Push:
                 f"thruster {thruster.name} claims advance_loss or has a rudder, whose force depends on the motion, and a tube takes forces "
                 "that demands alone determine; leave the claim out and widen the thruster's accuracy by it"
             )
-        at, over = self._thrust(slice(None), slice(None, -1))
+        at, over = self._thrust(slice(None), slice(self.demand.size - 1))
         if thruster.time_constant and thruster.lag == "thrust":
             over = at[:-1].hull(at[1:])
         if self.turned is None:

@@ -17,6 +17,8 @@ from ivsid.errors import IvsidError
 from ivsid.linear.trajectories import Column, Operation
 
 Factors = tuple[float, float, float]
+# Factors of u', v', r' of a quantity without accelerations.
+# Source: definition: no factor
 NONE: Final[Factors] = (0.0, 0.0, 0.0)
 
 

@@ -269,7 +269,10 @@ def _flow_moment(v: Range, r: Range, half: Fraction) -> Range:
 
 
 def _flow_rate(v: Motion, r: Motion, half: Fraction) -> tuple[Range, Range]:
-    """Rates of force and moment: the derivatives are twice the integrals of x^k |v + x r|, k = 0 to 2, which grow with |v|, |r|."""
+    """Rates of force and moment: the derivatives are twice the integrals of x^k |v + x r|, k = 0 to 2, which grow with |v|, |r|.
+
+    Those of k = 0 and 2 are never negative.
+    """
     speed, turn = v.value.magnitude, r.value.magnitude
     if speed >= turn * half:
         plain, first, second = 2 * half * speed, 2 * half**3 * turn / 3, 2 * half**3 * speed / 3
@@ -277,5 +280,5 @@ def _flow_rate(v: Motion, r: Motion, half: Fraction) -> tuple[Range, Range]:
         plain = turn * half**2 + speed**2 / turn
         first = speed * half**2 - speed**3 / (3 * turn**2)
         second = turn * half**4 / 2 + speed**4 / (6 * turn**3)
-    a, b = v.rate.magnitude, r.rate.magnitude
-    return sided(2 * (plain * a + first * b)), sided(2 * (first * a + second * b))
+    across = sided(2 * first)
+    return Range(0, 2 * plain) * v.rate + across * r.rate, across * v.rate + Range(0, 2 * second) * r.rate

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 LABELS = ("u [m/s]", "v [m/s]", "r [rad/s]", "heading [rad]", "north [m]", "east [m]")
 
 
-def tube(result: Tube, run: Run, name: str) -> Drawing:
-    """The tube of one length of window: a panel for each component that is followed."""
-    components = result.components
+def tube(result: Tube, run: Run, name: str, *, components: tuple[int, ...] | None = None) -> Drawing:
+    """The tube of one length of window: a panel for each component that is followed, or for those that are asked for."""
+    components = result.components if components is None else components
     figure = Figure(figsize=(8.5, 1.4 + 1.6 * len(components)), layout="constrained")
     bounds, s = run.horizon.bounds, thin(result.t.size)
     for k, axes in zip(components, np.atleast_1d(figure.subplots(len(components), 1, sharex=True)), strict=True):

@@ -25,7 +25,9 @@ from ivsid.workflow.log_files import csv
 def trial(vehicle: Vehicle, name: str, seconds: float) -> Log:
     """A trial of the demo, of another length."""
     text = (files("ivsid") / "data" / f"{name}.toml").read_text()
-    made = simulation.simulate(vehicle, parse_scenario(text.replace("duration = 300.0", f"duration = {seconds}", 1), name))
+    made = simulation.simulate(
+        vehicle, parse_scenario(text.replace("duration = 300.0", f"duration = {seconds}", 1), name)
+    )
     return Log(f"{name}.csv", hashlib.sha256(csv(made.t, made.columns).encode()).hexdigest(), made.t, made.columns)
 
 

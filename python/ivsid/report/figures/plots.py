@@ -15,6 +15,8 @@ from ivsid.log import Log
 from ivsid.report.figures.diagnosis import RESIDUAL_SIZE, draw_residual
 from ivsid.report.figures.fits import draw_bounds, draw_intervals, intervals_size
 from ivsid.report.figures.measurements import channels_size, draw_channels
+from ivsid.report.figures.tubes import draw_tube, tube_size
+from ivsid.tubes import Tube
 from ivsid.validation import Validation
 
 
@@ -22,7 +24,7 @@ def plot(result: Result, figure: Figure | None) -> tuple[Axes, ...]:
     """Draws a result into a figure, by default a new one of pyplot, which notebooks show.
 
     A fit is drawn as its intervals, a validation as bounds of the forces against the measured ones, a diagnosis as the missing force before and after, a
-    log as its channels.
+    log as its channels, tubes as those of the shortest windows.
     """
     return tuple(_drawn(result, figure).axes)
 
@@ -59,4 +61,12 @@ def _(result: Diagnosis, figure: Figure | None) -> Figure:
 def _(result: Log, figure: Figure | None) -> Figure:
     figure = figure or plt.figure(figsize=channels_size(result), layout="constrained")
     draw_channels(figure, result)
+    return figure
+
+
+@_drawn.register
+def _(result: Tube, figure: Figure | None) -> Figure:
+    figure = figure or plt.figure(figsize=tube_size(len(result.components)), layout="constrained")
+    run = result.runs[1] if len(result.runs) > 1 else result.runs[0]
+    draw_tube(figure, result, run, result.components)
     return figure

@@ -20,7 +20,7 @@ from ivsid.simulation import simulate
 from ivsid.tubes import tube
 from ivsid.tubes.equations import equations_of
 from ivsid.tubes.given import straight
-from ivsid.tubes.horizons import start_of
+from ivsid.tubes.horizons import start_of, window
 from ivsid.tubes.inputs import course_of
 from ivsid.tubes.parameters import blocks_of
 from ivsid.vehicle import parse_vehicle
@@ -262,6 +262,8 @@ def test_surge_alone_takes_drift_and_turn_from_the_log(fit, test_log):
 REFUSED = {
     "channels": (lambda f, log: tube(f, log, channels="sway"), "channels 'sway' are unknown"),
     "windows": (lambda f, log: tube(f, log, windows=[0.0]), "positive lengths are needed"),
+    "cells": (lambda f, log: tube(f, log, cells=0), "at least 1, is needed"),
+    "pieces": (lambda f, log: tube(f, log, cells=9), "into 729 pieces"),
     "parts": (lambda f, log: tube(f, log, parts=0), "at least 1, is needed"),
     "open": (
         lambda f, log: tube(
@@ -353,7 +355,7 @@ def test_the_checker_refuses_a_claim_that_is_too_narrow(fit, course, case):
     row = [list(e) for e in zip(followed.parts.lower[0].tolist(), followed.parts.upper[0].tolist(), strict=True)]
     force = list(zip(course.force.lower[310].tolist(), course.force.upper[310].tolist(), strict=True))
     h = (float(course.h.lower[310]), float(course.h.upper[310]))
-    checker = TubeChecker(fit.vehicle, "total", equations.points)
+    checker = TubeChecker(fit.vehicle, "total", equations.pieces[0].points)
     assert checker.fault(part_of(row, force, h, 1)) is None
     row[column][end] += shift
     assert checker.fault(part_of(row, force, h, 1)) is not None
@@ -392,3 +394,22 @@ def test_the_checker_knows_the_cross_flow(otter):
     part = Log("part.csv", log.sha256, log.t[:12], {n: x[400:412] for n, x in log.columns.items()})
     made = tube(known, part, windows=[], inner=False, check=True)
     assert made.checked.parts >= 11 and not made.checked.faults
+
+
+def test_pieces_cover_the_parameters(fit, test_log):
+    """The hull of the pieces' tubes holds all trajectories, is no wider than the tube of all parameters, and is proved again."""
+    rng = np.random.default_rng(3)
+    course = course_of(SWAN, test_log)
+    whole, states = examined(rng, fit, course, 310, 60, 40)
+    cut = equations_of(fit, cells=2)
+    assert len(cut.pieces) == 8
+    bounds = window(cut, course, 310, 370, None)
+    assert escapes(bounds, states) == 0
+    assert np.all(whole.lower <= bounds.lower) and np.all(bounds.upper <= whole.upper)
+    assert np.all(bounds.upper[60, :3] - bounds.lower[60, :3] < whole.upper[60, :3] - whole.lower[60, :3])
+    # A piece alone is left.
+    alone = window(replace(cut, pieces=cut.pieces[:1]), course, 310, 370, None)
+    assert escapes(alone, states) > 0
+    log = Log("part.csv", test_log.sha256, test_log.t[:8], {n: x[300:308] for n, x in test_log.columns.items()})
+    again = tube(fit, log, channels="straight", windows=[], inner=False, cells=2, check=True)
+    assert again.pieces == 4 and again.checked.proved == again.checked.parts == 28

@@ -36,6 +36,12 @@ def tube(
     parts: Annotated[
         int, typer.Option("--parts", min=1, help="Equal parts of each step; more are narrower and slower.")
     ] = 1,
+    cells: Annotated[
+        int,
+        typer.Option(
+            "--cells", min=1, help="Equal parts of the interval of each parameter; more are narrower and slower."
+        ),
+    ] = 1,
     inner: Annotated[bool, typer.Option("--inner/--no-inner", help="Simulate extreme members beside the tube.")] = True,
     check: Annotated[
         bool,
@@ -57,6 +63,14 @@ def tube(
         out,
         json,
         lambda progress: workflow.tube(
-            fit, log, channels=channels, windows=listed, parts=parts, inner=inner, check=check, progress=progress
+            fit,
+            log,
+            channels=channels,
+            windows=listed,
+            parts=parts,
+            cells=cells,
+            inner=inner,
+            check=check,
+            progress=progress,
         ),
     )

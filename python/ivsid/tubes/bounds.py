@@ -88,6 +88,7 @@ class Tube(Result):
         assumes: sentences that the bounds rely on.
         vertices: numbers of vertices of the parameters in surge, sway and yaw.
         parts: equal parts of each step.
+        pieces: number of pieces of the parameters.
         checked: what the checker proved of the tubes without restarts; None where not asked for.
     """
 
@@ -102,6 +103,7 @@ class Tube(Result):
     assumes: tuple[str, ...]
     vertices: tuple[int, int, int]
     parts: int
+    pieces: int
     checked: Checked | None = None
 
     @property
@@ -158,6 +160,7 @@ def tube(
     channels: str = "all",
     windows: Sequence[float] = WINDOWS,
     parts: int = PARTS,
+    cells: int = 1,
     inner: bool = True,
     check: bool = False,
     progress: Callable[[str], None] = lambda _: None,
@@ -171,6 +174,8 @@ def tube(
             of a run without drift and turn, which is then an assumption.
         windows: lengths [s] after which a tube restarts from the measured state, beside the one without restarts.
         parts: equal parts into which each step is cut; more are narrower and slower.
+        cells: equal parts into which the interval of each parameter is cut; the tube is the hull of the tubes of all pieces, narrower and
+            slower by their number.
         inner: whether members are simulated beside the tubes.
         check: whether each part of the tube without restarts is proved once more in exact arithmetic, by code that shares nothing with the
             engine; some 5 ms a step of surge, 25 ms of all channels.
@@ -186,6 +191,8 @@ def tube(
         raise IvsidError(f"channels '{channels}' are unknown; {meant(channels, CHANNELS)}use {', '.join(CHANNELS)}")
     if parts < 1:
         raise IvsidError(f"parts = {parts} was given; a number of equal parts of a step, at least 1, is needed")
+    if cells < 1:
+        raise IvsidError(f"cells = {cells} was given; a number of equal parts of each interval, at least 1, is needed")
     if any(not 0 < w < np.inf for w in windows):
         raise IvsidError(f"windows of {', '.join(f'{w:g}' for w in windows)} s were given; positive lengths are needed")
     if check and channels == "surge":
@@ -197,7 +204,7 @@ def tube(
     course = course_of(vehicle, data)
     progress("vertices of the parameters")
     alone = channels != "all"
-    equations = equations_of(fit, (True, not alone, not alone))
+    equations = equations_of(fit, (True, not alone, not alone), cells=cells)
     given = None
     if alone:
         given = taken.straight(course) if channels == "straight" else taken.measured(course, vehicle)
@@ -241,6 +248,7 @@ def tube(
         tuple(dict.fromkeys(assumes)),
         equations.vertices,
         parts,
+        len(equations.pieces),
         again,
     )
 
@@ -252,6 +260,7 @@ def record_of(made: Tube) -> dict[str, Any]:
         "assumes": list(made.assumes),
         "channels": made.channels,
         "parts": made.parts,
+        "pieces": made.pieces,
         "vertices": dict(zip(("surge", "sway", "yaw"), made.vertices, strict=True)),
         "fit": {"log": made.fit.log_name, "sha256": made.fit.log_sha256},
         "checked": None

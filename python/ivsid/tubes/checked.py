@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product
 
 from ivsid.identification import Identification
 from ivsid.intervals import IntervalArray
@@ -50,12 +51,12 @@ def checked(
         progress: told of each window.
     """
     free = (True, given is None, given is None)
-    checker = TubeChecker(fit.vehicle, fit.options["form"], equations.points, free)
     count, faults = 0, []
-    for number, w in enumerate(windows, start=1):
-        progress(f"proving window {number} of {len(windows)} once more")
+    for number, (piece, w) in enumerate(product(equations.pieces, windows), start=1):
+        progress(f"proving tube {number} of {len(equations.pieces) * len(windows)} once more")
+        checker = TubeChecker(fit.vehicle, fit.options["form"], piece.points, free)
         steps = slice(w.first, w.proved)
-        followed = equations.model.follow(
+        followed = piece.model.follow(
             start_of(course, w.first, given),
             course.h[steps],
             course.force[steps],

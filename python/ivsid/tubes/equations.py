@@ -13,11 +13,27 @@ from ivsid.linear.trajectories import Model, Vertex
 from ivsid.rows.equations import PRODUCT
 from ivsid.rows.required_columns import needed_by
 from ivsid.tubes.columns import columns_of
-from ivsid.tubes.parameters import Block, blocks_of, members_of, vertices_of
+from ivsid.tubes.parameters import Block, blocks_of, members_of, pieces_of, vertices_of
 
 # Single members that are simulated beside a tube.
 # Source: resource: each costs a Runge-Kutta run of the log
 MEMBERS: Final = 8
+# Most pieces of the parameters.
+# Source: resource: a tube takes its time for each
+MOST_PIECES: Final = 512
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A part of the parameters, as the core and as the checker take it.
+
+    Attributes:
+        model: of the core.
+        points: vertices in surge, sway and yaw, one end a term and known number.
+    """
+
+    model: Model
+    points: tuple[list[Vertex], list[Vertex], list[Vertex]]
 
 
 @dataclass(frozen=True)
@@ -25,34 +41,41 @@ class Equations:
     """The model of a fit.
 
     Attributes:
-        model: of the core.
+        pieces: of the parameters, which cover them.
         ids: of its terms.
         blocks: sets of parameters that share rows, with their vertices.
-        points: vertices in surge, sway and yaw, one end a term and known number.
         members: outermost parameters in plain floats, one number a term and known number.
     """
 
-    model: Model
+    pieces: tuple[Piece, ...]
     ids: tuple[str, ...]
     blocks: tuple[Block, ...]
-    points: tuple[list[Vertex], list[Vertex], list[Vertex]]
     members: list[list[float]]
 
     @property
+    def model(self) -> Model:
+        """The model of the first piece, which is all of the parameters where they are not cut."""
+        return self.pieces[0].model
+
+    @property
     def vertices(self) -> tuple[int, int, int]:
-        """Numbers of vertices in surge, sway and yaw."""
-        return len(self.points[0]), len(self.points[1]), len(self.points[2])
+        """Largest numbers of vertices in surge, sway and yaw."""
+        surge, sway, yaw = (max(len(p.points[k]) for p in self.pieces) for k in range(3))
+        return surge, sway, yaw
 
 
-def equations_of(fit: Identification, free: tuple[bool, bool, bool] = (True, True, True)) -> Equations:
+def equations_of(
+    fit: Identification, free: tuple[bool, bool, bool] = (True, True, True), *, cells: int = 1
+) -> Equations:
     """The equations of motion of a fit.
 
     Args:
         fit: with finite intervals.
         free: which of u, v, r follow them; the others are given.
+        cells: equal parts into which the interval of each parameter is cut that acts on them.
 
     Raises:
-        IvsidError: a fit or a model that no tube can follow.
+        IvsidError: a fit or a model that no tube can follow, or more pieces than ``MOST_PIECES``.
     """
     vehicle, form = fit.vehicle, fit.options["form"]
     terms = terms_of(vehicle, form)
@@ -68,10 +91,18 @@ def equations_of(fit: Identification, free: tuple[bool, bool, bool] = (True, Tru
     program, channels = columns_of(terms, has)
     ids = tuple(t.id for t in terms)
     blocks = blocks_of(fit)
-    surge, sway, yaw = (vertices_of(blocks, ids, fit, known, c) for c in channels)
-    hull: Vertex = (
-        [fit.parameters[i].lower for i in ids] + [k.lower for k in known],
-        [fit.parameters[i].upper for i in ids] + [k.upper for k in known],
-    )
-    model = Model(program, channels, (surge, sway, yaw), hull, free)
-    return Equations(model, ids, tuple(blocks), (surge, sway, yaw), members_of(blocks, ids, fit, known, MEMBERS))
+    acting = {ids[c[0]] for k in range(3) if free[k] for c in channels[k] if c[0] < len(ids)}
+    if cells ** len(acting) > MOST_PIECES:
+        raise IvsidError(
+            f"cells = {cells} cuts {len(acting)} parameters into {cells ** len(acting)} pieces; {MOST_PIECES} are the most, so give fewer"
+        )
+    pieces = []
+    for piece in [blocks] if cells == 1 else pieces_of(fit, acting, cells):
+        surge, sway, yaw = (vertices_of(piece, ids, known, c) for c in channels)
+        ends = {i: e for b in piece for i, e in zip(b.ids, b.box, strict=True)}
+        hull: Vertex = (
+            [ends[i][0] for i in ids] + [k.lower for k in known],
+            [ends[i][1] for i in ids] + [k.upper for k in known],
+        )
+        pieces.append(Piece(Model(program, channels, (surge, sway, yaw), hull, free), (surge, sway, yaw)))
+    return Equations(tuple(pieces), ids, tuple(blocks), members_of(blocks, ids, known, MEMBERS))

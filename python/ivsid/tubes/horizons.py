@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
 from typing import TypeAlias
 
 import numpy as np
@@ -107,12 +108,15 @@ def follow(
 def window(
     equations: Equations, course: Course, first: int, last: int, given: IntervalArray | None, *, parts: int = 1
 ) -> IntervalArray:
-    """Bounds at the rows from ``first`` as far as they are proved, at most to ``last``, shape (m, 6)."""
+    """Bounds at the rows from ``first`` as far as they are proved, at most to ``last``, shape (m, 6).
+
+    Each parameter lies in a piece, so that the hull of the pieces' tubes holds every trajectory.
+    """
     steps = slice(first, last)
-    return equations.model.follow(
-        start_of(course, first, given),
-        course.h[steps],
-        course.force[steps],
-        None if given is None else given[steps],
-        parts=parts,
-    ).bounds
+    start, held = start_of(course, first, given), None if given is None else given[steps]
+    found = [
+        p.model.follow(start, course.h[steps], course.force[steps], held, parts=parts).bounds for p in equations.pieces
+    ]
+    count = min(b.shape[0] for b in found)
+    hull: IntervalArray = reduce(lambda a, b: a.hull(b), (b[:count] for b in found))
+    return hull

@@ -8,7 +8,7 @@ polytope larger, so that its size can be kept in bounds.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
@@ -35,11 +35,19 @@ MOST_PARAMETERS: Final = 6
 
 @dataclass(frozen=True)
 class Block:
-    """Parameters that share rows: their ids, and the vertices of the polytope of what is consistent."""
+    """Parameters that share rows.
+
+    Attributes:
+        ids: of the parameters.
+        vertices: of the polytope of what is consistent; none where there are too many parameters to form them.
+        rows: number of half-spaces that cut the box.
+        box: ends of each parameter.
+    """
 
     ids: tuple[str, ...]
     vertices: tuple[Point, ...]
     rows: int
+    box: tuple[tuple[float, float], ...]
 
 
 def blocks_of(fit: Identification) -> list[Block]:
@@ -58,10 +66,42 @@ def blocks_of(fit: Identification) -> list[Block]:
                 f"{id_} has the interval [{p.lower:g}, {p.upper:g}], and a tube needs finite ones; identify with a log that excites it, "
                 "or with --physical"
             )
+    found = []
+    for ids, rows in _sets(fit):
+        whole = _block(ids, rows, _box(fit, ids))
+        if whole is None:
+            raise IvsidError("the certificates of the fit contradict each other; identify again")
+        found.append(whole)
+    return found
+
+
+def pieces_of(fit: Identification, acting: Collection[str], count: int) -> list[list[Block]]:
+    """The parameters of a fit in pieces that cover them: for each piece its sets.
+
+    Args:
+        fit: with finite intervals.
+        acting: ids of the parameters whose intervals are cut; sets without any stay whole.
+        count: equal parts into which each interval is cut.
+    """
+    choices: list[list[Block]] = []
+    for ids, rows in _sets(fit):
+        ends = _box(fit, ids)
+        cut = count if set(ids) & set(acting) else 1
+        slices = [[(a + (b - a) * k / cut, a + (b - a) * (k + 1) / cut) for k in range(cut)] for a, b in ends]
+        made = [_block(ids, rows, choice) for choice in product(*slices)]
+        choices.append([b for b in made if b is not None])
+    return [list(choice) for choice in product(*choices)]
+
+
+def _sets(fit: Identification) -> list[tuple[tuple[str, ...], tuple[HalfSpace, ...]]]:
+    """Ids of each set of parameters that share rows, with the half-spaces of its certificates."""
     cells = _cells(fit)
     rest = [i for i in fit.parameters if not any(i in ids for ids in cells)]
-    found = [_block(fit, ids, rows) for ids, rows in cells.items()]
-    return [*found, *(_block(fit, (i,), ()) for i in rest)]
+    return [*cells.items(), *(((i,), ()) for i in rest)]
+
+
+def _box(fit: Identification, ids: Sequence[str]) -> list[tuple[Fraction, Fraction]]:
+    return [(Fraction(fit.parameters[i].lower), Fraction(fit.parameters[i].upper)) for i in ids]
 
 
 def _cells(fit: Identification) -> dict[tuple[str, ...], tuple[HalfSpace, ...]]:
@@ -98,10 +138,11 @@ def _half_spaces(row: Mapping[str, Any], signs: Sequence[int]) -> list[HalfSpace
     return found
 
 
-def _block(fit: Identification, ids: tuple[str, ...], rows: Sequence[HalfSpace]) -> Block:
-    ends = [(Fraction(fit.parameters[i].lower), Fraction(fit.parameters[i].upper)) for i in ids]
+def _block(ids: tuple[str, ...], rows: Sequence[HalfSpace], ends: Sequence[tuple[Fraction, Fraction]]) -> Block | None:
+    """The part of a box that the half-spaces leave; None where they leave nothing."""
+    box = tuple((down(a), up(b)) for a, b in ends)
     if len(ids) > MOST_PARAMETERS:
-        return Block(ids, (), 0)
+        return Block(ids, (), 0, box)
     # A corner with the numbers of the bounds that are tight there: 2 j for the lower end of parameter j, 2 j + 1 for the upper.
     corners: dict[Point, frozenset[int]] = {
         tuple(e[c] for e, c in zip(ends, choice, strict=True)): frozenset(2 * j + c for j, c in enumerate(choice))
@@ -113,9 +154,9 @@ def _block(fit: Identification, ids: tuple[str, ...], rows: Sequence[HalfSpace])
         if len(clipped) <= max(MOST_OF_BLOCK, len(corners)):
             used += len(clipped.keys() - corners.keys()) > 0
             corners = clipped
-    if not corners:
-        raise IvsidError("the certificates of the fit contradict each other; identify again")
-    return Block(ids, tuple(corners), used)
+        if not corners:
+            return None
+    return Block(ids, tuple(corners), used, box)
 
 
 def _cut(half: HalfSpace, ends: Sequence[tuple[Fraction, Fraction]]) -> Fraction:
@@ -160,35 +201,32 @@ def up(x: Fraction) -> float:
 
 
 def vertices_of(
-    blocks: Sequence[Block],
-    ids: Sequence[str],
-    fit: Identification,
-    known: Sequence[Interval],
-    channel: Sequence[Column],
+    blocks: Sequence[Block], ids: Sequence[str], known: Sequence[Interval], channel: Sequence[Column]
 ) -> list[Vertex]:
     """The vertices of all parameters that act in a channel, each as a box; others are 0 there.
 
     Args:
         blocks: of the fit.
         ids: of the terms, in their order.
-        fit: for the box.
         known: numbers of the rigid body, which stand after the terms.
         channel: its columns.
     """
     acting = {number for number, _, _ in channel}
     choices: list[list[dict[str, tuple[float, float]]]] = []
+    boxes: list[dict[str, tuple[float, float]]] = []
     for block in blocks:
         inside = [i for i in block.ids if ids.index(i) in acting]
         if not inside:
             continue
         places = [block.ids.index(i) for i in inside]
         points = list(dict.fromkeys(tuple(p[j] for j in places) for p in block.vertices))
-        whole = {i: (fit.parameters[i].lower, fit.parameters[i].upper) for i in inside}
+        whole = {i: block.box[j] for i, j in zip(inside, places, strict=True)}
+        boxes.append(whole)
         made = [{i: (down(x), up(x)) for i, x in zip(inside, p, strict=True)} for p in _outermost(points)]
         choices.append(made or [whole])
     while math.prod(len(c) for c in choices) > MOST_OF_CHANNEL:
         largest = max(range(len(choices)), key=lambda k: len(choices[k]))
-        choices[largest] = [{i: (fit.parameters[i].lower, fit.parameters[i].upper) for i in choices[largest][0]}]
+        choices[largest] = [boxes[largest]]
     found: list[Vertex] = []
     for choice in product(*choices):
         merged = {i: ends for part in choice for i, ends in part.items()}
@@ -205,14 +243,10 @@ def _outermost(points: list[Point]) -> list[Point]:
     return points
 
 
-def members_of(
-    blocks: Sequence[Block], ids: Sequence[str], fit: Identification, known: Sequence[Interval], most: int
-) -> list[list[float]]:
+def members_of(blocks: Sequence[Block], ids: Sequence[str], known: Sequence[Interval], most: int) -> list[list[float]]:
     """Single parameters in plain floats, of the outermost members: combinations of the blocks' vertices, evenly spaced ones where there are more."""
     choices = [
-        [[float(x) for x in p] for p in b.vertices]
-        or [[fit.parameters[i].lower for i in b.ids], [fit.parameters[i].upper for i in b.ids]]
-        for b in blocks
+        [[float(x) for x in p] for p in b.vertices] or [[a for a, _ in b.box], [e for _, e in b.box]] for b in blocks
     ]
     total = math.prod(len(c) for c in choices)
     picked = range(total) if total <= most else sorted({round(k * (total - 1) / (most - 1)) for k in range(most)})

@@ -29,6 +29,7 @@ def tube(
     channels: str = "all",
     windows: Sequence[float] = WINDOWS,
     parts: int = PARTS,
+    cells: int = 1,
     inner: bool = True,
     check: bool = False,
     progress: Progress = silent,
@@ -42,7 +43,15 @@ def tube(
     known = read_identification(fit)
     data = _log_of(known, Path(log), progress)
     result = tubes.tube(
-        known, data, channels=channels, windows=windows, parts=parts, inner=inner, check=check, progress=progress
+        known,
+        data,
+        channels=channels,
+        windows=windows,
+        parts=parts,
+        cells=cells,
+        inner=inner,
+        check=check,
+        progress=progress,
     )
     progress("drawing")
     drawings = tuple(figures.tube(result, r, _file(r)) for r in result.runs if r.horizon.windows)

@@ -62,6 +62,7 @@ impl TubeModel {
     }
 
     /// Bounds of u, v, r, psi, x, y at the samples, shape (m, 6), and the certificate of each part of a step.
+    #[expect(clippy::too_many_arguments, reason = "the inputs of a tube")]
     #[pyo3(signature = (start, h, force, given, parts, certify))]
     fn follow<'py>(
         &self,
@@ -97,6 +98,7 @@ impl TubeModel {
     /// Trajectories of one member, shape (m, 6): under given errors, and under those that push a component to each target.
     ///
     /// `towards` holds targets: a sample and weights of the six components.
+    #[expect(clippy::too_many_arguments, reason = "the surroundings of a member")]
     #[pyo3(signature = (theta, start, h, centre, errors, given, signs, towards))]
     fn members<'py>(
         &self,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -253,7 +253,7 @@ def tube(
     )
 
 
-def record_of(made: Tube) -> dict[str, Any]:
+def record_of(made: Tube) -> dict[str, object]:
     """The summary of result.json, without its envelope."""
     return {
         "guaranteed": made.guaranteed,

@@ -12,7 +12,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
-from typing import Any, Final, TypeAlias
+from typing import Final, TypeAlias, TypedDict
 
 from ivsid.errors import IvsidError
 from ivsid.identification import Identification
@@ -22,6 +22,16 @@ from ivsid.linear.trajectories import Column, Vertex
 Point: TypeAlias = tuple[Fraction, ...]
 # Half-space: factors, and the most that their sum with a parameter can be.
 HalfSpace: TypeAlias = tuple[Point, Fraction]
+
+
+class Row(TypedDict):
+    """A row of a certificate: ends of its entries and of its right-hand side, as hexadecimal floats."""
+
+    lower: list[str]
+    upper: list[str]
+    right: list[str]
+
+
 # Most vertices of a set of parameters that share rows. A row that would leave more is left out.
 # Source: resource: each vertex costs some 0.1 us a step and channel
 MOST_OF_BLOCK: Final = 64
@@ -108,7 +118,7 @@ def _cells(fit: Identification) -> dict[tuple[str, ...], tuple[HalfSpace, ...]]:
     """Half-spaces by set of parameters, where a single cell of signs holds all of it and no row may be wrong."""
     if fit.method != "feasible" or fit.options.get("outliers"):
         return {}
-    bounding: dict[tuple[str, ...], dict[tuple[int, ...], list[Mapping[str, Any]]]] = {}
+    bounding: dict[tuple[str, ...], dict[tuple[int, ...], list[Row]]] = {}
     for c in fit.certificates:
         if c["proves"] == "bound" and set(c["orthant"]) <= set(fit.parameters):
             cells = bounding.setdefault(tuple(c["orthant"]), {})
@@ -122,12 +132,12 @@ def _cells(fit: Identification) -> dict[tuple[str, ...], tuple[HalfSpace, ...]]:
     return made
 
 
-def _half_spaces(row: Mapping[str, Any], signs: Sequence[int]) -> list[HalfSpace]:
+def _half_spaces(row: Row, signs: Sequence[int]) -> list[HalfSpace]:
     """Least and most of the row over the cell: least <= upper end of the right-hand side, most >= its lower end; open ends say nothing."""
     right = [float.fromhex(x) for x in row["right"]]
-    if not all(math.isfinite(float.fromhex(x)) for end in ("lower", "upper") for x in row[end]):
+    if not all(math.isfinite(float.fromhex(x)) for end in (row["lower"], row["upper"]) for x in end):
         return []
-    low, high = ([Fraction(float.fromhex(x)) for x in row[end]] for end in ("lower", "upper"))
+    low, high = ([Fraction(float.fromhex(x)) for x in end] for end in (row["lower"], row["upper"]))
     least = tuple(a if s > 0 else b for a, b, s in zip(low, high, signs, strict=True))
     most = tuple(-(b if s > 0 else a) for a, b, s in zip(low, high, signs, strict=True))
     found = []

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -34,7 +33,7 @@ class Refutation:
     measured: tuple[float, float]
     rows: tuple[int, int]
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> dict[str, object]:
         """The record of result.json, with bounds rounded outward."""
         return {
             "component": self.component,

@@ -42,12 +42,17 @@ def fit(once):
 
 
 @pytest.fixture(scope="module")
-def test_log(once):
+def twin(once):
     def make(_):
         text = embedded("swan_test.toml").replace("duration = 300.0", "duration = 60.0", 1)
-        return as_log(simulate(SWAN, parse_scenario(text, "test")))
+        return simulate(SWAN, parse_scenario(text, "test"))
 
-    return once("tube-log", make)
+    return once("tube-twin", make)
+
+
+@pytest.fixture(scope="module")
+def test_log(twin):
+    return as_log(twin)
 
 
 @pytest.fixture(scope="module")
@@ -253,8 +258,10 @@ def test_gaps_end_a_tube(fit, test_log):
     assert all(w.last <= 199 or w.first >= 200 for r in made.runs for w in r.horizon.windows)
 
 
-def test_surge_alone_takes_drift_and_turn_from_the_log(fit, test_log):
+def test_surge_alone_takes_drift_and_turn_from_the_log(fit, test_log, twin):
     made = tube(fit, test_log, channels="surge", windows=[], inner=False)
+    bounds, u = made.runs[0].horizon.bounds, twin.exact["u"]
+    assert np.all((bounds.lower[:, 0] <= u) & (u <= bounds.upper[:, 0]))
     assert not made.refuted and np.median(made._columns()["median width"]) < 0.1
     assert any("v and r are as measured" in s for s in made.assumes)
 

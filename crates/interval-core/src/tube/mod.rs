@@ -2,7 +2,7 @@
 //! polytope, all starts of a box, and all forces that stay inside their interval of each step, as any measurable function
 //! of time.
 //!
-//! One file a theorem: [`enclosure`] (existence, and a box over each step), [`comparison`] (the ends after it), [`pose`]
+//! One file a theorem: `enclosure` (existence, and a box over each step), `comparison` (the ends after it), `pose`
 //! (heading and position). [`program`] and [`model`] are the equations; [`members`] simulates single members in plain
 //! floats, which bound nothing from outside.
 

@@ -331,8 +331,16 @@ def test_the_command_leaves_its_files(fit, test_log, tmp_path):
     assert "written to" in done.stdout
 
 
-def test_the_name_in_python():
+def test_the_name_in_python(fit, test_log):
+    """The function, its text in a terminal, its table and its drawing."""
     assert ivsid.tube is tube
+    log = Log("part.csv", test_log.sha256, test_log.t[:100], {n: x[:100] for n, x in test_log.columns.items()})
+    made = ivsid.tube(fit, log, windows=[2.0], inner=False, examine=False)
+    assert "no reading contradicts the fit" in repr(made) and len(repr(made)) <= 1000
+    assert made.to_polars()["component"].to_list() == [*made.to_polars()["component"].to_list()[:6]] * 2
+    from matplotlib.figure import Figure
+
+    assert len(made.plot(Figure())) == 6
 
 
 @pytest.mark.parametrize("channels", ["all", "straight"])

@@ -16,6 +16,7 @@ from ivsid.errors import IvsidError, meant
 from ivsid.identification import Identification
 from ivsid.intervals import IntervalArray
 from ivsid.log import GivenLog, log_of
+from ivsid.setup import SetupFinding, examined, in_doubt
 from ivsid.tubes import given as taken
 from ivsid.tubes.attained import attained
 from ivsid.tubes.checked import Checked, checked
@@ -90,6 +91,7 @@ class Tube(Result):
         parts: equal parts of each step.
         pieces: number of pieces of the parameters.
         checked: what the checker proved of the tubes without restarts; None where not asked for.
+        setup: what is doubtful about the set-up.
     """
 
     fit: Identification
@@ -105,6 +107,7 @@ class Tube(Result):
     parts: int
     pieces: int
     checked: Checked | None = None
+    setup: tuple[SetupFinding, ...] = ()
 
     @property
     def components(self) -> tuple[int, ...]:
@@ -119,7 +122,7 @@ class Tube(Result):
     def _heading(self) -> str:
         word = "guaranteed" if self.guaranteed else "not guaranteed"
         verdict = "a reading contradicts the fit" if self.refuted else "no reading contradicts the fit"
-        return f"of {self.fit.vehicle.name} on {self.log_name}: {word}, {verdict}"
+        return f"of {self.fit.vehicle.name} on {self.log_name}: {word}, {verdict}{in_doubt(self.setup)}"
 
     def _cells(self) -> Cells:
         return self._columns()
@@ -163,6 +166,7 @@ def tube(
     cells: int = 1,
     inner: bool = True,
     check: bool = False,
+    examine: bool = True,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Tube:
     """Bounds of every trajectory of every parameter that is consistent with the fit's log, under the demands of a log.
@@ -179,13 +183,14 @@ def tube(
         inner: whether members are simulated beside the tubes.
         check: whether each part of the tube without restarts is proved once more in exact arithmetic, by code that shares nothing with the
             engine; some 5 ms a step of surge, 25 ms of all channels.
+        examine: whether the set-up is examined first.
         progress: told of each step.
 
     Returns:
         The tubes, and the readings that contradict them.
 
     Raises:
-        IvsidError: a fit, model, vehicle or log that a tube cannot follow.
+        IvsidError: a fit, model, vehicle or log that a tube cannot follow, or a wrong set-up that is beyond doubt.
     """
     if channels not in CHANNELS:
         raise IvsidError(f"channels '{channels}' are unknown; {meant(channels, CHANNELS)}use {', '.join(CHANNELS)}")
@@ -201,6 +206,7 @@ def tube(
         )
     vehicle = fit.vehicle
     data = log_of(log, vehicle.log)
+    doubts = examined(vehicle, [data], progress) if examine else ()
     course = course_of(vehicle, data)
     progress("vertices of the parameters")
     alone = channels != "all"
@@ -250,6 +256,7 @@ def tube(
         parts,
         len(equations.pieces),
         again,
+        tuple(doubts),
     )
 
 
@@ -266,6 +273,7 @@ def record_of(made: Tube) -> dict[str, object]:
         "checked": None
         if made.checked is None
         else {"parts": made.checked.parts, "proved": made.checked.proved, "faults": made.checked.faults[:MOST_FAULTS]},
+        "setup": [f.record() for f in made.setup],
         "runs": [
             {
                 "window": r.horizon.length,

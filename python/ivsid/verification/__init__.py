@@ -11,6 +11,7 @@ verdict ``not_checked``, never ``proved``.
 - ``physics``, ``columns``, ``rows``, ``weak``: the equations of motion and their rows; ``unchecked`` names rows that are not recomputed.
 - ``multipliers``, ``cells``, ``signs``: linear programs, and the orthants that they cover.
 - ``outliers``, ``counted``: rows that may be wrong.
+- ``tubes``: parts of steps of a tube.
 - ``result``, ``checker``, ``statements``, ``verify``: a result, its certificates, its statements, and the verdict.
 
 The chapter may use ``log``, ``vehicle``, ``files.seal``, ``files.units`` and ``errors``. It shares no code with what it checks: not the

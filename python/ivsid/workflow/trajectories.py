@@ -20,6 +20,7 @@ from ivsid.tubes import Tube
 from ivsid.tubes.bounds import NAMES, PARTS, UNITS, WINDOWS, Run, record_of, widths
 from ivsid.workflow.log_files import csv
 from ivsid.workflow.progress import Progress, silent
+from ivsid.workflow.set_up import with_setup
 
 
 def tube(
@@ -51,6 +52,8 @@ def tube(
         cells=cells,
         inner=inner,
         check=check,
+        # The log of a scenario follows the vehicle file by construction.
+        examine=Path(log).suffix != ".toml",
         progress=progress,
     )
     progress("drawing")
@@ -71,7 +74,8 @@ def tube(
     record = {**envelope("tube", inputs), **record_of(result)}
     title = f"Trajectories of {known.vehicle.name} that the data allow"
     files = {"tube.csv": _csv(result)}
-    return Report(title, summary, record, sections, drawings, files, lines, _first(result, summary))
+    report = Report(title, summary, record, sections, drawings, files, lines, _first(result, summary))
+    return with_setup(report, result.setup)
 
 
 def _log_of(fit: Identification, path: Path, progress: Progress) -> Log:

@@ -283,6 +283,17 @@ REFUSED = {
 }
 
 
+def test_a_channel_without_mass_is_refused_and_surge_alone_followed(fit, test_log):
+    text = embedded("swan.toml").replace('terms = "paper"', 'terms = ["mass.surge", "drag.surge.quadratic"]')
+    vehicle = parse_vehicle(text, "swan.toml")
+    kept = {i: p for i, p in fit.parameters.items() if i != "inertia.yaw"}
+    known = replace(fit, vehicle=vehicle, parameters=kept)
+    with pytest.raises(IvsidError, match=r"no mass or inertia in sway.*--channels surge or straight"):
+        tube(known, test_log, examine=False)
+    made = tube(known, test_log, channels="straight", windows=[], inner=False, examine=False)
+    assert all(w.proved == w.last for w in made.runs[0].horizon.windows)
+
+
 @pytest.mark.parametrize("case", REFUSED)
 def test_bad_input_gets_one_sentence(fit, test_log, case):
     call, words = REFUSED[case]

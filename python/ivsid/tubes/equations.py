@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from ivsid.effects import terms_of
+from ivsid.effects import CHANNELS, terms_of
 from ivsid.errors import IvsidError
 from ivsid.identification import Identification
 from ivsid.intervals import Interval
@@ -89,6 +89,12 @@ def equations_of(
     has = (numbers[0] != 0.0, numbers[1] != 0.0, numbers[2] != 0.0)
     known = [Interval(x) * PRODUCT for x in numbers if x != 0.0]
     program, channels = columns_of(terms, has)
+    for k, name in enumerate(CHANNELS):
+        if free[k] and not any(column[2][k] for column in channels[k]):
+            raise IvsidError(
+                f"the model has no mass or inertia in {name}, so that nothing says how it moves there; add the term, or follow surge alone with "
+                "--channels surge or straight"
+            )
     ids = tuple(t.id for t in terms)
     blocks = blocks_of(fit)
     acting = {ids[c[0]] for k in range(3) if free[k] for c in channels[k] if c[0] < len(ids)}

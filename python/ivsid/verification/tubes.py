@@ -23,9 +23,12 @@ ZERO: Final = Range(0)
 # Attempts to find a parabola: each takes the right-hand side of the inequality for the last one.
 # Source: resource: each costs a product of ranges, and a claim that no attempt proves is called unproved
 ATTEMPTS: Final = 6
-# Share of the last change by which the next attempt goes beyond it, so that the inequality holds for it.
-# Source: theorem: below the contraction a H / 2 of the inequality for any step that the engine accepts
-BEYOND: Final = Fraction(1, 4096)
+# Attempts that repeat the inequality before one goes beyond it.
+# Source: resource: the change falls by a H / 2 with each, so that the last is small
+REPEATED: Final = 3
+# Share of the last change by which later attempts go beyond it, so that the inequality holds for them if a H / 2 is below a ninth.
+# Source: theorem: a map that contracts by q < 1 / 9 moves a step of (1 + 1 / 8) by less than its eighth
+BEYOND: Final = Fraction(1, 8)
 
 
 @dataclass(frozen=True)
@@ -179,14 +182,14 @@ class TubeChecker:
         unit = [Range(int(k == i)) for k in range(3)]
         slopes = self._over_vertices(i, self._drifts(beside, unit, i), ZERO)
         kappa = delta + (slopes * Range(gamma)).upper
-        for _ in range(ATTEMPTS):
+        for attempt in range(ATTEMPTS):
             slope = Range(gamma) + half * Range(kappa)
             least = delta + (slopes * slope).upper
             if kappa >= least and _holds(reach, slope):
                 moved = part.h * Range(gamma) + part.h.square() * Range(kappa) / 2
                 if claim >= moved.upper:
                     return True
-            kappa = least + BEYOND * abs(least - kappa)
+            kappa = least + (BEYOND * abs(least - kappa) if attempt >= REPEATED else 0)
         return False
 
 

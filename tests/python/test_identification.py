@@ -7,7 +7,8 @@ import pytest
 
 from conftest import as_log
 from ivsid import IvsidError, identify, verify
-from ivsid.files.records import to_json, write_whole
+from ivsid.files.records import to_json
+from ivsid.files.whole import write_whole
 from ivsid.identification import METHODS, read_identification
 from ivsid.log import Log
 from ivsid.simulation import simulate

@@ -36,19 +36,18 @@ def run(
     """
     # Imports of a second or two wait until a command runs; the help needs none of them.
     from ivsid import effects  # noqa: PLC0415
-    from ivsid.files import records  # noqa: PLC0415
+    from ivsid.files import places, records  # noqa: PLC0415
     from ivsid.report import page  # noqa: PLC0415
 
     apart = apart or {}
     folder = out if out is not None else Path(f"ivsid-{command}")
-    for place in (folder, *(p.parent for p in apart.values())):
-        records.check_writable(place)
+    places.check_writable(folder)
+    for place in (folder / "result.json", folder / "report.html", *apart.values()):
+        places.check_target(place)
     with shown(command, quiet=json) as progress:
         report = work(progress)
         report = replace(report, record=records.with_own_effects(report.record, effects.own_files()))
-        page.write(replace(report, files={n: c for n, c in report.files.items() if n not in apart}), folder)
-        for name, place in apart.items():
-            records.write_whole(place, report.files[name])
+        page.write(report, folder, apart)
     if json:
         say(records.to_json(report.record))
         return

@@ -10,7 +10,7 @@ from typing import Final
 
 from ivsid.exports.number import one_line
 from ivsid.exports.planar import Planar
-from ivsid.files.records import write_whole
+from ivsid.files.whole import write_whole
 
 # Numbers that every target but yaml takes through its masses.
 INERTIA: Final = frozenset(("mass.surge", "mass.sway", "inertia.yaw", "coupling.cg_x", "coupling.cg_y"))

@@ -1,20 +1,15 @@
-"""Results as files: JSON whose bounds are rounded outward, and folders that are written whole or not at all."""
+"""Results as text: JSON whose bounds are rounded outward."""
 
 from __future__ import annotations
 
 import json
 import math
-import os
-import shutil
-import tempfile
 from collections.abc import Mapping, Sequence
 from importlib.metadata import version
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ivsid.errors import IvsidError
 from ivsid.files.seal import KEY, seal_of
 from ivsid.intervals import outward_decimal
 
@@ -86,81 +81,3 @@ def to_json(value: object, indent: int = 0) -> str:
 def sealed(record: Mapping[str, object]) -> dict[str, object]:
     """The record with the seal of its content, which ``ivsid verify`` compares."""
     return {**record, KEY: seal_of(to_json(record))}
-
-
-def write_whole(path: str | Path, data: str | bytes) -> None:
-    """Writes a file by renaming a finished one over it, so that no reader sees half of it.
-
-    Raises:
-        IvsidError: the path cannot be written.
-    """
-    path = Path(path)
-    content = data.encode() if isinstance(data, str) else data
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    except OSError as error:
-        raise _unwritable(path, error) from None
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        Path(name).chmod(0o644)
-        Path(name).replace(path)
-    except OSError as error:
-        Path(name).unlink(missing_ok=True)
-        raise _unwritable(path, error) from None
-
-
-def check_writable(folder: str | Path) -> None:
-    """Checks, before any work is done, that an output folder can be written; leaves nothing behind.
-
-    Raises:
-        IvsidError: the folder cannot be written.
-    """
-    folder = Path(folder)
-    existing = next(p for p in (folder, *folder.absolute().parents) if p.exists())
-    if not existing.is_dir():
-        raise IvsidError(f"output folder {folder} cannot be written ({existing} is a file); choose another with --out")
-    try:
-        with tempfile.TemporaryFile(dir=existing):
-            pass
-    except OSError as error:
-        raise _unwritable(folder, error) from None
-
-
-def write_folder(folder: str | Path, files: Mapping[str, str | bytes]) -> None:
-    """Writes all files of a result or, where one cannot be written, none.
-
-    Args:
-        folder: made where it does not exist.
-        files: content by path below the folder.
-
-    Raises:
-        IvsidError: the folder or one of its files cannot be written.
-    """
-    folder = Path(folder)
-    check_writable(folder)
-    made = next((p for p in reversed((folder, *folder.absolute().parents)) if not p.exists()), None)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        staging = Path(tempfile.mkdtemp(dir=folder, prefix=".ivsid-"))
-    except OSError as error:
-        raise _unwritable(folder, error) from None
-    try:
-        for name, data in files.items():
-            target = staging / name
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_bytes(data.encode() if isinstance(data, str) else data)
-        for name in files:
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            (staging / name).replace(folder / name)
-    except OSError as error:
-        if made is not None:
-            shutil.rmtree(made, ignore_errors=True)
-        raise _unwritable(folder, error) from None
-    finally:
-        shutil.rmtree(staging, ignore_errors=True)
-
-
-def _unwritable(path: Path, error: OSError) -> IvsidError:
-    return IvsidError(f"{path} cannot be written ({error.strerror or error}); choose another folder with --out")

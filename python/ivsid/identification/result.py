@@ -14,7 +14,8 @@ from ivsid.display.table import Cells
 from ivsid.effects import terms_of
 from ivsid.errors import IvsidError
 from ivsid.files.parsed import json_value
-from ivsid.files.records import Lower, Upper, envelope, sealed, to_json, write_whole
+from ivsid.files.records import Lower, Upper, envelope, sealed, to_json
+from ivsid.files.whole import write_whole
 from ivsid.intervals import shown
 from ivsid.setup import SetupFinding, in_doubt
 from ivsid.vehicle import Vehicle, parse_vehicle

@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
-from ivsid.files.records import to_json, write_folder
+from ivsid.errors import IvsidError
+from ivsid.files.records import to_json
+from ivsid.files.whole import write_together
 
 if TYPE_CHECKING:
     from ivsid.report.figures import Drawing
@@ -214,14 +216,25 @@ def _interactive(part: Part) -> bool:
     return part["kind"] == "series" or any(map(_interactive, _inside(part)))
 
 
-def write(report: Report, folder: str | Path) -> None:
-    """Writes all files of a report into a folder, whole or not at all.
+def write(report: Report, folder: str | Path, apart: Mapping[str, Path] | None = None) -> None:
+    """Writes all files of a report, whole or not at all.
+
+    Args:
+        report: whose files are written.
+        folder: of the files.
+        apart: paths of files of the report that stand elsewhere, by name; they are there before the folder changes.
 
     Raises:
-        IvsidError: a folder that cannot be written.
+        IvsidError: a folder or a file that cannot be written.
     """
     content: dict[str, str | bytes] = {"result.json": to_json(report.record) + "\n", "report.html": html(report)}
     for d in report.drawings:
         content[f"{d.name}.png"], content[f"{d.name}.svg"] = d.png, d.svg
     content.update(report.files)
-    write_folder(folder, content)
+    folders: dict[Path, dict[str, str | bytes]] = {}
+    for name, place in (apart or {}).items():
+        if place.parent.resolve() == Path(folder).resolve() and place.name in {*content} - {name}:
+            raise IvsidError(f"{place} is a file of the results themselves; name another one for {name}")
+        folders.setdefault(place.parent, {})[place.name] = content.pop(name)
+    folders.setdefault(Path(folder), {}).update(content)
+    write_together(folders)

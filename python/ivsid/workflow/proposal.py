@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ivsid.errors import IvsidError
-from ivsid.files.records import envelope, write_whole
+from ivsid.files.records import envelope
+from ivsid.files.whole import write_whole
 from ivsid.proposal import Answers, Proposal, propose, vehicle_file
 from ivsid.workflow.progress import Progress, silent
 

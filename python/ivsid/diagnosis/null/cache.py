@@ -18,8 +18,9 @@ from ivsid.diagnosis.null.tail import NullTest
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.effects import own_digest
 from ivsid.errors import IvsidError
-from ivsid.files.records import sealed, to_json, write_whole
+from ivsid.files.records import sealed, to_json
 from ivsid.files.seal import KEY, seal_of
+from ivsid.files.whole import write_whole
 from ivsid.vehicle import Vehicle
 
 FOLDER: Final = "null_logs"

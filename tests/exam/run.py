@@ -49,13 +49,17 @@ def graded(folder: Path, answers: Path, said: dict) -> dict:
 
 def examination(jobs: Iterable[int | Path], options: dict, workers: int = 1) -> Iterator[dict]:
     """Rows in the order of the seeds, or of the folders. Those who examine are processes of their own, and are told a folder."""
+    from ivsid.intervals.apart import end_with_parent
     from tests.exam.examine import examine
 
     # The answers lie where no path of the papers leads.
     with tempfile.TemporaryDirectory() as one, tempfile.TemporaryDirectory() as other:
         papers, answers = Path(one), Path(other)
         spawn = get_context("spawn")
-        with ProcessPoolExecutor(workers, spawn) as candidates, ProcessPoolExecutor(workers + 1, spawn) as judge:
+        with (
+            ProcessPoolExecutor(workers, spawn, end_with_parent) as candidates,
+            ProcessPoolExecutor(workers + 1, spawn, end_with_parent) as judge,
+        ):
 
             def examined(job: int | Path) -> dict:
                 folder = judge.submit(drawn, job, options, papers, answers).result()

@@ -1,16 +1,21 @@
-"""A process for work that holds the interpreter."""
+"""A process for work that holds the interpreter, which ends with the one that started it."""
 
 from __future__ import annotations
 
 import gc
 import multiprocessing
+import os
 from collections.abc import Callable
-from multiprocessing.connection import Connection
-from typing import Generic, TypeVar
+from multiprocessing.connection import Connection, wait
+from threading import Thread
+from typing import Final, Generic, TypeVar
 
 from ivsid.intervals.pieces import processors
 
 _T = TypeVar("_T")
+# Seconds between two looks at the parent.
+# Source: resource: time that a process without a use goes on
+LOOK: Final = 0.5
 
 
 class Apart(Generic[_T]):
@@ -59,7 +64,26 @@ def _sent(task: Callable[[], _T], writer: Connection) -> None:
     """Work of the process; nothing is sent of a task that fails."""
     # A collection would write to every object of the parent, and so copy all of its memory.
     gc.freeze()
+    end_with_parent()
     try:
         writer.send(task())
     except Exception:
         writer.close()
+
+
+def end_with_parent() -> None:
+    """Makes this process end when the one that started it is gone, however it ended: nobody waits for its results.
+
+    Its own code need not help, as long as it lets other threads run. Linux could send a signal (``PR_SET_PDEATHSIG``), but that follows the thread
+    that started the process, and a thread of a pool may end before its process does.
+    """
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        Thread(target=_watch, args=(parent.sentinel, parent.pid), daemon=True).start()
+
+
+def _watch(sentinel: int, parent: int | None) -> None:
+    # Processes that were forked later hold the sentinel open as well; the parent's number changes with its death in any case (POSIX).
+    while not wait([sentinel], LOOK) and os.getppid() == parent:
+        pass
+    os._exit(1)

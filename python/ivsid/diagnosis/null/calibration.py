@@ -13,9 +13,8 @@ import os
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from multiprocessing.connection import Connection, wait
+from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
-from threading import Thread
 from typing import Final
 
 import numpy as np
@@ -35,6 +34,7 @@ from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.axes import motion_axes, track_axes
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.kalman import Axis
+from ivsid.intervals.apart import end_with_parent
 
 Array = NDArray[np.float64]
 # Numbers of null logs after which their scores may decide; all of them are examined only where these leave doubt.
@@ -233,19 +233,11 @@ def _received(reader: Connection, trial: Trial, seed: int, mine: Sequence[int]) 
             return
 
 
-def _end_with_parent() -> None:
-    """Ends this process when the one that started it is gone, however it ended: nobody waits for the results."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        wait([parent.sentinel])
-        os._exit(1)
-
-
 def _work(trial: Trial, seed: int, mine: Sequence[int], writer: Connection) -> None:
     """Work of one process: the scores of its null logs in turn."""
     # A collection would write to every object of the parent, and so copy all of its memory.
     gc.freeze()
-    Thread(target=_end_with_parent, daemon=True).start()
+    end_with_parent()
     for one in _in_parts(trial, seed, mine):
         writer.send(one)
     writer.close()

@@ -19,7 +19,7 @@ from ivsid.identification.result import ClaimCheck, Identification, Parameter
 from ivsid.linear import regression
 from ivsid.linear.linalg import INVERSE_METHODS, partition_count
 from ivsid.log import GivenLog, log_of
-from ivsid.rows import ROW_KINDS, WINDOW, RegressionRows, build_rows
+from ivsid.rows import ROW_KINDS, WINDOW, RegressionRows, build_rows, window_count
 from ivsid.sensors.bounds import BoundedLog, bound_log
 from ivsid.setup import examined
 from ivsid.vehicle import GivenVehicle, Vehicle, vehicle_of
@@ -89,7 +89,7 @@ def identify(
     doubts = examined(vehicle, [log], progress) if examine else ()
     progress(f"identifying by {method} on {log.t.size} samples")
     terms = terms_of(vehicle, form)
-    bounded = bound_log(log, vehicle, 1 if isinstance(window, float | int) else max(len(window), 1))
+    bounded = bound_log(log, vehicle, window_count(window))
     # A row that bounds a bias is no measurement, so it cannot be wrong: with outliers the bias is bounded at every sample.
     taken = separate_bias(bounded, vehicle, bias) if method == "feasible" and not outliers else None
     bounded = bounded if taken is None else taken[0]

@@ -17,7 +17,7 @@ The parts that all kinds share:
 The chapter may use ``effects``, ``propulsion``, ``sensors`` and the chapters below them.
 """
 
-from ivsid.rows.build import KINDS, WINDOW, build_rows
+from ivsid.rows.build import KINDS, WINDOW, build_rows, window_count
 from ivsid.rows.record import ROW_KINDS, RegressionRows
 
-__all__ = ["KINDS", "ROW_KINDS", "WINDOW", "RegressionRows", "build_rows"]
+__all__ = ["KINDS", "ROW_KINDS", "WINDOW", "RegressionRows", "build_rows", "window_count"]

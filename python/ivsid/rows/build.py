@@ -112,6 +112,11 @@ def _plan(equations: Equations, counts: Sequence[int], kind: str) -> list[tuple[
     return plan
 
 
+def window_count(window: float | Sequence[float]) -> int:
+    """The number of lengths of windows, each of which adds one error a sample to the union bound where an ambient force acts."""
+    return 1 if isinstance(window, float | int) else max(len(window), 1)
+
+
 def _counts(log: Log, windows: Sequence[float], kind: str) -> list[int]:
     """Steps of each window; windows with the same number of steps count once."""
     if not windows:

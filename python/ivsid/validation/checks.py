@@ -18,7 +18,7 @@ from ivsid.intervals import IntervalArray
 from ivsid.log import GivenLog, Log, log_of
 from ivsid.propulsion.actuation import nominal_force
 from ivsid.propulsion.lag import GAP
-from ivsid.rows import RegressionRows, build_rows
+from ivsid.rows import RegressionRows, build_rows, window_count
 from ivsid.sensors.bounds import bound_log
 from ivsid.setup import SetupFinding, examined, in_doubt
 from ivsid.validation.motion import Runs, runs_of
@@ -139,7 +139,7 @@ def validate(fit: Identification, log: GivenLog, *, progress: Callable[[str], No
     doubts = examined(vehicle, [log], progress)
     progress(f"validating on {log.t.size} samples")
     form = fit.options["form"]
-    bounded = bound_log(log, vehicle)
+    bounded = bound_log(log, vehicle, window_count(fit.options["window"]))
     rows = build_rows(
         bounded,
         vehicle,

@@ -49,8 +49,9 @@ def graded(folder: Path, answers: Path, said: dict) -> dict:
 
 def examination(jobs: Iterable[int | Path], options: dict, workers: int = 1) -> Iterator[dict]:
     """Rows in the order of the seeds, or of the folders. Those who examine are processes of their own, and are told a folder."""
-    from ivsid.intervals.apart import end_with_parent
     from tests.exam.examine import examine
+
+    from ivsid.intervals.apart import end_with_parent
 
     # The answers lie where no path of the papers leads.
     with tempfile.TemporaryDirectory() as one, tempfile.TemporaryDirectory() as other:

@@ -1,6 +1,7 @@
 """Files at the edges: records of results, their seals, units, sections of TOML files, and the section ``[log]``.
 
-- ``records``: JSON whose bounds are rounded outward; folders that are written whole or not at all.
+- ``records``: JSON whose bounds are rounded outward.
+- ``whole``: files and folders that are written whole or not at all, into ``places`` that were checked, by a process that has them ``owned``.
 - ``seal``: the digest of a result, which shows an edit.
 - ``units``: factors from named units to SI.
 - ``parsed``: text of TOML and JSON as tables, and control characters made visible.

@@ -466,11 +466,12 @@ def main() -> int:
     alive = []
     with tempfile.TemporaryDirectory() as folder:
         tree = copied(Path(folder))
-        for tests in dict.fromkeys(m.tests for m in chosen):
-            if failed(tree, next(m for m in chosen if m.tests == tests)):
-                sys.stderr.write(f"{', '.join(tests)} fails without a fault\n")
-                return 2
+        sound: set[tuple[str, ...]] = set()
         for mutant in chosen:
+            if mutant.tests not in sound and failed(tree, mutant):
+                sys.stderr.write(f"{', '.join(mutant.tests)} fails without a fault\n")
+                return 2
+            sound.add(mutant.tests)
             begin = time.monotonic()
             left = survives(tree, mutant)
             alive += [mutant.name] * left

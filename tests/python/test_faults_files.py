@@ -51,6 +51,9 @@ class Forked:
         self._reader, writer = os.pipe()
         self.pid = os.fork()
         if not self.pid:
+            # A shell starts what runs in its background with Ctrl-C ignored.
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+            signal.alarm(120)
             try:
                 work(lambda k: os.write(writer, b"%d\n" % k))
             except KeyboardInterrupt:
@@ -434,7 +437,12 @@ def test_whole_commands_that_are_killed(tmp_path, sign):
     spent = time.monotonic() - begin
     rng = random.Random(int(sign))
     for k in range(12):
-        one = subprocess.Popen([*words, "--seed", str(k + 2)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        one = subprocess.Popen(
+            [*words, "--seed", str(k + 2)],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        )
         # Half of the moments are drawn from the last fifth, in which files are written.
         time.sleep(spent * (rng.uniform(0.8, 1.05) if k % 2 else rng.random()))
         one.send_signal(sign)

@@ -5,7 +5,8 @@ import json
 import pytest
 
 from command_line import run
-from ivsid import IvsidError
+from ivsid import IvsidError, read_log
+from ivsid.errors import ANY_CONTROL
 from ivsid.programme.scenario import parse_scenario
 from ivsid.vehicle import parse_vehicle
 
@@ -62,3 +63,14 @@ def test_a_file_name_reaches_the_terminal_as_text(tmp_path):
 def test_json_on_the_terminal_is_json(tmp_path):
     done = run("example", tmp_path / "ex", "--json")
     assert done.returncode == 0 and isinstance(json.loads(done.stdout), dict)
+
+
+def test_a_sentence_stays_on_its_line(tmp_path):
+    """Cells and names with line breaks and control characters stand in the sentence as escapes, in Python as well."""
+    log = tmp_path / "run.csv"
+    for cell, shown in (('"9\n3"', r"9\n3"), ("9\u20283", r"9\u20283")):
+        log.write_text("t,u,v,r\n0,1,1,1\n1,1,1,1\n2," + cell + ",1,1\n")
+        with pytest.raises(IvsidError) as refusal:
+            read_log(log)
+        assert shown in str(refusal.value) and not ANY_CONTROL.search(str(refusal.value))
+    assert str(IvsidError("a\x7fb\x1b\r\nc\td")) == r"a\x7fb\x1b\r\nc\td"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from ivsid.files.parsed import visible
+from ivsid.errors import visible
 
 
 def say(text: str, *, err: bool = False) -> None:

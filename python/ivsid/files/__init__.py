@@ -4,7 +4,7 @@
 - ``whole``: files and folders that are written whole or not at all, into ``places`` that were checked, by a process that has them ``owned``.
 - ``seal``: the digest of a result, which shows an edit.
 - ``units``: factors from named units to SI.
-- ``parsed``: text of TOML and JSON as tables, and control characters made visible.
+- ``parsed``: text of TOML and JSON as tables.
 - ``section``: the base of a section of a TOML file, and the kinds of numbers that its keys take.
 - ``shipped``: files that come with the package, by the name of their vehicle.
 - ``log_map``: the section ``[log]`` of a vehicle file, which maps foreign columns.

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import json
-import re
 import tomllib
 from collections.abc import Iterator
 from typing import Final
+
+from ivsid.errors import CONTROL, visible
 
 # Levels of tables and lists in each other, at most.
 # Source: definition: no file of this package has ten
 DEEPEST: Final = 100
 TOO_DEEP: Final = f"tables or lists stand in each other more than {DEEPEST} deep"
-# Control characters that can do more to a terminal than move to a new place: C0 but tab, line feed and carriage return, DEL and C1.
-# Source: definition: ISO 6429
-CONTROL: Final = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
 
 
 def toml_table(text: str) -> dict[str, object]:
@@ -47,11 +45,6 @@ def json_value(text: str | bytes) -> object:
     for _ in _words(value, ValueError):
         pass
     return value
-
-
-def visible(text: str) -> str:
-    """The text with each control character as an escape that shows it."""
-    return CONTROL.sub(lambda found: f"\\x{ord(found[0]):02x}", text)
 
 
 def _words(value: object, refusal: type[ValueError]) -> Iterator[str]:

@@ -6,7 +6,7 @@
 - ``assumptions``: the sentences that the guarantee relies on.
 - ``certificates``: the rows and multipliers that prove each bound, as records.
 - ``combinations``: combinations of parameters that the data determine where single parameters stay open.
-- ``result``: the identification as a value and as a file.
+- ``result``: the identification as a value and as a file, whose parts ``stored`` checks.
 - ``constriction``: the paper's heuristic, which guarantees nothing.
 
 The chapter may use ``rows``, ``linear`` and the chapters below them. The mathematics is in the core; nothing here widens or narrows a

@@ -16,6 +16,7 @@ from ivsid.errors import IvsidError
 from ivsid.files.parsed import json_value
 from ivsid.files.records import Lower, Upper, envelope, sealed, to_json
 from ivsid.files.whole import write_whole
+from ivsid.identification.stored import check_record
 from ivsid.intervals import shown
 from ivsid.setup import SetupFinding, in_doubt
 from ivsid.vehicle import Vehicle, parse_vehicle
@@ -213,11 +214,12 @@ def read_identification(path: str | Path) -> Identification:
         raise IvsidError(f"{file} is not the result of ivsid identify; run that first and give its --out folder")
     try:
         return _identification(record)
-    except (KeyError, TypeError, AttributeError, IndexError):
+    except (KeyError, TypeError, AttributeError, IndexError, OverflowError):
         raise IvsidError(f"{file} is damaged or of another version; run ivsid identify again") from None
 
 
 def _identification(record: dict[str, Any]) -> Identification:
+    check_record(record)
     given = {f.name: record[f.name] for f in fields(Identification) if f.name in record}
     infinite = {"lower": float("-inf"), "upper": float("inf")}
     parameters = {
@@ -231,9 +233,6 @@ def _identification(record: dict[str, Any]) -> Identification:
         "log_sha256": record["inputs"][1]["sha256"],
         "setup": tuple(SetupFinding(**f) for f in record.get("setup", ())),
     }
-    numbers = [e for p in parameters.values() for e in (p.lower, p.upper)] + list(given["estimate"].values())
-    if not all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in numbers):
-        raise TypeError("bounds and estimates are numbers")
     ids = {t.id for t in terms_of(given["vehicle"], given["options"]["form"])}
     if given["status"] in ("enclosed", "unbounded") and set(parameters) != ids:
         raise KeyError("the parameters are those of the model")

@@ -32,6 +32,11 @@ _LISTS: Final = {"demand": ("steps",), "differential": ("steps", "spiral"), "rud
 Levels = Finite | Annotated[tuple[Finite, ...], Field(min_length=1)]
 
 
+# Turns of a manoeuvre beyond which their number is no longer exact: a period far below the time of a sample.
+# Source: definition: 53 bits of a double
+MOST_TURNS: Final = 2.0**53
+
+
 class Segment(BaseModel):
     """One manoeuvre.
 
@@ -127,11 +132,12 @@ class Programme:
         while len(self._plan) < samples:
             for segment in segments:
                 signs, drawn = (1.0, 1.0), -1
-                for k in range(max(1, round(segment.duration * rate))):
+                # A product that overflows is longer than any scenario.
+                for k in range(max(1, round(min(segment.duration * rate, samples)))):
                     if len(self._plan) == samples:
                         break
                     time = k * step
-                    turn = math.floor(time / segment.period + 1e-9)
+                    turn = math.floor(min(time / segment.period + 1e-9, MOST_TURNS))
                     if turn != drawn and segment.manoeuvre == "prbs":
                         signs = (float(rng.choice((-1, 1))), float(rng.choice((-1, 1))))
                         drawn = turn

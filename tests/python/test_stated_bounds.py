@@ -242,3 +242,23 @@ def test_a_validation_counts_the_errors_that_the_identification_counts(windows, 
     check = validate(replace(fit, estimate=dict.fromkeys(fit.parameters, 1.0) or {"mass.surge": 50.0}), log)
     yaw = next(f for f in check.forces if f.channel == "yaw")
     assert inside(yaw.measured.upper.max(), 2.0 * k * (1 - 1e-9), 2.0 * k)
+
+
+def test_a_gyro_that_averages_may_be_half_a_step_behind():
+    """|rdot| <= 0.5 rad/s^2 over a tenth of a second: the rate lies within 0.025 rad/s of the mean that was read."""
+    vehicle = bare().text.replace("[sensors.yaw_rate]", '[sensors.yaw_rate]\nsampling = "averaged"')
+    vehicle = parse_vehicle(vehicle, "averaging.toml")
+    log = still()
+    r = bound_log(log, vehicle).channels["r"]
+    assert inside(r.upper.min(), 0.025, 0.025) and inside(-r.lower.max(), 0.025, 0.025)
+    own = Readings(log, vehicle).channel("r", 5)
+    assert inside(float(own.upper), 0.025, 0.025) and inside(float(-own.lower), 0.025, 0.025)
+
+
+def test_a_heading_has_its_whole_accuracy():
+    vehicle = bare("[sensors.heading]\naccuracy = 0.02\n")
+    log = still(psi=np.zeros(40))
+    psi = bound_log(log, vehicle).channels["psi"]
+    assert (psi.upper >= 0.02).all() and (psi.lower <= -0.02).all() and (psi.upper < 0.020001).all()
+    own = Readings(log, vehicle).heading(5)
+    assert float(own.upper) >= 0.02 and float(own.upper) < 0.020001 and float(own.lower) <= -0.02

@@ -144,7 +144,7 @@ MUTANTS = (
         "curve of the heading halved", "sensors/weak_form.py", "longest**2 / 8", "longest**2 / 16", "test_weak_form.py"
     ),
     python(
-        "bulge of the track halved",
+        "bulge of the track a hundredth",
         "sensors/weak_form.py",
         "earth * longest**2 / 12",
         "earth * longest**2 / 1200",

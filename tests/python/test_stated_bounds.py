@@ -16,6 +16,7 @@ from ivsid.diagnosis.null import levels
 from ivsid.diagnosis.null.levels import split
 from ivsid.effects import terms_of
 from ivsid.log import Log
+from ivsid.propulsion.lag import lagged
 from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.rows import build_rows
 from ivsid.sensors.bounds import bound_log
@@ -193,6 +194,25 @@ def test_the_relative_accuracy_is_of_the_largest_thrust_in_a_range():
         assert inside(-low, 112.0 - 1e-9, 112.0) and inside(high, 32.0 - 1e-9, 32.0)
 
 
+def test_a_range_that_reaches_into_the_dead_band_holds_zero():
+    """Demands from 10 to 30 with a dead band of 20: no thrust at all, or up to 30 N."""
+    given = thruster(gain=1.0, demand_range=(-100, 100), dead_band=20.0, accuracy={"absolute": 0.001})
+    for (low, high), least, most in (
+        ((10.0, 30.0), 0, 30),
+        ((-30.0, -10.0), -30, 0),
+        ((-5.0, 5.0), 0, 0),
+        ((25.0, 30.0), 25, 30),
+    ):
+        for lower, upper in both_curves(given, low, high):
+            assert least - 0.002 <= lower <= least and most <= upper <= most + 0.002
+
+
+def test_the_reverse_factor_is_of_thrust_astern_alone():
+    given = thruster(gain=1.0, demand_range=(-100, 100), reverse_factor=0.5, accuracy={"absolute": 0.001})
+    for lower, upper in both_curves(given, -40.0, 60.0):
+        assert -20.002 <= lower <= -20 and 60 <= upper <= 60.002
+
+
 @pytest.mark.parametrize("span", [(-2.0, 3.0), (-4.0, 4.0), (0.5, 1.5)])
 def test_knots_inside_a_range_of_demands_count(span):
     """A table that rises to 50 N at demand 1, and falls: the extremes of a range stand at knots inside it."""
@@ -262,3 +282,17 @@ def test_a_heading_has_its_whole_accuracy():
     assert (psi.upper >= 0.02).all() and (psi.lower <= -0.02).all() and (psi.upper < 0.020001).all()
     own = Readings(log, vehicle).heading(5)
     assert float(own.upper) >= 0.02 and float(own.upper) < 0.020001 and float(own.lower) <= -0.02
+
+
+def test_what_a_thruster_did_before_the_log_is_anything():
+    """Behind a lag of ten seconds the first force is any force of the curve, from -20 N to 30 N, whatever is demanded."""
+    given = thruster(gain=1.0, demand_range=(-20, 30), time_constant=10.0, accuracy={"absolute": 0.001})
+    log = still(demand_p=np.full(40, 10.0))
+    for lag in ("thrust", "demand"):
+        curve = ThrustCurve(given.model_copy(update={"lag": lag}))
+        at, over = lagged(curve, np.full(40, 10.0), np.zeros(40), log, np.ones(40, dtype=bool), 10.0)
+        assert at.lower[0] <= -20 and at.upper[0] >= 30 and at.upper[0] < 30.1
+        # A step later an hundredth of the difference to 10 N has gone.
+        later = 10 + 20 * np.exp(-0.01)
+        assert at.upper[1] >= later and at.upper[1] < later + 0.01
+        assert over.upper[0] >= (30 + later) / 2 - 0.01

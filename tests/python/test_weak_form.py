@@ -68,6 +68,23 @@ def test_differences_of_half_window_means_are_enclosed(seed, half):
         assert np.median(found["u"].width) < 0.5 * np.median(ends.width)
 
 
+def test_the_way_of_a_turning_boat_holds_the_bulge_between_rows():
+    """Rows say that the boat turns on one spot. Between them it may swing out sideways by A h^2 / 8, which leaves A h^2 / 12 times the turn in the way ahead."""
+    h, turn, acceleration, half = 0.5, 0.01, 1.0, 20
+    t = np.arange(120) * h
+    vehicle = boat(1e-9, 1e-9, acceleration, 1e-6)
+    pose = {"x": np.zeros(120), "y": np.zeros(120), "psi": turn * np.arange(120.0)}
+    log, channels = with_velocities(Log("spot.csv", "", t, pose), vehicle.sensors)
+    clock = IntervalArray.around(log.t, log.time_error)
+    means = pose_means(log, vehicle.sensors, dict(channels), clock[1:] - clock[:-1])
+    starts = np.arange(20, 60)
+    swing = half * turn * acceleration * h**2 / 12
+    for way in means._ways(half).values():
+        found = way(starts, starts + half)
+        assert (found.upper >= 0.99 * swing).all() and (-found.lower >= 0.99 * swing).all()
+        assert (found.upper <= 4 * swing).all()
+
+
 def towed(seed, length=90.0, accuracy=0.002):
     t, pose, truth, (acceleration, yaw) = motion(seed, length)
     u, v, r = truth["u"], truth["v"], truth["r"]

@@ -332,7 +332,7 @@ def by_command(kind: Kind, path: Path, folder: Path) -> str:
     try:
         done = subprocess.run(
             [sys.executable, "-m", "ivsid.cli", *words, "--out", str(folder / "out")],
-            capture_output=True, timeout=12 * LONGEST, env=environment, check=False, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (MEMORY * 4, MEMORY * 4)),
+            capture_output=True, timeout=12 * LONGEST, env=environment, check=False, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (4 * MEMORY, 4 * MEMORY)),
         )  # fmt: skip
     except subprocess.TimeoutExpired:
         return "FAULT the command does not end"
@@ -356,7 +356,8 @@ def work(jobs: list[tuple[str, int]], seed: int, link: Connection) -> None:
         if Path("/proc/self/statm").exists()
         else MEMORY
     )
-    resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, used + MEMORY))
+    # The soft limit alone, so that a command gets one of its own.
+    resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, resource.getrlimit(resource.RLIMIT_AS)[1]))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     null = os.open(os.devnull, os.O_WRONLY)
     os.dup2(null, 2)

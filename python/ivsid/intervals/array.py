@@ -109,6 +109,7 @@ class IntervalArray(Operators, RecommendedFunctions):
     @property
     def magnitude(self) -> FloatArray:
         """The largest absolute value."""
+        _check_mode()
         found: FloatArray = np.maximum(np.abs(self._lower), np.abs(self._upper))
         return self._measure("magnitude") if self.empty.any() else found
 
@@ -220,6 +221,11 @@ class IntervalArray(Operators, RecommendedFunctions):
         if not isinstance(other, (IntervalArray, Interval)):
             return NotImplemented
         return equal(self, other)
+
+    def __ne__(self, other: object) -> Any:
+        # Python would ask for the truth of the whole array.
+        found = self.__eq__(other)
+        return found if found is NotImplemented else ~found
 
     def __getstate__(self) -> tuple[FloatArray, FloatArray]:
         return np.array(self._lower), np.array(self._upper)

@@ -157,11 +157,13 @@ pub fn measure<'py>(
 /// `[lower, upper]`, rounded outward.
 #[pyfunction]
 pub fn format_interval(lo: f64, hi: f64) -> PyResult<String> {
+    interval_core::rounding::check_environment().map_err(|e| refusal(&e))?;
     Interval::new(lo, hi).map(|x| x.to_string()).map_err(|e| refusal(&e))
 }
 
 /// The shortest decimal that reads back as `x` and lies on its outer side.
 #[pyfunction]
-pub fn outward_decimal(x: f64, up: bool) -> String {
-    interval_core::exact::outward_decimal(x, up)
+pub fn outward_decimal(x: f64, up: bool) -> PyResult<String> {
+    interval_core::rounding::check_environment().map_err(|e| refusal(&e))?;
+    Ok(interval_core::exact::outward_decimal(x, up))
 }

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from ivsid.errors import CONTROL, visible
+from ivsid.files.processor import check_rounding
 
 # Levels of tables and lists in each other, at most.
 # Source: definition: no file of this package has ten
@@ -21,6 +22,7 @@ def toml_table(text: str) -> dict[str, object]:
     Raises:
         tomllib.TOMLDecodeError: no TOML, nested too deeply, or a control character in a key or a text.
     """
+    check_rounding()
     try:
         table = tomllib.loads(text)
     except RecursionError:
@@ -38,6 +40,7 @@ def json_value(text: str | bytes) -> object:
     Raises:
         ValueError: no JSON, or nested too deeply.
     """
+    check_rounding()
     try:
         value: object = json.loads(text)
     except RecursionError:

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ivsid.errors import IvsidError
 from ivsid.files.log_map import LogMap
+from ivsid.files.processor import check_rounding
 from ivsid.log.reader import read_log, read_source
 from ivsid.log.record import Log
 from ivsid.log.source import Frame, Source
@@ -52,6 +53,7 @@ def log_of(given: GivenLog, mapping: LogMap | None = None) -> Log:
     Raises:
         IvsidError: the first fault of the log, in one sentence.
     """
+    check_rounding()
     if isinstance(given, Log):
         return given
     if isinstance(given, str | os.PathLike):

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
 from ivsid.files.log_map import LogMap
+from ivsid.files.processor import check_rounding
 from ivsid.log.channels import Clocked, converted, turned, with_heading
 from ivsid.log.clocks import together
 from ivsid.log.formats import open_source
@@ -43,8 +44,12 @@ def read_log(path: str | Path, mapping: LogMap | None = None) -> Log:
     Raises:
         IvsidError: the first fault of the file, in one sentence.
     """
+    check_rounding()
     with open_source(path) as source:
-        return read_source(source, mapping or LogMap())
+        log = read_source(source, mapping or LogMap())
+    # A reader of others may have changed the mode.
+    check_rounding()
+    return log
 
 
 def read_source(source: Source, mapping: LogMap) -> Log:

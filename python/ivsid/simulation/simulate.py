@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ivsid.effects import Given, Reading, of_kind, sort_given, terms_of
 from ivsid.effects.environment import STEADY_CURRENT
 from ivsid.errors import IvsidError
+from ivsid.files.processor import check_rounding
 from ivsid.programme.manoeuvres import Programme
 from ivsid.programme.scenario import Scenario, Start
 from ivsid.simulation.equations import Plant, equations, plant, steps
@@ -66,6 +67,7 @@ def simulate(
     Raises:
         IvsidError: unknown ids, missing values, a vehicle without thrusters, or a motion that does not settle.
     """
+    check_rounding()
     if not vehicle.thrusters:
         raise IvsidError("a vehicle without thrusters cannot be simulated; add [[thrusters]] to its file")
     number = scenario.seed if seed is None else seed

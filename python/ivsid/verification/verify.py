@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from ivsid.files.processor import check_rounding
 from ivsid.log import Log, read_log
 from ivsid.verification.checker import Checker
 from ivsid.verification.result import DamagedError, read_result
@@ -93,6 +94,7 @@ def verify(
     Raises:
         IvsidError: a file that cannot be read, or that is no result of ``ivsid identify``.
     """
+    check_rounding()
     path = Path(result)
     name = str(path)
     try:

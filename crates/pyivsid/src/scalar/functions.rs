@@ -10,7 +10,7 @@ macro_rules! functions {
         impl Interval {
             $($(#[doc = $doc])*
             fn $name(&self) -> PyResult<Self> {
-                guarded(self.0.$core())
+                guarded(|| Self(self.0.$core()))
             })*
         }
     };

@@ -24,12 +24,6 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 #[derive(Clone, Copy)]
 pub struct Interval(pub Bounds);
 
-impl Interval {
-    const fn value(&self) -> Bounds {
-        self.0
-    }
-}
-
 /// A function of the Python module that knows arrays and everything else.
 fn python_door<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
     static MODULE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
@@ -37,11 +31,12 @@ fn python_door<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> 
     module.bind(py).getattr(name)
 }
 
-/// A result, unless the processor rounds otherwise than it must.
+/// A result, unless the processor rounds otherwise than it must: then nothing is computed, since an algorithm that rests
+/// on the mode can leave its tables or its loops.
 #[inline]
-fn guarded(result: Bounds) -> PyResult<Interval> {
+fn guarded<T>(result: impl FnOnce() -> T) -> PyResult<T> {
     rounding::check_environment().map_err(|e| refusal(&e))?;
-    Ok(Interval(result))
+    Ok(result())
 }
 
 /// A number of Python's as a double, without a rounding.
@@ -99,31 +94,31 @@ impl Interval {
     /// A double inside, nearest to the centre.
     #[getter]
     fn midpoint(&self) -> PyResult<f64> {
-        guarded(self.0).map(|x| x.0.midpoint())
+        guarded(|| self.0.midpoint())
     }
 
     /// The smallest double r with the interval inside midpoint +- r.
     #[getter]
     fn radius(&self) -> PyResult<f64> {
-        guarded(self.0).map(|x| x.0.radius())
+        guarded(|| self.0.radius())
     }
 
     /// Upper - lower, rounded up.
     #[getter]
     fn width(&self) -> PyResult<f64> {
-        guarded(self.0).map(|x| x.0.width())
+        guarded(|| self.0.width())
     }
 
     /// The largest absolute value.
     #[getter]
     fn magnitude(&self) -> PyResult<f64> {
-        guarded(self.0).map(|x| x.0.magnitude())
+        guarded(|| self.0.magnitude())
     }
 
     /// The smallest absolute value.
     #[getter]
     fn mignitude(&self) -> PyResult<f64> {
-        guarded(self.0).map(|x| x.0.mignitude())
+        guarded(|| self.0.mignitude())
     }
 
     /// True if nothing is inside.
@@ -138,22 +133,22 @@ impl Interval {
     ///     `IvsidError`: no number, or one without an exact double.
     fn contains(&self, point: &Bound<'_, PyAny>) -> PyResult<bool> {
         let point = exact_number(point)?;
-        Ok(guarded(self.0)?.0.contains(point))
+        guarded(|| self.0.contains(point))
     }
 
     /// True if this lies in the other.
     fn subset(&self, other: &Self) -> PyResult<bool> {
-        Ok(guarded(self.0)?.0.subset(other.0))
+        guarded(|| self.0.subset(other.0))
     }
 
     /// True if this lies in the inside of the other.
     fn interior(&self, other: &Self) -> PyResult<bool> {
-        Ok(guarded(self.0)?.0.interior(other.0))
+        guarded(|| self.0.interior(other.0))
     }
 
     /// True if no number is in both.
     fn disjoint(&self, other: &Self) -> PyResult<bool> {
-        Ok(guarded(self.0)?.0.disjoint(other.0))
+        guarded(|| self.0.disjoint(other.0))
     }
 
     /// The common members.
@@ -193,17 +188,17 @@ impl Interval {
 
     /// ``self * y + z`` with one rounding.
     fn fma(&self, y: &Self, z: &Self) -> PyResult<Self> {
-        guarded(self.0.mul_add(y.0, z.0))
+        guarded(|| Self(self.0.mul_add(y.0, z.0)))
     }
 
     /// Hexadecimal bounds, without any rounding: text that reads back as the same interval.
     #[expect(clippy::wrong_self_convention, reason = "Python passes a reference")]
-    fn to_exact(&self) -> String {
-        self.0.to_exact()
+    fn to_exact(&self) -> PyResult<String> {
+        guarded(|| self.0.to_exact())
     }
 
-    fn __neg__(&self) -> Self {
-        Self(-self.value())
+    fn __neg__(&self) -> PyResult<Self> {
+        guarded(|| Self(-self.0))
     }
 
     fn __pos__(&self) -> Self {
@@ -211,7 +206,7 @@ impl Interval {
     }
 
     fn __abs__(&self) -> PyResult<Self> {
-        guarded(self.0.abs())
+        guarded(|| Self(self.0.abs()))
     }
 
     fn __contains__(&self, point: &Bound<'_, PyAny>) -> PyResult<bool> {
@@ -225,7 +220,7 @@ impl Interval {
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = slf.py();
         let Ok(other) = other.cast::<Self>() else { return Ok(py.NotImplemented().into_bound(py)) };
-        let equal = guarded(slf.get().0)?.0 == other.get().0;
+        let equal = guarded(|| slf.get().0 == other.get().0)?;
         Ok(match op {
             CompareOp::Eq => equal.into_pyobject(py)?.to_owned().into_any(),
             CompareOp::Ne => (!equal).into_pyobject(py)?.to_owned().into_any(),
@@ -234,9 +229,10 @@ impl Interval {
     }
 
     fn __hash__(&self) -> u64 {
-        // Equal intervals may differ in the sign of a zero.
+        // Equal intervals may differ in the sign of a zero. Bits tell a zero in every mode of the processor.
         let mut hasher = DefaultHasher::new();
-        [self.0.lo(), self.0.hi()].map(|x| (x + 0.0).to_bits()).hash(&mut hasher);
+        let bits = |x: f64| if x.to_bits() << 1 == 0 { 0 } else { x.to_bits() };
+        [self.0.lo(), self.0.hi()].map(bits).hash(&mut hasher);
         hasher.finish()
     }
 
@@ -248,19 +244,19 @@ impl Interval {
         (slf.get_type(), arguments).into_pyobject(py)
     }
 
-    fn __repr__(&self) -> String {
+    fn __repr__(&self) -> PyResult<String> {
         if self.0.is_empty() {
-            return "Interval(\"[empty]\")".into();
+            return Ok("Interval(\"[empty]\")".into());
         }
         // The decimals are outward, and as float literals they read back as the same doubles.
         let end = |x: f64, up| {
             if x.is_infinite() { format!("float(\"{x}\")") } else { exact::outward_decimal(x, up) }
         };
-        format!("Interval({}, {})", end(self.0.lo(), false), end(self.0.hi(), true))
+        guarded(|| format!("Interval({}, {})", end(self.0.lo(), false), end(self.0.hi(), true)))
     }
 
-    fn __str__(&self) -> String {
-        self.0.to_string()
+    fn __str__(&self) -> PyResult<String> {
+        guarded(|| self.0.to_string())
     }
 
     /// The interval in a notebook, as the tables of arrays show it.

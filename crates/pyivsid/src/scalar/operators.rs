@@ -122,7 +122,7 @@ impl Interval {
             let Ok(n) = number.extract::<i32>() else {
                 return python_door(slf.py(), "_operate")?.call1(("pow", slf, exponent));
             };
-            return Ok(Bound::new(slf.py(), guarded(slf.get().0.powi(n))?)?.into_any());
+            return Ok(Bound::new(slf.py(), guarded(|| Interval(slf.get().0.powi(n)))?)?.into_any());
         }
         binary(slf, exponent, "pow", Bounds::pow, false)
     }

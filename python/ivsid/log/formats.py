@@ -25,7 +25,11 @@ from ivsid.log.polars_panics import panics_unprinted
 from ivsid.log.rosbag import open_bag
 from ivsid.log.source import Lossless, Source, Table, head
 from ivsid.log.text import open_text
+from ivsid.log.unpacked import MOST_ROWS, most_unpacked, too_large
 
+# Bytes that are unpacked at a time.
+# Source: resource: bounds the memory of a step
+PIECE: Final = 1 << 20
 # A MATLAB v5 file begins with words; a v4 file is known by its ending.
 MATLAB_5: Final = b"MATLAB 5.0 MAT-file"
 MATLAB_73: Final = (b"MATLAB 7.3 MAT-file", b"\x89HDF\r\n\x1a\n")
@@ -188,9 +192,13 @@ def _table(path: Path, name: str, stack: ExitStack) -> Table:
     """A table of CSV or Parquet, plain or gzip. A packed file is unpacked to disk, since it need not fit in memory."""
     if head(path).startswith(GZIP):
         plain = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="ivsid-"))) / "log"
+        most = most_unpacked(path.stat().st_size)
         try:
             with gzip.open(path) as packed, plain.open("wb") as target:
-                shutil.copyfileobj(packed, target, 1 << 20)
+                while piece := packed.read(PIECE):
+                    target.write(piece)
+                    if target.tell() > most:
+                        raise too_large(name, most)
         except (gzip.BadGzipFile, EOFError, zlib.error):
             raise IvsidError(f"{name} is a damaged gzip file; copy it again") from None
         except OSError as error:
@@ -238,8 +246,11 @@ def _parquet(path: Path, name: str) -> Parquet:
     try:
         with panics_unprinted():
             columns = list(pl.read_parquet_schema(path))
+            rows = int(pl.scan_parquet(path, glob=False).select(pl.len()).collect().item())
     except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
         raise _unusable(name, error) from None
+    if rows > MOST_ROWS:
+        raise IvsidError(f"{name} has {rows:,} rows; logs of up to {MOST_ROWS:,} are read, so cut it into parts")
     stripped = [c.strip() for c in columns]
     twice = next((n for n in stripped if stripped.count(n) > 1), None)
     if twice is not None:

@@ -13,6 +13,8 @@ import zlib
 from pathlib import Path
 from typing import Final
 
+from ivsid.log.unpacked import most_unpacked
+
 # Types of elements, and the bytes of one number of each.
 # Source: definition: MathWorks, MAT-File Format
 _BYTES: Final = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8}
@@ -96,12 +98,24 @@ def _variables(elements: _Elements) -> None:
             _matrix(_Elements(elements.data, elements.order, begin, end), 0)
             continue
         try:
-            plain = zlib.decompress(elements.data[begin:end])
+            plain = _unpacked(elements.data[begin:end])
         except zlib.error as error:
             raise StructureError(f"a variable cannot be unpacked: {error}") from None
         inside = _Elements(plain, elements.order, 0, len(plain))
         _, begin, end = inside.wanted(_MATRIX)
         _matrix(_Elements(plain, elements.order, begin, end), 0)
+
+
+def _unpacked(packed: bytes) -> bytes:
+    """A variable unpacked, inside the limit of ``unpacked``: SciPy has none."""
+    most = most_unpacked(len(packed))
+    one = zlib.decompressobj()
+    plain = one.decompress(packed, most + 1)
+    if len(plain) > most:
+        raise StructureError(f"a variable unpacks to more than {most:,} bytes")
+    if not one.eof:
+        raise zlib.error("it is cut off")
+    return plain
 
 
 def _matrix(elements: _Elements, depth: int) -> None:

@@ -15,6 +15,7 @@ import polars as pl
 from ivsid.errors import IvsidError
 from ivsid.files.log_map import TimeColumn
 from ivsid.log.source import Lossless, Table
+from ivsid.log.unpacked import bounded_chunks
 
 # The two clocks of a message, in nanoseconds: the sensor's time of measurement, and the recorder's time of arrival.
 STAMP: Final = "stamp"
@@ -59,6 +60,7 @@ def open_bag(path: Path, name: str, stack: ExitStack) -> Mapping[str, Table]:
         raise IvsidError(
             f"{name} is a ROS bag; reading it needs the package rosbags: pip install 'ivsid[ros]'"
         ) from None
+    bounded_chunks()
     try:
         # Bags of older recorders carry no definitions: the standard messages of a release stand in for them.
         default = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)

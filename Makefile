@@ -14,7 +14,7 @@ ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 FIXED := PROPTEST_RNG_SEED=1
 
 .PHONY: demo test test-rust test-python dependencies check rustfmt clippy lint rules null-logs constants constants-page rules-page rule-counts types stubs imports docs-rust docs-python nightly \
-	site links workflows wheel try-wheel licences bench same same-compare vessels peers inverse-peers fit-peers throughput diagnosis-time first-diagnosis tubes exhaustive twins itf1788 differential fuzz exam reliability handbook build release venv tools format clean
+	site links workflows wheel try-wheel licences bench same same-compare vessels peers inverse-peers fit-peers throughput diagnosis-time first-diagnosis tubes exhaustive twins itf1788 differential fuzz fuzz-files mutants exam reliability handbook build release venv tools format clean
 
 demo: release
 	$(BIN)/ivsid demo --out $(OUT)
@@ -203,6 +203,15 @@ diagnosis-time: release
 SECONDS ?= 600
 fuzz:
 	IVSID_FUZZ_SECONDS=$(SECONDS) cargo test --locked --release --test fuzz_text -- --nocapture
+
+# Mutated logs, vehicle files, scenarios and results: a value or one sentence. KINDS takes some of them, SEED repeats a run.
+FILES ?= 1e6
+fuzz-files: build
+	$(ONE_THREAD) $(BIN)/python -m tests.fuzz_files $(if $(filter command line,$(origin CASES)),$(CASES),$(FILES)) $(SEED) $(KINDS)
+
+# Named faults in a copy of the tree, each of which a test has to see; some of them by MUTANTS="'name' 'name'".
+mutants: build
+	$(ONE_THREAD) $(BIN)/python -m tests.mutants $(if $(MUTANTS),$(MUTANTS),--rust)
 
 venv: $(VENV)/.ready
 

@@ -64,6 +64,9 @@ PARTS = (
         "cargo test --profile gate --locked --workspace --exclude benches --test fuzz_text",
         "IVSID_FUZZ_SECONDS=120",
     ),
+    # Mutated files through every reader, and named faults that tests have to see.
+    Part("files", "python -m tests.fuzz_files 10000 {seed}"),
+    Part("mutants", "python -m tests.mutants --rust"),
     # Wheel, source distribution and crate, and the tutorial with the wheel away from the tree; a wheel of the source there.
     Part("packages", "make wheel try-wheel && make try-wheel SOURCE=1"),
     # Lints of the benchmarks, and the documentation of the crates and of the package, and the release workflow.

@@ -441,7 +441,8 @@ def test_whole_commands_that_are_killed(tmp_path, sign):
             [*words, "--seed", str(k + 2)],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
-            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+            # Where this runs in the background of a shell, Ctrl-C is ignored, and its children inherit that.
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509 - this process has one thread
         )
         # Half of the moments are drawn from the last fifth, in which files are written.
         time.sleep(spent * (rng.uniform(0.8, 1.05) if k % 2 else rng.random()))

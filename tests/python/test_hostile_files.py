@@ -9,6 +9,7 @@ from ivsid import IvsidError, identify, validate
 from ivsid.identification.result import read_identification
 from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
+from ivsid.vehicle import parse_vehicle
 
 
 @pytest.mark.parametrize(
@@ -20,6 +21,17 @@ def test_a_manoeuvre_of_any_length_is_driven(swan, old, new):
     assert old in text
     made = simulate(swan, parse_scenario(text.replace(old, new, 1), "plan.toml"), 1)
     assert made.t.size == 100
+
+
+@pytest.mark.parametrize("thrusts", ["[0.0, 1e308, -1e308]", "[0.0, 1e305, 2.0]", "[0.0, 1.0, 1e99]"])
+def test_a_table_beyond_any_thruster_gets_a_sentence(thrusts):
+    """The slopes of the interpolation overflowed."""
+    text = (
+        "name = 'b'\n[hull]\nmass = 9\n[[thrusters]]\nname = 'p'\n[thrusters.table]\ndemand = [-1e-5, 0.0, 1e-4]\nthrust = "
+        + thrusts
+    )
+    with pytest.raises(IvsidError, match=r"beyond 1e\+100; check its unit"):
+        parse_vehicle(text, "b.toml")
 
 
 @pytest.fixture(scope="module")

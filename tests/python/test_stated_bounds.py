@@ -19,6 +19,7 @@ from ivsid.log import Log
 from ivsid.propulsion.lag import lagged
 from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.rows import build_rows
+from ivsid.rows.integral import Quadrature
 from ivsid.sensors.bounds import bound_log
 from ivsid.vehicle import Thruster, parse_vehicle
 from ivsid.verification.curves import Curve
@@ -149,6 +150,35 @@ def test_the_mean_of_a_square_holds_the_steepest_motion():
         "drag.surge.quadratic"
     ]
     assert found.upper >= Fraction(mean) and float(found.upper) < 1 + 2 * peak * a * h / 4 + 1e-4
+
+
+def test_within_a_step_a_velocity_reaches_half_a_step_beyond_its_rows(monkeypatch):
+    """0 at both rows and at most 0.8 m/s^2: 0.04 m/s in the middle of a tenth of a second, which the square's column shows."""
+    vehicle, log = bare(), still()
+    u, v, r = Rows(log, vehicle, "total").swept(3)()
+    for found, reach in ((u, 0.04), (v, 0.04), (r, 0.025)):
+        assert inside(float(found.upper), reach, reach) and inside(float(-found.lower), reach, reach)
+    made = []
+    plain = Quadrature.mean
+    monkeypatch.setattr(Quadrature, "mean", lambda self, *words: (made.append(self), plain(self, *words))[1])
+    rows_of(vehicle, log)
+    for term, channel, reach in zip(terms_of(vehicle)[3:], CHANNELS, (0.04, 0.04, 0.025), strict=True):
+        over = made[0].step_parts(term.columns, channel)[1]
+        assert (
+            term.id == f"drag.{channel}.linear"
+            and inside(over.upper.min(), reach, reach)
+            and inside(-over.lower.max(), reach, reach)
+        )
+
+
+def test_rows_of_more_lengths_than_were_bounded_are_refused():
+    log = still()
+    for windows in (1, 2):
+        rows = Rows(log, bare(), "total", windows=windows)
+        for last in range(10, 10 + windows):
+            rows.row("integral", "surge", float(log.t[0]), float(log.t[last] - log.t[0]))
+        with pytest.raises(UnprovedError, match=f"more than the {windows} lengths of window"):
+            rows.row("integral", "surge", float(log.t[0]), float(log.t[20] - log.t[0]))
 
 
 @pytest.mark.parametrize("missing", [1, 9])

@@ -85,6 +85,19 @@ def test_the_way_of_a_turning_boat_holds_the_bulge_between_rows():
         assert (found.upper <= 4 * swing).all()
 
 
+def test_the_way_of_a_boat_that_drifts_sideways_holds_the_curve_of_its_heading():
+    """The heading is 0 at both rows and may bend by W t (h - t) / 2 between them: of a drift of 1 m/s, W h^2 / 12 looks like a way ahead."""
+    h, yaw = 0.5, 1.0
+    t = np.arange(60) * h
+    vehicle = boat(1e-9, 1e-9, 1e-3, yaw)
+    log, channels = with_velocities(Log("drift.csv", "", t, {"x": 0 * t, "y": t, "psi": 0 * t}), vehicle.sensors)
+    clock = IntervalArray.around(log.t, log.time_error)
+    means = pose_means(log, vehicle.sensors, dict(channels), clock[1:] - clock[:-1])
+    starts = np.arange(20, 30)
+    found, bent = means._ways(1)["u"](starts, starts + 1), yaw * h**3 / 12
+    assert (found.upper >= bent).all() and (-found.lower >= bent).all() and (found.upper <= 2 * bent).all()
+
+
 def towed(seed, length=90.0, accuracy=0.002):
     t, pose, truth, (acceleration, yaw) = motion(seed, length)
     u, v, r = truth["u"], truth["v"], truth["r"]

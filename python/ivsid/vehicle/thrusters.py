@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from itertools import pairwise
+from typing import Final, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -10,6 +11,10 @@ from ivsid.errors import IvsidError
 from ivsid.files import units
 from ivsid.files.section import Finite, NonNegative, Pair, Positive, Section
 from ivsid.vehicle.rudder import Rudder
+
+# Largest thrust [N], and slope of a table, for which the formulas of the interpolation do not overflow.
+# Source: physics: beyond any thruster
+MOST_THRUST: Final = 1e100
 
 
 class ThrustTable(Section):
@@ -26,6 +31,12 @@ class ThrustTable(Section):
             raise IvsidError(f"{len(self.demand)} demands but {len(self.thrust)} thrusts; a table needs one for each")
         if any(b <= a for a, b in zip(self.demand, self.demand[1:], strict=False)):
             raise IvsidError("the demands of a table must increase strictly")
+        knots = list(zip(self.demand, self.thrust, strict=True))
+        slopes = [(g - f) / (b - a) for (a, f), (b, g) in pairwise(knots)]
+        if not all(abs(x) <= MOST_THRUST for x in (*self.thrust, *slopes)):
+            raise IvsidError(
+                f"a thrust of a table, or its change over a demand, is beyond {MOST_THRUST:g}; check its unit"
+            )
         return self
 
 

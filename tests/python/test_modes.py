@@ -83,54 +83,54 @@ def test_the_arithmetic_itself_tells_every_mode():
             pytest.fail(name)
 
 
-# The bits of results of every kind, on one line.
+# The bits of results of every kind, printed by a process: large enough that the core shares them out.
 DIGEST = """
-import hashlib, json, os, sys
+import hashlib, json, os
 import numpy as np
 import ivsid
 from modes import bits
 rng = np.random.default_rng(5)
-n = 300
-a = rng.normal(size=(n, n)); m = ivsid.IntervalArray.around(a, np.abs(a) * 1e-9)
-x = ivsid.IntervalArray.around(rng.normal(size=200_000), 1e-3)
-small = ivsid.IntervalArray.around(np.eye(6) * 3 + rng.normal(size=(6, 6)) * 0.3, 1e-3)
-rows = ivsid.IntervalArray.around(rng.normal(size=(3000, 4)), 1e-3)
-right = ivsid.IntervalArray.around(rows.midpoint @ np.array([1.0, -2.0, 0.5, 3.0]), 0.02)
+around = ivsid.IntervalArray.around
+m = around(rng.normal(size=(200, 200)), 1e-9)
+x = around(rng.normal(size=300_000), 1e-3)
+small = around(np.eye(6) * 3 + rng.normal(size=(6, 6)) * 0.3, 1e-3)
+many = ivsid.IntervalArray.stack([small] * 400)
+rows = around(rng.normal(size=(30_000, 4)), 1e-3)
+right = around(rows.midpoint @ np.array([1.0, -2.0, 0.5, 3.0]), 0.02)
 def digest():
-    many = ivsid.IntervalArray.stack([small] * 40)
-    parts = [m @ m, x * x + x, np.sin(x), np.exp(x), x.sum(), ivsid.linalg.inverse(small).value, ivsid.linalg.inverse_batch(many).lower if hasattr(ivsid.linalg.inverse_batch(many), "lower") else None,
-             ivsid.linalg.solve(small, x[:6]).value, ivsid.regression.feasible_set(rows, right).bounds, ivsid.regression.gram(rows)]
-    return hashlib.sha256(json.dumps([bits(p) if p is not None else None for p in parts]).encode()).hexdigest()
-here = digest()
-print(here)
+    batch = ivsid.linalg.inverse_batch(many)
+    parts = [m @ m, x * x + x, np.sin(x), np.exp(x), x.sum(), ivsid.linalg.inverse(small).value, ivsid.linalg.inverse(m).value,
+             batch.lower, batch.upper, ivsid.linalg.solve(small, x[:6]).value, ivsid.regression.feasible_set(rows, right).value]
+    return hashlib.sha256(json.dumps([bits(p) for p in parts]).encode()).hexdigest()
+print(digest(), flush=True)
+"""
+FORKED = """
+pid = os.fork()
+if not pid:
+    print(digest(), flush=True)
+    os._exit(0)
+os._exit(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]))
 """
 
 
-def digest(extra="", **environment):
+def digests(extra="", **environment):
+    """What the program prints; a process that waits for ever fails."""
+    words = [sys.executable, "-c", DIGEST + extra]
     done = subprocess.run(
-        [sys.executable, "-c", DIGEST + extra],
-        env={**os.environ, **environment},
-        capture_output=True,
-        text=True,
-        check=True,
+        words, env={**os.environ, **environment}, capture_output=True, text=True, check=True, timeout=120
     )
     return done.stdout.split()
 
 
+def threads(n):
+    return {"RAYON_NUM_THREADS": str(n), "OPENBLAS_NUM_THREADS": str(n)}
+
+
 def test_threads_and_forks_change_no_bit():
-    """1, 2 and 8 threads of the core and of BLAS, and a copy of the process after its threads have started."""
-    plain = digest(RAYON_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
-    forked = """
-reader, writer = os.pipe()
-pid = os.fork()
-if not pid:
-    os.environ["RAYON_NUM_THREADS"] = "1"
-    os.write(writer, digest().encode()); os._exit(0)
-os.waitpid(pid, 0); print(os.read(reader, 100).decode())
-"""
-    assert digest(RAYON_NUM_THREADS="2", OPENBLAS_NUM_THREADS="2") == plain
-    assert digest(RAYON_NUM_THREADS="8", OPENBLAS_NUM_THREADS="8") == plain
-    del forked
+    """1, 2 and 8 threads of the core and of BLAS, and a copy of a process whose threads have started, which has none of them."""
+    (plain,) = digests(**threads(1))
+    assert digests(**threads(2)) == [plain]
+    assert digests(FORKED, **threads(8)) == [plain, plain]
 
 
 def test_a_difference_of_arrays_is_entrywise():

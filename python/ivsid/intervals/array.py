@@ -218,7 +218,7 @@ class IntervalArray(Operators, RecommendedFunctions):
         return matmul(other, self)
 
     def __eq__(self, other: object) -> Any:
-        if not isinstance(other, (IntervalArray, Interval)):
+        if not isinstance(other, (IntervalArray, Interval, int, float, np.number, np.bool_)):
             return NotImplemented
         return equal(self, other)
 
@@ -227,11 +227,20 @@ class IntervalArray(Operators, RecommendedFunctions):
         found = self.__eq__(other)
         return found if found is NotImplemented else ~found
 
+    def __contains__(self, _: object) -> bool:
+        raise TypeError("whether a number is in an array of intervals is asked entry by entry; use contains")
+
     def __getstate__(self) -> tuple[FloatArray, FloatArray]:
         return np.array(self._lower), np.array(self._upper)
 
     def __setstate__(self, state: tuple[FloatArray, FloatArray]) -> None:
-        self._set(*state)
+        lower, upper = (exact_floats(end, "a stored bound") for end in state)
+        if lower.shape != upper.shape:
+            raise IvsidError(f"stored bounds have shapes {lower.shape} and {upper.shape}; they must be equal")
+        # Empty intervals are stored as reversed infinities.
+        empty = (lower == np.inf) & (upper == -np.inf)
+        _core.check_bounds(np.where(empty, 0.0, lower).ravel(), np.where(empty, 0.0, upper).ravel())
+        self._set(lower, upper)
 
     def __repr__(self) -> str:
         return array_text(self, _text)

@@ -24,9 +24,18 @@ def exact_floats(values: ArrayLike, what: str) -> FloatArray:
         what: their name, for messages.
 
     Raises:
-        IvsidError: another type, or an integer without an exact double.
+        IvsidError: another type or kind of array, or an integer without an exact double.
     """
-    array = np.asarray(values)
+    if isinstance(values, np.ma.MaskedArray | np.matrix):
+        # The first has entries that are missing, and the second another product.
+        kind = "a masked array" if isinstance(values, np.ma.MaskedArray) else "a matrix of NumPy"
+        raise IvsidError(f"{what} is {kind}; give a plain array of float64 numbers")
+    try:
+        array = np.asarray(values)
+    except ValueError:
+        raise IvsidError(f"{what} has rows of different lengths; give an array of float64 numbers") from None
+    if not array.flags.aligned:
+        array = array.copy()
     if array.dtype == np.float64:
         if not isinstance(values, np.ndarray):
             _check_integers(values, array, what)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ivsid.intervals.array import IntervalArray, Operand, binary, equal, interval_array, matmul, power, scalar
+from ivsid.intervals.array import Interval, IntervalArray, Operand, binary, equal, interval_array, matmul, power, scalar
 from ivsid.intervals.floats import FloatArray
 
 _BINARY: dict[np.ufunc, str] = {
@@ -122,6 +122,10 @@ def _each_end(function: Callable[..., FloatArray]) -> Callable[..., object]:
 
 
 def _where(condition: ArrayLike, x: Operand, y: Operand) -> IntervalArray:
+    if isinstance(condition, IntervalArray | Interval):
+        raise TypeError(
+            "the condition of np.where is an array of intervals; give truth values, such as those of contains"
+        )
     a, b = interval_array(x), interval_array(y)
     lower = np.where(condition, a.lower, b.lower)
     return IntervalArray._raw((lower, np.where(condition, a.upper, b.upper)), lower.shape)

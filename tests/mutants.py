@@ -188,8 +188,6 @@ MUTANTS = (
         "propulsion/lag.py",
         "start = min(low, rest), max(high, rest)",
         "start = rest, rest",
-        "test_shaft_lag.py",
-        "test_actuators.py",
     ),
     # Identification and validation.
     python(

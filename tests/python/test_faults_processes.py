@@ -86,6 +86,35 @@ def test_workers_end_with_a_killed_parent(kind, sign, tmp_path, monkeypatch):
                 os.kill(pid, signal.SIGKILL)
 
 
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="asks the proc file system who lives")
+def test_a_worker_ends_although_another_process_holds_its_pipe(tmp_path, monkeypatch):
+    """A process that was forked later, and watches nothing, keeps open what the worker waits on."""
+    monkeypatch.setattr(apart, "processors", lambda: 2)
+
+    def work():
+        one = Apart(lambda: endless(tmp_path / "at"))
+        if not (bystander := os.fork()):
+            signal.alarm(120)
+            time.sleep(120)
+            os._exit(0)
+        (tmp_path / f"by.{bystander}").touch()
+        return one
+
+    parent, workers = parent_of(work, tmp_path, 1)
+    bystander = int(next(tmp_path.glob("by.*")).suffix[1:])
+    try:
+        os.kill(parent, signal.SIGKILL)
+        os.waitpid(parent, 0)
+        end = time.monotonic() + PATIENCE
+        while any(map(alive, workers)) and time.monotonic() < end:
+            time.sleep(0.05)
+        assert alive(bystander) and not any(map(alive, workers))
+    finally:
+        for pid in (bystander, *workers):
+            if alive(pid):
+                os.kill(pid, signal.SIGKILL)
+
+
 def test_a_worker_that_is_killed_costs_no_result(tmp_path, monkeypatch):
     """Its task is done again by the process that asks for it."""
     monkeypatch.setattr(apart, "processors", lambda: 2)

@@ -163,9 +163,9 @@ peers:
 	cd benches/peers && cargo run --release --locked --target-dir target/haswell
 	cd benches/peers && RUSTFLAGS=-Ctarget-cpu=native cargo run --release --locked --target-dir target/native
 
-# The conformance vectors of IEEE 1788; IVSID_ITF1788 names another folder.
+# The conformance vectors of IEEE 1788, which have to be there; IVSID_ITF1788 names another folder.
 itf1788:
-	cargo test --locked --test itf1788 -- --nocapture conformance
+	IVSID_ITF1788=$(or $(IVSID_ITF1788),$(abspath $(DATA))/itf1788) cargo test --locked --test itf1788 -- --nocapture conformance
 
 # Operands of every function that are compared with MPFR, and of every back end that are compared with the operators.
 CASES ?= 1e8

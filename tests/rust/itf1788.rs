@@ -136,15 +136,32 @@ fn run_source(file: &str, source: &str, tally: &mut Tally) {
     }
 }
 
-fn folder() -> PathBuf {
-    std::env::var_os("IVSID_ITF1788")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/itf1788"), PathBuf::from)
+/// The entries of the folder of vectors; `None` where nobody named one and the usual one is not there.
+///
+/// # Panics
+/// A folder that was asked for cannot be read: a test without its vectors has not passed.
+fn vectors(asked: Option<PathBuf>, usual: &Path) -> Option<std::fs::ReadDir> {
+    match asked {
+        Some(folder) => match std::fs::read_dir(&folder) {
+            Ok(entries) => Some(entries),
+            Err(error) => panic!("IVSID_ITF1788 = {} cannot be read ({error})", folder.display()),
+        },
+        None => std::fs::read_dir(usual).ok(),
+    }
+}
+
+#[test]
+#[should_panic(expected = "cannot be read")]
+fn vectors_that_are_asked_for_and_missing_fail() {
+    vectors(Some(PathBuf::from("/no/such/folder")), Path::new("."));
 }
 
 #[test]
 fn conformance() {
-    let folder = folder();
-    let Ok(entries) = std::fs::read_dir(&folder) else {
+    let asked = std::env::var_os("IVSID_ITF1788").map(PathBuf::from);
+    let usual = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/itf1788");
+    let folder = asked.clone().unwrap_or_else(|| usual.clone());
+    let Some(entries) = vectors(asked, &usual) else {
         println!("skipped: {} does not exist; set IVSID_ITF1788 to a folder of .itl files", folder.display());
         return;
     };

@@ -62,6 +62,7 @@ def test_no_function_of_numpy_makes_numbers_of_intervals():
         "fix_invalid",
         "filled",
         "getdata",
+        "masked_invalid",
     }
     for name, function in functions():
         for kind, arguments in ARGUMENTS.items():

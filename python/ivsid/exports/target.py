@@ -10,7 +10,7 @@ from typing import Final
 
 from ivsid.exports.number import one_line
 from ivsid.exports.planar import Planar
-from ivsid.files.whole import write_whole
+from ivsid.files.whole import write_folder
 
 # Numbers that every target but yaml takes through its masses.
 INERTIA: Final = frozenset(("mass.surge", "mass.sway", "inertia.yaw", "coupling.cg_x", "coupling.cg_y"))
@@ -71,7 +71,7 @@ class Exported:
     def save(self, folder: str | Path) -> Path:
         """Writes the file into a folder, and returns its path."""
         path = Path(folder) / self.file
-        write_whole(path, self.text)
+        write_folder(folder, {self.file: self.text})
         return path
 
 

@@ -231,7 +231,8 @@ def outcome(call, mode, plain):
     except ivsid.IvsidError as refusal:
         return "refused" if "round to nearest" in str(refusal) else f"another sentence: {refusal}"
     except BaseException as error:
-        return plain if plain == f"{type(error).__name__}" else f"{type(error).__name__}: {error}"
+        # An operation that is not defined is that in every mode.
+        return "same" if plain == type(error).__name__ else f"{type(error).__name__}: {error}"
     return "same" if plain is not None and bits(found) == plain else "differs"
 
 

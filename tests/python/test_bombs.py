@@ -28,7 +28,7 @@ def test_the_limits_are_those_of_the_guide():
 
 def test_a_gzip_bomb_is_refused_with_the_disk_as_it_was(tmp_path, small, monkeypatch):
     path = tmp_path / "log.csv.gz"
-    path.write_bytes(gzip.compress(b"t,u\n" + b"0" * 50_000_000))
+    path.write_bytes(gzip.compress(b"t,u\n" + b"0" * 20_000_000))
     assert path.stat().st_size < 60_000
     written = []
     plain = formats.most_unpacked
@@ -40,7 +40,7 @@ def test_a_gzip_bomb_is_refused_with_the_disk_as_it_was(tmp_path, small, monkeyp
     monkeypatch.setattr(formats, "most_unpacked", told)
     with pytest.raises(IvsidError, match=r"unpacks to more than [0-9,]+ bytes, which no log of its size does"):
         read_log(path)
-    assert written[0] < 6_000_000
+    assert written[0] < 3_000_000
     # A log that grows a little is read.
     t = np.arange(60_000) / 10
     path.write_bytes(gzip.compress(pl.DataFrame({"t": t, "u": np.sin(t)}).write_csv().encode()))
@@ -49,7 +49,7 @@ def test_a_gzip_bomb_is_refused_with_the_disk_as_it_was(tmp_path, small, monkeyp
 
 def test_a_matlab_bomb_is_refused(tmp_path, small):
     path = tmp_path / "log.mat"
-    savemat(path, {"t": np.zeros(5_000_000), "u": np.zeros(5_000_000)}, do_compression=True)
+    savemat(path, {"t": np.zeros(2_000_000), "u": np.zeros(2_000_000)}, do_compression=True)
     assert path.stat().st_size < 100_000
     with pytest.raises(IvsidError, match="a variable unpacks to more than"):
         read_log(path)
@@ -57,7 +57,7 @@ def test_a_matlab_bomb_is_refused(tmp_path, small):
 
 @pytest.mark.parametrize("kind", ["zstd", "lz4", "bz2"])
 def test_a_chunk_stops_at_its_limit(kind, small):
-    """The packers' own unpackers would make a hundred megabytes of some kilobytes."""
+    """The packers' own unpackers would make megabytes of some kilobytes."""
     import bz2
 
     import lz4.frame
@@ -71,11 +71,11 @@ def test_a_chunk_stops_at_its_limit(kind, small):
         "lz4": lambda data: storage_mcap.DECOMPRESSORS["lz4"](data, 0),
         "bz2": ros_1.decompressors["bz2"],
     }[kind]
-    bomb = pack(bytes(100 << 20))
+    bomb = pack(bytes(24 << 20))
     tracemalloc.start()
     with pytest.raises(ValueError, match="unpacks to more than"):
         own(bomb)
-    assert tracemalloc.get_traced_memory()[1] < 20 << 20
+    assert tracemalloc.get_traced_memory()[1] < 12 << 20
     tracemalloc.stop()
     data = np.random.default_rng(1).bytes(1 << 19)
     assert own(pack(data)) == data

@@ -32,6 +32,8 @@ def parent_of(work, tmp_path, count):
     """A process that starts others by ``work`` and waits; its number, and theirs once all of them are at work."""
     pid = os.fork()
     if not pid:
+        # Whatever becomes of the test, nothing of it stays.
+        signal.alarm(120)
         try:
             work()
             time.sleep(600)
@@ -68,7 +70,7 @@ def pooled(place):
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="asks the proc file system who lives")
 @pytest.mark.parametrize("kind", [forked, pooled])
-@pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGTERM])
+@pytest.mark.parametrize("sign", [signal.SIGKILL, pytest.param(signal.SIGTERM, marks=pytest.mark.nightly)])
 def test_workers_end_with_a_killed_parent(kind, sign, tmp_path, monkeypatch):
     monkeypatch.setattr(apart, "processors", lambda: 2)
     parent, workers = parent_of(kind(tmp_path / "at"), tmp_path, 2)
@@ -101,7 +103,9 @@ def test_a_worker_ends_although_another_process_holds_its_pipe(tmp_path, monkeyp
         return one
 
     parent, workers = parent_of(work, tmp_path, 1)
-    bystander = int(next(tmp_path.glob("by.*")).suffix[1:])
+    while not (found := list(tmp_path.glob("by.*"))) and alive(parent):
+        time.sleep(0.02)
+    bystander = int(found[0].suffix[1:])
     try:
         os.kill(parent, signal.SIGKILL)
         os.waitpid(parent, 0)

@@ -68,7 +68,7 @@ def test_pages_show_names_and_run_none(short, tmp_path):
     "name",
     ["../../evil", "/tmp/evil", "..", "a/b", "C:\\\\evil", "con", "-rf", "evil.toml", "$(id)", "`id`", "a\\u202eb"],
 )
-@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("target", [TARGETS[0], *(pytest.param(t, marks=pytest.mark.nightly) for t in TARGETS[1:])])
 def test_exports_stay_in_their_folder(name, target, short, tmp_path):
     try:
         vehicle = parse_vehicle(named(name.replace("\\u202e", "\u202e")), "swan.toml")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from ivsid.cli.progress import shown
 from ivsid.cli.terminal import say
+from ivsid.errors import IvsidError
 
 if TYPE_CHECKING:
     from ivsid.report.page import Report
@@ -42,8 +43,12 @@ def run(
     apart = apart or {}
     folder = out if out is not None else Path(f"ivsid-{command}")
     places.check_writable(folder)
-    for place in (folder / "result.json", folder / "report.html", *apart.values()):
+    own = (folder / "result.json", folder / "report.html")
+    for place in (*own, *apart.values()):
         places.check_target(place)
+    for name, place in apart.items():
+        if place.resolve() in {p.resolve() for p in own}:
+            raise IvsidError(f"{place} is a file of the results themselves; name another one for {name}")
     with shown(command, quiet=json) as progress:
         report = work(progress)
         report = replace(report, record=records.with_own_effects(report.record, effects.own_files()))

@@ -2,6 +2,7 @@
 
 - ``records``: JSON whose bounds are rounded outward.
 - ``whole``: files and folders that are written whole or not at all, into ``places`` that were checked, by a process that has them ``owned``.
+- ``processor``: the mode in which numbers are read and printed.
 - ``seal``: the digest of a result, which shows an edit.
 - ``units``: factors from named units to SI.
 - ``parsed``: text of TOML and JSON as tables.

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
-from ivsid.errors import IvsidError
 from ivsid.files.records import to_json
 from ivsid.files.whole import write_together
 
@@ -233,8 +232,6 @@ def write(report: Report, folder: str | Path, apart: Mapping[str, Path] | None =
     content.update(report.files)
     folders: dict[Path, dict[str, str | bytes]] = {}
     for name, place in (apart or {}).items():
-        if place.parent.resolve() == Path(folder).resolve() and place.name in {*content} - {name}:
-            raise IvsidError(f"{place} is a file of the results themselves; name another one for {name}")
         folders.setdefault(place.parent, {})[place.name] = content.pop(name)
     folders.setdefault(Path(folder), {}).update(content)
     write_together(folders)

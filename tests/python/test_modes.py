@@ -51,7 +51,7 @@ def test_all_that_computes_refuses_every_mode(outcomes):
     special = {n for n in passing if n.startswith("__")}
     assert special <= {
         *("__getitem__", "__len__", "__iter__", "__pos__", "__hash__", "__reduce__", "__reduce_ex__", "__getstate__", "__copy__", "__deepcopy__"),
-        *("__lt__", "__le__", "__gt__", "__ge__", "__class_getitem__", "__array_priority__", "__weakref__", "__annotations__"),
+        *("__lt__", "__le__", "__gt__", "__ge__", "__contains__", "__class_getitem__", "__array_priority__", "__weakref__", "__annotations__"),
     }, special  # fmt: skip
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any, Final, TypeAlias
+from collections.abc import Callable, Mapping
+from typing import Final, TypeAlias
 
 from ivsid.rows import KINDS
 
@@ -104,7 +104,7 @@ PARTS: Final[dict[str, Check]] = {
 }
 
 
-def check_record(record: dict[str, Any]) -> None:
+def check_record(record: Mapping[str, object]) -> None:
     """Checks the kinds of all parts that a record has.
 
     Raises:

@@ -222,9 +222,9 @@ class IntervalArray(Operators, RecommendedFunctions):
             return NotImplemented
         return equal(self, other)
 
-    def __ne__(self, other: object) -> Any:
+    def __ne__(self, other: object) -> NDArray[np.bool_]:  # type: ignore[override]  # compares entrywise
         # Python would ask for the truth of the whole array.
-        found = self.__eq__(other)
+        found: NDArray[np.bool_] = self.__eq__(other)
         return found if found is NotImplemented else ~found
 
     def __contains__(self, _: object) -> bool:

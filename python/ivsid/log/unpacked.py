@@ -10,7 +10,7 @@ import importlib
 import os
 from collections.abc import Callable
 from types import SimpleNamespace
-from typing import Any, Final, Self
+from typing import IO, Final, Protocol, Self
 
 from ivsid.errors import IvsidError
 
@@ -47,21 +47,38 @@ class ChunkError(ValueError):
 
 def bounded_chunks() -> None:
     """Gives the readers of bags unpackers that stop at the limit of a chunk; theirs unpack first, and compare the size then."""
-    mcap: Any = importlib.import_module("rosbags.rosbag2.storage_mcap")
+    mcap = importlib.import_module("rosbags.rosbag2.storage_mcap")
     lz4, zstd = importlib.import_module("lz4.frame"), mcap.zstd
     of_lz4, of_zstd = _bounded(lz4.LZ4FrameDecompressor), _bounded(zstd.ZstdDecompressor)
     mcap.DECOMPRESSORS.update(lz4=lambda data, _: of_lz4(data), zstd=lambda data, _: of_zstd(data))
-    reader: Any = importlib.import_module("rosbags.rosbag2.reader")
+    reader = importlib.import_module("rosbags.rosbag2.reader")
     # Messages that are packed one by one, and bags that are packed as a file.
-    reader.zstd = SimpleNamespace(decompress=of_zstd, open=lambda file, mode: _Limited(zstd.open(file, mode), file))
-    ros_1: Any = importlib.import_module("rosbags.rosbag1.reader")
+    vars(reader)["zstd"] = SimpleNamespace(
+        decompress=of_zstd, open=lambda file, mode: _Limited(zstd.open(file, mode), file)
+    )
+    ros_1 = importlib.import_module("rosbags.rosbag1.reader")
     ros_1.decompressors.update(bz2=_bounded(bz2.BZ2Decompressor), lz4=of_lz4)
+
+
+class _Unpacker(Protocol):
+    """A streaming unpacker, as those of bz2, lz4 and zstd are."""
+
+    @property
+    def eof(self) -> bool:
+        """Whether the packed stream is at its end."""
+
+    @property
+    def unused_data(self) -> bytes | None:
+        """Bytes behind that end."""
+
+    def decompress(self, data: bytes, max_length: int, /) -> bytes:
+        """At most so many bytes."""
 
 
 class _Limited:
     """A packed file that is read up to the limit of its size."""
 
-    def __init__(self, file: Any, packed: Any) -> None:
+    def __init__(self, file: IO[bytes], packed: IO[bytes]) -> None:
         self._file, self._most = file, most_unpacked(os.fstat(packed.fileno()).st_size)
         self._left = self._most
 
@@ -80,7 +97,7 @@ class _Limited:
         self._file.close()
 
 
-def _bounded(decompressor: Callable[[], Any]) -> Callable[[bytes], bytes]:
+def _bounded(decompressor: Callable[[], _Unpacker]) -> Callable[[bytes], bytes]:
     """An unpacker that makes at most one byte more than a chunk has, from the packer's own streaming one."""
 
     def unpacked(data: bytes) -> bytes:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ivsid.diagnosis.stages import diagnose
     from ivsid.errors import IvsidError
     from ivsid.exports.export import export
+    from ivsid.fleets import Fleet, fleet
     from ivsid.identification import Identification, Parameter, identify
     from ivsid.intervals import EndpointPair, Interval, IntervalArray, exchange
     from ivsid.linear import linalg, regression
@@ -45,6 +46,7 @@ if not _core.environment_is_default():
 _HOMES: Final = {
     "Diagnosis": "ivsid.diagnosis",
     "EndpointPair": "ivsid.intervals",
+    "Fleet": "ivsid.fleets",
     "Identification": "ivsid.identification",
     "Interval": "ivsid.intervals",
     "IntervalArray": "ivsid.intervals",
@@ -57,6 +59,7 @@ _HOMES: Final = {
     "Verification": "ivsid.verification",
     "diagnose": "ivsid.diagnosis",
     "export": "ivsid.exports",
+    "fleet": "ivsid.fleets",
     "identify": "ivsid.identification",
     "linalg": "ivsid.linear",
     "read_log": "ivsid.log",
@@ -71,6 +74,7 @@ _HOMES: Final = {
 __all__ = [
     "Diagnosis",
     "EndpointPair",
+    "Fleet",
     "Identification",
     "Interval",
     "IntervalArray",
@@ -85,6 +89,7 @@ __all__ = [
     "diagnose",
     "exchange",
     "export",
+    "fleet",
     "identify",
     "linalg",
     "read_log",

@@ -10,18 +10,20 @@ from typer.core import TyperGroup
 
 from ivsid.cli.causes import diagnose, isolability
 from ivsid.cli.command import Command, plain
+from ivsid.cli.many import fleet
 from ivsid.cli.parameters import export, identify, validate, verify
 from ivsid.cli.preparation import allan, demo, example, import_, init, simulate, thrust
 from ivsid.cli.progress import EVERY
 from ivsid.cli.trajectories import tube
 
 # Groups of the help, by task.
-FIRST, MEASURED, SIMULATION, INTERVALS, CAUSES = (
+FIRST, MEASURED, SIMULATION, INTERVALS, CAUSES, MANY = (
     "First steps",
     "Sensors and thrusters",
     "Simulation",
     "Parameters",
     "Causes of errors",
+    "Many logs",
 )
 
 # The help of the program, by paragraphs.
@@ -87,6 +89,7 @@ app.command(cls=Command, rich_help_panel=INTERVALS, no_args_is_help=True)(tube)
 app.command(cls=Command, rich_help_panel=SIMULATION, no_args_is_help=True)(export)
 app.command(cls=Command, rich_help_panel=CAUSES, no_args_is_help=True)(diagnose)
 app.command(cls=Command, rich_help_panel=CAUSES, no_args_is_help=True)(isolability)
+app.command(cls=Command, rich_help_panel=MANY, no_args_is_help=True)(fleet)
 
 
 def program() -> TyperGroup:

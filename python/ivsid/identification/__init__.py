@@ -14,7 +14,16 @@ proved bound.
 """
 
 from ivsid.identification.combinations import in_words
-from ivsid.identification.method import METHODS, identify, identify_rows
+from ivsid.identification.method import METHODS, identify, identify_rows, windows_of
 from ivsid.identification.result import Identification, Parameter, read_identification
 
-__all__ = ["METHODS", "Identification", "Parameter", "identify", "identify_rows", "in_words", "read_identification"]
+__all__ = [
+    "METHODS",
+    "Identification",
+    "Parameter",
+    "identify",
+    "identify_rows",
+    "in_words",
+    "read_identification",
+    "windows_of",
+]

@@ -21,10 +21,24 @@ The chapter may use ``files``, ``intervals`` and ``errors``. It knows no vehicle
 """
 
 from ivsid.log.channels import COLUMNS
-from ivsid.log.formats import open_source
+from ivsid.log.formats import TABLES, WHOLE, digest_of, open_source
 from ivsid.log.given import GivenLog, log_of
 from ivsid.log.reader import read_log
 from ivsid.log.record import Clock, Log, Quality, StepRange
 from ivsid.log.source import Source
 
-__all__ = ["COLUMNS", "Clock", "GivenLog", "Log", "Quality", "Source", "StepRange", "log_of", "open_source", "read_log"]
+__all__ = [
+    "COLUMNS",
+    "TABLES",
+    "WHOLE",
+    "Clock",
+    "GivenLog",
+    "Log",
+    "Quality",
+    "Source",
+    "StepRange",
+    "digest_of",
+    "log_of",
+    "open_source",
+    "read_log",
+]

@@ -63,6 +63,15 @@ def open_source(path: str | Path) -> Iterator[Source]:
         yield Source(str(given), _tables(plain, str(given), files, stack), digest)
 
 
+def digest_of(path: str | Path) -> str:
+    """SHA-256 of a log, as ``Log.sha256`` states it, without reading its tables.
+
+    Raises:
+        IvsidError: a path that leads to no log.
+    """
+    return _hash(_files(_found(Path(path), str(path)), str(path)))
+
+
 def _regular(path: Path, stack: ExitStack) -> Path:
     """The path itself, or a copy of the content of a pipe, which can be read only once."""
     try:

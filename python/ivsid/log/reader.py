@@ -22,7 +22,7 @@ from ivsid.log.quality import Steps, examine, gaps, without_held
 from ivsid.log.record import Log
 from ivsid.log.rules import Rule, row_clock, rules_of
 from ivsid.log.source import Source, Table, numbers
-from ivsid.log.stamps import loses_digits, of_two_columns, times_of
+from ivsid.log.stamps import YEARS, loses_digits, of_two_columns, times_of
 
 Array = NDArray[np.float64]
 
@@ -87,7 +87,14 @@ def read_source(source: Source, mapping: LogMap) -> Log:
         over=reading.over,
         by_rate=tuple(reading.by_rate),
         certain=reading.certain,
+        began=_began(reading),
     )
+
+
+def _began(reading: Reading) -> float | None:
+    """The first of all stamps in seconds since 1970; None where it is no date."""
+    first = float(min(x.first for x in reading.times.values()))
+    return first if YEARS[0] <= first <= YEARS[1] else None
 
 
 def _collect(reading: Reading, rules: Mapping[str, Rule]) -> None:

@@ -97,6 +97,7 @@ class Log(Result):
         over: ranges of forces and of thrusters' angles over the steps from row to row, where the log has samples between the rows.
         by_rate: channels whose ``rounding`` bounds the change of the quantity itself, not of its reading, under a stated rate.
         certain: of angles that were followed through whole turns, the reading error [rad] below which the turns are certain.
+        began: the first stamp [s since 1970], to order logs by date; None where the stamps are no dates.
     """
 
     name: str
@@ -114,6 +115,7 @@ class Log(Result):
     over: Mapping[str, StepRange] = field(default_factory=dict)
     by_rate: tuple[str, ...] = ()
     certain: Mapping[str, float] = field(default_factory=dict)
+    began: float | None = None
 
     def _heading(self) -> str:
         return f"{self.name}: {self.t.size} rows over {self.t[-1] - self.t[0]:.6g} s, median step {self.period:.4g} s"

@@ -215,6 +215,15 @@ def _interactive(part: Part) -> bool:
     return part["kind"] == "series" or any(map(_interactive, _inside(part)))
 
 
+def content(report: Report) -> dict[str, str | bytes]:
+    """All files of a report by name."""
+    files: dict[str, str | bytes] = {"result.json": to_json(report.record) + "\n", "report.html": html(report)}
+    for d in report.drawings:
+        files[f"{d.name}.png"], files[f"{d.name}.svg"] = d.png, d.svg
+    files.update(report.files)
+    return files
+
+
 def write(report: Report, folder: str | Path, apart: Mapping[str, Path] | None = None) -> None:
     """Writes all files of a report, whole or not at all.
 
@@ -226,12 +235,9 @@ def write(report: Report, folder: str | Path, apart: Mapping[str, Path] | None =
     Raises:
         IvsidError: a folder or a file that cannot be written.
     """
-    content: dict[str, str | bytes] = {"result.json": to_json(report.record) + "\n", "report.html": html(report)}
-    for d in report.drawings:
-        content[f"{d.name}.png"], content[f"{d.name}.svg"] = d.png, d.svg
-    content.update(report.files)
+    files = content(report)
     folders: dict[Path, dict[str, str | bytes]] = {}
     for name, place in (apart or {}).items():
-        folders.setdefault(place.parent, {})[place.name] = content.pop(name)
-    folders.setdefault(Path(folder), {}).update(content)
+        folders.setdefault(place.parent, {})[place.name] = files.pop(name)
+    folders.setdefault(Path(folder), {}).update(files)
     write_together(folders)

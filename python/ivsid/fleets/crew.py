@@ -1,0 +1,173 @@
+"""Processes that do the work: this one alone, a local cluster that the command starts, or a cluster at an address."""
+
+from __future__ import annotations
+
+import logging
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from itertools import count, islice
+from typing import Any, Final, Protocol
+
+from ivsid.errors import IvsidError
+from ivsid.fleets import extra
+from ivsid.intervals.pieces import processors
+
+# Times that a task may lose its worker before it is taken for the cause.
+# Source: resource: a log that ends each worker it meets costs ten restarts
+LIVES: Final = 10
+# Tasks that wait at the scheduler, for each worker.
+# Source: resource: a scheduler holds about 1 kB a task; a million at once would need a gigabyte
+WAITING: Final = 50
+# Time in which a cluster has to answer [s].
+# Source: definition: the default of distributed
+PATIENCE: Final = 30
+
+
+class LostError(Exception):
+    """A task whose workers died."""
+
+
+class Crew(Protocol):
+    """Processes that do tasks."""
+
+    def each(self, task: Callable[..., Any], inputs: Sequence[tuple[Any, ...]]) -> Iterator[tuple[int, Any]]:
+        """Results as they come, with the place of their inputs; a ``LostError`` in place of one whose workers died."""
+
+    def hold(self, task: Callable[..., Any], inputs: Sequence[tuple[Any, ...]]) -> list[Any]:
+        """Results that stay where they are made, as handles."""
+
+    def on(self, task: Callable[..., Any], held: Sequence[Any], inputs: Sequence[Any]) -> list[Any]:
+        """Results of a task on what is held, in order.
+
+        Raises:
+            IvsidError: workers died again and again.
+        """
+
+
+class Here:
+    """This process alone."""
+
+    def each(self, task: Callable[..., Any], inputs: Sequence[tuple[Any, ...]]) -> Iterator[tuple[int, Any]]:
+        """Results in order."""
+        for k, given in enumerate(inputs):
+            yield k, task(*given)
+
+    def hold(self, task: Callable[..., Any], inputs: Sequence[tuple[Any, ...]]) -> list[Any]:
+        """The results themselves."""
+        return [task(*given) for given in inputs]
+
+    def on(self, task: Callable[..., Any], held: Sequence[Any], inputs: Sequence[Any]) -> list[Any]:
+        """Results in order."""
+        return [task(h, i) for h, i in zip(held, inputs, strict=True)]
+
+
+class Cluster:
+    """The workers of a cluster of Dask.
+
+    A worker that dies is replaced by its nanny, and its tasks are done again by whoever is left; results that were held by it are made again.
+
+    Args:
+        client: of the cluster.
+    """
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+        self._number = count()
+
+    def _submit(self, task: Callable[..., Any], given: tuple[Any, ...]) -> Any:
+        # Names of their own: a result of an earlier run is never taken for one of this.
+        name = f"ivsid-{task.__name__}-{id(self):x}-{next(self._number)}"
+        return self._client.submit(task, *given, key=name, pure=False)
+
+    def each(self, task: Callable[..., Any], inputs: Sequence[tuple[Any, ...]]) -> Iterator[tuple[int, Any]]:
+        """Results as they come; only some tasks wait at the scheduler at a time."""
+        package = extra.distributed()
+        waiting = iter(enumerate(inputs))
+        places: dict[Any, int] = {}
+        most = WAITING * max(1, len(self._client.scheduler_info(n_workers=-1)["workers"]))
+        queue = package.as_completed(loop=self._client.loop)
+
+        def more(number: int) -> None:
+            for k, given in islice(waiting, number):
+                future = self._submit(task, given)
+                places[future.key] = k
+                queue.add(future)
+
+        more(most)
+        for future in queue:
+            place = places.pop(future.key)
+            yield place, _result(future)
+            future.release()
+            more(1)
+
+    def hold(self, task: Callable[..., Any], inputs: Sequence[tuple[Any, ...]]) -> list[Any]:
+        """Futures: the cluster keeps the results, and makes them again where a worker is lost."""
+        return [self._submit(task, given) for given in inputs]
+
+    def on(self, task: Callable[..., Any], held: Sequence[Any], inputs: Sequence[Any]) -> list[Any]:
+        """Results in order, made where the data lie."""
+        futures = [self._submit(task, (h, i)) for h, i in zip(held, inputs, strict=True)]
+        found = [_result(f) for f in futures]
+        for each in found:
+            if isinstance(each, LostError):
+                raise IvsidError(
+                    f"{each}; give the workers more memory, or start more of them, and run the command again"
+                )
+        return found
+
+
+def _result(future: Any) -> Any:
+    package = extra.distributed()
+    try:
+        return future.result()
+    except package.scheduler.KilledWorker:
+        return LostError(f"the workers died that had this log, {LIVES} or more of them")
+
+
+@contextmanager
+def crew_of(scheduler: Any, workers: int | None) -> Iterator[Crew]:
+    """The processes of a run, which end with the block if it started them.
+
+    Args:
+        scheduler: address of a cluster, a client of one, or None for a local cluster of its own.
+        workers: number of local processes, 0 for this process alone; by default one for each processor.
+
+    Raises:
+        IvsidError: a missing package, or a cluster that does not answer.
+    """
+    if scheduler is None and workers == 0:
+        yield Here()
+        return
+    package = extra.distributed()
+    if scheduler is not None and not isinstance(scheduler, str):
+        yield Cluster(scheduler)
+        return
+    with ExitStack() as stack:
+        # Restarts of workers are no news to a user: the results do not change.
+        logging.getLogger("distributed").setLevel(logging.CRITICAL)
+        if scheduler is not None:
+            try:
+                client = stack.enter_context(package.Client(scheduler, timeout=PATIENCE, set_as_default=False))
+            except (OSError, ValueError, TimeoutError) as error:
+                words = (str(error).splitlines() or [""])[0]
+                raise IvsidError(
+                    f"no cluster answers at {scheduler} ({words}); start one (dask scheduler, dask worker), or leave --scheduler out"
+                ) from None
+            if not client.scheduler_info(n_workers=-1)["workers"]:
+                raise IvsidError(f"the cluster at {scheduler} has no workers; start some with dask worker {scheduler}")
+        else:
+            folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="ivsid-fleet-", ignore_cleanup_errors=True))
+            stack.enter_context(extra.dask().config.set({"distributed.scheduler.allowed-failures": LIVES}))
+            cluster = stack.enter_context(
+                package.LocalCluster(
+                    n_workers=workers or processors(),
+                    threads_per_worker=1,
+                    processes=True,
+                    dashboard_address=None,
+                    silence_logs=logging.CRITICAL,
+                    local_directory=folder,
+                )
+            )
+            client = stack.enter_context(package.Client(cluster, set_as_default=False))
+        yield Cluster(client)

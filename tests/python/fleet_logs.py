@@ -1,5 +1,7 @@
 """Logs of one vehicle over a season, and the rows of all of them in one piece."""
 
+import shutil
+
 import numpy as np
 
 from ivsid.effects import terms_of
@@ -51,3 +53,16 @@ def in_one_piece(paths, vehicle, columns, **options):
         high.append(rows.right.upper[mine])
     matrix = IntervalArray(np.vstack(lower), np.vstack(upper))
     return regression.feasible_set(matrix, IntervalArray(np.concatenate(low), np.concatenate(high)))
+
+
+def seasons(once):
+    """Folders ``calm``, three logs without a change, and ``changed``, six logs whose drag grows by a sixth before the fourth."""
+
+    def make(folder):
+        season(folder / "changed", 6, 3, effects={"drag.surge.quadratic": 40.0})
+        (folder / "calm").mkdir()
+        for path in sorted((folder / "changed").iterdir())[:3]:
+            shutil.copy(path, folder / "calm")
+        return folder
+
+    return once("seasons", make)

@@ -33,6 +33,7 @@ NEEDED: Final = {
     "RECORDING": (frozenset({recognition.LOG}), "a static recording"),
     "TABLE": (frozenset({recognition.LOG}), "a bollard-pull table"),
     "FIT": (frozenset({recognition.FIT}), "the result of ivsid identify"),
+    "RESULT": (frozenset({recognition.FIT, recognition.FLEET}), "the result of ivsid identify or ivsid fleet"),
 }
 
 

@@ -82,12 +82,16 @@ def identify(
 
 
 def verify(
-    result: FitFile,
-    log: Annotated[Path, typer.Argument(metavar="LOG", help="The log that was identified.")],
+    result: Annotated[
+        Path, typer.Argument(metavar="RESULT", help="Folder or result.json of ivsid identify or ivsid fleet.")
+    ],
+    log: Annotated[
+        Path, typer.Argument(metavar="LOG", help="The log that was identified; of a fleet the folder of its logs.")
+    ],
     out: Out = None,
     json: Json = False,
 ) -> None:
-    """Check an identification's certificates in exact arithmetic, without the core.
+    """Check the certificates of an identification or a fleet in exact arithmetic, without the core.
 
     Example: ivsid verify fit run1.csv
     """

@@ -15,11 +15,12 @@ from typing import Final
 from ivsid.files.parsed import json_value, toml_table
 from ivsid.files.shipped import shipped
 
-VEHICLE, SCENARIO, LOG, FIT, RESULT = (
+VEHICLE, SCENARIO, LOG, FIT, FLEET, RESULT = (
     "a vehicle file",
     "a scenario",
     "a log",
     "the result of ivsid identify",
+    "the result of ivsid fleet",
     "a result",
 )
 # Largest text file that is tried as TOML [bytes].
@@ -37,7 +38,9 @@ def kinds(path: str | Path) -> frozenset[str]:
     if result.suffix == ".json":
         command = _command(result)
         if command is not None:
-            return frozenset({FIT} if command == "identify" else {RESULT, LOG} if given.is_dir() else {RESULT})
+            if command in ("identify", "fleet"):
+                return frozenset({FIT if command == "identify" else FLEET})
+            return frozenset({RESULT, LOG} if given.is_dir() else {RESULT})
         # A folder without a result is a log, or the folder of a result that was not written.
         return frozenset({LOG, FIT} if given.is_dir() else ())
     if not given.is_file() or not access(given, R_OK):

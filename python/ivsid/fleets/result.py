@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,6 +16,7 @@ from ivsid.fleets.consistency import Decision, Pooled
 from ivsid.fleets.drift import Change, Drift
 from ivsid.fleets.one_log import Outcome, Record
 from ivsid.fleets.places import Place
+from ivsid.identification import Parameter, checked_claims
 from ivsid.intervals import shown
 from ivsid.vehicle import Vehicle
 
@@ -207,10 +208,15 @@ class Fleet(Result):
                 for t, (a, b) in zip(self.terms, self.parameters.values(), strict=False)
             },
             "rows": self.pooled.rows.count,
+            "claims": checked_claims(self.vehicle, self._intervals()),
             "reason": s.reason,
             "contradictions": s.contradictions,
             "certificates": named(s.certificates, self.names),
         }
+
+    def _intervals(self) -> dict[str, Parameter]:
+        ends = zip(self.terms, self.parameters.values(), strict=False)
+        return {t.id: Parameter(a, b, t.unit, t.symbol) for t, (a, b) in ends}
 
     def _drift_record(self) -> dict[str, Any] | None:
         if self.drift is None:
@@ -233,13 +239,36 @@ class Fleet(Result):
             "cannot_explain_alone": [ids[j] for j in change.excluded],
             "undecided": [ids[j] for j in change.undecided],
             "proof": self._proof(change.decision),
+            "proofs_changed": {ids[j]: self._disjoint(ids[j], change.between[j]) for j in change.changed},
             "proofs_alone": {ids[j]: self._proof(d) for j, d in change.excluded.items()},
         }
+
+    def _disjoint(self, id_: str, pair: tuple[int, int]) -> dict[str, Any]:
+        """The log whose lower end of a parameter lies above the upper end of the other one, with the proofs of both ends."""
+        above, below = sorted(pair, key=lambda k: -self.entries[k].bound(id_)[0])
+        made = {}
+        for k, end in ((above, "lower"), (below, "upper")):
+            mine = [
+                c
+                for c in self.entries[k].record["certificates"]
+                if id_ in c["orthant"] and (c["proves"] != "bound" or (c["parameter"], c["end"]) == (id_, end))
+            ]
+            made[end] = {"log": self.names[k], "certificates": _of_log(mine, self.names[k])}
+        return made
 
     def _proof(self, decision: Decision) -> dict[str, Any]:
         s = decision.solved
         mine = [c for c in s.certificates if c["block"] in s.contradictions and c["proves"] in ("empty", "signs")]
         return {"contradictions": s.contradictions, "certificates": named(mine, self.names)}
+
+
+def _of_log(certificates: Sequence[Mapping[str, Any]], name: str) -> list[dict[str, Any]]:
+    """Certificates of a single log, whose rows then name it."""
+
+    def row(r: Mapping[str, Any]) -> dict[str, Any]:
+        return {**{k: v for k, v in r.items() if k != "row"}, "log": name}
+
+    return _with_rows(certificates, row)
 
 
 def named(certificates: Sequence[Mapping[str, Any]], names: Sequence[str]) -> list[dict[str, Any]]:
@@ -248,6 +277,13 @@ def named(certificates: Sequence[Mapping[str, Any]], names: Sequence[str]) -> li
     def row(r: Mapping[str, Any]) -> dict[str, Any]:
         return {**r, "log": names[r["log"]]}
 
+    return _with_rows(certificates, row)
+
+
+def _with_rows(
+    certificates: Sequence[Mapping[str, Any]], row: Callable[[Mapping[str, Any]], dict[str, Any]]
+) -> list[dict[str, Any]]:
+    """Certificates whose rows are changed."""
     made = []
     for c in certificates:
         each = dict(c)

@@ -14,13 +14,14 @@ proved bound.
 """
 
 from ivsid.identification.combinations import in_words
-from ivsid.identification.method import METHODS, identify, identify_rows, windows_of
+from ivsid.identification.method import METHODS, checked_claims, identify, identify_rows, windows_of
 from ivsid.identification.result import Identification, Parameter, read_identification
 
 __all__ = [
     "METHODS",
     "Identification",
     "Parameter",
+    "checked_claims",
     "identify",
     "identify_rows",
     "in_words",

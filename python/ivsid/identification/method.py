@@ -184,12 +184,12 @@ def identify_rows(
         log_name=bounded.log.name,
         log_sha256=bounded.log.sha256,
         determined=combinations,
-        claims=_checked_claims(vehicle, parameters if status != "empty" else {}),
+        claims=checked_claims(vehicle, parameters if status != "empty" else {}),
         outliers=tuple({**b.outliers, "block": k} for k, b in enumerate(blocks) if b.outliers is not None),
     )
 
 
-def _checked_claims(vehicle: Vehicle, parameters: Mapping[str, Parameter]) -> tuple[ClaimCheck, ...]:
+def checked_claims(vehicle: Vehicle, parameters: Mapping[str, Parameter]) -> tuple[ClaimCheck, ...]:
     """The numbers that ``[model] values`` claims against the intervals: a number outside its interval is contradicted."""
     return tuple(
         {

@@ -12,6 +12,7 @@ verdict ``not_checked``, never ``proved``.
 - ``multipliers``, ``cells``, ``signs``: linear programs, and the orthants that they cover.
 - ``outliers``, ``counted``: rows that may be wrong.
 - ``tubes``: parts of steps of a tube.
+- ``fleet``: the same of many logs.
 - ``result``, ``checker``, ``statements``, ``verify``: a result, its certificates, its statements, and the verdict.
 
 The chapter may use ``log``, ``vehicle``, ``files.seal``, ``files.units`` and ``errors``. It shares no code with what it checks: not the

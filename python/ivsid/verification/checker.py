@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -139,8 +139,8 @@ class Checker:
         cell = tuple(certificate["orthant"].values())
         if any(s not in (-1, 0, 1) or isinstance(s, bool) for s in cell):
             raise UnprovedError("signs are 1, -1, or 0 for both")
-        if not set(ids) <= {*self.rows.terms, *self.rows.unknowns}:
-            raise UnprovedError(f"the model has no {', '.join(set(ids) - set(self.rows.terms))}")
+        if not set(ids) <= self._known():
+            raise UnprovedError(f"the model has no {', '.join(set(ids) - self._known())}")
         block = blocks.setdefault(integer(certificate["block"]), Block(ids))
         if block.ids != ids:
             raise UnprovedError("its parameters are not those of the other certificates of its block")
@@ -216,7 +216,7 @@ class Checker:
     def _half_space(self, stored: Stored, ids: Sequence[str]) -> HalfSpace:
         """The half-space of a stored row, once the row is recomputed; certificates share rows, so that it is kept."""
         ends = (tuple(stored[k]) for k in ("lower", "upper", "right"))
-        key = (*named(stored), stored["side"], *ends, tuple(ids))
+        key = (*named(stored), stored.get("log"), stored["side"], *ends, tuple(ids))
         if key not in self._spaces:
             self._spaces[key] = self._recomputed(stored, ids)
         return self._spaces[key]
@@ -236,26 +236,37 @@ class Checker:
         if self.wrong:
             counted(self.rows, self.record["options"], named(stored))
         try:
-            made = self.rows.row(stored["kind"], channel, time, duration)
+            right_side, matrix = self._made(stored, ids, channel, time, duration)
         except UncheckedError as error:
             # The multipliers are checked against the stored rows all the same: a bound that those do not prove has failed.
             if str(error) not in self.unknown:
                 self.unknown.append(str(error))
             return here
         where = f"the {channel} row at t = {time!r} s" + (f" over {duration!r} s" if duration else "")
-        left_out = [id_ for id_, range_ in made.matrix.items() if id_ not in ids and range_.magnitude]
+        left_out = [id_ for id_, range_ in matrix.items() if id_ not in ids and range_.magnitude]
         if left_out:
             raise UnprovedError(f"{where} holds {left_out[0]}, which its block leaves out")
         for k, id_ in enumerate(ids):
-            _inside(made.matrix.get(id_, Range(0)), lower[k], upper[k], f"{where}, column {id_}")
+            _inside(matrix.get(id_, Range(0)), lower[k], upper[k], f"{where}, column {id_}")
         if not one_sided:
-            _inside(made.right, right[0], right[1], f"{where}, right-hand side")
-        elif made.right.lower < right[0]:
+            _inside(right_side, right[0], right[1], f"{where}, right-hand side")
+        elif right_side.lower < right[0]:
             raise UnprovedError(
-                f"{where}: its bound is {float(made.right.lower)!r}, and {float(right[0])!r} is claimed"
+                f"{where}: its bound is {float(right_side.lower)!r}, and {float(right[0])!r} is claimed"
             )
-        self.rows_used.add((stored["kind"], channel, time, duration))
+        self.rows_used.add((stored["kind"], channel, time, duration, stored.get("log")))
         return here
+
+    def _known(self) -> set[str]:
+        """Names that the columns of a certificate may have."""
+        return {*self.rows.terms, *self.rows.unknowns}
+
+    def _made(
+        self, stored: Stored, _ids: Sequence[str], channel: str, time: float, duration: float
+    ) -> tuple[Range, Mapping[str, Range]]:
+        """Right-hand side and columns of a stored row, from the log."""
+        made = self.rows.row(stored["kind"], channel, time, duration)
+        return made.right, made.matrix
 
 
 def _inside(range_: Range, lower: Fraction, upper: Fraction, what: str) -> None:

@@ -30,6 +30,29 @@ class Block:
         """The proofs that a cell is empty."""
         return [p for p in self.proofs[cell] if p.end is None]
 
+    def end(self, id_: str, end: str) -> Fraction:
+        """The proved bound of one end in all cells of signs together.
+
+        Raises:
+            UnprovedError: a cell without a proof, or a block that is empty everywhere.
+        """
+        if not covers([*self.proofs], len(self.ids), self.signs):
+            raise UnprovedError(f"not every cell of signs of {', '.join(self.ids)} has a certificate")
+        direction, place, ends = 1 if end == "lower" else -1, self.ids.index(id_), []
+        for cell, proofs in self.proofs.items():
+            if self.empties(cell):
+                continue
+            bounds = [direction * p.bound for p in proofs if p.end == (id_, end) and p.bound is not None]
+            bounds += [Fraction(0)] * (cell[place] == direction)
+            if not bounds:
+                raise UnprovedError(
+                    f"the {end} end of {id_} has no certificate where the signs are {_region(self, cell)}"
+                )
+            ends.append(max(bounds))
+        if not ends:
+            raise UnprovedError("an empty block has no ends")
+        return direction * min(ends)
+
     def is_empty(self, wrong: int) -> bool:
         """Whether no parameter is consistent, whichever ``wrong`` rows are wrong."""
         closed = [cell for cell in self.proofs if left_open(self.empties(cell), wrong) is None]

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from ivsid.errors import IvsidError
 from ivsid.files.processor import check_rounding
 from ivsid.log import Log, read_log
-from ivsid.verification.checker import Checker
-from ivsid.verification.result import DamagedError, read_result
+from ivsid.verification.checker import READING_ERRORS, Checker
+from ivsid.verification.fleet import FleetChecker, logs_of, needed_logs
+from ivsid.verification.result import DamagedError, is_fleet, read_result
 
 # Parts of a result beside its statements: the seal covers them, no proof does.
 NOT_PROVED: Final = (
@@ -46,6 +48,7 @@ class Verification:
         result_name: name of the result's file.
         log_name: name of the log.
         inputs: name and SHA-256 of the vehicle file and of the log.
+        not_proved: parts of the result beside its statements.
     """
 
     status: str
@@ -58,6 +61,7 @@ class Verification:
     log_name: str
     inputs: tuple[tuple[str, str], ...]
     wrong: int = 0
+    not_proved: tuple[str, ...] = NOT_PROVED
 
     @property
     def proved(self) -> bool:
@@ -74,18 +78,32 @@ class Verification:
             "certificates": self.certificates,
             "rows": self.rows,
             "outliers": self.wrong,
-            "not_proved": list(NOT_PROVED),
+            "not_proved": list(self.not_proved),
         }
 
 
+# The same of a fleet.
+NOT_PROVED_OF_A_FLEET: Final = (
+    "that the bounds of all logs are as tight as their rows allow (complete)",
+    "the order of the logs, and that the logs of one period do not contradict each other",
+    "that no smaller set of logs contradicts each other (irreducible)",
+    "that a parameter could explain a change alone",
+    "pairs of logs, findings and verdicts",
+    "what assumes says, and its wording",
+)
+
+
 def verify(
-    result: str | Path, log: str | Path | Log, *, progress: Callable[[str], None] = lambda _: None
+    result: str | Path,
+    log: str | Path | Log | Sequence[str | Path],
+    *,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> Verification:
     """Checks the certificates of an identification in exact rational arithmetic, without the core (docs/theory.md, "Verification").
 
     Args:
-        result: the folder of ``ivsid identify`` or its result.json.
-        log: the log that was identified.
+        result: the folder of ``ivsid identify`` or ``ivsid fleet``, or its result.json.
+        log: the log that was identified; of a fleet its logs, or their folder.
         progress: told of each certificate.
 
     Returns:
@@ -97,6 +115,12 @@ def verify(
     check_rounding()
     path = Path(result)
     name = str(path)
+    if is_fleet(path):
+        return _of_fleet(path, log, progress)
+    if not isinstance(log, str | Path | Log):
+        raise IvsidError(
+            f"{name} is the result of one log, and {len(log)} were given; give the log that was identified"
+        )
     try:
         read = read_result(path)
     except DamagedError as error:
@@ -117,4 +141,44 @@ def verify(
         data.name,
         inputs,
         checker.wrong,
+    )
+
+
+def _of_fleet(
+    path: Path, given: str | Path | Log | Sequence[str | Path], progress: Callable[[str], None]
+) -> Verification:
+    """The verdict on the result of a fleet."""
+    if isinstance(given, Log):
+        raise IvsidError(f"{path} is the result of a fleet; give the folder of its logs")
+
+    def damaged(why: object) -> Verification:
+        return Verification("failed", (f"the result is damaged: {why}",), (), "", 0, 0, str(path), str(given), ())
+
+    try:
+        read = read_result(path, "fleet")
+        needed = needed_logs(read.record)
+    except DamagedError as error:
+        return damaged(error)
+    except READING_ERRORS as error:
+        return damaged(f"{type(error).__name__}: {error}")
+    if not needed:
+        return damaged("no row of any log proves anything")
+    logs = {name: read_log(p, read.vehicle.log) for name, p in logs_of(given, needed).items()}
+    checker = FleetChecker(read, logs)
+    try:
+        checker.run(progress)
+    except READING_ERRORS as error:
+        checker.failures.append(f"the statements: cannot be read ({type(error).__name__}: {error})")
+    number = len(read.record["logs"].get("together", ()))
+    return Verification(
+        "failed" if checker.failures else "not_checked" if checker.unknown else "proved",
+        tuple(checker.failures),
+        tuple(checker.unknown),
+        str(read.record["pooled"].get("status")),
+        checker.certificates,
+        len(checker.rows_used),
+        str(path),
+        f"{len(logs)} of {number} logs",
+        ((read.vehicle.source, read.vehicle.sha256), *((n, log.sha256) for n, log in logs.items())),
+        not_proved=NOT_PROVED_OF_A_FLEET,
     )

@@ -34,7 +34,7 @@ def verify(result: str | Path, log: str | Path, *, progress: Progress = silent) 
                         f"certificates that hold: {verdict.certificates}",
                         f"rows recomputed from the log in fractions: {verdict.rows}",
                         "beyond the log and the vehicle file's assumptions the proof rests on nothing but this checker",
-                        f"in the result, but not part of the proof: {', '.join(verification.NOT_PROVED)}",
+                        f"in the result, but not part of the proof: {', '.join(verdict.not_proved)}",
                     ]
                 ),
             ),

@@ -13,7 +13,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
 from ivsid.errors import IvsidError
-from ivsid.files.records import write_whole
+from ivsid.files.records import check_writable, write_whole
 from ivsid.fleets import extra
 from ivsid.log import TABLES, WHOLE
 
@@ -167,6 +167,24 @@ def write_bytes(address: str, content: bytes) -> None:
         system.pipe_file(path, content)
     except Exception as error:
         raise _unusable(address, error) from None
+
+
+def check(folder: str) -> None:
+    """Checks, before any work is done, that a folder of results can be written; leaves nothing behind.
+
+    Raises:
+        IvsidError: it cannot.
+    """
+    if not is_url(folder):
+        check_writable(folder)
+        return
+    probe = below(folder, ".ivsid")
+    write_bytes(probe, b"")
+    system, path = _system(probe)
+    try:
+        system.rm_file(path)
+    except Exception as error:
+        raise _unusable(folder, error) from None
 
 
 def below(folder: str, *parts: str) -> str:

@@ -21,7 +21,7 @@ from ivsid.fleets.drift import MOST_PAIRS, Drift, Logs, drift
 from ivsid.fleets.finished import Finished
 from ivsid.fleets.log_rows import of_certificates
 from ivsid.fleets.one_log import Outcome, Settings, diagnosed, identified, rows_of, scanned
-from ivsid.fleets.places import Place, below, logs_of
+from ivsid.fleets.places import Place, below, check, logs_of
 from ivsid.fleets.result import Entry, Fleet, Traffic
 from ivsid.fleets.scan import Question, Violated, together
 from ivsid.fleets.working_set import linked
@@ -89,6 +89,7 @@ def fleet(
             "effects of your own do not reach the workers of a fleet; leave out --own-effects, and use ivsid diagnose on single logs"
         )
     terms = terms_of(checked, form)
+    check(folder)
     places = logs_of(given)
     options = {"form": form, "rows": rows, "window": window if isinstance(window, float | int) else list(window)}
     settings = Settings(

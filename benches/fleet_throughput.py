@@ -73,7 +73,9 @@ def main():
     paths = sorted((folder / "logs").glob("*.parquet"))[:number]
     size = sum(p.stat().st_size for p in paths) / len(paths)
     print(f"{len(paths)} logs of {size / 1e3:.1f} kB")
-    print("| logs | workers | killed | start [s] | identify [s] | pool [s] | drift [s] | whole [s] | logs/s identified | passes | sent/log [B] | received/log [B] | finished/log [B] |")
+    print(
+        "| logs | workers | killed | start [s] | identify [s] | pool [s] | drift [s] | whole [s] | logs/s identified | passes | sent/log [B] | received/log [B] | finished/log [B] |"
+    )
     print("|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|")
     known = {}
     cases = [(number, 2, 0), (number, 2, 2), (number, 1, 0), (number // 4, 2, 0), (number // 16, 2, 0)]
@@ -91,7 +93,10 @@ def main():
             flush=True,
         )
         assert same, "the tables differ"
-        print(f"<!-- {found.pooled.solved.status}, {len(found.drift.periods)} periods, {len(found.drift.pairs)} pairs, tried {found.drift.tried} -->", flush=True)
+        print(
+            f"<!-- {found.pooled.solved.status}, {len(found.drift.periods)} periods, {len(found.drift.pairs)} pairs, tried {found.drift.tried} -->",
+            flush=True,
+        )
     print("the tables of runs with the same logs are the same, byte for byte")
 
 

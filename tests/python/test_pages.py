@@ -38,7 +38,7 @@ def started(folder: Path) -> None:
         "read_certificate",
         *(
             pytest.param(n, marks=pytest.mark.nightly)
-            for n in ("bound_sensors", "bound_thrust", "choose_manoeuvre", "ros_bag")
+            for n in ("bound_sensors", "bound_thrust", "choose_manoeuvre", "many_logs", "ros_bag")
         ),
     ],
 )
@@ -46,12 +46,14 @@ def test_every_step_of_a_page_prints_what_the_page_shows(name, tmp_path, monkeyp
     monkeypatch.chdir(tmp_path)
     if name == "ros_bag":
         started(tmp_path)
+    if name == "many_logs":
+        pytest.importorskip("distributed")
     assert follow_page(HOWTO / f"{name}.md") >= 4
 
 
 def test_every_how_to_page_is_followed():
     assert {p.stem for p in HOWTO.glob("*.md")} == {
-        "bound_sensors", "bound_thrust", "choose_manoeuvre", "read_certificate", "ros_bag"
+        "bound_sensors", "bound_thrust", "choose_manoeuvre", "many_logs", "read_certificate", "ros_bag"
     }  # fmt: skip
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -113,7 +114,7 @@ class Fleet(Result):
     options: dict[str, Any]
     traffic: Traffic
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the logs."""
         return tuple(e.place.name for e in self.entries)

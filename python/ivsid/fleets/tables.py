@@ -138,18 +138,18 @@ def _findings(fleet: Fleet) -> pl.DataFrame:
 
 
 def _contradictions(fleet: Fleet) -> pl.DataFrame:
-    rows = []
+    rows, names, terms = [], fleet.names, [t.id for t in fleet.terms]
     for (a, b), changed in () if fleet.drift is None else fleet.drift.pairs.items():
-        ids = [fleet.terms[j].id for j in changed]
-        rows.append((fleet.names[a], fleet.names[b], "intervals" if ids else "rows", ids))
+        ids = [terms[j] for j in changed]
+        rows.append((names[a], names[b], "intervals" if ids else "rows", ids))
     return _frame(rows, log=pl.String, other=pl.String, proof=pl.String, disjoint=pl.List(pl.String))
 
 
 def _changes(fleet: Fleet) -> pl.DataFrame:
-    rows = []
+    rows, names = [], fleet.names
     for k, c in enumerate(() if fleet.drift is None else fleet.drift.changes):
         ids = [t.id for t in fleet.terms]
-        each = ([fleet.names[n] for n in c.logs], c.irreducible)
+        each = ([names[n] for n in c.logs], c.irreducible)
         rows.append((k, *each, [ids[j] for j in c.changed], [ids[j] for j in c.alone], [ids[j] for j in c.excluded]))
     words = pl.List(pl.String)
     return _frame(

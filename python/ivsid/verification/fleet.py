@@ -32,7 +32,7 @@ def logs_of(given: str | Path | Sequence[str | Path], needed: Mapping[str, str])
     """The files of the logs that a result needs, by name, found by their content.
 
     Args:
-        given: a folder of logs, or logs.
+        given: a folder with logs in it or below it, or logs.
         needed: names of logs by SHA-256.
 
     Raises:
@@ -41,8 +41,8 @@ def logs_of(given: str | Path | Sequence[str | Path], needed: Mapping[str, str])
     paths: list[Path] = []
     for each in [given] if isinstance(given, str | Path) else given:
         path = Path(each)
-        inside = path.is_dir() and not (path / "metadata.yaml").is_file()
-        paths += sorted(p for p in path.iterdir() if not p.name.startswith(".")) if inside else [path]
+        inside = path.is_dir() and not _is_bag(path)
+        paths += sorted(p for p in path.rglob("*") if p.is_file() or _is_bag(p)) if inside else [path]
     found: dict[str, Path] = {}
     # A log most often has the name that the result gives it, so that few files are read.
     names = {Path(n).name for n in needed.values()}
@@ -62,6 +62,10 @@ def logs_of(given: str | Path | Sequence[str | Path], needed: Mapping[str, str])
             "all logs of the fleet"
         )
     return found
+
+
+def _is_bag(path: Path) -> bool:
+    return (path / "metadata.yaml").is_file()
 
 
 def needed_logs(record: Stored) -> dict[str, str]:

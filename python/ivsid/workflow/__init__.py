@@ -9,7 +9,7 @@
 - ``identification``, ``verification``, ``validation``: parameter intervals, their proof, and another log against them.
 - ``trajectories``: bounds of every trajectory that a fit allows.
 - ``exporting``: a model as a file of another simulator.
-- ``fleet``: many logs of a vehicle, one by one and together.
+- ``many_logs``: many logs of a vehicle, one by one and together.
 - ``diagnosis``, ``planning``: causes of what the simulation gets wrong, and manoeuvres that would separate them.
 - ``diagnosis_screen``, ``diagnosis_series``, ``diagnosis_tables``: parts of the page of a diagnosis.
 - ``first_screens``: what the other pages say first.
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from ivsid.workflow.diagnosis import diagnose
     from ivsid.workflow.example_runs import example
     from ivsid.workflow.exporting import export
-    from ivsid.workflow.fleet import fleet
     from ivsid.workflow.identification import identify
+    from ivsid.workflow.many_logs import fleet
     from ivsid.workflow.paper_trials import demo
     from ivsid.workflow.planning import isolability
     from ivsid.workflow.proposal import init
@@ -46,7 +46,7 @@ _HOMES: Final = {
     "diagnose": "diagnosis",
     "example": "example_runs",
     "export": "exporting",
-    "fleet": "fleet",
+    "fleet": "many_logs",
     "identify": "identification",
     "import_set": "data_sets",
     "init": "proposal",

@@ -208,3 +208,51 @@ def read_terms():
     from ivsid.effects import terms_of
 
     return tuple(terms_of(read_vehicle("swan")))
+
+
+def random_logs(rng, n):
+    """Rows of a few logs about a common truth, some of them coarse, some with coefficients of either sign."""
+    from ivsid.fleets.log_rows import LogRows
+
+    truth = rng.uniform(-2, 2, n) * rng.choice([1.0, 0.05, 20.0], n)
+    parts = []
+    for log in range(int(rng.integers(2, 6))):
+        m = int(rng.integers(1, 40))
+        middle, radius = rng.uniform(-1, 1, (m, n)), rng.uniform(0, 0.03, (m, 1)) * rng.integers(0, 2, n)
+        right = middle @ truth
+        slack = rng.uniform(0.2, 2.0, m) * (0.05 + (radius * np.abs(truth)).sum(axis=1))
+        zero = np.zeros(m, dtype=np.int64)
+        time = np.arange(m, dtype=float)
+        low, high = right - slack, right + slack * rng.uniform(0.1, 1.0, m)
+        lower, upper = middle - radius, middle + radius
+        parts.append(LogRows(np.full(m, log), lower, upper, low, high, zero, zero, time, np.zeros(m)))
+    return parts
+
+
+@pytest.mark.parametrize("cases", [25, pytest.param(1500, marks=pytest.mark.nightly)])
+def test_constraint_generation_never_loses_a_bound_of_random_rows(cases):
+    """Against all rows in one piece: the same status, an interval that holds the other, and the same one where the search says so."""
+    from ivsid.fleets.consistency import Model, pooled
+    from ivsid.fleets.log_rows import empty, joined
+    from ivsid.fleets.scan import scan, together
+    from ivsid.fleets.working_set import solve
+
+    complete = tight = 0
+    for seed in range(cases):
+        rng = np.random.default_rng([seed, cases])
+        n = int(rng.integers(1, 4))
+        parts = random_logs(rng, n)
+        model = Model(read_terms()[:n], (tuple(range(n)),))
+        whole = solve(joined(parts), model.terms, model.blocks)
+        found = pooled(empty(n), model, lambda qs, parts=parts, n=n: [together([a], n) for a in scan(parts, qs)])
+        assert found.rows.count <= sum(p.count for p in parts)
+        if whole.status == "not_applicable" or found.solved.status == "not_applicable":
+            continue
+        assert (found.solved.lower <= whole.lower).all() and (whole.upper <= found.solved.upper).all(), seed
+        if found.complete:
+            complete += 1
+            assert found.solved.status == whole.status, seed
+            gap = np.nan_to_num(np.abs(found.solved.upper - whole.upper) + np.abs(found.solved.lower - whole.lower))
+            width = np.where(np.isfinite(whole.upper - whole.lower), whole.upper - whole.lower, np.inf)
+            tight += bool((gap <= 1e-9 * width).all() or whole.status == "empty")
+    assert complete >= 0.9 * cases and tight >= 0.98 * complete, (complete, tight)

@@ -20,7 +20,8 @@ TABLES = ("changes", "contradictions", "findings", "logs", "parameters", "pooled
 
 
 def content(found):
-    return {name: parquet(tables(found)[name]) for name in TABLES}
+    made = tables(found)
+    return {name: parquet(made[name]) for name in TABLES}
 
 
 @pytest.fixture(scope="module")

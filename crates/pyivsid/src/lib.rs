@@ -27,7 +27,8 @@ mod core_module {
     use super::filters::{respond, whiten};
     #[pymodule_export]
     use super::linalg::{
-        default_count, gram, inverse, inverse_batch, matmul, norm, regularity, regularity_batch, solve, solve_batch,
+        cell_answers, default_count, gram, inverse, inverse_batch, inverse_of_parts, inverse_part, matmul, norm,
+        partitioned_shared, regularity, regularity_batch, solve, solve_batch,
     };
     #[pymodule_export]
     use super::regression::{feasible_set, least_squares, normal_equations};

@@ -2,9 +2,14 @@
 
 use crate::arrays::{intervals, matrix, refusal, vector};
 use crate::convert;
-use interval_core::inverse::{Batch, Method, Options};
+use interval_core::inverse::{
+    Answers, Batch, Form, Method, Options, Part, cell_answers as answers_of, partitioned_shared as shared,
+    published_of_parts, published_part,
+};
 use interval_core::{regularity as verdicts, systems};
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
+use numpy::{
+    PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
+};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -63,6 +68,107 @@ pub fn inverse<'py>(
         Some(error) => Err(error),
         None => convert::outcome(py, &outcome.map_err(|e| refusal(&e))?, a.rows()),
     }
+}
+
+/// The form of a published method.
+fn form(method: &str) -> PyResult<Form> {
+    match named::<Method>(method)? {
+        Method::Published => Ok(Form::Literal),
+        Method::PublishedHull => Ok(Form::Hull),
+        _ => Err(PyValueError::new_err("a published method is needed")),
+    }
+}
+
+/// The extremes of the partitions from `first` up to `last` of a published method, shape (4, n, n); None at a singular
+/// member, or where the method does not apply.
+#[pyfunction]
+pub fn inverse_part<'py>(
+    py: Python<'py>,
+    lo: PyReadonlyArray2<'py, f64>,
+    hi: PyReadonlyArray2<'py, f64>,
+    method: &str,
+    partitions: u64,
+    range: (u64, u64),
+) -> PyResult<Option<Bound<'py, PyArray3<f64>>>> {
+    let (a, form) = (matrix(&lo, &hi)?, form(method)?);
+    let n = a.rows();
+    let found = py.detach(|| published_part(&a, partitions, form, range.0..range.1)).map_err(|e| refusal(&e))?;
+    found.map(|part| PyArray1::from_vec(py, part.0.concat()).reshape([4, n, n])).transpose()
+}
+
+/// The outcome of a published method from the parts of all partitions, None for a singular one.
+#[pyfunction]
+pub fn inverse_of_parts<'py>(
+    py: Python<'py>,
+    lo: PyReadonlyArray2<'py, f64>,
+    hi: PyReadonlyArray2<'py, f64>,
+    method: &str,
+    partitions: u64,
+    parts: Vec<Option<PyReadonlyArray3<'py, f64>>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (a, form) = (matrix(&lo, &hi)?, form(method)?);
+    let size = a.rows() * a.rows();
+    let mut read = Vec::with_capacity(parts.len());
+    for part in &parts {
+        read.push(match part {
+            None => None,
+            Some(array) => {
+                let numbers = array.as_slice()?;
+                if numbers.len() != 4 * size {
+                    return Err(PyValueError::new_err("parts of shape (4, n, n) are needed"));
+                }
+                Some(Part(std::array::from_fn(|k| numbers[k * size..(k + 1) * size].to_vec())))
+            }
+        });
+    }
+    let outcome = published_of_parts(&a, partitions, form, read).map_err(|e| refusal(&e))?;
+    convert::outcome(py, &outcome, a.rows())
+}
+
+/// Answers of cells of the rigorous partition, bounds of shape (k, n, n): codes, and numbers of shape (4 k n n,).
+#[pyfunction]
+pub fn cell_answers<'py>(
+    py: Python<'py>,
+    lo: PyReadonlyArray3<'py, f64>,
+    hi: PyReadonlyArray3<'py, f64>,
+) -> PyResult<(Bound<'py, PyArray1<u8>>, Bound<'py, PyArray1<f64>>)> {
+    let (l, h, n) = stack(&lo, &hi)?;
+    let found = py.detach(|| answers_of(n, l, h)).map_err(|e| refusal(&e))?;
+    Ok((PyArray1::from_vec(py, found.codes), PyArray1::from_vec(py, found.numbers)))
+}
+
+/// The rigorous partition; `ask(lower, upper)` gives the answers of cells, as `cell_answers` does.
+#[pyfunction]
+pub fn partitioned_shared<'py>(
+    py: Python<'py>,
+    lo: PyReadonlyArray2<'py, f64>,
+    hi: PyReadonlyArray2<'py, f64>,
+    cells: u64,
+    ask: Py<PyAny>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let a = matrix(&lo, &hi)?;
+    let cells = usize::try_from(cells).unwrap_or(usize::MAX);
+    let mut failure = None;
+    let outcome = py.detach(|| {
+        let mut answer = |n: usize, lower: Vec<f64>, upper: Vec<f64>| {
+            Python::attach(|py| asked(py, &ask, n, lower, upper)).map_err(|error| failure = Some(error)).ok()
+        };
+        shared(&a, cells, &mut answer)
+    });
+    match failure {
+        Some(error) => Err(error),
+        None => convert::outcome(py, &outcome.map_err(|e| refusal(&e))?, a.rows()),
+    }
+}
+
+/// The answers that a Python function gives for cells.
+fn asked(py: Python<'_>, ask: &Py<PyAny>, n: usize, lower: Vec<f64>, upper: Vec<f64>) -> PyResult<Answers> {
+    let shape = [lower.len() / (n * n), n, n];
+    let lower = PyArray1::from_vec(py, lower).reshape(shape)?;
+    let upper = PyArray1::from_vec(py, upper).reshape(shape)?;
+    let found = ask.call1(py, (lower, upper))?;
+    let (codes, numbers) = found.extract::<(PyReadonlyArray1<'_, u8>, PyReadonlyArray1<'_, f64>)>(py)?;
+    Ok(Answers { codes: codes.as_slice()?.to_vec(), numbers: numbers.as_slice()?.to_vec() })
 }
 
 /// The inverses of a batch of shape (k, n, n): a status code for each, and the bounds, NaN without a value.

@@ -138,11 +138,18 @@ def _findings(fleet: Fleet) -> pl.DataFrame:
 
 
 def _contradictions(fleet: Fleet) -> pl.DataFrame:
-    rows, names, terms = [], fleet.names, [t.id for t in fleet.terms]
-    for (a, b), changed in () if fleet.drift is None else fleet.drift.pairs.items():
-        ids = [terms[j] for j in changed]
-        rows.append((names[a], names[b], "intervals" if ids else "rows", ids))
-    return _frame(rows, log=pl.String, other=pl.String, proof=pl.String, disjoint=pl.List(pl.String))
+    names, terms = fleet.names, [t.id for t in fleet.terms]
+    pairs = {} if fleet.drift is None else fleet.drift.pairs
+    # Column by column: a season that changed once has a quarter of a million pairs.
+    columns = {
+        "log": [names[a] for a, _ in pairs],
+        "other": [names[b] for _, b in pairs],
+        "proof": ["intervals" if changed else "rows" for changed in pairs.values()],
+        "disjoint": [[terms[j] for j in changed] for changed in pairs.values()],
+    }
+    return pl.DataFrame(
+        columns, schema={"log": pl.String, "other": pl.String, "proof": pl.String, "disjoint": pl.List(pl.String)}
+    )
 
 
 def _changes(fleet: Fleet) -> pl.DataFrame:

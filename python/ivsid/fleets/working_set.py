@@ -99,6 +99,10 @@ def solve(rows: LogRows, terms: Sequence[Term], blocks: Sequence[Sequence[int]])
             statuses.append("unbounded")
             inflations.append(0.0)
             continue
+        others = [j for j in range(n) if j not in block]
+        if (part.lower[:, others] != 0).any() or (part.upper[:, others] != 0).any():
+            # A row that loses a column would prove what is not true.
+            raise RuntimeError(f"rows link the parameters of block {k} with others")
         made = part.regression(terms).take(np.arange(part.count), columns)
         found = regression.feasible_set(made.matrix, made.right)
         statuses.append(str(found.status))
@@ -128,11 +132,11 @@ def solve(rows: LogRows, terms: Sequence[Term], blocks: Sequence[Sequence[int]])
     )
 
 
-def vertices(rows: LogRows, block: Sequence[int], *, first: bool) -> FloatArray | None:
-    """The points at which a block's ends are attained by the working set inside a wide box, shape (p, n).
+def vertices(rows: LogRows, block: Sequence[int], *, first: bool) -> tuple[FloatArray, bool]:
+    """The points at which a block's ends are attained by the working set inside a wide box, shape (p, n), and whether these are all ends.
 
-    Open ends are attained on the box, so that rows that would close them are found. None where the working set is empty, or too open
-    for an answer.
+    Open ends are attained on the box, so that rows that would close them are found. A set that is empty, or too open for an answer, has no
+    points.
     """
     part = of_block(rows, block, first=first)
     columns = list(block)
@@ -142,12 +146,11 @@ def vertices(rows: LogRows, block: Sequence[int], *, first: bool) -> FloatArray 
     low, high = np.r_[part.low, -half], np.r_[part.high, half]
     lower, upper = np.vstack([lower, np.eye(n)]), np.vstack([upper, np.eye(n)])
     found = regression.feasible_set(IntervalArray(lower, upper), IntervalArray(low, high))
-    if found.value is None:
-        return None
-    points = _attained(found, lower, upper, low, high)
+    points, missing = _attained(found, lower, upper, low, high)
     whole = np.zeros((len(points), rows.lower.shape[1]))
-    whole[:, columns] = points
-    return np.unique(whole, axis=0)
+    if points:
+        whole[:, columns] = points
+    return np.unique(whole, axis=0), found.value is not None and not missing
 
 
 def _box(lower: FloatArray, upper: FloatArray, part: LogRows) -> FloatArray:
@@ -161,9 +164,12 @@ def _box(lower: FloatArray, upper: FloatArray, part: LogRows) -> FloatArray:
 
 def _attained(
     found: FeasibleSet, lower: FloatArray, upper: FloatArray, low: FloatArray, high: FloatArray
-) -> list[FloatArray]:
-    """The vertex of each bound of each orthant, from the rows and signs of its proof."""
+) -> tuple[list[FloatArray], int]:
+    """The vertex of each bound of each orthant, from the rows and signs of its proof, and the number of ends without one."""
+    if found.value is None:
+        return [], 0
     points = [] if found.centre is None else [np.asarray(found.centre)]
+    missing = 0
     n = lower.shape[1]
     for orthant in found.certificate:
         if orthant["empty"]:
@@ -171,6 +177,7 @@ def _attained(
         signs = np.array(orthant["signs"])
         for bound in orthant["bounds"]:
             if not np.isfinite(bound["bound"]):
+                missing += 1
                 continue
             matrix, right = np.zeros((0, n)), np.zeros(0)
             for index, lower_side, _ in bound["rows"]:
@@ -178,10 +185,13 @@ def _attained(
                 side = (upper, lower) if lower_side else (lower, upper)
                 matrix = np.vstack([matrix, np.where(signs >= 0, side[0][index], side[1][index])])
                 right = np.r_[right, low[index] if lower_side else high[index]]
-            for column, _ in bound["signs"]:
-                matrix, right = np.vstack([matrix, np.eye(n)[column]]), np.r_[right, 0.0]
-            point, *_ = np.linalg.lstsq(matrix, right, rcond=None)
+            # Unknowns at the border of their sign are 0 exactly.
+            free = np.setdiff1d(np.arange(n), [column for column, _ in bound["signs"]])
+            point = np.zeros(n)
+            point[free] = np.linalg.lstsq(matrix[:, free], right, rcond=None)[0]
             missed = np.abs(matrix @ point - right)
             if np.all(missed <= RESIDUAL * (np.abs(matrix) @ np.abs(point) + np.abs(right))):
-                points.append(np.asarray(point, dtype=np.float64))
-    return points
+                points.append(point)
+            else:
+                missing += 1
+    return points, missing

@@ -25,6 +25,7 @@ from ivsid.linear.results import (
     Status,
     Verdict,
 )
+from ivsid.linear.spread import Client, asker, swept
 
 __all__ = [
     "DEFAULT_CELLS",
@@ -73,6 +74,10 @@ VERDICTS: Final = _core.VERDICTS
 PARTITION_LIMIT: Final = 2**53
 
 
+# Methods whose sweep is shared by a client.
+SPREAD: Final = ("published", "published-hull")
+
+
 def inverse(
     A: Operand,
     method: str = "exact",
@@ -80,6 +85,7 @@ def inverse(
     *,
     sweep: str = "members",
     progress: Callable[[int, int], object] | None = None,
+    client: Client | None = None,
 ) -> Result | ResultBatch:
     """The inverse of an interval matrix, or the inverses of a batch.
 
@@ -93,6 +99,8 @@ def inverse(
         sweep: of the published methods: ``members`` inverts all 2N matrices, ``extrema`` only those that can be extreme, with the same
             result up to rounding at any N.
         progress: called with (partitions done, N) some times a second during a long sweep of one matrix.
+        client: of a cluster (``distributed.Client``), whose workers share the partitions of one matrix under ``published``,
+            ``published-hull`` and ``partitioned``; the bits are those without one.
 
     Returns:
         A ``Result``, or a ``ResultBatch``: ``inverse_one`` and ``inverse_batch`` have one of them as their type. A failed proof is a
@@ -104,7 +112,9 @@ def inverse(
     _check(method, partitions, sweep)
     matrix = _matrix(A)
     if matrix.ndim == 2:
-        return inverse_one(matrix, method, partitions, sweep=sweep, progress=progress)
+        return inverse_one(matrix, method, partitions, sweep=sweep, progress=progress, client=client)
+    if client is not None:
+        raise IvsidError("a batch is not shared by a client; give one matrix of shape (n, n), or leave client out")
     return inverse_batch(matrix, method, partitions, sweep=sweep)
 
 
@@ -115,12 +125,31 @@ def inverse_one(
     *,
     sweep: str = "members",
     progress: Callable[[int, int], object] | None = None,
+    client: Client | None = None,
 ) -> Result:
     """``inverse`` of one matrix, shape (n, n)."""
     number = _check(method, partitions, sweep)
     lower, upper = _bounds(_matrix(A), 2)
-    found = _core.inverse(lower, upper, method, number, sweep, progress)
+    if client is None:
+        found = _core.inverse(lower, upper, method, number, sweep, progress)
+    else:
+        found = _shared(client, lower, upper, method, number, sweep)
     return make_result(method, found, (lower, upper), lower.shape)
+
+
+def _shared(
+    client: Client, lower: FloatArray, upper: FloatArray, method: str, number: int, sweep: str
+) -> _core._Outcome:
+    """The core's answer with the partitions spread over a cluster."""
+    if method == "partitioned":
+        return _core.partitioned_shared(lower, upper, number, asker(client, _core.cell_answers))
+    if method not in SPREAD or sweep != "members":
+        raise IvsidError(
+            f"method {method} with sweep {sweep} has no partitions to share; use {' or '.join((*SPREAD, 'partitioned'))} with sweep members, or leave "
+            "client out"
+        )
+    given = (lower, upper, method, number)
+    return _core.inverse_of_parts(*given, swept(client, _core.inverse_part, given, number))
 
 
 def inverse_batch(

@@ -126,6 +126,9 @@ def _together(found: Fleet) -> list[Part]:
         facts.append(
             f"left out, as no parameter is consistent with their own rows: {', '.join(found.contradicted[:DRAWN])}"
         )
+    nothing = [e.place.name for e in found.entries if e.status == "not_applicable"]
+    if nothing:
+        facts.append(f"left out, as their identification proves nothing: {', '.join(nothing[:DRAWN])}")
     if solved.reason:
         facts.append(solved.reason)
     if found.joint is not None and found.joint < LIKELY:

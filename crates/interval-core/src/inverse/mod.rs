@@ -1,6 +1,7 @@
 //! Inverses of interval matrices: matrix in, [`Outcome`] out, one file per method.
 
 mod batch;
+mod cells;
 mod cramer;
 mod exact;
 mod hansen_bliek_rohn;
@@ -12,6 +13,7 @@ mod partitioned;
 mod published;
 
 pub use batch::{Batch, batch, exact_batch};
+pub use cells::{Answers, cell_answers, partitioned_shared};
 pub use cramer::cramer;
 pub(crate) use cramer::{determinant, expand_all};
 pub use exact::{ACCORD_LIMIT, SIGN_LIMIT, exact, exact_by_vertices};
@@ -24,7 +26,8 @@ pub use method::{Method, Options};
 pub use neumaier::neumaier;
 pub use partitioned::{DEFAULT_CELLS, partitioned};
 pub use published::{
-    DEFAULT_PARTITIONS, Form, Monitor, ORDER_LIMIT, Sweep, Watch, published, published_hull, published_with,
+    DEFAULT_PARTITIONS, Form, Monitor, ORDER_LIMIT, Part, Sweep, Watch, published, published_hull, published_of_parts,
+    published_part, published_with,
 };
 
 use crate::certified::{Certified, Claim, Unproved};

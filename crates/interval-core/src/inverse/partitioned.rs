@@ -30,6 +30,16 @@ pub const DEFAULT_CELLS: usize = 4096;
 /// # Errors
 /// A matrix that is not square, or `cells` of 0.
 pub fn partitioned(a: &IntervalMatrix, cells: usize) -> Result<Outcome, Error> {
+    partitioned_by(a, cells, &mut |level| {
+        Some(parallel::map(level.len(), level.len() > 1, |at| look(&level[at], level.len() == 1)))
+    })
+}
+
+/// Looks at the cells of a level, a single one as the whole matrix; `None` ends the search.
+pub(super) type Look<'a> = dyn FnMut(&[IntervalMatrix]) -> Option<Vec<Cell>> + 'a;
+
+/// [`partitioned()`] with cells that someone else may look at.
+pub(super) fn partitioned_by(a: &IntervalMatrix, cells: usize, look: &mut Look<'_>) -> Result<Outcome, Error> {
     crate::rounding::check_environment()?;
     a.order()?;
     if cells == 0 {
@@ -43,7 +53,7 @@ pub fn partitioned(a: &IntervalMatrix, cells: usize) -> Result<Outcome, Error> {
             "the entries differ so much in size that scaling by powers of two is not exact",
         ));
     };
-    let (member, examined) = match divide(&scaled.a, cells) {
+    let (member, examined) = match divide(&scaled.a, cells, look) {
         Division::Hull(hull) => return certified(a, &scaled, &hull),
         Division::Singular(member) => (scaled.member(member), 1),
         Division::Open(examined) => (None, examined),
@@ -111,14 +121,14 @@ enum Division {
 }
 
 /// The result of one cell.
-enum Cell {
+pub(super) enum Cell {
     Hull(Ends),
     Regular { enclosure: IntervalMatrix, attained: Option<Ends> },
     Singular(SingularMember),
     Open,
 }
 
-fn divide(a: &IntervalMatrix, cells: usize) -> Division {
+fn divide(a: &IntervalMatrix, cells: usize, look: &mut Look<'_>) -> Division {
     let n = a.rows();
     let mut hull = Hull {
         lower: vec![f64::INFINITY; n * n],
@@ -132,7 +142,7 @@ fn divide(a: &IntervalMatrix, cells: usize) -> Division {
     let mut examined = 0;
     while !level.is_empty() {
         examined += level.len();
-        let answers = parallel::map(level.len(), level.len() > 1, |at| look(&level[at], level.len() == 1));
+        let Some(answers) = look(&level) else { return Division::Open(examined) };
         let mut open: Vec<(IntervalMatrix, Option<IntervalMatrix>)> = Vec::new();
         for (cell, answer) in level.into_iter().zip(answers) {
             match answer {
@@ -169,7 +179,7 @@ fn divide(a: &IntervalMatrix, cells: usize) -> Division {
 }
 
 /// Attained values are sought in the whole matrix only: they cost more than the rest.
-fn look(cell: &IntervalMatrix, whole: bool) -> Cell {
+pub(super) fn look(cell: &IntervalMatrix, whole: bool) -> Cell {
     match settle(cell, whole) {
         Settled::Hull { ends, .. } => Cell::Hull(ends),
         Settled::Regular { enclosure, attained } => Cell::Regular { enclosure, attained },

@@ -12,9 +12,11 @@
 
 mod elimination;
 mod extrema;
+mod parts;
 mod polynomial;
 mod watched;
 
+pub use parts::{Part, published_of_parts, published_part};
 pub use watched::Watch;
 pub(super) use watched::watched;
 
@@ -105,19 +107,12 @@ pub fn published_with(
     backend: Backend,
     monitor: &Monitor,
 ) -> Result<Outcome, Error> {
-    let n = a.order()?;
-    if partitions == 0 {
-        return Err(Error::Zero { what: "the number of partitions" });
-    }
-    if n > ORDER_LIMIT {
-        return Ok(Outcome::not_applicable(format!("order {n} exceeds {ORDER_LIMIT}, the limit of the sweep")));
-    }
-    if !a.is_bounded() {
-        return Ok(Outcome::not_applicable(UNBOUNDED));
+    if let Some(outcome) = refused(a, partitions)? {
+        return Ok(outcome);
     }
     let members = Members::new(a, partitions, backend);
     let extremes = match sweep {
-        Sweep::Members => members.sweep(form, monitor),
+        Sweep::Members => members.sweep(form, 0..partitions, monitor),
         Sweep::Extrema => extrema::find(&members, form),
     };
     Ok(match extremes {
@@ -127,8 +122,24 @@ pub fn published_with(
             format!("stopped after {} of {partitions} partitions", monitor.done()),
         ),
         Some(extremes) => not_an_enclosure(extremes.ends(form)),
-        None => Outcome::not_applicable("a matrix of the sweep is singular or its inverse overflows"),
+        None => singular(),
     })
+}
+
+/// The outcome of a matrix that cannot be swept.
+fn refused(a: &IntervalMatrix, partitions: u64) -> Result<Option<Outcome>, Error> {
+    let n = a.order()?;
+    if partitions == 0 {
+        return Err(Error::Zero { what: "the number of partitions" });
+    }
+    if n > ORDER_LIMIT {
+        return Ok(Some(Outcome::not_applicable(format!("order {n} exceeds {ORDER_LIMIT}, the limit of the sweep"))));
+    }
+    Ok((!a.is_bounded()).then(|| Outcome::not_applicable(UNBOUNDED)))
+}
+
+fn singular() -> Outcome {
+    Outcome::not_applicable("a matrix of the sweep is singular or its inverse overflows")
 }
 
 fn not_an_enclosure(value: Endpoints) -> Outcome {
@@ -205,8 +216,8 @@ impl<'a> Members<'a> {
         Self { a, partitions, backend, kernel }
     }
 
-    /// Extremes over all members; `None` at a singular one, or when the monitor stops.
-    fn sweep(&self, form: Form, monitor: &Monitor) -> Option<Extremes> {
+    /// Extremes over the members `k + 1` for `k` in the range; `None` at a singular one, or when the monitor stops.
+    fn sweep(&self, form: Form, whole: Range<u64>, monitor: &Monitor) -> Option<Extremes> {
         let n = self.a.rows() as u64;
         // A chunk takes some tenths of a millisecond: enough to hide the cost of a task, short enough to share out and
         // to stop.
@@ -215,13 +226,14 @@ impl<'a> Members<'a> {
             if monitor.stopped() {
                 return None;
             }
-            let range = at * chunk + 1..((at + 1) * chunk).min(self.partitions) + 1;
+            let first = whole.start + at * chunk;
+            let range = first + 1..(first + chunk).min(whole.end) + 1;
             let count = range.end - range.start;
             let found = self.extremes(form, range)?;
             monitor.done.fetch_add(count, Ordering::Relaxed);
             Some(found)
         };
-        parallel::try_map_reduce(self.partitions.div_ceil(chunk), part, |x, y| x.merge(&y))
+        parallel::try_map_reduce((whole.end - whole.start).div_ceil(chunk), part, |x, y| x.merge(&y))
     }
 
     /// Extremes over the members `j / N` of both sets for `j` in the range.

@@ -23,6 +23,10 @@ def content(found):
     return {name: parquet(made[name]) for name in TABLES}
 
 
+def client_pids(client):
+    return list(client.run(os.getpid).values())
+
+
 def killing(client, when, times):
     """A progress function that kills a worker at some of the steps, and counts."""
     killed = []
@@ -51,6 +55,22 @@ def test_two_processes_of_which_one_is_killed_give_the_bytes_of_one(once, undist
         progress, killed = killing(crew._client, lambda s: s.startswith("periods: 3"), 1)
         found = ivsid.fleet(logs, "swan", tmp_path, scheduler=crew._client, diagnose=False, progress=progress)
         assert len(killed) == 1 and content(found) == undisturbed and not found.failed
+
+
+@pytest.mark.nightly
+def test_a_cluster_without_any_worker_left_gets_new_ones(once, undisturbed, tmp_path):
+    """The cluster gives its nannies up at once, as on a machine that is too busy to start a worker in time."""
+    import dask
+
+    from ivsid.fleets.crew import crew_of
+
+    logs = seasons(once) / "changed"
+    with dask.config.set({"distributed.deploy.lost-worker-timeout": "1ms"}), crew_of(None, 2) as crew:
+        victims = client_pids(crew._client)
+        for pid in victims:
+            os.kill(pid, signal.SIGKILL)
+        found = ivsid.fleet(logs, "swan", tmp_path, scheduler=crew._client, diagnose=False)
+        assert content(found) == undisturbed and not set(client_pids(crew._client)) & set(victims)
 
 
 @pytest.mark.nightly

@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from itertools import count, islice
+from threading import Event, Thread
 from typing import Any, Final, Protocol
 
 from ivsid.errors import IvsidError
@@ -19,6 +20,9 @@ LIVES: Final = 10
 # Tasks that wait at the scheduler, for each worker.
 # Source: resource: a scheduler holds about 1 kB a task; a million at once would need a gigabyte
 WAITING: Final = 50
+# Time between two looks at the workers of a local cluster [s].
+# Source: resource: a call that does nothing as a rule
+WATCHED: Final = 2.0
 # Time in which a cluster has to answer [s].
 # Source: definition: the default of distributed
 PATIENCE: Final = 30
@@ -126,6 +130,28 @@ def _result(future: Any) -> Any:
 
 
 @contextmanager
+def _kept(cluster: Any, number: int) -> Iterator[None]:
+    """Keeps the number of workers of a local cluster.
+
+    A nanny starts its worker again. On a busy machine that takes longer than the cluster waits, and it gives the nanny up: without this a run
+    whose workers all died would wait for ever.
+    """
+    ended = Event()
+
+    def look() -> None:
+        while not ended.wait(WATCHED):
+            cluster.scale(number)
+
+    watch = Thread(target=look, daemon=True)
+    watch.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        watch.join()
+
+
+@contextmanager
 def crew_of(scheduler: Any, workers: int | None) -> Iterator[Crew]:
     """The processes of a run, which end with the block if it started them.
 
@@ -169,5 +195,6 @@ def crew_of(scheduler: Any, workers: int | None) -> Iterator[Crew]:
                     local_directory=folder,
                 )
             )
+            stack.enter_context(_kept(cluster, workers or processors()))
             client = stack.enter_context(package.Client(cluster, set_as_default=False))
         yield Cluster(client)

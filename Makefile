@@ -14,7 +14,7 @@ ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 FIXED := PROPTEST_RNG_SEED=1
 
 .PHONY: demo test test-rust test-python dependencies check rustfmt clippy lint rules null-logs constants constants-page rules-page rule-counts types stubs imports docs-rust docs-python nightly \
-	site links workflows wheel try-wheel licences bench same same-compare vessels peers inverse-peers fit-peers throughput diagnosis-time first-diagnosis tubes exhaustive twins itf1788 differential fuzz fuzz-files mutants exam reliability handbook build release venv tools format clean
+	site links workflows wheel try-wheel licences bench same same-compare vessels peers inverse-peers fit-peers throughput diagnosis-time first-diagnosis tubesstores fleet-throughput exhaustive twins itf1788 differential fuzz fuzz-files mutants exam reliability handbook build release venv tools format clean
 
 demo: release
 	$(BIN)/ivsid demo --out $(OUT)
@@ -144,6 +144,16 @@ nightly: build
 bench: release
 	cargo bench --locked
 	$(BIN)/python benches/ratios.py
+
+# Logs and results in a local server of S3, whose packages stand apart from the environment.
+stores: build
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-compile --no-deps --target $(VENV)/stores --requirement requirements/stores.txt
+	PYTHONPATH=$(VENV)/stores $(BIN)/pytest -q tests/python/test_fleet_stores.py
+
+# Throughput of ivsid fleet, and the same tables with workers killed: the table of docs/fleet.md.
+LOGS ?= 1000
+fleet-throughput: release
+	PYTHONPATH=python $(BIN)/python benches/fleet_throughput.py out/fleet $(LOGS)
 
 # The results of a fixed set of logs, in a folder; made in two trees, `make same-compare A=... B=...` names each difference.
 SAME ?= out/same

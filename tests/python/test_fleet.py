@@ -256,3 +256,27 @@ def test_constraint_generation_never_loses_a_bound_of_random_rows(cases):
             width = np.where(np.isfinite(whole.upper - whole.lower), whole.upper - whole.lower, np.inf)
             tight += bool((gap <= 1e-9 * width).all() or whole.status == "empty")
     assert complete >= 0.9 * cases and tight >= 0.98 * complete, (complete, tight)
+
+
+@pytest.mark.nightly
+def test_each_log_is_diagnosed_and_tried_on_the_next(tmp_path):
+    """The findings are those of ``ivsid diagnose`` on the same two logs, and are counted."""
+    assert run("example", tmp_path / "logs").returncode == 0
+    logs = [tmp_path / "logs" / f"run{k}.csv" for k in (1, 2)]
+    boat = tmp_path / "logs" / "boat.toml"
+    found = ivsid.fleet(logs, boat, tmp_path / "out", workers=0)
+    for entry, (train, test) in zip(found.entries, (logs, logs[::-1]), strict=True):
+        alone = ivsid.diagnose(boat, train, test, null_logs=0)
+        record = entry.diagnosis.record
+        assert record["verdict"] == alone.verdict and record["other"] == test.name
+        assert [f["effect"] for f in record["findings"]] == [f.effect for f in alone.findings]
+        for f, g in zip(record["findings"], alone.findings, strict=True):
+            ends = {k: (float.fromhex(b["lower"]), float.fromhex(b["upper"])) for k, b in f["parameters"].items()}
+            assert ends == {k: (b.lower, b.upper) for k, b in g.parameters.items()}
+    (cause,) = {json.loads((tmp_path / "logs" / "truth" / "truth.json").read_text())["effect"]}
+    assert cause in found.findings() and sum(found.verdicts().values()) == 2
+    table = tables(found)["findings"]
+    assert set(table["effect"]) == set(found.findings()) and set(table["log"]) == {"run1.csv", "run2.csv"}
+    made = run("fleet", *logs, "--vehicle", boat, "--out", tmp_path / "out", "--workers", 0)
+    assert f"{cause} in " in made.stdout and "2 of 2 logs were identified before" in made.stdout
+    assert ivsid.fleet(logs, boat, tmp_path / "out", workers=0).entries[0].diagnosis.reused

@@ -29,7 +29,7 @@ from ivsid.rows import WINDOW
 from ivsid.vehicle import GivenVehicle, Vehicle, vehicle_of
 
 # Logs whose rows one task holds and scans. It does not depend on the number of workers, so that results do not.
-# Source: measured: make fleet-throughput
+# Source: resource: tasks at the scheduler, an eighth of the logs, and memory of a worker for the rows of eight logs
 BATCH: Final = 8
 # Probability that all sensor bounds hold at once below which nothing that rests on all of them is called guaranteed.
 # Source: definition: more likely than not

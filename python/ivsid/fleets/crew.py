@@ -8,11 +8,12 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from itertools import count, islice
 from threading import Event, Thread
-from typing import Any, Final, Protocol
+from typing import Final, Protocol, TypeVar, cast
 
 from ivsid.errors import IvsidError
 from ivsid.fleets import extra
 from ivsid.intervals.pieces import processors
+from ivsid.linear.spread import Client, Future
 
 # Times that a task may lose its worker before it is taken for the cause.
 # Source: resource: a log that ends each worker it meets costs ten restarts
@@ -28,6 +29,16 @@ WATCHED: Final = 2.0
 PATIENCE: Final = 30
 
 
+T = TypeVar("T")
+
+
+class LocalCluster(Protocol):
+    """As much of a local cluster of Dask as is used."""
+
+    def scale(self, n: int) -> None:
+        """Starts or ends workers, so that there are so many."""
+
+
 class LostError(Exception):
     """A task whose workers died."""
 
@@ -35,13 +46,13 @@ class LostError(Exception):
 class Crew(Protocol):
     """Processes that do tasks."""
 
-    def each(self, task: Callable[..., Any], inputs: Sequence[tuple[Any, ...]]) -> Iterator[tuple[int, Any]]:
+    def each(self, task: Callable[..., T], inputs: Sequence[tuple[object, ...]]) -> Iterator[tuple[int, T | LostError]]:
         """Results as they come, with the place of their inputs; a ``LostError`` in place of one whose workers died."""
 
-    def hold(self, task: Callable[..., Any], inputs: Sequence[tuple[Any, ...]]) -> list[Any]:
+    def hold(self, task: Callable[..., object], inputs: Sequence[tuple[object, ...]]) -> list[object]:
         """Results that stay where they are made, as handles."""
 
-    def on(self, task: Callable[..., Any], held: Sequence[Any], inputs: Sequence[Any]) -> list[Any]:
+    def on(self, task: Callable[..., T], held: Sequence[object], inputs: Sequence[object]) -> list[T]:
         """Results of a task on what is held, in order.
 
         Raises:
@@ -52,16 +63,16 @@ class Crew(Protocol):
 class Here:
     """This process alone."""
 
-    def each(self, task: Callable[..., Any], inputs: Sequence[tuple[Any, ...]]) -> Iterator[tuple[int, Any]]:
+    def each(self, task: Callable[..., T], inputs: Sequence[tuple[object, ...]]) -> Iterator[tuple[int, T | LostError]]:
         """Results in order."""
         for k, given in enumerate(inputs):
             yield k, task(*given)
 
-    def hold(self, task: Callable[..., Any], inputs: Sequence[tuple[Any, ...]]) -> list[Any]:
+    def hold(self, task: Callable[..., object], inputs: Sequence[tuple[object, ...]]) -> list[object]:
         """The results themselves."""
         return [task(*given) for given in inputs]
 
-    def on(self, task: Callable[..., Any], held: Sequence[Any], inputs: Sequence[Any]) -> list[Any]:
+    def on(self, task: Callable[..., T], held: Sequence[object], inputs: Sequence[object]) -> list[T]:
         """Results in order."""
         return [task(h, i) for h, i in zip(held, inputs, strict=True)]
 
@@ -75,21 +86,21 @@ class Cluster:
         client: of the cluster.
     """
 
-    def __init__(self, client: Any) -> None:
+    def __init__(self, client: Client) -> None:
         self._client = client
         self._number = count()
 
-    def _submit(self, task: Callable[..., Any], given: tuple[Any, ...]) -> Any:
+    def _submit(self, task: Callable[..., object], given: tuple[object, ...]) -> Future:
         # Names of their own: a result of an earlier run is never taken for one of this.
         name = f"ivsid-{task.__name__}-{id(self):x}-{next(self._number)}"
         return self._client.submit(task, *given, key=name, pure=False)
 
-    def each(self, task: Callable[..., Any], inputs: Sequence[tuple[Any, ...]]) -> Iterator[tuple[int, Any]]:
+    def each(self, task: Callable[..., T], inputs: Sequence[tuple[object, ...]]) -> Iterator[tuple[int, T | LostError]]:
         """Results as they come; only some tasks wait at the scheduler at a time."""
         package = extra.distributed()
         waiting = iter(enumerate(inputs))
-        places: dict[Any, int] = {}
-        most = WAITING * max(1, len(self._client.scheduler_info(n_workers=-1)["workers"]))
+        places: dict[str, int] = {}
+        most = WAITING * max(1, len(self._client.nthreads()))
         queue = package.as_completed(loop=self._client.loop)
 
         def more(number: int) -> None:
@@ -101,27 +112,29 @@ class Cluster:
         more(most)
         for future in queue:
             place = places.pop(future.key)
-            yield place, _result(future)
+            yield place, cast(T | LostError, _result(future))
             future.release()
             more(1)
 
-    def hold(self, task: Callable[..., Any], inputs: Sequence[tuple[Any, ...]]) -> list[Any]:
+    def hold(self, task: Callable[..., object], inputs: Sequence[tuple[object, ...]]) -> list[object]:
         """Futures: the cluster keeps the results, and makes them again where a worker is lost."""
         return [self._submit(task, given) for given in inputs]
 
-    def on(self, task: Callable[..., Any], held: Sequence[Any], inputs: Sequence[Any]) -> list[Any]:
+    def on(self, task: Callable[..., T], held: Sequence[object], inputs: Sequence[object]) -> list[T]:
         """Results in order, made where the data lie."""
         futures = [self._submit(task, (h, i)) for h, i in zip(held, inputs, strict=True)]
-        found = [_result(f) for f in futures]
-        for each in found:
+        found: list[T] = []
+        for future in futures:
+            each = _result(future)
             if isinstance(each, LostError):
                 raise IvsidError(
                     f"{each}; give the workers more memory, or start more of them, and run the command again"
                 )
+            found.append(cast(T, each))
         return found
 
 
-def _result(future: Any) -> Any:
+def _result(future: Future) -> object:
     package = extra.distributed()
     try:
         return future.result()
@@ -130,7 +143,7 @@ def _result(future: Any) -> Any:
 
 
 @contextmanager
-def _kept(cluster: Any, number: int) -> Iterator[None]:
+def _kept(cluster: LocalCluster, number: int) -> Iterator[None]:
     """Keeps the number of workers of a local cluster.
 
     A nanny starts its worker again. On a busy machine that takes longer than the cluster waits, and it gives the nanny up: without this a run
@@ -152,7 +165,7 @@ def _kept(cluster: Any, number: int) -> Iterator[None]:
 
 
 @contextmanager
-def crew_of(scheduler: Any, workers: int | None) -> Iterator[Crew]:
+def crew_of(scheduler: str | Client | None, workers: int | None) -> Iterator[Crew]:
     """The processes of a run, which end with the block if it started them.
 
     Args:

@@ -7,7 +7,6 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
-from typing import Any
 
 from ivsid.files.records import sealed, to_json
 from ivsid.files.seal import KEY, seal_of
@@ -27,7 +26,7 @@ class Finished:
     def _address(self, kind: str, key: str) -> str:
         return places.below(self.folder, kind, key[:2], f"{key}.json")
 
-    def read(self, kind: str, key: str) -> dict[str, Any] | None:
+    def read(self, kind: str, key: str) -> dict[str, object] | None:
         """A finished result; None where there is none, or a damaged one."""
         content = places.read_bytes(self._address(kind, key))
         if content is None:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from ivsid.effects import CHANNELS, Term
 from ivsid.intervals import FloatArray, IntervalArray
 from ivsid.rows import ROW_KINDS, RegressionRows
+from ivsid.verification.result import Stored
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class LogRows:
         """Size of all arrays in bytes."""
         return sum(int(getattr(self, f.name).nbytes) for f in fields(self))
 
-    def take(self, rows: NDArray[Any]) -> LogRows:
+    def take(self, rows: NDArray[np.bool_] | NDArray[np.int64]) -> LogRows:
         """Some of the rows, by flags or indices."""
         return LogRows(*(getattr(self, f.name)[rows] for f in fields(self)))
 
@@ -116,7 +116,20 @@ def of_block(rows: LogRows, columns: Sequence[int], *, first: bool) -> LogRows:
     return rows if mine.all() else rows.take(mine)
 
 
-def of_certificates(certificates: Sequence[Mapping[str, Any]], ids: Sequence[str], log: int) -> LogRows:
+def with_rows(certificates: Sequence[Stored], row: Callable[[Stored], dict[str, object]]) -> list[dict[str, object]]:
+    """Certificates as records, each row of which is replaced."""
+    made = []
+    for c in certificates:
+        each = dict(c)
+        if "rows" in c:
+            each["rows"] = [row(r) for r in c["rows"]]
+        else:
+            each["columns"] = [{**column, "rows": [row(r) for r in column["rows"]]} for column in c["columns"]]
+        made.append(each)
+    return made
+
+
+def of_certificates(certificates: Sequence[Stored], ids: Sequence[str], log: int) -> LogRows:
     """The rows of a log's certificates.
 
     Args:
@@ -125,7 +138,7 @@ def of_certificates(certificates: Sequence[Mapping[str, Any]], ids: Sequence[str
         log: number of the log.
     """
     place = {id_: j for j, id_ in enumerate(ids)}
-    found: dict[tuple[object, ...], tuple[Mapping[str, Any], list[int]]] = {}
+    found: dict[tuple[object, ...], tuple[Stored, list[int]]] = {}
     for c in certificates:
         columns = [place[i] for i in c["orthant"]]
         listed = c["rows"] if "rows" in c else [r for column in c["columns"] for r in column["rows"]]

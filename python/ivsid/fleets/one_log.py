@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias, TypedDict
 
 from ivsid.diagnosis.stages import diagnose
 from ivsid.effects import terms_of
@@ -23,8 +23,18 @@ from ivsid.log import digest_of, read_log
 from ivsid.rows import build_rows
 from ivsid.sensors.bounds import bound_log
 from ivsid.vehicle import Vehicle, parse_vehicle
+from ivsid.verification.result import Stored
 
-Record: TypeAlias = dict[str, Any]
+# A finished result, as it was read from its file or made.
+Record: TypeAlias = Stored
+
+
+class Options(TypedDict):
+    """Options of the identifications."""
+
+    form: str
+    rows: str
+    window: float | Sequence[float]
 
 
 @dataclass(frozen=True)
@@ -42,7 +52,7 @@ class Settings:
 
     vehicle: str
     source: str
-    options: Mapping[str, Any]
+    options: Options
     diagnosis: Mapping[str, int] | None
     finished: Finished
     version: str
@@ -140,7 +150,7 @@ def _identified(place: Place, settings: Settings) -> tuple[Record, bool, int]:
     return record, False, size
 
 
-def _blocks(certificates: Sequence[Mapping[str, Any]]) -> list[list[str]]:
+def _blocks(certificates: Sequence[Stored]) -> list[list[str]]:
     """The parameters that share rows, by block."""
     return [list(ids) for ids in dict.fromkeys(tuple(c["orthant"]) for c in certificates)]
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import Any, Final
+from typing import IO, Final, Protocol
 
 from ivsid.errors import IvsidError
 from ivsid.files.records import check_writable, write_whole
@@ -18,6 +18,40 @@ from ivsid.fleets import extra
 from ivsid.log import TABLES, WHOLE
 
 ENDINGS: Final = (*TABLES, *WHOLE)
+
+
+class FileSystem(Protocol):
+    """As much of a file system of fsspec as is used."""
+
+    def glob(self, path: str) -> list[str]:
+        """Paths that a pattern names."""
+
+    def isdir(self, path: str) -> bool:
+        """Whether it is a folder."""
+
+    def ls(self, path: str, *, detail: bool) -> list[str]:
+        """Paths in a folder."""
+
+    def exists(self, path: str) -> bool:
+        """Whether it is there."""
+
+    def unstrip_protocol(self, path: str) -> str:
+        """The URL of a path."""
+
+    def open(self, path: str, mode: str) -> IO[bytes]:
+        """An open file."""
+
+    def cat_file(self, path: str) -> bytes:
+        """The content of a file."""
+
+    def pipe_file(self, path: str, value: bytes) -> None:
+        """Writes a file."""
+
+    def makedirs(self, path: str, *, exist_ok: bool) -> None:
+        """Makes folders."""
+
+    def rm_file(self, path: str) -> None:
+        """Removes a file."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +124,7 @@ def _below(url: str) -> list[str]:
     return sorted(system.unstrip_protocol(p) for p in paths)
 
 
-def _system(url: str) -> tuple[Any, str]:
+def _system(url: str) -> tuple[FileSystem, str]:
     """The file system of a URL, and the path in it."""
     try:
         system, path = extra.fsspec().core.url_to_fs(url)
@@ -144,7 +178,7 @@ def read_bytes(address: str) -> bytes | None:
             return None
     system, path = _system(address)
     try:
-        content: bytes = system.cat_file(path)
+        content = system.cat_file(path)
     except FileNotFoundError:
         return None
     except Exception as error:
@@ -163,7 +197,7 @@ def write_bytes(address: str, content: bytes) -> None:
         return
     system, path = _system(address)
     try:
-        system.makedirs(system._parent(path), exist_ok=True)
+        system.makedirs(path.rpartition("/")[0], exist_ok=True)
         system.pipe_file(path, content)
     except Exception as error:
         raise _unusable(address, error) from None

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -15,11 +14,13 @@ from ivsid.effects import Term
 from ivsid.files.records import Lower, Upper, envelope
 from ivsid.fleets.consistency import Decision, Pooled
 from ivsid.fleets.drift import Change, Drift
+from ivsid.fleets.log_rows import with_rows
 from ivsid.fleets.one_log import Outcome, Record
 from ivsid.fleets.places import Place
 from ivsid.identification import Parameter, checked_claims
 from ivsid.intervals import shown
 from ivsid.vehicle import Vehicle
+from ivsid.verification.result import Stored
 
 
 @dataclass(frozen=True)
@@ -111,7 +112,7 @@ class Fleet(Result):
     assumes: tuple[str, ...]
     guaranteed: bool
     joint: float | None
-    options: dict[str, Any]
+    options: dict[str, object]
     traffic: Traffic
 
     @cached_property
@@ -169,7 +170,7 @@ class Fleet(Result):
             "upper": [e[1] for e in self.parameters.values()],
         }
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> dict[str, object]:
         """The record of result.json."""
         inputs = [(self.vehicle.source or "vehicle.toml", self.vehicle.sha256)]
         inputs += [(e.place.name, e.record["sha256"]) for e in self.entries if e.record]
@@ -197,7 +198,7 @@ class Fleet(Result):
             },
         }
 
-    def _pooled_record(self) -> dict[str, Any] | None:
+    def _pooled_record(self) -> dict[str, object] | None:
         if self.pooled is None:
             return None
         s = self.pooled.solved
@@ -219,7 +220,7 @@ class Fleet(Result):
         ends = zip(self.terms, self.parameters.values(), strict=False)
         return {t.id: Parameter(a, b, t.unit, t.symbol) for t, (a, b) in ends}
 
-    def _drift_record(self) -> dict[str, Any] | None:
+    def _drift_record(self) -> dict[str, object] | None:
         if self.drift is None:
             return None
         ids = [t.id for t in self.terms]
@@ -231,7 +232,7 @@ class Fleet(Result):
             "pairs_untried": self.drift.untried,
         }
 
-    def _change_record(self, change: Change, ids: Sequence[str]) -> dict[str, Any]:
+    def _change_record(self, change: Change, ids: Sequence[str]) -> dict[str, object]:
         return {
             "logs": [self.names[k] for k in change.logs],
             "irreducible": change.irreducible,
@@ -244,10 +245,10 @@ class Fleet(Result):
             "proofs_alone": {ids[j]: self._proof(d) for j, d in change.excluded.items()},
         }
 
-    def _disjoint(self, id_: str, pair: tuple[int, int]) -> dict[str, Any]:
+    def _disjoint(self, id_: str, pair: tuple[int, int]) -> dict[str, object]:
         """The log whose lower end of a parameter lies above the upper end of the other one, with the proofs of both ends."""
         above, below = sorted(pair, key=lambda k: -self.entries[k].bound(id_)[0])
-        made = {}
+        made: dict[str, object] = {}
         for k, end in ((above, "lower"), (below, "upper")):
             mine = [
                 c
@@ -257,40 +258,25 @@ class Fleet(Result):
             made[end] = {"log": self.names[k], "certificates": _of_log(mine, self.names[k])}
         return made
 
-    def _proof(self, decision: Decision) -> dict[str, Any]:
+    def _proof(self, decision: Decision) -> dict[str, object]:
         s = decision.solved
         mine = [c for c in s.certificates if c["block"] in s.contradictions and c["proves"] in ("empty", "signs")]
         return {"contradictions": s.contradictions, "certificates": named(mine, self.names)}
 
 
-def _of_log(certificates: Sequence[Mapping[str, Any]], name: str) -> list[dict[str, Any]]:
+def _of_log(certificates: Sequence[Stored], name: str) -> list[dict[str, object]]:
     """Certificates of a single log, whose rows then name it."""
 
-    def row(r: Mapping[str, Any]) -> dict[str, Any]:
+    def row(r: Stored) -> dict[str, object]:
         return {**{k: v for k, v in r.items() if k != "row"}, "log": name}
 
-    return _with_rows(certificates, row)
+    return with_rows(certificates, row)
 
 
-def named(certificates: Sequence[Mapping[str, Any]], names: Sequence[str]) -> list[dict[str, Any]]:
+def named(certificates: Sequence[Stored], names: Sequence[str]) -> list[dict[str, object]]:
     """Certificates whose rows have the names of their logs instead of numbers."""
 
-    def row(r: Mapping[str, Any]) -> dict[str, Any]:
+    def row(r: Stored) -> dict[str, object]:
         return {**r, "log": names[r["log"]]}
 
-    return _with_rows(certificates, row)
-
-
-def _with_rows(
-    certificates: Sequence[Mapping[str, Any]], row: Callable[[Mapping[str, Any]], dict[str, Any]]
-) -> list[dict[str, Any]]:
-    """Certificates whose rows are changed."""
-    made = []
-    for c in certificates:
-        each = dict(c)
-        if "rows" in c:
-            each["rows"] = [row(r) for r in c["rows"]]
-        else:
-            each["columns"] = [{**column, "rows": [row(r) for r in column["rows"]]} for column in c["columns"]]
-        made.append(each)
-    return made
+    return with_rows(certificates, row)

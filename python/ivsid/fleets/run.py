@@ -9,22 +9,23 @@ from contextlib import contextmanager
 from fractions import Fraction
 from importlib.metadata import version
 from os import PathLike, fspath
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
-from ivsid.effects import own_files, terms_of
+from ivsid.effects import Term, own_files, terms_of
 from ivsid.errors import IvsidError
 from ivsid.fleets.consistency import Model, Pooled, pooled
 from ivsid.fleets.crew import Crew, LostError, crew_of
 from ivsid.fleets.drift import MOST_PAIRS, Drift, Logs, drift
 from ivsid.fleets.finished import Finished
 from ivsid.fleets.log_rows import of_certificates
-from ivsid.fleets.one_log import Outcome, Settings, diagnosed, identified, rows_of, scanned
+from ivsid.fleets.one_log import Options, Outcome, Settings, diagnosed, identified, rows_of, scanned
 from ivsid.fleets.places import Place, below, check, logs_of
 from ivsid.fleets.result import Entry, Fleet, Traffic
 from ivsid.fleets.scan import Question, Violated, together
 from ivsid.fleets.working_set import linked
+from ivsid.linear.spread import Client
 from ivsid.rows import WINDOW
 from ivsid.vehicle import GivenVehicle, Vehicle, vehicle_of
 
@@ -44,7 +45,7 @@ def fleet(
     vehicle: GivenVehicle,
     out: str | PathLike[str],
     *,
-    scheduler: Any = None,
+    scheduler: str | Client | None = None,
     workers: int | None = None,
     diagnose: bool = True,
     form: str = "total",
@@ -91,7 +92,11 @@ def fleet(
     terms = terms_of(checked, form)
     check(folder)
     places = logs_of(given)
-    options = {"form": form, "rows": rows, "window": window if isinstance(window, float | int) else list(window)}
+    options: Options = {
+        "form": form,
+        "rows": rows,
+        "window": window if isinstance(window, float | int) else list(window),
+    }
     settings = Settings(
         checked.text,
         checked.source or "vehicle.toml",
@@ -150,7 +155,7 @@ class _Clock:
 def _all(
     crew: Crew,
     task: Callable[..., Outcome],
-    inputs: Sequence[tuple[Any, ...]],
+    inputs: Sequence[tuple[object, ...]],
     names: Sequence[str],
     word: str,
     progress: Callable[[str], None],
@@ -199,7 +204,7 @@ def _with_diagnoses(
 def _together(
     entries: Sequence[Entry],
     order: Sequence[int],
-    terms: Sequence[Any],
+    terms: Sequence[Term],
     crew: Crew,
     settings: Settings,
     clock: _Clock,
@@ -251,7 +256,7 @@ class Held:
         self._inputs: list[tuple[list[tuple[int, Place, str]], Settings]] = [
             ([(k, entries[k].place, entries[k].record["sha256"]) for k in batch], settings) for batch in self._batches
         ]
-        self._held: list[Any] | None = None
+        self._held: list[object] | None = None
         self.traffic = Traffic(rows=sum(sum(entries[k].record["rows"].values()) for k in logs))
 
     def ask(self, questions: Sequence[Question]) -> list[Violated]:

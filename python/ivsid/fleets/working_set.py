@@ -8,16 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from functools import partial
+from typing import Final
 
 import numpy as np
 
 from ivsid.effects import Term
-from ivsid.fleets.log_rows import LogRows, of_block
+from ivsid.fleets.log_rows import LogRows, of_block, with_rows
 from ivsid.identification.certificates import feasible_certificates
 from ivsid.intervals import FloatArray, IntervalArray
 from ivsid.linear import regression
 from ivsid.linear.regression import FeasibleSet
+from ivsid.verification.result import Stored
 
 # Half-width of the box in which points are looked for, as a multiple of the values that the rows themselves suggest. The box gives open
 # directions a point that can be tried. No bound rests on it.
@@ -48,7 +50,7 @@ class Solved:
     upper: FloatArray
     centre: FloatArray
     inflation: float | None
-    certificates: tuple[dict[str, Any], ...]
+    certificates: tuple[Stored, ...]
     contradictions: tuple[int, ...]
     reason: str | None
 
@@ -68,9 +70,9 @@ class Solved:
         return tuple(sorted({r["log"] for c in chosen for r in _rows_of(c)}))
 
 
-def _rows_of(certificate: dict[str, Any]) -> Iterable[dict[str, Any]]:
+def _rows_of(certificate: Stored) -> Iterable[Stored]:
     if "rows" in certificate:
-        return certificate["rows"]  # type: ignore[no-any-return]
+        return list(certificate["rows"])
     return [r for column in certificate["columns"] for r in column["rows"]]
 
 
@@ -84,12 +86,17 @@ def linked(sets: Iterable[Sequence[int]], columns: int) -> tuple[tuple[int, ...]
     return tuple(sorted(tuple(sorted(b)) for b in blocks))
 
 
+def _numbered(rows: LogRows, row: Stored) -> dict[str, object]:
+    """A row of a certificate with the number of its log in place of its own."""
+    return {**{k: v for k, v in row.items() if k != "row"}, "log": int(rows.log[row["row"]])}
+
+
 def solve(rows: LogRows, terms: Sequence[Term], blocks: Sequence[Sequence[int]]) -> Solved:
     """The proved hull of the consistent parameters of a working set, block by block."""
     n = len(terms)
     lower, upper, centre = np.full(n, -np.inf), np.full(n, np.inf), np.zeros(n)
     statuses: list[str] = []
-    certificates: list[dict[str, Any]] = []
+    certificates: list[Stored] = []
     inflations: list[float | None] = []
     reasons: list[str] = []
     for k, block in enumerate(blocks):
@@ -113,10 +120,8 @@ def solve(rows: LogRows, terms: Sequence[Term], blocks: Sequence[Sequence[int]])
             lower[columns], upper[columns] = found.value.lower, found.value.upper
         if found.centre is not None:
             centre[columns] = found.centre
-        for c in feasible_certificates(made, found):
-            for r in _rows_of(c):
-                r["log"] = int(part.log[r.pop("row")])
-            certificates.append({**c, "block": k})
+        proofs = with_rows(feasible_certificates(made, found), partial(_numbered, part))
+        certificates += [{**c, "block": k} for c in proofs]
     empty = tuple(k for k, s in enumerate(statuses) if s == "empty")
     status = next((s for s in ("empty", "not_applicable", "unbounded") if s in statuses), "enclosed")
     known = [i for i in inflations if i is not None]

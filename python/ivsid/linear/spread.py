@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import Any, Final, Protocol
+from typing import Final, Protocol, TypeAlias, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray
@@ -26,14 +27,35 @@ LEAST: Final = 100_000
 CELLS: Final = 64
 
 
+# Codes and numbers of cells.
+Answers: TypeAlias = tuple[NDArray[np.uint8], FloatArray]
+
+
+class Future(Protocol):
+    """A result that a cluster makes and keeps."""
+
+    key: str
+
+    def result(self) -> object:
+        """The result, once it is there."""
+
+    def release(self) -> None:
+        """Lets the cluster forget it."""
+
+
 class Client(Protocol):
     """A client of a cluster, as that of ``distributed``."""
 
-    def submit(self, task: Callable[..., Any], *given: Any, **options: Any) -> Any:
+    loop: object
+
+    def submit(self, task: Callable[..., object], *given: object, **options: object) -> Future:
         """A future of the task."""
 
-    def gather(self, futures: Any) -> Any:
+    def gather(self, futures: Sequence[Future]) -> Sequence[object]:
         """The results of futures."""
+
+    def nthreads(self) -> dict[str, int]:
+        """The number of threads of each worker."""
 
 
 def workers_of(client: Client) -> int:
@@ -42,12 +64,11 @@ def workers_of(client: Client) -> int:
     Raises:
         IvsidError: no client, or one without workers.
     """
-    threads: object = getattr(client, "nthreads", None)
-    found = threads() if callable(threads) else None
-    if not isinstance(found, dict) or not hasattr(client, "submit"):
+    if not hasattr(client, "nthreads") or not hasattr(client, "submit"):
         raise IvsidError(
             f"client is given as {type(client).__name__}; give a distributed.Client (pip install 'ivsid[fleet]')"
         )
+    found = client.nthreads()
     if not found:
         raise IvsidError("the cluster of client has no workers; start some with dask worker ADDRESS")
     return sum(int(n) for n in found.values())
@@ -72,13 +93,12 @@ def swept(
         partitions: their number.
     """
     futures = [client.submit(part, *given, r, pure=False) for r in parts_of(partitions, workers_of(client))]
-    found: list[FloatArray | None] = list(client.gather(futures))
-    return found
+    return list(cast(Sequence[FloatArray | None], client.gather(futures)))
 
 
 def asker(
-    client: Client, answers: Callable[[FloatArray, FloatArray], tuple[Any, FloatArray]]
-) -> Callable[[FloatArray, FloatArray], tuple[Any, FloatArray]]:
+    client: Client, answers: Callable[[FloatArray, FloatArray], Answers]
+) -> Callable[[FloatArray, FloatArray], Answers]:
     """A function that has the cells of a level answered by the workers.
 
     Args:
@@ -87,11 +107,11 @@ def asker(
     """
     workers = workers_of(client)
 
-    def ask(lower: FloatArray, upper: FloatArray) -> tuple[Any, FloatArray]:
+    def ask(lower: FloatArray, upper: FloatArray) -> Answers:
         size = max(CELLS, -(-len(lower) // (2 * workers)))
         ranges = [slice(k, k + size) for k in range(0, len(lower), size)]
         futures = [client.submit(answers, lower[r], upper[r], pure=False) for r in ranges]
-        found: Sequence[tuple[Any, FloatArray]] = client.gather(futures)
+        found = cast(Sequence[Answers], client.gather(futures))
         return np.concatenate([f[0] for f in found]), np.concatenate([f[1] for f in found])
 
     return ask

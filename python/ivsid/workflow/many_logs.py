@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from os import PathLike
-from typing import Any, Final
+from typing import Final
 
 from ivsid import fleets
 from ivsid.files.records import sealed
@@ -14,6 +14,7 @@ from ivsid.fleets.drift import Change
 from ivsid.fleets.result import Entry
 from ivsid.fleets.run import LIKELY
 from ivsid.intervals import shown
+from ivsid.linear.spread import Client
 from ivsid.report import drawn, page
 from ivsid.report.drawn import Bar, Bars
 from ivsid.report.page import Card, First, Part, Report, Section
@@ -44,7 +45,7 @@ def fleet(
     vehicle: str | PathLike[str],
     out: str | PathLike[str],
     *,
-    scheduler: Any = None,
+    scheduler: str | Client | None = None,
     workers: int | None = None,
     diagnose: bool = True,
     form: str = "total",

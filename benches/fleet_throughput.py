@@ -1,6 +1,6 @@
 """Throughput of ``ivsid fleet`` against the number of logs and of workers, the bytes that move, and the same tables with workers killed.
 
-    PYTHONPATH=python python benches/fleet_throughput.py FOLDER [LOGS]
+    PYTHONPATH=python python benches/fleet_throughput.py FOLDER [LOGS [FIRST CASE]]
 
 FOLDER gets the simulated logs, which a later run takes as they are. Prints the tables of docs/fleet.md.
 """
@@ -79,11 +79,11 @@ def main():
     )
     print("|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|")
     known = {}
-    cases = [(number, 2, 0), (number, 2, 2), (number // 4, 2, 0), (number // 4, 1, 0)]
-    for count, workers, kills in cases:
-        # A quarter of the season with the change still in its middle.
-        middle = number // 2
-        some = paths[middle - count // 2 : middle - count // 2 + count]
+    # The whole season changes in its middle, its first half does not.
+    half, eighth = number // 2, number // 8
+    cases = [(number, 2, 0), (number, 2, 2), (half, 2, 0), (eighth, 2, 0), (eighth, 1, 0)]
+    for count, workers, kills in cases[int(sys.argv[3]) if len(sys.argv) > 3 else 0 :]:
+        some = paths[:count]
         found, started, took, content, killed = run(some, boat, folder / "out", workers, kills)
         same = known.setdefault(count, content) == content
         t, s = found.traffic, found.traffic.seconds

@@ -11,8 +11,8 @@ mod common;
 use common::corners::{families, hull, matrix};
 use common::{Random, is_down, is_up, q};
 use interval_core::inverse::{
-    Method, Options, Outcome, Sweep, cramer, exact, hansen_bliek_rohn, krawczyk, kuttler, neumaier, partitioned,
-    published, published_hull,
+    Form, Method, Options, Outcome, Sweep, cell_answers, cramer, exact, hansen_bliek_rohn, krawczyk, kuttler, neumaier,
+    partitioned, partitioned_shared, published, published_hull, published_of_parts, published_part,
 };
 use interval_core::{Interval, IntervalMatrix, Status, systems};
 use num_rational::BigRational;
@@ -207,6 +207,33 @@ fn methods_have_names_and_do_what_they_are_called() {
     let refused = "gauss".parse::<Method>().unwrap_err().to_string();
     assert!(refused.starts_with("method 'gauss' is not available; choose one of exact, partitioned, "), "{refused}");
     assert!("Members".parse::<Sweep>().is_err());
+}
+
+#[test]
+fn shared_partitions_have_the_bits_of_one_machine() {
+    for (name, a) in families(3, 1) {
+        for (form, whole) in [(Form::Literal, published(&a, 1000)), (Form::Hull, published_hull(&a, 1000))] {
+            let parts = [0..1, 1..300, 300..1000].map(|range| published_part(&a, 1000, form, range).unwrap());
+            assert_eq!(published_of_parts(&a, 1000, form, parts).unwrap(), whole.unwrap(), "{name}");
+        }
+        assert!(published_part(&a, 1000, Form::Hull, 900..1001).is_err(), "{name}");
+    }
+    let mut asked = 0;
+    for seed in 0..4 {
+        for (name, a) in families(5, seed) {
+            let mut ask = |n: usize, lower: Vec<f64>, upper: Vec<f64>| {
+                asked += 1;
+                Some(cell_answers(n, &lower, &upper).unwrap())
+            };
+            let shared = partitioned_shared(&a, 500, &mut ask).unwrap();
+            assert_eq!(shared, partitioned(&a, 500).unwrap(), "{name}");
+        }
+    }
+    assert!(asked > 0, "no level had cells enough to be shared");
+    // Whoever answers nothing ends the search without a claim.
+    let wide = matrix(2, &[0.0, 1.0, 1.0, 0.0], &[1.0, 2.0, 2.0, 1.0]);
+    let ended = partitioned_shared(&wide, 4096, &mut |_, _, _| None).unwrap();
+    assert!(ended.status != Status::Enclosed || ended == partitioned(&wide, 4096).unwrap());
 }
 
 #[test]

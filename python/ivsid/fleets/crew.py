@@ -198,8 +198,8 @@ def crew_of(scheduler: str | Client | None, workers: int | None) -> Iterator[Cre
         else:
             folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="ivsid-fleet-", ignore_cleanup_errors=True))
             stack.enter_context(extra.dask().config.set({"distributed.scheduler.allowed-failures": LIVES}))
-            cluster = stack.enter_context(
-                package.LocalCluster(
+            try:
+                cluster = package.LocalCluster(
                     n_workers=workers or processors(),
                     threads_per_worker=1,
                     processes=True,
@@ -207,7 +207,13 @@ def crew_of(scheduler: str | Client | None, workers: int | None) -> Iterator[Cre
                     silence_logs=logging.CRITICAL,
                     local_directory=folder,
                 )
-            )
+            except (RuntimeError, OSError) as error:
+                words = (str(error).splitlines() or [""])[0]
+                raise IvsidError(
+                    f"the local processes did not start ({words}); a program of your own needs if __name__ == '__main__', and --workers 0 "
+                    "works in one process"
+                ) from None
+            stack.enter_context(cluster)
             stack.enter_context(_kept(cluster, workers or processors()))
             client = stack.enter_context(package.Client(cluster, set_as_default=False))
         yield Cluster(client)

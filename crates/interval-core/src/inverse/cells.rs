@@ -50,7 +50,7 @@ pub fn cell_answers(n: usize, lower: &[f64], upper: &[f64]) -> Result<Answers, E
     for cell in found {
         let (code, matrices) = numbers(cell);
         answers.codes.push(code);
-        matrices.iter().for_each(|m| answers.numbers.extend(m));
+        answers.numbers.extend(matrices.iter().flatten());
         let missing = (MATRICES - matrices.len()) * n * n;
         answers.numbers.extend(std::iter::repeat_n(0.0, missing));
     }

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import TypeAlias, TypedDict
+from typing import TypeAlias, TypedDict, cast
 
 from ivsid.diagnosis.stages import diagnose
 from ivsid.effects import terms_of
@@ -122,7 +122,7 @@ def _identified(place: Place, settings: Settings) -> tuple[Record, bool, int]:
         key = key_of("identify", [digest], settings.vehicle, settings.options)
         known = settings.finished.read("identify", key)
         if known is not None:
-            return {**known, "name": place.name}, True, size
+            return _small({**known, "name": place.name}), True, size
         log = read_log(path, vehicle.log)
     fit = identify(vehicle, log, bias="sample", **settings.options)
     record = {
@@ -147,7 +147,25 @@ def _identified(place: Place, settings: Settings) -> tuple[Record, bool, int]:
         "contradictions": fit.contradictions,
     }
     settings.finished.write("identify", key, record)
-    return record, False, size
+    return _small(record), False, size
+
+
+def _small(record: Record) -> Record:
+    """What travels of an identification: the certificates, nine tenths of it, stay in its file until they are asked for."""
+    return {k: v for k, v in record.items() if k not in ("certificates", "seal")}
+
+
+def certificates_of(record: Record, finished: Finished) -> Sequence[Stored]:
+    """The certificates of an identification, from its file.
+
+    Raises:
+        IvsidError: the file is gone.
+    """
+    known = finished.read("identify", str(record["key"]))
+    if known is None:
+        raise IvsidError(f"the finished log {record['name']} is gone from {finished.folder}; run the command again")
+    found: Sequence[Stored] = cast(Record, known)["certificates"]
+    return found
 
 
 def _blocks(certificates: Sequence[Stored]) -> list[list[str]]:

@@ -100,6 +100,7 @@ class Fleet(Result):
         joint: probability that the sensor bounds hold in all logs at once, at least; None under the paper's rule.
         options: to repeat the run.
         traffic: what went between processes.
+        proofs: certificates of the single logs whose intervals are disjoint.
     """
 
     vehicle: Vehicle
@@ -114,6 +115,7 @@ class Fleet(Result):
     joint: float | None
     options: dict[str, object]
     traffic: Traffic
+    proofs: Mapping[int, Sequence[Stored]]
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -252,7 +254,7 @@ class Fleet(Result):
         for k, end in ((above, "lower"), (below, "upper")):
             mine = [
                 c
-                for c in self.entries[k].record["certificates"]
+                for c in self.proofs[k]
                 if id_ in c["orthant"] and (c["proves"] != "bound" or (c["parameter"], c["end"]) == (id_, end))
             ]
             made[end] = {"log": self.names[k], "certificates": _of_log(mine, self.names[k])}

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
+from functools import lru_cache
 from importlib.metadata import version
 from os import PathLike, fspath
 from typing import Final
@@ -20,7 +21,7 @@ from ivsid.fleets.crew import Crew, LostError, crew_of
 from ivsid.fleets.drift import MOST_PAIRS, Drift, Logs, drift
 from ivsid.fleets.finished import Finished
 from ivsid.fleets.log_rows import of_certificates
-from ivsid.fleets.one_log import Options, Outcome, Settings, diagnosed, identified, rows_of, scanned
+from ivsid.fleets.one_log import Options, Outcome, Settings, certificates_of, diagnosed, identified, rows_of, scanned
 from ivsid.fleets.places import Place, below, check, logs_of
 from ivsid.fleets.result import Entry, Fleet, Traffic
 from ivsid.fleets.scan import Question, Violated, together
@@ -28,10 +29,14 @@ from ivsid.fleets.working_set import linked
 from ivsid.linear.spread import Client
 from ivsid.rows import WINDOW
 from ivsid.vehicle import GivenVehicle, Vehicle, vehicle_of
+from ivsid.verification.result import Stored
 
 # Logs whose rows one task holds and scans. It does not depend on the number of workers, so that results do not.
 # Source: resource: tasks at the scheduler, an eighth of the logs, and memory of a worker for the rows of eight logs
 BATCH: Final = 8
+# Logs whose certificates are kept in memory.
+# Source: resource: about 50 kB a log
+KEPT: Final = 1000
 # Probability that all sensor bounds hold at once below which nothing that rests on all of them is called guaranteed.
 # Source: definition: more likely than not
 LIKELY: Final = 0.5
@@ -117,8 +122,9 @@ def fleet(
             with clock.step("diagnose"):
                 entries = _with_diagnoses(entries, crew, settings, progress)
         found, drifted, traffic = None, None, Traffic()
+        proofs: dict[int, Sequence[Stored]] = {}
         if order:
-            found, drifted, traffic = _together(entries, order, terms, crew, settings, clock, pairs, progress)
+            found, drifted, traffic, proofs = _together(entries, order, terms, crew, settings, clock, pairs, progress)
     assumes, joint = _assumptions(entries, order, checked)
     proved = found is not None and found.solved.status in ("enclosed", "empty", "unbounded")
     sure = proved and all(entries[k].record["guaranteed"] for k in order) and joint is not None and joint >= LIKELY
@@ -136,6 +142,7 @@ def fleet(
         joint,
         said,
         Traffic(traffic.passes, traffic.sent, traffic.received, traffic.rows, clock.seconds),
+        proofs,
     )
 
 
@@ -210,7 +217,7 @@ def _together(
     clock: _Clock,
     pairs: int,
     progress: Callable[[str], None],
-) -> tuple[Pooled, Drift, Traffic]:
+) -> tuple[Pooled, Drift, Traffic, dict[int, Sequence[Stored]]]:
     """What the logs say together, and what changed between them."""
     ids = [t.id for t in terms]
     column = {id_: j for j, id_ in enumerate(ids)}
@@ -218,12 +225,17 @@ def _together(
     model = Model(tuple(terms), linked(sets, len(ids)))
     held = Held(entries, sorted(order), crew, settings, len(ids))
     bounds = np.array([[e.bound(i) if e.usable else (-np.inf, np.inf) for i in ids] for e in entries])
+
+    @lru_cache(maxsize=KEPT)
+    def certificates(k: int) -> Sequence[Stored]:
+        return certificates_of(entries[k].record, settings.finished)
+
     known = Logs(
         tuple(order),
         tuple(e.place.name for e in entries),
         bounds[:, :, 0],
         bounds[:, :, 1],
-        lambda k: of_certificates(entries[k].record["certificates"], ids, k),
+        lambda k: of_certificates(certificates(k), ids, k),
     )
     with clock.step("pool"):
         progress("all logs together")
@@ -234,7 +246,8 @@ def _together(
         else:
             # One parameter for all rows of all logs: no period ends, and no logs contradict each other.
             drifted = Drift((tuple(order),), (), {}, 0, 0)
-    return found, drifted, held.traffic
+    proofs = {k: certificates(k) for c in drifted.changes for pair in c.between.values() for k in pair}
+    return found, drifted, held.traffic, proofs
 
 
 class Held:

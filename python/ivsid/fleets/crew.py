@@ -203,7 +203,7 @@ def crew_of(scheduler: str | Client | None, workers: int | None) -> Iterator[Cre
                     n_workers=workers or processors(),
                     threads_per_worker=1,
                     processes=True,
-                    dashboard_address=None,
+                    dashboard_address=":0",
                     silence_logs=logging.CRITICAL,
                     local_directory=folder,
                 )

@@ -35,7 +35,7 @@ from ivsid.verification.result import Stored
 # Source: resource: tasks at the scheduler, an eighth of the logs, and memory of a worker for the rows of eight logs
 BATCH: Final = 8
 # Logs whose certificates are kept in memory.
-# Source: resource: about 50 kB a log
+# Source: resource: a thousand files of about 10 kB
 KEPT: Final = 1000
 # Probability that all sensor bounds hold at once below which nothing that rests on all of them is called guaranteed.
 # Source: definition: more likely than not

@@ -125,13 +125,16 @@ pub fn inverse_of_parts<'py>(
     convert::outcome(py, &outcome, a.rows())
 }
 
+/// Codes of cells, and their numbers.
+type Answered<'py> = (Bound<'py, PyArray1<u8>>, Bound<'py, PyArray1<f64>>);
+
 /// Answers of cells of the rigorous partition, bounds of shape (k, n, n): codes, and numbers of shape (4 k n n,).
 #[pyfunction]
 pub fn cell_answers<'py>(
     py: Python<'py>,
     lo: PyReadonlyArray3<'py, f64>,
     hi: PyReadonlyArray3<'py, f64>,
-) -> PyResult<(Bound<'py, PyArray1<u8>>, Bound<'py, PyArray1<f64>>)> {
+) -> PyResult<Answered<'py>> {
     let (l, h, n) = stack(&lo, &hi)?;
     let found = py.detach(|| answers_of(n, l, h)).map_err(|e| refusal(&e))?;
     Ok((PyArray1::from_vec(py, found.codes), PyArray1::from_vec(py, found.numbers)))

@@ -25,7 +25,7 @@ from ivsid.linear.results import (
     Status,
     Verdict,
 )
-from ivsid.linear.spread import Client, asker, swept
+from ivsid.linear.spread import Answers, Client, asker, swept
 
 __all__ = [
     "DEFAULT_CELLS",
@@ -142,14 +142,24 @@ def _shared(
 ) -> _core._Outcome:
     """The core's answer with the partitions spread over a cluster."""
     if method == "partitioned":
-        return _core.partitioned_shared(lower, upper, number, asker(client, _core.cell_answers))
+        return _core.partitioned_shared(lower, upper, number, asker(client, _cells))
     if method not in SPREAD or sweep != "members":
         raise IvsidError(
             f"method {method} with sweep {sweep} has no partitions to share; use {' or '.join((*SPREAD, 'partitioned'))} with sweep members, or leave "
             "client out"
         )
     given = (lower, upper, method, number)
-    return _core.inverse_of_parts(*given, swept(client, _core.inverse_part, given, number))
+    return _core.inverse_of_parts(*given, swept(client, _part, given, number))
+
+
+def _part(lower: FloatArray, upper: FloatArray, method: str, number: int, part: tuple[int, int]) -> FloatArray | None:
+    """A worker's part of a sweep; arrays that come from another process need not be aligned in memory, so they are copied."""
+    return _core.inverse_part(np.array(lower), np.array(upper), method, number, part)
+
+
+def _cells(lower: FloatArray, upper: FloatArray) -> Answers:
+    """A worker's answers to some cells."""
+    return _core.cell_answers(np.array(lower), np.array(upper))
 
 
 def inverse_batch(

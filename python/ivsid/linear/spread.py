@@ -93,7 +93,8 @@ def swept(
         partitions: their number.
     """
     futures = [client.submit(part, *given, r, pure=False) for r in parts_of(partitions, workers_of(client))]
-    return list(cast(Sequence[FloatArray | None], client.gather(futures)))
+    found = cast(Sequence[FloatArray | None], client.gather(futures))
+    return [None if part is None else np.array(part) for part in found]
 
 
 def asker(

@@ -60,7 +60,9 @@ def test_two_processes_of_which_one_is_killed_give_the_bytes_of_one(once, undist
 @pytest.mark.nightly
 def test_a_cluster_without_any_worker_left_gets_new_ones(once, undisturbed, tmp_path):
     """The cluster gives its nannies up at once, as on a machine that is too busy to start a worker in time."""
+    # The defaults of distributed join those of dask when it is first imported, and would leave with the block below.
     import dask
+    import distributed  # noqa: F401
 
     from ivsid.fleets.crew import crew_of
 

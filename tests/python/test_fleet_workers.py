@@ -82,7 +82,7 @@ def test_workers_killed_at_every_step(tmp_path):
     logs = season(tmp_path / "logs", 40, 20, effects={"drag.surge.quadratic": 40.0})
     expected = content(ivsid.fleet(logs, "swan", tmp_path / "one", workers=0, diagnose=False))
     with crew_of(None, 2) as crew:
-        steps = ("identifying 1 ", "identifying 20 ", "all logs", "periods: 20", "pairs of logs")
+        steps = ("identifying 1 ", "identifying 20 ", "all logs", "periods: 20", "least sets")
         for k, step in enumerate(steps):
             out = tmp_path / f"out{k}"
             progress, killed = killing(crew._client, lambda s, step=step: s.startswith(step), 2)

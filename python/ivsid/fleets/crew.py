@@ -184,7 +184,8 @@ def crew_of(scheduler: str | Client | None, workers: int | None) -> Iterator[Cre
         return
     with ExitStack() as stack:
         # Restarts of workers are no news to a user: the results do not change.
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)
+        for name in ("distributed", "tornado"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)
         if scheduler is not None:
             try:
                 client = stack.enter_context(package.Client(scheduler, timeout=PATIENCE, set_as_default=False))

@@ -18,9 +18,9 @@ from ivsid.fleets.finished import Finished, key_of
 from ivsid.fleets.log_rows import LogRows, of_regression
 from ivsid.fleets.places import Place, on_disk
 from ivsid.fleets.scan import Question, Violated, scan
-from ivsid.identification import identify, windows_of
+from ivsid.identification import identify
 from ivsid.log import digest_of, read_log
-from ivsid.rows import build_rows
+from ivsid.rows import build_rows, window_count
 from ivsid.sensors.bounds import bound_log
 from ivsid.vehicle import Vehicle, parse_vehicle
 from ivsid.verification.result import Stored
@@ -243,7 +243,7 @@ def rows_of(logs: Sequence[tuple[int, Place, str]], settings: Settings) -> list[
             log = read_log(path, vehicle.log)
         _same([place], [log.sha256], [digest])
         made = build_rows(
-            bound_log(log, vehicle, windows_of(options["window"])),
+            bound_log(log, vehicle, window_count(options["window"])),
             vehicle,
             terms,
             added_mass=options["form"] == "added",

@@ -13,7 +13,8 @@ from pathlib import Path, PurePosixPath
 from typing import IO, Final, Protocol
 
 from ivsid.errors import IvsidError
-from ivsid.files.records import check_writable, write_whole
+from ivsid.files.places import check_writable
+from ivsid.files.whole import write_whole
 from ivsid.fleets import extra
 from ivsid.log import TABLES, WHOLE
 

@@ -14,7 +14,7 @@ proved bound.
 """
 
 from ivsid.identification.combinations import in_words
-from ivsid.identification.method import METHODS, checked_claims, identify, identify_rows, windows_of
+from ivsid.identification.method import METHODS, checked_claims, identify, identify_rows
 from ivsid.identification.result import Identification, Parameter, read_identification
 
 __all__ = [
@@ -26,5 +26,4 @@ __all__ = [
     "identify_rows",
     "in_words",
     "read_identification",
-    "windows_of",
 ]

@@ -119,11 +119,6 @@ def identify(
     )
 
 
-def windows_of(window: float | Sequence[float]) -> int:
-    """The number of lengths of window that rows will have."""
-    return 1 if isinstance(window, float | int) else max(len(window), 1)
-
-
 def identify_rows(
     rows: RegressionRows, bounded: BoundedLog, vehicle: Vehicle, method: str, options: dict[str, Any]
 ) -> Identification:

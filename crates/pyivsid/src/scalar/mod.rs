@@ -183,7 +183,7 @@ impl Interval {
 
     /// The n-th roots: of all members for an odd ``n``, of those from 0 on for an even one, and not of 0 for a negative one.
     fn rootn(&self, n: i32) -> PyResult<Self> {
-        guarded(self.0.rootn(n))
+        guarded(|| Self(self.0.rootn(n)))
     }
 
     /// ``self * y + z`` with one rounding.

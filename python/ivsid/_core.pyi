@@ -48,6 +48,7 @@ __all__ = [
     "outward_decimal",
     "partitioned_shared",
     "power",
+    "root",
     "regularity",
     "regularity_batch",
     "respond",

@@ -82,7 +82,7 @@ def operations():
     level = ivsid.IntervalArray([0.9, 0.8, 0.6], [1.4, 1.7, 0.9])
     calls = {}
     arguments = {
-        "contains": (0.0,), "subset": (y,), "interior": (y,), "disjoint": (y,), "hull": (y,), "intersection": (y,), "arctan2": (y,), "fma": (x, y),
+        "contains": (0.0,), "subset": (y,), "interior": (y,), "disjoint": (y,), "hull": (y,), "intersection": (y,), "arctan2": (y,), "arctan2pi": (y,), "hypot": (y,), "compoundm1": (y,), "rootn": (3,), "fma": (x, y),
         "__contains__": (0.0,), "__pow__": (3,), "__rpow__": (2.0,), "__format__": ("",), "__reduce_ex__": (2,),
     }  # fmt: skip
     # What a class has by being one.
@@ -126,7 +126,7 @@ def operations():
     for given in ((0.1, third), (tiny,), (0.0, tiny), ("0.1",), ("[0.1, 1/3]",), (1, 2)):
         calls[f"Interval{given}"] = lambda given=given: ivsid.Interval(*given)
     arguments = {
-        "contains": (np.zeros(3),), "subset": (b,), "hull": (b,), "intersection": (b,), "around": ([0.1, tiny], [third, tiny]), "concatenate": ([a, b],),
+        "contains": (np.zeros(3),), "subset": (b,), "hull": (b,), "intersection": (b,), "arctan2pi": (b,), "hypot": (b,), "compoundm1": (b,), "rootn": (3,), "around": ([0.1, tiny], [third, tiny]), "concatenate": ([a, b],),
         "stack": ([a, b],), "reshape": (3, 1), "__getitem__": (1,), "__pow__": (3,), "__rpow__": (2.0,), "__matmul__": (b,), "__rmatmul__": (b,),
         "__format__": ("",), "__reduce_ex__": (2,),
     }  # fmt: skip

@@ -8,6 +8,7 @@ import os
 import platform
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +18,10 @@ from ivsid import IvsidError
 from ivsid.files.processor import check_rounding, rounds_to_nearest
 from sampling import NIGHTLY, spaced
 
+# A process of its own finds the modules of the tests.
+HERE = {
+    "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")]).rstrip(os.pathsep)
+}
 mxcsr = pytest.mark.skipif(
     sys.platform != "linux" or platform.machine() != "x86_64", reason="sets the control register of SSE"
 )
@@ -60,7 +65,8 @@ def test_all_that_computes_refuses_every_mode(outcomes):
 def test_import_is_refused_in_a_changed_mode():
     program = "import modes; modes.set_mode(modes.MODES[{!r}])\ntry:\n    import ivsid\nexcept ImportError as error:\n    modes.set_mode(modes.DEFAULT); print(error)"
     for mode in modes.MODES if NIGHTLY else spaced(list(modes.MODES), 2):
-        done = subprocess.run([sys.executable, "-c", program.format(mode)], capture_output=True, text=True, check=True)
+        words = [sys.executable, "-c", program.format(mode)]
+        done = subprocess.run(words, env=os.environ | HERE, capture_output=True, text=True, check=True)
         assert "round to nearest" in done.stdout, mode
 
 
@@ -119,7 +125,7 @@ def digests(extra="", **environment):
     """What the program prints; a process that waits for ever fails."""
     words = [sys.executable, "-c", DIGEST + extra]
     done = subprocess.run(
-        words, env={**os.environ, **environment}, capture_output=True, text=True, check=True, timeout=120
+        words, env=os.environ | HERE | environment, capture_output=True, text=True, check=True, timeout=120
     )
     return done.stdout.split()
 

@@ -219,7 +219,8 @@ fn shared_partitions_have_the_bits_of_one_machine() {
         assert!(published_part(&a, 1000, Form::Hull, 900..1001).is_err(), "{name}");
     }
     // So wide that its cells are halved until their number ends.
-    let middle = |k: usize| f64::from((7 * (k / 6) + 3 * (k % 6)) as u32 % 11) / 20.0 - 0.25 + f64::from(k.is_multiple_of(7));
+    let middle =
+        |k: usize| f64::from((7 * (k / 6) + 3 * (k % 6)) as u32 % 11) / 20.0 - 0.25 + f64::from(k.is_multiple_of(7));
     let (low, high): (Vec<f64>, Vec<f64>) = (0..36).map(|k| (middle(k) - 0.12, middle(k) + 0.12)).unzip();
     let wide = matrix(6, &low, &high);
     let mut asked = 0;

@@ -121,7 +121,7 @@ fn parabola(
             return end.is_finite().then_some(end);
         }
         // A little above what the inequality asked for, so that it holds for the new kappa, too.
-        kappa = add_up(least, mul_up(0.25, (least - kappa).abs() + 1e-9 * least.abs()));
+        kappa = add_up(least, mul_up(1e-3, (least - kappa).abs() + 1e-9 * least.abs()));
     }
     None
 }

@@ -54,6 +54,7 @@ PARTS = (
     # Python's property tests, which the gate draws from fixed seeds.
     Part("draws", 'pytest -n auto -m "hypothesis and not nightly" --hypothesis-seed={seed}', "IVSID_SEED={seed}"),
     Part("oracle", "pytest -n auto tests/python/test_oracle.py", "IVSID_CASES=1e6"),
+    Part("recommended", "pytest -n auto tests/python/test_recommended.py", "IVSID_CASES=1e5"),
     Part(
         "rust",
         "cargo test --profile gate --locked --workspace --exclude benches -- --include-ignored",

@@ -47,6 +47,7 @@ def undisturbed(once, tmp_path_factory):
     return content(ivsid.fleet(logs, "swan", tmp_path_factory.mktemp("one"), workers=0, diagnose=False))
 
 
+@pytest.mark.nightly
 def test_two_processes_of_which_one_is_killed_give_the_bytes_of_one(once, undisturbed, tmp_path):
     from ivsid.fleets.crew import crew_of
 

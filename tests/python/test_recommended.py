@@ -144,7 +144,7 @@ def special(name: str, rng: np.random.Generator, n: int) -> np.ndarray:
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_points_are_the_directed_roundings_of_mpfr(name: str) -> None:
     oracle, span, domain = FUNCTIONS[name]
-    for rng, n in blocks(cases(2e3), 21):
+    for rng, n in blocks(cases(1e3), 21):
         x = np.where(rng.random(n) < 0.2, special(name, rng, n), spicy(rng, n, span))
         x = domain(np.where(np.isfinite(x), x, 1.0))
         x = np.where(np.isfinite(x), x, 2.0)
@@ -157,7 +157,7 @@ def test_points_are_the_directed_roundings_of_mpfr(name: str) -> None:
 
 def test_angles_in_half_turns_of_points() -> None:
     oracle = precisely(_half_turns(gmpy2.atan2, EIGHTHS))
-    for rng, n in blocks(cases(2e3), 22):
+    for rng, n in blocks(cases(1e3), 22):
         y, x = spicy(rng, n, 4.0), spicy(rng, n, 4.0)
         y = np.where((y == 0) & (x <= 0), 1.0, y)
         x = np.where(rng.random(n) < 0.1, y * rng.choice([-1, 1], n), x)
@@ -166,7 +166,7 @@ def test_angles_in_half_turns_of_points() -> None:
 
 
 def test_lengths_of_vectors() -> None:
-    for rng, n in blocks(cases(2e3), 23):
+    for rng, n in blocks(cases(1e3), 23):
         x, y = spicy(rng, n, 4.0), spicy(rng, n, 4.0)
         y = np.where(rng.random(n) < 0.5, x * rng.choice([0.75, 2.4, 1.0, 2.0**-26, 2.0**-27], n), y)
         y = np.where(np.isfinite(y), y, 1.0)
@@ -175,7 +175,7 @@ def test_lengths_of_vectors() -> None:
 
 @pytest.mark.parametrize("n", [-(2**31), -1000, -7, -3, -2, -1, 1, 2, 3, 4, 5, 10, 63, 1001, 2**31 - 1])
 def test_integer_roots(n: int) -> None:
-    for rng, count in blocks(cases(2e3), 24):
+    for rng, count in blocks(cases(1e3), 24):
         x = other_than_zero(spicy(rng, count, 10.0))
         exact = (
             np.ldexp(1.0, rng.integers(-30, 30, count))

@@ -21,7 +21,7 @@ fn integer() -> impl Strategy<Value = Integer> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(3000))]
+    #![proptest_config(ProptestConfig::with_cases(600))]
 
     #[test]
     fn sums_products_and_quotients(a in integer(), b in integer()) {

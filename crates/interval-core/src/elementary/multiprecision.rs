@@ -5,6 +5,7 @@
 
 use super::ball::Ball;
 use crate::integers::Integer;
+use std::sync::LazyLock;
 
 /// Directed roundings of one real number: the largest double not above it and the smallest not below it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,8 +57,17 @@ fn inverse_series(n: u64, alternating: bool, precision: i64) -> Ball {
     Ball { mid: sum, rad: Integer::from(2 * k + 2), exp: -guard }
 }
 
-/// Pi (Machin 1706).
+/// Bits of the pi that is kept: enough to reduce every double.
+const KEPT: i64 = 1536;
+
+/// Pi.
 pub(crate) fn pi(precision: i64) -> Ball {
+    static PI: LazyLock<Ball> = LazyLock::new(|| machin(KEPT + 16));
+    if precision <= KEPT { PI.clone().shorten(precision + 16) } else { machin(precision) }
+}
+
+/// Pi by two series (Machin 1706).
+fn machin(precision: i64) -> Ball {
     let (a, b) = (inverse_series(5, true, precision + 8), inverse_series(239, true, precision + 8));
     a.scale(4).sub(&b.scale(2))
 }

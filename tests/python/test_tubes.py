@@ -75,7 +75,7 @@ def thrusts(log, rows):
 
 def members(rng, fit, k):
     """Parameters inside the polytope: its vertices first, then convex combinations."""
-    blocks = {i: b for b in blocks_of(fit) for i in b.ids}
+    blocks = {i: b for b in blocks_of(fit, fit.parameters) for i in b.ids}
     pair, single = blocks["mass.surge"], blocks["inertia.yaw"]
     v = np.array([[float(x) for x in p] for p in pair.vertices])
     weights = rng.dirichlet(np.full(len(v), 0.3), k)
@@ -246,6 +246,47 @@ def test_a_vehicle_outside_the_fit_is_refuted(fit):
     shorter = followed(model, course, begin + 1, last - begin - 1)
     reading = course.measured[last]
     assert np.all((shorter.lower[-1, :3] <= reading.upper) & (reading.lower <= shorter.upper[-1, :3]))
+
+
+def test_long_windows_are_searched_by_halves(fit, monkeypatch):
+    """Where lengths are not tried one by one, the window that is found shows the reading, and is at most twice the shortest."""
+    text = embedded("swan_test.toml").replace("duration = 300.0", "duration = 30.0", 1)
+    text = text.replace('"drag.surge.quadratic" = 255.0', '"drag.surge.quadratic" = 340.0')
+    other = as_log(simulate(SWAN, parse_scenario(text, "other")))
+
+    def found():
+        made = tube(fit, other, windows=[], inner=False)
+        return made.runs[0].refuted[0]
+
+    shortest = found()
+    monkeypatch.setattr("ivsid.tubes.refuted.TRIED", 0)
+    halved = found()
+    assert halved.rows[1] == shortest.rows[1]
+    assert halved.measured[0] > halved.tube[1] or halved.tube[0] > halved.measured[1]
+    length, least = (r.rows[1] - r.rows[0] for r in (halved, shortest))
+    assert least <= length <= 2 * least
+
+
+def test_parameters_that_do_not_act_may_stay_open(fit, test_log):
+    """Surge alone asks for no interval of the yaw; all channels do, by name."""
+    yaw = replace(fit.parameters["inertia.yaw"], lower=-np.inf, upper=np.inf)
+    opened = replace(fit, parameters={**fit.parameters, "inertia.yaw": yaw})
+    for channels in ("straight", "surge"):
+        closed, made = (tube(f, test_log, channels=channels, windows=[], inner=False) for f in (fit, opened))
+        assert (made.runs[0].horizon.bounds.lower == closed.runs[0].horizon.bounds.lower)[:, 0].all()
+        assert (made.runs[0].horizon.bounds.upper == closed.runs[0].horizon.bounds.upper)[:, 0].all()
+    with pytest.raises(IvsidError, match="inertia.yaw has the interval .* or follow surge alone"):
+        tube(opened, test_log, windows=[], inner=False)
+
+
+def test_an_open_parameter_leaves_the_others_of_its_rows_as_boxes(fit, test_log):
+    """A set of rows with an open interval has no corners: the tube is that of the intervals, and no narrower."""
+    drag = replace(fit.parameters["drag.surge.quadratic"], lower=-np.inf, upper=np.inf)
+    opened = replace(fit, parameters={**fit.parameters, "drag.surge.quadratic": drag})
+    blocks = blocks_of(opened, ["mass.surge"])
+    assert [b.ids for b in blocks] == [("mass.surge",)]
+    p = fit.parameters["mass.surge"]
+    assert blocks[0].box == ((p.lower, p.upper),)
 
 
 def test_gaps_end_a_tube(fit, test_log):

@@ -70,7 +70,7 @@ def equations_of(
     """The equations of motion of a fit.
 
     Args:
-        fit: with finite intervals.
+        fit: with finite intervals of the parameters that act on them.
         free: which of u, v, r follow them; the others are given.
         cells: equal parts into which the interval of each parameter is cut that acts on them.
 
@@ -96,19 +96,20 @@ def equations_of(
                 "--channels surge or straight"
             )
     ids = tuple(t.id for t in terms)
-    blocks = blocks_of(fit)
     acting = {ids[c[0]] for k in range(3) if free[k] for c in channels[k] if c[0] < len(ids)}
+    blocks = blocks_of(fit, sorted(acting, key=ids.index))
     if cells ** len(acting) > MOST_PIECES:
         raise IvsidError(
             f"cells = {cells} cuts {len(acting)} parameters into {cells ** len(acting)} pieces; {MOST_PIECES} are the most, so give fewer"
         )
     pieces = []
     for piece in [blocks] if cells == 1 else pieces_of(fit, acting, cells):
-        surge, sway, yaw = (vertices_of(piece, ids, known, c) for c in channels)
-        ends = {i: e for b in piece for i, e in zip(b.ids, b.box, strict=True)}
-        hull: Vertex = (
-            [ends[i][0] for i in ids] + [k.lower for k in known],
-            [ends[i][1] for i in ids] + [k.upper for k in known],
+        # No parameter acts on a channel that is given.
+        surge, sway, yaw = (
+            vertices_of(piece, ids, known, c if followed else []) for c, followed in zip(channels, free, strict=True)
         )
+        ends = {i: e for b in piece for i, e in zip(b.ids, b.box, strict=True)}
+        both = [ends.get(i, (0.0, 0.0)) for i in ids] + [(k.lower, k.upper) for k in known]
+        hull: Vertex = ([a for a, _ in both], [b for _, b in both])
         pieces.append(Piece(Model(program, channels, (surge, sway, yaw), hull, free), (surge, sway, yaw)))
     return Equations(tuple(pieces), ids, tuple(blocks), members_of(blocks, ids, known, MEMBERS))

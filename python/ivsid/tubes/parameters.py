@@ -15,7 +15,7 @@ from itertools import product
 from typing import Final, TypeAlias, TypedDict
 
 from ivsid.errors import IvsidError
-from ivsid.identification import Identification
+from ivsid.identification import Identification, Parameter
 from ivsid.intervals import Interval
 from ivsid.linear.trajectories import Column, Vertex
 
@@ -60,24 +60,29 @@ class Block:
     box: tuple[tuple[float, float], ...]
 
 
-def blocks_of(fit: Identification) -> list[Block]:
-    """The parameters of a fit, set by set.
+def blocks_of(fit: Identification, acting: Collection[str]) -> list[Block]:
+    """The parameters of a fit that act on what is followed, set by set.
+
+    Args:
+        fit: by ``identify``.
+        acting: ids of these parameters.
 
     Raises:
-        IvsidError: a fit without finite intervals.
+        IvsidError: a fit without parameters, or without a finite interval of one of these.
     """
     if fit.status == "empty" or not fit.parameters:
         raise IvsidError(
             f"the fit ({fit.method}, {fit.status}) has no parameters to simulate: {fit.reason or 'its set is empty'}; identify again"
         )
-    for id_, p in fit.parameters.items():
-        if not (math.isfinite(p.lower) and math.isfinite(p.upper) and p.lower <= p.upper):
+    for id_ in acting:
+        p = fit.parameters[id_]
+        if not _finite(p):
             raise IvsidError(
-                f"{id_} has the interval [{p.lower:g}, {p.upper:g}], and a tube needs finite ones; identify with a log that excites it, "
-                "or with --physical"
+                f"{id_} has the interval [{p.lower:g}, {p.upper:g}], and a tube needs finite ones of all parameters that act on what it follows; "
+                "identify with a log that excites it, or follow surge alone with --channels surge or straight where it does not act there"
             )
     found = []
-    for ids, rows in _sets(fit):
+    for ids, rows in _sets(fit, acting):
         whole = _block(ids, rows, _box(fit, ids))
         if whole is None:
             raise IvsidError("the certificates of the fit contradict each other; identify again")
@@ -85,29 +90,36 @@ def blocks_of(fit: Identification) -> list[Block]:
     return found
 
 
+def _finite(p: Parameter) -> bool:
+    return math.isfinite(p.lower) and math.isfinite(p.upper) and p.lower <= p.upper
+
+
 def pieces_of(fit: Identification, acting: Collection[str], count: int) -> list[list[Block]]:
     """The parameters of a fit in pieces that cover them: for each piece its sets.
 
     Args:
-        fit: with finite intervals.
-        acting: ids of the parameters whose intervals are cut; sets without any stay whole.
+        fit: with finite intervals of these parameters.
+        acting: ids of the parameters that act on what is followed, whose intervals are cut.
         count: equal parts into which each interval is cut.
     """
     choices: list[list[Block]] = []
-    for ids, rows in _sets(fit):
+    for ids, rows in _sets(fit, acting):
         ends = _box(fit, ids)
-        cut = count if set(ids) & set(acting) else 1
-        slices = [[(a + (b - a) * k / cut, a + (b - a) * (k + 1) / cut) for k in range(cut)] for a, b in ends]
+        slices = [[(a + (b - a) * k / count, a + (b - a) * (k + 1) / count) for k in range(count)] for a, b in ends]
         made = [_block(ids, rows, choice) for choice in product(*slices)]
         choices.append([b for b in made if b is not None])
     return [list(choice) for choice in product(*choices)]
 
 
-def _sets(fit: Identification) -> list[tuple[tuple[str, ...], tuple[HalfSpace, ...]]]:
-    """Ids of each set of parameters that share rows, with the half-spaces of its certificates."""
-    cells = _cells(fit)
-    rest = [i for i in fit.parameters if not any(i in ids for ids in cells)]
-    return [*cells.items(), *(((i,), ()) for i in rest)]
+def _sets(fit: Identification, acting: Collection[str]) -> list[tuple[tuple[str, ...], tuple[HalfSpace, ...]]]:
+    """Ids of each set of parameters that share rows, with the half-spaces of its certificates.
+
+    A set with an open interval has no corners: those of its parameters that act stand alone, each with its interval.
+    """
+    cells = {ids: rows for ids, rows in _cells(fit).items() if all(_finite(fit.parameters[i]) for i in ids)}
+    chosen = {ids: rows for ids, rows in cells.items() if set(ids) & set(acting)}
+    rest = [i for i in fit.parameters if i in acting and not any(i in ids for ids in chosen)]
+    return [*chosen.items(), *(((i,), ()) for i in rest)]
 
 
 def _box(fit: Identification, ids: Sequence[str]) -> list[tuple[Fraction, Fraction]]:
@@ -254,7 +266,10 @@ def _outermost(points: list[Point]) -> list[Point]:
 
 
 def members_of(blocks: Sequence[Block], ids: Sequence[str], known: Sequence[Interval], most: int) -> list[list[float]]:
-    """Single parameters in plain floats, of the outermost members: combinations of the blocks' vertices, evenly spaced ones where there are more."""
+    """Single parameters in plain floats, of the outermost members: combinations of the blocks' vertices, evenly spaced ones where there are more.
+
+    Parameters that act on nothing that is followed are 0.
+    """
     choices = [
         [[float(x) for x in p] for p in b.vertices] or [[a for a, _ in b.box], [e for _, e in b.box]] for b in blocks
     ]
@@ -266,5 +281,5 @@ def members_of(blocks: Sequence[Block], ids: Sequence[str], known: Sequence[Inte
         for block, choice in zip(blocks, choices, strict=True):
             number, place = divmod(number, len(choice))  # noqa: PLW2901 - the digits of the number are the choices
             values |= zip(block.ids, choice[place], strict=True)
-        found.append([values[i] for i in ids] + [float(k.midpoint) for k in known])
+        found.append([values.get(i, 0.0) for i in ids] + [float(k.midpoint) for k in known])
     return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -11,6 +12,10 @@ from ivsid.intervals import IntervalArray
 from ivsid.tubes.equations import Equations
 from ivsid.tubes.horizons import Horizon, window
 from ivsid.tubes.inputs import VELOCITIES, Course
+
+# Steps of all windows that are tried one after the other; beyond them lengths are doubled and halved.
+# Source: resource: some seconds for a tube of all channels; windows up to 600 steps are the shortest without exception
+TRIED: Final = 200_000
 
 
 @dataclass(frozen=True)
@@ -78,17 +83,45 @@ def refutations(
 def _shortest(
     equations: Equations, course: Course, first: int, last: int, given: IntervalArray | None, parts: int
 ) -> Refutation:
-    """The shortest window that ends at ``last`` and misses the reading there; the one from ``first`` does."""
-    for begin in [*range(last - 1, first, -1), first]:
-        if not np.isfinite(course.measured.lower[begin, : 3 if given is None else 1]).all():
-            continue
-        bounds = window(equations, course, begin, last, given, parts=parts)
-        if bounds.shape[0] != last - begin + 1:
-            continue
-        for k in range(3 if given is None else 1):
-            low, high = float(bounds.lower[-1, k]), float(bounds.upper[-1, k])
-            reading = float(course.measured.lower[last, k]), float(course.measured.upper[last, k])
-            if low > reading[1] or reading[0] > high:
-                t = course.log.t
-                return Refutation(VELOCITIES[k], float(t[begin]), float(t[last]), (low, high), reading, (begin, last))
-    raise AssertionError("the whole window refutes")
+    """The shortest window that ends at ``last`` and misses the reading there; the one from ``first`` does.
+
+    Lengths are tried one after the other for ``TRIED`` steps in all, then doubled, and halved back to the shortest that shows it.
+    """
+
+    def shown(length: int) -> Refutation | None:
+        return _missed(equations, course, last - length, last, given, parts)
+
+    longest = last - first
+    short, length, steps = 0, 1, 0
+    while (found := shown(length)) is None:
+        if length == longest:
+            raise AssertionError("the whole window refutes")
+        steps += length
+        short, length = length, min(longest, length + 1 if steps < TRIED else 2 * length)
+    while length - short > 1:
+        middle = (short + length) // 2
+        nearer = shown(middle)
+        if nearer is None:
+            short = middle
+        else:
+            found, length = nearer, middle
+    return found
+
+
+def _missed(
+    equations: Equations, course: Course, begin: int, last: int, given: IntervalArray | None, parts: int
+) -> Refutation | None:
+    """The reading at ``last`` that misses the tube from ``begin`` on; None where none does, or where there is no tube."""
+    followed = 3 if given is None else 1
+    if not np.isfinite(course.measured.lower[begin, :followed]).all():
+        return None
+    bounds = window(equations, course, begin, last, given, parts=parts)
+    if bounds.shape[0] != last - begin + 1:
+        return None
+    for k in range(followed):
+        low, high = float(bounds.lower[-1, k]), float(bounds.upper[-1, k])
+        reading = float(course.measured.lower[last, k]), float(course.measured.upper[last, k])
+        if low > reading[1] or reading[0] > high:
+            t = course.log.t
+            return Refutation(VELOCITIES[k], float(t[begin]), float(t[last]), (low, high), reading, (begin, last))
+    return None

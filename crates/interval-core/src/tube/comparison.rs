@@ -27,43 +27,33 @@ use crate::rounding::{add_up, mul_up};
 /// Attempts to find kappa: each repeats the inequality with the last one's right-hand side.
 const ATTEMPTS: usize = 4;
 
-/// An end of component `i` after a step.
-///
-/// # Arguments
-/// `start` is the box at the start, `step` what is known of the step, `force` that of row i, `h` the step's length. `up` asks
-/// for the upper end.
-///
-/// The result is never outside of the enclosure of the step.
-#[expect(clippy::too_many_arguments, reason = "the quantities of the theorem")]
-pub fn end(
-    model: &Model,
-    i: usize,
-    up: bool,
-    start: &Three,
-    step: &Enclosure,
-    force: Interval,
-    h: Interval,
-    work: &mut Work,
-) -> f64 {
-    let simple = if up { step.nu[i].hi() } else { step.nu[i].lo() };
-    match parabola(model, i, up, start, step, force, h, work) {
-        Some(found) if up => found.min(simple),
-        Some(found) => found.max(simple),
-        None => simple,
-    }
+/// An end of a component, and what is known of the step over which it moves.
+#[derive(Clone, Copy)]
+pub struct End<'a> {
+    /// Equations of motion.
+    pub model: &'a Model,
+    /// The component.
+    pub i: usize,
+    /// Whether it is the upper end.
+    pub up: bool,
+    /// The box at the start.
+    pub start: &'a Three,
+    /// Velocities and accelerations over the step.
+    pub step: &'a Enclosure,
+    /// Force of row i.
+    pub force: Interval,
+    /// Length of the step.
+    pub h: Interval,
 }
 
-#[expect(clippy::too_many_arguments, reason = "the quantities of the theorem")]
-fn parabola(
-    model: &Model,
-    i: usize,
-    up: bool,
-    start: &Three,
-    step: &Enclosure,
-    force: Interval,
-    h: Interval,
-    work: &mut Work,
-) -> Option<f64> {
+/// The end after the step, never outside of the enclosure of the step.
+pub fn after(end: &End<'_>, work: &mut Work) -> f64 {
+    let nu = end.step.nu[end.i];
+    let found = parabola(end, work);
+    if end.up { found.map_or(nu.hi(), |x| x.min(nu.hi())) } else { found.map_or(nu.lo(), |x| x.max(nu.lo())) }
+}
+
+fn parabola(&End { model, i, up, start, step, force, h }: &End<'_>, work: &mut Work) -> Option<f64> {
     let b = if up { start[i].hi() } else { start[i].lo() };
     let at = Interval::raw(b, b);
     // The upper bound of x_i', or of that of -x_i.

@@ -130,8 +130,8 @@ fn after(model: &Model, start: &Three, step: &Enclosure, force: &Three, h: Inter
         if !model.free[i] {
             return step.nu[i];
         }
-        let lo = comparison::end(model, i, false, start, step, force[i], h, work);
-        let hi = comparison::end(model, i, true, start, step, force[i], h, work);
+        let [lo, hi] = [false, true]
+            .map(|up| comparison::after(&comparison::End { model, i, up, start, step, force: force[i], h }, work));
         // Both are bounds of the same non-empty set.
         Interval::raw(lo, hi)
     })

@@ -74,6 +74,18 @@ pub fn binary<'py>(
     Ok(found)
 }
 
+/// A function of an interval and an integer, entry by entry.
+fn with_integer<'py>(
+    py: Python<'py>,
+    bounds: (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>),
+    n: i32,
+    f: fn(Interval, i32) -> Interval,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (lo, hi) = (vector(&bounds.0)?, vector(&bounds.1)?);
+    let result = py.detach(|| intervals(lo, hi).map(|x| x.into_iter().map(|v| f(v, n)).collect::<Vec<_>>()));
+    interval_vector(py, &result.map_err(|e| refusal(&e))?)
+}
+
 /// `{x^n}` for an integer `n`.
 #[pyfunction]
 pub fn power<'py>(
@@ -82,9 +94,7 @@ pub fn power<'py>(
     hi: PyReadonlyArray1<'py, f64>,
     n: i32,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (lo, hi) = (vector(&lo)?, vector(&hi)?);
-    let result = py.detach(|| intervals(lo, hi).map(|x| x.into_iter().map(|v| v.powi(n)).collect::<Vec<_>>()));
-    interval_vector(py, &result.map_err(|e| refusal(&e))?)
+    with_integer(py, (lo, hi), n, Interval::powi)
 }
 
 /// `{x^(1/n)}` for an integer `n`.
@@ -95,9 +105,7 @@ pub fn root<'py>(
     hi: PyReadonlyArray1<'py, f64>,
     n: i32,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (lo, hi) = (vector(&lo)?, vector(&hi)?);
-    let result = py.detach(|| intervals(lo, hi).map(|x| x.into_iter().map(|v| v.rootn(n)).collect::<Vec<_>>()));
-    interval_vector(py, &result.map_err(|e| refusal(&e))?)
+    with_integer(py, (lo, hi), n, Interval::rootn)
 }
 
 /// The tightest interval around the sum of all intervals: each end rounded once.

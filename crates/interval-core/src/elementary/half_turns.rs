@@ -8,7 +8,7 @@ use super::ball::Ball;
 use super::double_double::Dd;
 use super::multiprecision::{self, Bracket, settle, sin_cos};
 use super::tables::TABLES;
-use super::trigonometric::{ERROR, kernel};
+use super::trigonometric::{ERROR, Turning, kernel};
 use super::{decide, nearest, power_of_two, split};
 
 /// Below this an error term of a double-double may be subnormal.
@@ -32,9 +32,11 @@ pub(crate) struct HalfTurns {
     k: i64,
 }
 
-impl HalfTurns {
+impl Turning for HalfTurns {
+    const WHOLE: f64 = 2.0;
+
     #[inline(always)]
-    pub fn new(x: f64) -> Self {
+    fn new(x: f64) -> Self {
         if x.abs() >= EVEN {
             return Self { x, r: 0.0, k: 0 };
         }
@@ -45,16 +47,15 @@ impl HalfTurns {
         Self { x, r: rest - 0.5 * count, k: count as i64 }
     }
 
-    /// The number `q` with `q <= 2 x < q + 1`. `None` beyond all integers of 63 bits.
+    /// The number `q` with `q <= 2 x < q + 1`.
     #[inline(always)]
-    pub fn quarter_turns(&self) -> Option<i64> {
+    fn quarter_turns(&self) -> Option<i64> {
         #[expect(clippy::cast_possible_truncation, reason = "an integer below 2^62")]
         (self.x.abs() < 2.0e18).then(|| (2.0 * self.x).floor() as i64)
     }
 
-    /// The function with its maximum at 0 (`top` = 0, the cosine) or after a quarter turn (1, the sine).
     #[inline(always)]
-    pub fn wave(&self, top: i64) -> Bracket {
+    fn wave(&self, top: i64) -> Bracket {
         // sin(r + k pi/2) = cos(r + (k - 1) pi/2)
         let turn = (self.k - top) & 3;
         let (cosine, negative) = (turn % 2 == 0, turn == 1 || turn == 2);
@@ -72,7 +73,9 @@ impl HalfTurns {
         let found = found.unwrap_or_else(|| self.exactly(|s, c, _| Some(if cosine { c } else { s })));
         if negative { found.neg() } else { found }
     }
+}
 
+impl HalfTurns {
     /// `tan(pi x)`; `None` at a pole.
     #[inline(always)]
     pub fn tan(&self) -> Option<Bracket> {

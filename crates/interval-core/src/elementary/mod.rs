@@ -36,7 +36,7 @@ pub(crate) use plus_one::{ln_1p, log2_1p, log10_1p};
 pub(crate) use power::{log_ratio, pow, pown, root};
 pub(crate) use reciprocal::{acoth, cot, coth, csc, csch, sec, sech};
 pub(crate) use roots::{hypot, rootn, rsqrt};
-pub(crate) use trigonometric::Angle;
+pub(crate) use trigonometric::{Angle, Turning};
 
 impl Bracket {
     pub(crate) const fn exact(x: f64) -> Self {

@@ -7,7 +7,7 @@ use super::exponential::{self, TOO_LARGE, TOO_SMALL, finish, growth, sinh_series
 use super::logarithm;
 use super::multiprecision::{self, Bracket, settle};
 use super::tables::TABLES;
-use super::trigonometric::{self, Angle, kernel};
+use super::trigonometric::{self, Angle, Turning, kernel};
 
 /// Below this the second term of the series, at most `x^2` of the value, is smaller than the distance of a quotient `1/x`
 /// that is no double from all of them, 2^-106 of it.

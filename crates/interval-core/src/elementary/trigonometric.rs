@@ -68,15 +68,32 @@ pub(crate) struct Angle {
     pub(super) reduced: Option<(Dd, i64)>,
 }
 
-impl Angle {
+/// An angle of some unit, reduced once for all that is asked of it.
+pub(crate) trait Turning: Copy {
+    /// A width from which on an interval of angles holds a whole turn.
+    const WHOLE: f64;
+
+    /// The angle of a finite double.
+    fn new(x: f64) -> Self;
+
+    /// The number of quarter turns that are completed at the angle. `None` beyond all integers of 63 bits.
+    fn quarter_turns(&self) -> Option<i64>;
+
+    /// The function with its maximum at 0 (`top` = 0, the cosine) or after a quarter turn (1, the sine).
+    fn wave(&self, top: i64) -> Bracket;
+}
+
+impl Turning for Angle {
+    const WHOLE: f64 = 7.0;
+
     #[inline(always)]
-    pub fn new(x: f64) -> Self {
+    fn new(x: f64) -> Self {
         Self { x, reduced: if x.abs() <= MODERATE { Some(reduce(x, &TABLES)) } else { None } }
     }
 
-    /// The number `q` with `q pi/2 <= x < (q + 1) pi/2`; equality only at 0. `None` beyond all integers of 63 bits.
+    /// The number `q` with `q pi/2 <= x < (q + 1) pi/2`; equality only at 0.
     #[inline(always)]
-    pub fn quarter_turns(&self) -> Option<i64> {
+    fn quarter_turns(&self) -> Option<i64> {
         match self.reduced {
             // The sign of r is right: its relative error is far below one.
             Some((r, k)) => Some(if r.hi < 0.0 { k - 1 } else { k }),
@@ -84,9 +101,8 @@ impl Angle {
         }
     }
 
-    /// The function with its maximum at 0 (`top` = 0, the cosine) or after a quarter turn (1, the sine).
     #[inline(always)]
-    pub fn wave(&self, top: i64) -> Bracket {
+    fn wave(&self, top: i64) -> Bracket {
         let x = self.x;
         if x.abs() < TINY {
             return match (top, x == 0.0) {
@@ -106,7 +122,9 @@ impl Angle {
         }
         exactly(x, |s, c, _| Some(if top == 0 { c } else { s }))
     }
+}
 
+impl Angle {
     /// `tan x`.
     #[inline(always)]
     pub fn tan(&self) -> Bracket {

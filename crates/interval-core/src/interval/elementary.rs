@@ -3,6 +3,7 @@
 
 use super::Interval;
 use crate::elementary as point;
+use crate::elementary::{Angle, Turning};
 
 /// `[f(a), f(b)]` for an increasing function. A macro, because a function passed as a value would be compiled without
 /// the features of the slice kernels that this is inlined into.
@@ -122,19 +123,19 @@ impl Interval {
     /// Range of the sine or cosine, which has its maxima where a number of quarter turns `q = top` modulo 4 is
     /// completed, and its minima two later.
     #[inline(always)]
-    fn wave(self, top: i64) -> Self {
+    pub(super) fn wave<A: Turning>(self, top: i64) -> Self {
         if self.is_empty() {
             return Self::EMPTY;
         }
-        if !self.is_bounded() || self.hi - self.lo > 7.0 {
+        if !self.is_bounded() || self.hi - self.lo > A::WHOLE {
             return Self::UNIT;
         }
-        let a = point::Angle::new(self.lo);
+        let a = A::new(self.lo);
         if self.lo == self.hi {
             let value = a.wave(top);
             return Self::made(value.down, value.up);
         }
-        let b = point::Angle::new(self.hi);
+        let b = A::new(self.hi);
         let (Some(first), Some(last)) = (a.quarter_turns(), b.quarter_turns()) else {
             return Self::UNIT;
         };
@@ -156,14 +157,14 @@ impl Interval {
     #[must_use]
     #[inline(always)]
     pub fn sin(self) -> Self {
-        self.wave(1)
+        self.wave::<Angle>(1)
     }
 
     /// `{cos x}`, x in radians.
     #[must_use]
     #[inline(always)]
     pub fn cos(self) -> Self {
-        self.wave(0)
+        self.wave::<Angle>(0)
     }
 
     /// `{tan x}`, x in radians; everything where a pole lies inside.
@@ -176,12 +177,12 @@ impl Interval {
         if !self.is_bounded() {
             return Self::ENTIRE;
         }
-        let a = point::Angle::new(self.lo);
+        let a = Angle::new(self.lo);
         if self.lo == self.hi {
             let value = a.tan();
             return Self::made(value.down, value.up);
         }
-        let b = point::Angle::new(self.hi);
+        let b = Angle::new(self.hi);
         match (a.quarter_turns(), b.quarter_turns()) {
             (Some(first), Some(last)) if !passes(first, last, 1, 2) => Self::made(a.tan().down, b.tan().up),
             _ => Self::ENTIRE,

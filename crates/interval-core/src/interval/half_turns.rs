@@ -4,36 +4,9 @@
 use super::Interval;
 use super::elementary::{angles, increasing, passes};
 use crate::elementary as point;
-use crate::elementary::HalfTurns;
+use crate::elementary::{HalfTurns, Turning};
 
 impl Interval {
-    /// Range of the sine or cosine, which has its maxima where a number of quarter turns `q = top` modulo 4 is
-    /// completed, and its minima two later.
-    #[inline(always)]
-    fn wave_of_half_turns(self, top: i64) -> Self {
-        if self.is_empty() {
-            return Self::EMPTY;
-        }
-        if !self.is_bounded() || self.hi - self.lo > 2.0 {
-            return Self::UNIT;
-        }
-        let a = HalfTurns::new(self.lo);
-        if self.lo == self.hi {
-            let value = a.wave(top);
-            return Self::made(value.down, value.up);
-        }
-        let b = HalfTurns::new(self.hi);
-        let (Some(first), Some(last)) = (a.quarter_turns(), b.quarter_turns()) else {
-            return Self::UNIT;
-        };
-        let (low, high) = (passes(first, last, top + 2, 4), passes(first, last, top, 4));
-        if low && high {
-            return Self::UNIT;
-        }
-        let (a, b) = (a.wave(top), b.wave(top));
-        Self::made(if low { -1.0 } else { a.down.min(b.down) }, if high { 1.0 } else { a.up.max(b.up) })
-    }
-
     /// `{sin(pi x)}`.
     ///
     /// ```
@@ -44,14 +17,14 @@ impl Interval {
     #[must_use]
     #[inline(always)]
     pub fn sin_pi(self) -> Self {
-        self.wave_of_half_turns(1)
+        self.wave::<HalfTurns>(1)
     }
 
     /// `{cos(pi x)}`.
     #[must_use]
     #[inline(always)]
     pub fn cos_pi(self) -> Self {
-        self.wave_of_half_turns(0)
+        self.wave::<HalfTurns>(0)
     }
 
     /// `{tan(pi x)}` of the `x` that are no odd multiple of a half; everything where such a pole lies inside.

@@ -4,7 +4,7 @@
 use super::Interval;
 use super::elementary::passes;
 use crate::elementary as point;
-use crate::elementary::{Angle, Bracket};
+use crate::elementary::{Angle, Bracket, Turning};
 
 /// Counts of quarter turns `first` and `last`, such that those completed after `x.lo` and before `x.hi` are
 /// `first + 1..=last`: 0, the only multiple of pi that is a double, is not completed at an upper end. `None` where all are.

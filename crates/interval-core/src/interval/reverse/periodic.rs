@@ -3,6 +3,7 @@
 use super::super::Interval;
 use super::clip;
 use crate::elementary as point;
+use crate::elementary::Turning;
 use crate::elementary::{Ball, Bracket};
 
 /// The point `x`, where the irrational number in the bracket is a member of `c`.

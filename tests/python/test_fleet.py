@@ -92,6 +92,14 @@ def test_a_second_run_does_nothing_again_and_gives_the_same_tables(changed, drif
     assert not any(e.outcome.reused for e in other.entries)
 
 
+def test_results_of_other_code_are_not_taken_for_those_of_this(calm, tmp_path, monkeypatch):
+    """Between two states of the code the version is the same, and a bound that was mended is not."""
+    first = ivsid.fleet(calm, "swan", tmp_path, workers=0, diagnose=False)
+    monkeypatch.setattr("ivsid.fleets.finished._code", lambda: "another state")
+    again = ivsid.fleet(calm, "swan", tmp_path, workers=0, diagnose=False)
+    assert not any(e.outcome.reused for e in (*first.entries, *again.entries))
+
+
 def test_damaged_finished_logs_are_done_again(calm, tmp_path):
     ivsid.fleet(calm, "swan", tmp_path, workers=0, diagnose=False)
     done = sorted((tmp_path / "done").rglob("*.json"))
@@ -266,7 +274,7 @@ def test_each_log_is_diagnosed_and_tried_on_the_next(tmp_path):
     boat = tmp_path / "logs" / "boat.toml"
     found = ivsid.fleet(logs, boat, tmp_path / "out", workers=0)
     for entry, (train, test) in zip(found.entries, (logs, logs[::-1]), strict=True):
-        alone = ivsid.diagnose(boat, train, test, null_logs=0)
+        alone = ivsid.diagnose(boat, train, test)
         record = entry.diagnosis.record
         assert record["verdict"] == alone.verdict and record["other"] == test.name
         assert [f["effect"] for f in record["findings"]] == [f.effect for f in alone.findings]

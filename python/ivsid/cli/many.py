@@ -60,8 +60,8 @@ def fleet(
         str, typer.Option("--window", help="As for identify: length of integral rows [s], or several.")
     ] = "1.0",
     null_logs: Annotated[
-        int, typer.Option("--null-logs", min=0, help="As for diagnose, for each log; 0: theory alone.")
-    ] = 0,
+        int, typer.Option("--null-logs", min=0, help="As for diagnose, for each log; 0: theory alone, which names more than is there.")
+    ] = 400,
     out: Annotated[
         str | None,
         typer.Option("--out", help="Folder or URL for the results and the finished logs.", show_default="ivsid-fleet"),

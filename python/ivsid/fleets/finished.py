@@ -6,8 +6,10 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib.metadata import version
 
+from ivsid.diagnosis.null.cache import rules_digest
 from ivsid.files.records import sealed, to_json
 from ivsid.files.seal import KEY, seal_of
 from ivsid.fleets import places
@@ -49,6 +51,14 @@ class Finished:
 
 
 def key_of(kind: str, logs: Sequence[str], vehicle: str, options: Mapping[str, object]) -> str:
-    """The hash of all that a result depends on: the content of its logs, the text of the vehicle file, the options and the version."""
-    whole = [kind, version("ivsid"), list(logs), vehicle, dict(options)]
+    """The hash of all that a result depends on: the content of its logs, the text of the vehicle file, the options, the version and the code.
+
+    A result of code that has been mended since is not taken for one of today's.
+    """
+    whole = [kind, version("ivsid"), _code(), list(logs), vehicle, dict(options)]
     return hashlib.sha256(json.dumps(whole, sort_keys=True).encode()).hexdigest()
+
+
+@lru_cache(maxsize=1)
+def _code() -> str:
+    return rules_digest()

@@ -14,6 +14,7 @@ from typing import Final
 
 import numpy as np
 
+from ivsid.diagnosis import NULL_LOGS
 from ivsid.effects import Term, own_files, terms_of
 from ivsid.errors import IvsidError
 from ivsid.fleets.consistency import Model, Pooled, pooled
@@ -40,9 +41,6 @@ KEPT: Final = 1000
 # Probability that all sensor bounds hold at once below which nothing that rests on all of them is called guaranteed.
 # Source: definition: more likely than not
 LIKELY: Final = 0.5
-# Null logs of the diagnosis of one log.
-# Source: resource: a fleet looks at theory first; ivsid diagnose looks closer at single logs
-NULL_LOGS: Final = 0
 
 
 def fleet(

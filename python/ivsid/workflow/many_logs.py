@@ -8,6 +8,7 @@ from os import PathLike
 from typing import Final
 
 from ivsid import fleets
+from ivsid.diagnosis import NULL_LOGS
 from ivsid.files.records import sealed
 from ivsid.fleets import Fleet, parquet, tables
 from ivsid.fleets.drift import Change
@@ -52,7 +53,7 @@ def fleet(
     rows: str = "auto",
     window: float | Sequence[float] = WINDOW,
     seed: int | None = None,
-    null_logs: int = 0,
+    null_logs: int = NULL_LOGS,
     progress: Progress = silent,
 ) -> Report:
     """Identifies and diagnoses logs, holds them against each other, and reports; the options are those of ``ivsid.fleet``.

@@ -40,9 +40,9 @@ def cache_folder() -> Path:
 
 
 def rules_digest(package: str = "ivsid") -> str:
-    """SHA-256 of the Python sources of a package.
+    """SHA-256 of the Python sources of a package and of its compiled module.
 
-    A rule that changes between two releases changes null logs; the version does not tell the two apart.
+    A rule that changes between two releases changes results; the version does not tell the two apart.
 
     Args:
         package: its name.
@@ -53,7 +53,7 @@ def rules_digest(package: str = "ivsid") -> str:
         for one in sorted(folders.pop().iterdir(), key=lambda f: f.name):
             if one.is_dir():
                 folders.append(one)
-            elif one.name.endswith(".py"):
+            elif one.name.endswith((".py", ".so", ".pyd")):
                 digest.update(f"|{one.name}|".encode() + one.read_bytes())
     return digest.hexdigest()
 

@@ -91,13 +91,15 @@ def test_missing_channels_make_no_findings(lost):
     assert any(q["effect"].startswith("sensor.") for q in result.not_tested)
 
 
-def test_a_pose_alone_never_makes_a_name():
+# Nightly: the longer log, twenty seconds of the gate for the same verdict.
+@pytest.mark.parametrize("duration", [90.0, pytest.param(120.0, marks=pytest.mark.nightly)])
+def test_a_pose_alone_never_makes_a_name(duration):
     """Velocities from a pose are smoothed with what comes after: refused, or adequate, or unknown, but no cause by name."""
     extra = "[sensors.limits]\nacceleration = 2.0\nyaw_acceleration = 2.0\n"
     vehicle = vehicle_of(extra=extra)
     pose = [
         Log(log.name, log.sha256, log.t, {k: x for k, x in log.columns.items() if k not in ("u", "v", "r", "ax", "ay")})
-        for log in logs_of(vehicle, duration=120.0)
+        for log in logs_of(vehicle, duration=duration)
     ]
     try:
         result = diagnose(vehicle, *pose)

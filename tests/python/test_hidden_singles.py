@@ -94,7 +94,11 @@ def test_a_fall_far_beyond_the_smallest_chance_stays_as_large():
     assert np.all(np.diff(grown) > -2.0) and as_rare(1, 3, 0.0) == 0.0
 
 
-@pytest.mark.parametrize(("seed", "id_"), [(85160, "current.oscillating"), (83161, "thruster.reverse_loss")])
+# Nightly: the second cause, nine seconds of the gate for the same projection.
+@pytest.mark.parametrize(
+    ("seed", "id_"),
+    [(85160, "current.oscillating"), pytest.param(83161, "thruster.reverse_loss", marks=pytest.mark.nightly)],
+)
 def test_a_cause_stands_by_the_direction_that_shows_it(seed, id_):
     """In the one direction of the prior the worst errors took these causes of 12 and 18 standard deviations whole."""
     fit, found = scored(seed)

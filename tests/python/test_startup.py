@@ -44,6 +44,8 @@ def test_a_diagnosis_loads_neither_the_signals_nor_the_distributions_of_scipy():
     assert not found & {"scipy.signal", "scipy.stats"}
 
 
+# Nightly: a whole diagnosis; the gate looks at what its modules import.
+@pytest.mark.nightly
 def test_a_whole_diagnosis_loads_neither_of_them(tmp_path):
     """From the example to its report, with a cause that the model takes in: nothing in it is worth another second."""
     first, said = tmp_path / "first", tmp_path / "said"

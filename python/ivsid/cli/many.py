@@ -60,7 +60,10 @@ def fleet(
         str, typer.Option("--window", help="As for identify: length of integral rows [s], or several.")
     ] = "1.0",
     null_logs: Annotated[
-        int, typer.Option("--null-logs", min=0, help="As for diagnose, for each log; 0: theory alone, which names more than is there.")
+        int,
+        typer.Option(
+            "--null-logs", min=0, help="As for diagnose, for each log; 0: theory alone, which names more than is there."
+        ),
     ] = 400,
     out: Annotated[
         str | None,

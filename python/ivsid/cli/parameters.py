@@ -101,14 +101,22 @@ def verify(
 def validate(
     fit: FitFile,
     log: Annotated[Path, typer.Argument(metavar="LOG", help="Another log, as for identify.")],
+    tubes: Annotated[
+        bool | None,
+        typer.Option(
+            "--tubes/--no-tubes",
+            help="Compare readings with the tubes of every consistent vehicle; by default for logs of moderate length.",
+            show_default=False,
+        ),
+    ] = None,
     out: Out = None,
     json: Json = False,
 ) -> None:
-    """Predicted against measured force and moment, simulated against measured motion.
+    """Predicted against measured force and moment, simulated motion and tubes against measured motion.
 
     Example: ivsid validate fit run2.csv
     """
-    run("validate", out, json, lambda progress: workflow.validate(fit, log, progress=progress))
+    run("validate", out, json, lambda progress: workflow.validate(fit, log, tubes=tubes, progress=progress))
 
 
 def export(

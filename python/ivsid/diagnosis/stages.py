@@ -32,6 +32,7 @@ from ivsid.diagnosis.statements.claims import claims
 from ivsid.diagnosis.statements.diagnosis import Diagnosis, inputs_of
 from ivsid.diagnosis.statements.findings import findings_of, shallow, unknown, verdict_of, weighed
 from ivsid.diagnosis.statements.hints import hints
+from ivsid.diagnosis.statements.motion import motion_of, sentences
 from ivsid.diagnosis.statements.not_tested import left_out_note, not_tested
 from ivsid.diagnosis.statements.proved import proof_of, proved_findings
 from ivsid.diagnosis.statements.residuals import before_and_after, unexplained
@@ -105,6 +106,8 @@ def diagnose(
     findings, withdrawn = findings_of(selection, residuals, after, complete=complete)
     trial = trial.of({f.effect for f in findings})
     proof = proof_of(vehicle, train)
+    # An adequate model is asked by its rows alone.
+    moving = Apart(partial(motion_of, proof, train, test)) if findings else None
     proved, extended = proved_findings(findings, vehicle, train, trial.model) if complete else (findings, None)
     progress("trying both models on the other log")
     (gain, shown), water = trial.result(), moved.result()
@@ -122,6 +125,7 @@ def diagnose(
     if water is not None and water.factor is not None:
         findings = (*findings, shallow(water))
     visible = _limited(visible, limits.result())
+    motion = () if moving is None else moving.result()
     findings = weighed(findings, shown)
     verdict = verdict_of(findings)
     said = [
@@ -131,6 +135,7 @@ def diagnose(
             confirmation.note,
             structure.note,
             proof.sentence(verdict) if proof.refuted else "",
+            *sentences(motion, train.name, test.name),
         )
         if n
     ]
@@ -150,6 +155,7 @@ def diagnose(
         inputs_of(vehicle, train, test),
         seed,
         (proof, extended),
+        motion,
         (*log.notes, *train.notes, *left_out_note(fit), *said),
         claimed,
         withdrawn,

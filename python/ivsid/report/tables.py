@@ -45,6 +45,7 @@ def validation_record(result: Validation) -> dict[str, object]:
             "median": result.motion.median,
             "reason": result.motion.reason,
         },
+        "tubes": result.tubes.record(),
         "notes": result.notes,
     }
 

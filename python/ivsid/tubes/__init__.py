@@ -3,6 +3,7 @@
 - ``columns``: the model's terms as a program of the core; ``parameters``: the fit's polytope as vertices; ``equations``: both together.
 - ``inputs``: steps, forces at all moments of each step, measured states; ``given``: components that are not followed.
 - ``horizons``: tubes of the whole log and of windows; ``attained``: what single members reach of them; ``refuted``: readings outside.
+- ``reached``: readings of a log against the tubes of a fit, for those who want the refutations alone.
 - ``checked``: the tubes proved once more by the checker.
 - ``bounds``: all of it in order.
 

@@ -162,6 +162,7 @@ def tube(
     *,
     channels: str = "all",
     windows: Sequence[float] = WINDOWS,
+    whole: bool = True,
     parts: int = PARTS,
     cells: int = 1,
     inner: bool = True,
@@ -176,12 +177,13 @@ def tube(
         log: a checked log, its path, or a table in memory.
         channels: ``all`` follows u, v, r, heading and position; ``surge`` follows u alone with v and r as measured; ``straight`` follows u
             of a run without drift and turn, which is then an assumption.
-        windows: lengths [s] after which a tube restarts from the measured state, beside the one without restarts.
+        windows: lengths [s] after which a tube restarts from the measured state.
+        whole: whether the log is followed without restarts as well, before the windows.
         parts: equal parts into which each step is cut; more are narrower and slower.
         cells: equal parts into which the interval of each parameter is cut; the tube is the hull of the tubes of all pieces, narrower and
             slower by their number.
         inner: whether members are simulated beside the tubes.
-        check: whether each part of the tube without restarts is proved once more in exact arithmetic, by code that shares nothing with the
+        check: whether each part of the first tube, which is the one without restarts if there is one, is proved once more in exact arithmetic, by code that shares nothing with the
             engine; some 5 ms a step of surge, 25 ms of all channels.
         examine: whether the set-up is examined first.
         progress: told of each step.
@@ -200,6 +202,8 @@ def tube(
         raise IvsidError(f"cells = {cells} was given; a number of equal parts of each interval, at least 1, is needed")
     if any(not 0 < w < np.inf for w in windows):
         raise IvsidError(f"windows of {', '.join(f'{w:g}' for w in windows)} s were given; positive lengths are needed")
+    if not whole and not windows:
+        raise IvsidError("neither the whole log nor windows were asked for; give lengths of windows, or whole")
     if check and channels == "surge":
         raise IvsidError(
             "the checker proves tubes of all channels and of straight runs; give channels all or straight with check"
@@ -215,7 +219,7 @@ def tube(
     if alone:
         given = taken.straight(course) if channels == "straight" else taken.measured(course, vehicle)
     runs = []
-    for length in (None, *windows):
+    for length in (*((None,) if whole else ()), *windows):
         progress("following the whole log" if length is None else f"following windows of {length:g} s")
         begun = time.perf_counter()
         horizon = follow(equations, course, length, given, parts=parts)
@@ -235,8 +239,8 @@ def tube(
         raise IvsidError(
             f"{data.name} has no step with known forces after a complete measured state; look at the missing samples and the gaps"
         )
-    whole = runs[0].horizon.windows
-    again = checked(fit, equations, course, whole, given, parts=parts, progress=progress) if check else None
+    first = runs[0].horizon.windows
+    again = checked(fit, equations, course, first, given, parts=parts, progress=progress) if check else None
     assumes = [*fit.assumes, *course.assumes]
     if channels == "straight":
         assumes.append("the run is straight: v = r = 0")

@@ -38,6 +38,11 @@ class Refutation:
     measured: tuple[float, float]
     rows: tuple[int, int]
 
+    @property
+    def words(self) -> str:
+        """Where the window starts and ends, in words."""
+        return f"from the state at {self.start:.6g} s to the reading of {self.component} at {self.end:.6g} s"
+
     def record(self) -> dict[str, object]:
         """The record of result.json, with bounds rounded outward."""
         return {

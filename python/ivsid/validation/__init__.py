@@ -4,7 +4,7 @@
 - ``motion``: free runs over windows, by the simulator where the model has causes beside its terms.
 - ``dynamics``: the equations of motion of a model with numbers for its parameters, forward in time.
 
-The chapter may use ``identification``, ``simulation`` and the chapters below them.
+The chapter may use ``identification``, ``simulation``, ``tubes`` and the chapters below them.
 """
 
 from ivsid.validation.checks import ForceCheck, MotionCheck, Validation, validate

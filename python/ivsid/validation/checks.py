@@ -1,4 +1,4 @@
-"""A fit against another log: predicted force against measured (paper, Figs 4-7), simulated motion against measured."""
+"""A fit against another log: predicted force against measured (paper, Figs 4-7), simulated motion and tubes against measured."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from ivsid.propulsion.lag import GAP
 from ivsid.rows import RegressionRows, build_rows, window_count
 from ivsid.sensors.bounds import bound_log
 from ivsid.setup import SetupFinding, examined, in_doubt
+from ivsid.tubes.reached import TubeCheck, reached
 from ivsid.validation.motion import Runs, runs_of
 
 # Length of a window of simulated velocities [s].
@@ -85,7 +86,7 @@ class MotionCheck:
 
 @dataclass(frozen=True, repr=False)
 class Validation(Result):
-    """Both checks of one fit on one log."""
+    """The checks of one fit on one log."""
 
     fit: Identification
     log_name: str
@@ -93,11 +94,21 @@ class Validation(Result):
     forces: tuple[ForceCheck, ...]
     motion: MotionCheck
     notes: tuple[str, ...]
+    tubes: TubeCheck
     setup: tuple[SetupFinding, ...] = ()
 
     def _heading(self) -> str:
         wrong, rows = sum(f.falsified for f in self.forces), sum(f.time.size for f in self.forces)
-        return f"of {self.fit.vehicle.name} by {self.fit.method} on {self.log_name}: {wrong} of {rows} rows contradict the fit{in_doubt(self.setup)}"
+        return f"of {self.fit.vehicle.name} by {self.fit.method} on {self.log_name}: {wrong} of {rows} rows contradict the fit{self._moved()}{in_doubt(self.setup)}"
+
+    def _moved(self) -> str:
+        outside = max(self.tubes.outside.values(), default=0)
+        return f", {outside} have a reading outside of its tube" if outside else ""
+
+    @property
+    def contradicted(self) -> bool:
+        """Whether a row or a reading contradicts the fit."""
+        return any(f.falsified for f in self.forces) or bool(self.tubes.refuted)
 
     def _cells(self) -> Cells:
         return self._columns()
@@ -116,16 +127,23 @@ class Validation(Result):
         }
 
 
-def validate(fit: Identification, log: GivenLog, *, progress: Callable[[str], None] = lambda _: None) -> Validation:
+def validate(
+    fit: Identification,
+    log: GivenLog,
+    *,
+    tubes: bool | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Validation:
     """Checks a fit on another log than its own.
 
     Args:
         fit: by ``identify``.
         log: a checked log, its path, or a table in memory.
+        tubes: whether readings are compared with the tubes of every consistent vehicle; None does so for logs of moderate length.
         progress: told of each step.
 
     Returns:
-        Both checks; ``setup`` holds what is doubtful about the set-up.
+        The checks; ``setup`` holds what is doubtful about the set-up.
 
     Raises:
         IvsidError: a fit without parameters, a log without the channels of its model, or a wrong set-up that is beyond doubt.
@@ -155,7 +173,9 @@ def validate(fit: Identification, log: GivenLog, *, progress: Callable[[str], No
     beside = ", ".join(n for g in causes(vehicle) for n in g.named)
     absent = (f"{beside} of [model.fitted] moves the simulated vehicle, and stands in no row of forces and no reading",)
     notes = (*(own if log.sha256 == fit.log_sha256 else ()), *bounded.log.notes, *(absent if beside else ()))
-    return Validation(fit, log.name, log.sha256, forces, simulate_windows(fit, bounded.log), notes, doubts)
+    motion = simulate_windows(fit, bounded.log)
+    held = reached(fit, log, asked=tubes, progress=progress)
+    return Validation(fit, log.name, log.sha256, forces, motion, notes, held, doubts)
 
 
 def _checkable(fit: Identification, rows: RegressionRows, index: int) -> bool:

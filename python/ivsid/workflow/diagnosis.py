@@ -180,6 +180,7 @@ def _proved(result: Diagnosis) -> list[str]:
     plain, extended = result.proofs
     said = plain.record()
     words = [plain.sentence(result.verdict)] if plain.refuted else []
+    words += result.moved
     if plain.refuted:
         words.append(f"the certificate stands in {REFUTED}: ivsid verify {REFUTED} {result.inputs[1][0]}")
     elif plain.status == "not_refuted":
@@ -216,6 +217,7 @@ def _lines(result: Diagnosis) -> list[str]:
     lines = [f"  {w}" for w in worse(result)]
     if result.proofs[0].refuted:
         lines.append(f"  {result.proofs[0].sentence(result.verdict)}")
+    lines += [f"  {w}" for w in result.moved]
     for f in result.findings:
         also = f", weight {f.confidence:.2f}; could also be {', '.join(f.alternatives)}" if f.alternatives else ""
         lines.append(f"  {f.effect} (probability {0.0 if f.like is None else f.like.probability:.2f}{also})")

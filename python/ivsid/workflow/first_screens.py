@@ -65,7 +65,14 @@ def validated(result: Validation) -> First:
     facts += [(f"simulated {k}", f"rms error {x:.3g} {motion[k]}") for k, x in result.motion.rms.items()]
     if result.motion.reason:
         facts.append(("simulated motion", result.motion.reason))
-    verdict = f"{wrong} of {total} rows contradict the parameters" if wrong else "The parameters hold on the other log"
+    found = result.tubes
+    outside = f"{max(found.outside.values(), default=0)} rows"
+    facts.append(("tubes", found.reason) if found.reason else ("readings outside of the tubes", outside))
+    verdict = "The parameters hold on the other log"
+    if wrong:
+        verdict = f"{wrong} of {total} rows contradict the parameters"
+    elif found.refuted:
+        verdict = "No row alone contradicts the parameters, and the motion does"
     sure = (
         "guaranteed under the assumptions below: a row that contradicts them proves them wrong there"
         if fit.guaranteed
@@ -75,10 +82,10 @@ def validated(result: Validation) -> First:
     words = f"{result.log_name}{twin}, {total} rows, against the fit of {fit.log_name} by {fit.method}. The bounds are {sure}."
     following = (
         f"Look for the cause: ivsid diagnose VEHICLE {fit.log_name} {result.log_name}."
-        if wrong
+        if result.contradicted
         else "Use the parameters for motion like that of both logs; sail other motion to test them further."
     )
-    tone = "bad" if wrong else "good"
+    tone = "bad" if result.contradicted else "good"
     return First(verdict, tone, words, (Card("Errors", "Predicted against measured.", tuple(facts)),), (following,))
 
 

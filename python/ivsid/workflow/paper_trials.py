@@ -68,7 +68,9 @@ def demo(*, seed: int | None = None, progress: Progress = silent) -> Report:
     published_added = _fit(added, bounded, vehicle, "published", "added")
     progress("constriction and validation")
     narrowed = _constrict(added, published_added)
-    checks = [validation.validate(f, test.log) for f in (feasible, _constricted(published_added, narrowed))]
+    checks = [
+        validation.validate(f, test.log, tubes=False) for f in (feasible, _constricted(published_added, narrowed))
+    ]
     progress("drawing")
     drawings = drawings_of(train.log, curves, table_iii, fits, checks)
     inverses = _published_inverses(total, fits)

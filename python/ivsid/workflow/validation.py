@@ -23,8 +23,14 @@ from ivsid.workflow.set_up import with_setup
 TITLES = {"surge": "force X", "sway": "force Y", "yaw": "moment N"}
 
 
-def validate(fit: str | Path, log: str | Path, *, progress: Progress = silent) -> Report:
+def validate(fit: str | Path, log: str | Path, *, tubes: bool | None = None, progress: Progress = silent) -> Report:
     """Reads a fit and a log, validates and reports.
+
+    Args:
+        fit: folder or result.json of ``identify``.
+        log: of another run.
+        tubes: whether readings are compared with the tubes of every consistent vehicle; None does so for logs of moderate length.
+        progress: told of each step.
 
     Raises:
         IvsidError: an unusable file, in one sentence.
@@ -32,7 +38,7 @@ def validate(fit: str | Path, log: str | Path, *, progress: Progress = silent) -
     progress("reading")
     known = read_identification(fit)
     data = read_log(log, known.vehicle.log)
-    result = validation.validate(known, data, progress=progress)
+    result = validation.validate(known, data, tubes=tubes, progress=progress)
     progress("drawing")
     drawings = validation_drawings(result)
     summary = validation_summary(result)
@@ -41,7 +47,8 @@ def validate(fit: str | Path, log: str | Path, *, progress: Progress = silent) -
             "Predicted against measured force and moment", (validation_table(result), *map(force_series, result.forces))
         ),
         Section("Simulated against measured motion", (motion_table(result), *motion_series(result))),
-        Section("Assumptions", (page.bullets([*known.assumes, *result.notes]),)),
+        Section("Readings against the tubes of the fit", (tube_part(result),)),
+        Section("Assumptions", (page.bullets([*known.assumes, *result.tubes.assumes, *result.notes]),)),
     )
     report = Report(
         f"Validation of {known.vehicle.name}",
@@ -111,9 +118,15 @@ def validation_summary(result: Validation) -> str:
     """The verdict in one sentence."""
     wrong = sum(f.falsified for f in result.forces)
     total = sum(f.time.size for f in result.forces)
+    fit = f"the fit ({result.fit.method}, {result.fit.status})"
+    shown = result.tubes.clearest
+    moved = "" if shown is None else f"no consistent vehicle moves {shown.words}"
     if wrong:
-        return f"{wrong} of {total} rows of {result.log_name} contradict the fit ({result.fit.method}, {result.fit.status})."
-    return f"No row of {result.log_name} contradicts the fit ({result.fit.method}, {result.fit.status}) within the stated bounds."
+        return f"{wrong} of {total} rows of {result.log_name} contradict {fit}{moved and '; '}{moved}."
+    if moved:
+        return f"No row of {result.log_name} contradicts {fit} alone, and its motion does: {moved}."
+    motion = {"": "", "all": ", nor does its motion", "surge": ", nor does its motion in surge"}[result.tubes.channels]
+    return f"No row of {result.log_name} contradicts {fit} within the stated bounds{motion}."
 
 
 def validation_lines(result: Validation) -> list[str]:
@@ -124,6 +137,11 @@ def validation_lines(result: Validation) -> list[str]:
         lines.append(
             f"  {TITLES[f.channel]:<9} error mean {f.mean:+.4g} {unit}, sigma {f.sigma:.4g} {unit}; "
             f"{100 * f.coverage:.1f} % of measured values inside the bounds"
+        )
+    if result.tubes.outside:
+        counts = ", ".join(f"{n} {name}" for name, n in outside_of(result))
+        lines.append(
+            f"  readings outside of the tubes{' of surge' if result.tubes.channels == 'surge' else ''}: {counts}"
         )
     motion = result.motion
     lines.append(
@@ -160,6 +178,35 @@ def validation_table(result: Validation) -> Part:
         "contradicting rows",
     ]
     return page.table(header, rows)
+
+
+def outside_of(result: Validation) -> list[tuple[str, int]]:
+    """Rows with a reading outside, by the windows in words."""
+    return [("without restarts" if k is None else f"in windows of {k:g} s", n) for k, n in result.tubes.outside.items()]
+
+
+def tube_part(result: Validation) -> Part:
+    """Readings that no consistent vehicle reaches, or why no tube was followed."""
+    found = result.tubes
+    if found.reason is not None:
+        return page.text(f"No tube was followed: {found.reason}.")
+    if not found.refuted:
+        return page.text(f"Every reading meets the tubes ({', '.join(name for name, _ in outside_of(result))}).")
+    rows = [
+        [
+            f.component,
+            f.start,
+            f.end,
+            f"[{f.measured[0]:.6g}, {f.measured[1]:.6g}]",
+            f"[{f.tube[0]:.6g}, {f.tube[1]:.6g}]",
+        ]
+        for f in found.refuted
+    ]
+    caption = (
+        f"Rows with a reading outside: {', '.join(f'{n} {name}' for name, n in outside_of(result))}. For each kind of window the first of "
+        "them, over the shortest window that shows it. ivsid tube draws the tubes."
+    )
+    return page.table(["component", "start [s]", "reading [s]", "measured", "tube"], rows, caption)
 
 
 def motion_table(result: Validation) -> Part:

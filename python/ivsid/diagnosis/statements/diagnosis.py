@@ -18,6 +18,7 @@ from ivsid.diagnosis.statements.comparison import Gain
 from ivsid.diagnosis.statements.extended import extended_text
 from ivsid.diagnosis.statements.findings import Finding
 from ivsid.diagnosis.statements.model_file import against
+from ivsid.diagnosis.statements.motion import sentences
 from ivsid.diagnosis.statements.proved import Proof
 from ivsid.diagnosis.statements.rejected import Rejected, rejected
 from ivsid.diagnosis.statements.shallow_water import Change
@@ -29,6 +30,7 @@ from ivsid.files.records import envelope
 from ivsid.intervals import shown
 from ivsid.log import Log
 from ivsid.setup import SetupFinding, in_doubt
+from ivsid.tubes.reached import TubeCheck
 from ivsid.vehicle import Vehicle
 
 # Name of the extended model's file.
@@ -55,6 +57,7 @@ class Diagnosis(Result):
         inputs: names and SHA-256 hashes of the files.
         seed: of every random draw.
         proofs: on the plain model and TRAIN, and on the extended model if a guarantee was asked for.
+        motion: readings of TRAIN and TEST against the tubes of the plain model; empty where it is adequate, or where its rows prove nothing.
         notes: sentences on the logs and the proofs.
         claims: of the vehicle file, each against the log.
         withdrawn: refusals of causes that the fit holds and that are no findings, by id.
@@ -77,6 +80,7 @@ class Diagnosis(Result):
     inputs: tuple[tuple[str, str], ...]
     seed: int
     proofs: tuple[Proof, Proof | None]
+    motion: tuple[TubeCheck, ...]
     notes: tuple[str, ...] = field(default=())
     claims: tuple[Claim, ...] = field(default=())
     withdrawn: Mapping[str, Refusal] = field(default_factory=dict)
@@ -112,6 +116,11 @@ class Diagnosis(Result):
         }
 
     @property
+    def moved(self) -> list[str]:
+        """A sentence on each log whose motion refutes the plain model."""
+        return sentences(self.motion, *(name for name, _ in self.inputs[1:3]))
+
+    @property
     def rejected(self) -> tuple[Rejected, ...]:
         """Candidates that are no findings, the best first, each with the reason."""
         return rejected(self.findings, self.selection, self.withdrawn)
@@ -143,6 +152,7 @@ class Diagnosis(Result):
             "allowed": {k: b.record() for k, b in self.allowed.items()},
             "calibration": self.calibration,
             "falsified": self.proofs[0].record(),
+            "motion": [m.record() for m in self.motion],
             "guarantees": None if self.proofs[1] is None else self.proofs[1].record(),
             "unexplained": self.unexplained,
             "gain": self.gain.record(),

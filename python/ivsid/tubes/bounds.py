@@ -194,20 +194,7 @@ def tube(
     Raises:
         IvsidError: a fit, model, vehicle or log that a tube cannot follow, or a wrong set-up that is beyond doubt.
     """
-    if channels not in CHANNELS:
-        raise IvsidError(f"channels '{channels}' are unknown; {meant(channels, CHANNELS)}use {', '.join(CHANNELS)}")
-    if parts < 1:
-        raise IvsidError(f"parts = {parts} was given; a number of equal parts of a step, at least 1, is needed")
-    if cells < 1:
-        raise IvsidError(f"cells = {cells} was given; a number of equal parts of each interval, at least 1, is needed")
-    if any(not 0 < w < np.inf for w in windows):
-        raise IvsidError(f"windows of {', '.join(f'{w:g}' for w in windows)} s were given; positive lengths are needed")
-    if not whole and not windows:
-        raise IvsidError("neither the whole log nor windows were asked for; give lengths of windows, or whole")
-    if check and channels == "surge":
-        raise IvsidError(
-            "the checker proves tubes of all channels and of straight runs; give channels all or straight with check"
-        )
+    _asked(channels, windows, whole=whole, parts=parts, cells=cells, check=check)
     vehicle = fit.vehicle
     data = log_of(log, vehicle.log)
     doubts = examined(vehicle, [data], progress) if examine else ()
@@ -262,6 +249,24 @@ def tube(
         again,
         tuple(doubts),
     )
+
+
+def _asked(channels: str, windows: Sequence[float], *, whole: bool, parts: int, cells: int, check: bool) -> None:
+    """Refuses options that no tube has."""
+    if channels not in CHANNELS:
+        raise IvsidError(f"channels '{channels}' are unknown; {meant(channels, CHANNELS)}use {', '.join(CHANNELS)}")
+    if parts < 1:
+        raise IvsidError(f"parts = {parts} was given; a number of equal parts of a step, at least 1, is needed")
+    if cells < 1:
+        raise IvsidError(f"cells = {cells} was given; a number of equal parts of each interval, at least 1, is needed")
+    if any(not 0 < w < np.inf for w in windows):
+        raise IvsidError(f"windows of {', '.join(f'{w:g}' for w in windows)} s were given; positive lengths are needed")
+    if not whole and not windows:
+        raise IvsidError("neither the whole log nor windows were asked for; give lengths of windows, or whole")
+    if check and channels == "surge":
+        raise IvsidError(
+            "the checker proves tubes of all channels and of straight runs; give channels all or straight with check"
+        )
 
 
 def record_of(made: Tube) -> dict[str, object]:

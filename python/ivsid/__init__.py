@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from ivsid.intervals import EndpointPair, Interval, IntervalArray, exchange
     from ivsid.linear import linalg, regression
     from ivsid.log import Log, read_log
+    from ivsid.plans import Plan, plan
     from ivsid.setup import setup_findings
     from ivsid.tubes import Tube, tube
     from ivsid.validation import Validation, validate
@@ -53,6 +54,7 @@ _HOMES: Final = {
     "IvsidError": "ivsid.errors",
     "Log": "ivsid.log",
     "Parameter": "ivsid.identification",
+    "Plan": "ivsid.plans",
     "Tube": "ivsid.tubes",
     "Validation": "ivsid.validation",
     "Vehicle": "ivsid.vehicle",
@@ -62,6 +64,7 @@ _HOMES: Final = {
     "fleet": "ivsid.fleets",
     "identify": "ivsid.identification",
     "linalg": "ivsid.linear",
+    "plan": "ivsid.plans",
     "read_log": "ivsid.log",
     "read_vehicle": "ivsid.vehicle",
     "regression": "ivsid.linear",
@@ -81,6 +84,7 @@ __all__ = [
     "IvsidError",
     "Log",
     "Parameter",
+    "Plan",
     "Tube",
     "Validation",
     "Vehicle",
@@ -92,6 +96,7 @@ __all__ = [
     "fleet",
     "identify",
     "linalg",
+    "plan",
     "read_log",
     "read_vehicle",
     "regression",

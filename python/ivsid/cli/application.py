@@ -14,7 +14,7 @@ from ivsid.cli.many import fleet
 from ivsid.cli.parameters import export, identify, validate, verify
 from ivsid.cli.preparation import allan, demo, example, import_, init, simulate, thrust
 from ivsid.cli.progress import EVERY
-from ivsid.cli.trajectories import tube
+from ivsid.cli.trajectories import plan, tube
 
 # Groups of the help, by task.
 FIRST, MEASURED, SIMULATION, INTERVALS, CAUSES, MANY = (
@@ -86,6 +86,7 @@ app.command(cls=Command, rich_help_panel=INTERVALS, no_args_is_help=True)(identi
 app.command(cls=Command, rich_help_panel=INTERVALS, no_args_is_help=True)(verify)
 app.command(cls=Command, rich_help_panel=INTERVALS, no_args_is_help=True)(validate)
 app.command(cls=Command, rich_help_panel=INTERVALS, no_args_is_help=True)(tube)
+app.command(cls=Command, rich_help_panel=INTERVALS, no_args_is_help=True)(plan)
 app.command(cls=Command, rich_help_panel=SIMULATION, no_args_is_help=True)(export)
 app.command(cls=Command, rich_help_panel=CAUSES, no_args_is_help=True)(diagnose)
 app.command(cls=Command, rich_help_panel=CAUSES, no_args_is_help=True)(isolability)

@@ -1,4 +1,4 @@
-"""The command about trajectories: tube."""
+"""The commands about trajectories: tube, plan."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from typing import Annotated
 import typer
 
 from ivsid import workflow
-from ivsid.cli.arguments import FitFile, Json, Out, window_lengths
+from ivsid.cli.arguments import FitFile, Json, Out, Seed, window_lengths
 from ivsid.cli.run import run
+from ivsid.errors import IvsidError
 
 
 def tube(
@@ -71,6 +72,61 @@ def tube(
             cells=cells,
             inner=inner,
             check=check,
+            progress=progress,
+        ),
+    )
+
+
+def plan(
+    fit: FitFile,
+    narrow: Annotated[
+        bool, typer.Option("--narrow", help="Narrow the widest relative interval; the default without --separate.")
+    ] = False,
+    separate: Annotated[
+        tuple[str, str] | None,
+        typer.Option("--separate", metavar="CAUSE CAUSE", help="Tell two causes of the catalogue apart."),
+    ] = None,
+    seconds: Annotated[
+        float | None, typer.Option("--seconds", help="Length of the trial [s]; 60 for intervals, 90 for causes.")
+    ] = None,
+    fence: Annotated[
+        float | None, typer.Option("--fence", help="Radius of the water about the start [m] that the vehicle may use.")
+    ] = None,
+    feedback: Annotated[
+        bool,
+        typer.Option(
+            "--feedback/--demands",
+            help="Damp the yaw rate by feedback, or give demands alone, which a tube can follow.",
+        ),
+    ] = False,
+    window: Annotated[
+        str | None,
+        typer.Option("--window", help="As for identify: windows [s] by which the next log will be identified."),
+    ] = None,
+    rate: Annotated[float, typer.Option("--rate", help="Samples of the next log in a second [Hz].")] = 20.0,
+    out: Out = None,
+    json: Json = False,
+    seed: Seed = None,
+) -> None:
+    """The demands of a next trial that tell the most, as a scenario, with what they are predicted to reach.
+
+    Example: ivsid plan fit --seconds 60 --fence 50 --out next
+    """
+    if narrow and separate:
+        raise IvsidError("--narrow and --separate were both given; a trial is planned for one of them")
+    run(
+        "plan",
+        out,
+        json,
+        lambda progress: workflow.plan(
+            fit,
+            seconds=seconds,
+            separate=separate,
+            fence=fence,
+            feedback=feedback,
+            window=None if window is None else window_lengths(window),
+            rate=rate,
+            seed=seed,
             progress=progress,
         ),
     )

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ivsid.programme.manoeuvres import Manoeuvre, Segment
 from ivsid.programme.scenario import Scenario
 from ivsid.propulsion.thrust import ThrustCurve
-from ivsid.vehicle import Vehicle
+from ivsid.vehicle import Thruster, Vehicle
 
 # Length of a trial [s] for a hull of 1 m; other hulls scale it by Froude's law.
 # Source: measured: make constants
@@ -68,6 +68,22 @@ def full_demand(vehicle: Vehicle) -> float:
     return min(ends, default=0.0)
 
 
+def _fixed(vehicle: Vehicle) -> list[Thruster]:
+    return [t for t in vehicle.thrusters if t.steering == "fixed" and t.rudder is None]
+
+
+def spins(vehicle: Vehicle) -> bool:
+    """Whether thrusters of a fixed direction turn the vehicle."""
+    return any(
+        abs(t.position[0] * math.sin(t.azimuth) - t.position[1] * math.cos(t.azimuth)) > 1e-9 for t in _fixed(vehicle)
+    )
+
+
+def pushes_sideways(vehicle: Vehicle) -> bool:
+    """Whether thrusters of a fixed direction push the vehicle sideways."""
+    return any(abs(math.sin(t.azimuth)) > 1e-9 for t in _fixed(vehicle))
+
+
 def scenario(trial: Trial, vehicle: Vehicle, rate: float, truth: Mapping[str, float], noise: str = "none") -> Scenario:
     """The trial as a scenario.
 
@@ -93,7 +109,17 @@ def scenario(trial: Trial, vehicle: Vehicle, rate: float, truth: Mapping[str, fl
 
 def believable(vehicle: Vehicle, r: NDArray[np.float64]) -> bool:
     """Whether the vehicle could turn at the simulated rates r [rad/s], shape (n,): a model without damping may spin."""
-    return bool(np.isfinite(r).all() and np.abs(r).max() < SPIN * BRISK / _slower(vehicle))
+    return bool(np.isfinite(r).all() and np.abs(r).max() < fastest_turn(vehicle))
+
+
+def fastest_turn(vehicle: Vehicle) -> float:
+    """The largest yaw rate [rad/s] that a simulation is believed."""
+    return SPIN * brisk(vehicle)
+
+
+def brisk(vehicle: Vehicle) -> float:
+    """Yaw rate of a brisk turn [rad/s]."""
+    return BRISK / _slower(vehicle)
 
 
 def _slower(vehicle: Vehicle) -> float:
@@ -105,11 +131,7 @@ class _Sizes:
 
     def __init__(self, vehicle: Vehicle, full: float) -> None:
         self.full, self.slow = full, _slower(vehicle)
-        fixed = [t for t in vehicle.thrusters if t.steering == "fixed" and t.rudder is None]
-        self.spins = any(
-            abs(t.position[0] * math.sin(t.azimuth) - t.position[1] * math.cos(t.azimuth)) > 1e-9 for t in fixed
-        )
-        self.pushes_sideways = any(abs(math.sin(t.azimuth)) > 1e-9 for t in fixed)
+        self.spins, self.pushes_sideways = spins(vehicle), pushes_sideways(vehicle)
 
     def one(
         self, kind: Manoeuvre, seconds: float, demand: Levels = 0.0, *, turned: float = 0.0, **how: float

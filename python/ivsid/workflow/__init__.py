@@ -8,6 +8,7 @@
 - ``simulation``: a log from a known truth.
 - ``identification``, ``verification``, ``validation``: parameter intervals, their proof, and another log against them.
 - ``trajectories``: bounds of every trajectory that a fit allows.
+- ``trial_plan``: the demands of a next trial, as a scenario.
 - ``exporting``: a model as a file of another simulator.
 - ``many_logs``: many logs of a vehicle, one by one and together.
 - ``diagnosis``, ``planning``: causes of what the simulation gets wrong, and manoeuvres that would separate them.
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from ivsid.workflow.simulation import simulate
     from ivsid.workflow.thrust_curves import thrust
     from ivsid.workflow.trajectories import tube
+    from ivsid.workflow.trial_plan import plan
     from ivsid.workflow.validation import validate
     from ivsid.workflow.verification import verify
 
@@ -51,6 +53,7 @@ _HOMES: Final = {
     "import_set": "data_sets",
     "init": "proposal",
     "isolability": "planning",
+    "plan": "trial_plan",
     "simulate": "simulation",
     "thrust": "thrust_curves",
     "tube": "trajectories",
@@ -69,6 +72,7 @@ __all__ = [
     "import_set",
     "init",
     "isolability",
+    "plan",
     "simulate",
     "thrust",
     "tube",

@@ -149,13 +149,18 @@ class Isolability:
 
 
 def isolability(
-    vehicle: GivenVehicle, log: GivenLog, *, progress: Callable[[str], None] = lambda _: None
+    vehicle: GivenVehicle,
+    log: GivenLog,
+    *,
+    wanted: Collection[str] | None = None,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> Isolability:
     """Isolability of a log's programme.
 
     Args:
         vehicle: with the model. A checked vehicle, the path of its file, or a shipped one's name.
         log: of the programme. A checked log, its path, or a table in memory.
+        wanted: ids of the causes, whether the log shows them or not; None takes all that it shows.
         progress: told of each step.
 
     Raises:
@@ -166,7 +171,7 @@ def isolability(
     progress("fitting the model")
     data: Channels = channels(log, vehicle)
     fit = plain_fit(vehicle, data, everything)
-    return separability(fit, inputs_of(vehicle, log))
+    return separability(fit, inputs_of(vehicle, log), wanted=wanted)
 
 
 def separability(

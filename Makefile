@@ -14,7 +14,7 @@ ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 FIXED := PROPTEST_RNG_SEED=1
 
 .PHONY: demo test test-rust test-python dependencies check rustfmt clippy lint rules null-logs constants constants-page rules-page rule-counts types stubs imports docs-rust docs-python nightly \
-	site links workflows wheel try-wheel licences bench same same-compare vessels peers inverse-peers fit-peers throughput diagnosis-time first-diagnosis refuted tubes stores fleet-throughput exhaustive twins itf1788 differential fuzz fuzz-files mutants exam reliability handbook build release venv tools format clean
+	site links workflows wheel try-wheel licences bench same same-compare vessels peers inverse-peers fit-peers throughput diagnosis-time first-diagnosis plans refuted tubes stores fleet-throughput exhaustive twins itf1788 differential fuzz fuzz-files mutants exam reliability handbook build release venv tools format clean
 
 demo: release
 	$(BIN)/ivsid demo --out $(OUT)
@@ -28,6 +28,10 @@ first-diagnosis: release
 # Effects that contradict a fit by rows, by tubes, by both: the table of docs/measurements.md.
 refuted: release
 	$(ONE_THREAD) $(BIN)/python benches/refuted.py
+
+# A planned minute beside the library, and on twins: the table of docs/measurements.md.
+plans: release
+	$(ONE_THREAD) $(BIN)/python benches/plans.py
 
 # Widths and times of tubes on the demo's vehicle, and the picture of README.md.
 tubes: release

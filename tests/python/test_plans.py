@@ -133,11 +133,12 @@ def test_the_same_seed_gives_the_same_plan(fit, short):
 
 
 def test_a_fence_is_proved_of_every_vehicle_and_not_of_the_estimate_alone(fit, short):
-    until, whole, reason = proved(fit, short.sailed, 1e6)
+    until, whole, reason, assumes = proved(fit, short.sailed, 1e6)
     assert whole and reason is None and until == pytest.approx(9.95)
+    assert "starts at rest" in assumes[0] and set(fit.assumes) <= set(assumes)
     # The estimate stays inside this one, and other consistent vehicles do not: to prove it would be wrong.
     reach = short.sailed.reach * 1.0001
-    until, whole, reason = proved(fit, short.sailed, reach)
+    until, whole, reason, _ = proved(fit, short.sailed, reach)
     assert not whole and "reaches the fence" in reason and until < 9.95
     others = members(fit, short.scenario)
     assert any(o.reach > reach for o in others)

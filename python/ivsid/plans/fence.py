@@ -18,8 +18,9 @@ from ivsid.tubes import tube
 # Vehicles that are simulated: the estimate, and ends of the intervals.
 # Source: resource: a tenth of a second each
 MEMBERS: Final = 32
-Proved: TypeAlias = tuple[float, bool, str | None]
-STEERED: Final[Proved] = (0.0, False, "the programme steers by feedback, so that its demands depend on the vehicle")
+# Time, whether that is the whole programme, why it is not, and what the proof relies on.
+Proved: TypeAlias = tuple[float, bool, str | None, tuple[str, ...]]
+STEERED: Final[Proved] = (0.0, False, "the programme steers by feedback, so that its demands depend on the vehicle", ())
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,7 @@ class Fence:
         proved_until: time [s] up to which every consistent vehicle stays inside at each sample; 0 without a tube.
         whole: whether that is the whole programme.
         reason: why it is not, or None.
+        assumes: sentences that the proof relies on.
         members: number of simulated members of the fit's box, with thrust errors of their own.
         inside: number of those that stay inside.
         farthest: of any of them [m].
@@ -40,6 +42,7 @@ class Fence:
     proved_until: float
     whole: bool
     reason: str | None
+    assumes: tuple[str, ...]
     members: int
     inside: int
     farthest: float
@@ -51,6 +54,7 @@ class Fence:
             "proved": self.whole,
             "proved_until": self.proved_until,
             "reason": self.reason,
+            "assumes": list(self.assumes),
             "members": self.members,
             "inside": self.inside,
             "farthest": self.farthest,
@@ -68,12 +72,11 @@ def fence_of(
 ) -> Fence:
     """The distances that the demands of a sailed programme lead to."""
     progress("proving the fence")
-    until, whole, reason = STEERED if feedback else proved(fit, sailed, radius)
+    until, whole, reason, assumes = STEERED if feedback else proved(fit, sailed, radius)
     progress("simulating members")
     reaches = [m.reach for m in members(fit, scenario)]
-    return Fence(
-        radius, until, whole, reason, len(reaches), sum(x <= radius for x in reaches), max(reaches, default=0.0)
-    )
+    inside = sum(x <= radius for x in reaches)
+    return Fence(radius, until, whole, reason, assumes, len(reaches), inside, max(reaches, default=0.0))
 
 
 def proved(fit: Identification, sailed: Sailed, radius: float) -> Proved:
@@ -81,9 +84,11 @@ def proved(fit: Identification, sailed: Sailed, radius: float) -> Proved:
     try:
         found = tube(fit, sailed.log, windows=(), inner=False, examine=False)
     except IvsidError as error:
-        return 0.0, False, str(error)
+        return 0.0, False, str(error), ()
     if not found.guaranteed:
-        return 0.0, False, "the fit is not guaranteed, and a tube proves what the fit proves"
+        return 0.0, False, "the fit is not guaranteed, and a tube proves what the fit proves", ()
+    start = "the trial starts at rest, and its demands are those of the plan"
+    assumes = (start, *(a for a in found.assumes if not a.startswith("the readings of")))
     run = found.runs[0].horizon
     position = run.bounds[:, 4:6]
     most = np.maximum(np.abs(position.lower), np.abs(position.upper))
@@ -95,10 +100,10 @@ def proved(fit: Identification, sailed: Sailed, radius: float) -> Proved:
     first = int(np.argmin(inside)) if not inside.all() else farthest.size
     until = float(found.t[first - 1] - found.t[0]) if first else 0.0
     if first == farthest.size:
-        return until, True, None
+        return until, True, None, assumes
     if first > window.proved:
-        return until, False, "the tube ends there: what vehicles may do is no longer bounded"
-    return until, False, "the tube reaches the fence there"
+        return until, False, "the tube ends there: what vehicles may do is no longer bounded", assumes
+    return until, False, "the tube reaches the fence there", assumes
 
 
 def members(fit: Identification, scenario: Scenario) -> list[Sailed]:

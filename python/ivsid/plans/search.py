@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final, TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,7 +104,7 @@ def _evolved(
     """The best numbers between 0 and 1 after some generations."""
     count = done
 
-    def told(*_: Any, **__: Any) -> None:
+    def told(*_: object, **__: object) -> None:
         nonlocal count
         count += 1
         progress(f"generation {count} of {total}")

@@ -302,4 +302,4 @@ def test_a_wrong_folder_is_one_sentence_and_leaves_nothing(tmp_path, name):
 
 def test_an_unknown_set_is_refused(tmp_path):
     made = run("import", "titanic", tmp_path, "--out", tmp_path / "out")
-    assert made.returncode == 2 and "choose one of cse1, rov30k, t200" in made.stderr
+    assert made.returncode == 2 and "choose one of cse1, hsva, marin, rov30k, t200" in made.stderr

@@ -12,7 +12,7 @@ from ivsid.cli import completion
 from ivsid.errors import IvsidError
 
 # Vehicles that come with the package, in the words of the help; a test compares them with the files.
-SHIPPED: Final = ("cse1", "otter", "rov30k", "swan", "vectored_rov")
+SHIPPED: Final = ("cse1", "kvlcc2", "otter", "rov30k", "swan", "vectored_rov")
 
 # Arguments that several commands take; the name in capitals decides which kind of file is looked for (``command``).
 VehicleFile: TypeAlias = Annotated[

@@ -173,7 +173,7 @@ def thrust(
 
 
 def import_(
-    name: Annotated[str, typer.Argument(metavar="SET", help="cse1, rov30k or t200.")],
+    name: Annotated[str, typer.Argument(metavar="SET", help="cse1, hsva, marin, rov30k or t200.")],
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder that holds the data set.")],
     out: Out = None,
     json: Json = False,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import product
 from typing import Final, TypeAlias
@@ -67,6 +67,7 @@ def fence_of(
     sailed: Sailed,
     radius: float,
     *,
+    middle: Mapping[str, float],
     feedback: bool,
     progress: Callable[[str], None],
 ) -> Fence:
@@ -74,7 +75,7 @@ def fence_of(
     progress("proving the fence")
     until, whole, reason, assumes = STEERED if feedback else proved(fit, sailed, radius)
     progress("simulating members")
-    reaches = [m.reach for m in members(fit, scenario)]
+    reaches = [m.reach for m in members(fit, scenario, middle)]
     inside = sum(x <= radius for x in reaches)
     return Fence(radius, until, whole, reason, assumes, len(reaches), inside, max(reaches, default=0.0))
 
@@ -106,17 +107,23 @@ def proved(fit: Identification, sailed: Sailed, radius: float) -> Proved:
     return until, False, "the tube reaches the fence there", assumes
 
 
-def members(fit: Identification, scenario: Scenario) -> list[Sailed]:
-    """The programme sailed by the estimate and by ends of the fit's intervals, each with thrust errors and noise of its own."""
+def members(fit: Identification, scenario: Scenario, middle: Mapping[str, float]) -> list[Sailed]:
+    """The programme sailed by one member and by ends of the fit's intervals, each with thrust errors and noise of its own.
+
+    Args:
+        fit: whose intervals they are.
+        scenario: the programme.
+        middle: parameters of the one member, which stand for open ends, too.
+    """
     ids = list(fit.parameters)
     ends = [
-        (p.lower, p.upper) if np.isfinite(p.lower) and np.isfinite(p.upper) else (fit.estimate[i], fit.estimate[i])
+        (p.lower, p.upper) if np.isfinite(p.lower) and np.isfinite(p.upper) else (middle[i], middle[i])
         for i, p in fit.parameters.items()
     ]
     corners = [dict(zip(ids, c, strict=True)) for c in product(*(sorted(set(e)) for e in ends))]
     step = max(1, len(corners) // (MEMBERS - 1))
     made = []
-    for number, values in enumerate([dict(fit.estimate), *corners[::step]][:MEMBERS]):
+    for number, values in enumerate([dict(middle), *corners[::step]][:MEMBERS]):
         sailed = sail(fit.vehicle, scenario.model_copy(update={"truth": truth_of(fit, values)}), 1000 + number)
         if sailed is not None:
             made.append(sailed)

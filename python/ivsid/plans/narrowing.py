@@ -7,7 +7,7 @@ later result differ by the errors that sea and sensors draw, and by the truth th
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -37,39 +37,54 @@ class Narrowing:
     Args:
         fit: by ``identify``.
         window: lengths of the integral rows of the next log [s]; None takes those of the fit.
+        truth: parameters of the vehicle that sails, in the fit's form.
     """
 
     name = "narrow"
     quantity = "widest relative interval"
     larger = False
 
-    def __init__(self, fit: Identification, window: float | Sequence[float] | None = None) -> None:
+    def __init__(
+        self,
+        fit: Identification,
+        window: float | Sequence[float] | None = None,
+        truth: Mapping[str, float] | None = None,
+    ) -> None:
         self.fit, self.vehicle = fit, fit.vehicle
         self.terms = terms_of(fit.vehicle, fit.options["form"])
         self.ids = tuple(t.id for t in self.terms)
         self.window = fit.options["window"] if window is None else window
+        self.truth = dict(fit.estimate if truth is None else truth)
         self.known = known_rows(fit, self.ids)
 
     def value(self, sailed: Sailed) -> float:
         """The widest relative interval; each open one counts ``OPEN``."""
-        return widest(self.intervals(sailed), self.fit.estimate)
+        return widest(self.intervals(sailed), self.truth)
 
     def cost(self, sailed: Sailed) -> float:
-        """The widest relative interval, and a share of the mean one: where sensors let the widest no narrower, the others count."""
-        found = self.intervals(sailed)
-        relative = [min(relative_width(ends, self.fit.estimate.get(k, math.nan)), 1.0) for k, ends in found.items()]
-        return widest(found, self.fit.estimate) + OTHERS * sum(relative) / len(relative)
+        """The widest relative interval, and a share of the mean one: where sensors let the widest no narrower, the others count.
+
+        Signs are those of the vehicle that sails, so that one cell of signs is solved for each programme, and not all of them.
+        """
+        found = self.intervals(sailed, signs=True)
+        relative = [min(relative_width(ends, self.truth.get(k, math.nan)), 1.0) for k, ends in found.items()]
+        return widest(found, self.truth) + OTHERS * sum(relative) / len(relative)
 
     def before(self) -> float:
         """The widest relative interval of the fit as it is."""
-        return widest(self.intervals(None), self.fit.estimate)
+        return widest(self.intervals(None), self.truth)
 
     def details(self, sailed: Sailed) -> dict[str, object]:
         """The intervals by parameter."""
         return {k: list(ends) for k, ends in self.intervals(sailed).items()}
 
-    def intervals(self, sailed: Sailed | None) -> dict[str, tuple[float, float]]:
-        """The hull of the set of both logs, by parameter; of the fit's own log without another. A contradiction leaves the fit's own."""
+    def intervals(self, sailed: Sailed | None, *, signs: bool = False) -> dict[str, tuple[float, float]]:
+        """The hull of the set of both logs, by parameter; of the fit's own log without another. A contradiction leaves the fit's own.
+
+        Args:
+            sailed: the planned log.
+            signs: whether parameters keep the signs of the vehicle that sails.
+        """
         matrix, right = self.known
         if sailed is not None:
             try:
@@ -90,7 +105,8 @@ class Narrowing:
         for columns in linked(used):
             mine = np.logical_or.reduce([used[j] for j in columns])
             part = IntervalArray(matrix.lower[mine][:, columns], matrix.upper[mine][:, columns])
-            hull = regression.feasible_set(part, right[np.flatnonzero(mine)]).value if mine.any() else None
+            known = [int(np.sign(self.truth[self.ids[j]])) for j in columns] if signs else None
+            hull = regression.feasible_set(part, right[np.flatnonzero(mine)], signs=known).value if mine.any() else None
             for k, j in enumerate(columns):
                 p = self.fit.parameters[self.ids[j]]
                 found[self.ids[j]] = (
@@ -99,9 +115,9 @@ class Narrowing:
         return found
 
 
-def widest(intervals: dict[str, tuple[float, float]], estimate: dict[str, float]) -> float:
+def widest(intervals: dict[str, tuple[float, float]], middle: Mapping[str, float]) -> float:
     """The largest width over the size of the estimate; each open interval counts ``OPEN``."""
-    relative = {k: relative_width(ends, estimate.get(k, math.nan)) for k, ends in intervals.items()}
+    relative = {k: relative_width(ends, middle.get(k, math.nan)) for k, ends in intervals.items()}
     finite = [x for x in relative.values() if math.isfinite(x)]
     return OPEN * (len(relative) - len(finite)) + max(finite, default=0.0)
 

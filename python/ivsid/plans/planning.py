@@ -17,7 +17,7 @@ from ivsid.plans.fence import Fence, fence_of
 from ivsid.plans.narrowing import Narrowing
 from ivsid.plans.purpose import Purpose
 from ivsid.plans.rivals import rivals
-from ivsid.plans.sailed import Sailed, estimate_of, sail, scenario_of
+from ivsid.plans.sailed import Sailed, estimate_of, sail, scenario_of, truth_of, usual
 from ivsid.plans.search import Setting, best
 from ivsid.plans.separation import Separation
 from ivsid.plans.shape import PARTS, Shape
@@ -71,6 +71,7 @@ class Plan(Result):
         rivals: the value of each manoeuvre of the library of equal length; None where it leaves the fence or the stated limits.
         details: intervals by parameter, or what each cause shows.
         fence: how far the vehicle gets.
+        notes: what has to be known of the vehicle that sails.
     """
 
     fit: Identification
@@ -84,6 +85,7 @@ class Plan(Result):
     rivals: Mapping[str, float | None]
     details: Mapping[str, object]
     fence: Fence
+    notes: tuple[str, ...] = ()
 
     @property
     def best_rival(self) -> tuple[str, float] | None:
@@ -139,6 +141,7 @@ class Plan(Result):
             "fence": self.fence.record(),
             "hardest": self.sailed.hardest,
             "guaranteed": False,
+            "notes": list(self.notes),
             "assumes": [
                 "values are predictions, by logs of the fit's estimate; the fence alone is proved, as far as it says"
             ],
@@ -182,8 +185,8 @@ def plan(
     Raises:
         IvsidError: a fit without an estimate, thrusters without a largest demand, an unknown cause, or water that is too narrow.
     """
-    purpose: Purpose = Narrowing(fit, window) if separate is None else Separation(fit, separate)
-    seconds = SECONDS[purpose.name] if seconds is None else seconds
+    apart = None if separate is None else Separation(fit, separate)
+    seconds = SECONDS["narrow" if apart is None else "separate"] if seconds is None else seconds
     least = 10.0 if separate is None else DIAGNOSED
     if not least <= seconds <= 3600.0:
         raise IvsidError(f"seconds = {seconds:g} was given; a length of {least:g} to 3600 s is needed")
@@ -193,8 +196,10 @@ def plan(
         raise IvsidError(f"rate = {rate:g} Hz was given; 1 to 1000 Hz are needed")
     if generations is not None and generations < 1:
         raise IvsidError(f"generations = {generations} was given; a number of at least 1 is needed")
-    setting = Setting(Shape(fit.vehicle, seconds, feedback), purpose, estimate_of(fit), rate, fence, seed)
-    _sailable(fit, setting)
+    shape = Shape(fit.vehicle, seconds, feedback)
+    values, note = _vehicle(fit, shape, rate, seed)
+    purpose: Purpose = Narrowing(fit, window, values) if apart is None else apart
+    setting = Setting(shape, purpose, truth_of(fit, values), rate, fence, seed)
     found = best(setting, generations or GENERATIONS[purpose.name], progress)
     scenario = scenario_of(setting.shape.segments(found), seconds, rate, setting.truth)
     sailed = sail(fit.vehicle, scenario, seed)
@@ -205,7 +210,7 @@ def plan(
         )
     progress("predicting")
     draws = [sail(fit.vehicle, scenario, seed + 1 + k) for k in range(DRAWS)]
-    values = [purpose.value(s) for s in draws if s is not None] or [purpose.value(sailed)]
+    reached = [purpose.value(s) for s in draws if s is not None] or [purpose.value(sailed)]
     before = purpose.before() if isinstance(purpose, Narrowing) else None
     return Plan(
         fit,
@@ -215,25 +220,33 @@ def plan(
         scenario,
         sailed,
         before,
-        Predicted(float(np.median(values)), min(values), max(values)),
+        Predicted(float(np.median(reached)), min(reached), max(reached)),
         rivals(setting, progress),
         purpose.details(sailed),
-        fence_of(fit, scenario, sailed, fence, feedback=feedback, progress=progress),
+        fence_of(fit, scenario, sailed, fence, middle=values, feedback=feedback, progress=progress),
+        (note,) if note else (),
     )
 
 
-def _sailable(fit: Identification, setting: Setting) -> None:
-    """Refuses an estimate that no simulation follows, as one without an inertia."""
-    straight = np.full(setting.shape.size, 0.5)
-    if sail(
-        fit.vehicle,
-        scenario_of(setting.shape.segments(straight), setting.shape.seconds, setting.rate, setting.truth),
-        setting.seed,
-    ):
-        return
+def _vehicle(fit: Identification, shape: Shape, rate: float, seed: int) -> tuple[dict[str, float], str]:
+    """The parameters of the vehicle that sails programmes, in the fit's form, and a note where they are not the fit's estimate.
+
+    Raises:
+        IvsidError: neither the estimate nor a vessel of usual size can be simulated.
+    """
+    straight = shape.segments(np.full(shape.size, 0.5))
+
+    def sails(values: dict[str, float]) -> bool:
+        return sail(fit.vehicle, scenario_of(straight, shape.seconds, rate, truth_of(fit, values)), seed) is not None
+
+    estimate = estimate_of(fit)
+    if sails(estimate):
+        return estimate, ""
     open_ = [k for k, p in fit.parameters.items() if not (math.isfinite(p.lower) and math.isfinite(p.upper))]
     listed = ", ".join(f"{k} = {fit.estimate[k]:.4g}" for k in open_ or fit.estimate)
+    why = f"the fit's estimate cannot be simulated ({listed}{', which the fit leaves open' if open_ else ''})"
+    if sails(found := usual(fit)):
+        return found, f"{why}; a vessel of usual size inside the intervals sails in its place"
     raise IvsidError(
-        f"the fit's estimate cannot be simulated ({listed}{', which the fit leaves open' if open_ else ''}); identify with more rows, as "
-        "--rows both or --window 0.5,2,10, or with a log that excites them"
+        f"{why}; identify with more rows, as --rows both or --window 0.5,2,10, or with a log that excites them"
     )

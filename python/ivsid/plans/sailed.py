@@ -10,6 +10,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.effects import EFFECTS, terms_of
 from ivsid.errors import IvsidError
 from ivsid.identification import Identification
 from ivsid.log import Log
@@ -49,7 +50,7 @@ class Sailed:
 
 
 def estimate_of(fit: Identification) -> dict[str, float]:
-    """The fit's point estimate as a scenario's truth, with total masses.
+    """The fit's point estimate.
 
     Raises:
         IvsidError: a fit without an estimate of each parameter.
@@ -58,7 +59,26 @@ def estimate_of(fit: Identification) -> dict[str, float]:
         raise IvsidError(
             f"the fit ({fit.method}, {fit.status}) has no point estimate to plan with: {fit.reason or 'its set is empty'}; identify again"
         )
-    return truth_of(fit, fit.estimate)
+    return dict(fit.estimate)
+
+
+def usual(fit: Identification) -> dict[str, float]:
+    """A vessel of usual size inside the fit's intervals, for a fit whose estimate no simulation follows.
+
+    Sizes are those of the catalogue for a hull of this mass; the nearest number of the interval takes their place where they lie outside.
+    """
+    form = fit.options["form"]
+    own = fit.vehicle.hull.mass if form == "added" else 0.0
+    found = {}
+    for term in terms_of(fit.vehicle, form):
+        id_ = (
+            term.id.replace("added_mass.s", "mass.s") if term.id in ("added_mass.surge", "added_mass.sway") else term.id
+        )
+        size = EFFECTS[id_].parameters[0].scaled(fit.vehicle.hull.mass) if id_ in EFFECTS else 0.0
+        p = fit.parameters.get(term.id)
+        value = size - own if id_ != term.id else size
+        found[term.id] = value if p is None else min(max(value, p.lower), p.upper)
+    return found
 
 
 def truth_of(fit: Identification, values: Mapping[str, float]) -> dict[str, float]:

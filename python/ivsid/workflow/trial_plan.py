@@ -11,6 +11,7 @@ from ivsid import plans
 from ivsid.files.records import envelope
 from ivsid.identification import read_identification
 from ivsid.plans import Plan
+from ivsid.plans.narrowing import OPEN
 from ivsid.programme.scenario import Scenario
 from ivsid.report import figures, page
 from ivsid.report.page import Card, First, Part, Report, Section
@@ -97,7 +98,7 @@ def summary_of(made: Plan) -> str:
         words = f"{made.scenario.duration:g} s are predicted to tell {made.causes[0]} and {made.causes[1]} apart by {p.median:.3g} standard deviations ({p.least:.3g} to {p.most:.3g})."
     else:
         before = "" if made.before is None else f" from {_share(made.before)}"
-        words = f"{made.scenario.duration:g} s are predicted to narrow the {made.quantity}{before} to {_share(p.median)} ({_share(p.least)} to {_share(p.most)})."
+        words = f"{made.scenario.duration:g} s are predicted to bring the {made.quantity}{before} to {_share(p.median)} ({_share(p.least)} to {_share(p.most)})."
     beside = made.best_rival
     if beside is not None:
         words += f" The best of the library, {beside[0]}, gives {_share(beside[1]) if made.purpose == 'narrow' else f'{beside[1]:.3g}'}."
@@ -105,7 +106,8 @@ def summary_of(made: Plan) -> str:
 
 
 def _share(x: float) -> str:
-    return f"{100 * x:.3g} %" if x < 1e6 else "an open one"
+    count = int(x // OPEN)
+    return f"{100 * (x - count * OPEN):.3g} %" + (f" beside {count} open one{'s' * (count > 1)}" if count else "")
 
 
 def lines_of(made: Plan) -> tuple[str, ...]:
@@ -121,6 +123,7 @@ def lines_of(made: Plan) -> tuple[str, ...]:
         lines.append(
             f"  fence of {f.radius:g} m: {proof}; {f.inside} of {f.members} simulated members stay inside, the farthest {f.farthest:.3g} m"
         )
+    lines += [f"  note: {n}" for n in made.notes]
     lines.append(f"  next: sail {SCENARIO}, or ivsid simulate VEHICLE {SCENARIO}")
     return tuple(lines)
 
@@ -156,6 +159,7 @@ def _assumes(made: Plan) -> list[str]:
         "the stated limits of acceleration hold on the planned trial: the estimate uses "
         f"{100 * made.sailed.hardest:.0f} % of them",
     ]
+    said += made.notes
     return [*said, f"fence: {made.fence.reason}"] if made.fence.reason else said
 
 

@@ -13,7 +13,7 @@ from ivsid.errors import IvsidError
 from ivsid.files.records import to_json
 from ivsid.linear import regression
 from ivsid.log import Log
-from ivsid.plans.fence import members, proved
+from ivsid.plans.fence import at_rest, members, proved
 from ivsid.plans.known import known_rows
 from ivsid.plans.narrowing import Narrowing, relative_width, widest
 from ivsid.plans.sailed import estimate_of, sail, scenario_of, usual
@@ -133,7 +133,10 @@ def test_the_same_seed_gives_the_same_plan(fit, short):
 
 
 def test_a_fence_is_proved_of_every_vehicle_and_not_of_the_estimate_alone(fit, short):
-    until, whole, reason, assumes = proved(fit, short.sailed, 1e6)
+    still = at_rest(fit, short.scenario, short.sailed)
+    assert [still.log.columns[n][0] for n in ("u", "v", "r")] == [0.0, 0.0, 0.0]
+    assert all(np.array_equal(x[1:], still.log.columns[n][1:]) for n, x in short.sailed.log.columns.items())
+    until, whole, reason, assumes = proved(fit, still, 1e6)
     assert whole and reason is None and until == pytest.approx(9.95)
     assert "starts at rest" in assumes[0] and set(fit.assumes) <= set(assumes)
     # The estimate stays inside this one, and other consistent vehicles do not: to prove it would be wrong.

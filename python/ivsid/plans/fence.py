@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Final, TypeAlias
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from ivsid.errors import IvsidError
 from ivsid.identification import Identification
+from ivsid.log import Log
 from ivsid.plans.sailed import Sailed, sail, truth_of
 from ivsid.programme.scenario import Scenario
 from ivsid.tubes import tube
@@ -73,15 +74,27 @@ def fence_of(
 ) -> Fence:
     """The distances that the demands of a sailed programme lead to."""
     progress("proving the fence")
-    until, whole, reason, assumes = STEERED if feedback else proved(fit, sailed, radius)
+    until, whole, reason, assumes = STEERED if feedback else proved(fit, at_rest(fit, scenario, sailed), radius)
     progress("simulating members")
     reaches = [m.reach for m in members(fit, scenario, middle)]
     inside = sum(x <= radius for x in reaches)
     return Fence(radius, until, whole, reason, assumes, len(reaches), inside, max(reaches, default=0.0))
 
 
-def proved(fit: Identification, sailed: Sailed, radius: float) -> Proved:
+def at_rest(fit: Identification, scenario: Scenario, sailed: Sailed) -> Sailed | None:
+    """The same demands after a reading of rest without noise, from which the tube starts: a drawn one may miss rest."""
+    still = sail(fit.vehicle, scenario, scenario.seed, noise="none")
+    if still is None:
+        return None
+    starting = {n: np.where(np.arange(x.size) == 0, still.log.columns[n][0], x) for n, x in sailed.log.columns.items()}
+    log = Log(sailed.log.name, sailed.log.sha256, sailed.log.t, starting)
+    return replace(sailed, log=log)
+
+
+def proved(fit: Identification, sailed: Sailed | None, radius: float) -> Proved:
     """Time up to which the tube stays inside the fence, whether that is all, and why it is not."""
+    if sailed is None:
+        return 0.0, False, "the programme cannot be sailed without noise", ()
     try:
         found = tube(fit, sailed.log, windows=(), inner=False, examine=False)
     except IvsidError as error:

@@ -48,6 +48,7 @@ pub mod linear_program;
 pub mod matrix;
 mod names;
 mod parallel;
+pub mod reach;
 pub mod reductions;
 #[cfg(feature = "linalg")]
 pub mod regression;

@@ -73,8 +73,7 @@ fn bounded(name: &str, system: &System, start: &[&str], horizon: f64, shown: usi
 
 fn main() -> Result<(), Error> {
     for w in ["0.01", "0.05", "0.1"] {
-        let start = ["1.2", "1.05", "1.5", "2.4", "1", "0.1", "0.45"].map(|x| format!("{x}?0"));
-        let start: Vec<String> = start.iter().map(|x| x.replace("?0", "")).collect();
+        let start = ["1.2", "1.05", "1.5", "2.4", "1", "0.1", "0.45"];
         let boxes: Vec<String> = start.iter().map(|x| around(x, w)).collect::<Result<_, _>>()?;
         let texts: Vec<&str> = boxes.iter().map(String::as_str).collect();
         bounded(&format!("LALO20 W = {w}"), &lalo20()?, &texts, 20.0, 3)?;

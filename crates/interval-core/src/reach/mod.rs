@@ -25,7 +25,7 @@ const DEGREE: usize = 4;
 const SHARE: f64 = 1e-4;
 
 /// The same of the largest value, for starts that are points.
-const POINT_SHARE: f64 = 1e-13;
+const POINT_SHARE: f64 = 1e-11;
 
 /// Steps shorter than this share of the horizon end the tube.
 const SHORTEST: f64 = 1e-7;

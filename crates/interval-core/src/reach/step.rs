@@ -24,13 +24,7 @@ pub struct Step {
 }
 
 /// A step of a length inside `h` from `start`, whose ranges are `ranges`; None where existence is not proved.
-pub fn advance(
-    system: &System,
-    forms: &Forms<'_>,
-    start: &[Form],
-    ranges: &[Interval],
-    h: Interval,
-) -> Option<Step> {
+pub fn advance(system: &System, forms: &Forms<'_>, start: &[Form], ranges: &[Interval], h: Interval) -> Option<Step> {
     let picard = enclose(system, ranges, h.hi())?;
     let last = system.series(&Boxes, &picard, ORDER).swap_remove(ORDER);
     let series = system.series(forms, start, ORDER - 1);

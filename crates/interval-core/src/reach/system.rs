@@ -113,10 +113,13 @@ fn node(dimension: usize, products: &mut Vec<(usize, usize)>, powers: &[u32]) ->
     factors.fold(None, |before, factor| {
         let Some(before) = before else { return Some(factor) };
         let known = products.iter().position(|&pair| pair == (before, factor));
-        Some(dimension + known.unwrap_or_else(|| {
-            products.push((before, factor));
-            products.len() - 1
-        }))
+        Some(
+            dimension
+                + known.unwrap_or_else(|| {
+                    products.push((before, factor));
+                    products.len() - 1
+                }),
+        )
     })
 }
 

@@ -53,7 +53,9 @@ fn advance(equations: &[Terms], x: &[BigInt], h: &BigInt) -> Vec<BigInt> {
                 value.sum::<BigInt>() / BigInt::from(k + 1)
             })
             .collect();
-        series.iter_mut().zip(next).for_each(|(all, value)| all.push(value));
+        for (all, value) in series.iter_mut().zip(next) {
+            all.push(value);
+        }
     }
     let sum = |all: &Vec<BigInt>| all.iter().rev().fold(BigInt::ZERO, |sum, c| ((sum * h) >> PLACES) + c);
     series.iter().map(sum).collect()
@@ -64,7 +66,9 @@ fn solution(equations: &[Terms], start: &[f64], nodes: &[Node]) -> Vec<Vec<BigIn
     let (mut x, mut before): (Vec<BigInt>, f64) = (start.iter().map(|&v| fixed(v)).collect(), 0.0);
     let at = |node: &Node| {
         let h = (fixed(node.time) - fixed(before)) / BigInt::from(PARTS);
-        (0..PARTS).for_each(|_| x = advance(equations, &x, &h));
+        for _ in 0..PARTS {
+            x = advance(equations, &x, &h);
+        }
         before = node.time;
         x.clone()
     };

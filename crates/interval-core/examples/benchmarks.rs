@@ -14,7 +14,9 @@ type Table<'a> = &'a [(&'a str, &'a [usize])];
 fn system(equations: &[Table]) -> Result<System, Error> {
     let term = |&(text, factors): &(&str, &[usize])| {
         let mut powers = vec![0; equations.len()];
-        factors.iter().for_each(|&i| powers[i] += 1);
+        for &i in factors {
+            powers[i] += 1;
+        }
         Ok(Term { coefficient: text.parse()?, powers })
     };
     let tables = equations.iter().map(|terms| terms.iter().map(term).collect());

@@ -23,7 +23,7 @@ pub trait Enclosing {
 /// One term of a polynomial: a coefficient and the power of each component.
 #[derive(Debug, Clone)]
 pub struct Term {
-    /// Every value that the coefficient may have.
+    /// An interval that holds the coefficient, which does not change in time.
     pub coefficient: Interval,
     /// Powers, one a component of the state.
     pub powers: Vec<u32>,
@@ -83,7 +83,9 @@ impl System {
             let next = self.derivative(algebra, &series[k], k);
             series.push(next);
         }
-        series.iter_mut().for_each(|nodes| nodes.truncate(self.dimension));
+        for nodes in &mut series {
+            nodes.truncate(self.dimension);
+        }
         series
     }
 

@@ -190,5 +190,6 @@ fn starts_that_do_not_fit_are_refused() {
     assert!(follow(&system, &[p(1.0), Interval::ENTIRE], 1.0).is_err());
     assert!(follow(&system, &[p(1.0), p(1.0)], f64::INFINITY).is_err());
     assert!(follow(&system, &[p(1.0), p(1.0)], f64::NAN).is_err());
+    assert!(follow(&system, &[p(1.0), p(1.0)], -1.0).is_err());
     assert!(System::new(&[vec![Term { coefficient: p(1.0), powers: vec![1, 0] }]]).is_err());
 }

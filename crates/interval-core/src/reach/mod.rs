@@ -55,8 +55,8 @@ pub struct Tube {
 /// Bounds of all solutions that start in a box at time 0, until `horizon`.
 ///
 /// # Errors
-/// A start of another number of components, unbounded or empty components, and a horizon that is no finite number are
-/// refused.
+/// A start of another number of components, unbounded or empty components, and a horizon that is negative or no
+/// finite number are refused.
 pub fn follow(system: &System, start: &[Interval], horizon: f64) -> Result<Tube, Error> {
     let needed = system.dimension();
     if start.len() != needed {
@@ -65,7 +65,7 @@ pub fn follow(system: &System, start: &[Interval], horizon: f64) -> Result<Tube,
     if let Some(index) = start.iter().position(|x| !x.is_common()) {
         return Err(Error::NoFinitePoint { index });
     }
-    Interval::point(horizon)?;
+    Interval::new(0.0, horizon).and_then(|_| Interval::point(horizon))?;
     let wide: Vec<usize> = (0..needed).filter(|&i| !start[i].is_singleton()).collect();
     let basis = Basis::new(wide.len(), DEGREE);
     let mut state = symbols(&basis, start, &wide);

@@ -32,7 +32,12 @@ class Screened:
 
     def measured(self, s: Scored) -> Scored:
         """A cause with what declared errors may make of its score, also if it did not pass."""
-        return next((p for p in self.passed if p.id == s.id), None) or replace(s, lost=self.round.lost(s))
+        return next((p for p in self.passed if p.id == s.id), None) or self._held(s)
+
+
+    def _held(self, s: Scored) -> Scored:
+        s = self.round.in_box(s)
+        return replace(s, lost=self.round.lost(s))
 
 
 @dataclass(frozen=True)
@@ -62,7 +67,7 @@ class Threshold:
         """
         here = Round(fit, scored, self.calibration.chance, self.seen)
         passed, refused, stands = [], {}, tuple(beside)
-        for s in scored:
+        for s in map(here.in_box, scored):
             case = Case(here, s)
             refusal = first_refusal(SCREENING, case, stands)
             if refusal is None:
@@ -80,7 +85,9 @@ class Threshold:
 
         Beside the worst declared errors inside their bounds it has to be below ``WORST``, and counts in that proportion to the threshold.
         """
-        return max(chance(replace(s, fall=fall)), chance_beside(s, fall) * self.level / WORST)
+        # Beside errors that keep their bounds a full fit explains more in the same proportion as the score does.
+        whole = fall * s.shown / s.fall if s.fall > 0 else fall
+        return max(chance(replace(s, fall=whole, boxed=0.0)), chance_beside(s, whole) * self.level / WORST)
 
     @property
     def level(self) -> float:

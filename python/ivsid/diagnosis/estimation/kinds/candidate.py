@@ -199,6 +199,7 @@ class Scored:
         values: the effect's numbers, in the catalogue's order.
         physical: whether the sign is one that the cause can have.
         lost: standard deviations of the score that declared errors inside their bounds may make.
+        boxed: fall of chi-squared beside errors that keep their bounds, as rare as one of the family's numbers alone; 0 where it is not asked.
     """
 
     candidate: Candidate
@@ -210,6 +211,12 @@ class Scored:
     values: tuple[float, ...]
     physical: bool = True
     lost: float = 0.0
+    boxed: float = 0.0
+
+    @property
+    def shown(self) -> float:
+        """The fall of chi-squared that is tested: soft priors of the declared errors hide what errors inside their bounds cannot take."""
+        return max(self.fall, self.boxed)
 
     @property
     def id(self) -> str:

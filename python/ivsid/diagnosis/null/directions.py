@@ -20,12 +20,13 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import lsq_linear, nnls
+from scipy.optimize import nnls
 from scipy.special import chdtrc, chdtri
 
 from ivsid.diagnosis.estimation.cross_products import RIDGE
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
-from ivsid.diagnosis.null.any_curve import DETERMINED, LEAST, AnyCurve
+from ivsid.diagnosis.null.any_curve import LEAST, AnyCurve
+from ivsid.diagnosis.null.beyond_box import beyond_box
 
 Array = NDArray[np.float64]
 # Weights of the priors of the thrust errors: sets of directions, of which each is taken together and the best counts.
@@ -35,9 +36,6 @@ TOGETHER: Final = ((10.0, 0.1), (1.0,))
 # which true curves have as well. A saw's teeth at their bounds looked like a saturation of 9 standard deviations there.
 # Source: geometry: as above, and the prior itself
 ALONE: Final = ((10.0,), (1.0,))
-# Shares of the bounds that errors by the demand have beside those by the inflow, where a cause at its size is held against errors inside the box.
-# Source: geometry: all, half and none, the ends and the middle of what a thrust error may be
-SPLITS: Final = (1.0, 0.5, 0.0)
 # Eigenvalues of the correlation of the directions' noise below this share of the largest are one direction twice.
 # Source: geometry: directions that differ by less than a hundredth of their length
 SAME: Final = 1e-4
@@ -80,7 +78,8 @@ def left_beside(free: AnyCurve, s: Scored) -> float:
     ]
     size = np.zeros(len(g.prior))
     size[columns] = np.asarray(s.theta) * g.unit[columns]
-    made.append(beyond_box(free, g.total, g.prior, size)[:, None])
+    beyond = beyond_box(free, g.total, g.prior, size)
+    made += [beyond[:, None]] if beyond.any() else []
     for D in made:
         moved = D.T @ g.total[:, base]
         # Errors that have a deviation and no bound are noise.
@@ -129,51 +128,6 @@ def _direction(
     D[list(columns)] = np.eye(len(columns))
     D[base] = -np.linalg.solve(total[np.ix_(base, base)] + np.diag(held), total[np.ix_(base, list(columns))])
     return D
-
-
-def beyond_box(free: AnyCurve, total: Array, prior: Array, size: Array) -> Array:
-    """What errors inside their bounds leave of a cause at a size, as coefficients of all columns, shape (all,).
-
-    Of all directions this one parts the cause best from errors inside the box: it is the normal of the plane that is as far from the cause as
-    from the box. Errors that the cause exceeds stand at their bounds and leave the direction there, and the others take their part in full.
-
-    Args:
-        free: the base beside any thrust curve.
-        total: cross-products of all columns.
-        prior: their precisions.
-        size: of the cause, in unit lengths of its columns, and zero elsewhere, shape (all,).
-    """
-    base, names = np.asarray(free.projection.base), free.g.names
-    curve = np.array([names[k].startswith(("~thrust.", "~hysteresis.")) for k in base])
-    others = base[(free.box == 0) & ~curve]
-    solved = np.linalg.solve(total[np.ix_(others, others)] + np.diag(prior[others] + RIDGE), total[others])
-    best, found = -np.inf, size
-    for split in SPLITS:
-        share = np.array([_share(names[k], split) for k in base])
-        at = (free.box > 0) & (share > 0)
-        inside, bound = base[at], (free.box * share)[at]
-        left = total[inside] - total[np.ix_(inside, others)] @ solved
-        values, vectors = np.linalg.eigh(left[:, inside])
-        kept = values > DETERMINED * max(float(values.max(initial=0.0)), LEAST)
-        root = vectors[:, kept] * np.sqrt(values[kept])
-        x = np.zeros(len(inside))
-        if kept.any():
-            target = -(vectors[:, kept].T @ (left @ size)) / np.sqrt(values[kept])
-            x = lsq_linear(root.T, target, bounds=(-bound, bound)).x
-        D = size.copy()
-        D[inside] = x
-        D[others] = -solved @ D
-        # Standard deviations by which the cause at this size stands beyond the worst errors.
-        shown = float(D @ total @ size) - float(free.worst(total[base] @ D))
-        shown /= float(np.sqrt(max(D @ total @ D, LEAST)))
-        if shown > best:
-            best, found = shown, D
-    return found
-
-
-def _share(name: str, split: float) -> float:
-    """Share of its bound that a declared error has where errors of thrusts by the demand have a share ``split`` of theirs."""
-    return 1.0 - split if name.startswith("~inflow.") else split if name.startswith("~cell.") else 1.0
 
 
 def distance(free: AnyCurve, moved: Array, z: Array) -> float:

@@ -41,15 +41,17 @@ def standing(free, total, prior, D):
     return float(free.worst(moved)), float(np.sqrt(D @ total @ D + np.sum(moved[soft] ** 2 / prior[base][soft])))
 
 
-@pytest.mark.parametrize("name", ["thruster.asymmetry", "thruster.curve"])
-def test_the_direction_beyond_the_box_parts_a_cause_from_all_errors_inside_it(wrong, name):
+@pytest.mark.parametrize(
+    ("name", "amount"), [("thruster.asymmetry", 500.0), ("thruster.curve", 500.0), ("thruster.curve", 1000.0)]
+)
+def test_the_direction_beyond_the_box_parts_a_cause_from_all_errors_inside_it(wrong, name, amount):
     """Its standing is at most the distance from the box by a general solver, which is the best of any direction, and hardly less."""
     fit = wrong.fit
     free = AnyCurve(fit)
     g = free.joined([name])
     total, base = g.total, np.array(free.projection.base)
     size = np.zeros(len(g.names))
-    size[-1] = 200.0
+    size[-1] = amount
     D = beyond_box(free, total, g.prior, size)
     worst, noise = standing(free, total, g.prior, D)
     shown = (D @ total @ size - worst) / noise
@@ -65,13 +67,13 @@ def test_the_direction_beyond_the_box_parts_a_cause_from_all_errors_inside_it(wr
     bound = np.where(free.box[at] > 0, np.maximum(free.box[at], 1e-12), np.inf)
     left = 2 * lsq_linear(root.T, target, (-bound, bound)).cost + size @ total @ size - target @ target
     assert 0 < shown <= np.sqrt(left) * (1 + 1e-3)
-    # It shows nearly all of that, and more than the directions of weighted priors, which hold a curve's change.
-    assert shown >= 0.7 * np.sqrt(left)
+    # It shows nearly all of that, and more than the directions of weighted priors by which a change of a curve is asked for.
+    assert shown >= 0.85 * np.sqrt(left)
     for weight in (10.0, 1.0):
         errors = (free.box > 0) | np.array([n.startswith(("~thrust.", "~hysteresis.")) for n in names])
         other = _direction(free, total, g.prior, [len(g.names) - 1], errors, weight)[:, 0]
         most, deviation = standing(free, total, g.prior, other)
-        assert shown >= (other @ total @ size - most) / deviation
+        assert shown > 1.5 * (other @ total @ size - most) / deviation
     # Where no error stands at its bound there is no direction.
     free.box = 1e6 * free.box
     assert not np.any(beyond_box(free, total, g.prior, size))
@@ -88,23 +90,25 @@ def test_the_worst_errors_stand_beyond_the_box_as_rarely_as_stated(wrong, name):
     values, vectors = np.linalg.eigh(total)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     first, last = np.zeros(len(g.names)), len(g.names) - 1
-    first[last] = 10.0
+    first[last] = 500.0
     ends = np.zeros(len(g.names))
     ends[base] = free.worst_errors(total[base] @ beyond_box(free, total, g.prior, first))
     p = np.r_[base, last]
     normal = total[np.ix_(p, p)] + np.diag(g.prior[p] + 1e-9)
     rng = np.random.default_rng(3)
-    stood = 0
-    draws = 300
+    stood, draws, asked = 0, 300, 0
     for _ in range(draws):
         score = total @ ends + root @ rng.standard_normal(len(values))
         size = np.zeros(len(g.names))
         size[last] = np.linalg.solve(normal, score[p])[-1]
         D = beyond_box(free, total, g.prior, size)
+        if not np.any(D):
+            continue
+        asked += 1
         worst, noise = standing(free, total, g.prior, D)
         stood += (D @ score - worst) / noise > chi2.isf(0.05, 1) ** 0.5
     # Two-sided five per cent, of which the worst errors leave one side.
-    assert stood <= binom.ppf(0.999, draws, 0.05)
+    assert asked > draws / 2 and stood <= binom.ppf(0.999, draws, 0.05)
 
 
 def test_a_fall_beside_errors_that_keep_their_bounds_is_tested_where_it_is_the_larger(wrong):
@@ -126,8 +130,6 @@ def test_a_gain_and_an_asymmetry_little_beyond_the_accuracy_are_named(seed):
     """Each was `adequate` or `unknown` while the errors had soft priors alone, and the examiner's z is 10 to 24."""
     c = cases.case(seed, duration=300.0)
     vehicle = parse_vehicle(c.text, "vehicle.toml")
-    logs = [
-        Log(f"{k}.csv", "0" * 64, q["t"], {i: x for i, x in q.items() if i != "t"}) for k, q in enumerate(c.logs)
-    ]
+    logs = [Log(f"{k}.csv", "0" * 64, q["t"], {i: x for i, x in q.items() if i != "t"}) for k, q in enumerate(c.logs)]
     (found,) = diagnose(vehicle, *logs).findings
     assert {*c.z} <= {found.effect, *found.alternatives}

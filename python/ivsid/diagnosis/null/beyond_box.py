@@ -59,7 +59,7 @@ def beyond_box(free: AnyCurve, total: Array, prior: Array, size: Array) -> Array
         D = np.zeros(len(prior))
         D[inside] = lsq_linear(root.T, target, bounds=(-bound, bound)).x - free_of_bounds
         D[others] = -solved @ D
-        length = float(np.sqrt(max(D @ total @ D, 0.0)))
+        length = float(np.sqrt(max(float(D @ total @ D), 0.0)))
         if length <= NO_DIRECTION:
             continue
         # Standard deviations by which the cause at this size stands beyond the worst errors.

@@ -2,7 +2,8 @@
 
 A direction is what least squares leaves of a cause's columns beside the base and the cells, for one weight of the priors of the thrust errors.
 A large weight keeps the whole signature: the noise says little, and the errors have their whole effect. A small one keeps what lies beside the
-cells: errors do little, and the noise says more. Which of them shows a cause depends on the cause, and the best is a sum of several.
+cells: errors do little, and the noise says more. Which of them shows a cause depends on the cause, and the best is a sum of several. A further
+direction is what the bounds themselves leave of a cause at its size (``null.beyond_box``).
 
 Let z = D'y be the scores of the directions D, with y = A e + n, errors |e_i| <= b_i and noise n. The errors move z inside a convex set K,
 whose support function is the worst sum of ``any_curve``. The distance of z from K, in the noise of z, is at most that from the true D'A e: its

@@ -34,7 +34,6 @@ class Screened:
         """A cause with what declared errors may make of its score, also if it did not pass."""
         return next((p for p in self.passed if p.id == s.id), None) or self._held(s)
 
-
     def _held(self, s: Scored) -> Scored:
         s = self.round.in_box(s)
         return replace(s, lost=self.round.lost(s))

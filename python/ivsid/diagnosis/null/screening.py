@@ -41,8 +41,8 @@ BEYOND_DOUBT_AXES_LEFT_OUT: Final = 60.0
 # for causes of another kind, so that the number of causes, which the calibrated threshold counts, does not count a second time.
 # Source: definition: half of the 1 % of logs without an effect that may give a finding
 WORST: Final = 5e-3
-# Fall of chi-squared of a cause at a thruster from which on it is asked for beside errors that keep their bounds, too.
-# Source: resource: three standard deviations, which one cause at a thruster in 400 exceeds by chance; the cells take as long as a survey
+# Fall of chi-squared from which on a cause at a thruster is asked for beside errors that keep their bounds, too.
+# Source: resource: three standard deviations, and the cells take as long as a survey
 ASKED: Final = 9.0
 # A smaller fall of chi-squared is no finding, whatever its chance: below five standard deviations the model of the noise is not trusted, and
 # fresh logs without an effect reach 19.
@@ -211,7 +211,7 @@ PHYSICAL: Final = Rule[Case](
 )
 FAINT_RULE: Final = Rule[Case](
     "faint",
-    "fall of chi²",
+    "fall of chi², at a thruster also beside errors that keep their bounds",
     f"at least {FAINT:g}",
     "Below five standard deviations the model of the noise is not trusted, whatever the chance.",
     "make null-logs",

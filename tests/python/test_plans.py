@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import ivsid.plans.planning as planning
+import ivsid.plans.search as search
 from ivsid import identify, plan, simulation, workflow
 from ivsid.errors import IvsidError
 from ivsid.files.records import to_json
@@ -44,6 +45,14 @@ def train():
 @pytest.fixture(scope="module")
 def fit(train):
     return identify(VEHICLE, train)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few():
+    """Searches of a few programmes; the night has whole ones."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(search, "POPULATION", 6)
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -204,7 +213,8 @@ def test_the_command_leaves_its_files(fit, tmp_path, monkeypatch):
 
 # Nightly: a distance needs a diagnosis for each programme.
 @pytest.mark.nightly
-def test_causes_are_told_apart_better_than_by_the_library(fit):
+def test_causes_are_told_apart_better_than_by_the_library(fit, monkeypatch):
+    monkeypatch.setattr(search, "POPULATION", 24)
     made = plan(fit, separate=("drag.surge.linear", "drag.surge.cubic"), generations=2)
     assert made.predicted.median > 0 and made.details and made.before is None
     assert made.best_rival is None or made.gain(made.best_rival[1]) > 0.5
@@ -212,8 +222,9 @@ def test_causes_are_told_apart_better_than_by_the_library(fit):
 
 # Nightly: two whole searches.
 @pytest.mark.nightly
-def test_a_minute_narrows_more_than_the_library_and_as_predicted(fit):
+def test_a_minute_narrows_more_than_the_library_and_as_predicted(fit, monkeypatch):
     """Twins that the planner did not see: other parameters, thrusters, seas and noise."""
+    monkeypatch.setattr(search, "POPULATION", 24)
     made = plan(fit, fence=50.0)
     assert made.gain(made.best_rival[1]) >= 1.5
     purpose = Narrowing(fit)

@@ -108,6 +108,8 @@ def test_a_drag_of_the_catalogue_keeps_its_name(seed, effect):
     assert [f.effect for f in said(seed, effect, "one").findings] == [effect]
 
 
+# Nightly: a whole diagnosis; the gate has one that finds a curve, and one that finds none.
+@pytest.mark.nightly
 def test_velocities_of_a_few_values_have_no_curve_and_other_forces_are_asked(monkeypatch):
     """A sensor of few bits: beside nine speeds that are one there is no function to fit, and the cause keeps its name."""
     monkeypatch.setattr(

@@ -12,6 +12,7 @@ from ivsid.diagnosis.statements.motion import motion_of, sentences
 from ivsid.diagnosis.statements.proved import Proof, proof_of
 from ivsid.log import Log
 from ivsid.programme.scenario import parse_scenario
+from ivsid.tubes.horizons import spaced
 from ivsid.vehicle import parse_vehicle
 from ivsid.workflow.first_screens import validated
 from ivsid.workflow.validation import tube_part, validation_lines, validation_summary
@@ -99,3 +100,13 @@ def test_a_diagnosis_says_what_motion_proves():
     assert made.proofs[0].refuted or made.moved
     assert made.record()["motion"] == [m.record() for m in made.motion]
     assert diagnose(VEHICLE, log_of("swan_train"), log_of("swan_test"), null_logs=0).motion == ()
+
+
+def test_windows_of_a_long_log_are_evenly_spaced(fit):
+    windows = [(20 * k, 20 * k + 20) for k in range(100)]
+    assert spaced(windows, None) == spaced(windows, 2000) == windows
+    few = spaced(windows, 600)
+    assert few == windows[::4] and sum(b - a for a, b in few) <= 600
+    log = log_of("swan_test", WIND)
+    every, some = (module.reached(fit, log, windows=(1.0,), whole=False, steps=n) for n in (None, 1500))
+    assert 0 < some.outside[1.0] <= every.outside[1.0]

@@ -20,7 +20,7 @@ from ivsid.setup import SetupFinding, examined, in_doubt
 from ivsid.tubes import given as taken
 from ivsid.tubes.attained import attained
 from ivsid.tubes.checked import Checked, checked
-from ivsid.tubes.equations import equations_of
+from ivsid.tubes.equations import Equations, equations_of
 from ivsid.tubes.horizons import Horizon, follow
 from ivsid.tubes.inputs import course_of
 from ivsid.tubes.refuted import Refutation, refutations
@@ -163,11 +163,13 @@ def tube(
     channels: str = "all",
     windows: Sequence[float] = WINDOWS,
     whole: bool = True,
+    steps: int | None = None,
     parts: int = PARTS,
     cells: int = 1,
     inner: bool = True,
     check: bool = False,
     examine: bool = True,
+    equations: Equations | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Tube:
     """Bounds of every trajectory of every parameter that is consistent with the fit's log, under the demands of a log.
@@ -179,6 +181,7 @@ def tube(
             of a run without drift and turn, which is then an assumption.
         windows: lengths [s] after which a tube restarts from the measured state.
         whole: whether the log is followed without restarts as well, before the windows.
+        steps: of all windows of one length together, at most; evenly spaced windows are followed where there are more. None follows all.
         parts: equal parts into which each step is cut; more are narrower and slower.
         cells: equal parts into which the interval of each parameter is cut; the tube is the hull of the tubes of all pieces, narrower and
             slower by their number.
@@ -186,6 +189,7 @@ def tube(
         check: whether each part of the first tube, which is the one without restarts if there is one, is proved once more in exact arithmetic, by code that shares nothing with the
             engine; some 5 ms a step of surge, 25 ms of all channels.
         examine: whether the set-up is examined first.
+        equations: of the fit and the channels, where a caller has them already.
         progress: told of each step.
 
     Returns:
@@ -201,7 +205,8 @@ def tube(
     course = course_of(vehicle, data)
     progress("vertices of the parameters")
     alone = channels != "all"
-    equations = equations_of(fit, (True, not alone, not alone), cells=cells)
+    free = (True, not alone, not alone)
+    equations = equations_of(fit, free, cells=cells) if equations is None else equations
     given = None
     if alone:
         given = taken.straight(course) if channels == "straight" else taken.measured(course, vehicle)
@@ -209,7 +214,7 @@ def tube(
     for length in (*((None,) if whole else ()), *windows):
         progress("following the whole log" if length is None else f"following windows of {length:g} s")
         begun = time.perf_counter()
-        horizon = follow(equations, course, length, given, parts=parts)
+        horizon = follow(equations, course, length, given, parts=parts, steps=None if length is None else steps)
         seconds = time.perf_counter() - begun
         found, count = refutations(equations, course, horizon, given, parts=parts)
         within = None

@@ -60,6 +60,12 @@ def windows_of(course: Course, length: float | None, given: IntervalArray | None
     return found
 
 
+def spaced(windows: list[tuple[int, int]], steps: int | None) -> list[tuple[int, int]]:
+    """Evenly spaced ones of some windows, of about ``steps`` steps in all; all where they have no more."""
+    total = sum(last - first for first, last in windows)
+    return windows if steps is None or total <= steps else windows[:: -(-total // steps)]
+
+
 def _finite(x: IntervalArray) -> NDArray[np.bool_]:
     return np.asarray(np.isfinite(x.lower) & np.isfinite(x.upper))
 
@@ -78,9 +84,15 @@ def start_of(course: Course, row: int, given: IntervalArray | None) -> IntervalA
 
 
 def follow(
-    equations: Equations, course: Course, length: float | None, given: IntervalArray | None = None, *, parts: int = 1
+    equations: Equations,
+    course: Course,
+    length: float | None,
+    given: IntervalArray | None = None,
+    *,
+    parts: int = 1,
+    steps: int | None = None,
 ) -> Horizon:
-    """The tubes of all windows of one length.
+    """The tubes of the windows of one length.
 
     Args:
         equations: of the fit.
@@ -88,11 +100,12 @@ def follow(
         length: of the windows [s]; None for one without restarts.
         given: v, r and their rates over each step where surge alone is followed, shape (n - 1, 6).
         parts: equal parts into which each step is cut.
+        steps: of all windows together, at most; evenly spaced windows are followed where there are more. None follows all.
     """
     n = course.log.t.size
     lower, upper = np.full((n, 6), -np.inf), np.full((n, 6), np.inf)
     windows: list[Window] = []
-    for first, last in windows_of(course, length, given):
+    for first, last in spaced(windows_of(course, length, given), steps):
         bounds = window(equations, course, first, last, given, parts=parts)
         proved = first + bounds.shape[0] - 1
         # The end of the window before says more about a row than the reading from which the next one starts.

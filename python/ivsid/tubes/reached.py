@@ -10,6 +10,7 @@ from ivsid.errors import IvsidError
 from ivsid.identification import Identification
 from ivsid.log import Log
 from ivsid.tubes.bounds import tube
+from ivsid.tubes.equations import Equations, equations_of
 from ivsid.tubes.refuted import Refutation
 
 # Windows [s] beside the whole log: a late reading shows in a short one, a small lasting force in a long one.
@@ -65,7 +66,9 @@ def reached(
     *,
     windows: Sequence[float] = WINDOWS,
     whole: bool = True,
+    steps: int | None = None,
     asked: bool | None = None,
+    equations: dict[str, Equations] | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> TubeCheck:
     """Follows the tubes of a fit under the demands of a log, and looks for readings outside (docs/theory.md, "Guaranteed simulation").
@@ -75,7 +78,9 @@ def reached(
         log: a checked log.
         windows: lengths [s] of windows that restart from the measured state.
         whole: whether the log is followed without restarts as well.
+        steps: of all windows of one length together, at most; None follows all.
         asked: whether tubes are followed; None follows those of at most ``UNASKED`` rows.
+        equations: of the fit by channels, which several logs share; those that are missing are added.
         progress: told of each step.
     """
     if asked is False:
@@ -83,10 +88,22 @@ def reached(
     if asked is None and log.t.size > UNASKED:
         return _none(f"{log.t.size} rows take long; ask for tubes, or follow them with ivsid tube")
     obstacle = ""
+    known = {} if equations is None else equations
     for channels in FOLLOWED:
         try:
+            if channels not in known:
+                known[channels] = equations_of(fit, (True, channels == "all", channels == "all"))
             found = tube(
-                fit, log, channels=channels, windows=windows, whole=whole, inner=False, examine=False, progress=progress
+                fit,
+                log,
+                channels=channels,
+                windows=windows,
+                whole=whole,
+                steps=steps,
+                inner=False,
+                examine=False,
+                equations=known[channels],
+                progress=progress,
             )
         except IvsidError as error:
             obstacle = obstacle or str(error)

@@ -9,11 +9,15 @@ from typing import Final
 
 from ivsid.diagnosis.statements.proved import Proof
 from ivsid.log import Log
+from ivsid.tubes.equations import Equations
 from ivsid.tubes.reached import TubeCheck, reached
 
 # Lengths of the windows [s]. The rows have longer ones, and what all logs show, windows of 1 s show.
 # Source: measured: make refuted
 WINDOWS: Final = (1.0,)
+# Steps that are followed in each log, in evenly spaced windows.
+# Source: resource: half a second where a channel has some hundred vertices, beside the trial of both models
+STEPS: Final = 1500
 
 
 def motion_of(proof: Proof, *logs: Log) -> tuple[TubeCheck, ...]:
@@ -21,7 +25,8 @@ def motion_of(proof: Proof, *logs: Log) -> tuple[TubeCheck, ...]:
     fit = proof.identification
     if fit is None or proof.status != "not_refuted":
         return ()
-    return tuple(reached(fit, log, windows=WINDOWS, whole=False) for log in logs)
+    equations: dict[str, Equations] = {}
+    return tuple(reached(fit, log, windows=WINDOWS, whole=False, steps=STEPS, equations=equations) for log in logs)
 
 
 def sentences(motion: tuple[TubeCheck, ...], *names: str) -> list[str]:

@@ -15,17 +15,27 @@ def marks(nodes) -> set[str]:
     return {n.attr for node in nodes for n in ast.walk(node) if isinstance(n, ast.Attribute)}
 
 
-def shares(node) -> bool:
-    """Whether a function takes spaced cases, or asks whether it is night."""
-    return any(isinstance(n, ast.Name) and n.id in ("spaced", "NIGHTLY") for n in ast.walk(node))
+def taken_from_sampling(body) -> set[str]:
+    """Names that a file takes from ``sampling``: the package has a ``spaced`` of its own."""
+    return {
+        a.asname or a.name for n in body if isinstance(n, ast.ImportFrom) and n.module == "sampling" for a in n.names
+    }
+
+
+def shares(node, names) -> bool:
+    """Whether a function takes spaced cases, or asks whether it is night, by these names."""
+    return any(isinstance(n, ast.Name) and n.id in names for n in ast.walk(node))
 
 
 def test_tests_that_take_a_share_of_their_cases_run_at_night():
     examined = set()
     for path in sorted(HERE.glob("test_*.py")):
         body = ast.parse(path.read_text()).body
+        names = taken_from_sampling(body)
         own = marks(n for n in body if isinstance(n, ast.Assign) and ast.unparse(n.targets[0]) == "pytestmark")
-        for test in (n for n in body if isinstance(n, ast.FunctionDef) and n.name.startswith("test_") and shares(n)):
+        for test in (
+            n for n in body if isinstance(n, ast.FunctionDef) and n.name.startswith("test_") and shares(n, names)
+        ):
             name = f"{path.name}::{test.name}"
             examined.add(name)
             assert (own | marks(test.decorator_list)) & {"sampled", "same_rows", "nightly"}, name

@@ -52,21 +52,25 @@ def once(tmp_path_factory):
 
 @pytest.fixture(scope="session", autouse=True)
 def _savefig():
-    """How figures are rendered. Fixtures of a module find it replaced, but for the nightly run."""
+    """How figures are laid out and rendered. Fixtures of a module find both replaced, but for the nightly run."""
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    rendered = Figure.savefig
+    laid_out, rendered = ConstrainedLayoutEngine.execute, Figure.savefig
     with pytest.MonkeyPatch.context() as patch:
         if not NIGHTLY:
+            patch.setattr(ConstrainedLayoutEngine, "execute", lambda engine, figure: {})
             patch.setattr(Figure, "savefig", lambda figure, file, **how: file.write(b"not rendered"))
-        yield rendered
+        yield laid_out, rendered
 
 
 @pytest.fixture(autouse=True)
 def _figures(request, monkeypatch, _savefig):
-    """Figures are composed in every test, and rendered in those that are marked ``figures`` and in the nightly run."""
+    """Figures are drawn in every test, and laid out and rendered in those that are marked ``figures`` and in the nightly run."""
     if request.node.get_closest_marker("figures") is not None:
-        monkeypatch.setattr("matplotlib.figure.Figure.savefig", _savefig)
+        laid_out, rendered = _savefig
+        monkeypatch.setattr("matplotlib.layout_engine.ConstrainedLayoutEngine.execute", laid_out)
+        monkeypatch.setattr("matplotlib.figure.Figure.savefig", rendered)
 
 
 @pytest.fixture(autouse=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 from ivsid.errors import IvsidError
@@ -11,6 +12,7 @@ from ivsid.identification import Identification
 from ivsid.log import Log
 from ivsid.tubes.bounds import tube
 from ivsid.tubes.equations import Equations, equations_of
+from ivsid.tubes.horizons import Horizon
 from ivsid.tubes.refuted import Refutation
 
 # Windows [s] beside the whole log: a late reading shows in a short one, a small lasting force in a long one.
@@ -21,6 +23,12 @@ WINDOWS: Final = (1.0, 10.0)
 UNASKED: Final = 100_000
 # Channels in the order in which they are tried: those that follow more refute more, and need finite intervals of more parameters.
 FOLLOWED: Final = ("all", "surge")
+# Steps in short windows by which it is asked whether a tube of all channels lasts.
+# Source: resource: a step that fails is cut into 64 parts first, which takes as long as a thousand that hold
+PROBE: Final = 100
+# Share of these steps that such a tube has to prove.
+# Source: definition: a tube that ends before the middle of its windows bounds fewer readings than one of fewer channels
+LASTING: Final = 0.5
 
 
 @dataclass(frozen=True)
@@ -87,26 +95,30 @@ def reached(
         return _none("tubes were not asked for")
     if asked is None and log.t.size > UNASKED:
         return _none(f"{log.t.size} rows take long; ask for tubes, or follow them with ivsid tube")
-    obstacle = ""
+    obstacles: list[str] = []
     known = {} if equations is None else equations
     for channels in FOLLOWED:
         try:
             if channels not in known:
                 known[channels] = equations_of(fit, (True, channels == "all", channels == "all"))
-            found = tube(
+            follow = partial(
+                tube,
                 fit,
                 log,
                 channels=channels,
-                windows=windows,
-                whole=whole,
-                steps=steps,
                 inner=False,
                 examine=False,
                 equations=known[channels],
                 progress=progress,
             )
+            if windows and channels != FOLLOWED[-1]:
+                probe = follow(windows=(min(windows),), whole=False, steps=PROBE).runs[0].horizon
+                if _proved(probe) < LASTING:
+                    obstacles.append(f"the intervals of this fit are too wide for a tube of {channels} channels")
+                    continue
+            found = follow(windows=windows, whole=whole, steps=steps)
         except IvsidError as error:
-            obstacle = obstacle or str(error)
+            obstacles.append(str(error))
             continue
         return TubeCheck(
             channels,
@@ -116,7 +128,13 @@ def reached(
             tuple(a for a in found.assumes if a not in fit.assumes),
             None,
         )
-    return _none(obstacle)
+    return _none("; ".join(obstacles))
+
+
+def _proved(horizon: Horizon) -> float:
+    """Share of the steps of some windows that their tubes hold to the end."""
+    followed = sum(w.last - w.first for w in horizon.windows)
+    return sum(w.proved - w.first for w in horizon.windows) / max(followed, 1)
 
 
 def _none(reason: str) -> TubeCheck:

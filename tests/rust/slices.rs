@@ -3,6 +3,7 @@
 //! `IVSID_CASES` sets the number of operand pairs of an operation and back end (default 1e6 for arithmetic).
 #![allow(
     clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
     clippy::cast_sign_loss,
     reason = "random bits are cut on purpose, counts are positive"
 )]
@@ -321,6 +322,78 @@ fn arrays_of_other_architectures() {
             for (i, (&first, &second)) in x.iter().zip(&y).enumerate() {
                 let scalar = op.scalar()(first, second);
                 assert_eq!((low[i].to_bits(), high[i].to_bits()), bits(scalar), "{} {first} {second}", op.name());
+            }
+        }
+    }
+}
+
+/// Numbers about which the vector kernels of elementary functions change their ways: ends of their ranges, multiples of
+/// a quarter turn, entries of tables and halves between them; and ordinary ones of every size.
+fn about_kernels(random: &mut Random) -> f64 {
+    const PLACES: [f64; 12] = [
+        -745.2,
+        -708.4,
+        -707.0,
+        708.0,
+        709.78,
+        134_217_728.0,
+        5.6e-17,
+        7.5e-9,
+        1.0,
+        1.406_25,
+        f64::MIN_POSITIVE,
+        f64::MAX,
+    ];
+    let bits = random.bits();
+    let sign = if bits & 1 == 0 { 1.0 } else { -1.0 };
+    let steps = ((bits >> 1) % 2048) as f64 - 1024.0;
+    let near = |x: f64| x * (steps * f64::EPSILON).mul_add(if bits >> 60 < 8 { 1.0 } else { 1e9 }, 1.0);
+    let x = match (bits >> 16) % 8 {
+        0 => sign * near(PLACES[((bits >> 20) % 12) as usize]),
+        1 => near(((bits >> 20) % 4096) as f64 - 2048.0) * std::f64::consts::FRAC_PI_2,
+        2 => sign * near(((bits >> 20) % 256) as f64 / 256.0),
+        3 => near(((bits >> 20) % 65_536) as f64 - 32_768.0) * (std::f64::consts::LN_2 / 128.0),
+        4 => sign * random.unit() * 2_f64.powi(((bits >> 20) % 90) as i32 - 60),
+        5 => random.unit() * 710.0,
+        _ => random.unit() * 8.0,
+    };
+    x.clamp(-f64::MAX, f64::MAX)
+}
+
+/// Elementary functions that have kernels for vectors, where these are at work: the bits of one interval at a time.
+#[test]
+fn kernels_of_elementary_functions() {
+    let all = cases(1_000_000) / 25;
+    for op in [Unary::Exp, Unary::Ln, Unary::Sin, Unary::Cos, Unary::Tan] {
+        let mut random = Random(17);
+        let mut left = all;
+        while left > 0 {
+            let n = BLOCK.min(left);
+            left -= n;
+            let x: Vec<Interval> = (0..n)
+                .map(|_| {
+                    let (a, width) = (about_kernels(&mut random), random.unit());
+                    let b = match random.bits() % 4 {
+                        0 => a,
+                        1 => a.next_up().min(f64::MAX),
+                        2 => (a + 2.0 * width.abs()).min(f64::MAX),
+                        _ => about_kernels(&mut random),
+                    };
+                    // Half of the arguments of the logarithm would have none.
+                    let (a, b) = if op == Unary::Ln { (a.abs(), b.abs()) } else { (a, b) };
+                    Interval::new(a.min(b), a.max(b)).expect("ordered")
+                })
+                .collect();
+            let (lo, hi) = split(&x);
+            let scalars: Vec<_> = x.iter().map(|&operand| bits(op.scalar()(operand))).collect();
+            for backend in available() {
+                let (mut low, mut high) = (vec![0.0; n], vec![0.0; n]);
+                let bounds = Bounds::new(&lo, &hi).expect("sound bounds");
+                unary_with(backend, op, bounds, BoundsMut { lo: &mut low, hi: &mut high }).expect("equal lengths");
+                for (i, &scalar) in scalars.iter().enumerate() {
+                    let given = (low[i].to_bits(), high[i].to_bits());
+                    assert_eq!(given, scalar, "{backend:?} {} {}", op.name(), x[i].to_exact());
+                }
             }
         }
     }

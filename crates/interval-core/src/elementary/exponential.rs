@@ -7,7 +7,7 @@ use super::tables::{TABLES, Tables};
 use super::{decide, nearest, power_of_two};
 
 /// Relative error of [`kernel`], doubled twice over.
-pub(super) const ERROR: f64 = power(-71);
+pub(crate) const ERROR: f64 = power(-71);
 /// Relative error of the hyperbolic sine and tangent: six bits may cancel at 2^-5.
 pub(super) const HYPERBOLIC_ERROR: f64 = power(-64);
 /// Below this the series of the hyperbolic sine is used, above it the exponentials, whose difference cancels.

@@ -9,7 +9,7 @@ use super::{decide, power_of_two, split};
 /// Relative error of [`kernel`] and [`log1p`], doubled.
 pub(super) const ERROR: f64 = f64::from_bits((1023 - 76) << 52);
 /// Relative error of functions that add some double-double operations to these.
-pub(super) const DERIVED_ERROR: f64 = f64::from_bits((1023 - 74) << 52);
+pub(crate) const DERIVED_ERROR: f64 = f64::from_bits((1023 - 74) << 52);
 /// Below this the second term of the series, at most `x^2 / 2` of the value, is less than half the distance to the
 /// neighbouring double.
 const TINY: f64 = f64::from_bits((1023 - 27) << 52);

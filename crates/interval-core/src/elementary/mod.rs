@@ -27,16 +27,17 @@ mod trigonometric;
 pub(crate) use arctangent::{acos, asin, atan, atan2};
 pub(crate) use ball::Ball;
 pub(crate) use double_double::{Dd, two_sum};
-pub(crate) use exponential::{cosh, exp, exp2, exp10, sinh, tanh};
+pub(crate) use exponential::{ERROR as EXP_ERROR, cosh, exp, exp2, exp10, sinh, tanh};
 pub(crate) use half_turns::{HalfTurns, acos_pi, asin_pi, atan_pi, atan2_pi};
 pub(crate) use less_one::{compound_m1, exp_m1, exp2_m1, exp10_m1};
-pub(crate) use logarithm::{acosh, asinh, atanh, log, log2, log10};
+pub(crate) use logarithm::{DERIVED_ERROR as LOG_ERROR, acosh, asinh, atanh, log, log2, log10};
 pub(crate) use multiprecision::{Bracket, atan2 as ball_atan2, pi, settle};
 pub(crate) use plus_one::{ln_1p, log2_1p, log10_1p};
 pub(crate) use power::{log_ratio, pow, pown, root};
 pub(crate) use reciprocal::{acoth, cot, coth, csc, csch, sec, sech};
 pub(crate) use roots::{hypot, rootn, rsqrt};
-pub(crate) use trigonometric::{Angle, Turning};
+pub(crate) use tables::{LOG_FIRST, TABLES};
+pub(crate) use trigonometric::{Angle, ERROR as WAVE_ERROR, Turning};
 
 impl Bracket {
     pub(crate) const fn exact(x: f64) -> Self {

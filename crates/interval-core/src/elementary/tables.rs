@@ -11,10 +11,10 @@ use std::sync::LazyLock;
 const BITS: i64 = 256;
 
 /// First index of [`Tables::log`]: mantissas from 90/128 to 181/128.
-pub(super) const LOG_FIRST: usize = 89;
+pub(crate) const LOG_FIRST: usize = 89;
 
 /// Double-double values are within 2^-103 relative; a reduction constant in parts says how far it reaches.
-pub(super) struct Tables {
+pub(crate) struct Tables {
     /// `2^(j/64)`.
     pub exp2: [Dd; 64],
     /// `64 / ln 2`, nearest.
@@ -43,7 +43,7 @@ pub(super) struct Tables {
     pub atan: [Dd; 65],
 }
 
-pub(super) static TABLES: LazyLock<Tables> = LazyLock::new(Tables::new);
+pub(crate) static TABLES: LazyLock<Tables> = LazyLock::new(Tables::new);
 
 /// The leading doubles of a number, each the rest rounded down.
 fn parts<const N: usize>(x: &Ball) -> [f64; N] {

@@ -9,7 +9,7 @@ use super::tables::{TABLES, Tables};
 use crate::integers::Integer;
 
 /// Relative error of sine and cosine and, with a quotient more, of the tangent, doubled and more.
-pub(super) const ERROR: f64 = f64::from_bits((1023 - 68) << 52);
+pub(crate) const ERROR: f64 = f64::from_bits((1023 - 68) << 52);
 /// Below this the second term of the series, at most `x^2 / 2` of the value, is less than half the distance to the
 /// neighbouring double.
 const TINY: f64 = f64::from_bits((1023 - 27) << 52);

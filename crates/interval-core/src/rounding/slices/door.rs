@@ -205,11 +205,13 @@ fn binary_on<L: Lanes>(op: Binary, x: Bounds<'_>, y: Bounds<'_>, mut out: Bounds
 mod wide {
     use super::super::avx2::Avx2;
     use super::super::avx512::{self, Avx512};
+    use super::super::avx512_lanes::Wide;
+    use super::super::elementary;
     use super::{Add, Binary, Block, Bounds, BoundsMut, Div, Error, Interval, Mul, Sub, Unary, binary_on, unary_on};
 
     #[target_feature(enable = "avx2,fma")]
     pub fn unary_avx2(op: Unary, x: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> {
-        unary_on::<Avx2>(op, x, out)
+        if op.is_arithmetic() { unary_on::<Avx2>(op, x, out) } else { elementary::unary_on::<Avx2>(op, x, out) }
     }
 
     #[target_feature(enable = "avx2,fma")]
@@ -222,7 +224,8 @@ mod wide {
         match op {
             Unary::Square => unary_blocks!(Avx512, x, out, avx512::square, Interval::square),
             Unary::Sqrt => unary_blocks!(Avx512, x, out, avx512::sqrt, Interval::sqrt),
-            _ => unary_on::<Avx2>(op, x, out),
+            _ if op.is_arithmetic() => unary_on::<Avx2>(op, x, out),
+            _ => elementary::unary_on::<Wide>(op, x, out),
         }
     }
 

@@ -18,7 +18,11 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+#[cfg(target_arch = "x86_64")]
+mod avx512_lanes;
 mod door;
+#[cfg(target_arch = "x86_64")]
+mod elementary;
 mod kernel;
 mod operations;
 mod portable;

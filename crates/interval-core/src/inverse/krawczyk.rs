@@ -35,7 +35,9 @@ pub(crate) fn enclose_solution(a: &IntervalMatrix, b: &IntervalMatrix) -> Outcom
     let Some(y) = approximate::inverse(&a.midpoint(), n) else {
         return Outcome::not_applicable("the midpoint matrix has no usable approximate inverse");
     };
-    let e = interval_residual(&y, a);
+    let Ok(e) = interval_residual(&y, a) else {
+        return Outcome::not_applicable("the residual I - Y A overflows");
+    };
     let norm = e.norm();
     if norm.is_nan() || norm >= 1.0 {
         return Outcome::not_applicable(format!("||I - Y A|| = {norm:.3} is not below 1: Krawczyk's condition fails"));

@@ -2,6 +2,7 @@
 //! member (docs/theory.md, "Regularity"). `G v < v` for some `v > 0` proves that `R` and every member are nonsingular.
 
 use crate::approximate;
+use crate::error::Error;
 use crate::interval::Interval;
 use crate::lanes::{One, Vector, backends, two_product, two_sum};
 use crate::matrix::IntervalMatrix;
@@ -170,18 +171,17 @@ pub(crate) fn contracted_vector(g: &[f64], n: usize) -> Option<Vec<f64>> {
     slack(g, &sums).map(|_| sums)
 }
 
-/// `I - R A` for a point matrix `R`, row-major, in interval arithmetic.
-pub(crate) fn interval_residual(r: &[f64], a: &IntervalMatrix) -> IntervalMatrix {
+/// `I - R A` for a point matrix `R`, row-major, and a bounded `A`, in interval arithmetic: products and partial sums are
+/// the tightest, in the order of the inner index. A diagonal entry starts from 1, so these are summed by themselves.
+pub(crate) fn interval_residual(r: &[f64], a: &IntervalMatrix) -> Result<IntervalMatrix, Error> {
     let n = a.rows();
-    let mut entries = Vec::with_capacity(n * n);
+    let minus_r: Vec<f64> = r.iter().map(|x| -x).collect();
+    let mut entries: Vec<Interval> = IntervalMatrix::from_points(n, n, &minus_r).multiply(a)?.entries().collect();
     for i in 0..n {
-        for j in 0..n {
-            let start = if i == j { Interval::ONE } else { Interval::ZERO };
-            entries.push((0..n).fold(start, |sum, k| {
-                let factor = r[i * n + k];
-                sum - Interval::raw(factor, factor) * a.get(k, j)
-            }));
-        }
+        entries[i * (n + 1)] = (0..n).fold(Interval::ONE, |sum, k| {
+            let factor = minus_r[i * n + k];
+            sum + Interval::raw(factor, factor) * a.get(k, i)
+        });
     }
-    IntervalMatrix::from_entries(n, n, &entries)
+    Ok(IntervalMatrix::from_entries(n, n, &entries))
 }

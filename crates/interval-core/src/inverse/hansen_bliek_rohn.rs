@@ -12,13 +12,15 @@
 //! the enclosure. `V` is bounded from both sides by the residual of an approximation:
 //! `|V - W| <= v max_i |G + G W - W|_i / (v - G v)_i` in each column.
 
+use super::rows::Row;
 use super::{Certificate, Outcome, UNBOUNDED};
 use crate::approximate;
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::matrix::IntervalMatrix;
 use crate::regularity::{Preconditioned, Witness, slack};
-use crate::rounding::{add_down, add_up, div_down, div_up, sub_down, sub_up};
+use crate::rounding::slices::Binary;
+use crate::rounding::{add_down, add_up, div_up, sub_down};
 
 /// Encloses the inverse column by column. The method does not apply if no `v` with `G v < v` is found.
 ///
@@ -64,30 +66,51 @@ pub(crate) fn closed_form(p: &Preconditioned, v: &[f64], z: &IntervalMatrix) -> 
     let off_diagonal: Vec<f64> =
         tail.upper.iter().enumerate().map(|(at, &x)| if at % (n + 1) == 0 { 0.0 } else { x }).collect();
     let beta = approximate::product(&off_diagonal, &z.magnitude(), n, n, columns);
+    let alpha = diagonal_of_product(&p.g, &off_diagonal, n);
     let (mut lo, mut hi) = (vec![0.0; n * columns], vec![0.0; n * columns]);
+    let (mut x, mut y) = (Row::new(columns), Row::new(columns));
     for i in 0..n {
         let diagonal = add_down(1.0, tail.lower[i * (n + 1)]);
-        let sum: f64 = (0..n).filter(|&k| k != i).map(|k| p.g[i * n + k] * tail.upper[k * n + i]).sum();
-        let alpha = div_up(growth.above(sum), diagonal);
+        let alpha = div_up(growth.above(alpha[i]), diagonal);
         let reach = add_up(p.g[i * n + i], alpha);
         let (least, most) = (sub_down(1.0, reach), add_up(1.0, reach));
         if least.is_nan() || least <= 0.0 {
             return None;
         }
-        for j in 0..columns {
-            let at = i * columns + j;
-            let beta = if beta[at] == 0.0 && off_diagonal_is_zero(&off_diagonal[i * n..][..n], z, j) {
-                0.0
-            } else {
-                div_up(growth.above(beta[at]), diagonal)
-            };
-            let (below, above) = (sub_down(z.lo()[at], beta), add_up(z.hi()[at], beta));
-            lo[at] = div_down(below, if below < 0.0 { least } else { most }) + 0.0;
-            hi[at] = div_up(above, if above > 0.0 { least } else { most }) + 0.0;
+        let row = i * columns..(i + 1) * columns;
+        x.fill(|j| {
+            let above = growth.above(beta[row.start + j]);
+            (-above, above)
+        });
+        x.divided(diagonal, diagonal, &mut y)?;
+        for (j, &beta) in beta[row.clone()].iter().enumerate() {
+            if beta == 0.0 && off_diagonal_is_zero(&off_diagonal[i * n..][..n], z, j) {
+                (y.lo[j], y.hi[j]) = (0.0, 0.0);
+            }
         }
+        y.combined(Binary::Add, (&z.lo()[row.clone()], &z.hi()[row.clone()]), &mut x)?;
+        x.divided(least, most, &mut y)?;
+        lo[row.clone()].copy_from_slice(&y.lo);
+        hi[row].copy_from_slice(&y.hi);
     }
     let bounded = lo.iter().chain(&hi).all(|x| x.is_finite());
     bounded.then(|| IntervalMatrix::new(n, columns, lo, hi).ok()).flatten()
+}
+
+/// The diagonal of `A B`, each sum in the order of the inner index.
+fn diagonal_of_product(a: &[f64], b: &[f64], n: usize) -> Vec<f64> {
+    // Columns side by side, so that what the cache fetches of a row of `B` is used at once.
+    const SIDE: usize = 8;
+    let mut sums = vec![0.0; n];
+    for (block, sums) in sums.chunks_mut(SIDE).enumerate() {
+        for k in 0..n {
+            for (offset, sum) in sums.iter_mut().enumerate() {
+                let i = block * SIDE + offset;
+                *sum += a[i * n + k] * b[k * n + i];
+            }
+        }
+    }
+    sums
 }
 
 /// True if each product in a row of `V` with column `j` of `Z` has a factor of zero.
@@ -118,25 +141,33 @@ impl Tail {
             return None;
         }
         let (mut above, mut below) = (vec![0.0_f64; n], vec![0.0_f64; n]);
+        let (mut x, mut y) = (Row::new(n), Row::new(n));
         for i in 0..n {
+            let row = i * n..(i + 1) * n;
+            let (g, image, w) = (&g[row.clone()], &image[row.clone()], &w[row]);
+            // G + G W - W, whose upper end is the excess and whose lower end is the lack below zero.
+            x.fill(|j| (growth.below(image[j]), growth.above(image[j])));
+            x.combined(Binary::Add, (g, g), &mut y)?;
+            y.combined(Binary::Sub, (w, w), &mut x)?;
+            x.stretch_to_zero();
+            x.divided(rest[i], rest[i], &mut y)?;
             for j in 0..n {
-                let at = i * n + j;
-                let excess = sub_up(add_up(g[at], growth.above(image[at])), w[at]);
-                let lack = sub_up(w[at], add_down(g[at], growth.below(image[at])));
-                above[j] = above[j].max(div_up(excess.max(0.0), rest[i]));
-                below[j] = below[j].max(div_up(lack.max(0.0), rest[i]));
+                above[j] = above[j].max(y.hi[j]);
+                below[j] = below[j].max(-y.lo[j]);
             }
         }
         let zero = unreachable(g, n);
         let (mut upper, mut lower) = (vec![0.0; n * n], vec![0.0; n * n]);
         for i in 0..n {
-            for j in 0..n {
-                let at = i * n + j;
-                if zero.as_ref().is_some_and(|z| z[at]) {
-                    continue;
+            let row = i * n..(i + 1) * n;
+            let w = &w[row.clone()];
+            x.fill(|j| (-below[j], above[j]));
+            x.multiplied(v[i], &mut y)?;
+            y.combined(Binary::Add, (w, w), &mut x)?;
+            for (j, at) in row.enumerate() {
+                if !zero.as_ref().is_some_and(|z| z[at]) {
+                    (lower[at], upper[at]) = (x.lo[j].max(g[at]), x.hi[j]);
                 }
-                upper[at] = add_up(w[at], crate::rounding::mul_up(v[i], above[j]));
-                lower[at] = sub_down(w[at], crate::rounding::mul_up(v[i], below[j])).max(g[at]);
             }
         }
         upper.iter().all(|x| x.is_finite()).then_some(Self { upper, lower })

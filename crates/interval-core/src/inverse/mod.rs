@@ -11,6 +11,7 @@ mod method;
 mod neumaier;
 mod partitioned;
 mod published;
+mod rows;
 
 pub use batch::{Batch, batch, exact_batch};
 pub use cells::{Answers, cell_answers, partitioned_shared};

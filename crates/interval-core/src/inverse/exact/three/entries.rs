@@ -1,7 +1,7 @@
 //! Entries of vertex inverses in twice the working precision, one in each lane.
 
 use super::Square;
-use crate::lanes::{Vector, backends, two_product, two_sum};
+use crate::lanes::{Vector, two_product, two_sum};
 
 /// Nine lower ends and nine upper ones, and room for whole vectors.
 pub(super) const PADDED: usize = 24;
@@ -15,6 +15,8 @@ pub(super) struct Vertices {
 
 impl Vertices {
     /// Those at which entries with these signs attain their ends.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
     pub(super) fn of_signs(signs: &Square) -> Self {
         let mut found = Self { rows: [[0.0; PADDED]; 3], columns: [[0.0; PADDED]; 3] };
         for k in 0..3 {
@@ -30,11 +32,6 @@ impl Vertices {
         found
     }
 }
-
-backends!(
-    /// The enclosures of the entries, by lane; false where a determinant is not far from zero.
-    pub(super) fn vertices(lo: &Square, hi: &Square, chosen: &Vertices, ends: &mut Ends) -> bool = vertex_entries
-);
 
 /// By lane the bits of a bound, and those of the bound if the error had the other sign: equal where it cannot matter.
 /// Lane `q < 9` is the lower end of entry `q`, lane `9 + q` minus its upper end.
@@ -94,13 +91,15 @@ fn scaled<V: Vector>(x: V, c: Minor<V>) -> (V, V) {
     (p, p_error + x * c.lo)
 }
 
+/// The enclosures of the entries, by lane.
+///
 /// Lane `q` is entry `ij` with `i = (q % 9) / 3`, `j = q % 3`; its matrix has row `j` first and the others behind it in
 /// turn, an even permutation, so its determinant is expanded along row `j` and its own cofactor is one of the three
 /// needed for that. Values that depend on `j` alone repeat with period 3. The result is false if a determinant is not
 /// far from zero.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
-fn vertex_entries<V: Vector>(lo: &Square, hi: &Square, chosen: &Vertices, ends: &mut Ends) -> bool {
+pub(super) fn vertex_entries<V: Vector>(lo: &Square, hi: &Square, chosen: &Vertices, ends: &mut Ends) -> bool {
     let mut lower = [[0.0; PERIODIC]; 3];
     let mut upper = [[0.0; PERIODIC]; 3];
     for l in 0..3 {

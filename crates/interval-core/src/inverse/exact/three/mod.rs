@@ -15,8 +15,9 @@
 mod entries;
 mod extremes;
 
+use crate::lanes::{Vector, backends};
 use crate::rounding::slices::Backend;
-use entries::{Ends, Vertices, vertices};
+use entries::{Ends, Vertices, vertex_entries};
 
 /// Bounds by row.
 pub(super) type Square = [f64; 9];
@@ -28,17 +29,28 @@ const LARGEST: f64 = f64::from_bits((1023 + 200) << 52);
 /// The unit roundoff of a double, 2^-53.
 const UNIT: f64 = f64::EPSILON / 2.0;
 
+/// Lower and upper bounds, and `R`.
+type Hull = (Square, Square, Square);
+
 /// The tightest bounds of every entry of the inverse, and an approximate inverse `R` with
 /// `|I - R A| (1, 1, 1)' < (1, 1, 1)'`. The value is `None` if one of the steps does not decide.
-pub(super) fn hull(lo: &Square, hi: &Square) -> Option<(Square, Square, Square)> {
+pub(super) fn hull(lo: &Square, hi: &Square) -> Option<Hull> {
+    hull_on(Backend::chosen(), lo, hi)
+}
+
+backends!(fn hull_on(lo: &Square, hi: &Square) -> Option<Hull> = hull_lanes);
+
+/// All steps, compiled for one back end: the first two cost as much as the last, and gain from its registers.
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
+fn hull_lanes<V: Vector>(lo: &Square, hi: &Square) -> Option<Hull> {
     let proved = Regular::prove(lo, hi)?;
-    let backend = Backend::chosen();
     let chosen = match proved.signs {
         Some(signs) => Vertices::of_signs(&signs),
-        None => extremes::find(backend, lo, hi, &proved.zero)?,
+        None => extremes::find(Backend::chosen(), lo, hi, &proved.zero)?,
     };
     let mut ends = Ends::NONE;
-    if !vertices(backend, lo, hi, &chosen, &mut ends) {
+    if !vertex_entries::<V>(lo, hi, &chosen, &mut ends) {
         return None;
     }
     let (mut lower, mut upper) = ([0.0; 9], [0.0; 9]);
@@ -62,6 +74,8 @@ struct Regular {
 }
 
 impl Regular {
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
     fn prove(lo: &Square, hi: &Square) -> Option<Self> {
         let mut middle = [0.0; 9];
         let mut spread = [0.0; 9];
@@ -123,7 +137,8 @@ impl Regular {
     }
 }
 
-#[inline]
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
 fn product(a: &Square, b: &Square) -> Square {
     let mut c = [0.0; 9];
     for i in 0..3 {
@@ -135,6 +150,8 @@ fn product(a: &Square, b: &Square) -> Square {
 }
 
 /// The inverse in plain floats.
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
 fn adjugate_over_determinant(m: &Square) -> Option<Square> {
     let c = [
         m[4] * m[8] - m[5] * m[7],
@@ -153,6 +170,8 @@ fn adjugate_over_determinant(m: &Square) -> Option<Square> {
 }
 
 /// True if the cofactor of `a_kl` is zero for every member: each of its two products has a factor that is.
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
 fn is_zero_cofactor(lo: &Square, hi: &Square, k: usize, l: usize) -> bool {
     let [p, q] = OTHERS[k];
     let [s, t] = OTHERS[l];

@@ -62,39 +62,44 @@ const PADDED: usize = ORDER_LIMIT.next_multiple_of(8);
 #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
 fn invert_by_blocks<V: Vector>(work: &mut [f64], n: usize, stride: usize) -> bool {
     let mut swaps = [0_usize; ORDER_LIMIT];
-    let mut panel = [[0.0; BLOCK]; ORDER_LIMIT];
+    // Column by column, so that a step works on as many rows at a time as a vector has lanes.
+    let mut panel = [[0.0; PADDED]; BLOCK];
     let mut rows = [[0.0; PADDED]; BLOCK];
     let mut first = 0;
     while first < n {
         let width = BLOCK.min(n - first);
-        for (i, steps) in panel[..n].iter_mut().enumerate() {
-            *steps = [0.0; BLOCK];
-            steps[..width].copy_from_slice(&work[i * stride + first..][..width]);
+        for (k, column) in panel.iter_mut().enumerate() {
+            if k < width {
+                let from = work[first + k..].iter().step_by(stride);
+                column[..n].iter_mut().zip(from).for_each(|(x, &y)| *x = y);
+            } else {
+                column.fill(0.0);
+            }
         }
         for k in 0..width {
             let p = first + k;
-            let pivot_row = largest(p..n, |i| panel[i][k]);
+            let pivot_row = largest(p..n, |i| panel[k][i]);
             swaps[p] = pivot_row;
-            let pivot = panel[pivot_row][k];
+            let pivot = panel[k][pivot_row];
             if pivot == 0.0 || !pivot.is_finite() {
                 return false;
             }
-            panel.swap(p, pivot_row);
+            panel.iter_mut().for_each(|column| column.swap(p, pivot_row));
             swap_rows(work, stride, p, pivot_row);
             let reciprocal = 1.0 / pivot;
-            panel[p][k] = 1.0;
-            let row = panel[p].map(|x| x * reciprocal);
-            panel[p] = row;
-            for (i, target) in panel[..n].iter_mut().enumerate() {
-                if i != p {
-                    // Storing the zero first would stall the load of the whole vector behind it.
-                    let factor = -target[k];
-                    for (x, y) in target.iter_mut().zip(row) {
-                        *x = factor.mul_add(y, *x);
-                    }
-                    target[k] = factor * row[k];
+            panel[k][p] = 1.0;
+            let row: [f64; BLOCK] = std::array::from_fn(|c| panel[c][p] * reciprocal);
+            let mut i = 0;
+            while i < n {
+                let factor = -V::load(&panel[k][i..]);
+                for (c, column) in panel.iter_mut().enumerate() {
+                    let step = V::splat(row[c]);
+                    let sum = if c == k { factor * step } else { factor.mul_add(step, V::load(&column[i..])) };
+                    sum.store(&mut column[i..]);
                 }
+                i += V::N;
             }
+            panel.iter_mut().zip(row).for_each(|(column, x)| column[p] = x);
         }
         for (k, row) in rows[..width].iter_mut().enumerate() {
             let from = &mut work[(first + k) * stride..][..stride];
@@ -108,17 +113,18 @@ fn invert_by_blocks<V: Vector>(work: &mut [f64], n: usize, stride: usize) -> boo
         while c < stride {
             let [a, b, d, e] =
                 [V::load(&rows[0][c..]), V::load(&rows[1][c..]), V::load(&rows[2][c..]), V::load(&rows[3][c..])];
-            for (target, t) in work.chunks_exact_mut(stride).zip(&panel) {
+            for (i, target) in work.chunks_exact_mut(stride).enumerate() {
                 let target = &mut target[c..][..V::N];
-                let sum = V::splat(t[0]).mul_add(a, V::load(target));
-                let sum = V::splat(t[1]).mul_add(b, sum);
-                let sum = V::splat(t[2]).mul_add(d, sum);
-                V::splat(t[3]).mul_add(e, sum).store(target);
+                let sum = V::splat(panel[0][i]).mul_add(a, V::load(target));
+                let sum = V::splat(panel[1][i]).mul_add(b, sum);
+                let sum = V::splat(panel[2][i]).mul_add(d, sum);
+                V::splat(panel[3][i]).mul_add(e, sum).store(target);
             }
             c += V::N;
         }
-        for (i, steps) in panel[..n].iter().enumerate() {
-            work[i * stride + first..][..width].copy_from_slice(&steps[..width]);
+        for (k, column) in panel[..width].iter().enumerate() {
+            let to = work[first + k..].iter_mut().step_by(stride);
+            to.zip(&column[..n]).for_each(|(x, &y)| *x = y);
         }
         first += width;
     }

@@ -109,10 +109,10 @@ def inverse(
     Raises:
         IvsidError: wrong shape, NaN, reversed bounds, or an unknown method or sweep.
     """
-    _check(method, partitions, sweep)
+    number = _check(method, partitions, sweep)
     matrix = _matrix(A)
     if matrix.ndim == 2:
-        return inverse_one(matrix, method, partitions, sweep=sweep, progress=progress, client=client)
+        return _inverse_one(matrix, method, number, sweep, progress, client)
     if client is not None:
         raise IvsidError("a batch is not shared by a client; give one matrix of shape (n, n), or leave client out")
     return inverse_batch(matrix, method, partitions, sweep=sweep)
@@ -129,7 +129,19 @@ def inverse_one(
 ) -> Result:
     """``inverse`` of one matrix, shape (n, n)."""
     number = _check(method, partitions, sweep)
-    lower, upper = _bounds(_matrix(A), 2)
+    return _inverse_one(_matrix(A), method, number, sweep, progress, client)
+
+
+def _inverse_one(
+    matrix: IntervalArray,
+    method: str,
+    number: int,
+    sweep: str,
+    progress: Callable[[int, int], object] | None,
+    client: Client | None,
+) -> Result:
+    """``inverse_one`` of arguments that were checked: one call is some microseconds, of which a second check would be two."""
+    lower, upper = _bounds(matrix, 2)
     if client is None:
         found = _core.inverse(lower, upper, method, number, sweep, progress)
     else:
@@ -317,12 +329,15 @@ def bounds_of(ends: Bounds | None, proved: bool) -> IntervalArray | EndpointPair
     """The core's bounds; only proved ones become an ``IntervalArray``."""
     if ends is None:
         return None
-    return IntervalArray(*ends) if proved else EndpointPair(*ends)
+    # The core made the bounds, for this array: they are intervals without another look at them.
+    return IntervalArray._raw(ends, ends[0].shape) if proved else EndpointPair(*ends)
 
 
 def make_result(method: str, found: _core._Outcome, matrix: Bounds, shape: tuple[int, ...]) -> Result:
     """The core's answer as a ``Result``."""
     ends = found["value"]
-    value = bounds_of(None if ends is None else (ends[0].reshape(shape), ends[1].reshape(shape)), found["proved"])
+    if ends is not None and ends[0].shape != shape:
+        ends = (ends[0].reshape(shape), ends[1].reshape(shape))
+    value = bounds_of(ends, found["proved"])
     certificate = None if found["certificate"] is None else Certificate(found["certificate"], *matrix)
     return Result(method, Status(found["status"]), value, certificate, found["reason"], found["gap"])

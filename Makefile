@@ -14,7 +14,7 @@ ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 FIXED := PROPTEST_RNG_SEED=1
 
 .PHONY: demo test test-rust test-python dependencies check rustfmt clippy lint rules null-logs constants constants-page rules-page rule-counts types stubs imports docs-rust docs-python nightly \
-	site links workflows wheel try-wheel licences bench same same-compare vessels peers inverse-peers fit-peers throughput diagnosis-time first-diagnosis plans refuted tubes stores fleet-throughput exhaustive twins itf1788 differential fuzz fuzz-files mutants exam reliability handbook build release venv tools format clean
+	site links workflows wheel try-wheel licences bench bench-save bench-compare all-peers same same-compare vessels peers inverse-peers fit-peers throughput diagnosis-time first-diagnosis plans refuted tubes stores fleet-throughput exhaustive twins itf1788 differential fuzz fuzz-files mutants exam reliability handbook build release venv tools format clean
 
 demo: release
 	$(BIN)/ivsid demo --out $(OUT)
@@ -152,6 +152,24 @@ nightly: build
 bench: release
 	cargo bench --locked
 	$(BIN)/python benches/ratios.py
+
+# The Rust benchmarks before and after a change, on one machine: `make bench-save`, the change, `make bench-compare`. Sweeps go up to 1e8
+# partitions. BENCH takes one of interval, inverse and feasible, FILTER a part of the names, BASELINE another name; CRITERION_HOME names a
+# folder that two trees share.
+BASELINE ?= before
+BENCHES = cargo bench --locked -p benches $(if $(BENCH),--bench $(BENCH)) -- $(FILTER)
+bench-save:
+	$(BENCHES) --save-baseline $(BASELINE)
+
+bench-compare: venv
+	$(BENCHES) --baseline-lenient $(BASELINE)
+	$(BIN)/python benches/baseline.py $(BASELINE)
+
+# Every peer that can be had, in one command: NumPy, numba, python-flint, codac, other interval packages, statistical fits, and inari at last,
+# which is built from source. Peers that are missing are named and left out.
+all-peers: inverse-peers fit-peers
+	$(ONE_THREAD) $(BIN)/python benches/feasible_peers.py
+	$(MAKE) --no-print-directory peers
 
 # Logs and results in a local server of S3, whose packages stand apart from the environment.
 stores: build

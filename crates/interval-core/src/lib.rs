@@ -17,26 +17,39 @@
 //! - `parallel` (on): threads, by `rayon`. The bits are the same without.
 //! - `serde`: intervals as their bounds.
 //!
+//! # Without a system
+//! On a target without an operating system (`target_os = "none"`) the crate is `no_std` and holds [`rounding`]: directed
+//! sums, products and quotients, to the same bits. The other modules need the standard library.
+//!
 //! # Limits
 //! - `inverse::published` and `inverse::published_hull` follow a paper literally. They are *not* enclosures, and say
 //!   so.
 //! - The floating-point environment has to be the default one (round to nearest, subnormals kept);
 //!   [`rounding::environment_is_default`] checks it.
 
+#![cfg_attr(target_os = "none", no_std)]
+
 #[cfg(feature = "linalg")]
 mod absolute_value;
+#[cfg(not(target_os = "none"))]
 mod accumulator;
 #[cfg(feature = "linalg")]
 mod approximate;
 #[cfg(feature = "linalg")]
 pub mod certified;
+#[cfg(not(target_os = "none"))]
 mod decimals;
+#[cfg(not(target_os = "none"))]
 mod dyadic;
+#[cfg(not(target_os = "none"))]
 mod elementary;
+#[cfg(not(target_os = "none"))]
 pub mod error;
 #[cfg(feature = "exact")]
 pub mod exact;
+#[cfg(not(target_os = "none"))]
 mod integers;
+#[cfg(not(target_os = "none"))]
 pub mod interval;
 #[cfg(feature = "linalg")]
 pub mod inverse;
@@ -46,14 +59,19 @@ mod lanes;
 pub mod linear_program;
 #[cfg(feature = "linalg")]
 pub mod matrix;
+#[cfg(not(target_os = "none"))]
 mod names;
+#[cfg(not(target_os = "none"))]
 mod parallel;
+#[cfg(not(target_os = "none"))]
 pub mod reach;
+#[cfg(not(target_os = "none"))]
 pub mod reductions;
 #[cfg(feature = "linalg")]
 pub mod regression;
 #[cfg(feature = "linalg")]
 pub mod regularity;
+#[cfg(not(target_os = "none"))]
 pub mod relaxation;
 pub mod rounding;
 #[cfg(feature = "linalg")]
@@ -71,7 +89,9 @@ mod witness;
 
 #[cfg(feature = "linalg")]
 pub use certified::{Certified, Claim, Unproved};
+#[cfg(not(target_os = "none"))]
 pub use error::Error;
+#[cfg(not(target_os = "none"))]
 pub use interval::{DecoratedInterval, Decoration, Interval};
 #[cfg(feature = "linalg")]
 pub use matrix::IntervalMatrix;

@@ -1,5 +1,6 @@
 //! The premise of every bound: the processor rounds to nearest and keeps subnormal numbers.
 
+#[cfg(not(target_os = "none"))]
 use crate::error::Error;
 
 /// True if the processor rounds to nearest and keeps subnormal numbers: the premise of every bound in this crate.
@@ -18,6 +19,7 @@ pub fn environment_is_default() -> bool {
 ///
 /// # Errors
 /// [`Error::Environment`].
+#[cfg(not(target_os = "none"))]
 #[inline]
 pub fn check_environment() -> Result<(), Error> {
     if is_default() { Ok(()) } else { Err(Error::Environment) }
@@ -36,7 +38,7 @@ fn is_default() -> bool {
     // SAFETY: the instruction stores the register into the four bytes behind the pointer and touches nothing else.
     #[expect(unsafe_code, reason = "there is no other way to read the register")]
     unsafe {
-        std::arch::asm!("stmxcsr [{}]", in(reg) &raw mut control, options(nostack, preserves_flags));
+        core::arch::asm!("stmxcsr [{}]", in(reg) &raw mut control, options(nostack, preserves_flags));
     }
     control & (ROUNDING | FLUSH_TO_ZERO | DENORMALS_ARE_ZERO) == 0
 }
@@ -45,7 +47,7 @@ fn is_default() -> bool {
 #[cfg(any(not(target_arch = "x86_64"), miri))]
 #[inline]
 fn is_default() -> bool {
-    use std::hint::black_box;
+    use core::hint::black_box;
     let half_ulp_above = black_box(f64::EPSILON) / 2.0;
     let half_ulp_below = half_ulp_above / 2.0;
     let nearest = black_box(1.0) + half_ulp_above == 1.0 && black_box(1.0) - half_ulp_below == 1.0;

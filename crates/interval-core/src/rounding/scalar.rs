@@ -11,6 +11,7 @@
 /// 2^-969: a product of this size or larger has an error term that is a multiple of 2^-1074, hence exact.
 const SAFE: f64 = f64::from_bits((1023 - 969) << 52);
 /// Factor of the root of an operand below 2^-969. [`TWO_200`] is that of the operand.
+#[cfg(not(target_os = "none"))]
 const TWO_100: f64 = f64::from_bits((1023 + 100) << 52);
 /// Factor of an operand below 2^-969: the fused residual then keeps its sign.
 const TWO_200: f64 = f64::from_bits((1023 + 200) << 52);
@@ -22,6 +23,7 @@ const TWO_800: f64 = f64::from_bits((1023 + 800) << 52);
 /// Operands up to this size are split (Veltkamp) without overflow.
 const TWO_970: f64 = f64::from_bits((1023 + 970) << 52);
 /// A sum of two numbers below this size does not overflow.
+#[cfg(not(target_os = "none"))]
 const HALF_MAX: f64 = f64::MAX / 2.0;
 /// The smallest positive double, 2^-1074.
 const SMALLEST: f64 = f64::from_bits(1);
@@ -60,14 +62,23 @@ pub fn sub_down(a: f64, b: f64) -> f64 {
     -add_up(-a, b)
 }
 
-/// `a * b - product` for the product rounded to nearest, at least `SAFE` in size.
+/// A number with the sign of `a * b + c`: rounded once, or the sign alone where there is no fused operation.
+#[inline]
+fn fused(a: f64, b: f64, c: f64) -> f64 {
+    #[cfg(not(target_os = "none"))]
+    return a.mul_add(b, c);
+    #[cfg(target_os = "none")]
+    return super::fused_sign::fused_sign(a, b, c);
+}
+
+/// A number with the sign of `a * b - product` for the product rounded to nearest, at least `SAFE` in size.
 ///
 /// Without a fused instruction a call of the library's function costs more than Dekker's product, which is as exact
 /// where the splitting does not overflow.
 #[inline]
 fn product_error(a: f64, b: f64, product: f64) -> f64 {
     if cfg!(any(target_feature = "fma", target_arch = "aarch64")) || a.abs().max(b.abs()).max(product.abs()) > TWO_970 {
-        return a.mul_add(b, -product);
+        return fused(a, b, -product);
     }
     let ((ah, al), (bh, bl)) = (halves(a), halves(b));
     ((ah * bh - product) + ah * bl + al * bh) + al * bl
@@ -100,7 +111,7 @@ pub fn mul_up(a: f64, b: f64) -> f64 {
         let (x, y) = (a * TWO_537, b * TWO_537);
         let scaled = x * y;
         let candidate = (product * TWO_537) * TWO_537;
-        candidate < scaled || (candidate == scaled && x.mul_add(y, -scaled) > 0.0)
+        candidate < scaled || (candidate == scaled && fused(x, y, -scaled) > 0.0)
     };
     if too_low { product.next_up() } else { product }
 }
@@ -133,7 +144,7 @@ pub fn div_up(a: f64, b: f64) -> f64 {
         return if a > 0.0 { SMALLEST } else { -0.0 };
     };
     // The sign of quotient * denominator - numerator, rounded once, is the sign of the exact difference.
-    if quotient.mul_add(denominator, -numerator) < 0.0 { quotient.next_up() } else { quotient }
+    if fused(quotient, denominator, -numerator) < 0.0 { quotient.next_up() } else { quotient }
 }
 
 /// `a / b` rounded down, for `b != 0`.
@@ -144,6 +155,7 @@ pub fn div_down(a: f64, b: f64) -> f64 {
 }
 
 /// The square root of `x >= 0` rounded up.
+#[cfg(not(target_os = "none"))]
 #[must_use]
 #[inline]
 pub fn sqrt_up(x: f64) -> f64 {
@@ -152,6 +164,7 @@ pub fn sqrt_up(x: f64) -> f64 {
 }
 
 /// The square root of `x >= 0` rounded down.
+#[cfg(not(target_os = "none"))]
 #[must_use]
 #[inline]
 pub fn sqrt_down(x: f64) -> f64 {
@@ -160,6 +173,7 @@ pub fn sqrt_down(x: f64) -> f64 {
 }
 
 /// A number with the sign of `x - root^2`; zero where there is no rounding.
+#[cfg(not(target_os = "none"))]
 #[inline]
 fn sqrt_residual(root: f64, x: f64) -> f64 {
     if x == 0.0 || !x.is_finite() {
@@ -180,6 +194,7 @@ fn saturate_up(result: f64, a: f64, b: f64) -> f64 {
 }
 
 /// `a * b + c` rounded up once; infinite operands give the limit.
+#[cfg(not(target_os = "none"))]
 #[must_use]
 #[inline]
 pub fn fma_up(a: f64, b: f64, c: f64) -> f64 {
@@ -207,6 +222,7 @@ pub fn fma_up(a: f64, b: f64, c: f64) -> f64 {
 }
 
 /// `a * b + c` rounded down once.
+#[cfg(not(target_os = "none"))]
 #[must_use]
 #[inline]
 pub fn fma_down(a: f64, b: f64, c: f64) -> f64 {
@@ -214,6 +230,7 @@ pub fn fma_down(a: f64, b: f64, c: f64) -> f64 {
 }
 
 /// The sum and its error, for sums that do not overflow.
+#[cfg(not(target_os = "none"))]
 #[inline]
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;

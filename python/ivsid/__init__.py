@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ivsid.errors import IvsidError
     from ivsid.exports.export import export
     from ivsid.fleets import Fleet, fleet
-    from ivsid.identification import Identification, Parameter, identify
+    from ivsid.identification import Following, Identification, Parameter, follow, identify
     from ivsid.intervals import EndpointPair, Interval, IntervalArray, exchange
     from ivsid.linear import linalg, regression
     from ivsid.log import Log, read_log
@@ -48,6 +48,7 @@ _HOMES: Final = {
     "Diagnosis": "ivsid.diagnosis",
     "EndpointPair": "ivsid.intervals",
     "Fleet": "ivsid.fleets",
+    "Following": "ivsid.identification",
     "Identification": "ivsid.identification",
     "Interval": "ivsid.intervals",
     "IntervalArray": "ivsid.intervals",
@@ -62,6 +63,7 @@ _HOMES: Final = {
     "diagnose": "ivsid.diagnosis",
     "export": "ivsid.exports",
     "fleet": "ivsid.fleets",
+    "follow": "ivsid.identification",
     "identify": "ivsid.identification",
     "linalg": "ivsid.linear",
     "plan": "ivsid.plans",
@@ -78,6 +80,7 @@ __all__ = [
     "Diagnosis",
     "EndpointPair",
     "Fleet",
+    "Following",
     "Identification",
     "Interval",
     "IntervalArray",
@@ -94,6 +97,7 @@ __all__ = [
     "exchange",
     "export",
     "fleet",
+    "follow",
     "identify",
     "linalg",
     "plan",

@@ -258,6 +258,14 @@ class _Followed(TypedDict):
     parts_upper: _Array
 
 @final
+class Follower:
+    def __new__(cls, start: _Bounds, rates: _Array, window: float | None) -> Self: ...
+    def take(
+        self, time: _Array, rows: _Bounds, right: _Bounds
+    ) -> tuple[int, tuple[float, float, int, int | None] | None]: ...
+    def bounds(self) -> _Bounds: ...
+
+@final
 class TubeModel:
     def __new__(
         cls,

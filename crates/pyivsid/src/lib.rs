@@ -1,4 +1,4 @@
-//! The functions of `interval-core` for Python: borrow, detach from the interpreter, call, convert. No arithmetic and
+//! The functions of `interval-core` and `onboard` for Python: borrow, detach from the interpreter, call, convert. No arithmetic and
 //! no decisions.
 
 #![expect(clippy::needless_pass_by_value, reason = "pyfunction arguments are extracted by value")]
@@ -9,6 +9,7 @@ mod elementwise;
 mod filters;
 mod linalg;
 mod names;
+mod onboard;
 mod regression;
 mod scalar;
 mod tube;
@@ -30,6 +31,8 @@ mod core_module {
         cell_answers, default_count, gram, inverse, inverse_batch, inverse_of_parts, inverse_part, matmul, norm,
         partitioned_shared, regularity, regularity_batch, solve, solve_batch,
     };
+    #[pymodule_export]
+    use super::onboard::Follower;
     #[pymodule_export]
     use super::regression::{feasible_set, least_squares, normal_equations};
     #[pymodule_export]

@@ -10,6 +10,7 @@ from typer.core import TyperGroup
 
 from ivsid.cli.causes import diagnose, isolability
 from ivsid.cli.command import Command, plain
+from ivsid.cli.following import follow
 from ivsid.cli.many import fleet
 from ivsid.cli.parameters import export, identify, validate, verify
 from ivsid.cli.preparation import allan, demo, example, import_, init, simulate, thrust
@@ -83,6 +84,7 @@ app.command(cls=Command, rich_help_panel=MEASURED, no_args_is_help=True)(allan)
 app.command(cls=Command, rich_help_panel=MEASURED, no_args_is_help=True)(thrust)
 app.command(cls=Command, rich_help_panel=SIMULATION, no_args_is_help=True)(simulate)
 app.command(cls=Command, rich_help_panel=INTERVALS, no_args_is_help=True)(identify)
+app.command(cls=Command, rich_help_panel=INTERVALS, no_args_is_help=True)(follow)
 app.command(cls=Command, rich_help_panel=INTERVALS, no_args_is_help=True)(verify)
 app.command(cls=Command, rich_help_panel=INTERVALS, no_args_is_help=True)(validate)
 app.command(cls=Command, rich_help_panel=INTERVALS, no_args_is_help=True)(tube)

@@ -22,6 +22,8 @@ def run(
     json: bool,
     work: Callable[[Progress], Report],
     apart: Mapping[str, Path] | None = None,
+    *,
+    quiet: bool = False,
 ) -> None:
     """Runs a command.
 
@@ -31,6 +33,7 @@ def run(
         json: print the JSON of result.json and nothing else.
         work: makes the report, telling each step to its argument.
         apart: files of the report that are written elsewhere, by name.
+        quiet: no progress, since the work shows itself.
 
     Raises:
         IvsidError: a folder that cannot be written, or unusable input.
@@ -49,7 +52,7 @@ def run(
     for name, place in apart.items():
         if place.resolve() in {p.resolve() for p in own}:
             raise IvsidError(f"{place} is a file of the results themselves; name another one for {name}")
-    with shown(command, quiet=json) as progress:
+    with shown(command, quiet=json or quiet) as progress:
         report = work(progress)
         report = replace(report, record=records.with_own_effects(report.record, effects.own_files()))
         page.write(report, folder, apart)

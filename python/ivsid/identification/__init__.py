@@ -7,6 +7,7 @@
 - ``certificates``: the rows and multipliers that prove each bound, as records.
 - ``combinations``: combinations of parameters that the data determine where single parameters stay open.
 - ``result``: the identification as a value and as a file, whose parts ``stored`` checks.
+- ``following``: the same intervals row by row, in bounded memory; ``followed`` is their result.
 - ``constriction``: the paper's heuristic, which guarantees nothing.
 
 The chapter may use ``rows``, ``linear`` and the chapters below them. The mathematics is in the core; nothing here widens or narrows a
@@ -14,14 +15,20 @@ proved bound.
 """
 
 from ivsid.identification.combinations import in_words
+from ivsid.identification.followed import Change, Following, Moment
+from ivsid.identification.following import follow
 from ivsid.identification.method import METHODS, checked_claims, identify, identify_rows
 from ivsid.identification.result import Identification, Parameter, read_identification
 
 __all__ = [
     "METHODS",
+    "Change",
+    "Following",
     "Identification",
+    "Moment",
     "Parameter",
     "checked_claims",
+    "follow",
     "identify",
     "identify_rows",
     "in_words",

@@ -3,11 +3,12 @@
 The mathematics and its proofs are in ``crates/interval-core``. A door checks shapes and names, passes arrays without a copy where their
 layout allows it, and returns frozen values. Nothing here widens or narrows a bound, and nothing reads a file.
 
-Doors, one a subject; only these four import the compiled core:
+Doors, one a subject; only these five import the compiled core:
 
 - ``linalg``: inverses, regularity, square systems and the norm of interval matrices, one by one or in batches.
 - ``regression``: parameters of interval rows: the feasible set with its certificates, the normal equations (paper, eq. 14) and
   least squares.
+- ``following``: bounds of parameters from rows that come one by one, in bounded memory.
 - ``filters``: recursive filters and causal whitening in plain floats; estimates, and never a bound.
 - ``trajectories``: bounds of every trajectory of a set of parameters, and trajectories of single members.
 

@@ -7,6 +7,7 @@
 - ``example_runs``: two logs with a hidden cause, for a first diagnosis.
 - ``simulation``: a log from a known truth.
 - ``identification``, ``verification``, ``validation``: parameter intervals, their proof, and another log against them.
+- ``following``: parameter intervals as they narrow along a log.
 - ``trajectories``: bounds of every trajectory that a fit allows.
 - ``trial_plan``: the demands of a next trial, as a scenario.
 - ``exporting``: a model as a file of another simulator.
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from ivsid.workflow.diagnosis import diagnose
     from ivsid.workflow.example_runs import example
     from ivsid.workflow.exporting import export
+    from ivsid.workflow.following import follow
     from ivsid.workflow.identification import identify
     from ivsid.workflow.many_logs import fleet
     from ivsid.workflow.paper_trials import demo
@@ -49,6 +51,7 @@ _HOMES: Final = {
     "example": "example_runs",
     "export": "exporting",
     "fleet": "many_logs",
+    "follow": "following",
     "identify": "identification",
     "import_set": "data_sets",
     "init": "proposal",
@@ -68,6 +71,7 @@ __all__ = [
     "example",
     "export",
     "fleet",
+    "follow",
     "identify",
     "import_set",
     "init",

@@ -2,7 +2,7 @@
 
 - ``canvas``: colours, sizes, and a figure as files; the same input gives the same bytes.
 - ``measurements``: logs, Allan deviations, bollard-pull tables, towing runs.
-- ``fits``: parameter intervals, predicted forces, simulated motion.
+- ``fits``: parameter intervals, predicted forces, simulated motion; ``following``: intervals along a log.
 - ``tubes``: bounds of all consistent trajectories; ``plans``: the track of a planned trial.
 - ``diagnosis``: signatures of findings, and force and motion before and after.
 - ``plots``: the same drawings on demand, for ``result.plot()``; the only module that loads pyplot.
@@ -23,6 +23,7 @@ from ivsid.report.figures.diagnosis import (
     stretch,
 )
 from ivsid.report.figures.fits import force_bounds, force_mid, intervals, motion
+from ivsid.report.figures.following import narrowing
 from ivsid.report.figures.measurements import allan_curves, channels, drag_curve, thrust_curve
 from ivsid.report.figures.plans import plan
 from ivsid.report.figures.tubes import tube
@@ -42,6 +43,7 @@ __all__ = [
     "gain",
     "intervals",
     "motion",
+    "narrowing",
     "net_force",
     "plan",
     "ratios",

@@ -10,10 +10,11 @@ from matplotlib.figure import Figure
 
 from ivsid.diagnosis import Diagnosis
 from ivsid.display.shown import Result
-from ivsid.identification import Identification
+from ivsid.identification import Following, Identification
 from ivsid.log import Log
 from ivsid.report.figures.diagnosis import RESIDUAL_SIZE, draw_residual
 from ivsid.report.figures.fits import draw_bounds, draw_intervals, intervals_size
+from ivsid.report.figures.following import draw_narrowing, narrowing_size
 from ivsid.report.figures.measurements import channels_size, draw_channels
 from ivsid.report.figures.tubes import draw_tube, tube_size
 from ivsid.tubes import Tube
@@ -24,7 +25,7 @@ def plot(result: Result, figure: Figure | None) -> tuple[Axes, ...]:
     """Draws a result into a figure, by default a new one of pyplot, which notebooks show.
 
     A fit is drawn as its intervals, a validation as bounds of the forces against the measured ones, a diagnosis as the missing force before and after, a
-    log as its channels, tubes as those of the shortest windows.
+    log as its channels, tubes as those of the shortest windows, a following as its intervals over time.
     """
     return tuple(_drawn(result, figure).axes)
 
@@ -38,6 +39,13 @@ def _drawn(result: Result, figure: Figure | None) -> Figure:
 def _(result: Identification, figure: Figure | None) -> Figure:
     figure = figure or plt.figure(figsize=intervals_size([result]), layout="constrained")
     draw_intervals(figure, [result])
+    return figure
+
+
+@_drawn.register
+def _(result: Following, figure: Figure | None) -> Figure:
+    figure = figure or plt.figure(figsize=narrowing_size(result), layout="constrained")
+    draw_narrowing(figure, result)
     return figure
 
 

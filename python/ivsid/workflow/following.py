@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ivsid import identification
 from ivsid.identification import Following, Moment
+from ivsid.identification.following import START
 from ivsid.intervals import shown
 from ivsid.log import read_log
 from ivsid.report import figures, page
@@ -49,7 +50,6 @@ def follow(
     progress("reading")
     checked = read_vehicle(vehicle)
     data = read_log(log, checked.log)
-    options = {} if start is None else {"start": start}
     found = identification.follow(
         checked,
         data,
@@ -57,12 +57,12 @@ def follow(
         rows=rows,
         window=window,
         physical=physical,
+        start=START if start is None else start,
         drift=drift,
         changes=changes,
         every=every,
         watch=watch,
         progress=progress,
-        **options,
     )
     progress("drawing")
     drawing = figures.narrowing(found)

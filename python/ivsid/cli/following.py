@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from ivsid.identification import Moment
+    from ivsid.report.page import Report
+    from ivsid.workflow.progress import Progress
 
 
 def follow(
@@ -82,12 +84,11 @@ def follow(
         )
     rates = dict(_rate(text) for text in drift or ())
     windows = window_lengths(window)
-    with _watching(live and not json, speed) as watch:
-        run(
-            "follow",
-            out,
-            json,
-            lambda progress: workflow.follow(
+
+    def work(progress: Progress) -> Report:
+        # The table on the terminal ends before the lines of the report are printed.
+        with _watching(live and not json, speed) as watch:
+            return workflow.follow(
                 vehicle,
                 log,
                 form=form,
@@ -100,9 +101,9 @@ def follow(
                 every=every,
                 watch=watch,
                 progress=progress,
-            ),
-            quiet=live,
-        )
+            )
+
+    run("follow", out, json, work, quiet=live)
 
 
 def _rate(text: str) -> tuple[str, float]:
@@ -162,6 +163,7 @@ def _line(moment: Moment) -> str:
 def _table(moment: Moment) -> Table:
     """A moment as a table."""
     from rich.table import Table  # noqa: PLC0415 - likewise
+    from rich.text import Text  # noqa: PLC0415 - likewise
 
     from ivsid.intervals import shown  # noqa: PLC0415 - likewise
 
@@ -169,5 +171,6 @@ def _table(moment: Moment) -> Table:
     for name in ("parameter", "interval", "unit"):
         table.add_column(name)
     for id_, p in moment.parameters.items():
-        table.add_row(id_, shown(p.lower, p.upper), p.unit)
+        # Brackets would be taken for a style.
+        table.add_row(*map(Text, (id_, shown(p.lower, p.upper), p.unit)))
     return table

@@ -1,12 +1,13 @@
-//! The layers of the crate: a module uses only what stands above it in the table of ARCHITECTURE.md, bottom to top
+//! The layers of the crates: a module uses only what stands above it in the tables of ARCHITECTURE.md, bottom to top
 //! there.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The heading of the table's section, and what ends it.
+/// The beginnings of the tables' sections.
 const HEADING: &str = "`crates/interval-core/src`";
+const ONBOARD: &str = "`crates/onboard/src`";
 
 /// Names in backticks, without the slash of a folder.
 fn quoted(text: &str) -> impl Iterator<Item = &str> {
@@ -14,8 +15,8 @@ fn quoted(text: &str) -> impl Iterator<Item = &str> {
 }
 
 /// Modules by rank: line by line, and from left to right on a line.
-fn ranks(architecture: &str) -> BTreeMap<String, usize> {
-    let section = architecture.split(HEADING).nth(1).expect("ARCHITECTURE.md has the section");
+fn ranks(architecture: &str, heading: &str) -> BTreeMap<String, usize> {
+    let section = architecture.split(heading).nth(1).expect("ARCHITECTURE.md has the section");
     let rows = section.lines().skip_while(|l| !l.starts_with('|')).take_while(|l| l.starts_with('|'));
     let cells = rows.skip(2).map(|row| row.split('|').nth(1).expect("a table has cells"));
     cells.flat_map(quoted).enumerate().map(|(rank, name)| (name.to_owned(), rank)).collect()
@@ -146,7 +147,22 @@ fn crate_root() -> PathBuf {
 
 fn table() -> BTreeMap<String, usize> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../ARCHITECTURE.md");
-    ranks(&fs::read_to_string(path).expect("the map of the code"))
+    ranks(&fs::read_to_string(path).expect("the map of the code"), HEADING)
+}
+
+#[test]
+fn the_follower_uses_only_what_stands_above_it() {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let (root, map) = (here.join("crates/onboard/src"), fs::read_to_string(here.join("ARCHITECTURE.md")));
+    let mut rows = ranks(&map.expect("the map of the code"), ONBOARD);
+    let found = faults(&root, &rows);
+    assert!(found.is_empty(), "{}", found.join("\n"));
+    for name in rows.keys() {
+        assert!(root.join(name).with_extension("rs").is_file(), "ARCHITECTURE.md names {name}, which is no module");
+    }
+    // With the bounds at the top, every other module would use what stands below it.
+    rows.insert("bounds".into(), rows.len());
+    assert!(faults(&root, &rows).iter().any(|f| f.contains("half_space uses bounds,")));
 }
 
 #[test]

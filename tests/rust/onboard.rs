@@ -141,6 +141,30 @@ fn the_exact_hull_is_inside_at_every_step() {
     assert!(compared > 8 && proved <= empty, "{compared} {empty} {proved}");
 }
 
+/// Multipliers that are powers of two leave no residual, so that each rounding of the proof decides by itself.
+#[test]
+fn one_unit_in_the_last_place_is_not_lost() {
+    let mut random = Random(36);
+    for trial in 0..80 {
+        let start: [Bounds; 2] = std::array::from_fn(|_| Bounds::new(-2.0 + random.unit(), 2.0 + random.unit()));
+        let mut follower = Follower::<2, 6>::new(start).expect("a good start");
+        let mut given = Vec::new();
+        for k in 0..2 {
+            let mut entry = || [-1.0, -0.5, 0.0, 0.5, 1.0, 2.0][random.bits() as usize % 6];
+            let a: [Bounds; 2] = std::array::from_fn(|_| entry()).map(|x| Bounds::new(x, x));
+            let (middle, scale) = (0.5 * random.unit(), [1.0, 1e-3][trial % 2]);
+            given
+                .push((a, Bounds::new(middle - scale * (1.0 + random.unit()), middle + scale * (1.1 + random.unit()))));
+            let state = follower.row(f64::from(k), &given.last().expect("a row").0, given.last().expect("a row").1);
+            let Some(hull) = oracle(&given, &start) else { break };
+            assert_eq!(state, Ok(State::Bounded), "trial {trial}");
+            for (x, (least, most)) in follower.bounds().iter().zip(&hull) {
+                assert!(q(x.lo) <= *least && *most <= q(x.hi), "trial {trial}, row {k}: the hull sticks out");
+            }
+        }
+    }
+}
+
 #[test]
 fn the_truth_stays_inside_whatever_the_numbers() {
     let mut random = Random(33);

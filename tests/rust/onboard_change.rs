@@ -84,5 +84,12 @@ fn a_pause_without_rows_widens_by_the_rate() {
         assert!(x.width() < b.width() + 2.001 * moved, "{x:?} {b:?}");
     }
     assert_eq!(follower.advance(299.0), Err(Refusal::Time));
+    // A drift beyond every start that is taken, and beyond the doubles, still loses nothing.
+    let mut far = Follower::<2, 4>::drifting([Bounds::new(-1e100, 1e100); 2], [1e99; 2]).expect("good rates");
+    let row = [Bounds::new(1.0, 1.5), Bounds::new(-0.5, 0.5)];
+    for (time, most) in [(0.0, 1e100), (100.0, 1.09e101), (1e300, f64::MAX)] {
+        assert_eq!(far.row(time, &row, Bounds::new(0.0, 1.0)), Ok(State::Bounded));
+        assert!(far.bounds().iter().all(|x| x.contains(0.0)) && far.bounds()[1].hi >= most, "{time}");
+    }
     assert_eq!(Windows::<2, 8>::new(START, 0.0).map(|_| ()), Err(Refusal::Window));
 }

@@ -204,7 +204,7 @@ impl<const N: usize, const ROWS: usize> Follower<N, ROWS> {
             let step = sub_up(time, last);
             for (x, &rate) in self.bounds.iter_mut().zip(&self.rates) {
                 let moved = mul_up(rate, step);
-                *x = Bounds::new(sub_down(x.lo, moved).max(-START_LIMIT), add_up(x.hi, moved).min(START_LIMIT));
+                *x = Bounds::new(sub_down(x.lo, moved), add_up(x.hi, moved));
             }
             if self.bounds.iter().zip(&self.region).any(|(x, r)| x.lo < r.lo || x.hi > r.hi) {
                 self.make_half_spaces();

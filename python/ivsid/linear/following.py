@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from ivsid.intervals import FloatArray, IntervalArray
 
 # Parameters that share rows, at most.
 # Source: resource: the core is compiled for each number, and 16 take 150 kB
-MOST: int = 16
+MOST: Final = 16
 
 
 @dataclass(frozen=True)

@@ -93,6 +93,44 @@ def foxglove(m: Motion, folder: Path) -> Path:
     return path
 
 
+def foxglove_rows(m: Motion, folder: Path) -> Path:
+    """A plot of Foxglove: a row for each reading, and the stamp of a header where the message has one."""
+    series = {
+        "/odometry/filtered.twist.twist.linear.x": (m.u, True),
+        "/odometry/filtered.twist.twist.linear.y": (-m.v, True),
+        "/odometry/filtered.twist.twist.angular.z": (-m.r, True),
+        "/thrusters/port/command.data": (m.port, False),
+        "/thrusters/starboard/command.data": (m.starboard, False),
+    }
+    rows = []
+    for topic, (values, header) in series.items():
+        for t, value in zip(m.t, values, strict=True):
+            rows.append((f"{t:.6f}", f"{EPOCH + t:.6f}", f"{EPOCH + t - 0.002:.6f}" if header else "", topic, value))
+    rows.sort(key=lambda row: float(row[0]))
+    path = folder / "plot.csv"
+    names = ("elapsed time", "receive time", "header.stamp", "topic", "value")
+    pl.DataFrame(rows, schema=names, orient="row").write_csv(path)
+    return path
+
+
+def data_base(m: Motion, folder: Path) -> Path:
+    """Readings of a data base for time series: a measurement, a field and its unit beside each value; all at the same stamps."""
+    series = {
+        ("motion", "surge", "kn"): m.u * 3600 / 1852,
+        ("motion", "sway", "kn"): m.v * 3600 / 1852,
+        ("motion", "yaw_rate", "deg/s"): np.degrees(m.r),
+        ("motion", "heading", "deg"): compass(m.psi),
+        ("actuators", "port_pwm", ""): m.port,
+        ("actuators", "starboard_pwm", ""): m.starboard,
+    }
+    stamps = np.round((EPOCH + m.t) * 1e3).astype(int)
+    rows = [(t, *key, x) for key, values in series.items() for t, x in zip(stamps, values, strict=True)]
+    path = folder / "base.parquet"
+    names = ("time", "_measurement", "_field", "unit", "_value")
+    pl.DataFrame(rows, schema=names, orient="row").write_parquet(path)
+    return path
+
+
 def ardupilot(m: Motion, folder: Path) -> Path:
     """A DataFlash log with the usual fields of IMU, ATT, XKF1 and RCOU."""
 

@@ -10,7 +10,7 @@ from scipy.io import savemat
 
 import log_files
 from ivsid import IvsidError, read_log
-from ivsid.log import formats, unpacked
+from ivsid.log import formats, plain, unpacked
 from test_log_formats import mapping
 
 
@@ -31,13 +31,13 @@ def test_a_gzip_bomb_is_refused_with_the_disk_as_it_was(tmp_path, small, monkeyp
     path.write_bytes(gzip.compress(b"t,u\n" + b"0" * 20_000_000))
     assert path.stat().st_size < 60_000
     written = []
-    plain = formats.most_unpacked
+    most = plain.most_unpacked
 
     def told(size):
-        written.append(plain(size))
+        written.append(most(size))
         return written[-1]
 
-    monkeypatch.setattr(formats, "most_unpacked", told)
+    monkeypatch.setattr(plain, "most_unpacked", told)
     with pytest.raises(IvsidError, match=r"unpacks to more than [0-9,]+ bytes, which no log of its size does"):
         read_log(path)
     assert written[0] < 3_000_000

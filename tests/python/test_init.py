@@ -29,6 +29,8 @@ MOTION = programs.Motion()
 WRITERS = {
     "ros": (programs.ros, "flu", (), ("psi", "x", "y", "ax", "ay")),
     "foxglove": (programs.foxglove, "flu", (), ()),
+    "foxglove_rows": (programs.foxglove_rows, "flu", (), ()),
+    "data_base": (programs.data_base, "frd", (), ("psi",)),
     "ardupilot": (programs.ardupilot, "frd", (), ("psi", "x", "y", "roll", "pitch")),
     "mavlink": (programs.mavlink, "frd", (), ("psi", "x", "y", "roll", "pitch")),
     "px4": (programs.px4, "frd", (), ("psi", "x", "y")),
@@ -332,7 +334,10 @@ def test_answers_on_a_terminal_leave_no_mark(tmp_path, otter_log):
             {"a": [1.0, 2.0], "b": [1.0, 3.0]},
             "has no column whose name is known; it has a, b: name its velocities u, v, r",
         ),
-        ({"topic": [1.0, 2.0], "value": [1.0, 2.0]}, "has a row for each message"),
+        (
+            {"t": [0.0, 0.0, 1.0, 1.0], "topic": ["/a", "/b"] * 2, "value": [1.0, 2.0, 3.0, 4.0]},
+            "has no column whose name is known; it has t, /a, /b: name its velocities u, v, r",
+        ),
         ({"u": [1.0, 2.0], "v": [1.0, 3.0]}, "has no column of stamps whose name is known beside u; name it t"),
     ],
 )

@@ -36,6 +36,7 @@ COLUMN: Final = {
     "kn": 1852.0 / 3600.0,
     "rad/s": 1.0,
     "deg/s": math.pi / 180.0,
+    "deg/min": math.pi / 10800.0,
     "rad/s^2": 1.0,
     "deg/s^2": math.pi / 180.0,
     "m/s^2": 1.0,

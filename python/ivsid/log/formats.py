@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import gzip
 import hashlib
 import os
 import shutil
 import tempfile
-import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
@@ -20,20 +18,18 @@ import polars as pl
 from ivsid.errors import IvsidError
 from ivsid.files.log_map import TimeColumn
 from ivsid.log.dataflash import open_dataflash
+from ivsid.log.long_tables import split
 from ivsid.log.matlab import open_matlab
+from ivsid.log.plain import plain
 from ivsid.log.polars_panics import panics_unprinted
 from ivsid.log.rosbag import open_bag
-from ivsid.log.source import Lossless, Source, Table, head
+from ivsid.log.source import SEPARATOR, Lossless, Source, Table, head
 from ivsid.log.text import open_text
-from ivsid.log.unpacked import MOST_ROWS, most_unpacked, too_large
+from ivsid.log.unpacked import MOST_ROWS
 
-# Bytes that are unpacked at a time.
-# Source: resource: bounds the memory of a step
-PIECE: Final = 1 << 20
 # A MATLAB v5 file begins with words; a v4 file is known by its ending.
 MATLAB_5: Final = b"MATLAB 5.0 MAT-file"
 MATLAB_73: Final = (b"MATLAB 7.3 MAT-file", b"\x89HDF\r\n\x1a\n")
-GZIP: Final = b"\x1f\x8b"
 MCAP: Final = b"\x89MCAP0\r\n"
 SQLITE: Final = b"SQLite format 3\x00"
 ROS_1: Final = b"#ROSBAG V2.0"
@@ -41,6 +37,9 @@ DATAFLASH: Final = b"\xa3\x95\x80"
 TABLES: Final = (".csv", ".csv.gz", ".parquet", ".parquet.gz")
 # Endings of files that are a log each, in a folder that is searched.
 WHOLE: Final = (".mat", ".bin", ".mcap", ".db3", ".bag")
+# Columns of a table that is no run: a stamp and a signal.
+# Source: definition: a run needs velocities as well
+LEAST_RUN: Final = 2
 # Files below a folder that is searched for a log.
 # Source: definition: a folder of one log has fewer; a disk has more
 MOST_FILES: Final = 10_000
@@ -169,10 +168,13 @@ def _tables(path: Path, name: str, files: Sequence[Path], stack: ExitStack) -> M
             stem = next(where[: -len(e)] for e in TABLES if where.lower().endswith(e))
             if stem in tables:
                 raise IvsidError(f"folder {name} holds two tables named {stem}; rename one")
-            tables[stem] = _table(each, str(each), stack)
+            table = _table(each, str(each), stack)
+            for part, content in (split(table) or {"": table}).items():
+                tables[f"{stem}{SEPARATOR}{part.lstrip(SEPARATOR)}" if part else stem] = content
         places = {each.parent for each in files}
-        if len(places) > 1 and len({tuple(t.columns) for t in tables.values()}) < len(tables):
-            # Tables of one log have columns of their own; two that are alike are two runs.
+        runs = [tuple(t.columns) for t in tables.values() if len(t.columns) > LEAST_RUN]
+        if len(places) > 1 and len(set(runs)) < len(runs):
+            # Tables of one log have columns of their own; two that are alike are two runs, unless they hold a signal each.
             raise _several(path, name, [*places])
         return tables
     first, ending = head(path), path.suffix.lower()
@@ -186,7 +188,8 @@ def _tables(path: Path, name: str, files: Sequence[Path], stack: ExitStack) -> M
         return open_bag(path, name, stack)
     if first.startswith(DATAFLASH) or ending == ".bin":
         return open_dataflash(path, name, stack)
-    return {"": _table(path, name, stack)}
+    table = _table(path, name, stack)
+    return split(table) or {"": table}
 
 
 def _is_bag(folder: Path) -> bool:
@@ -198,23 +201,8 @@ def _is_table(path: Path) -> bool:
 
 
 def _table(path: Path, name: str, stack: ExitStack) -> Table:
-    """A table of CSV or Parquet, plain or gzip. A packed file is unpacked to disk, since it need not fit in memory."""
-    if head(path).startswith(GZIP):
-        plain = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="ivsid-"))) / "log"
-        most = most_unpacked(path.stat().st_size)
-        try:
-            with gzip.open(path) as packed, plain.open("wb") as target:
-                while piece := packed.read(PIECE):
-                    target.write(piece)
-                    if target.tell() > most:
-                        raise too_large(name, most)
-        except (gzip.BadGzipFile, EOFError, zlib.error):
-            raise IvsidError(f"{name} is a damaged gzip file; copy it again") from None
-        except OSError as error:
-            raise IvsidError(
-                f"{name} cannot be unpacked ({error.strerror}); make room, or unpack it yourself"
-            ) from None
-        path = plain
+    """A table of CSV or Parquet, plain or gzip."""
+    path = plain(path, name, stack)
     if head(path).startswith(b"PAR1"):
         return _parquet(path, name)
     return open_text(path, name)

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from ivsid.errors import IvsidError
 from ivsid.files.log_map import LogMap
 from ivsid.files.processor import check_rounding
+from ivsid.log.long_tables import split
 from ivsid.log.reader import read_log, read_source
 from ivsid.log.record import Log
 from ivsid.log.source import Frame, Source
@@ -61,7 +62,8 @@ def log_of(given: GivenLog, mapping: LogMap | None = None) -> Log:
     frame = _frame(given)
     digest: Future[str] = Future()
     digest.set_result(_hash(frame))
-    return read_source(Source("the table", {"": Frame(frame, first_row=0)}, digest), mapping or LogMap())
+    table = Frame(frame, first_row=0)
+    return read_source(Source("the table", split(table) or {"": table}, digest), mapping or LogMap())
 
 
 def _frame(given: object) -> pl.DataFrame:

@@ -15,6 +15,7 @@ _LABELLED: Final = re.compile(r"(?P<name>.*?\S)\s*(?:\[(?P<square>[^\[\]]*)\]|\(
 _SPELLED: Final = {
     **{"degrees": "deg", "degree": "deg", "°": "deg", "radians": "rad", "radian": "rad"},
     **{"°/s": "deg/s", "deg/sec": "deg/s", "rad/sec": "rad/s", "dps": "deg/s"},
+    **{"°/min": "deg/min", "deg/minute": "deg/min"},
     **{"m/s2": "m/s^2", "m/s²": "m/s^2", "m/s/s": "m/s^2", "rad/s2": "rad/s^2", "rad/s²": "rad/s^2"},
     **{"deg/s2": "deg/s^2", "deg/s²": "deg/s^2", "°/s²": "deg/s^2", "m/sec": "m/s", "mps": "m/s"},
     **{"knots": "kn", "knot": "kn", "kts": "kn", "kt": "kn", "sec": "s", "seconds": "s", "µs": "us", "μs": "us"},
@@ -48,13 +49,18 @@ class Label:
         Raises:
             IvsidError: the unit is not in the table.
         """
-        unit = _SPELLED.get(self.unit, self.unit)
+        unit = spelled(self.unit)
         if unit not in table:
             raise IvsidError(
                 f"{source}: the header {self.column} states the unit '{self.unit}', which is none of {', '.join(table)}; map the column under [log] "
                 "columns with its unit or scale"
             )
         return unit
+
+
+def spelled(unit: str) -> str:
+    """A unit in the package's spelling, or as it stands where none is known."""
+    return _SPELLED.get(unit, unit)
 
 
 def label(table: str, column: str) -> Label | None:

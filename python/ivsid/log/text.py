@@ -5,7 +5,6 @@ Cells are separated by commas, semicolons, tabs or single blanks. Between other 
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,13 +15,12 @@ import polars as pl
 
 from ivsid.errors import IvsidError
 from ivsid.files.log_map import TimeColumn
+from ivsid.log.beginning import MOST_LINES, beginning
 from ivsid.log.source import MISSING
 
 # Bytes at either end of a file that are examined before it is read.
 # Source: resource: bounds the time and memory of the examination
 HEAD: Final = 65536
-# Separators in the order in which they count: names hold blanks and commas, and no tabs.
-SEPARATORS: Final = ("\t", ";", ",", " ")
 # Rows that tell whether numbers have decimal commas.
 # Source: definition: the rows in the first bytes, at most
 SOME: Final = 200
@@ -51,6 +49,7 @@ class Text:
     decimal_comma: bool = False
     clock: TimeColumn | None = None
     first_row: int = 2
+    """Number of the line that holds the first sample."""
 
     def read(self, names: Sequence[str]) -> dict[str, pl.Series]:
         """The columns as doubles where every cell is a plain number, as text otherwise."""
@@ -101,7 +100,7 @@ class Text:
         lazy = pl.scan_csv(
             self.path,
             has_header=False,
-            skip_rows=1,
+            skip_lines=self.first_row - 1,
             schema={c: kind if c in names else pl.String() for c in self.columns},
             null_values=list(MISSING),
             separator=self.separator,
@@ -130,43 +129,33 @@ def open_text(path: Path, name: str) -> Text:
             raise IvsidError(f"log {name} is empty; it needs a header row and samples")
         if b"\x00" in head:
             raise _binary(name)
-        file.seek(0)
-        first, second = file.readline(1 << 24), file.readline(1 << 24)
-    shown_rows = head[: head.rfind(b"\n") + 1].decode("latin-1").split("\n")[:-1]
+    if len(head) == HEAD and head.count(b"\n") < 2:
+        with path.open("rb") as file:
+            head = file.readline(1 << 24) + file.readline(1 << 24)
     encoding = "utf-8-sig"
     try:
         head[: head.rfind(b"\n") + 1].decode(encoding)
     except UnicodeDecodeError:
         encoding = "latin-1"
-    try:
-        header, sample = first.decode(encoding), second.decode(encoding, "replace")
-    except UnicodeDecodeError:
-        raise _binary(name) from None
     shown = head[:4096].decode(encoding, "ignore")
     # Beyond Latin-1, characters that are valid UTF-8 are text, whether or not this Unicode has names for them.
     if sum(c.isprintable() or c in "\r\n\t" or c > "\xff" for c in shown) < 0.98 * len(shown):
         raise _binary(name)
-    separator = _separator(header, sample)
-    if "\r" in header.rstrip("\r\n"):
+    lines = head.decode(encoding, "replace").split("\n")
+    if len(lines) > 1 and len(head) >= HEAD:
+        # The last line goes on behind what was read.
+        lines.pop()
+    rows = [line.removesuffix("\r") for line in lines]
+    if any("\r" in line for line in rows[:2]):
         raise IvsidError(f"{name} ends its lines with carriage returns alone; save it with line feeds")
-    try:
-        names = [c.strip() for c in next(csv.reader([header.rstrip("\r\n")], delimiter=separator, strict=True))]
-    except csv.Error as error:
-        raise IvsidError(f"{name} has a header that cannot be read ({error}); mend its quotation marks") from None
-    twice = next((n for n in names if names.count(n) > 1), None)
+    begun = beginning(rows[:MOST_LINES], name)
+    twice = next((n for n in begun.names if begun.names.count(n) > 1), None)
     if twice is not None:
         raise IvsidError(f"{name} has the column {twice} more than once; each needs its own name")
-    _check_end(path, name, len(names), separator)
-    rows = [row.split(separator) for row in shown_rows[1:SOME]]
-    comma = separator != "," and any(_COMMA.fullmatch(cell.strip(' "\r')) for row in rows for cell in row)
-    return Text(path, name, tuple(names), separator, comma)
-
-
-def _separator(header: str, second: str) -> str:
-    """What separates cells: as often in the header as in the first row of samples, or else most often in the header."""
-    counts = {s: header.strip().count(s) for s in SEPARATORS}
-    alike = (s for s, n in counts.items() if n and n == second.strip().count(s))
-    return next(alike, max(counts, key=lambda s: (counts[s], s == ",")))
+    _check_end(path, name, len(begun.names), begun.separator)
+    cells = [row.split(begun.separator) for row in rows[begun.lines : begun.lines + SOME]]
+    comma = begun.separator != "," and any(_COMMA.fullmatch(cell.strip(' "')) for row in cells for cell in row)
+    return Text(path, name, begun.names, begun.separator, comma, first_row=begun.lines + 1)
 
 
 def _check_end(path: Path, name: str, columns: int, separator: str) -> None:

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from ivsid.proposal.columns import Found
+from ivsid.proposal.found import Found
 
 # Demands between these are taken for pulse widths [us].
 # Source: definition: pulses of hobby controllers and servos last 1000 to 2000 us, with a margin

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,64 +15,14 @@ from ivsid.files import units
 from ivsid.log import COLUMNS, Source
 from ivsid.log.headers import label
 from ivsid.log.stamps import times_of
+from ivsid.proposal.found import Found, Stamps
 from ivsid.proposal.names import Match, Meaning, Program, known_names, match, plain_name
+from ivsid.proposal.thrusters import ANGLES, kind_of, named, steered, steps_of
 
 Array = NDArray[np.float64]
 
 EARTH = ("velocity_north", "velocity_east")
 ATTITUDE = ("qw", "qx", "qy", "qz")
-
-
-@dataclass(frozen=True)
-class Stamps:
-    """The stamps of a table: their column and its unit (None for what the size of an epoch or a date says), and the times [s]."""
-
-    column: str
-    unit: str | None
-    nanoseconds: str | None
-    t: Array
-    rows: NDArray[np.intp] | None
-
-
-@dataclass(frozen=True)
-class Found:
-    """A column that is taken for a channel.
-
-    Attributes:
-        match: the column and its meaning.
-        table: that holds it.
-        t: times of its samples [s], shape (n,).
-        values: cells as they are, shape (n,); NaN is a missing sample.
-        stated: whether the unit stands in the name, in the header, or in the program's table.
-        others: further columns that hold the same channel, which are not taken.
-    """
-
-    match: Match
-    table: str
-    t: Array
-    values: Array
-    stated: bool
-    others: tuple[str, ...] = ()
-
-    @property
-    def program(self) -> Program:
-        """The program that names columns so."""
-        return self.match.program
-
-    @property
-    def meaning(self) -> Meaning:
-        """Channel, unit and scale."""
-        return self.match.meaning
-
-    def with_meaning(self, **changes: object) -> Found:
-        """The column with another unit or scale."""
-        meaning = self.meaning.model_copy(update=changes)
-        return replace(self, match=replace(self.match, meaning=meaning))
-
-    @property
-    def factor(self) -> float:
-        """From a cell to SI units."""
-        return self.meaning.scale * units.COLUMN.get(self.meaning.unit or "1", 1.0)
 
 
 @dataclass(frozen=True)
@@ -85,7 +34,8 @@ class Columns:
         demands: by thruster.
         stamps: by table; a table whose format defines its clock has none.
         program: that names most of the channels.
-        angles: columns that look like the angle of a rudder or an azimuth thruster.
+        angles: of rudders and azimuth thrusters, by their channel, ``rudder_NAME`` or ``azimuth_NAME``.
+        loose: columns that look like such angles, and whose thruster is not known.
         unknown: columns that nothing takes.
     """
 
@@ -93,7 +43,8 @@ class Columns:
     demands: Mapping[str, Found]
     stamps: Mapping[str, Stamps]
     program: Program
-    angles: tuple[str, ...]
+    angles: Mapping[str, Found]
+    loose: tuple[str, ...]
     unknown: tuple[str, ...]
 
 
@@ -103,26 +54,23 @@ def columns_of(source: Source) -> Columns:
     Raises:
         IvsidError: no column has a known name, or no table has stamps.
     """
-    matches, angles = _matches(source)
-    if not any(m.meaning.channel != "demand" for m in matches):
-        if {"topic", "value"} <= {c.rpartition("/")[2] for c in source.columns}:
-            raise IvsidError(
-                f"{source.name} has a row for each message (columns topic and value); export it with a column for each signal, or give the bag itself"
-            )
+    matches = _matches(source)
+    pushing = ("demand", *ANGLES)
+    if not any(m.meaning.channel not in pushing for m in matches):
         raise IvsidError(
             f"{source.name} has no column whose name is known; it has {', '.join(source.columns[:16])}: name its velocities u, v, r and its time t, "
             "or write [log] by hand as the user's guide shows"
         )
-    votes = Counter(m.program.name for m in matches if m.meaning.channel != "demand")
+    votes = Counter(m.program.name for m in matches if m.meaning.channel not in pushing)
     best = max(matches, key=lambda m: (votes[m.program.name], -m.rank)).program
     matches.sort(key=lambda m: (m.program != best, m.rank, m.column))
     taken: dict[str, list[Match]] = {}
     for m in matches:
-        if m.meaning.channel != "demand":
+        if m.meaning.channel not in pushing:
             taken.setdefault(m.meaning.channel, []).append(m)
     _one_velocity(taken)
-    demands = [m for m in matches if m.meaning.channel == "demand"]
-    cells = _cells(source, [m for several in (*taken.values(), demands) for m in several])
+    pushes = [m for m in matches if m.meaning.channel in pushing]
+    cells = _cells(source, [m for several in (*taken.values(), pushes) for m in several])
     stamps: dict[str, Stamps | None] = {}
     channels = {}
     for name, several in taken.items():
@@ -130,44 +78,40 @@ def columns_of(source: Source) -> Columns:
         if there:
             found = _found(source, there[0], cells[there[0].column], stamps, best)
             channels[name] = replace(found, others=tuple(m.column for m in there[1:]))
-    moving = [
-        _found(source, m, cells[m.column], stamps, best)
-        for m in demands
-        if m.column in cells and np.unique(cells[m.column][np.isfinite(cells[m.column])]).size > 1
-    ]
+    there = [m for m in pushes if m.column in cells]
+    pushed = [_found(source, m, cells[m.column], stamps, best) for m in there]
+    demands = named([f for f in pushed if f.meaning.channel == "demand"])
+    angles, loose = steered([f for f in pushed if f.meaning.channel in ANGLES], demands)
     used = {m.column for m in matches} | {s.column for s in stamps.values() if s is not None}
     return Columns(
         channels=channels,
-        demands=_named(moving),
+        demands=demands,
         stamps={t: s for t, s in stamps.items() if s is not None},
         program=best,
-        angles=tuple(angles),
-        unknown=tuple(c for c in source.columns if c not in used and c not in angles),
+        angles=angles,
+        loose=loose,
+        unknown=tuple(c for c in source.columns if c not in used),
     )
 
 
-def _matches(source: Source) -> tuple[list[Match], list[str]]:
-    """Every column with a known name, and those that look like angles of thrusters."""
-    found, angles = [], []
-    words = known_names().demands
+def _matches(source: Source) -> list[Match]:
+    """Every column with a known name, and those that the words of their name make a demand or an angle of a thruster."""
+    found = []
+    commanded = set(known_names().demands.commanded)
     for table, content in source.tables.items():
         for column in content.columns:
             full = source.shown(table, column)
             stated = label(table, column)
             bare = column if stated is None else stated.name
             m = match(full, bare)
-            if m is not None:
+            # What a controller asks for is no reading of the motion, whatever its message is called.
+            if m is not None and (m.meaning.channel == "demand" or not steps_of(full) & commanded):
                 found.append(m)
-                continue
-            steps = set(re.split(r"[^a-z]+", plain_name(bare, {})[0]))
-            if steps & set(words.not_):
-                continue
-            if steps & set(words.angles):
-                angles.append(full)
-            elif steps & set(words.words):
-                plain = known_names().programs[-1]
-                found.append(Match(full, plain, Meaning(channel="demand"), 10**6))
-    return found, angles
+            elif m is None and (kind := kind_of(table, bare)) is not None:
+                endings = known_names().endings
+                unit = plain_name(bare, endings)[1] if kind in ANGLES else None
+                found.append(Match(full, known_names().programs[-1], Meaning(channel=kind, unit=unit), 10**6))
+    return found
 
 
 def _one_velocity(taken: dict[str, list[Match]]) -> None:
@@ -236,8 +180,12 @@ def _stamps(source: Source, table: str, best: Program) -> Stamps | None:
         return None
     endings = known_names().time_endings
     plain = known_names().programs[-1]
-    for program in (best, plain, *known_names().programs):
-        for column in content.columns:
+    # Stamps that every table has come first: those of one table alone need not count from the same zero as the others'.
+    own = [set(t.columns) for t in source.tables.values() if t.clock is None]
+    shared = [c for c in content.columns if all(c in others for others in own)]
+    candidates = [(p, cs) for cs in (shared, content.columns) for p in (best, plain, *known_names().programs)]
+    for program, columns in candidates:
+        for column in columns:
             stated = label(table, column)
             bare = column if stated is None else stated.name
             unit: str | None = program.own.get(bare)
@@ -265,28 +213,6 @@ def _two_columns(source: Source, table: str) -> Stamps | None:
                 whole, part = next(iter(seconds.values())), next(iter(rest.values()))
                 return Stamps(column, None, nanos, (whole - whole[0]) + 1e-9 * part, None)
     return None
-
-
-def _named(found: Sequence[Found]) -> dict[str, Found]:
-    """Demands by the names of their thrusters: the words of their columns that tell them apart."""
-    made: dict[str, Found] = {}
-    for f in found:
-        name = _thruster(f)
-        made[name if name not in made else f"{name}_{len(made) + 1}"] = f
-    return made
-
-
-def _thruster(found: Found) -> str:
-    """The name of a thruster: the last step of a known path, or the words of a plain name that are not general."""
-    column = found.match.column.removeprefix(f"{found.table}/")
-    stated = label(found.table, column)
-    bare = column if stated is None else stated.name
-    if not found.program.plain:
-        words = [w for w in re.split(r"[^A-Za-z0-9]+", re.split(r"[/.:]", bare)[-1]) if w]
-    else:
-        every = [w for w in re.split(r"[^A-Za-z0-9]+", bare) if w]
-        words = [w for w in every if w.lower() not in known_names().demands.general] or every
-    return "_".join(words) or "thruster"
 
 
 def ambiguous(source: Source, taken: Mapping[str, object]) -> dict[str, str]:

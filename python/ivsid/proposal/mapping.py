@@ -11,7 +11,8 @@ import numpy as np
 from ivsid.files.log_map import LogMap
 from ivsid.log import Source
 from ivsid.log.headers import label
-from ivsid.proposal.columns import ATTITUDE, Columns, Found, Stamps, ambiguous
+from ivsid.proposal.columns import ATTITUDE, Columns, ambiguous
+from ivsid.proposal.found import Found, Stamps
 
 # Stated rates of change, as a multiple of the largest change from sample to sample: the next log may be livelier.
 # Source: definition: a guess that the proposed file calls one
@@ -71,11 +72,13 @@ def usable(channels: Mapping[str, Found]) -> tuple[dict[str, Found], tuple[str, 
     return made, tuple(words)
 
 
-def mapping_of(source: Source, columns: Columns, channels: Mapping[str, Found], frame: str) -> Mapped:
-    """The map of the channels, the demands and the stamps."""
+def mapping_of(
+    source: Source, columns: Columns, channels: Mapping[str, Found], angles: Mapping[str, Found], frame: str
+) -> Mapped:
+    """The map of the channels, the demands, the angles of thrusters and the stamps."""
     common = _common(columns.stamps)
     entries: dict[str, str | Mapping[str, object]] = {}
-    taken = {**channels, **{f"demand_{n}": f for n, f in columns.demands.items()}}
+    taken = {**channels, **{f"demand_{n}": f for n, f in columns.demands.items()}, **angles}
     for name, f in taken.items():
         entry = _entry(name, f, source, columns.stamps.get(f.table), common)
         if entry is not None:

@@ -8,11 +8,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 from pydantic import BeforeValidator, Field
 
 from ivsid.files.section import Finite, Section
+
+# Letters of a name at the end of a path; u, x or ve stand in paths of many meanings.
+# Source: definition: one more than the two letters of such names
+SHORTEST: Final = 3
 
 
 class Meaning(Section):
@@ -55,17 +59,31 @@ class Program(Section):
 
 
 class DemandWords(Section):
-    """Words of a plain name that make a column a demand, that make it none, that name no thruster, and that make it an angle."""
+    """Words of names that tell demands and angles of thrusters from readings.
+
+    Attributes:
+        words: that make a column a demand.
+        not_: that make it none; the key of the file is ``not``.
+        measured: of those, the ones that an angle may have.
+        commanded: of what a controller asks for.
+        general: that name no thruster.
+        rudders: that make a column the angle of a rudder.
+        azimuths: that make it the direction of an azimuth thruster.
+    """
 
     words: tuple[str, ...]
-    general: tuple[str, ...]
     not_: tuple[str, ...] = Field(alias="not")
-    angles: tuple[str, ...]
+    measured: tuple[str, ...]
+    commanded: tuple[str, ...]
+    general: tuple[str, ...]
+    rudders: tuple[str, ...]
+    azimuths: tuple[str, ...]
 
 
 class KnownNames(Section):
-    """The whole table; endings of plain names state units."""
+    """The whole table; endings of plain names state units, and words of ``around`` belong to what moves around the vessel."""
 
+    around: tuple[str, ...]
     programs: tuple[Program, ...]
     endings: dict[str, str]
     time_endings: dict[str, str]
@@ -115,7 +133,7 @@ def match(full: str, bare: str) -> Match | None:
     for rank, (program, message, field, meaning) in enumerate(_entries()):
         if program.plain:
             name, unit = plain_name(bare, table.endings)
-            if name == field:
+            if field in _endings_of(name):
                 stated = meaning.model_copy(update={"unit": unit}) if unit else meaning
                 return Match(full, program, stated, rank)
         elif program.whole:
@@ -124,6 +142,15 @@ def match(full: str, bare: str) -> Match | None:
         elif _pattern(message, field).search(full):
             return Match(full, program, meaning, rank)
     return None
+
+
+def _endings_of(name: str) -> tuple[str, ...]:
+    """A plain name, and what stands at the end of a path: ``nav.gyro.z`` ends with ``gyro_z``; shorter names than that say too little."""
+    steps = [step for step in re.split(r"[./:]", name) if step]
+    if len(steps) < 2 or set(re.split(r"[^a-z]+", name)) & set(known_names().around):
+        return (name,)
+    ends = ("_".join(steps[k:]) for k in range(len(steps)))
+    return (name, *(end for end in ends if len(end) >= SHORTEST))
 
 
 @cache

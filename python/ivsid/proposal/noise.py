@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
-from ivsid.proposal.columns import Found
+from ivsid.proposal.found import Found
 from ivsid.sensors.allan import MINIMUM_SAMPLES, allan_deviation
 
 Array = NDArray[np.float64]

@@ -10,8 +10,10 @@ import numpy as np
 
 from ivsid.errors import IvsidError
 from ivsid.log import Log, open_source, read_log
+from ivsid.proposal.angles import angles_of
 from ivsid.proposal.blanks import Answers, Demand, demand_of
-from ivsid.proposal.columns import Columns, Found, columns_of
+from ivsid.proposal.columns import Columns, columns_of
+from ivsid.proposal.found import Found
 from ivsid.proposal.mapping import Mapped, mapping_of, usable
 from ivsid.proposal.noise import Number, Run, Stretch, sensors_of
 from ivsid.proposal.signs import settled
@@ -26,6 +28,7 @@ class Proposal:
         channels: that are taken, with units and signs.
         mapped: the section ``[log]``.
         demands: of the thrusters.
+        angles: of rudders and azimuth thrusters, by channel.
         sensors: numbers by section below ``[sensors]``.
         still: the stretch at rest behind the noise of inertial sensors, or None.
         logs: as the section ``[log]`` reads them.
@@ -37,6 +40,7 @@ class Proposal:
     channels: dict[str, Found]
     mapped: Mapped
     demands: tuple[Demand, ...]
+    angles: dict[str, Found]
     sensors: dict[str, list[Number]]
     still: Stretch | None
     logs: tuple[Log, ...]
@@ -52,6 +56,7 @@ class Proposal:
         keys = [] if answers.mass is not None else ["hull.mass"]
         for d in self.demands:
             keys += [] if d.name in answers.positions else [f"thrusters.{d.name}.position"]
+            keys += [f"thrusters.{d.name}.rudder"] if f"rudder_{d.name}" in self.angles else []
             keys += [] if d.name in answers.thrusts else [f"thrusters.{d.name}.quadratic"]
         return tuple(keys)
 
@@ -66,7 +71,8 @@ def propose(paths: Sequence[str | Path]) -> Proposal:
         columns = columns_of(source)
         channels, frame, questions = settled(columns)
         channels, dropped = usable(channels)
-        mapped = mapping_of(source, columns, channels, frame)
+        angles, unread, words = angles_of(columns.angles, channels)
+        mapped = mapping_of(source, columns, channels, angles, frame)
     runs = [Run(Path(paths[0]).name, channels, columns.demands)]
     demands = dict(columns.demands)
     for path in paths[1:]:
@@ -80,10 +86,16 @@ def propose(paths: Sequence[str | Path]) -> Proposal:
         channels=channels,
         mapped=mapped,
         demands=tuple(demand_of(n, f) for n, f in demands.items()),
+        angles=angles,
         sensors=sensors,
         still=still,
         logs=logs,
-        questions=(*questions, *dropped, *_further(columns, channels, logs[0])),
+        questions=(
+            *questions,
+            *words,
+            *dropped,
+            *_further(columns, (*columns.loose, *unread), logs[0]),
+        ),
     )
 
 
@@ -118,7 +130,7 @@ def _joined(a: Found, b: Found | None) -> Found:
     return Found(a.match, a.table, np.r_[a.t, b.t], np.r_[a.values, b.values], a.stated)
 
 
-def _further(columns: Columns, channels: dict[str, Found], log: Log) -> list[str]:
+def _further(columns: Columns, loose: Sequence[str], log: Log) -> list[str]:
     """Questions about what the log lacks."""
     words = []
     posed = all(c in log.columns for c in ("x", "y", "psi"))
@@ -135,9 +147,9 @@ def _further(columns: Columns, channels: dict[str, Found], log: Log) -> list[str
         words.append(
             "no column is known for the thrusters' demands: which columns hold them (demand_NAME under [log.columns], and [[thrusters]])?"
         )
-    if columns.angles:
+    if loose:
         words.append(
-            f"{', '.join(columns.angles)} may be the angle of a rudder or an azimuth thruster: if so, add rudder_NAME or azimuth_NAME to [log.columns] and "
+            f"{', '.join(loose)} may be the angle of a rudder or an azimuth thruster: if so, add rudder_NAME or azimuth_NAME to [log.columns] and "
             "rudder or steering to the thruster NAME"
         )
     return words

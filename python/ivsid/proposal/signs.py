@@ -8,7 +8,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.proposal.columns import Columns, Found
+from ivsid.proposal.columns import Columns
+from ivsid.proposal.found import Found
+from ivsid.proposal.thrusters import word
 
 Array = NDArray[np.float64]
 
@@ -184,12 +186,6 @@ def _frame(columns: Columns, channels: Mapping[str, Found]) -> tuple[str, list[s
             f'{r.match.column} falls where port pushes more than starboard, so the axes are read as forward, port, up (frame = "flu"): is that right?'
         ]
     return "frd", [usual]
-
-
-def word(name: str, side: str) -> bool:
-    """Whether a name has the word of a side."""
-    words = {"port": ("port", "left"), "starboard": ("starboard", "stbd", "right")}[side]
-    return bool(set(name.lower().split("_")) & set(words))
 
 
 def _one_frame(channels: Mapping[str, Found], frame: str) -> dict[str, Found]:

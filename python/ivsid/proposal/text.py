@@ -10,7 +10,7 @@ from typing import Final
 from ivsid.proposal.blanks import Answers, Demand
 from ivsid.proposal.noise import SIGMAS
 from ivsid.proposal.propose import Proposal
-from ivsid.proposal.signs import word
+from ivsid.proposal.thrusters import ANGLES, word
 from ivsid.sensors.noise import DEFAULT_CONFIDENCE
 from ivsid.vehicle.reading import TODO
 
@@ -34,7 +34,7 @@ def vehicle_file(proposal: Proposal, answers: Answers, name: str) -> str:
     """
     lines = [*_head(proposal, answers), f"name = {_quoted(name)}", "", *_hull(answers)]
     for demand in proposal.demands:
-        lines += ["", *_thruster(demand, answers)]
+        lines += ["", *_thruster(demand, answers, proposal)]
     lines += ["", *_sensors(proposal), "", *_log(proposal)]
     return "\n".join(lines) + "\n"
 
@@ -56,7 +56,7 @@ def _hull(answers: Answers) -> Iterator[str]:
     yield "# length = 2.0                                  # m; likewise beam, draught; centre_of_gravity = [x, y] from the body origin"
 
 
-def _thruster(demand: Demand, answers: Answers) -> Iterator[str]:
+def _thruster(demand: Demand, answers: Answers, proposal: Proposal) -> Iterator[str]:
     yield "[[thrusters]]"
     yield _line(
         "name",
@@ -71,7 +71,16 @@ def _thruster(demand: Demand, answers: Answers) -> Iterator[str]:
         MARK if place is None else f"[{_number(place[0])}, {_number(place[1])}]",
         f"[x forward, y to starboard] m from the body origin{hint}",
     )
-    yield _line("azimuth", "0.0", "rad, direction of the thrust; 1.571 pushes to starboard")
+    if f"azimuth_{demand.name}" in proposal.angles:
+        yield _line("steering", _quoted("azimuth"), f"its direction is the column azimuth_{demand.name} of the log")
+    else:
+        yield _line("azimuth", "0.0", "rad, direction of the thrust; 1.571 pushes to starboard")
+    if f"rudder_{demand.name}" in proposal.angles:
+        yield _line(
+            "rudder",
+            MARK,
+            "{ area = m^2, aspect_ratio = span^2 / area, position = m ahead of the origin, propeller_diameter = m, where it stands in the slipstream }",
+        )
     thrust = answers.thrusts.get(demand.name)
     if thrust is None:
         yield _line(
@@ -141,7 +150,9 @@ def _log(proposal: Proposal) -> Iterator[str]:
     for name, given in mapped.columns.items():
         if name not in proposal.channels:
             yield _line(
-                name, _value(given), "" if name.startswith("demand_") else "one of several columns of this name"
+                name,
+                _value(given),
+                "" if name.startswith(("demand_", *ANGLES)) else "one of several columns of this name",
             )
     notes = [n for n in log.notes if not n.endswith("as its header says")]
     yield from (f"# note: {n}" for n in notes)

@@ -52,6 +52,7 @@ def init(
     log = found.logs[0]
     shown = {n: f.match.column for n, f in found.channels.items()}
     demands = {f"demand_{d.name}": d.column for d in found.demands}
+    demands |= {n: f.match.column for n, f in found.angles.items()}
     lines = [
         f"{log.name}: {log.t.size} rows, {log.t[-1] - log.t[0]:.4g} s, names: {found.columns.program.name}, frame {found.mapped.frame}",
         *(f"  {name:<16} {column}" for name, column in {**shown, **demands}.items()),

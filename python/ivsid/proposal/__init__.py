@@ -1,6 +1,9 @@
 """A vehicle file proposed from a log, for its user to complete (``ivsid init``).
 
 - ``names``: the names that other programs give to columns, from a table of the package.
+- ``found``: a column that is taken for a channel.
+- ``thrusters``: demands and angles of thrusters by the words of their names; ``angles``: units and signs of these angles.
+- ``places``: a position from latitude and longitude.
 - ``columns``: the column of each channel, of the demands and of the stamps.
 - ``signs``: units and signs that names leave open, from the ranges of the readings.
 - ``mapping``: the section ``[log]`` that follows.

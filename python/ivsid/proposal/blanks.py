@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from ivsid.proposal.found import Found
+from ivsid.proposal.thrusters import steps_of
 
 # Demands between these are taken for pulse widths [us].
 # Source: definition: pulses of hobby controllers and servos last 1000 to 2000 us, with a margin
@@ -17,6 +18,10 @@ PULSES: Final = (800.0, 2200.0)
 # Source: definition: the midpoint of 1000 and 2000 us
 NEUTRAL: Final = 1500.0
 NEAR: Final = 50.0
+
+
+# Words of a demand that is a speed, which no pulse width is.
+SPEEDS: Final = frozenset({"rpm", "rps", "rad", "hz"})
 
 
 @dataclass(frozen=True)
@@ -65,7 +70,7 @@ def demand_of(name: str, found: Found) -> Demand:
     values = found.values[np.isfinite(found.values)]
     low, high = float(values.min()), float(values.max())
     neutral, reason = 0.0, "zero"
-    if low >= PULSES[0] and high <= PULSES[1]:
+    if not steps_of(found.match.column) & SPEEDS and low >= PULSES[0] and high <= PULSES[1]:
         levels, counts = np.unique(np.round(values), return_counts=True)
         usual = float(levels[int(np.argmax(counts))])
         neutral, reason = NEUTRAL, "pulse widths in us, on both sides of 1500"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -17,10 +18,12 @@ from ivsid.log.headers import label
 from ivsid.log.stamps import times_of
 from ivsid.proposal.found import Found, Stamps
 from ivsid.proposal.names import Match, Meaning, Program, known_names, match, plain_name
+from ivsid.proposal.places import local
 from ivsid.proposal.thrusters import ANGLES, kind_of, named, steered, steps_of
 
 Array = NDArray[np.float64]
 
+_NUMBER = re.compile(r"[+-]?[0-9.]+(e[+-]?[0-9]+)?", re.IGNORECASE)
 EARTH = ("velocity_north", "velocity_east")
 ATTITUDE = ("qw", "qx", "qy", "qz")
 
@@ -57,6 +60,10 @@ def columns_of(source: Source) -> Columns:
     matches = _matches(source)
     pushing = ("demand", *ANGLES)
     if not any(m.meaning.channel not in pushing for m in matches):
+        if all(_NUMBER.fullmatch(c) for c in source.columns):
+            raise IvsidError(
+                f"{source.name} has no header row: it begins with the numbers {', '.join(source.columns[:6])}; write the names of its columns into a first row"
+            )
         raise IvsidError(
             f"{source.name} has no column whose name is known; it has {', '.join(source.columns[:16])}: name its velocities u, v, r and its time t, "
             "or write [log] by hand as the user's guide shows"
@@ -78,6 +85,7 @@ def columns_of(source: Source) -> Columns:
         if there:
             found = _found(source, there[0], cells[there[0].column], stamps, best)
             channels[name] = replace(found, others=tuple(m.column for m in there[1:]))
+    channels = local(channels)
     there = [m for m in pushes if m.column in cells]
     pushed = [_found(source, m, cells[m.column], stamps, best) for m in there]
     demands = named([f for f in pushed if f.meaning.channel == "demand"])

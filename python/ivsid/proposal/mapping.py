@@ -122,6 +122,8 @@ def _entry(
             keys["unit"] = meaning.unit
         if meaning.scale != 1.0:
             keys["scale"] = meaning.scale
+        if meaning.offset != 0.0:
+            keys["offset"] = meaning.offset
     if stamps is not None and common is not None and stamps.column != common.column:
         keys["time"] = _time(stamps) or {"from": "t"}
     if keys:

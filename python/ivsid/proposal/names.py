@@ -26,12 +26,14 @@ class Meaning(Section):
         channel: of the guide's table, or ``demand``.
         unit: of a cell; None for SI, or for what its name or its range says.
         scale: factor of a cell, beside the unit.
+        offset: added in SI units, after the scale.
         gravity: whether an acceleration holds gravity.
     """
 
     channel: str
     unit: str | None = None
     scale: Finite = 1.0
+    offset: Finite = 0.0
     gravity: bool = False
 
 

@@ -16,6 +16,7 @@ from ivsid.proposal.columns import Columns, columns_of
 from ivsid.proposal.found import Found
 from ivsid.proposal.mapping import Mapped, mapping_of, usable
 from ivsid.proposal.noise import Number, Run, Stretch, sensors_of
+from ivsid.proposal.places import is_earthbound
 from ivsid.proposal.signs import settled
 
 
@@ -94,6 +95,7 @@ def propose(paths: Sequence[str | Path]) -> Proposal:
             *questions,
             *words,
             *dropped,
+            *_earthbound(channels),
             *_further(columns, (*columns.loose, *unread), logs[0]),
         ),
     )
@@ -128,6 +130,16 @@ def _joined(a: Found, b: Found | None) -> Found:
     if b is None:
         return a
     return Found(a.match, a.table, np.r_[a.t, b.t], np.r_[a.values, b.values], a.stated)
+
+
+def _earthbound(channels: dict[str, Found]) -> list[str]:
+    """The question that a position from latitude and longitude raises."""
+    columns = [f.match.column for f in channels.values() if is_earthbound(f)]
+    if not columns:
+        return []
+    return [
+        f"{' and '.join(columns)} are read as metres from the first fix, on a plane that is 0.1 m off at 1 km from it and 10 m at 10 km: does the run stay near it?"
+    ]
 
 
 def _further(columns: Columns, loose: Sequence[str], log: Log) -> list[str]:

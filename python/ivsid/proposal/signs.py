@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ivsid.proposal.columns import Columns
 from ivsid.proposal.found import Found
-from ivsid.proposal.thrusters import word
+from ivsid.proposal.thrusters import steps_of, word
 
 Array = NDArray[np.float64]
 
@@ -48,7 +48,11 @@ def settled(columns: Columns) -> tuple[dict[str, Found], str, list[str]]:
         if largest > limit:
             channels[name] = found.with_meaning(unit=unit)
             questions.append(f"{found.match.column} reaches {largest:.4g}, so it is read in {unit}: is that right?")
-    questions += _against_heading(channels)
+    heading = _against_heading(channels)
+    if any("as if it were in deg" in q for q in heading):
+        # The turning of the vessel decides what the range left open.
+        questions = [q for q in questions if not q.startswith(f"{channels['psi'].match.column} reaches")]
+    questions += heading
     frame: str = columns.program.frame
     if columns.program.plain:
         frame, words = _frame(columns, channels)
@@ -58,7 +62,7 @@ def settled(columns: Columns) -> tuple[dict[str, Found], str, list[str]]:
         questions.append(
             f"columns of {', '.join(mixed)} have other axes than the rest; their signs are turned here: are they right?"
         )
-    return _one_frame(channels, frame), frame, questions
+    return _east_first(_one_frame(channels, frame), frame), frame, questions
 
 
 def _heading_unit(channels: dict[str, Found]) -> list[str]:
@@ -124,6 +128,12 @@ def _against_heading(channels: dict[str, Found]) -> list[str]:
             f"{other} changes as if {name} were in deg/s, and it is read so: is that right?",
             *_sign(channels, ratio),
         ]
+    if not psi.stated and psi.meaning.unit != "deg" and 0.5 < abs(ratio) * DEGREE < 2:
+        channels["psi"] = psi.with_meaning(unit="deg")
+        return [
+            f"{other} changes as if it were in deg where {name} is in rad/s, and it is read so: is that right?",
+            *_sign(channels, ratio),
+        ]
     if not 0.5 < abs(ratio) < 2:
         return [f"{other} changes {ratio:.3g} times as fast as {name} says: is one of their units another?"]
     return _sign(channels, ratio)
@@ -186,6 +196,16 @@ def _frame(columns: Columns, channels: Mapping[str, Found]) -> tuple[str, list[s
             f'{r.match.column} falls where port pushes more than starboard, so the axes are read as forward, port, up (frame = "flu"): is that right?'
         ]
     return "frd", [usual]
+
+
+def _east_first(channels: dict[str, Found], frame: str) -> dict[str, Found]:
+    """Positions of plain names in the axes of ``flu``, which begin in the east: a name that says north is its y."""
+    x, y = channels.get("x"), channels.get("y")
+    if frame != "flu" or x is None or y is None or not (x.program.plain and y.program.plain):
+        return channels
+    if not {"north", "lat", "latitude"} & steps_of(x.match.column):
+        return channels
+    return {**channels, "x": y.with_meaning(channel="x"), "y": x.with_meaning(channel="y")}
 
 
 def _one_frame(channels: Mapping[str, Found], frame: str) -> dict[str, Found]:

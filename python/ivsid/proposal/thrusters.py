@@ -49,27 +49,28 @@ def named(found: Sequence[Found]) -> dict[str, Found]:
     levels = [(f, np.unique(f.values[np.isfinite(f.values)])) for f in found]
     chosen = [f for f, x in levels if x.size > 1] or [f for f, x in levels if x.size == 1 and x[0] not in RESTING]
     made: dict[str, Found] = {}
-    for f in chosen:
-        name = thruster(f)
+    several = [thruster(f).split("_") for f in chosen]
+    # Words that all names have tell no thruster from another: that of the vessel, maybe.
+    common = set.intersection(*map(set, several)) if len(several) > 1 else set()
+    apart = ["_".join(w for w in words if w not in common) or "_".join(words) for words in several]
+    for f, name in zip(chosen, apart, strict=True):
         made[name if name not in made else f"{name}_{len(made) + 1}"] = f
     return made
 
 
 def thruster(found: Found) -> str:
     """The name of a thruster: the last step of a known path, or the words of a name that are not general."""
-    own = found.match.column.removeprefix(f"{found.table}/")
-    stated = label(found.table, own)
-    bare = own if stated is None else stated.name
+    column = found.match.column.removeprefix(f"{found.table}/")
+    stated = label(found.table, column)
+    bare = column if stated is None else stated.name
     if not found.program.plain:
         words = _words(re.split(r"[/.:]", bare)[-1])
     else:
         general = {*known_names().demands.general, *known_names().demands.rudders, *known_names().demands.azimuths}
-        places = (bare, found.table)
-        several = [[w for w in _words(p) if w.lower() not in general] for p in places]
-        words = next((w for w in several if w and not all(x.isdigit() for x in w)), None) or [
-            *(("thruster",) if several[0] else _words(bare)),
-            *several[0],
-        ]
+        own, its_table = ([w for w in _words(p) if w.lower() not in general] for p in (bare, found.table))
+        telling = [w for w in (own, its_table) if not all(x.isdigit() for x in w)]
+        numbered = ["thruster", *own] if own else _words(bare)
+        words = telling[0] if telling else numbered
     return "_".join(words) or "thruster"
 
 

@@ -96,7 +96,8 @@ def test_a_motion_in_the_names_of_a_program_is_read_as_it_was(tmp_path, name):
         demand = log.columns[f"demand_{thruster.name}"]
         expected = (side - 1500) / 400 if name == "px4" else side
         assert np.nanmax(np.abs(demand - expected)) < 1e-9
-        assert thruster.neutral == (0.0 if name == "px4" else 1500.0)
+        # Shares of a controller and speeds in rad/s rest at zero, pulses at 1500.
+        assert thruster.neutral == (0.0 if name in ("px4", "pvs") else 1500.0)
     raised = made.record["questions"]
     assert len(raised) == len(questions)
     assert all(re.search(q, r) for q, r in zip(questions, raised, strict=True)), raised

@@ -179,7 +179,7 @@ class Quadrature:
         if limits.acceleration is None or limits.yaw_acceleration is None:
             raise IvsidError(
                 f"the mean of the {channel} equation over a window needs [sensors.limits] acceleration and yaw_acceleration "
-                "in the vehicle file (they bound the quadrature); state them, or log accelerations"
+                "in the vehicle file (they bound the quadrature); state them, or log all of the accelerations ax, ay and rdot"
             )
         self.assumes.append(
             f"|udot| and |vdot| never exceed {limits.acceleration!r} m/s^2, |rdot| {limits.yaw_acceleration!r} rad/s^2"

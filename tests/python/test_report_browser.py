@@ -8,6 +8,7 @@ import subprocess
 import numpy as np
 import pytest
 
+from ivsid import workflow
 from ivsid.report import page
 from ivsid.report.page import Report
 from test_report_page import report
@@ -80,9 +81,31 @@ const width = over.clientWidth;
 </script>"""
 
 
-def read(folder, width, height, made: Report):
+# A reader of curves: zooms the first figure to its middle, and saves what is in view of each figure.
+CURVES = """<script>
+(async () => {
+  const rest = () => new Promise((done) => setTimeout(done, 60));
+  await rest();
+  seen.plots = document.querySelectorAll(".uplot").length;
+  seen.wide = document.documentElement.scrollWidth - innerWidth;
+  seen.saved = [];
+  let blob = null;
+  URL.createObjectURL = (b) => { blob = b; return "#"; };
+  document.querySelector("figure.series [data-do=in]").click();
+  await rest();
+  for (const button of document.querySelectorAll("figure.series [data-do=csv]")) { button.click(); seen.saved.push(await blob.text()); }
+  seen.loaded = performance.getEntriesByType("resource").map((e) => e.name);
+  const found = document.createElement("pre");
+  found.id = "found";
+  found.textContent = JSON.stringify(seen);
+  document.body.append(found);
+})();
+</script>"""
+
+
+def read(folder, width, height, made: Report, reader=READER):
     """What a reader sees on a screen of a size."""
-    html = page.html(made).replace("<title>", f"{WATCH}<title>", 1).replace("</body>", f"{READER}</body>")
+    html = page.html(made).replace("<title>", f"{WATCH}<title>", 1).replace("</body>", f"{reader}</body>")
     (folder / "page.html").write_text(html)
     command = [
         BROWSER,
@@ -148,3 +171,30 @@ def test_figures_follow_the_theme_and_paper_is_light_and_open(seen):
 def test_nothing_is_wider_than_a_phone(tmp_path):
     seen = read(tmp_path, 360, 740, report("drag.surge.quadratic beside thruster.voltage_sag"))
     assert seen["errors"] == [] and seen["wide"] <= 0
+
+
+def test_curves_zoom_and_are_saved_as_they_were_measured(tmp_path):
+    """Logarithms are drawn; the file holds averaging times and deviations."""
+    rng = np.random.default_rng(0)
+    rows = "\n".join(f"{0.05 * k:.2f},{x:.9f}" for k, x in enumerate(1e-3 * rng.standard_normal(1000)))
+    (tmp_path / "still.csv").write_text(f"t,ax\n{rows}\n")
+    seen = read(tmp_path, 390, 800, workflow.allan(tmp_path / "still.csv"), CURVES)
+    assert seen["errors"] == [] and seen["loaded"] == [] and seen["plots"] == 2 and seen["wide"] <= 0
+    curve = [row.split(",") for row in seen["saved"][0].strip().splitlines()]
+    assert curve[0][0] == "averaging time [s]" and curve[0][1] == '"ax [m/s^2]: deviation"'
+    taus, deviations = (np.array([float(row[k]) for row in curve[1:]]) for k in (0, 1))
+    # White noise falls with the root of the averaging time; the zoom left the ends out.
+    assert 0.05 < taus[0] < taus[-1] < 15.0
+    short = taus < 1.0
+    np.testing.assert_allclose((deviations * np.sqrt(taus))[short], 1e-3 * np.sqrt(0.05), rtol=0.25)
+    assert len(seen["saved"][1].strip().splitlines()) == 1001
+    demand = np.linspace(-100, 100, 21)
+    rows = "\n".join(f"{d},{0.004 * d * abs(d)}" for d in demand)
+    (tmp_path / "pull.csv").write_text(f"demand [%],thrust [N]\n{rows}\n")
+    seen = read(tmp_path, 1280, 900, workflow.thrust(tmp_path / "pull.csv"), CURVES)
+    assert seen["errors"] == [] and seen["loaded"] == [] and seen["plots"] == 2
+    head, *rows = (row.split(",") for row in seen["saved"][0].strip().splitlines())
+    assert head[:2] == ["demand [%]", '"thrust [N]: table"']
+    points = [(float(r[0]), float(r[1])) for r in rows if r[1]]
+    np.testing.assert_allclose([t for _, t in points], [0.004 * d * abs(d) for d, _ in points], atol=1e-4)
+    assert 5 < len(points) < 21

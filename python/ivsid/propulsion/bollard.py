@@ -38,6 +38,11 @@ TABLE_III: Final = (
 PUBLISHED_CUBIC: Final = (0.0003, -0.015, 0.6008, -1.0902)
 
 
+# Residuals below this share of the largest thrust are roundings of a curve that goes through its points.
+# Source: definition: far above a rounding of doubles, far below a gauge
+ROUNDINGS: Final = 1e-12
+
+
 @dataclass(frozen=True)
 class Fit:
     """One candidate for a bollard-pull table.
@@ -72,6 +77,11 @@ class Fit:
     def largest(self) -> float:
         """Largest absolute residual [N]."""
         return float(np.abs(self.residual).max())
+
+    @property
+    def passes(self) -> bool:
+        """Whether the curve goes through every point: its residuals are roundings."""
+        return self.largest <= ROUNDINGS * float(np.abs(self.predicted).max())
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Time series of a page: data for its script, thinned by least and largest values so that no peak is lost."""
+"""Time series and curves of a page: data for its script, thinned by least and largest values so that no peak is lost."""
 
 from __future__ import annotations
 
@@ -39,27 +39,47 @@ class Line:
         role: ``measured``, ``before``, ``after``, ``cause``, or ``first`` to ``fourth`` of several alike: its colour and its dashes.
         values: shape (n,); NaN is a gap.
         tube: half-width of the band around it, in the panel's unit; 0 without one.
+        dots: whether its values are points that no line joins.
     """
 
     label: str
     role: str
     values: Array
     tube: float = 0.0
+    dots: bool = False
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One axis over time.
+    """One axis over time, or over what the figure has across.
 
     Attributes:
         title: of the axis, with its unit.
         lines: over the clock of the figure.
         robust: whether spikes do not set its axis; they are marked as cut.
+        log: whether its axis is logarithmic; values that are not positive are gaps.
     """
 
     title: str
     lines: tuple[Line, ...]
     robust: bool = False
+    log: bool = False
+
+
+@dataclass(frozen=True)
+class Across:
+    """The axis that the panels of a figure share, where it is not time.
+
+    Attributes:
+        label: with its unit.
+        log: whether it is logarithmic.
+    """
+
+    label: str = "time [s]"
+    log: bool = False
+
+
+TIME: Final = Across()
 
 
 @dataclass(frozen=True)
@@ -85,20 +105,25 @@ def series(
     panels: Iterable[Panel],
     marks: Sequence[Mark] = (),
     beside: int = 1,
+    across: Across = TIME,
 ) -> Part:
-    """A figure of linked time series.
+    """A figure of linked time series, or of curves over another axis.
 
     Args:
         name: of the figure in the page: letters, digits and hyphens.
         title: of the figure.
         caption: what is to be seen.
-        time: increasing clock [s], shape (n,).
+        time: increasing clock [s], or values of ``across``, shape (n,).
         panels: one below the other; they share the clock, the cursor and the zoom.
         marks: stretches to jump to.
         beside: figures of the page that share its size with this one.
+        across: the axis that the panels share.
     """
     shown = [p for p in panels if p.lines]
-    rows = np.stack([line.values for p in shown for line in p.lines])
+    # The script draws logarithms as they are, and writes what they stand for beside the axes.
+    rows = np.stack([_decades(line.values) if p.log else line.values for p in shown for line in p.lines])
+    span = f"over {time[-1] - time[0]:.4g} s" if across is TIME else f"against {across.label}"
+    time = _decades(time) if across.log else time
     levels = [_level(time, rows, MOST // (1 + beside))]
     if levels[0]["bucket"] != 1 and marks:
         # The stretch of the first mark is kept sample by sample beside the thinned log.
@@ -110,9 +135,16 @@ def series(
         "levels": levels,
         "panels": [_panel(p) for p in shown],
         "marks": [{"label": m.label, "start": m.start, "end": m.end} for m in marks],
+        "across": {"label": across.label, "log": across.log},
     }
-    words = f"{title}: {'; '.join(p.title for p in shown)} over {time[-1] - time[0]:.4g} s"
+    words = f"{title}: {'; '.join(p.title for p in shown)} {span}"
     return {"kind": "series", "name": name, "title": title, "caption": caption, "words": words, "data": data}
+
+
+def _decades(x: Array) -> Array:
+    """Decimal logarithms; NaN where there is none."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(x > 0, np.log10(x), np.nan)
 
 
 def thinned(time: Array, rows: Array, most: int) -> tuple[Array, Array, int]:
@@ -163,9 +195,10 @@ def _panel(p: Panel) -> dict[str, object]:
     beyond = 0 if ends is None else sum(int(((q.values < ends[0]) | (q.values > ends[1])).sum()) for q in p.lines)
     return {
         "title": p.title,
-        "lines": [{"label": q.label, "role": q.role, "tube": q.tube} for q in p.lines],
+        "lines": [{"label": q.label, "role": q.role, "tube": q.tube, "dots": q.dots} for q in p.lines],
         "range": None if ends is None else [float(f"{x:.6g}") for x in ends],
         "cut": beyond,
+        "log": p.log,
     }
 
 

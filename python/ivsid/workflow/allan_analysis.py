@@ -15,6 +15,7 @@ from ivsid.sensors.noise import rule_for
 from ivsid.vehicle import Sensors
 from ivsid.workflow.allan_recording import read_recording
 from ivsid.workflow.allan_words import allan_notes, data_sheet_rows, half_width, sensors_toml
+from ivsid.workflow.curves import allan_series, recording_series
 from ivsid.workflow.first_screens import analysed
 from ivsid.workflow.progress import Progress, silent
 
@@ -86,7 +87,8 @@ def allan(
                 page.bullets([*notes, *_reading(rule.sigmas)]),
             ),
         ),
-        Section("Curves", tuple(page.drawing(d) for d in drawings)),
+        Section("Curves", allan_series(curves, {n: c.unit for n, c in recording.channels.items()})),
+        Section("The recording", (recording_series(recording),)),
         Section("For the vehicle file", (page.code(snippet),)),
     )
     summary = f"{samples} samples at {1 / recording.period:.4g} Hz, {duration:.4g} s; {len(curves)} channels."

@@ -114,14 +114,18 @@ def pulled(table: Bollard) -> First:
     """The first screen of a bollard pull."""
     best = table.recommended
     facts = [
-        ("largest residual", f"{best.largest:.3g} N"),
-        ("rms residual", f"{best.rms:.3g} N"),
+        *(
+            [("residuals", "none: it goes through every point")]
+            if best.passes
+            else [("largest residual", f"{best.largest:.3g} N"), ("rms residual", f"{best.rms:.3g} N")]
+        ),
         ("range of thrust", f"{table.thrust.min():.4g} to {table.thrust.max():.4g} N"),
         ("points", str(table.demand.size)),
     ]
     if table.dead_band is not None:
         facts.append(("dead band", f"demands {table.dead_band[0]:.4g} to {table.dead_band[1]:.4g}"))
-    words = "It follows every point with the least residual; the candidates that miss points stand below with what they miss."
+    kept = "It goes through every point" if best.passes else "It misses no point by more than 1 % of the largest thrust"
+    words = f"{kept}; the candidates stand below with what they miss."
     following = (
         "Copy thruster.toml into the vehicle file, and add its position and azimuth.",
         "State an accuracy that holds for the vehicle in the water: the table itself says nothing of inflow and of the battery.",

@@ -16,6 +16,7 @@ from ivsid.propulsion.bollard import PUBLISHED_CUBIC, Bollard, Fit, examine
 from ivsid.report import figures, page
 from ivsid.report.page import Part, Report, Section
 from ivsid.report.tables import bollard_record
+from ivsid.workflow.curves import thrust_series
 from ivsid.workflow.first_screens import pulled
 from ivsid.workflow.progress import Progress, silent
 
@@ -68,7 +69,8 @@ def thrust(
     percent = demand[0] >= 0 and demand[-1] <= 100
     progress("fitting")
     table = examine(demand, force, PUBLISHED_CUBIC if percent else None)
-    drawing = figures.thrust_curve(table, demand_unit=_given_unit(demand_name) or ("%" if percent else demand_name))
+    demand_unit = _given_unit(demand_name) or ("%" if percent else demand_name)
+    drawing = figures.thrust_curve(table, demand_unit=demand_unit)
     snippet = thruster_toml(table)
     candidates = {f.name: candidate_toml(table, f) for f in table.fits}
     record = {
@@ -81,11 +83,18 @@ def thrust(
     best = table.recommended
     summary = (
         f"{demand.size} points, thrust {force.min():.4g} to {force.max():.4g} N; use the {best.name} "
-        f"(largest residual {best.largest:.3g} N)."
+        f"({'it goes through every point' if best.passes else f'largest residual {best.largest:.3g} N'})."
     )
     notes = [*_notes(table, percent)]
     sections = (
-        Section("Candidates", (fit_table(table), page.drawing(drawing), page.bullets(notes))),
+        Section(
+            "Candidates",
+            (
+                fit_table(table),
+                thrust_series(table, f"demand [{demand_unit}]" if demand_unit != demand_name else demand_name),
+                page.bullets(notes),
+            ),
+        ),
         Section("For the vehicle file", (page.code(snippet),)),
         Section(
             "The candidates for the vehicle file, each with an accuracy that holds every point",
@@ -111,7 +120,11 @@ def thrust(
 def fit_table(table: Bollard) -> Part:
     """One row for each candidate."""
     rows = [
-        [f.name, ", ".join(f"{c:.5g}" for c in f.coefficients or f.quadratic or ()) or "–", f.rms, f.largest]
+        [
+            f.name,
+            ", ".join(f"{c:.5g}" for c in f.coefficients or f.quadratic or ()) or "–",
+            *((0.0, 0.0) if f.passes else (f.rms, f.largest)),
+        ]
         for f in table.fits
     ]
     return page.table(

@@ -3,6 +3,8 @@
 const Chart = (() => {
   const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
   const digits = (v) => (v == null ? "–" : String(Number(v.toPrecision(4))));
+  // Logarithms are drawn as they are, and read as what they stand for.
+  const read = (log) => (v) => (v == null ? "–" : log ? String(Number((10 ** v).toPrecision(3))) : digits(v));
   const DASH = { after: [7, 3], cause: [2, 3] };
   const WIDTH = { measured: 1.6 };
 
@@ -85,19 +87,29 @@ const Chart = (() => {
     const lines = panel.lines.map((line) => ({
       label: line.label,
       stroke: () => colour(line.role),
-      width: WIDTH[line.role] || 1.2,
-      dash: DASH[line.role],
-      points: { show: false },
-      value: (_, v) => digits(v),
+      width: line.dots ? 0 : WIDTH[line.role] || 1.2,
+      dash: line.dots ? [] : DASH[line.role],
+      points: line.dots ? { show: true, size: 5, width: 1, fill: () => colour(line.role), stroke: () => colour(line.role) } : { show: false },
+      paths: line.dots ? () => null : undefined,
+      spanGaps: false,
+      value: (_, v) => read(panel.log)(v),
     }));
+    const across = group.across;
+    const timed = across.label === "time [s]";
+    const decades = (_, all) => all.map((v) => String(Number((10 ** v).toPrecision(2))));
+    const place = timed ? (v) => (v == null ? "–" : v.toFixed(2)) : read(across.log);
     const tubes = panel.lines.map((line, k) => [line.tube, k + 1]).filter(([half]) => half > 0);
     return new uPlot(
       {
         width: Math.max(host.clientWidth, 200),
-        height: lowest ? 182 : 160,
+        // Curves have their detail upwards, logs have it along the clock.
+        height: (lowest ? 186 : 166) + (timed ? 0 : 90),
         scales: { x: { time: false }, y: { range: ends(panel) } },
-        series: [{ label: "time [s]", value: (_, v) => (v == null ? "–" : v.toFixed(2)) }, ...lines],
-        axes: [{ ...axis, size: lowest ? 44 : 24, label: lowest ? "time [s]" : undefined, labelSize: 16, labelFont: axis.font }, { ...axis, size: 58, values: (_, all) => all.map(digits) }],
+        series: [{ label: across.label, value: (_, v) => place(v) }, ...lines],
+        axes: [
+          { ...axis, size: lowest ? 48 : 30, label: lowest ? across.label : undefined, labelSize: 16, labelFont: axis.font, ...(across.log ? { values: decades } : {}) },
+          { ...axis, size: panel.log ? 66 : 58, values: panel.log ? decades : (_, all) => all.map(digits) },
+        ],
         legend: { markers: { width: 0, fill: (u, k) => u.series[k].stroke(u, k) } },
         cursor: { sync: { key: group.name }, drag: { x: true, y: false, setScale: true }, points: { size: 6 } },
         hooks: {

@@ -12,6 +12,7 @@
       this.levels = new Levels(held.levels);
       this.marks = held.marks;
       this.panels = held.panels;
+      this.across = held.across;
       this.level = this.levels.all[0];
       this.busy = false;
       this.plots = [];
@@ -32,7 +33,7 @@
       box.className = "panel";
       box.tabIndex = 0;
       box.setAttribute("role", "group");
-      box.setAttribute("aria-label", `${panel.title} against time: ${panel.lines.map((q) => q.label).join(", ")}. Arrow keys move the cursor.`);
+      box.setAttribute("aria-label", `${panel.title} against ${this.across.label}: ${panel.lines.map((q) => q.label).join(", ")}. Arrow keys move the cursor.`);
       const name = document.createElement("p");
       name.className = "name";
       name.textContent = panel.title;
@@ -138,11 +139,13 @@
       const { x, rows } = this.level;
       const quoted = (words) => `"${words.replaceAll('"', '""')}"`;
       const names = this.panels.flatMap((p) => p.lines.map((q) => quoted(`${p.title}: ${q.label}`)));
-      const lines = [["time [s]", ...names].join(",")];
+      const lines = [[this.across.label.includes(",") ? quoted(this.across.label) : this.across.label, ...names].join(",")];
+      const logs = this.panels.flatMap((p) => p.lines.map(() => p.log));
+      const meant = (v, log) => (log ? 10 ** v : v);
       // Samples at both ends belong to the view, however the ends are rounded.
       const slack = 1e-6 * (x[1] - x[0]);
       x.forEach((t, i) => {
-        if (t >= a - slack && t <= b + slack) lines.push([Number(t.toPrecision(12)), ...rows.map((r) => (r[i] == null ? "" : Number(r[i].toPrecision(8))))].join(","));
+        if (t >= a - slack && t <= b + slack) lines.push([Number(meant(t, this.across.log).toPrecision(12)), ...rows.map((r, k) => (r[i] == null ? "" : Number(meant(r[i], logs[k]).toPrecision(logs[k] ? 6 : 8))))].join(","));
       });
       const link = document.createElement("a");
       link.href = URL.createObjectURL(new Blob([`${lines.join("\n")}\n`], { type: "text/csv" }));

@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 from ivsid.effects import CHANNELS, Columns, State, Term, rigid_body
 from ivsid.identification.result import Identification
 from ivsid.intervals import IntervalArray
-from ivsid.intervals.pieces import interval_pieces
+from ivsid.intervals.order import median
+from ivsid.intervals.pieces import array_pieces, interval_pieces, kept
 from ivsid.log import Log
 from ivsid.rows import ROW_KINDS, RegressionRows
 from ivsid.sensors.bounds import BoundedLog
@@ -82,7 +83,12 @@ def separate_bias(bounded: BoundedLog, vehicle: Vehicle, choice: str) -> tuple[B
     for axis, name in found.items():
         narrow = _narrowed(bounded, name, sensor, AXES.index(axis), rule.sigmas)
         known = bounded.present[name]
-        share.append(float(np.median(narrow.width[known] / channels[name].width[known])))
+        wide = channels[name]
+        shares = array_pieces(
+            known.size, lambda rows, a=narrow, b=wide, k=known: np.where(k[rows], a[rows].width / b[rows].width, 0.0)
+        )
+        shares = shares if known.all() else kept(shares, known)
+        share.append(median(shares.size, lambda rows, x=shares: x[rows]))
         channels[name] = narrow
     if choice == "auto" and max(share) > WORTHWHILE:
         return None
@@ -97,8 +103,12 @@ def separate_bias(bounded: BoundedLog, vehicle: Vehicle, choice: str) -> tuple[B
 
 
 def _grown(x: IntervalArray, growth: float) -> IntervalArray:
-    extra = np.where(np.isfinite(x.width), 0.5 * x.width * (growth - 1) * (1 + ROUNDING), 0.0)
-    return x + IntervalArray(-extra, extra)
+    def grown(rows: slice) -> IntervalArray:
+        width = x[rows].width
+        extra = np.where(np.isfinite(width), 0.5 * width * (growth - 1) * (1 + ROUNDING), 0.0)
+        return x[rows] + IntervalArray(-extra, extra)
+
+    return interval_pieces(x.shape[0], grown)
 
 
 def _narrowed(bounded: BoundedLog, name: str, sensor: AccelerationSensor, axis: int, sigmas: float) -> IntervalArray:

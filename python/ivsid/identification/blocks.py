@@ -13,7 +13,8 @@ from ivsid.effects import Term
 from ivsid.identification.certificates import WrongRows, feasible_certificates, wrong_rows
 from ivsid.identification.result import Parameter
 from ivsid.intervals import FloatArray
-from ivsid.intervals.pieces import over_pieces, pieces
+from ivsid.intervals.pieces import array_pieces, over_pieces, pieces
+from ivsid.intervals.room import room
 from ivsid.linear import regression
 from ivsid.rows import RegressionRows
 
@@ -51,21 +52,26 @@ class Block:
 
 def nonzero(rows: RegressionRows) -> list[NDArray[np.bool_]]:
     """The rows with a nonzero entry in each column, shape (m,) each."""
+    m, n = rows.matrix.shape
+    used = [room(m, np.dtype(np.bool_)) for _ in range(n)]
 
-    def used(columns: slice) -> NDArray[np.bool_]:
-        j = columns.start
-        return np.asarray((rows.matrix.lower[:, j] != 0) | (rows.matrix.upper[:, j] != 0))
+    def fill(part: slice) -> None:
+        held = (rows.matrix.lower[part] != 0) | (rows.matrix.upper[part] != 0)
+        for j in range(n):
+            used[j][part] = held[:, j]
 
-    return over_pieces(pieces(rows.matrix.shape[1], 1), used)
+    over_pieces(pieces(m), fill)
+    return used
 
 
 def _any(used: Sequence[NDArray[np.bool_]], columns: Iterable[int]) -> NDArray[np.bool_]:
     """The rows with a nonzero entry in any of some columns."""
-    first, *others = columns
-    found = used[first].copy()
-    for j in others:
-        found |= used[j]
-    return found
+    wanted = list(columns)
+    return array_pieces(used[wanted[0]].size, lambda rows: np.logical_or.reduce([used[j][rows] for j in wanted]))
+
+
+def _meet(a: NDArray[np.bool_], b: NDArray[np.bool_]) -> bool:
+    return any((a[p] & b[p]).any() for p in pieces(a.size))
 
 
 def linked(used: Sequence[NDArray[np.bool_]]) -> list[tuple[int, ...]]:
@@ -75,7 +81,7 @@ def linked(used: Sequence[NDArray[np.bool_]]) -> list[tuple[int, ...]]:
         group = {min(remaining)}
         while True:
             touched = _any(used, group)
-            grown = group | {j for j in remaining - group if (used[j] & touched).any()}
+            grown = group | {j for j in remaining - group if _meet(used[j], touched)}
             if grown == group:
                 break
             group = grown

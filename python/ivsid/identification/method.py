@@ -16,6 +16,7 @@ from ivsid.identification.blocks import linked, nonzero, outlier_notes, overall,
 from ivsid.identification.combinations import determined
 from ivsid.identification.physics import INFLATION, contradicted, subject_of, with_bounds
 from ivsid.identification.result import ClaimCheck, Identification, Parameter
+from ivsid.intervals.pieces import pieces
 from ivsid.linear import regression
 from ivsid.linear.linalg import INVERSE_METHODS, partition_count
 from ivsid.log import GivenLog, log_of
@@ -157,7 +158,6 @@ def identify_rows(
     reasons = [b.reason for b in blocks if b.reason]
     left_out = causes(vehicle)
     assumed = [k for k, kind in enumerate(ROW_KINDS) if kind.startswith("physical.")]
-    measured = ~np.isin(rows.kind, assumed)
     return Identification(
         method=method,
         status=status,
@@ -171,7 +171,7 @@ def identify_rows(
         directions=directions,
         certificates=tuple({**c, "block": k} for k, b in enumerate(blocks) for c in b.certificates),
         contradictions=tuple(k for k, b in enumerate(blocks) if b.status == "empty"),
-        rows={name: int((measured & (rows.channel == k)).sum()) for k, name in enumerate(CHANNELS)},
+        rows=_counted(rows, assumed),
         notes=(*bounded.log.notes, *outlier_notes(rows.terms, blocks), *cause_notes(left_out)),
         ignored=bounded.log.ignored,
         options=options,
@@ -182,6 +182,15 @@ def identify_rows(
         claims=checked_claims(vehicle, parameters if status != "empty" else {}),
         outliers=tuple({**b.outliers, "block": k} for k, b in enumerate(blocks) if b.outliers is not None),
     )
+
+
+def _counted(rows: RegressionRows, assumed: Sequence[int]) -> dict[str, int]:
+    """The number of measured rows of each channel."""
+    found = [
+        np.bincount(rows.channel[p][~np.isin(rows.kind[p], assumed)], minlength=len(CHANNELS))
+        for p in pieces(rows.kind.size)
+    ]
+    return {name: int(sum(f[k] for f in found)) for k, name in enumerate(CHANNELS)}
 
 
 def checked_claims(vehicle: Vehicle, parameters: Mapping[str, Parameter]) -> tuple[ClaimCheck, ...]:

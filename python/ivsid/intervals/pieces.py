@@ -14,13 +14,16 @@ from itertools import pairwise
 from typing import Final, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ivsid.intervals import IntervalArray
+from ivsid.intervals.room import DOUBLE, room
 
 # Rows of a piece: two operands and a result of this many intervals are 0.8 MB.
 # Source: resource: bounds the memory of an operation by a processor's cache
 PIECE: Final = 1 << 14
 _T = TypeVar("_T")
+_N = TypeVar("_N", bound=np.generic)
 
 
 def pieces(rows: int, size: int = PIECE) -> list[slice]:
@@ -49,7 +52,7 @@ def interval_pieces(rows: int, work: Callable[[slice], IntervalArray]) -> Interv
     parts = pieces(rows)
     if len(parts) == 1:
         return work(parts[0])
-    both = np.empty((2, rows))
+    both = room((2, rows), DOUBLE)
 
     def fill(part: slice) -> None:
         found = work(part)
@@ -57,3 +60,37 @@ def interval_pieces(rows: int, work: Callable[[slice], IntervalArray]) -> Interv
 
     over_pieces(parts, fill)
     return IntervalArray._raw(both, (rows,))
+
+
+def array_pieces(rows: int, work: Callable[[slice], NDArray[_N]]) -> NDArray[_N]:
+    """The numbers of all rows, shape (rows,); ``work`` gives those of a piece."""
+    first, *others = pieces(rows)
+    begin = work(first)
+    if not others:
+        return begin
+    made = room(rows, begin.dtype)
+    made[first] = begin
+
+    def fill(part: slice) -> None:
+        made[part] = work(part)
+
+    over_pieces(others, fill)
+    return made
+
+
+def kept(values: NDArray[_N], flags: NDArray[np.bool_]) -> NDArray[_N]:
+    """The entries with a flag, ``values[flags]`` along the first axis."""
+    parts = pieces(flags.size)
+    if len(parts) == 1:
+        return values[flags]
+    ends = np.cumsum([np.count_nonzero(flags[p]) for p in parts])
+    made = room((int(ends[-1]), *values.shape[1:]), values.dtype)
+    for p, a, b in zip(parts, np.r_[0, ends[:-1]], ends, strict=True):
+        if b > a:
+            made[a:b] = values[p][flags[p]]
+    return made
+
+
+def any_piece(rows: int, test: Callable[[slice], bool]) -> bool:
+    """Whether a test holds for some piece of the rows."""
+    return any(test(part) for part in pieces(rows))

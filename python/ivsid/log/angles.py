@@ -7,6 +7,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.intervals.pieces import pieces
+from ivsid.intervals.room import DOUBLE, room
+
 Array = NDArray[np.float64]
 
 # A whole turn [rad].
@@ -32,7 +35,30 @@ def unwrapped(values: Array) -> tuple[Array, Array]:
     Returns:
         The angles and the bounds of their rounding [rad], shape (n,) each.
     """
-    turns = -np.r_[0.0, np.cumsum(np.round(np.diff(values) / TURN))]
+    return with_turns(values, turns_of(values))
+
+
+def turns_of(values: Array) -> Array:
+    """The whole turns [1] to add to each angle [rad]; those of a missing one are of no use."""
+    turns, last, done = room(values.size, DOUBLE), np.nan, 0.0
+    for part in pieces(values.size):
+        here = values[part]
+        known = np.flatnonzero(~np.isnan(here))
+        if not known.size:
+            turns[part] = 0.0
+            continue
+        followed = here[known]
+        steps = np.diff(followed, prepend=followed[0] if np.isnan(last) else last)
+        # Sums of integers are exact.
+        there = done - np.cumsum(np.round(steps / TURN))
+        turns[part] = 0.0
+        turns[part][known] = there
+        last, done = followed[-1], there[-1]
+    return turns
+
+
+def with_turns(values: Array, turns: Array) -> tuple[Array, Array]:
+    """Angles with whole turns added, and the bounds of their rounding [rad]."""
     whole = turns * TURN
     made = values + whole
     # 2 pi as a double is off by less than half a unit, a product and a sum are rounded.

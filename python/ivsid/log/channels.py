@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
 from ivsid.files.log_map import Column
+from ivsid.intervals.pieces import array_pieces
 
 COLUMNS: Final = (
     *("u", "v", "r", "udot", "vdot", "rdot", "ax", "ay", "psi", "x", "y"),
@@ -64,18 +65,27 @@ def converted(values: Array, column: Column, clock: Clocked, lost: Array | None 
         lost: bounds on the errors of the values of a formula, shape (n,); None for cells.
     """
     if column.missing is not None and lost is None:
-        values = np.where(values == column.missing, np.nan, values)
+        marked = values
+        values = array_pieces(
+            marked.size, lambda part: np.where(marked[part] == column.missing, np.nan, marked[part])
+        )
     if column.factor == 1.0 and column.offset == 0.0:
         return Channel(values, clock, lost)
-    with np.errstate(over="ignore"):
+
+    def made(part: slice) -> Array:
         # The reader refuses infinities with the name of the column.
-        scaled = values * column.factor
-        made = scaled + column.offset
-        # Three roundings (factor, product, sum), each of half a unit of the larger operand.
-        rounded = 4 * np.spacing(np.abs(np.nan_to_num(scaled)) + abs(column.offset))
-        # The slack holds the rounding of the factor and of both products.
-        before = None if lost is None else abs(column.factor) * (1 + 1e-12) * lost
-    return Channel(made, clock, _sum(before, rounded))
+        with np.errstate(over="ignore"):
+            return np.asarray(values[part] * column.factor + column.offset)
+
+    def rounded(part: slice) -> Array:
+        with np.errstate(over="ignore"):
+            # Three roundings (factor, product, sum), each of half a unit of the larger operand.
+            own = 4 * np.spacing(np.abs(np.nan_to_num(values[part] * column.factor)) + abs(column.offset))
+            # The slack holds the rounding of the factor and of both products.
+            before = None if lost is None else abs(column.factor) * (1 + 1e-12) * lost[part]
+            return _sum(before, own)
+
+    return Channel(array_pieces(values.size, made), clock, array_pieces(values.size, rounded))
 
 
 def turned(channels: Mapping[str, Channel]) -> dict[str, Channel]:
@@ -88,7 +98,7 @@ def turned(channels: Mapping[str, Channel]) -> dict[str, Channel]:
     result: dict[str, Channel] = {}
     for name, c in channels.items():
         if name in flipped:
-            result[name] = replace(c, values=-c.values)
+            result[name] = replace(c, values=array_pieces(c.values.size, lambda part, x=c.values: -x[part]))
         elif name in _FLU_ANGLES:
             # A quarter turn is no double: half a unit of it, and one rounding of the difference.
             lost = 2 * np.spacing(np.abs(np.nan_to_num(c.values)) + 2.0)

@@ -215,6 +215,8 @@ class Parquet(Lossless):
     path: Path
     name: str
     names: dict[str, str]
+    dtypes: Mapping[str, pl.DataType]
+    rows: int
     clock: TimeColumn | None = None
     first_row: int = 1
 
@@ -232,6 +234,15 @@ class Parquet(Lossless):
             raise _unusable(self.name, error) from None
         return {n: frame[self.names[n]] for n in names}
 
+    def part(self, name: str, rows: slice) -> pl.Series:
+        """Some rows of a column: only the row groups that hold them are read."""
+        wanted = pl.scan_parquet(self.path, glob=False).select(self.names[name])
+        try:
+            with panics_unprinted():
+                return wanted.slice(rows.start, rows.stop - rows.start).collect().to_series()
+        except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
+            raise _unusable(self.name, error) from None
+
 
 def _unusable(name: str, error: BaseException) -> IvsidError:
     words = "" if isinstance(error, pl.exceptions.PanicException) else str(error)
@@ -242,14 +253,20 @@ def _unusable(name: str, error: BaseException) -> IvsidError:
 def _parquet(path: Path, name: str) -> Parquet:
     try:
         with panics_unprinted():
-            columns = list(pl.read_parquet_schema(path))
+            schema = pl.read_parquet_schema(path)
             rows = int(pl.scan_parquet(path, glob=False).select(pl.len()).collect().item())
     except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
         raise _unusable(name, error) from None
     if rows > MOST_ROWS:
         raise IvsidError(f"{name} has {rows:,} rows; logs of up to {MOST_ROWS:,} are read, so cut it into parts")
-    stripped = [c.strip() for c in columns]
+    stripped = [c.strip() for c in schema]
     twice = next((n for n in stripped if stripped.count(n) > 1), None)
     if twice is not None:
         raise IvsidError(f"{name} has the column {twice} more than once; each needs its own name")
-    return Parquet(path, name, dict(zip(stripped, columns, strict=True)))
+    return Parquet(
+        path,
+        name,
+        dict(zip(stripped, schema, strict=True)),
+        dict(zip(stripped, schema.values(), strict=True)),
+        rows,
+    )

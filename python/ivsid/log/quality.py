@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
-from ivsid.log.record import GAP, Quality, longest_run
+from ivsid.intervals.order import median
+from ivsid.intervals.pieces import array_pieces, kept, over_pieces, pieces
+from ivsid.log.record import GAP, Quality, longest_run, median_step, steps_in
 
 Array = NDArray[np.float64]
 
@@ -47,6 +49,9 @@ def without_held(name: str, values: Array) -> tuple[Array, int, str | None]:
     """
     if name not in HOLDABLE:
         return values, 0, None
+    # Without equal neighbours nothing is held, and this look at them needs no memory.
+    if not _repeats(values):
+        return values, 0, None
     missing = np.isnan(values)
     there = None if not missing.any() else np.flatnonzero(~missing)
     present = values if there is None else values[there]
@@ -68,6 +73,19 @@ def without_held(name: str, values: Array) -> tuple[Array, int, str | None]:
     else:
         note = f"{name} repeats its value in {repeats.size} rows, which are not taken as measurements"
     return kept, int(repeats.size), note
+
+
+def _repeats(values: Array) -> bool:
+    """Whether a sample equals the one before it, missing ones left out."""
+    last = np.nan
+    for part in pieces(values.size):
+        here = values[part]
+        here = here[~np.isnan(here)]
+        if here.size:
+            if here[0] == last or (here[1:] == here[:-1]).any():
+                return True
+            last = here[-1]
+    return False
 
 
 def _held(first: NDArray[np.intp]) -> bool:
@@ -105,8 +123,9 @@ class Steps:
     @staticmethod
     def of(t: Array) -> Steps:
         """The steps of a clock [s]; 0 where it has one sample."""
-        steps = np.diff(t)
-        return Steps(float(np.median(steps)), float(steps.max())) if steps.size else Steps(0.0, 0.0)
+        if t.size < 2:
+            return Steps(0.0, 0.0)
+        return Steps(median_step(t), max(float(steps_in(t, p).max()) for p in pieces(t.size - 1)))
 
 
 def examine(
@@ -125,15 +144,15 @@ def examine(
     Raises:
         IvsidError: a channel without any sample.
     """
-    gone = np.isnan(values)
+    gone = array_pieces(values.size, lambda part: np.isnan(values[part]))
     missing = int(np.count_nonzero(gone))
     if missing == values.size:
         raise IvsidError(f"{source}: column {name} has no sample at all; fill it or leave the column out")
     notes = []
     if missing:
         notes.append(f"{name} misses {missing} of {gone.size} samples, at most {longest_run(gone)[0]} in a row")
-        there = ~gone
-        times, present = t[there], values[there]
+        there = array_pieces(values.size, lambda part: ~gone[part])
+        times, present = kept(t, there), kept(values, there)
     else:
         times, present = t, values
     spikes = _spikes(name, present)
@@ -163,24 +182,31 @@ def _spikes(name: str, values: Array) -> NDArray[np.intp]:
     none = np.zeros(0, dtype=np.intp)
     if name.startswith(("demand_", "azimuth_", "rudder_")) or name in ("psi", "wind_direction") or values.size < 8:
         return none
-    step = np.diff(values)
-    size = np.abs(step)
+    some = np.arange(0, values.size - 1, 1 + (values.size - 1) // SOME)
     # A part of a long channel gives its median step. A channel of few decimals often repeats its value: then the median is that of the
     # steps that are not zero.
-    usual = float(np.median(size[:: 1 + size.size // SOME]))
+    usual = float(np.median(np.abs(values[some + 1] - values[some])))
     if usual == 0.0:
-        moved = size[size > 0]
-        usual = float(np.median(moved)) if moved.size else 0.0
+        size = array_pieces(values.size - 1, lambda part: np.abs(steps_in(values, part)))
+        moved = kept(size, array_pieces(size.size, lambda part: size[part] > 0))
+        usual = median(moved.size, lambda part: moved[part]) if moved.size else 0.0
+    if usual == 0.0:
+        return none
     limit = SPIKE * usual
-    big = size > limit
-    alone = big[:-1] & big[1:] & (np.signbit(step[:-1]) != np.signbit(step[1:]))
-    return np.flatnonzero(alone) + 1 if usual > 0 else none
+
+    def alone(part: slice) -> NDArray[np.intp]:
+        step = steps_in(values, slice(part.start, part.stop + 1))
+        big = np.abs(step) > limit
+        return np.flatnonzero(big[:-1] & big[1:] & (np.signbit(step[:-1]) != np.signbit(step[1:]))) + part.start + 1
+
+    return np.concatenate(over_pieces(pieces(values.size - 2), alone))
 
 
 def gaps(t: Array) -> list[str]:
     """A note about steps of time that are gaps, where there are any."""
-    steps = np.diff(t)
-    long = steps > GAP * np.median(steps)
-    if not long.any():
+    longest = GAP * median_step(t)
+    found = [(int((s > longest).sum()), float(s.max())) for s in (steps_in(t, p) for p in pieces(t.size - 1))]
+    count = sum(n for n, _ in found)
+    if not count:
         return []
-    return [f"{int(long.sum())} gaps in time, the longest {steps.max():.3g} s; nothing is filled in"]
+    return [f"{count} gaps in time, the longest {max(most for _, most in found):.3g} s; nothing is filled in"]

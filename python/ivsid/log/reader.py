@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ivsid.errors import IvsidError
 from ivsid.files.log_map import LogMap
 from ivsid.files.processor import check_rounding
+from ivsid.intervals.pieces import any_piece
 from ivsid.log.channels import Clocked, converted, turned, with_heading
 from ivsid.log.clocks import together
 from ivsid.log.formats import open_source
@@ -21,7 +22,7 @@ from ivsid.log.one_clock import Columns, Reading, on_one_clock
 from ivsid.log.quality import Steps, examine, gaps, without_held
 from ivsid.log.record import Log
 from ivsid.log.rules import Rule, row_clock, rules_of
-from ivsid.log.source import Source, Table, numbers
+from ivsid.log.source import Source, Table, is_long, long_numbers, numbers
 from ivsid.log.stamps import YEARS, loses_digits, of_two_columns, times_of
 
 Array = NDArray[np.float64]
@@ -110,16 +111,24 @@ def _collect(reading: Reading, rules: Mapping[str, Rule]) -> None:
             row, of_rows = row_clock(source, reading.mapping, table)
             wanted_clocks[of_rows] = row
         names = [*(c[1] for c in wanted_clocks), *(n for rule in mine.values() for n in rule.names)]
-        series = content.read(list(dict.fromkeys(names)))
+        long = content if is_long(content) else None
+        series = content.read(list(dict.fromkeys(names))) if long is None else {}
         for clock, stamps in wanted_clocks.items():
-            column = series[clock[1]]
             shown, own = source.shown(*clock), clock != of_rows
-            unit = stamps.unit
-            if stamps.nanoseconds is not None:
-                column, unit = _of_two(source, content, clock, stamps.nanoseconds), "ns"
-            elif loses_digits(column, unit):
+            unit, cells = stamps.unit, None
+            if long is None:
+                column = series[clock[1]]
+            elif long.dtypes[clock[1]].is_float() and not own:
+                # The first stamp stands for their type.
+                column = long.part(clock[1], slice(0, 1))
+                cells = long_numbers(long, clock[1], shown, source.name, content.first_row)
+            else:
                 column = content.exact(clock[1])
-            times = times_of(column, unit, source.name, shown, content.first_row, own=own)
+            if stamps.nanoseconds is not None:
+                column, unit, cells = _of_two(source, content, clock, stamps.nanoseconds), "ns", None
+            elif long is None and loses_digits(column, unit):
+                column = content.exact(clock[1])
+            times = times_of(column, unit, source.name, shown, content.first_row, own=own, cells=cells)
             reading.times[clock] = times
             reading.notes += times.notes
             reading.assumes += times.assumes
@@ -127,13 +136,16 @@ def _collect(reading: Reading, rules: Mapping[str, Rule]) -> None:
         for wanted, rule in mine.items():
             for name in set(rule.names) - arrays.keys():
                 shown = source.shown(table, name)
-                arrays[name] = numbers(series[name], shown, source.name, content.first_row)
+                if long is None:
+                    arrays[name] = numbers(series[name], shown, source.name, content.first_row)
+                else:
+                    arrays[name] = long_numbers(long, name, shown, source.name, content.first_row)
             rows = reading.times[rule.clock].rows
             values, lost = rule.values({n: arrays[n] if rows is None else arrays[n][rows] for n in rule.names})
             made = converted(values, rule.column, rule.clock, lost)
             if rule.note:
                 reading.notes.append(rule.note)
-            if np.isinf(made.values).any():
+            if any_piece(made.values.size, lambda part, x=made.values: bool(np.isinf(x[part]).any())):
                 raise IvsidError(
                     f"{source.name}: column {rule.name} times its scale, plus its offset, is no finite number for {wanted}; "
                     "look at scale and offset under [log] columns"

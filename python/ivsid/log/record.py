@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property, partial
 from typing import Final
 
 import numpy as np
@@ -12,6 +13,8 @@ from numpy.typing import NDArray
 from ivsid.display.shown import Result
 from ivsid.display.table import Cells
 from ivsid.errors import IvsidError, meant
+from ivsid.intervals.order import median
+from ivsid.intervals.pieces import array_pieces
 
 # Largest share of a log that a needed channel may be missing in a row.
 # Source: definition: a channel that is away longer is missing for most of the log
@@ -132,15 +135,15 @@ class Log(Result):
     def _columns(self) -> Mapping[str, object]:
         return {"t": self.t, **self.columns}
 
-    @property
+    @cached_property
     def period(self) -> float:
         """The median step of time [s]."""
-        return float(np.median(np.diff(self.t)))
+        return median_step(self.t)
 
     @property
     def time_error(self) -> float:
         """Bound on the distance of a time from its decimals [s]."""
-        return float(np.spacing(np.abs(self.t).max())) + self.time_rounding
+        return float(np.spacing(max(abs(self.t[0]), abs(self.t[-1])))) + self.time_rounding
 
     def same_samples(self, other: Log) -> bool:
         """Whether another log has the same samples, whatever its file and the zero of its clock."""
@@ -151,7 +154,7 @@ class Log(Result):
             and all(np.array_equal(self.columns[c], other.columns[c], equal_nan=True) for c in sorted(shared))
         )
 
-    def error(self, name: str, rows: slice = slice(None)) -> NDArray[np.float64]:
+    def error(self, name: str, rows: slice | None = None) -> NDArray[np.float64]:
         """Bound on the distance of each value of a column from its decimals and conversions.
 
         Args:
@@ -161,6 +164,8 @@ class Log(Result):
         Returns:
             In the unit of the column, one for each row; that of 0 where the value is missing.
         """
+        if rows is None:
+            return array_pieces(self.t.size, partial(self.error, name))
         values = self.columns[name][rows]
         lost: NDArray[np.float64] = np.spacing(np.abs(np.where(np.isnan(values), 0.0, values)))
         if name in self.rounding:
@@ -196,8 +201,20 @@ class Log(Result):
         return values
 
 
+def steps_in(t: NDArray[np.float64], part: slice) -> NDArray[np.float64]:
+    """The steps from row to row of a part of all steps."""
+    return np.diff(t[part.start : part.stop + 1])
+
+
+def median_step(t: NDArray[np.float64]) -> float:
+    """The median step [s] of a clock with at least two samples."""
+    return median(t.size - 1, partial(steps_in, t))
+
+
 def longest_run(flags: NDArray[np.bool_]) -> tuple[int, int]:
     """Length and start of the longest stretch of true values; (0, 0) where there is none."""
+    if not flags.any():
+        return 0, 0
     edges = np.flatnonzero(np.diff(np.r_[0, flags.astype(np.int8), 0]))
     if not edges.size:
         return 0, 0

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final, Protocol
+from typing import Final, Protocol, TypeGuard, runtime_checkable
 
 import numpy as np
 import polars as pl
@@ -14,10 +14,14 @@ from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError, meant
 from ivsid.files.log_map import TimeColumn
+from ivsid.intervals.room import DOUBLE, LARGE, room
 
 MISSING: Final = ("", "nan", "NaN", "NAN", "null")
 # Separates a table from its column in the name of a foreign column, where a file holds several tables.
 SEPARATOR: Final = "/"
+# Rows of a column that are read at once.
+# Source: resource: 8 MB
+AT_ONCE: Final = 1 << 20
 _UNIT: Final = {"ns": "ns", "us": "us", "ms": "ms"}
 
 
@@ -47,6 +51,22 @@ class Table(Protocol):
 
     def exact(self, name: str) -> pl.Series:
         """One column with every digit: text, integers or doubles."""
+
+
+@runtime_checkable
+class Divided(Protocol):
+    """A table that is read a part at a time, because its columns together would fill the memory."""
+
+    @property
+    def rows(self) -> int:
+        """The number of rows."""
+
+    @property
+    def dtypes(self) -> Mapping[str, pl.DataType]:
+        """The type of each column."""
+
+    def part(self, name: str, rows: slice) -> pl.Series:
+        """Some rows of a column."""
 
 
 class Lossless:
@@ -141,6 +161,20 @@ class Source:
         return {
             name: numbers(cells[t][c], name, self.name, self.tables[t].first_row) for name, (t, c) in places.items()
         }
+
+
+def is_long(table: Table) -> TypeGuard[Divided]:
+    """Whether the columns of a table are read a part at a time."""
+    return isinstance(table, Divided) and table.rows * DOUBLE.itemsize >= LARGE
+
+
+def long_numbers(table: Divided, name: str, shown: str, source: str, first_row: int) -> NDArray[np.float64]:
+    """A column of a long table as float64, shape (n,); NaN is a missing cell. Arguments and errors as in ``numbers``."""
+    made = room(table.rows, DOUBLE)
+    for start in range(0, table.rows, AT_ONCE):
+        rows = slice(start, min(start + AT_ONCE, table.rows))
+        made[rows] = numbers(table.part(name, rows), shown, source, first_row + start)
+    return made
 
 
 def numbers(series: pl.Series, name: str, source: str, first_row: int) -> NDArray[np.float64]:

@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from ivsid.errors import IvsidError
 from ivsid.files import units
 from ivsid.log.dates import is_date, nanoseconds
+from ivsid.intervals.pieces import any_piece, array_pieces, pieces
 from ivsid.log.disorder import in_order
+from ivsid.log.record import steps_in
 from ivsid.log.source import numbers, stamp_unit
 
 Array = NDArray[np.float64]
@@ -66,7 +68,7 @@ class Times:
     assumes: tuple[str, ...] = ()
 
 
-def times_of(series: pl.Series, unit: str | None, source: str, name: str, first_row: int, *, own: bool) -> Times:
+def times_of(series: pl.Series, unit: str | None, source: str, name: str, first_row: int, *, own: bool, cells: Array | None = None) -> Times:
     """Checks and converts one column of stamps. Large stamps (epochs) count from their first one: a double has too few digits for them.
 
     Rows whose stamps are out of order or missing, if they are few, are left out as gaps (``disorder``).
@@ -77,6 +79,7 @@ def times_of(series: pl.Series, unit: str | None, source: str, name: str, first_
         source: name of the file, for messages.
         name: of the column.
         first_row: number of the first sample, for messages.
+        cells: the stamps as doubles, where ``series`` holds the first of them alone: a float for each row, none left out by ``own``.
         own: these are a sensor's own stamps beside those of the rows; a repeated or missing one marks a row without a new sample.
 
     Raises:
@@ -93,7 +96,7 @@ def times_of(series: pl.Series, unit: str | None, source: str, name: str, first_
         series = series.to_physical()
     if series.dtype == pl.String and is_date(next((c for c in series if c is not None and c.strip()), "")):
         series, unit = nanoseconds(series, name, source, first_row), "ns"
-    stamps = numbers(series, name, source, first_row)
+    stamps = numbers(series, name, source, first_row) if cells is None else cells
     notes: list[str] = []
     assumes: list[str] = []
     if unit is None:
@@ -112,7 +115,7 @@ def times_of(series: pl.Series, unit: str | None, source: str, name: str, first_
     if stamps.size < 2:
         what = "stamp" if own else "row"
         raise IvsidError(f"{source} has {stamps.size} {what}{'s' * (stamps.size != 1)}; at least 2 samples are needed")
-    if not (np.diff(stamps) > 0).all():
+    if not _increasing(stamps):
         order = in_order(stamps)
         if order is None:
             raise _disorder(stamps, rows, scale, source, first_row)
@@ -124,12 +127,11 @@ def times_of(series: pl.Series, unit: str | None, source: str, name: str, first_
         )
         assumes.append(f"stamps {name} are right where they increase beside those that do not")
         rows = order.kept if rows is None else rows[order.kept]
-        stamps, series = stamps[order.kept], series.gather(order.kept)
-    first = _decimal(series[0]) * _SECONDS[unit]
+        stamps, series = stamps[order.kept], series.gather(order.kept) if cells is None else series
+    first = _decimal(series[0] if cells is None else float(stamps[0])) * _SECONDS[unit]
     counted = bool(abs(stamps[0]) > EPOCH or scale != 1.0)
     t, lost = _since_first(series, stamps, scale) if counted else (stamps, _own_rounding(series, stamps))
-    steps = np.diff(t)
-    if (steps <= 0).any():
+    if not _increasing(t):
         # Stamps that differ may be one double after their conversion.
         raise _disorder(t, rows, 1.0, source, first_row)
     return Times(t, lost, first, counted, rows, tuple(notes), tuple(assumes))
@@ -141,8 +143,10 @@ def _unit_of(stamps: Array, source: str, name: str) -> str:
     Raises:
         IvsidError: stamps too large for seconds that are no epoch in any unit.
     """
+    if _largest(stamps) <= LARGEST:
+        return "s"
     known = stamps[np.isfinite(stamps)]
-    if known.size < 2 or float(np.abs(known).max()) <= LARGEST:
+    if known.size < 2:
         return "s"
     middle, step = float(np.median(known)), float(np.median(np.abs(np.diff(known))))
     for unit in ("ms", "us", "ns"):
@@ -153,6 +157,17 @@ def _unit_of(stamps: Array, source: str, name: str) -> str:
         f"{source}: column {name} goes up to {float(known.max()):.6g} in steps of {step:.6g}, which are neither seconds nor ms, us or ns since 1970; "
         f'state their unit: time = {{ from = "{name}", unit = "ns" }} under [log]'
     )
+
+
+def _increasing(stamps: Array) -> bool:
+    """Whether each stamp is larger than the one before it."""
+    return not any_piece(stamps.size - 1, lambda part: not (steps_in(stamps, part) > 0).all())
+
+
+def _largest(stamps: Array) -> float:
+    """The largest magnitude of the stamps that are there; 0 without one."""
+    parts = (np.abs(stamps[p]) for p in pieces(stamps.size))
+    return max(float(np.max(x, where=~np.isnan(x), initial=0.0)) for x in parts)
 
 
 def _disorder(stamps: Array, rows: NDArray[np.intp] | None, scale: float, source: str, first_row: int) -> IvsidError:
@@ -225,22 +240,36 @@ def _since_first(series: pl.Series, stamps: Array, scale: float) -> tuple[Array,
     """Seconds since the first stamp, and the bound on their error: decimals and integers are subtracted exactly, doubles are rounded already."""
     if series.dtype.is_float():
         # A double is a rounded instant, this one and the first; integers of nanoseconds that were divided have been rounded twice.
-        difference, lost = stamps - stamps[0], 2 * TWICE * _half_unit(series, stamps)
+        t, lost = _elapsed(stamps, scale), 2 * TWICE * _half_unit(series, stamps)
     else:
-        kind = pl.Decimal(38, DECIMALS)
         try:
-            exact = series.str.strip_chars().cast(kind) if series.dtype == pl.String else series.cast(kind)
-            difference, lost = (exact - exact[0]).cast(pl.Float64).to_numpy(), 2 * 10.0**-DECIMALS
+            first = _exact(series[:1])[0]
+
+            def difference(part: slice) -> Array:
+                exact = _exact(series[part]) - first
+                return np.asarray(exact.cast(pl.Float64).to_numpy() * scale, dtype=np.float64)
+
+            t, lost = array_pieces(stamps.size, difference), 2 * 10.0**-DECIMALS
         except pl.exceptions.PolarsError:
-            difference, lost = stamps - stamps[0], 2 * _half_unit(series, stamps)
-    t = np.asarray(difference * scale, dtype=np.float64)
+            t, lost = _elapsed(stamps, scale), 2 * _half_unit(series, stamps)
     # The difference is rounded at most twice, the unit and the product once each.
-    return t, scale * lost * (1 + 1e-12) + 4 * float(np.spacing(np.abs(t).max()))
+    return t, scale * lost * (1 + 1e-12) + 4 * float(np.spacing(_largest(t)))
+
+
+def _exact(series: pl.Series) -> pl.Series:
+    """Stamps as decimals."""
+    kind = pl.Decimal(38, DECIMALS)
+    return series.str.strip_chars().cast(kind) if series.dtype == pl.String else series.cast(kind)
+
+
+def _elapsed(stamps: Array, scale: float) -> Array:
+    """Differences of doubles from the first of them [s]."""
+    return array_pieces(stamps.size, lambda part: (stamps[part] - stamps[0]) * scale)
 
 
 def _half_unit(series: pl.Series, stamps: Array) -> float:
     """Half a unit in the last place of the largest stamp, in the type that it is stored in."""
-    largest = np.abs(stamps).max()
+    largest = _largest(stamps)
     return 0.5 * float(np.spacing(np.float32(largest) if series.dtype == pl.Float32 else largest))
 
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
+from ivsid.intervals.pieces import array_pieces
 from ivsid.log import Log
 from ivsid.log.turning import Turned, angle_of
 from ivsid.propulsion.configuration import directions
@@ -84,9 +85,11 @@ class Push:
         self.thruster, self.held, self.flow = thruster, held, flow
         name = f"demand_{thruster.name}"
         demand, self.error = log.column(name, f"for thruster {thruster.name}"), log.error(name)
-        self.there: NDArray[np.bool_] = ~np.isnan(demand)
+        self.there: NDArray[np.bool_] = array_pieces(demand.size, lambda rows: ~np.isnan(demand[rows]))
         # Missing demands are filled by an allowed one, which is never used.
-        self.demand = np.where(self.there, demand, demand[self.there][0])
+        allowed = demand[int(np.argmax(self.there))]
+        there = self.there
+        self.demand = array_pieces(demand.size, lambda rows: np.where(there[rows], demand[rows], allowed))
         self.curve = ThrustCurve(thruster)
         self.whole: NDArray[np.bool_] | None = None
         assumes: tuple[str, ...] = ()

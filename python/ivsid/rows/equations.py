@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ivsid.effects import Columns, Place, State, Term, rigid_body
 from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray, Interval, IntervalArray
+from ivsid.intervals.pieces import interval_pieces
 from ivsid.propulsion.lag import GAP
 from ivsid.rows.forces import Forces, KnownForces
 from ivsid.rows.record import ROW_KINDS, RegressionRows
@@ -57,7 +58,8 @@ class Equations:
         if (words := lacking(bounded.log, terms, vehicle)) is not None:
             raise IvsidError(words)
         # Decimals of a time are rounded, and so are differences of doubles: steps are intervals, too.
-        self.clock = IntervalArray.around(self.t, bounded.log.time_error)
+        lost = bounded.log.time_error
+        self.clock = interval_pieces(self.t.size, lambda rows: IntervalArray.around(self.t[rows], lost))
         self.channels, self.present = bounded.channels, bounded.present
         self._first, self.owned = 0, self.t.size
         self._sources = KnownForces(bounded, vehicle)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TypeAlias
 
 import numpy as np
@@ -10,6 +11,8 @@ from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
+from ivsid.intervals.pieces import interval_pieces
+from ivsid.log.record import steps_in
 from ivsid.propulsion.actuation import Flow, Push
 from ivsid.sensors.bounds import BoundedLog
 from ivsid.vehicle import Vehicle
@@ -106,7 +109,7 @@ def _logged(bounded: BoundedLog, vehicle: Vehicle) -> Forces:
         present &= bounded.present[name]
         if between_rows is None:
             # A logged force has no zero-order hold, unlike a demand: between two rows it lies between their values.
-            between.append(x[:-1].hull(x[1:]))
+            between.append(interval_pieces(log.t.size - 1, partial(_between, x)))
             sentences.append(f"{name} lies between the values of neighbouring samples")
             continue
         known = np.isfinite(between_rows.lower) & np.isfinite(between_rows.upper)
@@ -120,6 +123,11 @@ def _logged(bounded: BoundedLog, vehicle: Vehicle) -> Forces:
     )
 
 
+def _between(x: IntervalArray, part: slice) -> IntervalArray:
+    ends: IntervalArray = x[part].hull(x[part.start + 1 : part.stop + 1])
+    return ends
+
+
 def _flow(bounded: BoundedLog, vehicle: Vehicle) -> Flow:
     """u, v, r at rows, and their ranges over each step under the stated limits."""
     limits = vehicle.sensors.limits
@@ -128,12 +136,18 @@ def _flow(bounded: BoundedLog, vehicle: Vehicle) -> Flow:
             "a thruster claims advance_loss or has a rudder, whose mean over a step needs [sensors.limits] acceleration and yaw_acceleration in the "
             "vehicle file; state them, or leave the claim out"
         )
-    steps = np.diff(bounded.log.t) * (1 + 2.0**-40) + 2 * np.max(bounded.log.time_error)
+    t, lost = bounded.log.t, 2 * bounded.log.time_error
     rows, ranges = [], []
     for name, limit in (("u", limits.acceleration), ("v", limits.acceleration), ("r", limits.yaw_acceleration)):
         bounded.log.column(name, "by the thrusters' advance loss or rudder")
         x = bounded.channels[name]
-        reach = IntervalArray(-above(limit), above(limit)) * (0.5 * steps)
+        rate = IntervalArray(-above(limit), above(limit))
+
+        def over(part: slice, x: IntervalArray = x, rate: IntervalArray = rate) -> IntervalArray:
+            steps = steps_in(t, part) * (1 + 2.0**-40) + lost
+            ends: IntervalArray = x[part].hull(x[part.start + 1 : part.stop + 1])
+            return ends + rate * (0.5 * steps)
+
         rows.append(x)
-        ranges.append(x[:-1].hull(x[1:]) + reach)
+        ranges.append(interval_pieces(t.size - 1, over))
     return Flow((rows[0], rows[1], rows[2]), (ranges[0], ranges[1], ranges[2]))

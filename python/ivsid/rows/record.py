@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from ivsid.effects import Term
 from ivsid.intervals import FloatArray, IntervalArray
+from ivsid.intervals.pieces import kept, pieces
+from ivsid.intervals.room import DOUBLE, room
 
 # Rows at a sample, over a window, over two windows weighted by a hat; the rows that bound the bias of an accelerometer's axis; and those of
 # physical bounds, which are assumptions and no measurements.
@@ -59,14 +61,23 @@ class RegressionRows:
             columns: indices.
         """
         terms = tuple(self.terms[j] for j in columns)
+        wanted = list(columns)
+        every = wanted == list(range(self.matrix.shape[1]))
         if rows.dtype == bool:
-            where = np.flatnonzero(rows)
-            together = where.size and where[-1] - where[0] + 1 == where.size
-            # Successive rows are a view; scattered rows are copied whole, which is quicker than entry by entry.
-            rows = slice(where[0], where[-1] + 1) if together else where  # type: ignore[assignment]
-        matrix = self.matrix[rows]
-        if list(columns) != list(range(self.matrix.shape[1])):
-            matrix = matrix[:, list(columns)]
+            count = np.count_nonzero(rows)
+            first, last = (int(np.argmax(rows)), rows.size - int(np.argmax(rows[::-1]))) if count else (0, 0)
+            if count < last - first:
+                return self._scattered(rows, wanted, terms)
+            # Successive rows are a view.
+            rows = slice(first, last)  # type: ignore[assignment]
+            matrix = self.matrix[rows]
+            if not every:
+                both = room((2, *matrix.shape[:1], len(wanted)), DOUBLE)
+                for part in pieces(matrix.shape[0]):
+                    both[0, part], both[1, part] = matrix.lower[part][:, wanted], matrix.upper[part][:, wanted]
+                matrix = IntervalArray._raw(both, both.shape[1:])
+        else:
+            matrix = self.matrix[rows] if every else self.matrix[rows][:, wanted]
         return RegressionRows(
             terms,
             matrix,
@@ -77,6 +88,18 @@ class RegressionRows:
             self.kind[rows],
             self.assumes,
         )
+
+    def _scattered(self, flags: NDArray[np.bool_], columns: list[int], terms: tuple[Term, ...]) -> RegressionRows:
+        """Scattered rows, copied a piece at a time."""
+        ends = np.r_[0, np.cumsum([np.count_nonzero(flags[p]) for p in pieces(flags.size)])]
+        both, right = room((2, int(ends[-1]), len(columns)), DOUBLE), room((2, int(ends[-1])), DOUBLE)
+        for part, a, b in zip(pieces(flags.size), ends[:-1], ends[1:], strict=True):
+            chosen = flags[part]
+            for k, (m, y) in enumerate(((self.matrix.lower, self.right.lower), (self.matrix.upper, self.right.upper))):
+                both[k, a:b], right[k, a:b] = m[part][chosen][:, columns], y[part][chosen]
+        named = {name: kept(getattr(self, name), flags) for name in _NAMED}
+        matrix, known = IntervalArray._raw(both, both.shape[1:]), IntervalArray._raw(right, right.shape[1:])
+        return RegressionRows(terms, matrix, known, **named, assumes=self.assumes)
 
 
 class Space:
@@ -91,8 +114,8 @@ class Space:
     def __init__(self, terms: tuple[Term, ...], makers: int, most: int) -> None:
         self.terms, self.makers, self.most = terms, makers, most
         m, n = makers * most, len(terms)
-        self._matrix, self._right = np.empty((2, m, n)), np.empty((2, m))
-        self._named = {k: np.empty(m, dtype=d) for k, d in _NAMED.items()}
+        self._matrix, self._right = room((2, m, n), DOUBLE), room((2, m), DOUBLE)
+        self._named = {k: room(m, np.dtype(d)) for k, d in _NAMED.items()}
         self._filled: dict[tuple[int, int], int] = {}
         self._assumes: dict[tuple[int, int], tuple[str, ...]] = {}
 

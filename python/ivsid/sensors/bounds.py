@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
-from ivsid.intervals.pieces import interval_pieces
+from ivsid.intervals.pieces import array_pieces, interval_pieces, pieces
 from ivsid.log import Log
-from ivsid.log.angles import unwrapped
+from ivsid.log.angles import turns_of, with_turns
+from ivsid.log.record import steps_in
 from ivsid.sensors.derivatives import with_accelerations
 from ivsid.sensors.doppler import body_velocities, doppler, reading_error
 from ivsid.sensors.noise import ROUNDING, Rule, count_errors, half_width, rule_for
@@ -73,7 +74,7 @@ def bound_log(log: Log, vehicle: Vehicle, windows: int = 1) -> BoundedLog:
     duration = float(log.t[-1] - log.t[0])
     interval = _sampling_interval(log)
     radii: dict[str, float | NDArray[np.float64]] = {
-        name: half_width(sensor, axis, _own_interval(log, name, interval), rule, duration)
+        name: _half_widths(log, name, sensor, axis, interval, rule, duration)
         for name, (sensor, axis) in sections.items()
     }
     for name, section in _PLAIN:
@@ -84,13 +85,12 @@ def bound_log(log: Log, vehicle: Vehicle, windows: int = 1) -> BoundedLog:
     for name, values in log.columns.items():
         if name in log.derived:
             continue
-        there = ~np.isnan(values)
+        there = array_pieces(values.size, partial(_there, values))
         if name == "r" and sensors.yaw_rate is not None and sensors.yaw_rate.sampling == "averaged":
-            radii[name] = radii[name] + _since_average(log, sensors)
+            radii[name] = _summed(np.asarray(radii[name]), _since_average(log, sensors))
         if name not in radii and (name not in ("u", "v") or sensors.velocity is None):
             continue
-        # The decimal of a bound was rounded to a double; the next double up is no smaller than the decimal.
-        radius = np.nextafter(radii[name], np.inf) if name in radii else None
+        radius = np.asarray(radii[name]) if name in radii else None
         channels[name] = interval_pieces(values.size, partial(_bounded, log, sensors, name, radius))
         present[name] = there
     _set_averages_apart(channels, present, sensors)
@@ -116,11 +116,31 @@ def _bounded(log: Log, sensors: Sensors, name: str, radius: NDArray[np.float64] 
         found = doppler(reading, sensors.velocity)
     else:
         reach = np.asarray(0.0 if radius is None else radius)
-        reach = reach[rows] if reach.ndim else reach
+        # The decimal of a bound was rounded to a double; the next double up is no smaller than the decimal.
+        reach = reach if radius is None else np.nextafter(reach[rows] if reach.ndim else reach, np.inf)
         found = reading + IntervalArray(-reach, reach)
     if there.all():
         return found
     return IntervalArray(np.where(there, found.lower, -np.inf), np.where(there, found.upper, np.inf))
+
+
+def _there(values: NDArray[np.float64], rows: slice) -> NDArray[np.bool_]:
+    return ~np.isnan(values[rows])
+
+
+def _summed(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    return array_pieces(b.size, lambda rows: (a[rows] if a.ndim else a) + b[rows])
+
+
+def _half_widths(
+    log: Log, name: str, sensor: InertialSensor, axis: int, interval: NDArray[np.float64], rule: Rule, duration: float
+) -> NDArray[np.float64]:
+    """Half-widths of a channel of an inertial sensor, shape (n,), or () where they are the same everywhere."""
+    if rule.confidence is None:
+        return half_width(sensor, axis, _own_interval(log, name, interval), rule, duration)
+    return array_pieces(
+        interval.size, lambda rows: half_width(sensor, axis, _own_interval(log, name, interval[rows]), rule, duration)
+    )
 
 
 def _set_averages_apart(
@@ -142,13 +162,18 @@ def _set_averages_apart(
 def _heading(log: Log, accuracy: float) -> tuple[IntervalArray, NDArray[np.bool_]]:
     """The heading [rad] without jumps of whole turns, and the rows that have one."""
     psi = log.columns["psi"]
-    there = ~np.isnan(psi)
-    turned, lost = np.zeros(psi.shape), log.error("psi")
-    turned[there], more = unwrapped(psi[there])
-    lost[there] += more
+    there = array_pieces(psi.size, partial(_there, psi))
+    turns = turns_of(psi)
     reach = np.nextafter(accuracy, np.inf)
-    around = IntervalArray.around(turned, lost) + IntervalArray(-reach, reach)
-    return IntervalArray(np.where(there, around.lower, -np.inf), np.where(there, around.upper, np.inf)), there
+
+    def heading(rows: slice) -> IntervalArray:
+        known = there[rows]
+        turned, more = with_turns(np.where(known, psi[rows], 0.0), turns[rows])
+        lost = log.error("psi", rows) + np.where(known, more, 0.0)
+        around = IntervalArray.around(np.where(known, turned, 0.0), lost) + IntervalArray(-reach, reach)
+        return IntervalArray(np.where(known, around.lower, -np.inf), np.where(known, around.upper, np.inf))
+
+    return interval_pieces(psi.size, heading), there
 
 
 def velocities_of(log: Log, sensors: Sensors) -> tuple[Log, dict[str, IntervalArray], tuple[str, ...]]:
@@ -171,10 +196,14 @@ def _since_average(log: Log, sensors: Sensors) -> NDArray[np.float64]:
             f'{log.name}: r stands on another clock than the rows, where sampling = "averaged" of [sensors.yaw_rate] does not say what a '
             "reading averages; make it the clock of the rows ([log] base), or log instantaneous samples"
         )
-    steps = np.diff(log.t)
-    before = np.r_[steps.max(), steps] + 2 * log.time_error
-    moved: NDArray[np.float64] = np.nextafter(0.5 * limit * before * (1 + ROUNDING), np.inf)
-    return moved
+    t = log.t
+    longest = max(float(steps_in(t, p).max()) for p in pieces(t.size - 1))
+
+    def moved(rows: slice) -> NDArray[np.float64]:
+        before = np.r_[[longest] * (rows.start == 0), np.diff(t[max(rows.start - 1, 0) : rows.stop])]
+        return np.asarray(np.nextafter(0.5 * limit * (before + 2 * log.time_error) * (1 + ROUNDING), np.inf))
+
+    return array_pieces(t.size, moved)
 
 
 def _inertial(log: Log, sensors: Sensors) -> dict[str, tuple[InertialSensor, int]]:
@@ -206,7 +235,13 @@ def _own_interval(log: Log, name: str, rows: NDArray[np.float64]) -> NDArray[np.
 
 def _sampling_interval(log: Log) -> NDArray[np.float64]:
     """The time [s] over which each sample averages white noise: the log's period, or less where rows are closer, shape (n,)."""
-    steps = np.diff(log.t)
-    closest = np.minimum(np.r_[steps[0], steps], np.r_[steps, steps[-1]])
-    interval: NDArray[np.float64] = np.minimum(closest, log.period)
-    return interval
+    t, period = log.t, log.period
+
+    def interval(rows: slice) -> NDArray[np.float64]:
+        # The first and the last row have one neighbour.
+        first, last = max(rows.start - 1, 0), min(rows.stop + 1, t.size)
+        steps = np.diff(t[first:last])
+        steps = np.r_[steps[: first == rows.start], steps, steps[steps.size - (last == rows.stop) :]]
+        return np.asarray(np.minimum(np.minimum(steps[:-1], steps[1:]), period))
+
+    return array_pieces(t.size, interval)

@@ -1,8 +1,8 @@
-"""The median of many numbers in bounded memory, with the bits of NumPy's."""
+"""Numbers by their rank among many, in bounded memory: the bits of NumPy's median and sort."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
 import numpy as np
@@ -27,7 +27,7 @@ def median(count: int, part: Callable[[slice], Array]) -> float:
     """
     if count <= FEW:
         return float(np.median(part(slice(0, count))))
-    low = _ranked(count, part, (count - 1) // 2)
+    low = float(_ranked(count, part, [(count - 1) // 2])[0][0])
     if count % 2:
         return low
     below, above = 0, np.inf
@@ -43,21 +43,52 @@ def _parts(count: int, part: Callable[[slice], Array]) -> Iterator[Array]:
     return (part(slice(a, min(a + FEW, count))) for a in range(0, count, FEW))
 
 
-def _ranked(count: int, part: Callable[[slice], Array], rank: int) -> float:
-    """The number with this rank, from 0: the leading bits of its place in the order, then those after them."""
-    known, shift = None, 64
-    while shift:
-        shift -= BITS
-        counts = np.zeros(1 << BITS, dtype=np.int64)
+def places(count: int, part: Callable[[slice], Array], ranks: Sequence[int]) -> NDArray[np.intp]:
+    """The places of the numbers with these ranks, from 0 and in ascending order, as a stable sort has them.
+
+    Args:
+        count: of all numbers, none of them NaN.
+        part: the numbers of a slice of indices; it is asked several times.
+        ranks: in ascending order, each below ``count``.
+    """
+    if not ranks:
+        return np.zeros(0, dtype=np.intp)
+    if count <= FEW:
+        return np.argsort(part(slice(0, count)), kind="stable")[list(ranks)]
+    values, after = _ranked(count, part, ranks)
+    found = np.full(len(ranks), -1)
+    seen = np.zeros(len(ranks), dtype=np.int64)
+    distinct = np.unique(values)
+    for start, here in zip(range(0, count, FEW), _parts(count, part), strict=True):
+        for value in distinct[np.isin(distinct, here)]:
+            where = np.flatnonzero(here == value)
+            for k in np.flatnonzero((values == value) & (found < 0)):
+                if seen[k] + where.size > after[k]:
+                    found[k] = start + where[after[k] - seen[k]]
+                seen[k] += where.size
+    return found
+
+
+def _ranked(count: int, part: Callable[[slice], Array], ranks: Sequence[int]) -> tuple[Array, NDArray[np.int64]]:
+    """The numbers with these ranks, and how many equal ones stand before each: the leading bits of their places first, then those after them."""
+    left = np.array(ranks, dtype=np.int64)
+    known = np.zeros(left.size, dtype=np.uint64)
+    for shift in range(64 - BITS, -1, -BITS):
+        begins = np.unique(known)
+        counts = np.zeros((begins.size, 1 << BITS), dtype=np.int64)
         for values in _parts(count, part):
-            keys = _keys(values)
-            if known is not None:
-                keys = keys[keys >> np.uint64(shift + BITS) == known]
-            counts += np.bincount((keys >> np.uint64(shift) & np.uint64((1 << BITS) - 1)).astype(np.intp), minlength=1 << BITS)
-        place = int(np.searchsorted(np.cumsum(counts), rank, side="right"))
-        rank -= int(counts[:place].sum())
-        known = np.uint64(((0 if known is None else int(known)) << BITS) | place)
-    return float(_values(np.array([known], dtype=np.uint64))[0])
+            keys = _keys(values) >> np.uint64(shift)
+            before = keys >> np.uint64(BITS)
+            group = np.minimum(np.searchsorted(begins, before), begins.size - 1)
+            mine = begins[group] == before
+            digits = (keys[mine] & np.uint64((1 << BITS) - 1)).astype(np.intp)
+            counts += np.bincount(group[mine] * (1 << BITS) + digits, minlength=counts.size).reshape(counts.shape)
+        totals = np.cumsum(counts, axis=1)
+        for k, group in enumerate(np.searchsorted(begins, known)):
+            place = int(np.searchsorted(totals[group], left[k], side="right"))
+            left[k] -= totals[group, place] - counts[group, place]
+            known[k] = known[k] << np.uint64(BITS) | np.uint64(place)
+    return _values(known), left
 
 
 # The sign of a double.

@@ -13,9 +13,12 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ivsid.effects import CHANNELS, EFFECTS, Place, State, Term
 from ivsid.intervals import FloatArray, IntervalArray
+from ivsid.intervals.order import places
+from ivsid.intervals.pieces import pieces
 from ivsid.physical.bound import Box, Inequalities, Subject
 
 KIND: Final = "physical.drag"
@@ -84,10 +87,18 @@ def inequalities(subject: Subject, _box: Box | None = None) -> tuple[Inequalitie
 def _along(subject: Subject, drags: list[bool], axis: int) -> tuple[IntervalArray, FloatArray, FloatArray, int]:
     """Opposing force of one unit of each term at velocities of one axis alone, their middles, times, and the axis."""
     x = subject.velocities[axis]
-    certain = np.flatnonzero((x.lower > 0) | (x.upper < 0))
-    certain = certain[np.isfinite(x.lower[certain]) & np.isfinite(x.upper[certain])]
-    order = certain[np.argsort(x.lower[certain] + x.upper[certain], kind="stable")]
-    chosen = np.unique(order[np.linspace(0, max(order.size - 1, 0), min(SPACED, order.size)).astype(int)])
+
+
+    def certain(rows: slice) -> NDArray[np.bool_]:
+        low, high = x.lower[rows], x.upper[rows]
+        return ((low > 0) | (high < 0)) & np.isfinite(low) & np.isfinite(high)
+
+    def size(rows: slice) -> FloatArray:
+        return np.where(certain(rows), x.lower[rows] + x.upper[rows], np.inf)
+
+    n = x.shape[0]
+    count = sum(int(np.count_nonzero(certain(p))) for p in pieces(n))
+    chosen = np.unique(places(n, size, _spaced(count)))
     here, zero = x[chosen], IntervalArray(np.zeros(chosen.size))
     u, v, r = (here if k == axis else zero for k in range(3))
     state = State(u, v, r, zero, zero, zero, place=_at_rest(zero))
@@ -105,8 +116,14 @@ def _along(subject: Subject, drags: list[bool], axis: int) -> tuple[IntervalArra
 
 def _whole(subject: Subject, drags: list[bool]) -> Inequalities:
     """Power that one unit of each term takes at states as a whole."""
-    known = np.flatnonzero(np.all([np.isfinite(x.lower) & np.isfinite(x.upper) for x in subject.velocities], axis=0))
-    chosen = np.unique(known[np.linspace(0, max(known.size - 1, 0), min(SPACED, known.size)).astype(int)])
+
+    def known(rows: slice) -> NDArray[np.bool_]:
+        there = [np.isfinite(x.lower[rows]) & np.isfinite(x.upper[rows]) for x in subject.velocities]
+        return np.asarray(np.all(there, axis=0))
+
+    n = subject.time.size
+    count = sum(int(np.count_nonzero(known(p))) for p in pieces(n))
+    chosen = np.unique(places(n, lambda rows: np.where(known(rows), 0.0, 1.0), _spaced(count)))
     zero = IntervalArray(np.zeros(chosen.size))
     nu = u, v, r = [x[chosen] for x in subject.velocities]
     state = State(u, v, r, zero, zero, zero, place=_at_rest(zero))
@@ -129,6 +146,12 @@ def _whole(subject: Subject, drags: list[bool]) -> Inequalities:
         time,
         words,
     )
+
+
+def _spaced(count: int) -> list[int]:
+    """Evenly spaced ranks among ``count``."""
+    ranks: list[int] = np.linspace(0, max(count - 1, 0), min(SPACED, count)).astype(int).tolist()
+    return ranks
 
 
 def _at_rest(zero: IntervalArray) -> Place:

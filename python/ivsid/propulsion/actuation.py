@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,18 +85,19 @@ class Push:
         _followed(thruster, held=held)
         self.thruster, self.held, self.flow = thruster, held, flow
         name = f"demand_{thruster.name}"
-        demand, self.error = log.column(name, f"for thruster {thruster.name}"), log.error(name)
+        demand = log.column(name, f"for thruster {thruster.name}")
+        self.error = partial(log.error, name)
         self.there: NDArray[np.bool_] = array_pieces(demand.size, lambda rows: ~np.isnan(demand[rows]))
         # Missing demands are filled by an allowed one, which is never used.
         allowed = demand[int(np.argmax(self.there))]
         there = self.there
-        self.demand = array_pieces(demand.size, lambda rows: np.where(there[rows], demand[rows], allowed))
+        self.demand = demand if there.all() else array_pieces(demand.size, lambda rows: np.where(there[rows], demand[rows], allowed))
         self.curve = ThrustCurve(thruster)
         self.whole: NDArray[np.bool_] | None = None
         assumes: tuple[str, ...] = ()
         self.lagged: tuple[IntervalArray, IntervalArray] | None = None
         if thruster.time_constant:
-            self.lagged = lagged(self.curve, self.demand, self.error, log, self.there, thruster.time_constant)
+            self.lagged = lagged(self.curve, self.demand, self.error(), log, self.there, thruster.time_constant)
             assumes = (
                 f"thruster {thruster.name} follows its demand with a time constant of {thruster.time_constant!r} s; before the log it "
                 "was at rest or pushed anything that its curve allows",
@@ -189,7 +191,7 @@ class Push:
         """The thrust [N] at rows and over the steps between them, without advance loss."""
         if self.lagged is not None:
             return self.lagged[0][here], self.lagged[1][between]
-        demand, error = self.demand[here], self.error[here]
+        demand, error = self.demand[here], self.error(here)
         at = self.curve.interval(demand, error=error)
         if self.held:
             return at, at[:-1]

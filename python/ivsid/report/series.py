@@ -22,6 +22,9 @@ MOST: Final = 360_000
 # Most values of the stretch of a figure that is kept whole beside the thinned log.
 # Source: resource: the size of a mail
 MOST_FINE: Final = 20_000
+# Samples that are thinned at once.
+# Source: resource: 8 MB
+PART: Final = 1 << 20
 # Values beyond this, of a simulation that diverges, are drawn here.
 # Source: definition: single precision ends at 3.4e38
 LARGEST: Final = 3e38
@@ -121,7 +124,7 @@ def series(
     """
     shown = [p for p in panels if p.lines]
     # The script draws logarithms as they are, and writes what they stand for beside the axes.
-    rows = np.stack([_decades(line.values) if p.log else line.values for p in shown for line in p.lines])
+    rows = [_decades(line.values) if p.log else line.values for p in shown for line in p.lines]
     span = f"over {time[-1] - time[0]:.4g} s" if across is TIME else f"against {across.label}"
     time = _decades(time) if across.log else time
     levels = [_level(time, rows, MOST // (1 + beside))]
@@ -130,7 +133,7 @@ def series(
         first, end = np.searchsorted(time, [marks[0].start, marks[0].end])
         few = slice(int(first), int(min(end, first + MOST_FINE // len(rows))))
         if few.stop - few.start > 1:
-            levels.append(_level(time[few], rows[:, few], MOST_FINE))
+            levels.append(_level(time[few], [r[few] for r in rows], MOST_FINE))
     data = {
         "levels": levels,
         "panels": [_panel(p) for p in shown],
@@ -147,36 +150,43 @@ def _decades(x: Array) -> Array:
         return np.where(x > 0, np.log10(x), np.nan)
 
 
-def thinned(time: Array, rows: Array, most: int) -> tuple[Array, Array, int]:
+def thinned(time: Array, rows: Sequence[Array] | Array, most: int) -> tuple[Array, Array, int]:
     """Least and largest values of equally many samples, in the order in which they come.
 
     Args:
         time: shape (n,).
-        rows: shape (k, n); NaN is missing.
+        rows: k of shape (n,); NaN is missing.
         most: values that may be left.
 
     Returns:
         Times, shape (m,); values, shape (k, m), k m <= ``most`` if anything has to go; and the samples in a pair of values, 1 if nothing went.
     """
-    k, n = rows.shape
+    k, n = len(rows), time.size
     if k * n <= most:
-        return time, rows, 1
+        return time, np.stack(list(rows)), 1
     size = -(-n // max(most // (2 * k), 1))
     count = -(-n // size)
-    filled = np.full((k, count * size), np.nan)
-    filled[:, :n] = rows
-    parts = filled.reshape(k, count, size)
-    low, high = np.asarray(np.fmin.reduce(parts, axis=2)), np.asarray(np.fmax.reduce(parts, axis=2))
-    rises = (parts == low[:, :, None]).argmax(axis=2) <= (parts == high[:, :, None]).argmax(axis=2)
-    pairs = np.stack([np.where(rises, low, high), np.where(rises, high, low)], axis=2)
+    pairs = np.empty((k, count, 2))
+    together = max(1, PART // size)
+    for row, made in zip(rows, pairs, strict=True):
+        for first in range(0, count, together):
+            made[first : first + together] = _ends(row[first * size : (first + together) * size], size)
     starts = time[::size]
     # The second value stands in the middle of its samples.
     middles = np.minimum(starts + 0.5 * np.r_[np.diff(starts), time[-1] - starts[-1]], time[-1])
     times: Array = np.stack([starts, middles], axis=1).ravel()
-    return times, np.asarray(pairs, dtype=np.float64).reshape(k, -1), size
+    return times, pairs.reshape(k, -1), size
 
 
-def _level(time: Array, rows: Array, most: int) -> dict[str, object]:
+def _ends(values: Array, size: int) -> Array:
+    """Least and largest value of every ``size`` samples, in the order in which they come, shape (buckets, 2)."""
+    parts = np.r_[values, np.full(-values.size % size, np.nan)].reshape(-1, size)
+    low, high = np.asarray(np.fmin.reduce(parts, axis=1)), np.asarray(np.fmax.reduce(parts, axis=1))
+    rises = (parts == low[:, None]).argmax(axis=1) <= (parts == high[:, None]).argmax(axis=1)
+    return np.stack([np.where(rises, low, high), np.where(rises, high, low)], axis=1)
+
+
+def _level(time: Array, rows: Sequence[Array], most: int) -> dict[str, object]:
     t, values, bucket = thinned(time, rows, most)
     step = (t[-1] - t[0]) / max(t.size - 1, 1)
     uniform = np.abs(t - t[0] - step * np.arange(t.size)).max() <= UNIFORM * step

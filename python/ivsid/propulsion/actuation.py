@@ -7,6 +7,7 @@ thruster in the vehicle file takes part, or the file is refused.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -15,7 +16,8 @@ from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
-from ivsid.intervals.pieces import array_pieces
+from ivsid.intervals.pieces import array_pieces, over_pieces, pieces
+from ivsid.intervals.room import DOUBLE, room
 from ivsid.log import Log
 from ivsid.log.turning import Turned, angle_of
 from ivsid.propulsion.configuration import directions
@@ -244,20 +246,44 @@ def nominal_force(vehicle: Vehicle, log: Log) -> NDArray[np.float64]:
     """
     if not vehicle.thrusters:
         return np.stack([log.columns[n] for n in ("force_X", "force_Y", "moment_N")], axis=1)
-    total = np.zeros((log.t.size, 3))
+    n = log.t.size
+    # A lag goes from row to row, so that its forces are made in one piece.
+    parts = [slice(0, n)] if any(t.time_constant for t in vehicle.thrusters) else pieces(n)
     for thruster in vehicle.thrusters:
         _followed(thruster, held=vehicle.log.demand == "hold")
-        demand = log.columns[f"demand_{thruster.name}"]
+        for name in [f"azimuth_{thruster.name}"] if thruster.steering == "azimuth" else []:
+            log.column(name, f"for the direction of thruster {thruster.name}")
+        for name in [f"rudder_{thruster.name}"] if thruster.rudder is not None else []:
+            log.column(name, f"for the rudder of thruster {thruster.name}")
+    demands = {t.name: log.columns[f"demand_{t.name}"] for t in vehicle.thrusters}
+    allowed = {name: float(x[next(int(np.argmax(~np.isnan(x[p]))) + p.start for p in pieces(n) if not np.isnan(x[p]).all())]) for name, x in demands.items()}
+    made = room((n, 3), DOUBLE)
+
+    def fill(part: slice) -> None:
+        columns = {name: x[part] for name, x in log.columns.items()}
+        made[part] = _nominal(vehicle, log.t[part], columns, allowed)
+
+    over_pieces(parts, fill)
+    return made
+
+
+def _nominal(
+    vehicle: Vehicle, t: NDArray[np.float64], columns: Mapping[str, NDArray[np.float64]], allowed: Mapping[str, float]
+) -> NDArray[np.float64]:
+    """Forces of ``nominal_force`` at some rows; an allowed demand stands for each missing one."""
+    total = np.zeros((t.size, 3))
+    for thruster in vehicle.thrusters:
+        demand = columns[f"demand_{thruster.name}"]
         there = ~np.isnan(demand)
-        filled = np.where(there, demand, demand[there][0])
+        filled = np.where(there, demand, allowed[thruster.name])
         thrust = ThrustCurve(thruster).value(filled)
         if thruster.time_constant:
-            thrust = _nominal_lag(thruster, filled, thrust, log.t)
-            thrust[log.t - log.t[0] < 5 * thruster.time_constant] = np.nan
+            thrust = _nominal_lag(thruster, filled, thrust, t)
+            thrust[t - t[0] < 5 * thruster.time_constant] = np.nan
         thrust = np.where(there, thrust, np.nan)
         x, y = thruster.position
         if thruster.steering == "azimuth":
-            angle = log.column(f"azimuth_{thruster.name}", f"for the direction of thruster {thruster.name}")
+            angle = columns[f"azimuth_{thruster.name}"]
             shares: list[float | NDArray[np.float64]] = [
                 np.cos(angle),
                 np.sin(angle),
@@ -266,15 +292,15 @@ def nominal_force(vehicle: Vehicle, log: Log) -> NDArray[np.float64]:
         else:
             shares = [float(s.midpoint) for s in directions(thruster)]
         if thruster.advance_loss:
-            u, v, r = (log.columns[n] for n in ("u", "v", "r"))
+            u, v, r = (columns[n] for n in ("u", "v", "r"))
             thrust = thrust - thruster.advance_loss * np.abs(thrust) * (
                 (u - y * r) * shares[0] + (v + x * r) * shares[1]
             )
         for j, share in enumerate(shares):
             total[:, j] += thrust * share
         if thruster.rudder is not None:
-            delta = log.column(f"rudder_{thruster.name}", f"for the rudder of thruster {thruster.name}")
-            u, v, r = (log.columns[n] for n in ("u", "v", "r"))
+            delta = columns[f"rudder_{thruster.name}"]
+            u, v, r = (columns[n] for n in ("u", "v", "r"))
             total += np.stack(rudder_force(thruster.rudder, delta, thrust, u, v, r), axis=1)
     return total
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -15,6 +16,8 @@ from ivsid.effects import CHANNELS, causes, terms_of
 from ivsid.errors import IvsidError
 from ivsid.identification import Identification
 from ivsid.intervals import IntervalArray
+from ivsid.intervals.pieces import array_pieces, interval_pieces, pieces
+from ivsid.intervals.room import DOUBLE, room
 from ivsid.log import GivenLog, Log, log_of
 from ivsid.propulsion.actuation import nominal_force
 from ivsid.propulsion.lag import GAP
@@ -30,6 +33,9 @@ VELOCITY_WINDOW: Final = 10.0
 # Length of a window of simulated positions [s].
 # Source: definition: the error measure of docs/guide.md
 POSITION_WINDOW: Final = 30.0
+# Samples of windows that are simulated at once.
+# Source: resource: some 200 MB
+TOGETHER: Final = 1 << 20
 
 
 @dataclass(frozen=True)
@@ -180,38 +186,60 @@ def validate(
 
 def _checkable(fit: Identification, rows: RegressionRows, index: int) -> bool:
     """Whether the channel has rows, and the fit a value for every parameter in them."""
-    here = rows.matrix[rows.channel == index]
-    used = ((here.lower != 0) | (here.upper != 0)).any(axis=0)
+    used, count = np.zeros(len(rows.terms), dtype=bool), 0
+    for part in pieces(rows.channel.size):
+        here = rows.channel[part] == index
+        held = (rows.matrix.lower[part][here] != 0) | (rows.matrix.upper[part][here] != 0)
+        used |= held.any(axis=0)
+        count += held.shape[0]
     known = {*fit.estimate, *fit.parameters}
-    return here.shape[0] > 0 and all(t.id in known for t, u in zip(rows.terms, used, strict=True) if u)
+    return count > 0 and all(t.id in known for t, u in zip(rows.terms, used, strict=True) if u)
 
 
 def _force_check(fit: Identification, rows: RegressionRows, index: int, channel: str) -> ForceCheck:
-    here = rows.channel == index
-    matrix, right = rows.matrix[here], rows.right[here]
+    rows = rows.take(array_pieces(rows.channel.size, lambda p: rows.channel[p] == index), range(len(rows.terms)))
+    matrix, right, count = rows.matrix, rows.right, rows.time.size
     ids = [t.id for t in rows.terms]
     point = np.array([fit.estimate.get(i, 0.0) for i in ids])
     known = [fit.parameters.get(i) for i in ids]
     # Without an interval the estimate stands alone, as a point: the parameter of least inflation of a falsified model.
     lower = np.array([p.lower if p else x for p, x in zip(known, point, strict=True)])
     upper = np.array([p.upper if p else x for p, x in zip(known, point, strict=True)])
-    predicted = (matrix * IntervalArray(lower, upper)).sum(axis=1)
-    mid = matrix.midpoint @ point
-    measured = right.midpoint
-    error = mid - measured
-    meets = (predicted.lower <= right.upper) & (right.lower <= predicted.upper)
+    box = IntervalArray(lower, upper)
+    predicted = interval_pieces(count, lambda p: (matrix[p] * box).sum(axis=1))
+    mid = array_pieces(count, lambda p: _combined(matrix[p].midpoint, point))
+
+    def error(p: slice) -> NDArray[np.float64]:
+        return np.asarray(mid[p] - right[p].midpoint)
+
+    def mean(of: Callable[[slice], NDArray[np.float64]]) -> float:
+        return math.fsum(float(of(p).sum()) for p in pieces(count)) / count
+
+    bias = mean(error)
+    meets = sum(
+        int(((predicted.lower[p] <= right.upper[p]) & (right.lower[p] <= predicted.upper[p])).sum())
+        for p in pieces(count)
+    )
     return ForceCheck(
         channel,
-        rows.time[here],
+        rows.time,
         right,
         predicted,
         mid,
-        float(error.mean()),
-        float(error.std()),
-        float(np.abs(error).mean()),
-        float(predicted.contains(measured).mean()),
-        int((~meets).sum()),
+        bias,
+        math.sqrt(mean(lambda p: (error(p) - bias) ** 2)),
+        mean(lambda p: np.abs(error(p))),
+        mean(lambda p: predicted[p].contains(right[p].midpoint).astype(np.float64)),
+        count - meets,
     )
+
+
+def _combined(columns: NDArray[np.float64], point: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The sum of the columns times the numbers, term by term: the same for every part of the rows."""
+    total = np.zeros(columns.shape[0])
+    for j, x in enumerate(point):
+        total += columns[:, j] * x
+    return total
 
 
 def simulate_windows(fit: Identification, log: Log) -> MotionCheck:
@@ -223,36 +251,49 @@ def simulate_windows(fit: Identification, log: Log) -> MotionCheck:
     """
     nothing = np.zeros((0, 3))
     vehicle = fit.vehicle
-    nu = np.stack([log.columns[n] for n in ("u", "v", "r")], axis=1)
+    nu = room((log.t.size, 3), DOUBLE)
+    for j, name in enumerate(("u", "v", "r")):
+        nu[:, j] = log.columns[name]
     force = nominal_force(vehicle, log)
     try:
         runs = runs_of(fit, log, nu, force)
     except IvsidError as refusal:
         return MotionCheck({}, {}, {}, np.zeros(0), nothing, nothing, str(refusal))
-    complete: NDArray[np.bool_] = np.asarray(np.isfinite(nu).all(axis=1) & np.isfinite(force).all(axis=1))
+    complete = array_pieces(
+        log.t.size, lambda p: np.asarray(np.isfinite(nu[p]).all(axis=1) & np.isfinite(force[p]).all(axis=1))
+    )
     window, rms, median = {}, {}, {}
     starts, count = _windows(log, complete, VELOCITY_WINDOW)
     if not starts.size:
         return MotionCheck({}, {}, {}, np.zeros(0), nothing, nothing, "no window of 10 s without missing samples")
-    at = starts[:, None] + np.arange(count + 1)
-    try:
-        with np.errstate(over="ignore", invalid="ignore"):
-            simulated = runs(starts, count)
-    except IvsidError as refusal:
-        return MotionCheck({}, {}, {}, np.zeros(0), nothing, nothing, str(refusal))
-    if not np.isfinite(simulated).all():
-        return MotionCheck({}, {}, {}, np.zeros(0), nothing, nothing, "the simulated motion grows without bound")
+    shape = starts.size, count + 1
+    time, simulated, measured = room(shape, DOUBLE), room((*shape, 3), DOUBLE), room((*shape, 3), DOUBLE)
+    each = np.empty((starts.size, 3))
+    for part in _groups(starts.size, count):
+        at = starts[part][:, None] + np.arange(count + 1)
+        try:
+            with np.errstate(over="ignore", invalid="ignore"):
+                simulated[part] = runs(starts[part], count)
+        except IvsidError as refusal:
+            return MotionCheck({}, {}, {}, np.zeros(0), nothing, nothing, str(refusal))
+        if not np.isfinite(simulated[part]).all():
+            return MotionCheck({}, {}, {}, np.zeros(0), nothing, nothing, "the simulated motion grows without bound")
+        time[part], measured[part] = log.t[at], nu[at]
+        each[part] = np.sqrt(np.mean((simulated[part] - measured[part]) ** 2, axis=1))
     window["velocity"] = VELOCITY_WINDOW
-    error = simulated - nu[at]
     for j, name in enumerate(("u", "v", "r")):
-        each = np.sqrt(np.mean(error[:, :, j] ** 2, axis=1))
-        rms[name], median[name] = float(np.sqrt(np.mean(each**2))), float(np.median(each))
+        rms[name], median[name] = float(np.sqrt(np.mean(each[:, j] ** 2))), float(np.median(each[:, j]))
     position = _position_error(runs, log, complete)
     if position is not None:
         window["position"] = POSITION_WINDOW
         with np.errstate(over="ignore"):
             rms["position"], median["position"] = float(np.sqrt(np.mean(position**2))), float(np.median(position))
-    return MotionCheck(window, rms, median, log.t[at].ravel(), simulated.reshape(-1, 3), nu[at].reshape(-1, 3), None)
+    return MotionCheck(window, rms, median, time.ravel(), simulated.reshape(-1, 3), measured.reshape(-1, 3), None)
+
+
+def _groups(windows: int, count: int) -> list[slice]:
+    """Windows of this many steps that are simulated at once: all of them on a log of moderate length."""
+    return pieces(windows, max(1, TOGETHER // count))
 
 
 # A motion that grows without bound has an infinite error.
@@ -261,21 +302,30 @@ def _position_error(runs: Runs, log: Log, complete: NDArray[np.bool_]) -> NDArra
     """Rms distance [m] over each position window, or None where the log has no pose."""
     if not all(n in log.columns for n in ("psi", "x", "y")):
         return None
-    pose = np.stack([log.columns[n] for n in ("x", "y", "psi")], axis=1)
-    starts, count = _windows(log, complete & np.isfinite(pose).all(axis=1), POSITION_WINDOW)
+    pose = [log.columns[n] for n in ("x", "y", "psi")]
+    posed = array_pieces(log.t.size, lambda p: np.asarray(complete[p] & np.all([np.isfinite(x[p]) for x in pose], axis=0)))
+    starts, count = _windows(log, posed, POSITION_WINDOW)
     if not starts.size:
         return None
+    return np.concatenate([_distances(runs, log, pose, starts[p], count) for p in _groups(starts.size, count)])
+
+
+def _distances(
+    runs: Runs, log: Log, pose: Sequence[NDArray[np.float64]], starts: NDArray[np.int64], count: int
+) -> NDArray[np.float64]:
+    """Rms distance [m] of the simulated from the measured track over each window; infinite where it grows without bound."""
+    x, y, heading_of = pose
     at = starts[:, None] + np.arange(count + 1)
     steps = np.diff(log.t[at], axis=1)
     run = runs(starts, count)
     middle = 0.5 * (run[:, 1:] + run[:, :-1])
     turn = np.concatenate([np.zeros((starts.size, 1)), np.cumsum(middle[:, :, 2] * steps, axis=1)], axis=1)
-    psi = pose[starts, 2][:, None] + turn
+    psi = heading_of[starts][:, None] + turn
     heading = 0.5 * (psi[:, 1:] + psi[:, :-1])
     north = middle[:, :, 0] * np.cos(heading) - middle[:, :, 1] * np.sin(heading)
     east = middle[:, :, 0] * np.sin(heading) + middle[:, :, 1] * np.cos(heading)
     track = np.stack([np.cumsum(north * steps, axis=1), np.cumsum(east * steps, axis=1)], axis=2)
-    measured = pose[at[:, 1:], :2] - pose[starts, None, :2]
+    measured = np.stack([x[at[:, 1:]] - x[starts][:, None], y[at[:, 1:]] - y[starts][:, None]], axis=2)
     error = np.sqrt(np.mean(np.sum((track - measured) ** 2, axis=2), axis=1))
     return np.asarray(np.where(np.isnan(error), np.inf, error), dtype=np.float64)
 
@@ -283,9 +333,13 @@ def _position_error(runs: Runs, log: Log, complete: NDArray[np.bool_]) -> NDArra
 def _windows(log: Log, complete: NDArray[np.bool_], length: float) -> tuple[NDArray[np.int64], int]:
     """Starts of windows of ``length`` seconds that follow each other, without missing samples or gaps, and their steps."""
     count = max(1, round(length / log.period))
-    gap = np.diff(log.t) > GAP * log.period
-    bad = np.r_[0, np.cumsum(~complete)]
-    gaps = np.r_[0, np.cumsum(gap)]
+    longest = GAP * log.period
     starts = np.arange(0, log.t.size - count, count)
-    whole = (bad[starts + count + 1] == bad[starts]) & (gaps[starts + count] == gaps[starts])
-    return starts[whole], count
+
+    def whole(part: slice) -> NDArray[np.bool_]:
+        rows = slice(part.start * count, part.stop * count)
+        there = complete[rows].reshape(-1, count).all(axis=1) & complete[starts[part] + count]
+        steps = np.diff(log.t[rows.start : rows.stop + 1]).reshape(-1, count)
+        return np.asarray(there & (steps <= longest).all(axis=1))
+
+    return starts[np.concatenate([whole(p) for p in _groups(starts.size, count)])], count

@@ -84,7 +84,9 @@ fn invert_by_blocks<V: Vector>(work: &mut [f64], n: usize, stride: usize) -> boo
             if pivot == 0.0 || !pivot.is_finite() {
                 return false;
             }
-            panel.iter_mut().for_each(|column| column.swap(p, pivot_row));
+            for column in &mut panel {
+                column.swap(p, pivot_row);
+            }
             swap_rows(work, stride, p, pivot_row);
             let reciprocal = 1.0 / pivot;
             panel[k][p] = 1.0;

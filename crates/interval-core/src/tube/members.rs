@@ -10,7 +10,7 @@ pub type State = [f64; 6];
 pub struct Member<'a> {
     /// A parameter, one number a term.
     pub theta: &'a [f64],
-    /// Lengths of the steps [s].
+    /// Lengths of the steps \[s\].
     pub h: &'a [f64],
     /// Forces without errors over each step.
     pub centre: &'a [[f64; 3]],

@@ -26,9 +26,9 @@ const HALVINGS: u32 = 6;
 /// The course of the inputs, one entry a step.
 #[derive(Debug, Clone)]
 pub struct Inputs<'a> {
-    /// Lengths [s].
+    /// Lengths \[s\].
     pub h: &'a [Interval],
-    /// Forces X, Y [N] and moments N [N m]: all values over the step.
+    /// Forces X, Y \[N\] and moments N \[N m\]: all values over the step.
     pub force: [&'a [Interval]; 3],
     /// Velocities of components that are not free: all values over the step. Empty where all are free.
     pub given: &'a [Given],
@@ -39,7 +39,7 @@ pub struct Inputs<'a> {
 pub struct Node {
     /// Velocities u, v [m/s], r [rad/s].
     pub nu: Three,
-    /// Heading [rad], position north and east [m].
+    /// Heading \[rad\], position north and east \[m\].
     pub pose: Three,
 }
 

@@ -23,6 +23,7 @@ __all__ = [
     "STATUSES",
     "SWEEPS",
     "VERDICTS",
+    "Follower",
     "Interval",
     "TubeModel",
     "backend",

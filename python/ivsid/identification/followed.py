@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 from ivsid.display.shown import Result
 from ivsid.display.table import Cells
@@ -86,7 +85,7 @@ class Following(Result):
     rows: dict[str, int]
     notes: tuple[str, ...]
     ignored: tuple[str, ...]
-    options: dict[str, Any]
+    options: dict[str, object]
     vehicle: Vehicle
     log_name: str
     log_sha256: str
@@ -113,7 +112,7 @@ class Following(Result):
             "upper": [p.upper for _, _, p in rows],
         }
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> dict[str, object]:
         """The record of result.json."""
         inputs = [
             (Path(self.vehicle.source or "vehicle.toml").name, self.vehicle.sha256),

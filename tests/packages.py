@@ -64,7 +64,9 @@ def source_faults(path: Path) -> list[str]:
     needed = LICENCES | {"PKG-INFO", "Cargo.lock", "Cargo.toml", "pyproject.toml", "README.md", "CITATION.cff"}
     needed |= {f"python/ivsid/{n}" for n in tracked("python/ivsid")}
     needed |= {
-        f"crates/{c}/src/{n}" for c in ("filter-core", "interval-core", "pyivsid") for n in tracked(f"crates/{c}/src")
+        f"crates/{c}/src/{n}"
+        for c in ("filter-core", "interval-core", "onboard", "pyivsid")
+        for n in tracked(f"crates/{c}/src")
     }
     stray = [
         n for n in names if n.startswith(("tests/", "benches/", "docs/", "target/")) or n.endswith((".so", ".pyc"))

@@ -10,9 +10,9 @@ use crate::follower::{Contradiction, Follower, State};
 /// A proof that no constant parameters explain all rows since the last change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Change {
-    /// Time of the row at which it was proved [s].
+    /// Time of the row at which it was proved \[s\].
     pub time: f64,
-    /// Begin of the window in which it was proved [s].
+    /// Begin of the window in which it was proved \[s\].
     pub window: f64,
     /// The parameter whose bounds do not meet those of earlier windows; `None` for rows that contradict one another.
     pub column: Option<usize>,
@@ -32,7 +32,7 @@ pub struct Windows<const N: usize, const ROWS: usize> {
 }
 
 impl<const N: usize, const ROWS: usize> Windows<N, ROWS> {
-    /// Windows of `length` [s] for parameters within `start`.
+    /// Windows of `length` \[s\] for parameters within `start`.
     ///
     /// # Errors
     /// As [`Follower::new`], and a length that is not positive.

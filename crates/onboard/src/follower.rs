@@ -10,9 +10,9 @@ pub const START_LIMIT: f64 = 1e100;
 /// The proof that no parameters explain the rows: multipliers of these rows, or two ends that have passed one another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contradiction {
-    /// Time of the row at which it was proved [s].
+    /// Time of the row at which it was proved \[s\].
     pub time: f64,
-    /// Time of the oldest row that the proof names [s]. Older rows stand in it by the bounds that they have proved.
+    /// Time of the oldest row that the proof names \[s\]. Older rows stand in it by the bounds that they have proved.
     pub oldest: f64,
     /// Number of half-spaces that the proof names.
     pub rows: usize,
@@ -78,7 +78,7 @@ impl<const N: usize, const ROWS: usize> Follower<N, ROWS> {
         Self::drifting(start, [0.0; N])
     }
 
-    /// A follower of parameters that lie within `start` at the first row, and move by at most `rates` [1/s].
+    /// A follower of parameters that lie within `start` at the first row, and move by at most `rates` \[1/s\].
     ///
     /// # Errors
     /// As [`Follower::start`].
@@ -141,7 +141,7 @@ impl<const N: usize, const ROWS: usize> Follower<N, ROWS> {
         self.count
     }
 
-    /// Takes the row `sum a_j x_j = y`, which holds at `time` [s] for some member of each interval.
+    /// Takes the row `sum a_j x_j = y`, which holds at `time` \[s\] for some member of each interval.
     ///
     /// # Errors
     /// Bounds that are NaN or reversed, and a time before that of the last row.

@@ -17,9 +17,9 @@ pub(crate) struct HalfSpace<const N: usize> {
     lower: [f64; N],
     upper: [f64; N],
     right: f64,
-    /// The time at which the row holds [s].
+    /// The time at which the row holds \[s\].
     pub(crate) time: f64,
-    /// Growth of the right-hand side by the rates of the parameters [1/s].
+    /// Growth of the right-hand side by the rates of the parameters \[1/s\].
     drift: f64,
     /// The coefficients over the box.
     pub(crate) g: [f64; N],

@@ -14,6 +14,7 @@ from ivsid import identify, verify
 from ivsid.effects import CATALOGUE, on_hull, terms_of
 from ivsid.errors import IvsidError
 from ivsid.identification import read_identification
+from ivsid.identification.physics import of_no_vessel
 from ivsid.intervals import IntervalArray
 from ivsid.physical import MOST, Subject, faults
 from ivsid.physical.drag import is_drag
@@ -64,6 +65,15 @@ def test_what_no_vessel_has_is_said_of_each_bound(changes, bound, words):
     found = {f.bound: f for f in faults(subject(), point(**changes))}
     assert words in found[bound].sentence
     assert set(found[bound].parameters) & {k.replace("_", ".") for k in changes}
+
+
+def test_a_point_of_a_vessel_is_not_called_strange():
+    kept = {k: low for k, (low, _) in point().items()}
+    assert of_no_vessel(subject(), kept) == () and of_no_vessel(subject(), {}) == ()
+    (said,) = of_no_vessel(subject(), {**kept, "mass.sway": -985.0})
+    assert (
+        said.startswith("no vessel has the parameter of least inflation (") and "is no estimate of the vessel" in said
+    )
 
 
 def test_the_limits_are_those_of_the_hull():
@@ -159,6 +169,9 @@ def test_a_guaranteed_set_that_no_vessel_has_is_noted_in_record_terminal_and_pag
 def test_physical_rows_falsify_such_a_file_and_the_checker_agrees(backward, tmp_path):
     fit = identify(*backward, physical=True)
     assert fit.status == "empty" and not fit.physical
+    # The point nearest to such a log is no vessel's, and says so.
+    assert any(note.startswith("no vessel has the parameter of least inflation (") for note in fit.notes)
+    assert any("(of no vessel, see the note)" in line for line in identification_report(fit, backward[1]).lines)
     fit.save(tmp_path / "result.json")
     verdict = verify(tmp_path, backward[1])
     assert verdict.proved and verdict.claim == "empty", verdict.failures

@@ -14,7 +14,7 @@ from ivsid.identification.assumptions import assumptions, cause_notes
 from ivsid.identification.bias import CHOICES, separate_bias, with_unknowns, without_unknowns
 from ivsid.identification.blocks import linked, nonzero, outlier_notes, overall, parameters_of, solve
 from ivsid.identification.combinations import determined
-from ivsid.identification.physics import INFLATION, contradicted, subject_of, with_bounds
+from ivsid.identification.physics import INFLATION, contradicted, of_no_vessel, subject_of, with_bounds
 from ivsid.identification.result import ClaimCheck, Identification, Parameter
 from ivsid.intervals.pieces import pieces
 from ivsid.linear import regression
@@ -112,10 +112,11 @@ def identify(
         made = with_bounds(made, subject)
     fit = identify_rows(made, bounded, vehicle, method, options)
     fit = fit if taken is None else without_unknowns(fit, terms)
+    strange = of_no_vessel(subject, fit.estimate) if fit.status == "empty" else ()
     return replace(
         fit,
         physical=tuple(f.record() for f in contradicted(subject, fit.parameters)),
-        notes=(*fit.notes, INFLATION) if physical else fit.notes,
+        notes=(*fit.notes, *strange, *((INFLATION,) if physical else ())),
         setup=doubts,
     )
 

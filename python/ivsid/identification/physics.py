@@ -82,3 +82,21 @@ def contradicted(subject: Subject, parameters: Mapping[str, Parameter]) -> tuple
     if set(ids) - set(parameters) or any(parameters[i].lower > parameters[i].upper for i in ids):
         return ()
     return faults(subject, {i: (parameters[i].lower, parameters[i].upper) for i in ids})
+
+
+def of_no_vessel(subject: Subject, estimate: Mapping[str, float]) -> tuple[str, ...]:
+    """A note on the parameter of least inflation of an empty set that no vessel can have; none where one can.
+
+    Args:
+        subject: the model with its velocities.
+        estimate: the point by id; without a number of each term it says nothing.
+    """
+    ids = [t.id for t in subject.terms]
+    if set(ids) - set(estimate):
+        return ()
+    found = faults(subject, {i: (estimate[i], estimate[i]) for i in ids})
+    if not found:
+        return ()
+    return (
+        f"no vessel has the parameter of least inflation ({found[0].sentence}): it shows how wrong the model is, and is no estimate of the vessel",
+    )

@@ -88,7 +88,9 @@ def parameter_lines(fit: Identification) -> list[str]:
     """Intervals of an identification, for the terminal."""
     lines = [f"  {id_:<24} {shown(p.lower, p.upper):>32} {p.unit}" for id_, p in fit.parameters.items()]
     if fit.status == "empty" and fit.estimate:
-        lines.append("  parameter of least inflation: " + ", ".join(f"{k} {v:.5g}" for k, v in fit.estimate.items()))
+        numbers = ", ".join(f"{k} {v:.5g}" for k, v in fit.estimate.items())
+        strange = any("the parameter of least inflation" in note for note in fit.notes)
+        lines.append(f"  parameter of least inflation{' (of no vessel, see the note)' if strange else ''}: {numbers}")
     if fit.inflation is not None:
         room = (
             "the data agree with the model with room to spare"

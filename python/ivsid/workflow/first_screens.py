@@ -80,8 +80,10 @@ def validated(result: Validation) -> First:
     )
     twin = " (the log of this call)" if result.log_name == fit.log_name else ""
     words = f"{result.log_name}{twin}, {total} rows, against the fit of {fit.log_name} by {fit.method}. The bounds are {sure}."
+    # Logs of one name stand in folders of their own, which the fit does not know.
+    logs = "LOG OTHER_LOG" if twin else f"{fit.log_name} {result.log_name}"
     following = (
-        f"Look for the cause: ivsid diagnose VEHICLE {fit.log_name} {result.log_name}."
+        f"Look for the cause: ivsid diagnose VEHICLE {logs}."
         if result.contradicted
         else "Use the parameters for motion like that of both logs; sail other motion to test them further."
     )

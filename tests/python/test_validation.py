@@ -14,6 +14,7 @@ from ivsid.sensors.bounds import bound_log
 from ivsid.simulation import simulate
 from ivsid.validation.dynamics import Dynamics
 from ivsid.vehicle import parse_vehicle
+from ivsid.workflow.first_screens import validated
 
 
 @pytest.fixture(scope="module")
@@ -36,6 +37,11 @@ def test_another_vehicle_is_contradicted(swan, twin, programme):
     changed = simulate(swan, programme.model_copy(update={"noise": "uniform", "truth": truth}), 5)
     result = validate(identify(swan, as_log(twin)), as_log(changed))
     assert sum(f.falsified for f in result.forces) > 100
+    # The next step names both logs, where their names tell them apart.
+    apart = replace(result, fit=replace(result.fit, log_name="one.csv"), log_name="two.csv")
+    assert "ivsid diagnose VEHICLE one.csv two.csv." in validated(apart).following[0]
+    alike = replace(apart, log_name="one.csv")
+    assert "ivsid diagnose VEHICLE LOG OTHER_LOG." in validated(alike).following[0]
 
 
 def test_a_perfect_model_follows_velocities_and_position(swan, programme):

@@ -26,9 +26,9 @@ _T = TypeVar("_T")
 _N = TypeVar("_N", bound=np.generic)
 
 
-def pieces(rows: int, size: int = PIECE) -> list[slice]:
-    """Slices of about equal length that cover the rows from 0 up to ``rows``, none longer than ``size``."""
-    count = max(1, -(-rows // size))
+def pieces(rows: int, size: int = 0) -> list[slice]:
+    """Slices of about equal length that cover the rows from 0 up to ``rows``, none longer than ``size`` (``PIECE`` by default)."""
+    count = max(1, -(-rows // (size or PIECE)))
     edges = [rows * k // count for k in range(count + 1)]
     return [slice(a, b) for a, b in pairwise(edges)]
 

@@ -28,6 +28,11 @@ DOUBLE: Final = np.dtype(np.float64)
 _N = TypeVar("_N", bound=np.generic)
 
 
+def is_large(size: int) -> bool:
+    """Whether an array of this many bytes lies in a file."""
+    return size >= LARGE
+
+
 def room(shape: int | tuple[int, ...], kind: np.dtype[_N]) -> NDArray[_N]:
     """An array without values yet, in a file if it is large.
 
@@ -37,7 +42,7 @@ def room(shape: int | tuple[int, ...], kind: np.dtype[_N]) -> NDArray[_N]:
         IvsidError: the disk has no room for it.
     """
     size = math.prod((shape,) if isinstance(shape, int) else shape) * kind.itemsize
-    if size < LARGE:
+    if not is_large(size):
         return np.empty(shape, dtype=kind)
     folder = ON_DISK if "TMPDIR" not in os.environ and os.access(ON_DISK, os.W_OK) else None
     try:

@@ -66,9 +66,7 @@ def converted(values: Array, column: Column, clock: Clocked, lost: Array | None 
     """
     if column.missing is not None and lost is None:
         marked = values
-        values = array_pieces(
-            marked.size, lambda part: np.where(marked[part] == column.missing, np.nan, marked[part])
-        )
+        values = array_pieces(marked.size, lambda part: np.where(marked[part] == column.missing, np.nan, marked[part]))
     if column.factor == 1.0 and column.offset == 0.0:
         return Channel(values, clock, lost)
 

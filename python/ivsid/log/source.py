@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError, meant
 from ivsid.files.log_map import TimeColumn
-from ivsid.intervals.room import DOUBLE, LARGE, room
+from ivsid.intervals.room import DOUBLE, is_large, room
 
 MISSING: Final = ("", "nan", "NaN", "NAN", "null")
 # Separates a table from its column in the name of a foreign column, where a file holds several tables.
@@ -165,7 +165,7 @@ class Source:
 
 def is_long(table: Table) -> TypeGuard[Divided]:
     """Whether the columns of a table are read a part at a time."""
-    return isinstance(table, Divided) and table.rows * DOUBLE.itemsize >= LARGE
+    return isinstance(table, Divided) and is_large(table.rows * DOUBLE.itemsize)
 
 
 def long_numbers(table: Divided, name: str, shown: str, source: str, first_row: int) -> NDArray[np.float64]:

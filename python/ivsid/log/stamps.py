@@ -68,7 +68,16 @@ class Times:
     assumes: tuple[str, ...] = ()
 
 
-def times_of(series: pl.Series, unit: str | None, source: str, name: str, first_row: int, *, own: bool, cells: Array | None = None) -> Times:
+def times_of(
+    series: pl.Series,
+    unit: str | None,
+    source: str,
+    name: str,
+    first_row: int,
+    *,
+    own: bool,
+    cells: Array | None = None,
+) -> Times:
     """Checks and converts one column of stamps. Large stamps (epochs) count from their first one: a double has too few digits for them.
 
     Rows whose stamps are out of order or missing, if they are few, are left out as gaps (``disorder``).

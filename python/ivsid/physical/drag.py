@@ -88,13 +88,14 @@ def _along(subject: Subject, drags: list[bool], axis: int) -> tuple[IntervalArra
     """Opposing force of one unit of each term at velocities of one axis alone, their middles, times, and the axis."""
     x = subject.velocities[axis]
 
-
     def certain(rows: slice) -> NDArray[np.bool_]:
         low, high = x.lower[rows], x.upper[rows]
         return ((low > 0) | (high < 0)) & np.isfinite(low) & np.isfinite(high)
 
     def size(rows: slice) -> FloatArray:
-        return np.where(certain(rows), x.lower[rows] + x.upper[rows], np.inf)
+        there = certain(rows)
+        both = np.where(there, x.lower[rows], 0.0) + np.where(there, x.upper[rows], 0.0)
+        return np.where(there, both, np.inf)
 
     n = x.shape[0]
     count = sum(int(np.count_nonzero(certain(p))) for p in pieces(n))

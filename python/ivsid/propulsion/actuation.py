@@ -93,7 +93,11 @@ class Push:
         # Missing demands are filled by an allowed one, which is never used.
         allowed = demand[int(np.argmax(self.there))]
         there = self.there
-        self.demand = demand if there.all() else array_pieces(demand.size, lambda rows: np.where(there[rows], demand[rows], allowed))
+        self.demand = (
+            demand
+            if there.all()
+            else array_pieces(demand.size, lambda rows: np.where(there[rows], demand[rows], allowed))
+        )
         self.curve = ThrustCurve(thruster)
         self.whole: NDArray[np.bool_] | None = None
         assumes: tuple[str, ...] = ()
@@ -256,7 +260,10 @@ def nominal_force(vehicle: Vehicle, log: Log) -> NDArray[np.float64]:
         for name in [f"rudder_{thruster.name}"] if thruster.rudder is not None else []:
             log.column(name, f"for the rudder of thruster {thruster.name}")
     demands = {t.name: log.columns[f"demand_{t.name}"] for t in vehicle.thrusters}
-    allowed = {name: float(x[next(int(np.argmax(~np.isnan(x[p]))) + p.start for p in pieces(n) if not np.isnan(x[p]).all())]) for name, x in demands.items()}
+    allowed = {
+        name: float(x[next(int(np.argmax(~np.isnan(x[p]))) + p.start for p in pieces(n) if not np.isnan(x[p]).all())])
+        for name, x in demands.items()
+    }
     made = room((n, 3), DOUBLE)
 
     def fill(part: slice) -> None:

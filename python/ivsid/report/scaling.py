@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 # Share of the samples at each end that may not set an axis: filters ring at the ends of a log and beside gaps.
 # Source: definition: a twelfth of a minute in ten minutes
 SPIKES: Final = 0.005
+# Samples of a row that the quantiles are taken of, and that are looked at at once.
+# Source: resource: 8 MB
+SAMPLES: Final = 1 << 20
 # Room beyond the quantiles, in distances between them: normal errors do not reach it.
 # Source: theorem: normal distribution; the 0.5 % quantiles lie 5.15 standard deviations apart, so that 5.15 lie inside on each side
 ROOM: Final = 0.5
@@ -35,13 +38,21 @@ def robust_range(rows: Iterable[NDArray[np.float64]]) -> tuple[float, float] | N
     Returns:
         Lowest and highest value of the axis; None without a finite value.
     """
-    x = np.concatenate([np.ravel(r) for r in rows] or [np.zeros(0)])
+    some, ends = [np.zeros(0)], [np.inf, -np.inf]
+    for row in map(np.ravel, rows):
+        some.append(row[:: 1 + row.size // SAMPLES])
+        for first in range(0, row.size, SAMPLES):
+            here = row[first : first + SAMPLES]
+            here = here[np.isfinite(here)]
+            if here.size:
+                ends = [min(ends[0], float(here.min())), max(ends[1], float(here.max()))]
+    x = np.concatenate(some)
     x = x[np.isfinite(x)]
     if not x.size:
         return None
     low, high = (float(q) for q in np.quantile(x, [SPIKES, 1.0 - SPIKES]))
     room = ROOM * (high - low)
-    return padded(max(float(x.min()), low - room), min(float(x.max()), high + room))
+    return padded(max(ends[0], low - room), min(ends[1], high + room))
 
 
 def padded(low: float, high: float) -> tuple[float, float]:

@@ -202,7 +202,7 @@ def _level(time: Array, rows: Sequence[Array], most: int) -> dict[str, object]:
 
 def _panel(p: Panel) -> dict[str, object]:
     ends = robust_range([q.values for q in p.lines]) if p.robust else None
-    beyond = 0 if ends is None else sum(int(((q.values < ends[0]) | (q.values > ends[1])).sum()) for q in p.lines)
+    beyond = 0 if ends is None else sum(_beyond(q.values, ends) for q in p.lines)
     return {
         "title": p.title,
         "lines": [{"label": q.label, "role": q.role, "tube": q.tube, "dots": q.dots} for q in p.lines],
@@ -210,6 +210,12 @@ def _panel(p: Panel) -> dict[str, object]:
         "cut": beyond,
         "log": p.log,
     }
+
+
+def _beyond(values: Array, ends: tuple[float, float]) -> int:
+    """The number of values outside of an axis."""
+    parts = (values[k : k + PART] for k in range(0, values.size, PART))
+    return sum(int(((x < ends[0]) | (x > ends[1])).sum()) for x in parts)
 
 
 def _base64(x: Array) -> str:

@@ -303,7 +303,9 @@ def _position_error(runs: Runs, log: Log, complete: NDArray[np.bool_]) -> NDArra
     if not all(n in log.columns for n in ("psi", "x", "y")):
         return None
     pose = [log.columns[n] for n in ("x", "y", "psi")]
-    posed = array_pieces(log.t.size, lambda p: np.asarray(complete[p] & np.all([np.isfinite(x[p]) for x in pose], axis=0)))
+    posed = array_pieces(
+        log.t.size, lambda p: np.asarray(complete[p] & np.all([np.isfinite(x[p]) for x in pose], axis=0))
+    )
     starts, count = _windows(log, posed, POSITION_WINDOW)
     if not starts.size:
         return None

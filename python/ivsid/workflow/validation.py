@@ -6,10 +6,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ivsid import validation
 from ivsid.identification import read_identification
+from ivsid.intervals.pieces import array_pieces, pieces
 from ivsid.log import read_log
+from ivsid.log.record import steps_in
 from ivsid.report import figures, page
 from ivsid.report.figures import Drawing
 from ivsid.report.page import Part, Report, Section
@@ -63,22 +66,38 @@ def validate(fit: str | Path, log: str | Path, *, tubes: bool | None = None, pro
     return with_setup(report, result.setup)
 
 
+def _finite(ends: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The ends that are finite; the others are missing."""
+    return array_pieces(ends.size, lambda p: np.where(np.isfinite(ends[p]), ends[p], np.nan))
+
+
 def force_series(f: ForceCheck) -> Part:
     """Predicted and measured force of a channel in time, and the rest between them."""
     unit = "N m" if f.channel == "yaw" else "N"
     lines = (
-        Line("measured", "measured", f.measured.midpoint),
+        Line("measured", "measured", array_pieces(f.time.size, lambda p: f.measured[p].midpoint)),
         Line("predicted", "after", f.predicted_mid),
-        Line("lower bound", "third", np.where(np.isfinite(f.predicted.lower), f.predicted.lower, np.nan)),
-        Line("upper bound", "third", np.where(np.isfinite(f.predicted.upper), f.predicted.upper, np.nan)),
+        Line("lower bound", "third", _finite(f.predicted.lower)),
+        Line("upper bound", "third", _finite(f.predicted.upper)),
     )
-    rest = Line("predicted less measured", "before", f.predicted_mid - f.measured.midpoint)
+    rest = Line(
+        "predicted less measured",
+        "before",
+        array_pieces(f.time.size, lambda p: f.predicted_mid[p] - f.measured[p].midpoint),
+    )
     title = TITLES[f.channel]
-    panels = (Panel(f"{title} [{unit}]", lines, robust=True), Panel(f"error of {title} [{unit}]", (rest,), robust=True))
-    order = np.argsort(f.time, kind="stable")
-    sorted_ = tuple(replace(p, lines=tuple(replace(q, values=q.values[order]) for q in p.lines)) for p in panels)
+    panels: tuple[Panel, ...] = (
+        Panel(f"{title} [{unit}]", lines, robust=True),
+        Panel(f"error of {title} [{unit}]", (rest,), robust=True),
+    )
+    time = f.time
+    if not all((steps_in(time, p) >= 0).all() for p in pieces(time.size - 1)):
+        # Rows of several kinds or windows stand one after the other.
+        order = np.argsort(time, kind="stable")
+        time = time[order]
+        panels = tuple(replace(p, lines=tuple(replace(q, values=q.values[order]) for q in p.lines)) for p in panels)
     caption = f"{100 * f.coverage:.4g} % of the measured values lie inside the bounds; {f.falsified} rows contradict the parameters."
-    return series(f.channel, f"Predicted {title} against measured", caption, f.time[order], sorted_, beside=3)
+    return series(f.channel, f"Predicted {title} against measured", caption, time, panels, beside=3)
 
 
 def motion_series(result: Validation) -> list[Part]:

@@ -82,7 +82,7 @@ def force_mid(check: ForceCheck, name: str, title: str) -> Drawing:
     figure = Figure(figsize=(8.5, 4.2), layout="constrained")
     axes = figure.add_subplot()
     s = thin(check.time.size)
-    axes.plot(check.time[s], check.measured.midpoint[s], color=COLOURS[5], lw=1, label="measured")
+    axes.plot(check.time[s], check.measured[s].midpoint, color=COLOURS[5], lw=1, label="measured")
     axes.plot(check.time[s], check.predicted_mid[s], color=COLOURS[0], lw=0.6, alpha=0.8, label="predicted, mid-value")
     _time_axes(axes, check)
     unit = "N m" if check.channel == "yaw" else "N"
@@ -107,7 +107,7 @@ def draw_bounds(axes: Axes, check: ForceCheck) -> None:
     bounds = (check.predicted.lower[s], check.predicted.upper[s])
     if np.isfinite(bounds).all():
         axes.fill_between(check.time[s], *bounds, color=COLOURS[0], alpha=0.35, lw=0, label="predicted bounds")
-    axes.plot(check.time[s], check.measured.midpoint[s], color=COLOURS[5], lw=1, label="measured")
+    axes.plot(check.time[s], check.measured[s].midpoint, color=COLOURS[5], lw=1, label="measured")
     _time_axes(axes, check)
 
 

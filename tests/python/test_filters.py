@@ -29,9 +29,9 @@ from ivsid.diagnosis.selection.parallel import at_once, side_by_side
 from ivsid.diagnosis.statements.windows import windows
 from ivsid.effects import EFFECTS, Given, Reading, terms_of
 from ivsid.intervals.apart import Apart
-from ivsid.intervals.pieces import processors
 from ivsid.linear.filters import decaying, respond, whiten
 from ivsid.log import Log
+from ivsid.memory.pieces import processors
 from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle

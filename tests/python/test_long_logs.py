@@ -7,14 +7,13 @@ from importlib.resources import files
 import numpy as np
 import polars as pl
 import pytest
-from test_pieces import STEERED
 
 import ivsid
 from ivsid.effects import terms_of
 from ivsid.errors import IvsidError
 from ivsid.files.records import sealed, to_json
-from ivsid.intervals import order, pieces, room
 from ivsid.log import angles, quality, read_log, source
+from ivsid.memory import order, pieces, room
 from ivsid.programme.scenario import parse_scenario
 from ivsid.propulsion.actuation import nominal_force
 from ivsid.report import scaling, series
@@ -23,6 +22,7 @@ from ivsid.sensors import bounds
 from ivsid.simulation import simulate
 from ivsid.validation import checks
 from ivsid.vehicle import parse_vehicle
+from test_pieces import STEERED
 
 SWAN = ("swan", "swan_train")
 OTTER = ("otter", "otter_programme")

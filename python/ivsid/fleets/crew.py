@@ -12,8 +12,8 @@ from typing import Final, Protocol, TypeVar, cast
 
 from ivsid.errors import IvsidError
 from ivsid.fleets import extra
-from ivsid.intervals.pieces import processors
 from ivsid.linear.spread import Client, Future
+from ivsid.memory.pieces import processors
 
 # Times that a task may lose its worker before it is taken for the cause.
 # Source: resource: a log that ends each worker it meets costs ten restarts

@@ -23,9 +23,10 @@ from numpy.typing import NDArray
 from ivsid.effects import CHANNELS, Columns, State, Term, rigid_body
 from ivsid.identification.result import Identification
 from ivsid.intervals import IntervalArray
-from ivsid.intervals.order import median
-from ivsid.intervals.pieces import array_pieces, interval_pieces, kept
+from ivsid.intervals.pieces import interval_pieces
 from ivsid.log import Log
+from ivsid.memory.order import median
+from ivsid.memory.pieces import array_pieces, kept
 from ivsid.rows import ROW_KINDS, RegressionRows
 from ivsid.sensors.bounds import BoundedLog
 from ivsid.sensors.noise import rule_for

@@ -13,9 +13,9 @@ from ivsid.effects import Term
 from ivsid.identification.certificates import WrongRows, feasible_certificates, wrong_rows
 from ivsid.identification.result import Parameter
 from ivsid.intervals import FloatArray
-from ivsid.intervals.pieces import array_pieces, over_pieces, pieces
-from ivsid.intervals.room import room
 from ivsid.linear import regression
+from ivsid.memory.pieces import array_pieces, over_pieces, pieces
+from ivsid.memory.room import room
 from ivsid.rows import RegressionRows
 
 

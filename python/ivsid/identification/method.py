@@ -16,10 +16,10 @@ from ivsid.identification.blocks import linked, nonzero, outlier_notes, overall,
 from ivsid.identification.combinations import determined
 from ivsid.identification.physics import INFLATION, contradicted, of_no_vessel, subject_of, with_bounds
 from ivsid.identification.result import ClaimCheck, Identification, Parameter
-from ivsid.intervals.pieces import pieces
 from ivsid.linear import regression
 from ivsid.linear.linalg import INVERSE_METHODS, partition_count
 from ivsid.log import GivenLog, log_of
+from ivsid.memory.pieces import pieces
 from ivsid.rows import ROW_KINDS, WINDOW, RegressionRows, build_rows, window_count
 from ivsid.sensors.bounds import BoundedLog, bound_log
 from ivsid.setup import examined

@@ -10,7 +10,7 @@ from multiprocessing.connection import Connection, wait
 from threading import Thread
 from typing import Final, Generic, TypeVar
 
-from ivsid.intervals.pieces import processors
+from ivsid.memory.pieces import processors
 
 _T = TypeVar("_T")
 # Seconds between two looks at the parent.

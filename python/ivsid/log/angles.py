@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.intervals.pieces import pieces
-from ivsid.intervals.room import DOUBLE, room
+from ivsid.memory.pieces import pieces
+from ivsid.memory.room import DOUBLE, room
 
 Array = NDArray[np.float64]
 

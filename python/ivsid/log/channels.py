@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
 from ivsid.files.log_map import Column
-from ivsid.intervals.pieces import array_pieces
+from ivsid.memory.pieces import array_pieces
 
 COLUMNS: Final = (
     *("u", "v", "r", "udot", "vdot", "rdot", "ax", "ay", "psi", "x", "y"),

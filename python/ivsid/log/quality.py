@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
-from ivsid.intervals.order import median
-from ivsid.intervals.pieces import array_pieces, kept, over_pieces, pieces
 from ivsid.log.record import GAP, Quality, longest_run, median_step, steps_in
+from ivsid.memory.order import median
+from ivsid.memory.pieces import array_pieces, kept, over_pieces, pieces
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from ivsid.errors import IvsidError
 from ivsid.files.log_map import LogMap
 from ivsid.files.processor import check_rounding
-from ivsid.intervals.pieces import any_piece
 from ivsid.log.channels import Clocked, converted, turned, with_heading
 from ivsid.log.clocks import together
 from ivsid.log.formats import open_source
@@ -24,6 +23,7 @@ from ivsid.log.record import Log
 from ivsid.log.rules import Rule, row_clock, rules_of
 from ivsid.log.source import Source, Table, is_long, long_numbers, numbers
 from ivsid.log.stamps import YEARS, loses_digits, of_two_columns, times_of
+from ivsid.memory.pieces import any_piece
 
 Array = NDArray[np.float64]
 

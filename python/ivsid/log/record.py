@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from ivsid.display.shown import Result
 from ivsid.display.table import Cells
 from ivsid.errors import IvsidError, meant
-from ivsid.intervals.order import median
-from ivsid.intervals.pieces import array_pieces
+from ivsid.memory.order import median
+from ivsid.memory.pieces import array_pieces
 
 # Largest share of a log that a needed channel may be missing in a row.
 # Source: definition: a channel that is away longer is missing for most of the log

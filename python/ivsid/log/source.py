@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError, meant
 from ivsid.files.log_map import TimeColumn
-from ivsid.intervals.room import DOUBLE, is_large, room
+from ivsid.memory.room import DOUBLE, is_large, room
 
 MISSING: Final = ("", "nan", "NaN", "NAN", "null")
 # Separates a table from its column in the name of a foreign column, where a file holds several tables.

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from ivsid.errors import IvsidError
 from ivsid.files import units
 from ivsid.log.dates import is_date, nanoseconds
-from ivsid.intervals.pieces import any_piece, array_pieces, pieces
 from ivsid.log.disorder import in_order
 from ivsid.log.record import steps_in
 from ivsid.log.source import numbers, stamp_unit
+from ivsid.memory.pieces import any_piece, array_pieces, pieces
 
 Array = NDArray[np.float64]
 

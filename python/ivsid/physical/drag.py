@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from ivsid.effects import CHANNELS, EFFECTS, Place, State, Term
 from ivsid.intervals import FloatArray, IntervalArray
-from ivsid.intervals.order import places
-from ivsid.intervals.pieces import pieces
+from ivsid.memory.order import places
+from ivsid.memory.pieces import pieces
 from ivsid.physical.bound import Box, Inequalities, Subject
 
 KIND: Final = "physical.drag"

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
-from ivsid.intervals.pieces import array_pieces, over_pieces, pieces
-from ivsid.intervals.room import DOUBLE, room
 from ivsid.log import Log
 from ivsid.log.turning import Turned, angle_of
+from ivsid.memory.pieces import array_pieces, over_pieces, pieces
+from ivsid.memory.room import DOUBLE, room
 from ivsid.propulsion.configuration import directions
 from ivsid.propulsion.foil import rudder_force
 from ivsid.propulsion.lag import lagged

@@ -10,8 +10,8 @@ import numpy as np
 
 from ivsid.effects import CHANNELS, Term
 from ivsid.errors import IvsidError, meant
-from ivsid.intervals.pieces import PIECE, over_pieces, pieces
 from ivsid.log import Log
+from ivsid.memory.pieces import PIECE, over_pieces, pieces
 from ivsid.rows.equations import Equations
 from ivsid.rows.integral import integral
 from ivsid.rows.pointwise import explain_absence, pointwise

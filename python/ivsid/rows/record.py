@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ivsid.effects import Term
 from ivsid.intervals import FloatArray, IntervalArray
-from ivsid.intervals.pieces import kept, pieces
-from ivsid.intervals.room import DOUBLE, room
+from ivsid.memory.pieces import kept, pieces
+from ivsid.memory.room import DOUBLE, room
 
 # Rows at a sample, over a window, over two windows weighted by a hat; the rows that bound the bias of an accelerometer's axis; and those of
 # physical bounds, which are assumptions and no measurements.

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
 from ivsid.intervals import IntervalArray
-from ivsid.intervals.pieces import array_pieces, interval_pieces, pieces
+from ivsid.intervals.pieces import interval_pieces
 from ivsid.log import Log
 from ivsid.log.angles import turns_of, with_turns
 from ivsid.log.record import steps_in
+from ivsid.memory.pieces import array_pieces, pieces
 from ivsid.sensors.derivatives import with_accelerations
 from ivsid.sensors.doppler import body_velocities, doppler, reading_error
 from ivsid.sensors.noise import ROUNDING, Rule, count_errors, half_width, rule_for

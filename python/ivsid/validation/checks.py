@@ -16,9 +16,10 @@ from ivsid.effects import CHANNELS, causes, terms_of
 from ivsid.errors import IvsidError
 from ivsid.identification import Identification
 from ivsid.intervals import IntervalArray
-from ivsid.intervals.pieces import array_pieces, interval_pieces, pieces
-from ivsid.intervals.room import DOUBLE, room
+from ivsid.intervals.pieces import interval_pieces
 from ivsid.log import GivenLog, Log, log_of
+from ivsid.memory.pieces import array_pieces, pieces
+from ivsid.memory.room import DOUBLE, room
 from ivsid.propulsion.actuation import nominal_force
 from ivsid.propulsion.lag import GAP
 from ivsid.rows import RegressionRows, build_rows, window_count

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from ivsid import validation
 from ivsid.identification import read_identification
-from ivsid.intervals.pieces import array_pieces, pieces
 from ivsid.log import read_log
 from ivsid.log.record import steps_in
+from ivsid.memory.pieces import array_pieces, pieces
 from ivsid.report import figures, page
 from ivsid.report.figures import Drawing
 from ivsid.report.page import Part, Report, Section

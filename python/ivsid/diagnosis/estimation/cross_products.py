@@ -17,7 +17,7 @@ from ivsid.diagnosis.estimation.columns import Columns
 from ivsid.diagnosis.estimation.noise import Noise
 from ivsid.diagnosis.estimation.whitening import Whitening
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.intervals.pieces import over_pieces, pieces, processors
+from ivsid.memory.pieces import over_pieces, pieces, processors
 
 Array = NDArray[np.float64]
 # Length of a block [s].

@@ -10,7 +10,7 @@ from typing import ParamSpec, TypeVar
 
 from threadpoolctl import threadpool_limits
 
-from ivsid.intervals.pieces import processors
+from ivsid.memory.pieces import processors
 
 _P = ParamSpec("_P")
 _T = TypeVar("_T")

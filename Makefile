@@ -176,6 +176,11 @@ stores: build
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-compile --no-deps --target $(VENV)/stores --requirement requirements/stores.txt
 	PYTHONPATH=$(VENV)/stores $(BIN)/pytest -q tests/python/test_fleet_stores.py
 
+# Memory and time of long logs: the table of docs/measurements.md.
+ROWS ?= 1e6 1e7
+long-logs: release
+	PYTHONPATH=python $(BIN)/python benches/large_log.py $(ROWS)
+
 # Throughput of ivsid fleet, and the same tables with workers killed: the table of docs/fleet.md.
 LOGS ?= 1000
 fleet-throughput: release

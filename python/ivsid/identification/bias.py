@@ -84,12 +84,7 @@ def separate_bias(bounded: BoundedLog, vehicle: Vehicle, choice: str) -> tuple[B
     for axis, name in found.items():
         narrow = _narrowed(bounded, name, sensor, AXES.index(axis), rule.sigmas)
         known = bounded.present[name]
-        wide = channels[name]
-        shares = array_pieces(
-            known.size, lambda rows, a=narrow, b=wide, k=known: np.where(k[rows], a[rows].width / b[rows].width, 0.0)
-        )
-        shares = shares if known.all() else kept(shares, known)
-        share.append(median(shares.size, lambda rows, x=shares: x[rows]))
+        share.append(_share_left(narrow, channels[name], known))
         channels[name] = narrow
     if choice == "auto" and max(share) > WORTHWHILE:
         return None
@@ -103,11 +98,23 @@ def separate_bias(bounded: BoundedLog, vehicle: Vehicle, choice: str) -> tuple[B
     return replace(bounded, channels=channels, rule=rule, ambient=(force, moment)), reach
 
 
+def _share_left(narrow: IntervalArray, wide: IntervalArray, known: NDArray[np.bool_]) -> float:
+    """The median share of the width that is left."""
+
+    def share(rows: slice) -> NDArray[np.float64]:
+        return np.asarray(np.where(known[rows], narrow[rows].width / wide[rows].width, 0.0))
+
+    shares = array_pieces(known.size, share)
+    shares = shares if known.all() else kept(shares, known)
+    return median(shares.size, lambda rows: shares[rows])
+
+
 def _grown(x: IntervalArray, growth: float) -> IntervalArray:
     def grown(rows: slice) -> IntervalArray:
         width = x[rows].width
         extra = np.where(np.isfinite(width), 0.5 * width * (growth - 1) * (1 + ROUNDING), 0.0)
-        return x[rows] + IntervalArray(-extra, extra)
+        made: IntervalArray = x[rows] + IntervalArray(-extra, extra)
+        return made
 
     return interval_pieces(x.shape[0], grown)
 

@@ -96,7 +96,7 @@ def turned(channels: Mapping[str, Channel]) -> dict[str, Channel]:
     result: dict[str, Channel] = {}
     for name, c in channels.items():
         if name in flipped:
-            result[name] = replace(c, values=array_pieces(c.values.size, lambda part, x=c.values: -x[part]))
+            result[name] = replace(c, values=_negated(c.values))
         elif name in _FLU_ANGLES:
             # A quarter turn is no double: half a unit of it, and one rounding of the difference.
             lost = 2 * np.spacing(np.abs(np.nan_to_num(c.values)) + 2.0)
@@ -115,6 +115,10 @@ def turned(channels: Mapping[str, Channel]) -> dict[str, Channel]:
             )
             result[name] = replace(channels[name], values=part, lost=lost)
     return result
+
+
+def _negated(values: Array) -> Array:
+    return array_pieces(values.size, lambda part: np.negative(values[part]))
 
 
 def with_heading(channels: Mapping[str, Channel], source: str) -> tuple[dict[str, Channel], list[str]]:

@@ -197,7 +197,10 @@ def _spikes(name: str, values: Array) -> NDArray[np.intp]:
     def alone(part: slice) -> NDArray[np.intp]:
         step = steps_in(values, slice(part.start, part.stop + 1))
         big = np.abs(step) > limit
-        return np.flatnonzero(big[:-1] & big[1:] & (np.signbit(step[:-1]) != np.signbit(step[1:]))) + part.start + 1
+        return np.asarray(
+            np.flatnonzero(big[:-1] & big[1:] & (np.signbit(step[:-1]) != np.signbit(step[1:]))) + (part.start + 1),
+            dtype=np.intp,
+        )
 
     return np.concatenate(over_pieces(pieces(values.size - 2), alone))
 

@@ -98,7 +98,7 @@ def _began(reading: Reading) -> float | None:
     return first if YEARS[0] <= first <= YEARS[1] else None
 
 
-def _collect(reading: Reading, rules: Mapping[str, Rule]) -> None:
+def _collect(reading: Reading, rules: Mapping[str, Rule]) -> None:  # noqa: PLR0912
     """Reads every table once: its stamps, and the columns that a rule asks for."""
     source = reading.source
     tables = {rule.table for rule in rules.values()} or {next(iter(source.tables))}
@@ -145,12 +145,16 @@ def _collect(reading: Reading, rules: Mapping[str, Rule]) -> None:
             made = converted(values, rule.column, rule.clock, lost)
             if rule.note:
                 reading.notes.append(rule.note)
-            if any_piece(made.values.size, lambda part, x=made.values: bool(np.isinf(x[part]).any())):
+            if _infinite(made.values):
                 raise IvsidError(
                     f"{source.name}: column {rule.name} times its scale, plus its offset, is no finite number for {wanted}; "
                     "look at scale and offset under [log] columns"
                 )
             reading.channels[wanted] = made
+
+
+def _infinite(values: Array) -> bool:
+    return any_piece(values.size, lambda part: bool(np.isinf(values[part]).any()))
 
 
 def _of_two(source: Source, content: Table, clock: Clocked, name: str) -> pl.Series:

@@ -97,9 +97,11 @@ class RegressionRows:
             chosen = flags[part]
             for k, (m, y) in enumerate(((self.matrix.lower, self.right.lower), (self.matrix.upper, self.right.upper))):
                 both[k, a:b], right[k, a:b] = m[part][chosen][:, columns], y[part][chosen]
-        named = {name: kept(getattr(self, name), flags) for name in _NAMED}
         matrix, known = IntervalArray._raw(both, both.shape[1:]), IntervalArray._raw(right, right.shape[1:])
-        return RegressionRows(terms, matrix, known, **named, assumes=self.assumes)
+        made = RegressionRows(
+            terms, matrix, known, self.channel[:0], self.time[:0], self.time[:0], self.kind[:0], self.assumes
+        )
+        return replace(made, **{name: kept(getattr(self, name), flags) for name in _NAMED})
 
 
 class Space:

@@ -170,7 +170,7 @@ def _heading(log: Log, accuracy: float) -> tuple[IntervalArray, NDArray[np.bool_
     def heading(rows: slice) -> IntervalArray:
         known = there[rows]
         turned, more = with_turns(np.where(known, psi[rows], 0.0), turns[rows])
-        lost = log.error("psi", rows) + np.where(known, more, 0.0)
+        lost = log.error(name="psi", rows=rows) + np.where(known, more, 0.0)
         around = IntervalArray.around(np.where(known, turned, 0.0), lost) + IntervalArray(-reach, reach)
         return IntervalArray(np.where(known, around.lower, -np.inf), np.where(known, around.upper, np.inf))
 

@@ -98,10 +98,16 @@ class RegressionRows:
             for k, (m, y) in enumerate(((self.matrix.lower, self.right.lower), (self.matrix.upper, self.right.upper))):
                 both[k, a:b], right[k, a:b] = m[part][chosen][:, columns], y[part][chosen]
         matrix, known = IntervalArray._raw(both, both.shape[1:]), IntervalArray._raw(right, right.shape[1:])
-        made = RegressionRows(
-            terms, matrix, known, self.channel[:0], self.time[:0], self.time[:0], self.kind[:0], self.assumes
+        return RegressionRows(
+            terms,
+            matrix,
+            known,
+            kept(self.channel, flags),
+            kept(self.time, flags),
+            kept(self.duration, flags),
+            kept(self.kind, flags),
+            self.assumes,
         )
-        return replace(made, **{name: kept(getattr(self, name), flags) for name in _NAMED})
 
 
 class Space:
@@ -117,7 +123,8 @@ class Space:
         self.terms, self.makers, self.most = terms, makers, most
         m, n = makers * most, len(terms)
         self._matrix, self._right = room((2, m, n), DOUBLE), room((2, m), DOUBLE)
-        self._named = {k: room(m, np.dtype(d)) for k, d in _NAMED.items()}
+        self._wholes = {k: room(m, np.dtype(np.int64)) for k in ("channel", "kind")}
+        self._numbers = {k: room(m, DOUBLE) for k in ("time", "duration")}
         self._filled: dict[tuple[int, int], int] = {}
         self._assumes: dict[tuple[int, int], tuple[str, ...]] = {}
 
@@ -127,7 +134,7 @@ class Space:
         high = low + part.time.size
         self._matrix[0, low:high], self._matrix[1, low:high] = part.matrix.lower, part.matrix.upper
         self._right[0, low:high], self._right[1, low:high] = part.right.lower, part.right.upper
-        for name, column in self._named.items():
+        for name, column in (*self._wholes.items(), *self._numbers.items()):
             column[low:high] = getattr(part, name)
         self._filled[maker, first] = part.time.size
         self._assumes[maker, first] = part.assumes
@@ -143,7 +150,7 @@ class Space:
         """
         wanted = sorted(key for key in self._filled if maker in (None, key[0]))
         begin = m = 0 if maker is None else maker * self.most
-        arrays = [*self._matrix, *self._right, *self._named.values()]
+        arrays = [*self._matrix, *self._right, *self._wholes.values(), *self._numbers.values()]
         for key in wanted:
             low, count = key[0] * self.most + key[1], self._filled[key]
             if low != m:
@@ -153,9 +160,10 @@ class Space:
         size = m - begin
         matrix = IntervalArray._raw(self._matrix[:, begin:m], (size, len(self.terms)))
         right = IntervalArray._raw(self._right[:, begin:m], (size,))
-        named = {name: column[begin:m] for name, column in self._named.items()}
+        channel, kind = (self._wholes[k][begin:m] for k in ("channel", "kind"))
+        time, duration = (self._numbers[k][begin:m] for k in ("time", "duration"))
         sentences = tuple(s for key in wanted if self._filled[key] for s in self._assumes[key])
-        return RegressionRows(self.terms, matrix, right, **named, assumes=sentences)
+        return RegressionRows(self.terms, matrix, right, channel, time, duration, kind, sentences)
 
 
 def joined(parts: Sequence[RegressionRows], assumes: Sequence[str]) -> RegressionRows:

@@ -73,8 +73,11 @@ def changed(text: str, sections: str) -> str:
         head, _, keys = part.partition("\n")
         if not head.strip():
             continue
-        place = text.find(f"{head}\n")
-        if head.startswith("[[") or place < 0:
+        # A table of an array is the one with its name, or a further one.
+        named = re.search(r'^name *= *"[^"]*"', keys, re.M) if head.startswith("[[") else None
+        first = f"{head}\n" if named is None else f"{head}\n{named[0]}"
+        place = text.find(first)
+        if (head.startswith("[[") and named is None) or place < 0:
             text = f"{text.rstrip()}\n\n{part.rstrip()}\n"
             continue
         start = place + len(head) + 1

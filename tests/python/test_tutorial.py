@@ -32,6 +32,8 @@ def test_lines_that_are_not_printed_are_noticed():
 def test_keys_are_changed_in_their_section_and_sections_are_added():
     text = "[a]\nx = 1\n[b]\nx = 2\ny = 3\n"
     assert changed(text, "[b]\nx = 9\nz = 4\n[c]\nw = 5\n") == "[a]\nx = 1\n[b]\nz = 4\nx = 9\ny = 3\n\n[c]\nw = 5\n"
+    both = '[[t]]\nname = "a"\nx = 1\n[[t]]\nname = "b"\nx = 2\n'
+    assert changed(both, '[[t]]\nname = "b"\nx = 3\n') == '[[t]]\nname = "a"\nx = 1\n[[t]]\nx = 3\nname = "b"\n'
     assert changed("[[t]]\nn = 1\n", "[[t]]\nn = 2\n") == "[[t]]\nn = 1\n\n[[t]]\nn = 2\n"
 
 

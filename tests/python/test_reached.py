@@ -10,8 +10,10 @@ import ivsid.tubes.reached as module
 from ivsid import diagnose, identify, simulation, validate
 from ivsid.diagnosis.statements.motion import motion_of, sentences
 from ivsid.diagnosis.statements.proved import Proof, proof_of
+from ivsid.errors import IvsidError
 from ivsid.log import Log
 from ivsid.programme.scenario import parse_scenario
+from ivsid.tubes.equations import equations_of
 from ivsid.tubes.horizons import spaced
 from ivsid.vehicle import parse_vehicle
 from ivsid.workflow.first_screens import validated
@@ -63,6 +65,16 @@ def test_a_fit_with_open_parameters_leaves_surge(fit):
     open_ = replace(fit, parameters={**fit.parameters, "inertia.yaw": inertia})
     made = module.reached(open_, log_of("swan_test", seconds=60.0))
     assert made.channels == "surge" and made.reason is None
+
+
+def test_a_fit_that_lacks_a_parameter_has_no_tube_and_says_which(fit):
+    """A method that does not apply may leave some intervals out."""
+    rest = {i: p for i, p in fit.parameters.items() if i != "inertia.yaw"}
+    lacking = replace(fit, method="qr", status="not_applicable", parameters=rest)
+    made = module.reached(lacking, log_of("swan_test", seconds=30.0))
+    assert made.channels in ("", "surge")
+    with pytest.raises(IvsidError, match="has no interval of inertia.yaw"):
+        equations_of(lacking)
 
 
 def test_tubes_are_followed_unasked_in_logs_of_moderate_length(fit, monkeypatch):

@@ -75,7 +75,12 @@ def blocks_of(fit: Identification, acting: Collection[str]) -> list[Block]:
             f"the fit ({fit.method}, {fit.status}) has no parameters to simulate: {fit.reason or 'its set is empty'}; identify again"
         )
     for id_ in acting:
-        p = fit.parameters[id_]
+        p = fit.parameters.get(id_)
+        if p is None:
+            raise IvsidError(
+                f"the fit ({fit.method}, {fit.status}) has no interval of {id_}, which acts on what a tube follows: {fit.reason or 'it was left out'}; "
+                "identify by the method feasible"
+            )
         if not _finite(p):
             raise IvsidError(
                 f"{id_} has the interval [{p.lower:g}, {p.upper:g}], and a tube needs finite ones of all parameters that act on what it follows; "

@@ -95,8 +95,8 @@ MUTANTS = (
     python(
         "average of a gyro a quarter",
         "sensors/bounds.py",
-        "0.5 * limit * before",
-        "0.25 * limit * before",
+        "0.5 * limit * (before",
+        "0.25 * limit * (before",
         "test_sampling.py",
         "test_stated_bounds.py",
     ),
@@ -129,8 +129,8 @@ MUTANTS = (
     python(
         "logged force of the row before",
         "rows/forces.py",
-        "between.append(x[:-1].hull(x[1:]))",
-        "between.append(x[:-1])",
+        "x[part].hull(x[part.start + 1 : part.stop + 1])\n    return ends",
+        "x[part]\n    return ends",
         "test_rows.py",
     ),
     python(
@@ -214,7 +214,7 @@ MUTANTS = (
         "test_vehicle.py",
         "test_diagnosis_claims.py",
     ),
-    python("contradictions uncounted", "validation/checks.py", "int((~meets).sum())", "0", "test_validation.py"),
+    python("contradictions uncounted", "validation/checks.py", "count - meets", "0", "test_validation.py"),
     python(
         "windows uncounted in a validation",
         "validation/checks.py",
@@ -281,7 +281,7 @@ MUTANTS = (
     python(
         "columns that are not recomputed",
         "verification/checker.py",
-        "_inside(made.matrix.get(id_, Range(0)), lower[k], upper[k]",
+        "_inside(matrix.get(id_, Range(0)), lower[k], upper[k]",
         "_inside(Range(lower[k]), lower[k], upper[k]",
         "test_verification_edits.py",
         "test_verification.py",
@@ -289,7 +289,7 @@ MUTANTS = (
     python(
         "right-hand sides that are not recomputed",
         "verification/checker.py",
-        "_inside(made.right, right[0], right[1]",
+        "_inside(right_side, right[0], right[1]",
         "_inside(Range(right[0]), right[0], right[1]",
         "test_verification_edits.py",
         "test_verification.py",
@@ -381,7 +381,7 @@ MUTANTS = (
     rust(
         "small products to nearest",
         "rounding/scalar.rs",
-        "candidate < scaled || (candidate == scaled && x.mul_add(y, -scaled) > 0.0)",
+        "candidate < scaled || (candidate == scaled && fused(x, y, -scaled) > 0.0)",
         "false",
         "rounding",
     ),
@@ -395,7 +395,7 @@ MUTANTS = (
     rust(
         "quotients to nearest",
         "rounding/scalar.rs",
-        "if quotient.mul_add(denominator, -numerator) < 0.0 { quotient.next_up() } else { quotient }",
+        "if fused(quotient, denominator, -numerator) < 0.0 { quotient.next_up() } else { quotient }",
         "quotient",
         "rounding",
     ),

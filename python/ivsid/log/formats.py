@@ -20,6 +20,7 @@ from ivsid.files.log_map import TimeColumn
 from ivsid.log.dataflash import open_dataflash
 from ivsid.log.long_tables import split
 from ivsid.log.matlab import open_matlab
+from ivsid.log.parquet_pages import PageError, check_pages
 from ivsid.log.plain import plain
 from ivsid.log.polars_panics import panics_unprinted
 from ivsid.log.rosbag import open_bag
@@ -252,10 +253,11 @@ def _unusable(name: str, error: BaseException) -> IvsidError:
 
 def _parquet(path: Path, name: str) -> Parquet:
     try:
+        check_pages(path)
         with panics_unprinted():
             schema = pl.read_parquet_schema(path)
             rows = int(pl.scan_parquet(path, glob=False).select(pl.len()).collect().item())
-    except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
+    except (PageError, pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
         raise _unusable(name, error) from None
     if rows > MOST_ROWS:
         raise IvsidError(f"{name} has {rows:,} rows; logs of up to {MOST_ROWS:,} are read, so cut it into parts")

@@ -165,6 +165,23 @@ def _kept(cluster: LocalCluster, number: int) -> Iterator[None]:
 
 
 @contextmanager
+def _answering(place: str) -> Iterator[None]:
+    """Says so where the scheduler is lost: its futures are cancelled then, and nothing more is done.
+
+    Raises:
+        IvsidError: the scheduler does not answer any more.
+    """
+    package = extra.distributed()
+    try:
+        yield
+    except (package.client.FutureCancelledError, package.comm.CommClosedError):
+        raise IvsidError(
+            f"the scheduler {place} was lost in the middle of the work; start it and its workers again, and run the command again: "
+            "finished logs are not done again"
+        ) from None
+
+
+@contextmanager
 def crew_of(scheduler: str | Client | None, workers: int | None) -> Iterator[Crew]:
     """The processes of a run, which end with the block if it started them.
 
@@ -173,18 +190,21 @@ def crew_of(scheduler: str | Client | None, workers: int | None) -> Iterator[Cre
         workers: number of local processes, 0 for this process alone; by default one for each processor.
 
     Raises:
-        IvsidError: a missing package, or a cluster that does not answer.
+        IvsidError: a missing package, or a cluster that does not answer, at the beginning or later.
     """
     if scheduler is None and workers == 0:
         yield Here()
         return
     package = extra.distributed()
     if scheduler is not None and not isinstance(scheduler, str):
-        yield Cluster(scheduler)
+        with _answering("of the client"):
+            yield Cluster(scheduler)
         return
     with ExitStack() as stack:
         # Restarts of workers are no news to a user: the results do not change.
-        for name in ("distributed", "tornado"):
+        # Parts of the package have levels of their own.
+        parts = [n for n in logging.root.manager.loggerDict if n.startswith("distributed.")]
+        for name in ("distributed", "tornado", *parts):
             logging.getLogger(name).setLevel(logging.CRITICAL)
         if scheduler is not None:
             try:
@@ -217,4 +237,5 @@ def crew_of(scheduler: str | Client | None, workers: int | None) -> Iterator[Cre
             stack.enter_context(cluster)
             stack.enter_context(_kept(cluster, workers or processors()))
             client = stack.enter_context(package.Client(cluster, set_as_default=False))
-        yield Cluster(client)
+        with _answering("here" if scheduler is None else f"at {scheduler}"):
+            yield Cluster(client)

@@ -14,7 +14,7 @@ ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 FIXED := PROPTEST_RNG_SEED=1
 
 .PHONY: demo test test-rust test-python dependencies check rustfmt clippy lint rules null-logs constants constants-page rules-page rule-counts types stubs imports docs-rust docs-python nightly \
-	site links workflows wheel try-wheel licences bench bench-save bench-compare all-peers same same-compare vessels peers inverse-peers fit-peers throughput diagnosis-time first-diagnosis plans refuted tubes stores fleet-throughput exhaustive twins itf1788 differential fuzz fuzz-files mutants exam reliability handbook build release venv tools format clean
+	site links workflows wheel try-wheel licences long-logs memcheck address bench bench-save bench-compare all-peers same same-compare vessels peers inverse-peers fit-peers throughput diagnosis-time first-diagnosis plans refuted tubes stores fleet-throughput exhaustive twins itf1788 differential fuzz fuzz-files mutants exam reliability handbook build release venv tools format clean
 
 demo: release
 	$(BIN)/ivsid demo --out $(OUT)
@@ -240,6 +240,16 @@ throughput: release
 # Seconds of a diagnosis with figures and files, 600 s at 20 Hz, beside a fit by hand in the same run.
 diagnosis-time: release
 	$(ONE_THREAD) $(BIN)/python benches/diagnosis.py
+
+# The back ends under valgrind, which has no AVX-512 and keeps no rounding mode: the test of changed modes stands aside.
+memcheck:
+	CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER="valgrind -q --error-exitcode=9" IVSID_CASES=200 \
+		cargo test $(GATE) -p interval-core --test slices -- --skip a_changed_rounding_mode_is_refused
+
+# The same and the tests beside it under AddressSanitizer, AVX-512 included; needs a nightly toolchain.
+address:
+	RUSTFLAGS=-Zsanitizer=address IVSID_CASES=2000 cargo +nightly test --locked --target x86_64-unknown-linux-gnu --target-dir target/address \
+		-p interval-core --test slices --test rounding --test matrix --test sweep
 
 # Seconds of mutated literals for the text parser.
 SECONDS ?= 600

@@ -23,7 +23,8 @@ from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import AnyCurve, beyond
 from ivsid.diagnosis.null.directions import as_rare, distance, left_beside
 from ivsid.diagnosis.null.inside_cells import FINER, inside_cells
-from ivsid.diagnosis.null.screening import Round
+from ivsid.diagnosis.null.screening import FAINT, Round
+from ivsid.diagnosis.null.visibility import EXCITED, excitation
 from ivsid.log import read_log
 from ivsid.vehicle import read_vehicle
 
@@ -151,3 +152,27 @@ def test_a_dead_band_between_two_values_of_its_grid_has_its_whole_fall():
 def test_teeth_that_jump_are_no_dead_band():
     fit, found = scored(82105, what="none", thrust="sawtooth", share=1.0)
     assert Round(fit, tuple(found.values()), 1e-4, {}).left(found["thruster.deadband"]) < 1.0
+
+
+def test_a_cubic_drag_is_seen_by_what_other_drags_leave_of_its_error():
+    """Beside r and r|r| little is left of the slope of r^3, so that a drag of 12 standard deviations is no sensor's noise."""
+    fit, found = scored(132142)
+    seen = excitation(fit)
+    assert found["drag.yaw.cubic"].fall > 100.0 and seen["drag.yaw.cubic"] > 2.0 * EXCITED
+    # On a straight line the yaw rate is the gyro's noise, whatever stands beside it.
+    fit, _ = scored(140010, what="one")
+    assert excitation(fit)["drag.cross_flow"] < EXCITED
+
+
+def test_a_scale_beyond_its_bound_is_held_against_the_bound():
+    """Its prior, a third of the bound, took a scale of 1.7 bounds and 8.6 standard deviations down to a fall of 24."""
+    fit, found = scored(132096)
+    s = found["sensor.velocity.scale"]
+    here = Round(fit, tuple(found.values()), 1e-4, {})
+    assert here.curve.is_declared(s) and s.fall < FAINT and here.in_box(s).boxed > 3.0 * FAINT
+    others = [q for q in found.values() if not q.candidate.effect.acts.at_thruster and q.id != s.id]
+    assert not any(here.curve.is_declared(q) for q in others)
+    # A bound that holds the scale leaves nothing of it.
+    wide = AnyCurve(fit)
+    wide.box = np.where([wide.g.names[k].startswith("~scale.") for k in wide.projection.base], 2.0, 1.0) * wide.box
+    assert left_beside(wide, s) < 4.0

@@ -184,6 +184,20 @@ def test_a_tenth_is_found_beside_an_error_of_the_thrust(seed, kind, family, styl
     assert moved.factor.within(WIDE) == (bound.lower, bound.upper)
 
 
+def test_a_line_does_not_tell_shallow_water_from_weaker_thrusts():
+    """A line shows one mass and one drag, which every thrust scales as the water does; a yaw inertia that stays tells them apart."""
+    vehicle, *logs = pair(11, 1.3, kind="steered", style="line", thrust="offset", share=0.6, duration=300.0, rate=10.0)
+    moved = changed(vehicle, *logs)
+    assert moved is not None and moved.factor is not None and len(moved.ratio) == 2 and moved.thrusts
+    said = shallow(moved)
+    assert said.effect == EFFECT and said.alternatives == ("thruster.gain",) and "bollard pull" in said.separate_by
+    assert said.parameters[EFFECT].lower <= 1.3 <= said.parameters[EFFECT].upper
+    vehicle, *logs = pair(11, 1.3, kind="twin", style="rich", thrust="offset", share=0.6, duration=300.0, rate=10.0)
+    moved = changed(vehicle, *logs)
+    assert moved is not None and moved.factor is not None and not moved.thrusts
+    assert shallow(moved).alternatives == () and shallow(moved).confidence == 1.0
+
+
 # Nightly: whole diagnoses.
 @pytest.mark.nightly
 @pytest.mark.parametrize("kind", ["twin", "rov"])

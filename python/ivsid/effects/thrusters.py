@@ -86,17 +86,19 @@ def _one(
     )
 
 
+ONE_FACTOR: Final = Effect(
+    "thruster.gain",
+    "every thrust differs by one factor: density of the water, battery, wear",
+    _one("1", 0.05, signed=True),
+    Thrust(lambda thrust, _drive, p: thrust * (1.0 + p[0])),
+    equivalents=("mass.surge", "mass.sway", "inertia.yaw", "drag.surge.quadratic", "drag.sway.quadratic"),
+    one_factor=True,
+    separate="weigh the vehicle, tow it, or repeat the bollard pull",
+    per_thruster=True,
+)
+
 FAMILY: Final[tuple[Effect, ...]] = (
-    Effect(
-        "thruster.gain",
-        "every thrust differs by one factor: density of the water, battery, wear",
-        _one("1", 0.05, signed=True),
-        Thrust(lambda thrust, _drive, p: thrust * (1.0 + p[0])),
-        equivalents=("mass.surge", "mass.sway", "inertia.yaw", "drag.surge.quadratic", "drag.sway.quadratic"),
-        one_factor=True,
-        separate="weigh the vehicle, tow it, or repeat the bollard pull",
-        per_thruster=True,
-    ),
+    ONE_FACTOR,
     Effect(
         "thruster.asymmetry",
         "the two sides push unequally",

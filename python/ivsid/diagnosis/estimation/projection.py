@@ -67,6 +67,11 @@ class Projection:
         # left = r - (N - P) N^-1 r = P N^-1 r, of the normal matrix N with the priors P.
         return np.asarray(self.g.prior[self.base][:, None] * self._solved[:, list(columns)])
 
+    def taken(self, base: Sequence[int], columns: Sequence[int]) -> Array:
+        """Coefficients of further columns in some of the base, in the columns' own units, shape (some, columns)."""
+        rows = [self.base.index(k) for k in base]
+        return np.asarray(self._solved[np.ix_(rows, columns)] * self.g.unit[columns] / self.g.unit[base][:, None])
+
     def solve(self, columns: Sequence[int]) -> tuple[Array, float]:
         """Coefficients of further columns, in their unit lengths, and the fall of chi-squared that they bring beside the base."""
         columns = list(columns)

@@ -52,6 +52,9 @@ _SHARES: Final = {"~rudder.": BOUNDED, "~scale.": SCALE}
 # Values at the knots, in bounds, up to which an error may lie inside its bound: a straight line beside a jump overshoots.
 # Source: geometry: least squares of a saw's teeth by straight pieces of a third of their length, which exceeds them by a quarter
 OVERSHOOT: Final = 1.3
+# Correlation of two signatures from which on they are one.
+# Source: geometry: directions that differ by a thousandth of their length
+SAME: Final = 1.0 - 1e-6
 # Least chance that has a fall of chi-squared.
 # Source: definition: the smallest normal double is 2e-308
 LEAST: Final = 1e-300
@@ -142,6 +145,11 @@ class AnyCurve:
         for demand, inflow in self._sums:
             out[inflow if by[demand].sum() >= by[inflow].sum() else demand] = 0.0
         return np.asarray(out)
+
+    def is_declared(self, s: Scored) -> bool:
+        """Whether a family is itself an error of the base that has a bound: its prior takes of the cause what the bound does not."""
+        g, bounded = self.fit.gram, [k for k, b in zip(self.fit.base, self.box, strict=False) if b > 0]
+        return bool(bounded) and float(np.abs(g.total[np.ix_(s.columns, bounded)]).max()) > SAME
 
     def beside(self, s: Scored) -> tuple[Gram, list[int]]:
         """The cross-products with the columns of a family, and the indices of these."""

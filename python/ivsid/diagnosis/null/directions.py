@@ -55,7 +55,7 @@ NO_SHARE: Final = 1e-12
 def left_beside(free: AnyCurve, s: Scored) -> float:
     """Fall of chi-squared of a family by its own numbers alone that is as rare as what no declared error inside its bound makes of its scores.
 
-    It is no larger than the whole fall.
+    It may exceed the whole fall: a soft prior takes of a cause what the bound of the same error does not.
 
     Args:
         free: the base beside any thrust curve.
@@ -91,7 +91,7 @@ def left_beside(free: AnyCurve, s: Scored) -> float:
         root = (vectors[:, kept] / np.sqrt(values[kept])).T / length
         far = distance(free, root @ moved, root @ (D.T @ score))
         left.append(as_rare(s.count, int(kept.sum()), far**2, len(made)))
-    return min(max(left), s.fall)
+    return max(left)
 
 
 def as_rare(count: int, freedom: int, square: float, times: int = 1) -> float:

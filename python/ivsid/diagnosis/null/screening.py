@@ -104,17 +104,22 @@ class Round:
         """
         if self.curve is None:
             return 0.0
-        left = max(self.left(s), s.boxed)
+        left = max(min(self.left(s), s.fall), s.boxed)
         if chdtrc(max(self.boxed.knots, 1), self.boxed.leaving) <= self.chance:
             left = max(left, min(self.reached.of(s), s.fall))
         return lost(s.shown, left)
 
     def in_box(self, s: Scored) -> Scored:
-        """A cause at a thruster with its fall of chi-squared beside errors that keep their bounds, where these leave the log no curve."""
-        if not s.candidate.effect.acts.at_thruster or not s.physical or s.fall < ASKED or self.curve is None:
+        """A cause with its fall of chi-squared beside errors that keep their bounds.
+
+        Asked are causes that are a declared error beyond its bound, and those at a thruster where the log leaves these errors no curve.
+        """
+        if not s.physical or s.fall < ASKED or self.curve is None:
             return s
+        if self.curve.is_declared(s):
+            return replace(s, boxed=self.left(s))
         r = self.reached
-        if chdtrc(max(r.knots, 1), r.leaving) > self.chance:
+        if not s.candidate.effect.acts.at_thruster or chdtrc(max(r.knots, 1), r.leaving) > self.chance:
             return s
         return replace(s, boxed=r.of(s))
 

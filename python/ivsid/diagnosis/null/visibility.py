@@ -15,6 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.diagnosis.estimation.columns import Columns
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.signatures import Signatures
 from ivsid.diagnosis.plant.physics import acceleration
@@ -58,10 +59,11 @@ class Visibility:
 
 
 def excitation(fit: Fit, seed: int = 0) -> dict[str, float]:
-    """Size of each signature over the size of its error, by column.
+    """Size of each signature over the size of its error, by column, both as they stand beside the model.
 
     The columns are made again at states that differ from the filtered ones by an error with the deviation and memory of the filter. A
-    regressor that is mostly noise cannot be tested.
+    regressor that is mostly noise cannot be tested. What the model's columns take of a signature they take of its error as well: beside r and
+    r|r| the slope of r^3 with r is a small part of its own.
 
     Args:
         fit: of the plain model.
@@ -76,11 +78,14 @@ def excitation(fit: Fit, seed: int = 0) -> dict[str, float]:
             continue
         pole = float(np.exp(-predictor.log.h / here.memory))
         shift[k] = decaying(np.sqrt(1 - pole**2) * rng.standard_normal(n), pole) * here.spread
-    names, x = _moved(fit, np.concatenate([shift, shift], axis=1))
+    there = _elsewhere(fit, np.concatenate([shift, shift], axis=1))
+    names, d = _change(fit, _causes(fit, there))
     if not names:
         return {}
     g, at = fit.gram, fit.gram.at(names)
-    difference = np.einsum("cbi,cbi->c", d := x - g.columns(at) * g.unit[at][:, None, None], d)
+    own, model = _change(fit, there.fitted(fit.fixed))
+    part = fit.projection.taken(g.at(own), at)
+    difference = np.einsum("cbi,cbi->c", d := d - np.tensordot(part.T, model, 1), d)
     signal = np.diag(fit.projection.information(at)) * g.unit[at] ** 2
     ratio = np.sqrt(signal / np.maximum(difference, 1e-300))
     # Effects on axes that are left out have no signature and no error of one.
@@ -95,32 +100,42 @@ def due_to_turning(fit: Fit) -> dict[str, float]:
     """
     stopped = np.zeros_like(fit.states.points.nu)
     stopped[2] = -fit.states.points.nu[2]
-    names, x = _moved(fit, stopped, still=True)
+    names, d = _change(fit, _causes(fit, _elsewhere(fit, stopped, still=True)))
     if not names:
         return {}
-    g, at = fit.gram, fit.gram.at(names)
-    gone = np.einsum("cbi,cbi->c", d := x - g.columns(at) * g.unit[at][:, None, None], d)
-    return {n: float(np.sqrt(q) / u) for n, q, u in zip(names, gone, g.unit[at], strict=True)}
+    g = fit.gram
+    gone = np.einsum("cbi,cbi->c", d, d)
+    return {n: float(np.sqrt(q) / u) for n, q, u in zip(names, gone, g.unit[g.at(names)], strict=True)}
 
 
-def _moved(fit: Fit, shift: Array, *, still: bool = False) -> tuple[list[str], Array]:
-    """Names of the candidates' columns, and these made again at velocities that differ, whitened, shape (columns, blocks, numbers)."""
+def _elsewhere(fit: Fit, shift: Array, *, still: bool = False) -> Signatures:
+    """Signatures at velocities that differ from the filtered ones."""
     predictor = fit.noise.predictor
     points = fit.states.points.moved(shift)
     nudot = acceleration(predictor.vehicle, fit.h, points)
     if still:
         nudot[2] = 0.0
-    other = replace(fit.states, points=points, nudot=nudot)
-    signatures = Signatures(predictor, other)
-    names: list[str] = []
-    arrays: list[Array] = []
+    return Signatures(predictor, replace(fit.states, points=points, nudot=nudot))
+
+
+def _causes(fit: Fit, there: Signatures) -> Columns:
+    """The candidates' columns made again."""
+    out = Columns()
     for candidate in fit.candidates:
-        for name, array in candidate.shifted(signatures):
-            if name in fit.gram.index:
-                names.append(name)
-                arrays.append(array)
+        for name, array in candidate.shifted(there):
+            if name in fit.gram.index and name not in out.names:
+                out.add(name, array)
+    return out
+
+
+def _change(fit: Fit, columns: Columns) -> tuple[list[str], Array]:
+    """Names of columns that were made again, and by how much these differ from those of the fit, whitened, shape (columns, blocks, numbers)."""
     g = fit.gram
-    return names, g.white.blocks(arrays, g.good, g.length, unit=False)[0] if names else np.zeros((0, *g.y.shape))
+    if not columns.names:
+        return [], np.zeros((0, *g.y.shape))
+    at = g.at(columns.names)
+    x = g.white.blocks(columns.arrays, g.good, g.length, unit=False)[0]
+    return list(columns.names), x - g.columns(at) * g.unit[at][:, None, None]
 
 
 def visibility(fit: Fit, excited: Mapping[str, float] | None = None) -> dict[str, Visibility]:

@@ -28,6 +28,7 @@ from ivsid.diagnosis.statements.shallow_water import Change
 from ivsid.diagnosis.statements.share import Share
 from ivsid.effects import CHANNELS, EFFECTS
 from ivsid.effects.environment import SHALLOW_WATER
+from ivsid.effects.thrusters import ONE_FACTOR
 
 # Half-width of the interval of shallow water, in standard deviations beside the worst declared errors.
 # Source: definition: 6e-5 of normal errors lie beyond
@@ -185,7 +186,11 @@ def shallow(moved: Change) -> Finding:
         "ratio_deviation": {k: sigma for k, (_, sigma) in moved.ratio.items()},
     }
     id_ = SHALLOW_WATER.id
-    return Finding(id_, 1.0, (), "", {id_: bound}, evidence)
+    if not moved.thrusts:
+        return Finding(id_, 1.0, (), "", {id_: bound}, evidence)
+    # Two explanations of equal merit.
+    separate = f"{SHALLOW_WATER.separate}; or {ONE_FACTOR.separate} between the runs"
+    return Finding(id_, 0.5, (ONE_FACTOR.id,), separate, {id_: bound}, evidence)
 
 
 def unknown(left: Adequacy, near: Sequence[str]) -> Finding:

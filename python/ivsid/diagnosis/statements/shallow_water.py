@@ -1,6 +1,8 @@
 """Shallow water: masses and drags that change by one factor from TRAIN to TEST.
 
 Added masses and drags grow together where the water is shallow. Thrusters, and with them the errors of their curves, are the same in both logs.
+Thrusts that all lost one share between the logs (a battery, fouled propellers) look alike where nothing but such masses and drags is fitted: a
+parameter that shallow water leaves alone, as the inertia in yaw, tells the two apart.
 
 Source: docs/theory.md, "The catalogue of effects".
 """
@@ -27,9 +29,9 @@ from ivsid.diagnosis.statements.two_logs import SHARED, Changes, changes, one_lo
 from ivsid.effects.environment import SHALLOW_SCALED
 from ivsid.vehicle import Vehicle
 
-# Parameters that have to be fitted and to change: a factor of fewer may be chance.
-# Source: measured: make constants
-MEMBERS: Final = 3
+# Parameters that have to be fitted and to change: one alone has many causes.
+# Source: definition: a mass and a drag, all that a line shows
+MEMBERS: Final = 2
 # Standard deviations that the common change has to exceed.
 # Source: definition: 6e-7 of normal errors lie beyond
 SIGMAS: Final = 5.0
@@ -48,6 +50,7 @@ SAME_CLOCK: Final = 1e-6
 # Relative variance that is added to that of each parameter, so that their covariance can be inverted.
 # Source: measured: make constants
 FLOOR: Final = 1e-8
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -87,10 +90,12 @@ class Change:
     Attributes:
         ratio: TEST over TRAIN of each parameter, with its relative standard deviation.
         factor: the common factor; None without one.
+        thrusts: whether one factor of all thrusts explains the change as well.
     """
 
     ratio: dict[str, tuple[float, float]]
     factor: Factor | None
+    thrusts: bool = False
 
 
 def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
@@ -106,7 +111,8 @@ def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
     """
     fixed = last.fixed
     unsure = undetermined(last)
-    wanted = [i for i in SHALLOW_SCALED if i in last.h.values and i not in fixed and i not in unsure]
+    fitted = [i for i in last.h.values if i not in fixed and i not in unsure]
+    wanted = [i for i in SHALLOW_SCALED if i in fitted]
     if len(wanted) < MEMBERS:
         return None
     train = last.noise.predictor
@@ -122,13 +128,15 @@ def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
         states = predictor.settle(predictor.start(first), 2)
         states = improve(Problem.at(noise, fixed, states), states)
         g = Problem.at(noise, fixed, states).gram(states)
-        before, after = ({i: q.values[i] for i in wanted} for q in (last.h, states.h))
-        if min(*before.values(), *after.values()) <= 0:
+        alone = [i for i in fitted if i not in wanted and last.h.values[i] * states.h.values[i] > 0]
+        before, after = ({i: q.values[i] for i in (*wanted, *alone)} for q in (last.h, states.h))
+        if min(q[i] for q in (before, after) for i in wanted) <= 0:
             return None
-        logs = np.array([np.log(after[i] / before[i]) for i in wanted])
+        logs = np.array([np.log(after[i] / before[i]) for i in (*wanted, *alone)])
+        count = len(wanted)
         found = changes(one_log(last.gram, last.base, before), one_log(g, range(len(g.names)), after), logs)
-        factor = None
-        if factor_of(found)[0].counts:
+        factor, thrusts = None, False
+        if factor_of(found.of(count))[0].counts:
             # A curve may bend or jump between its knots: what is left has to stand beside any curve, the same in both logs.
             there = survey(noise, states, fixed)
             over = [np.r_[p, q] for p, q in zip(train.propulsion.demands, predictor.propulsion.demands, strict=True)]
@@ -139,12 +147,14 @@ def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
                 logs,
             )
             # The other log may have further structure, which may move the parameters.
-            factor = common(found) if adequacy(there).white else None
+            factor = common(found.of(count)) if adequacy(there).white else None
+            thrusts = factor is not None and agree(found, factor.mean)
     except np.linalg.LinAlgError:
         return None
+    found = found.of(count)
     sigma = np.sqrt(np.diag(found.covariance))
     ratio = {i: (float(np.exp(m)), float(s)) for i, m, s in zip(wanted, found.mean, sigma, strict=True)}
-    return Change(ratio, factor)
+    return Change(ratio, factor, thrusts)
 
 
 def factor_of(found: Changes) -> tuple[Factor, NDArray[np.float64]]:
@@ -162,9 +172,20 @@ def common(found: Changes) -> Factor | None:
     """Common factor; None if the changes differ, or if noise and declared errors explain it."""
     (factor, weight), each = factor_of(found), np.eye(len(found.mean))
     sigma = np.sqrt(np.diag(found.noise) + FLOOR)
-    apart = np.array([found.worst(e - weight) for e in each])
-    agree = bool((np.abs(found.mean - factor.mean) < AGREE * sigma + apart).all())
     # Enough parameters have to change by themselves, and not only their mean.
     own = np.array([found.worst(e) for e in each])
     moved = bool((np.abs(found.mean) > MOVED * sigma + own).sum() >= MEMBERS)
-    return factor if factor.counts and agree and moved else None
+    return factor if factor.counts and agree(found, factor.mean, weight) and moved else None
+
+
+def agree(found: Changes, mean: float, weight: Array | None = None) -> bool:
+    """Whether all changes agree with one.
+
+    Args:
+        found: the changes.
+        mean: natural logarithm of the one.
+        weight: of the changes in it, so that errors that move both alike cancel; none by default.
+    """
+    sigma = np.sqrt(np.diag(found.noise) + FLOOR)
+    apart = np.array([found.worst(e if weight is None else e - weight) for e in np.eye(len(found.mean))])
+    return bool((np.abs(found.mean - mean) < AGREE * sigma + apart).all())

@@ -85,6 +85,12 @@ class Changes:
     noise: Array
     moved: Array
 
+    def of(self, count: int) -> Changes:
+        """The first parameters alone, beside the others."""
+        return Changes(
+            self.mean[:count], self.covariance[:count, :count], self.noise[:count, :count], self.moved[:count]
+        )
+
     def worst(self, weight: Array) -> float:
         """Most that declared errors inside their bounds move a weighted sum of the changes."""
         return float(np.abs(weight @ self.moved).sum())

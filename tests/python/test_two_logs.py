@@ -21,8 +21,8 @@ from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.statements.findings import WIDE, shallow
-from ivsid.diagnosis.statements.shallow_water import LEAST, change
-from ivsid.diagnosis.statements.two_logs import changes, one_log
+from ivsid.diagnosis.statements.shallow_water import LEAST, Change, Factor, agree, change
+from ivsid.diagnosis.statements.two_logs import Changes, changes, one_log
 from ivsid.log import Log
 
 SEED = int(os.environ.get("IVSID_SEED", "0"))
@@ -184,6 +184,19 @@ def test_a_tenth_is_found_beside_an_error_of_the_thrust(seed, kind, family, styl
     assert moved.factor.within(WIDE) == (bound.lower, bound.upper)
 
 
+def test_weaker_thrusts_stand_beside_the_water_where_nothing_tells_them_apart():
+    moved = Change({"mass.surge": (1.3, 0.01)}, Factor(np.log(1.3), 0.01, 0.0))
+    alone, beside = shallow(moved), shallow(replace(moved, thrusts=True))
+    assert (alone.alternatives, alone.confidence) == ((), 1.0)
+    assert (beside.alternatives, beside.confidence) == (("thruster.gain",), 0.5) and "bollard" in beside.separate_by
+    found = Changes(np.log([1.3, 1.3, 1.3]), np.eye(3) * 1e-4, np.eye(3) * 1e-4, np.zeros((3, 1)))
+    assert agree(found, np.log(1.3)) and not agree(replace(found, mean=np.log([1.3, 1.3, 1.0])), np.log(1.3))
+    # An error that moves the third by as much does not tell it apart.
+    assert agree(replace(found, mean=np.log([1.3, 1.3, 1.0]), moved=np.array([[0.0], [0.0], [0.3]])), np.log(1.3))
+
+
+# Nightly: two simulations, whose examiner's z takes ten seconds.
+@pytest.mark.nightly
 def test_a_line_does_not_tell_shallow_water_from_weaker_thrusts():
     """A line shows one mass and one drag, which every thrust scales as the water does; a yaw inertia that stays tells them apart."""
     vehicle, *logs = pair(11, 1.3, kind="steered", style="line", thrust="offset", share=0.6, duration=300.0, rate=10.0)

@@ -231,8 +231,8 @@ MUTANTS = (
     python(
         "the checker's reach within a step",
         "verification/rows.py",
-        "+ self.step_length(k) * HALF * sided(self._limits[n])",
-        "+ self.step_length(k) * QUARTER * sided(self._limits[n])",
+        "+ self.step_length(k) * HALF * sided(limits[n])",
+        "+ self.step_length(k) * QUARTER * sided(limits[n])",
     ),
     python("the checker's gap", "verification/thrusters.py", "GAP: Final = 1.5", "GAP: Final = 15.0"),
     python(

@@ -14,6 +14,7 @@ The chapter may use ``rows``, ``linear`` and the chapters below them. The mathem
 proved bound.
 """
 
+from ivsid.identification.assumptions import left_out
 from ivsid.identification.combinations import in_words
 from ivsid.identification.followed import Change, Following, Moment
 from ivsid.identification.following import follow
@@ -32,5 +33,6 @@ __all__ = [
     "identify",
     "identify_rows",
     "in_words",
+    "left_out",
     "read_identification",
 ]

@@ -31,6 +31,7 @@ from ivsid.rows import ROW_KINDS, RegressionRows
 from ivsid.sensors.bounds import BoundedLog
 from ivsid.sensors.noise import rule_for
 from ivsid.vehicle import AccelerationSensor, Vehicle
+from ivsid.vehicle.carried import with_keys
 
 CHOICES: Final = ("auto", "sample", "log")
 # The bias is one unknown by default where that narrows the median reading to at most this share.
@@ -57,6 +58,7 @@ def separate_bias(bounded: BoundedLog, vehicle: Vehicle, choice: str) -> tuple[B
         vehicle: with the accelerometer.
         choice: ``sample`` keeps that bound, ``log`` takes the bias as one unknown wherever it can, ``auto`` where it pays.
     """
+    vehicle, _ = with_keys(vehicle)
     sensor = vehicle.sensors.acceleration
     if choice == "sample" or sensor is None or bounded.rule.confidence is None:
         return None
@@ -68,6 +70,8 @@ def separate_bias(bounded: BoundedLog, vehicle: Vehicle, choice: str) -> tuple[B
         or sensor.turned
         or sensor.gravity
         or sensor.sampling == "averaged"
+        or bounded.corrected & {"ax", "ay", "udot", "vdot", "r"}
+        or bounded.stream
     )
     found = {
         a: n for k, a in enumerate(AXES) for n in _NAMES[k] if n in bounded.channels and n not in bounded.log.derived

@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.effects import CHANNELS, Term, causes, terms_of
+from ivsid.effects import CHANNELS, Term, terms_of
 from ivsid.errors import IvsidError, meant
-from ivsid.identification.assumptions import assumptions, cause_notes
+from ivsid.identification.assumptions import assumptions, cause_notes, left_out
 from ivsid.identification.blocks import linked, nonzero
 from ivsid.identification.followed import Change, Following, Moment
 from ivsid.identification.physics import subject_of, with_bounds
@@ -136,17 +136,17 @@ def follow(
     parameters = moments[-1].parameters
     ends = [e for p in parameters.values() for e in (p.lower, p.upper)]
     status = "empty" if not parameters else "enclosed" if np.all(np.isfinite(ends)) else "unbounded"
-    left_out = causes(vehicle)
+    absent = left_out(vehicle, bounded)
     measured = ~np.isin(made.kind, [k for k, name in enumerate(ROW_KINDS) if name.startswith("physical.")])
     return Following(
         status=status,
-        guaranteed=bounded.rule.guaranteed and not bounded.statistical and not left_out,
+        guaranteed=bounded.rule.guaranteed and not bounded.statistical and not absent,
         assumes=(*assumptions(made, bounded, vehicle), *_own_assumptions(start, drift or {}, changes)),
         parameters=parameters,
         moments=tuple(moments),
         changes=tuple(sorted(found, key=lambda c: c.time)),
         rows={name: int((measured & (made.channel == k)).sum()) for k, name in enumerate(CHANNELS)},
-        notes=(*log.notes, *cause_notes(left_out)),
+        notes=(*log.notes, *cause_notes(absent)),
         ignored=log.ignored,
         options={
             "form": form,

@@ -8,9 +8,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from ivsid.effects import CHANNELS, causes, terms_of
+from ivsid.effects import CHANNELS, terms_of
 from ivsid.errors import IvsidError, choice, meant
-from ivsid.identification.assumptions import assumptions, cause_notes
+from ivsid.identification.assumptions import assumptions, cause_notes, left_out
 from ivsid.identification.bias import CHOICES, separate_bias, with_unknowns, without_unknowns
 from ivsid.identification.blocks import linked, nonzero, outlier_notes, overall, parameters_of, solve
 from ivsid.identification.combinations import determined
@@ -157,12 +157,12 @@ def identify_rows(
         for combination in determined(len(b.columns), b.directions)
     )
     reasons = [b.reason for b in blocks if b.reason]
-    left_out = causes(vehicle)
+    absent = left_out(vehicle, bounded)
     assumed = [k for k, kind in enumerate(ROW_KINDS) if kind.startswith("physical.")]
     return Identification(
         method=method,
         status=status,
-        guaranteed=proved and bounded.rule.guaranteed and not bounded.statistical and not left_out,
+        guaranteed=proved and bounded.rule.guaranteed and not bounded.statistical and not absent,
         assumes=assumptions(rows, bounded, vehicle, allowed),
         parameters=parameters if status != "empty" else {},
         estimate=estimate,
@@ -173,7 +173,7 @@ def identify_rows(
         certificates=tuple({**c, "block": k} for k, b in enumerate(blocks) for c in b.certificates),
         contradictions=tuple(k for k, b in enumerate(blocks) if b.status == "empty"),
         rows=_counted(rows, assumed),
-        notes=(*bounded.log.notes, *outlier_notes(rows.terms, blocks), *cause_notes(left_out)),
+        notes=(*bounded.log.notes, *outlier_notes(rows.terms, blocks), *cause_notes(absent)),
         ignored=bounded.log.ignored,
         options=options,
         vehicle=vehicle,

@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +21,16 @@ from ivsid.log import Log
 from ivsid.log.turning import Turned, angle_of
 from ivsid.memory.pieces import array_pieces, over_pieces, pieces
 from ivsid.memory.room import DOUBLE, room
+from ivsid.propulsion.carried import Fitted, Late, late
 from ivsid.propulsion.configuration import directions
 from ivsid.propulsion.foil import rudder_force
 from ivsid.propulsion.lag import lagged
 from ivsid.propulsion.rudder import rudder_over
 from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.vehicle import Thruster, Vehicle
+
+# A thruster of which the file states no cause.
+NOTHING: Final = Fitted()
 
 
 @dataclass(frozen=True)
@@ -78,12 +83,15 @@ class Push:
         log: with its demand, and its angle where it turns.
         held: whether demands hold from row to row (zero-order hold); else they change linearly.
         flow: needed for a thruster with an advance loss or a rudder.
+        fitted: factor and delay of the thrust that ``[model.fitted]`` states.
 
     Raises:
         IvsidError: a missing column, a demand outside the curve, or a lag under linear demands.
     """
 
-    def __init__(self, thruster: Thruster, log: Log, *, held: bool, flow: Flow | None = None) -> None:
+    def __init__(
+        self, thruster: Thruster, log: Log, *, held: bool, flow: Flow | None = None, fitted: Fitted = NOTHING
+    ) -> None:
         _followed(thruster, held=held)
         self.thruster, self.held, self.flow = thruster, held, flow
         name = f"demand_{thruster.name}"
@@ -108,12 +116,18 @@ class Push:
                 f"thruster {thruster.name} follows its demand with a time constant of {thruster.time_constant!r} s; before the log it "
                 "was at rest or pushed anything that its curve allows",
             )
+        self.factor = fitted.factor
+        self.late: Late | None = None
+        if fitted.delay is not None:
+            self.late = late(self.curve.interval(self.demand, error=self.error()), log, self.there, fitted.delay)
+            self.there, self.whole = self.there & self.late.present, self.late.whole
         self.turned: Turned | None = None
         if thruster.steering == "azimuth":
             self.turned = angle_of(
                 log, f"azimuth_{thruster.name}", f"for the direction of thruster {thruster.name}", held=held
             )
-            self.there, self.whole = self.there & self.turned.present, self.turned.whole
+            self.there = self.there & self.turned.present
+            self.whole = self.turned.whole if self.whole is None else self.whole & self.turned.whole
             assumes = (*assumes, self.turned.assumes)
         if flow is None and (thruster.advance_loss or thruster.rudder is not None):
             raise IvsidError(
@@ -144,6 +158,10 @@ class Push:
             rows = steps = directions(thruster)
         # A lagged thrust moves between its values at both rows, so that its mean alone is no bound.
         swept_thrust = at[:-1].hull(at[1:]) if thruster.time_constant and thruster.lag == "thrust" else over
+        if self.late is not None:
+            swept_thrust = self.late.swept[between]
+        if self.factor is not None:
+            at, over, swept_thrust = at * self.factor, over * self.factor, swept_thrust * self.factor
         if self.swept:
             over = swept_thrust
         motion = None if flow is None else flow.part(here, between)
@@ -153,7 +171,7 @@ class Push:
             over, swept_thrust = over - lost, swept_thrust - lost
         at_rows = [_share(at, s) for s in rows]
         # Under a held demand the force over a step is that at its first row.
-        same = self.held and self.lagged is None and self.turned is None and motion is None
+        same = self.held and self.lagged is None and self.late is None and self.turned is None and motion is None
         over_steps = [force[:-1] for force in at_rows] if same else [_share(over, s) for s in steps]
         if self.delta is not None and thruster.rudder is not None and motion is not None:
             blades = (
@@ -197,6 +215,8 @@ class Push:
         """The thrust [N] at rows and over the steps between them, without advance loss."""
         if self.lagged is not None:
             return self.lagged[0][here], self.lagged[1][between]
+        if self.late is not None:
+            return self.late.at_rows[here], self.late.over_steps[between]
         demand, error = self.demand[here], self.error(here)
         at = self.curve.interval(demand, error=error)
         if self.held:

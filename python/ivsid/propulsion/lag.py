@@ -73,7 +73,7 @@ def lagged(
         reach = at[:-1].hull(at[1:])
         return _of_shaft(curve, at), _of_shaft(curve, reach)
     share = np.where(ratio > 1e-8, -np.expm1(-ratio) / np.maximum(ratio, 1e-300), 1.0)
-    over = _between(at[:-1], goal[:-1], share, slack + np.where(ratio > 1e-8, 0.0, 1e-8))
+    over = between(at[:-1], goal[:-1], share, slack + np.where(ratio > 1e-8, 0.0, 1e-8))
     return at, over
 
 
@@ -91,7 +91,7 @@ def _of_shaft(curve: ThrustCurve, speed: IntervalArray) -> IntervalArray:
     )
 
 
-def _between(
+def between(
     a: IntervalArray, b: IntervalArray, share: NDArray[np.float64], slack: NDArray[np.float64]
 ) -> IntervalArray:
     """The range of p a + (1 - p) b for shares p within ``slack`` of ``share``."""

@@ -81,6 +81,10 @@ def build_rows(
         made = iter(range(len(own)))
         found = [make(equations) if how == "weak" else space.done(next(made)) for _, how, make in plan]
         parts = [p for p in found if p is not None]
+    if kind == "weak" and bounded.stream:
+        raise IvsidError(
+            "rows 'weak' follow the pose over ground, and [model.fitted] states a current.steady; use rows 'auto', or leave the current out"
+        )
     if kind == "weak" and not parts:
         raise IvsidError(
             f"rows 'weak' need velocities that are enclosed from the pose, and {bounded.log.name} measures them or its vehicle file has "
@@ -107,7 +111,8 @@ def _plan(equations: Equations, counts: Sequence[int], kind: str) -> list[tuple[
             plan += [
                 (channel, "integral", partial(integral, index=index, channel=channel, count=count)) for count in counts
             ]
-        if kind in ("weak", "both"):
+        # The pose moves over ground, the equations through the water.
+        if kind in ("weak", "both") and not equations.bounded.stream:
             plan += [(channel, "weak", partial(weak, index=index, channel=channel, half=count)) for count in counts]
     return plan
 

@@ -14,13 +14,20 @@ from ivsid.intervals import IntervalArray
 from ivsid.intervals.pieces import interval_pieces
 from ivsid.log.record import steps_in
 from ivsid.propulsion.actuation import Flow, Push
+from ivsid.propulsion.carried import carried_by
 from ivsid.sensors.bounds import BoundedLog
 from ivsid.vehicle import Vehicle
+from ivsid.vehicle.carried import with_keys
 
 
 def above(limit: float) -> float:
     """The next double above a limit, which holds the rounding of its decimals."""
     return float(np.nextafter(limit, np.inf))
+
+
+def turning_stream(stream: float, r: IntervalArray) -> IntervalArray:
+    """The rate at which a current turns in body axes [m/s^2], from its speed [m/s] and the yaw rate."""
+    return IntervalArray(-stream, stream) * r
 
 
 @dataclass(frozen=True)
@@ -51,6 +58,7 @@ class KnownForces:
 
     def __init__(self, bounded: BoundedLog, vehicle: Vehicle) -> None:
         log, held = bounded.log, vehicle.log.demand == "hold"
+        vehicle, _ = with_keys(vehicle)
         self._pushes: list[Push] = []
         self._logged: Forces | None = None
         if not vehicle.thrusters:
@@ -59,7 +67,10 @@ class KnownForces:
             return
         moved = any(t.advance_loss or t.rudder is not None for t in vehicle.thrusters)
         flow = _flow(bounded, vehicle) if moved else None
-        self._pushes = [Push(thruster, log, held=held, flow=flow) for thruster in vehicle.thrusters]
+        effect, _ = carried_by(vehicle)
+        self._pushes = [
+            Push(thruster, log, held=held, flow=flow, fitted=effect[thruster.name]) for thruster in vehicle.thrusters
+        ]
         self.assumes = (
             "demands hold from each row to the next" if held else "demands change on straight lines from row to row",
             *(s for push in self._pushes for s in push.assumes),
@@ -137,17 +148,21 @@ def _flow(bounded: BoundedLog, vehicle: Vehicle) -> Flow:
             "vehicle file; state them, or leave the claim out"
         )
     t, lost = bounded.log.t, 2 * bounded.log.time_error
-    rows, ranges = [], []
-    for name, limit in (("u", limits.acceleration), ("v", limits.acceleration), ("r", limits.yaw_acceleration)):
+    rows: dict[str, IntervalArray] = {}
+    ranges: dict[str, IntervalArray] = {}
+    for name, limit in (("r", limits.yaw_acceleration), ("u", limits.acceleration), ("v", limits.acceleration)):
         bounded.log.column(name, "by the thrusters' advance loss or rudder")
         x = bounded.channels[name]
         rate = IntervalArray(-above(limit), above(limit))
+        stream = bounded.stream if name != "r" else 0.0
 
-        def over(part: slice, x: IntervalArray = x, rate: IntervalArray = rate) -> IntervalArray:
+        def over(
+            part: slice, x: IntervalArray = x, limit: IntervalArray = rate, stream: float = stream
+        ) -> IntervalArray:
+            rate = limit + turning_stream(stream, ranges["r"][part]) if stream else limit
             steps = steps_in(t, part) * (1 + 2.0**-40) + lost
             ends: IntervalArray = x[part].hull(x[part.start + 1 : part.stop + 1])
             return ends + rate * (0.5 * steps)
 
-        rows.append(x)
-        ranges.append(interval_pieces(t.size - 1, over))
-    return Flow((rows[0], rows[1], rows[2]), (ranges[0], ranges[1], ranges[2]))
+        rows[name], ranges[name] = x, interval_pieces(t.size - 1, over)
+    return Flow((rows["u"], rows["v"], rows["r"]), (ranges["u"], ranges["v"], ranges["r"]))

@@ -12,7 +12,7 @@ from ivsid.effects import Columns, Place, State
 from ivsid.errors import IvsidError
 from ivsid.intervals import FloatArray, IntervalArray
 from ivsid.rows.equations import SOMEWHERE, ColumnsOf, Equations, complete, unit
-from ivsid.rows.forces import above
+from ivsid.rows.forces import above, turning_stream
 from ivsid.rows.motion import Motion
 from ivsid.rows.record import RegressionRows
 
@@ -198,12 +198,16 @@ class Quadrature:
     def _made_states(self) -> tuple[State, State]:
         limits = self.equations.vehicle.sensors.limits
         acceleration, yaw_acceleration = above(limits.acceleration or 0.0), above(limits.yaw_acceleration or 0.0)
-        nodes, ranges = {}, {}
-        for name, limit in (("u", acceleration), ("v", acceleration), ("r", yaw_acceleration)):
+        nodes: dict[str, IntervalArray] = {}
+        ranges: dict[str, Motion] = {}
+        stream = self.equations.bounded.stream
+        for name, limit in (("r", yaw_acceleration), ("u", acceleration), ("v", acceleration)):
             x = self.equations.channels[name]
             there = self.equations.present[name]
             x = IntervalArray(np.where(there, x.lower, 0.0), np.where(there, x.upper, 0.0))
             rate = IntervalArray(np.array(-limit), np.array(limit))
+            if stream and name != "r":
+                rate = rate + turning_stream(stream, ranges["r"].value)
             nodes[name] = x
             ranges[name] = Motion(x[:-1].hull(x[1:]) + self.steps * 0.5 * rate, rate)
         here, along = self._places(nodes["r"], ranges["r"].value)

@@ -1,6 +1,7 @@
 """Readings to intervals.
 
 - ``bounds``: an interval for every sample of a log.
+- ``corrections``: biases, scales and a current that ``[model.fitted]`` states, taken out of the readings.
 - ``noise``: the number of sigmas that bounds a whole log, and half-widths of inertial channels; ``doppler``: velocity sensors.
 - ``allan``, ``allan_fit``: the Allan deviation of a static recording, and the noise coefficients read off it, by ``allan_model`` (formulas) and
   ``allan_search`` (minima); ``recording``: a filter, steps, a sinusoid or a drift in it.

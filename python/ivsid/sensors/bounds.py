@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
@@ -17,6 +17,7 @@ from ivsid.log import Log
 from ivsid.log.angles import turns_of, with_turns
 from ivsid.log.record import steps_in
 from ivsid.memory.pieces import array_pieces, pieces
+from ivsid.sensors.corrections import centres, corrected, corrections, through_water
 from ivsid.sensors.derivatives import with_accelerations
 from ivsid.sensors.doppler import body_velocities, doppler, reading_error
 from ivsid.sensors.noise import ROUNDING, Rule, count_errors, half_width, rule_for
@@ -24,6 +25,7 @@ from ivsid.sensors.origin import at_origin
 from ivsid.sensors.pose import with_velocities
 from ivsid.sensors.smoothing import splined
 from ivsid.vehicle import InertialSensor, Sensors, Vehicle
+from ivsid.vehicle.carried import with_keys
 
 # Channel and axis of each acceleration.
 _INERTIAL: Final = (("udot", 0), ("vdot", 1), ("ax", 0), ("ay", 1))
@@ -42,6 +44,9 @@ class BoundedLog:
         rule: the number of sigmas behind the bounds.
         ambient: half-widths (force [N], moment [N m]) of the ambient force, which no model explains.
         statistical: sentences on channels that are estimates and no bounds; a result that uses them is not guaranteed.
+        carried: numbers of ``[model.fitted]`` that the channels take into account.
+        corrected: channels without the bias or the scale that ``[model.fitted]`` states.
+        stream: bound of the speed of a current [m/s] through which u and v are velocities; 0 over ground.
     """
 
     log: Log
@@ -50,6 +55,9 @@ class BoundedLog:
     rule: Rule
     ambient: tuple[float, float]
     statistical: tuple[str, ...] = ()
+    carried: tuple[str, ...] = ()
+    corrected: frozenset[str] = frozenset()
+    stream: float = 0.0
 
 
 def bound_log(log: Log, vehicle: Vehicle, windows: int = 1) -> BoundedLog:
@@ -63,8 +71,10 @@ def bound_log(log: Log, vehicle: Vehicle, windows: int = 1) -> BoundedLog:
     Raises:
         IvsidError: a sensor section is missing or contradicts the log.
     """
+    vehicle, keyed = with_keys(vehicle)
     sensors = vehicle.sensors
     _certain_turns(log, sensors)
+    found = corrections(log, vehicle)
     channels = body_velocities(log, sensors) if log.derived else {}
     log, enclosed, statistical = velocities_of(log, sensors)
     channels |= enclosed
@@ -94,18 +104,23 @@ def bound_log(log: Log, vehicle: Vehicle, windows: int = 1) -> BoundedLog:
         radius = np.asarray(radii[name]) if name in radii else None
         channels[name] = interval_pieces(values.size, partial(_bounded, log, sensors, name, radius))
         present[name] = there
-    _set_averages_apart(channels, present, sensors)
     if "psi" in log.columns and sensors.heading is not None:
         channels["psi"], present["psi"] = _heading(log, sensors.heading.accuracy)
+    changed = corrected(channels, found)
+    if changed:
+        log = replace(log, columns=centres(log, channels, present, changed))
+    _set_averages_apart(channels, present, sensors)
     log, channels, present = at_origin(log, channels, present, sensors)
     log, rates = with_accelerations(log, channels, sensors)
     channels |= rates
     present |= {name: np.isfinite(x.lower) for name, x in rates.items()}
+    stream = 0.0 if found.water is None else through_water(channels, present, found.water)
     ambient = (0.0, 0.0)
     if vehicle.ambient is not None:
         k = rule.sigmas * (1 + ROUNDING)
         ambient = (k * vehicle.ambient.force, k * vehicle.ambient.moment)
-    return BoundedLog(log, channels, present, rule, ambient, statistical)
+    carried = (*keyed, *found.names)
+    return BoundedLog(log, channels, present, rule, ambient, statistical, carried, frozenset(changed), stream)
 
 
 def _bounded(log: Log, sensors: Sensors, name: str, radius: NDArray[np.float64] | None, rows: slice) -> IntervalArray:

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from ivsid.display.shown import Result
 from ivsid.display.table import Cells
-from ivsid.effects import CHANNELS, causes, terms_of
+from ivsid.effects import CHANNELS, terms_of
 from ivsid.errors import IvsidError
-from ivsid.identification import Identification
+from ivsid.identification import Identification, left_out
 from ivsid.intervals import IntervalArray
 from ivsid.intervals.pieces import interval_pieces
 from ivsid.log import GivenLog, Log, log_of
@@ -177,7 +177,7 @@ def validate(
     own = (
         f"{log.name} is the log that the fit was made of: agreement with it proves nothing; give a log of another run",
     )
-    beside = ", ".join(n for g in causes(vehicle) for n in g.named)
+    beside = ", ".join(n for g in left_out(vehicle, bounded) for n in g.named)
     absent = (f"{beside} of [model.fitted] moves the simulated vehicle, and stands in no row of forces and no reading",)
     notes = (*(own if log.sha256 == fit.log_sha256 else ()), *bounded.log.notes, *(absent if beside else ()))
     motion = simulate_windows(fit, bounded.log)

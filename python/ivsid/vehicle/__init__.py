@@ -5,6 +5,7 @@
 - ``voith_schneider``: a Voith-Schneider unit as two thrusters.
 - ``sensors``: bounds of readings, and limits of the motion.
 - ``mount``: position and orientation of a sensor.
+- ``carried``: numbers of ``[model.fitted]`` that keys of the file can state.
 - ``given``: a vehicle by its path or its name.
 - ``reading``: a TOML table to a checked value, or one sentence about its first fault.
 

@@ -6,6 +6,7 @@ verdict ``not_checked``, never ``proved``.
 
 - ``rational``, ``angles``: exact ranges, roots, angles, exponentials.
 - ``decimals``, ``readings``: decimals of the files, and readings with the errors of their sensors; ``refused`` names logs without rows.
+- ``carried``: causes of ``[model.fitted]`` in readings and thrusts.
 - ``pose``, ``rates``, ``lever_arms``, ``gravity``: velocities from a pose, accelerations from velocities, sensors off the origin.
 - ``curves``, ``rudders``, ``thrusters``: demands to forces.
 - ``physics``, ``columns``, ``rows``, ``weak``: the equations of motion and their rows; ``unchecked`` names rows that are not recomputed.

@@ -127,7 +127,7 @@ class Checker:
         if record["status"] not in PROVABLE:
             self.failures.append(f"the status: {record['status']} claims nothing that could be proved")
         ruled, guessed = self.result.vehicle.sensors.sigmas is None, estimated(self.log, self.result.vehicle)
-        absent = left_out(self.result.vehicle)
+        absent = left_out(self.log, self.result.vehicle)
         if record["guaranteed"] != (ruled and not guessed and not absent):
             rule = "under confidence a proved result is guaranteed" if ruled else "under sigmas nothing is guaranteed"
             rule = "with velocities by splines nothing is guaranteed" if guessed else rule

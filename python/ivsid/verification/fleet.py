@@ -154,7 +154,8 @@ class FleetChecker(Checker):
             self.failures.append(f"guaranteed: the sensor bounds of {number} logs need not hold at once")
         if any(estimated(log, self.result.vehicle) for log in self.logs.values()):
             self.failures.append("guaranteed: with velocities by splines nothing is guaranteed")
-        if absent := left_out(self.result.vehicle):
+        absent = {n: None for log in self.logs.values() for n in left_out(log, self.result.vehicle)}
+        if absent:
             self.failures.append(f"guaranteed: the rows leave out {', '.join(absent)} of [model.fitted]")
 
     def _pooled(self, progress: Callable[[str], None]) -> None:

@@ -15,7 +15,9 @@ import numpy as np
 
 from ivsid.log import Log
 from ivsid.vehicle import AccelerationSensor, Vehicle
+from ivsid.vehicle.carried import with_keys
 from ivsid.vehicle.mount import Mounted
+from ivsid.verification.carried import Carried
 from ivsid.verification.decimals import Decimals, around
 from ivsid.verification.errors import UnprovedError
 from ivsid.verification.gravity import along_and_across, size
@@ -23,7 +25,7 @@ from ivsid.verification.half_widths import HalfWidths, axis_of
 from ivsid.verification.lever_arms import arm_of, mounted, turned_back
 from ivsid.verification.pose import PoseVelocities
 from ivsid.verification.rates import Rates
-from ivsid.verification.rational import Range, cosine, normal_factor, pi, sided, sine
+from ivsid.verification.rational import Range, cosine, normal_factor, pi, root, sided, sine
 from ivsid.verification.refused import refuse
 
 # Probability that all errors of a log keep their bounds, where the vehicle file states neither it nor ``sigmas``.
@@ -41,7 +43,9 @@ class Readings:
     """Channels of a log as ranges that hold the true values under the vehicle file's assumptions."""
 
     def __init__(self, log: Log, vehicle: Vehicle, *, apart: bool = False, windows: int = 1) -> None:
+        vehicle, self.keyed = with_keys(vehicle)
         self.log, self.vehicle, self.exact, self.windows = log, vehicle, Decimals(vehicle.text), windows
+        self.carried = Carried(log, vehicle, self.exact)
         refuse(log, vehicle, self.exact)
         self.apart = self._one_bias() if apart else {}
         self._made: dict[tuple[str, int], Range | None] = {}
@@ -56,6 +60,8 @@ class Readings:
         found = {AXES[_ACCELERATIONS[n]]: n for n in names}
         if sensor is None or sensors.sigmas is not None or not names or len(found) < len(names):
             raise UnprovedError("a bias can be taken apart under confidence only, from one acceleration an axis")
+        if any(map(self.carried.biased, (*names, "r"))) or self.carried.water is not None:
+            raise UnprovedError("the bias of an accelerometer beside fitted errors of readings cannot be taken apart")
         if sensor.sampling == "averaged" or sensor.off_origin or sensor.turned or sensor.gravity:
             raise UnprovedError("the bias of a mounted or averaging accelerometer cannot be taken apart")
         if {*found.values()} & {*self.log.clocks, *self.log.by_rate}:
@@ -132,8 +138,31 @@ class Readings:
         """The range of the true value; None where the reading is missing or has no bound."""
         key = (name, i)
         if key not in self._made:
-            self._made[key] = self._bounded(name, i) if self.has(name) else None
+            found = self._bounded(name, i) if self.has(name) else None
+            self._made[key] = found if self.carried.water is None else self._through_water(name, found, i)
         return self._made[key]
+
+    def _through_water(self, name: str, over_ground: Range | None, i: int) -> Range | None:
+        """A velocity, or its rate, through the water, from that over ground."""
+        if name not in ("u", "v", "udot", "vdot") or self.carried.water is None:
+            return over_ground
+        psi, (north, east) = self.heading(i), self.carried.water
+        if psi is None or over_ground is None:
+            return None
+        c, s = cosine(psi), sine(psi)
+        ahead, across = north * c + east * s, east * c - north * s
+        if name in ("u", "v"):
+            return over_ground - (ahead if name == "u" else across)
+        r = self.channel("r", i)
+        if r is None:
+            return None
+        return over_ground - r * across if name == "udot" else over_ground + r * ahead
+
+    @property
+    def stream(self) -> Range | None:
+        """The speed of a current [m/s], or None."""
+        water = self.carried.water
+        return None if water is None else root(water[0].square() + water[1].square())
 
     def _bounded(self, name: str, i: int) -> Range | None:
         sensors = self.vehicle.sensors
@@ -163,10 +192,12 @@ class Readings:
         if reading is None:
             return None
         if name in _ACCELERATIONS and sensors.acceleration is not None:
-            return reading + sided(self._half_width(sensors.acceleration, _ACCELERATIONS[name], name, i))
-        if name == "r" and sensors.yaw_rate is not None:
-            return reading + sided(self._half_width(sensors.yaw_rate, 0, name, i) + self._since_average(i))
-        return self._doppler(reading)
+            reading = reading + sided(self._half_width(sensors.acceleration, _ACCELERATIONS[name], name, i))
+        elif name == "r" and sensors.yaw_rate is not None:
+            reading = reading + sided(self._half_width(sensors.yaw_rate, 0, name, i) + self._since_average(i))
+        else:
+            reading = self._doppler(reading)
+        return self.carried.without(name, reading)
 
     def _velocity_at_origin(self, mount: Mounted, name: str, i: int) -> Range | None:
         """Velocity u or v of the body origin [m/s] from a sensor off the origin or turned."""

@@ -80,6 +80,8 @@ class Rows:
             raise UnprovedError(f"there is no row of the kind '{kind}'")
         if self.beyond is not None:
             raise UncheckedError(self.beyond)
+        if kind == "weak" and self.readings.stream is not None:
+            raise UnprovedError("the pose moves over ground, and the equations through a current")
         if kind.startswith("bias."):
             return self._bias(kind.removeprefix("bias."), channel)
         if kind in physical.KINDS:
@@ -245,6 +247,15 @@ class Rows:
         a, y = self.readings.exact(limits.acceleration), self.readings.exact(limits.yaw_acceleration)
         return {"u": a, "v": a, "r": y}
 
+    def _rates(self, k: int) -> dict[str, Range]:
+        """Bounds of the rates of u, v, r over a step; a current turns in body axes as the vessel does under it."""
+        stream, limits = self.readings.stream, self._limits
+        if stream is None:
+            return limits
+        r = self._velocity("r", k).hull(self._velocity("r", k + 1)) + self.step_length(k) * HALF * sided(limits["r"])
+        moved = stream * r.largest()
+        return {"u": limits["u"] + moved, "v": limits["v"] + moved, "r": limits["r"]}
+
     def step_mean(self, id_: str, columns: Column, channel: str, k: int) -> Range:
         """The mean of a column over a step: trapezoid +- L h / 4, with L a bound of its rate of change over the step."""
         key = (id_, k)
@@ -285,7 +296,8 @@ class Rows:
         return self._over[k]
 
     def _made_over(self, k: int) -> State:
-        u, v, r = (Motion(x, sided(self._limits[n])) for n, x in zip(("u", "v", "r"), self.swept(k)(), strict=True))
+        limits = self._rates(k)
+        u, v, r = (Motion(x, sided(limits[n])) for n, x in zip(("u", "v", "r"), self.swept(k)(), strict=True))
         if not self.turning:
             return State(u, v, r, _NO_ACCELERATION, _NO_ACCELERATION, _NO_ACCELERATION)
         # The heading lies within half the possible turn of each of the two rows, on the way between them.
@@ -300,9 +312,9 @@ class Rows:
         """The ranges of u, v, r over a step."""
 
         def ranges() -> tuple[Range, Range, Range]:
+            limits = self._rates(k)
             made = [
-                self._velocity(n, k).hull(self._velocity(n, k + 1))
-                + self.step_length(k) * HALF * sided(self._limits[n])
+                self._velocity(n, k).hull(self._velocity(n, k + 1)) + self.step_length(k) * HALF * sided(limits[n])
                 for n in ("u", "v", "r")
             ]
             return made[0], made[1], made[2]

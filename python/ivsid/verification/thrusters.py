@@ -8,7 +8,7 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from ivsid.verification.curves import Curve, Forces
+from ivsid.verification.curves import Curve, Forces, clipped
 from ivsid.verification.errors import UnprovedError
 from ivsid.verification.rational import ONE, Range, cosine, exponential, pi, sided, sine, weighted
 from ivsid.verification.readings import Readings
@@ -98,7 +98,10 @@ class Thrusters:
     def _pushed(self, curve: Curve, i: int, motion: Callable[[], Motion], *, over: bool) -> Forces:
         t, name = curve.thruster, f"demand_{curve.thruster.name}"
         shares = self._shares(curve, i, over=over)
-        if t.time_constant:
+        delay = self.readings.carried.delay(t)
+        if delay is not None:
+            thrust, swept = self._late(curve, i, delay, over=over)
+        elif t.time_constant:
             at, mean = self._lagged(curve, i)
             thrust = mean if over else at
             swept = at.hull(self._lagged(curve, i + 1)[0]) if over and t.lag == "thrust" else thrust
@@ -109,6 +112,8 @@ class Thrusters:
             if over and not self.held:
                 demand = demand.hull(self._demand(name, i + 1))
             thrust = swept = curve.thrust(demand)
+        factor = self.readings.carried.factor(t)
+        thrust, swept = thrust * factor, swept * factor
         if t.advance_loss:
             x, y = curve.exact.pair(t.position)
             u, v, r = motion()
@@ -120,6 +125,38 @@ class Thrusters:
             return forces
         blade = curve.blade.force(self._angle(f"rudder_{t.name}", i, over=over), swept, motion())
         return forces[0] + blade[0], forces[1] + blade[1], forces[2] + blade[2]
+
+    def _late(self, curve: Curve, i: int, delay: Range, *, over: bool) -> tuple[Range, Range]:
+        """Thrust at a row, or its mean over the step after it, of held demands that arrive late, and its range there."""
+        last = i + 1 if over else i
+        times, log = self.readings.time, self.log
+        # Demands that have surely arrived before the end, back to one that has surely arrived at the start.
+        begin, end = times(i) - delay, times(last) - delay
+        k = last
+        while k >= 0 and times(k).low > end.high:
+            k -= 1
+        acting = [k]
+        while acting[-1] >= 0 and times(acting[-1]).high > begin.low:
+            acting.append(acting[-1] - 1)
+        if acting[-1] < 0:
+            raise UnprovedError(f"the demand that acts at t = {log.t[i]!r} s was sent before the log")
+        if not all(j + 1 >= log.t.size or self._kept(curve, j) for j in acting):
+            raise UnprovedError(f"a demand that acts at t = {log.t[i]!r} s is missing")
+        thrusts = [curve.thrust(self._demand(f"demand_{curve.thruster.name}", j)) for j in acting]
+        swept = thrusts[0]
+        for thrust in thrusts[1:]:
+            swept = swept.hull(thrust)
+        if not over or len(acting) != 2:
+            return swept, swept
+        step = times(last) - times(i)
+        share = (end - times(acting[0])) / step
+        return weighted(clipped(share, Range(0, 1)), thrusts[0], thrusts[1]), swept
+
+    def _kept(self, curve: Curve, k: int) -> bool:
+        """Whether the step after a row has lost no row, and its demand is known."""
+        step = Fraction(float(self.log.t[k + 1])) - Fraction(float(self.log.t[k]))
+        known = not np.isnan(self.log.columns[f"demand_{curve.thruster.name}"][k])
+        return step <= Fraction(3, 2) * Fraction(self.log.period) and known
 
     def _shares(self, curve: Curve, i: int, *, over: bool) -> Forces:
         t = curve.thruster

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from ivsid.log import Log
 from ivsid.vehicle import Vehicle
+from ivsid.vehicle.carried import with_keys
+from ivsid.verification.carried import Carried
+from ivsid.verification.decimals import Decimals
 from ivsid.verification.errors import UncheckedError
 from ivsid.verification.physics import model
 
@@ -23,10 +26,12 @@ def not_recomputed(log: Log, vehicle: Vehicle) -> str | None:
     return None
 
 
-def left_out(vehicle: Vehicle) -> list[str]:
-    """Numbers of the file's model that belong to no parameter of the rows: causes that the rows leave out."""
+def left_out(log: Log, vehicle: Vehicle) -> list[str]:
+    """Numbers of the file's model that are no parameter of the rows and that no row takes into account: causes that the rows leave out."""
     try:
         parameters = model(vehicle, "total")
     except UncheckedError:
         return []
-    return [n for n in vehicle.model.numbers if n not in parameters]
+    vehicle, keyed = with_keys(vehicle)
+    known = {*keyed, *Carried(log, vehicle, Decimals(vehicle.text)).names, *parameters}
+    return [n for n in vehicle.model.numbers if n not in known]

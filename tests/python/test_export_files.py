@@ -107,6 +107,12 @@ def test_a_diagnosis_is_exported_by_its_model(tmp_path):
         ivsid.export(tmp_path, "gz")
     (tmp_path / "model.toml").write_text(vehicle.text)
     assert ivsid.export(tmp_path, "gz").text.splitlines()[2:] == ivsid.export(vehicle, "gz").text.splitlines()[2:]
+    # The command takes the folder and the file, too.
+    for given in (tmp_path, tmp_path / "model.toml"):
+        done = run("export", given, "--to", "gz", "--out", tmp_path / "out")
+        assert done.returncode == 0, done.stderr
+    done = run("export", tmp_path / "none", "--to", "gz")
+    assert done.returncode == 2
 
 
 @pytest.mark.parametrize(

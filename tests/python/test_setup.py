@@ -10,6 +10,7 @@ from tests.exam.cases import case
 import ivsid
 import setup_faults
 from ivsid import IvsidError, setup_findings, workflow
+from ivsid.diagnosis import stages
 from ivsid.identification import read_identification
 from ivsid.log import Log, read_log
 from ivsid.propulsion.thrust import ThrustCurve
@@ -210,6 +211,15 @@ def test_a_diagnosis_carries_the_finding():
     assert "doubtful: setup.r.limit" in repr(result)
     before = heard[: heard.index("looking for causes")]
     assert sum(h.startswith("set-up: ") for h in before) == 2
+
+
+def test_a_fault_beyond_doubt_is_said_before_any_fit(monkeypatch):
+    """A fit of a log in degrees takes the longest of all, and its sentence says nothing of the cause."""
+    text, t, columns = drawn(7004)
+    degrees = {"t": t, **columns, "r": np.degrees(columns["r"])}
+    monkeypatch.setattr(stages, "plain_fit", lambda *_: pytest.fail("a fit was begun"))
+    with pytest.raises(IvsidError, match=r"deg"):
+        ivsid.diagnose(parse_vehicle(text, "v.toml"), degrees, degrees, null_logs=0)
 
 
 def test_a_reversed_thruster_is_reported_and_refuses_nothing(tmp_path):

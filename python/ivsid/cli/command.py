@@ -33,6 +33,10 @@ NEEDED: Final = {
     "RECORDING": (frozenset({recognition.LOG}), "a static recording"),
     "TABLE": (frozenset({recognition.LOG}), "a bollard-pull table"),
     "FIT": (frozenset({recognition.FIT}), "the result of ivsid identify"),
+    "MODEL": (
+        frozenset({recognition.FIT, recognition.RESULT, recognition.VEHICLE}),
+        "the result of ivsid identify or diagnose, or a vehicle file with numbers in its model",
+    ),
     "RESULT": (frozenset({recognition.FIT, recognition.FLEET}), "the result of ivsid identify or ivsid fleet"),
 }
 

@@ -121,7 +121,10 @@ def validate(
 
 def export(
     result: Annotated[
-        Path, typer.Argument(help="Folder of ivsid identify or diagnose, or a vehicle file with numbers in its model.")
+        Path,
+        typer.Argument(
+            metavar="MODEL", help="Folder of ivsid identify or diagnose, or a vehicle file with numbers in its model."
+        ),
     ],
     to: Annotated[str, typer.Option("--to", help="gz, vrx, mss, pvs, stonefish or yaml.")],
     out: Out = None,

@@ -303,6 +303,23 @@ def mirrored(m: Motion, folder: Path) -> Path:
     return path
 
 
+def ros_compass(m: Motion, folder: Path) -> Path:
+    """Velocities in the axes of ROS beside a compass of plain name."""
+    path = folder / "ros_compass.csv"
+    pl.DataFrame(
+        {
+            "time": EPOCH + m.t,
+            "odom.twist.twist.linear.x": m.u,
+            "odom.twist.twist.linear.y": -m.v,
+            "odom.twist.twist.angular.z": -m.r,
+            "heading_deg": compass(m.psi),
+            "/thrusters/port/command.data": m.port,
+            "/thrusters/starboard/command.data": m.starboard,
+        }
+    ).write_csv(path)
+    return path
+
+
 def opposed(m: Motion, folder: Path) -> Path:
     """A gyro that is mounted upside down beside a compass."""
     path = folder / "opposed.csv"

@@ -45,6 +45,12 @@ WRITERS = {
         ("psi",),
     ),
     "mirrored": (programs.mirrored, "flu", ("r falls where port pushes more",), ("psi", "x", "y")),
+    "ros_compass": (
+        programs.ros_compass,
+        "flu",
+        ("heading_deg rises where the yaw rate turns to starboard, so it is read from north to east",),
+        ("psi",),
+    ),
     "opposed": (
         programs.opposed,
         "frd",
@@ -101,6 +107,28 @@ def test_a_motion_in_the_names_of_a_program_is_read_as_it_was(tmp_path, name):
     raised = made.record["questions"]
     assert len(raised) == len(questions)
     assert all(re.search(q, r) for q, r in zip(questions, raised, strict=True)), raised
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_sway_takes_the_sign_of_a_turned_yaw_rate_where_the_vessel_drifts_outward(tmp_path, sign):
+    """Plain names beside a compass: forward, port and up, or a gyro alone upside down."""
+    v = -0.3 * MOTION.r
+    ay = np.gradient(v, MOTION.t) + MOTION.u * MOTION.r
+    table = {"t": MOTION.t, "u": MOTION.u, "v": sign * v, "r": -MOTION.r, "ax": MOTION.ax, "ay": sign * ay}
+    table |= {
+        "heading_deg": np.degrees(MOTION.psi) % 360,
+        "demand_port": MOTION.port,
+        "demand_starboard": MOTION.starboard,
+    }
+    pl.DataFrame(table).write_csv(tmp_path / "log.csv")
+    raised = init([tmp_path / "log.csv"], tmp_path / "boat.toml").record["questions"]
+    vehicle = parse_vehicle(filled((tmp_path / "boat.toml").read_text()), "boat.toml")
+    log = read_log(tmp_path / "log.csv", vehicle.log)
+    assert vehicle.log.frame == "frd"
+    for name, true in (("v", v), ("r", MOTION.r), ("ay", ay)):
+        np.testing.assert_allclose(log.columns[name], true, atol=1e-9)
+    assert not any("does the sway velocity need" in q for q in raised)
+    assert sum("with the opposite sign alone" in q for q in raised) == (2 if sign < 0 else 0)
 
 
 def test_an_accelerometer_that_feels_gravity_is_declared_so(tmp_path):

@@ -235,6 +235,17 @@ def test_a_folder_without_tables_and_a_file_that_is_not_there(tmp_path):
     assert "cannot be read" in sentence(tmp_path / "none.csv")
 
 
+def test_tables_below_a_folder_with_tables_of_its_own_are_noted(tmp_path):
+    text = "t,u,v,r\n" + "".join(f"{0.1 * k:.1f},1,0,0\n" for k in range(40))
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "nav.csv").write_text(text)
+    assert not [n for n in read_log(tmp_path / "run").notes if "below it" in n]
+    (tmp_path / "run" / "imu").mkdir()
+    (tmp_path / "run" / "imu" / "data.csv").write_text(text)
+    (note,) = [n for n in read_log(tmp_path / "run").notes if "below it" in n]
+    assert note.startswith("run has tables of its own, which are read, and 1 below it, which are not (imu/data.csv)")
+
+
 @pytest.mark.parametrize("kind", list(log_files.FORMATS))
 def test_the_one_log_below_a_folder_is_found(tmp_path, kind):
     below = tmp_path / "trials" / "day 1"

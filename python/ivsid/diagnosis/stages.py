@@ -38,7 +38,6 @@ from ivsid.diagnosis.statements.proved import proof_of, proved_findings
 from ivsid.diagnosis.statements.residuals import before_and_after, unexplained
 from ivsid.diagnosis.statements.shallow_water import change
 from ivsid.diagnosis.statements.trial import Trial
-from ivsid.errors import IvsidError
 from ivsid.intervals.apart import Apart
 from ivsid.log import GivenLog, Log, log_of
 from ivsid.setup import SetupFinding, examined

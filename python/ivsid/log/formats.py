@@ -60,7 +60,7 @@ def open_source(path: str | Path) -> Iterator[Source]:
         plain = _found(_regular(given, stack), str(given))
         files = _files(plain, str(given))
         digest = stack.enter_context(ThreadPoolExecutor(1)).submit(_hash, files)
-        yield Source(str(given), _tables(plain, str(given), files, stack), digest)
+        yield Source(str(given), _tables(plain, str(given), files, stack), digest, _unread(plain, files))
 
 
 def digest_of(path: str | Path) -> str:
@@ -135,6 +135,23 @@ def _below(folder: Path) -> list[Path]:
                 f"folder {folder} has more than {MOST_FILES:,} files below it; give the folder of one log, or a file"
             )
     return sorted(files)
+
+
+def _unread(path: Path, files: Sequence[Path]) -> tuple[str, ...]:
+    """A sentence on tables below a folder that has tables of its own, which are its log."""
+    if not path.is_dir() or _is_bag(path):
+        return ()
+    try:
+        below = [p for p in _below(path) if _is_table(p) and p not in files]
+    except (IvsidError, OSError):
+        return ()
+    if not below:
+        return ()
+    shown = ", ".join(str(p.relative_to(path)) for p in below[:3])
+    return (
+        f"{path.name} has tables of its own, which are read, and {len(below)} below it, which are not ({shown}{', ...' if len(below) > 3 else ''}): "
+        "give the folder of those, or put all of them in one",
+    )
 
 
 def _several(folder: Path, name: str, logs: Sequence[Path]) -> IvsidError:

@@ -64,6 +64,7 @@ def read_source(source: Source, mapping: LogMap) -> Log:
     _collect(reading, rules)
     if mapping.frame == "flu":
         reading.channels = turned(reading.channels)
+    reading.notes += source.notes
     reading.channels, words = with_heading(reading.channels, source.name)
     reading.notes += words
     reading.times = together(reading.times, source.name)

@@ -103,11 +103,13 @@ class Source:
         name: as the user gave it, for messages.
         tables: by name; a file that is one table has the name "".
         digest: the running hash of its bytes.
+        notes: sentences on what was left aside.
     """
 
     name: str
     tables: Mapping[str, Table]
     digest: Future[str] = field(repr=False)
+    notes: tuple[str, ...] = ()
 
     @property
     def sha256(self) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Final
 
 import numpy as np
@@ -30,6 +30,12 @@ SPAN: Final = 1.0
 # Source: definition: a third of the variance is something else's
 CLEAR: Final = 0.8
 DEGREE: Final = np.pi / 180.0
+# Correlation of sway with the turning beyond which its sign is read off.
+# Source: physics: only a strong side thrust or current moves a vessel to the inside of its turns
+DRIFT: Final = 0.5
+# Words of a heading that counts from north to east, whatever the other axes.
+COMPASS: Final = frozenset({"heading", "compass", "hdg", "hdt", "cog"})
+ASKED: Final = ", and does the sway velocity need the opposite sign, too?"
 
 
 def settled(columns: Columns) -> tuple[dict[str, Found], str, list[str]]:
@@ -52,11 +58,12 @@ def settled(columns: Columns) -> tuple[dict[str, Found], str, list[str]]:
     if any("as if it were in deg" in q for q in heading):
         # The turning of the vessel decides what the range left open.
         questions = [q for q in questions if not q.startswith(f"{channels['psi'].match.column} reaches")]
-    questions += heading
+    questions += _with_it(channels, heading)
     frame: str = columns.program.frame
     if columns.program.plain:
         frame, words = _frame(columns, channels)
         questions += words
+    questions += _compass(channels, frame)
     mixed = sorted({f.program.name for f in channels.values() if not f.program.plain and f.program.frame != frame})
     if mixed:
         questions.append(
@@ -146,8 +153,56 @@ def _sign(channels: dict[str, Found], ratio: float) -> list[str]:
     channels["r"] = r.with_meaning(scale=-r.meaning.scale)
     return [
         f"{r.match.column} falls while {psi.match.column} rises, so it is read with the opposite sign: is the heading the one that is positive to "
-        "starboard, and does the sway velocity need the opposite sign, too?"
+        f"starboard{ASKED}"
     ]
+
+
+def _with_it(channels: dict[str, Found], heading: list[str]) -> list[str]:
+    """The questions on the heading, after sway and its acceleration took the sign that a turned yaw rate asks of them.
+
+    A vessel drifts to the outside of its turns, v against r, and its specific force points to the inside, a_y along u r.
+    """
+    if not heading or ASKED not in heading[-1]:
+        return heading
+    words, found = [], _together(channels, "v", lambda v, r, u: (-v, r))
+    for name, agrees in (("v", found), ("ay", _together(channels, "ay", lambda a, r, u: (a, u * r)))):
+        if agrees is not None and agrees < -DRIFT:
+            channels[name] = f = channels[name].with_meaning(scale=-channels[name].meaning.scale)
+            what = "is on the outside of the turns" if name == "v" else "points to the inside of the turns"
+            words.append(f"{f.match.column} {what} with the opposite sign alone, so it is read with it: is that right?")
+    if found is None or abs(found) <= DRIFT:
+        return [*heading, *words]
+    return [*heading[:-1], heading[-1].replace(ASKED, "?"), *words]
+
+
+def _together(
+    channels: Mapping[str, Found], name: str, pair: Callable[[Array, Array, Array], tuple[Array, Array]]
+) -> float | None:
+    """The correlation of two quantities of a channel, the yaw rate and the surge velocity; None where one is missing or at rest."""
+    if not {name, "r", "u"} <= channels.keys() or channels[name].program.frame != channels["r"].program.frame:
+        return None
+    own, r, u = (channels[n] for n in (name, "r", "u"))
+    grid = np.arange(max(f.t[0] for f in (own, r, u)), min(f.t[-1] for f in (own, r, u)), SPAN)
+    if grid.size < 10 or not all(np.isfinite(f.values).any() for f in (own, r, u)):
+        return None
+    a, b = pair(*(_at(f, grid) * f.factor for f in (own, r, u)))
+    a, b = a - a.mean(), b - b.mean()
+    size = float(np.sqrt((a @ a) * (b @ b)))
+    return float(a @ b) / size if size > 0 else None
+
+
+def _compass(channels: dict[str, Found], frame: str) -> list[str]:
+    """A heading from north to east in a log whose other axes are forward, port, up: it is turned, and a question says so."""
+    psi, r = channels.get("psi"), channels.get("r")
+    if frame != "flu" or psi is None or not psi.program.plain or psi.meaning.offset or psi.meaning.scale < 0:
+        return []
+    ratio = None if r is None else _turns(psi, r)
+    named = bool(COMPASS & steps_of(psi.match.column))
+    if (ratio is None and not named) or (ratio is not None and ratio > 0):
+        return []
+    channels["psi"] = psi.with_meaning(scale=-psi.meaning.scale, offset=float(np.pi / 2))
+    why = "rises where the yaw rate turns to starboard" if ratio is not None else "is named as a compass heading"
+    return [f"{psi.match.column} {why}, so it is read from north to east, unlike the other axes: is that right?"]
 
 
 def _turns(psi: Found, r: Found) -> float | None:

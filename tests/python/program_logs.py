@@ -320,6 +320,27 @@ def ros_compass(m: Motion, folder: Path) -> Path:
     return path
 
 
+def topics(m: Motion, folder: Path) -> Path:
+    """A folder of topics, of which the commands share another name of their stamps than the rest."""
+    path = folder / "run"
+    path.mkdir()
+    yaw = np.pi / 2 - m.psi
+    whole = np.round(m.t * 1e9).astype(int)
+    stamp = {"header.stamp.sec": int(EPOCH) + whole // 10**9, "header.stamp.nanosec": whole % 10**9}
+    odometry = {"twist.twist.linear.x": m.u, "twist.twist.linear.y": -m.v, "twist.twist.angular.z": -m.r}
+    attitude = {
+        "orientation.x": 0 * yaw,
+        "orientation.y": 0 * yaw,
+        "orientation.z": np.sin(yaw / 2),
+        "orientation.w": np.cos(yaw / 2),
+    }
+    pl.DataFrame({**stamp, **odometry}).write_csv(path / "odometry_filtered.csv")
+    pl.DataFrame({**stamp, **attitude}).write_csv(path / "imu_data.csv")
+    for side, sent in (("left", m.port), ("right", m.starboard)):
+        pl.DataFrame({"stamp": EPOCH + m.t, "data": sent}).write_csv(path / f"{side}_thrust_cmd.csv")
+    return path
+
+
 def opposed(m: Motion, folder: Path) -> Path:
     """A gyro that is mounted upside down beside a compass."""
     path = folder / "opposed.csv"

@@ -45,6 +45,7 @@ WRITERS = {
         ("psi",),
     ),
     "mirrored": (programs.mirrored, "flu", ("r falls where port pushes more",), ("psi", "x", "y")),
+    "topics": (programs.topics, "flu", (), ("psi",)),
     "ros_compass": (
         programs.ros_compass,
         "flu",

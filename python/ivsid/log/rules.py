@@ -164,7 +164,9 @@ def row_clock(source: Source, mapping: LogMap, table: str) -> tuple[TimeColumn, 
 
 def _clock(source: Source, mapping: LogMap, table: str, column: Column | None) -> tuple[TimeColumn, Clocked]:
     if column is not None and column.time is not None:
-        found = source.find(column.time.from_)
+        # Stamps of one name in many tables, as topics of a bag have them, are those of the column's own table.
+        own = column.time.from_
+        found = (table, own) if table and own in source.tables[table].columns else source.find(own)
         if found is None or found[0] != table:
             raise IvsidError(
                 f"{source.name} has no column {column.time.from_} beside {column.from_}, whose stamps it should be; "

@@ -71,6 +71,8 @@ class DemandWords(Section):
         general: that name no thruster.
         rudders: that make a column the angle of a rudder.
         azimuths: that make it the direction of an azimuth thruster.
+        pushes: that make it the demand of an azimuth thruster all the same.
+        turns: that make it an angle, whatever it pushes.
     """
 
     words: tuple[str, ...]
@@ -80,6 +82,8 @@ class DemandWords(Section):
     general: tuple[str, ...]
     rudders: tuple[str, ...]
     azimuths: tuple[str, ...]
+    pushes: tuple[str, ...]
+    turns: tuple[str, ...]
 
 
 class KnownNames(Section):

@@ -35,6 +35,7 @@ DEGREE: Final = np.pi / 180.0
 DRIFT: Final = 0.5
 # Words of a heading that counts from north to east, whatever the other axes.
 COMPASS: Final = frozenset({"heading", "compass", "hdg", "hdt", "cog"})
+UNSAID: Final = "the names do not say"
 ASKED: Final = ", and does the sway velocity need the opposite sign, too?"
 
 
@@ -62,6 +63,8 @@ def settled(columns: Columns) -> tuple[dict[str, Found], str, list[str]]:
     frame: str = columns.program.frame
     if columns.program.plain:
         frame, words = _frame(columns, channels)
+        if words and words[-1].startswith(UNSAID) and _with_compass(channels):
+            words = []
         questions += words
     questions += _compass(channels, frame)
     mixed = sorted({f.program.name for f in channels.values() if not f.program.plain and f.program.frame != frame})
@@ -191,6 +194,15 @@ def _together(
     return float(a @ b) / size if size > 0 else None
 
 
+def _with_compass(channels: Mapping[str, Found]) -> bool:
+    """Whether the yaw rate turns with a heading that is named as a compass's, and sway lies on the outside of those turns or is not logged."""
+    psi, r = channels.get("psi"), channels.get("r")
+    if psi is None or r is None or not COMPASS & steps_of(psi.match.column) or (_turns(psi, r) or 0.0) <= 0:
+        return False
+    outward = _together(channels, "v", lambda v, r, u: (-v, r))
+    return "v" not in channels or (outward is not None and outward > DRIFT)
+
+
 def _compass(channels: dict[str, Found], frame: str) -> list[str]:
     """A heading from north to east in a log whose other axes are forward, port, up: it is turned, and a question says so."""
     psi, r = channels.get("psi"), channels.get("r")
@@ -230,7 +242,7 @@ def _frame(columns: Columns, channels: Mapping[str, Found]) -> tuple[str, list[s
     """The frame of plain names: more thrust to port turns the vessel to starboard."""
     sides = {side: [f for n, f in columns.demands.items() if word(n, side)] for side in ("port", "starboard")}
     usual = (
-        'the names do not say whether sway and yaw are positive to starboard; frame = "frd" says that they are, "flu" that they are positive to port: '
+        f'{UNSAID} whether sway and yaw are positive to starboard; frame = "frd" says that they are, "flu" that they are positive to port: '
         "which one is right?"
     )
     if "r" not in channels or not sides["port"] or not sides["starboard"]:

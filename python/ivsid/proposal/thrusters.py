@@ -38,6 +38,8 @@ def kind_of(table: str, column: str) -> Literal["demand", "rudder", "azimuth"] |
     steps = own | steps_of(table) if own <= set(words.general) else own
     for kind, names in (("rudder", words.rudders), ("azimuth", words.azimuths)):
         if steps & set(names):
+            if kind == "azimuth" and steps & set(words.pushes) and not steps & set(words.turns):
+                continue
             return None if steps & (set(words.not_) - set(words.measured)) else kind  # type: ignore[return-value]
     if steps & set(words.not_):
         return None

@@ -12,8 +12,9 @@ import pytest
 import ivsid
 from command_line import run
 from exported_boat import CUBIC, DAMPED, TABLE, TRUTH, WHOLE, boat
-from ivsid import IvsidError
+from ivsid import Interval, IvsidError
 from ivsid.exports import TARGETS
+from ivsid.exports.number import Number
 from ivsid.exports.planar import planar_of
 from ivsid.identification import read_identification
 from ivsid.vehicle import parse_vehicle
@@ -189,3 +190,9 @@ def test_added_masses_enclose_the_exact_difference():
         about = Fraction(model.rigid_inertia) + Fraction(hull.mass) * (Fraction(x) ** 2 + Fraction(y) ** 2)
         assert Fraction(added.lower) <= Fraction(whole.lower) - about
         assert Fraction(whole.upper) - about <= Fraction(added.upper)
+
+
+def test_intervals_in_words_have_six_digits_and_hold_the_number(tmp_path):
+    ends = Interval(37.86310282301845, 39.57612893142058)
+    assert Number(38.7, "kg", "m", ends).words == "m, 37.8631 to 39.5762 kg"
+    assert Number(38.7, "kg").words == "no interval kg"

@@ -143,7 +143,8 @@ def test_units_in_headers(tmp_path, head, factor, unit):
     np.testing.assert_allclose(log.t, 0.1 * k)
     np.testing.assert_allclose(log.columns["r"], factor * np.round(np.sin(k), 4), atol=1e-15)
     np.testing.assert_allclose(log.columns["demand_port"], 1e3 * np.round(np.sin(k + 1), 4), atol=1e-9)
-    assert f"{head} is read in {unit}, as its header says" in log.notes and log.ignored == ("x(1)", "x(2)")
+    said = f"columns are read in the units that their headers say: {head} in {unit}; demand_port [kN] in kN"
+    assert said in log.notes and log.ignored == ("x(1)", "x(2)")
     # A scale that the map states stands in the place of the header's unit, that of one as well.
     stated = read_log(path, log_map(columns={"r": {"from": head, "scale": 1.0}}))
     np.testing.assert_allclose(stated.columns["r"], np.round(np.sin(k), 4), atol=1e-15)
@@ -159,3 +160,12 @@ def test_units_of_stamps_and_unknown_units(tmp_path):
         read_log(path)
     log = read_log(path, log_map(columns={"u": {"from": "u", "scale": 5.6e-5}}))
     np.testing.assert_allclose(log.t, 0.1 * np.arange(20))
+
+
+def test_one_note_names_all_headers_with_units(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("t,u [kn],v [kn],r [deg/s]\n" + "".join(f"{k / 10},{k},0,1\n" for k in range(30)))
+    (note,) = [n for n in read_log(path).notes if "header" in n]
+    assert (
+        note == "columns are read in the units that their headers say: u [kn] in kn; v [kn] in kn; r [deg/s] in deg/s"
+    )

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from ivsid.intervals import Interval
+from ivsid.intervals.shown import shown
 
 
 @dataclass(frozen=True)
@@ -44,11 +45,13 @@ class Number:
 
     @property
     def words(self) -> str:
-        """Symbol, interval and unit, for a comment."""
+        """Symbol, interval and unit, for a comment; the interval is rounded outward to six digits."""
         known = self.ends is not None and math.isfinite(self.ends.lower) and math.isfinite(self.ends.upper)
         if known and self.ends is not None and self.ends.lower == self.ends.upper:
             return ", ".join(w for w in (self.symbol, f"given, {self.unit}") if w)
-        inside = f"{self.ends.lower!r} to {self.ends.upper!r}" if known and self.ends is not None else "no interval"
+        inside = "no interval"
+        if known and self.ends is not None:
+            inside = " to ".join(shown(self.ends.lower, self.ends.upper).strip("[]").split(", "))
         return ", ".join(w for w in (self.symbol, f"{inside} {self.unit}") if w)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
@@ -20,7 +20,7 @@ from ivsid.log.formats import open_source
 from ivsid.log.one_clock import Columns, Reading, on_one_clock
 from ivsid.log.quality import Steps, examine, gaps, without_held
 from ivsid.log.record import Log
-from ivsid.log.rules import Rule, row_clock, rules_of
+from ivsid.log.rules import BY_HEADER, Rule, row_clock, rules_of
 from ivsid.log.source import Source, Table, is_long, long_numbers, numbers
 from ivsid.log.stamps import YEARS, loses_digits, of_two_columns, times_of
 from ivsid.memory.pieces import any_piece
@@ -79,7 +79,7 @@ def read_source(source: Source, mapping: LogMap) -> Log:
         t=t,
         columns=columns,
         ignored=ignored,
-        notes=tuple(dict.fromkeys([*reading.notes, *gaps(t)])),
+        notes=_told(dict.fromkeys([*reading.notes, *gaps(t)])),
         rounding=rounding,
         time_rounding=lost,
         assumes=tuple(reading.assumes),
@@ -90,6 +90,19 @@ def read_source(source: Source, mapping: LogMap) -> Log:
         by_rate=tuple(reading.by_rate),
         certain=reading.certain,
         began=_began(reading),
+    )
+
+
+def _told(notes: Iterable[str]) -> tuple[str, ...]:
+    """The notes, in which one sentence names all columns whose headers state their units."""
+    given = list(notes)
+    units = [n.removesuffix(BY_HEADER) for n in given if n.endswith(BY_HEADER)]
+    if len(units) < 2:
+        return tuple(given)
+    pairs = "; ".join(u.replace(" is read in ", " in ") for u in units)
+    return (
+        f"columns are read in the units that their headers say: {pairs}",
+        *(n for n in given if not n.endswith(BY_HEADER)),
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ from ivsid.log.headers import Label, label, labels
 from ivsid.log.source import Source
 
 Array = NDArray[np.float64]
+# The end of the note on a column whose header states its unit.
+BY_HEADER: Final = ", as its header says"
 
 
 @dataclass(frozen=True)
@@ -109,7 +112,7 @@ def _rule(source: Source, mapping: LogMap, labelled: Mapping[str, Label], column
     if stated is not None and not {"unit", "scale"} & column.model_fields_set:
         unit = stated.known(units.COLUMN, source.name)
         column = column.model_copy(update={"unit": unit})
-        note = f"{source.shown(table, name)} is read in {unit}, as its header says"
+        note = f"{source.shown(table, name)} is read in {unit}{BY_HEADER}"
     stamps, clock = _clock(source, mapping, table, column)
     return Rule(column, table, name, clock, stamps, note=note)
 

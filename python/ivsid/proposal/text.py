@@ -154,7 +154,7 @@ def _log(proposal: Proposal) -> Iterator[str]:
                 _value(given),
                 "" if name.startswith(("demand_", *ANGLES)) else "one of several columns of this name",
             )
-    notes = [n for n in log.notes if not n.endswith("as its header says")]
+    notes = [n for n in log.notes if not n.endswith("as its header says") and "that their headers say" not in n]
     yield from (f"# note: {n}" for n in notes)
     if proposal.columns.unknown:
         most = 12

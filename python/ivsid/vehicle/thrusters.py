@@ -120,6 +120,6 @@ class Thruster(Section):
             self.table is not None or not self.demand_range[0] < self.demand_range[1]
         ):
             raise IvsidError(
-                "demand_range = [lowest, highest] ends a curve that has no table; a table ends with its own demands"
+                "demand_range = [lowest, highest] ends a curve that has no table; a table ends with its own demands: leave demand_range out"
             )
         return self

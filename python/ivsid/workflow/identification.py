@@ -71,7 +71,7 @@ def identify(
 def identification_report(fit: Identification, log: Log) -> Report:
     """The report of one identification."""
     drawings = (figures.intervals([fit]), figures.channels(log))
-    word = "guaranteed under the stated assumptions" if fit.guaranteed else "not guaranteed"
+    word = "guaranteed under the stated assumptions" if fit.guaranteed else f"not guaranteed{_why(fit)}"
     summary = f"{fit.vehicle.name}, method {fit.method}: {fit.status} ({MEANING[fit.status]}); {word}."
     if fit.physical:
         summary = f"{fit.vehicle.name}: no vessel has these parameters. {summary}"
@@ -114,6 +114,13 @@ def identification_report(fit: Identification, log: Log) -> Report:
         identified(fit),
     )
     return with_setup(report, fit.setup)
+
+
+def _why(fit: Identification) -> str:
+    """Why an identification that follows from its rows is not guaranteed, where one key of the file says so."""
+    if fit.method == "feasible" and fit.status != "not_applicable" and fit.vehicle.sensors.sigmas is not None:
+        return ", since [sensors] states sigmas: write confidence in its place once its bounds are known"
+    return ""
 
 
 def _bars(fit: Identification) -> list[Part]:

@@ -317,3 +317,16 @@ def test_validation_fills_missing_demands_by_the_last_one():
     from ivsid.validation.motion import _held
 
     np.testing.assert_array_equal(_held(np.array([np.nan, 1.0, np.nan, np.nan, 2.0])), [1.0, 1.0, 1.0, 1.0, 2.0])
+
+
+def test_validation_simulates_a_term_that_turns_with_the_heading():
+    vehicle = vehicle_of()
+    wind = {"wind.steady.north": 3.0, "wind.steady.east": -2.0}
+    log = train_of(vehicle, wind, duration=64.0)
+    terms = [t.id for t in PLAIN_TERMS]
+    known = vehicle_of(extra=f"[model]\nterms = {[*terms, 'wind.steady']}\n".replace("'", '"'))
+    fit = replace(identify(vehicle, train_of(vehicle, duration=12.0)), estimate=TRUTH)
+    without = validate(fit, log, tubes=False)
+    within = validate(replace(fit, vehicle=known, estimate={**TRUTH, **wind}), log, tubes=False)
+    assert within.motion.reason is None
+    assert within.motion.median["u"] < 0.5 * without.motion.median["u"]

@@ -132,6 +132,16 @@ def test_sway_takes_the_sign_of_a_turned_yaw_rate_where_the_vessel_drifts_outwar
     assert sum("with the opposite sign alone" in q for q in raised) == (2 if sign < 0 else 0)
 
 
+def test_a_smooth_heading_keeps_the_constant_error_of_a_good_compass(tmp_path):
+    """The attitude of a filter has no scatter, and was proposed with an accuracy of 0.008 degrees."""
+    made = init([programs.topics(MOTION, tmp_path)], tmp_path / "boat.toml")
+    sensors = parse_vehicle(filled((tmp_path / "boat.toml").read_text()), "boat.toml").sensors
+    assert sensors.heading.accuracy == 0.009 and sensors.attitude.accuracy >= 0.0045
+    assert (
+        "the constant error of a good sensor" in (tmp_path / "boat.toml").read_text() and made.record["questions"] == []
+    )
+
+
 def test_an_accelerometer_that_feels_gravity_is_declared_so(tmp_path):
     for write in (programs.mavlink, programs.ros):
         path = write(MOTION, tmp_path)

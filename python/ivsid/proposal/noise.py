@@ -40,6 +40,10 @@ SECOND: Final = 6.0**0.5
 # Source: theorem: quantile 3/4 of the normal distribution
 MEDIAN: Final = 0.6745
 
+# Least proposed bounds of angles [rad]: filters smooth them until no scatter is left, and their constant errors stay.
+# Source: physics: a good compass is off by half a degree, a level by a quarter
+LEAST: Final = {"heading": 0.009, "attitude": 0.0045}
+
 VELOCITIES: Final = ("u", "v", "velocity_north", "velocity_east")
 # The channels of each sensor that has one bound.
 BOUNDED: Final = {
@@ -92,6 +96,9 @@ def sensors_of(runs: Sequence[Run]) -> tuple[dict[str, list[Number]], Stretch | 
         if seen and max(seen) > 0:
             value = _up(SIGMAS * max(seen))
             reason = "a guess: 5.2 times the scatter from sample to sample, which shows no constant error"
+            if value < LEAST.get(sensor, 0.0):
+                reason = f"a guess: the constant error of a good sensor; the scatter from sample to sample, times 5.2, is {value:g}"
+                value = LEAST[sensor]
             sections[sensor] = [Number("accuracy", value, reason)]
     for sensor, names in INERTIAL.items():
         numbers = _inertial(runs, names, still)

@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.effects import Reading, causes, of_kind, terms_of
+from ivsid.effects import WITH_HEADING, Reading, causes, of_kind, terms_of
 from ivsid.errors import IvsidError
 from ivsid.identification import Identification
 from ivsid.log import Log
@@ -34,7 +34,9 @@ def runs_of(fit: Identification, log: Log, nu: Array, force: Array) -> Runs:
         IvsidError: a model that cannot be simulated, or a cause that needs what the log lacks.
     """
     vehicle = fit.vehicle
-    if any(not isinstance(g.effect.acts, Reading) for g in causes(vehicle)):
+    # Terms that turn with the heading need the pose, which the simulator follows.
+    turning = {t.id for several in WITH_HEADING.values() for t in several} & fit.estimate.keys()
+    if turning or any(not isinstance(g.effect.acts, Reading) for g in causes(vehicle)):
         return _with_causes(fit, log, nu)
     added = fit.options["form"] == "added"
     mass = vehicle.hull.mass

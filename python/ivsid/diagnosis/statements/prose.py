@@ -180,7 +180,7 @@ def _next(result: Diagnosis, f: Finding, effect: Effect) -> str:
     elif f.effect in CATALOGUE:
         words.append("model.toml has it as a term; ivsid identify with that file gives a proved interval.")
     else:
-        words.append("model.toml holds it with its numbers, for simulate, validate and diagnose.")
+        words.append("model.toml holds it with its numbers, for simulate, identify, validate and diagnose.")
     return " ".join(words)
 
 

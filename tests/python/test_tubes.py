@@ -422,10 +422,102 @@ def test_the_checker_refuses_a_claim_that_is_too_narrow(fit, course, case):
     row = [list(e) for e in zip(followed.parts.lower[0].tolist(), followed.parts.upper[0].tolist(), strict=True)]
     force = list(zip(course.force.lower[310].tolist(), course.force.upper[310].tolist(), strict=True))
     h = (float(course.h.lower[310]), float(course.h.upper[310]))
-    checker = TubeChecker(fit.vehicle, "total", equations.pieces[0].points)
-    assert checker.fault(part_of(row, force, h, 1)) is None
+    points = equations.pieces[0].points
+    assert TubeChecker(fit.vehicle, "total", points).fault(part_of(row, force, h, 1)) is None
     row[column][end] += shift
-    assert checker.fault(part_of(row, force, h, 1)) is not None
+    assert TubeChecker(fit.vehicle, "total", points).fault(part_of(row, force, h, 1)) is not None
+
+
+def certified(fit, course, first, count, start):
+    """A checker, and the parts of a tube."""
+    equations = equations_of(fit)
+    steps = slice(first, first + count)
+    found = equations.model.follow(start, course.h[steps], course.force[steps], certify=True)
+    rows = [
+        [list(e) for e in zip(a, b, strict=True)]
+        for a, b in zip(found.parts.lower.tolist(), found.parts.upper.tolist(), strict=True)
+    ]
+    parts = []
+    for row, (step, share) in zip(rows, found.steps, strict=True):
+        k = first + step
+        force = list(zip(course.force.lower[k].tolist(), course.force.upper[k].tolist(), strict=True))
+        parts.append((row, force, (float(course.h.lower[k]), float(course.h.upper[k])), share))
+    return TubeChecker(fit.vehicle, "total", equations.pieces[0].points), parts
+
+
+def test_the_checker_integrates_the_turn(fit, course):
+    """After a second the yaw rate is narrower than its accelerations alone allow, and no narrower than its row since the start."""
+    checker, parts = certified(fit, course, 310, 40, start_of(course, 310, None))
+    assert all(checker.fault(part_of(*p)) is None for p in parts[:-1])
+    row, *rest = parts[-1]
+    forgotten = TubeChecker(fit.vehicle, "total", equations_of(fit).pieces[0].points)
+    assert "of r" in forgotten.fault(part_of(row, *rest))
+    row[8][1] -= 1e-3
+    assert "upper end of r" in checker.fault(part_of(row, *rest))
+
+
+def wide(course, first):
+    """A start that turns at any rate up to 4 rad/s, either way."""
+    box = start_of(course, first, None)
+    lower, upper = box.lower.copy(), box.upper.copy()
+    lower[2], upper[2] = -4.0, 4.0
+    return IntervalArray(lower, upper)
+
+
+def test_the_checker_bounds_the_momentum(fit, course):
+    """A turn of any rate leaves the momentum alone: without that bound, ends and accelerations are not proved."""
+    checker, parts = certified(fit, course, 310, 50, wide(course, 310))
+    assert all(checker.fault(part_of(*p)) is None for p in parts)
+    row, *rest = parts[-1]
+    forgotten = TubeChecker(fit.vehicle, "total", equations_of(fit).pieces[0].points)
+    assert forgotten.fault(part_of(row, *rest)) is not None
+    row[6][1] -= 1e-3
+    assert checker.fault(part_of(row, *rest)) is not None
+
+
+def test_a_turn_of_any_rate_keeps_a_tube_finite(fit, course):
+    """Nobody escapes, and the speed stays below what the thrust can drive against the drag."""
+    first, count, k = 310, 80, 40
+    start, steps, rows = wide(course, first), slice(first, first + count), slice(first, first + count + 1)
+    bounds = equations_of(fit).model.follow(start, course.h[steps], course.force[steps], None).bounds
+    assert bounds.shape[0] == count + 1
+    assert np.abs(np.r_[bounds.lower[:, :2], bounds.upper[:, :2]]).max() < 1.0
+    rng, t = np.random.default_rng(3), course.log.t[rows]
+    states = integrate(
+        starts(rng, start, k),
+        *members(rng, fit, k),
+        t,
+        thrusts(course.log, rows),
+        shapes(rng, k, t, REACH * (1 - 1e-12), 3.0),
+    )
+    assert escapes(bounds, states) == 0
+
+
+def test_a_tube_without_readings_lasts(fit, test_log):
+    """Yaw has no damping: its rate grows with time, and nothing else without end."""
+    made = tube(fit, test_log, windows=[], inner=False)
+    whole = made.runs[0].horizon
+    assert [w.proved for w in whole.windows] == [w.last for w in whole.windows]
+    assert np.abs(np.r_[whole.bounds.lower[:, :2], whole.bounds.upper[:, :2]]).max() < 1.5
+    assert not made.refuted
+
+
+def test_a_tube_beside_rows_ends_where_it_bounds_little(fit, course, monkeypatch):
+    """Validation and diagnosis follow no turn of many radians, and keep what was proved before it."""
+    equations, last = equations_of(fit), 400
+    whole = window(equations, course, 0, last, None)
+    monkeypatch.setattr("ivsid.tubes.horizons.TRIED", 100)
+    assert window(equations, course, 0, last, None, early=True).shape[0] == last + 1
+    monkeypatch.setattr("ivsid.tubes.horizons.TURN", 1e-3)
+    ended = window(equations, course, 0, last, None, early=True)
+    assert ended.shape[0] == 101 and np.array_equal(ended.upper, whole.upper[:101])
+
+
+def test_the_yaw_rate_is_attained(fit, test_log):
+    """Over ten seconds: one inertia for the whole window, and errors of the moment as their integral."""
+    windows = tube(fit, test_log, windows=[10.0], whole=False).runs[0]
+    assert np.median(windows.ratio(2)) <= 1.05 and windows.ratio(2).max() <= 1.15
+    assert np.median(windows.ratio(0)) <= 1.5 and np.median(windows.ratio(1)) <= 1.2
 
 
 OTTER = parse_vehicle(embedded("otter.toml"), "otter.toml")

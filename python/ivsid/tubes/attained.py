@@ -1,7 +1,8 @@
 """The inner bound: what single members attain, in plain floats. It shows how much of a tube is real, and proves nothing.
 
 Members are vertices of the polytope of parameters. Their errors are bang-bang: held at one end, or switched where the adjoint of a target
-changes its sign (Pontryagin and others 1962), with the start at the end that pushes the same way.
+changes its sign (Pontryagin and others 1962), with the start at the end that pushes the same way. The adjoint is taken about every pattern
+of held errors: it knows the first order alone, and surge feels a turn by its square.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ def attained(
     towards = towards if given is None and count <= LONGEST else []
     lower, upper = np.full((count + 1, 6), np.inf), np.full((count + 1, 6), -np.inf)
     for theta in equations.members:
-        for number, pattern in enumerate(patterns):
+        for pattern in patterns:
             for side in (-1.0, 1.0):
                 runs = equations.model.members(
                     theta,
@@ -62,7 +63,7 @@ def attained(
                     errors,
                     middle,
                     (pattern, [side] * 6),
-                    towards if number == 0 and side < 0 else [],
+                    towards if side < 0 else [],
                 )
                 for run in runs:
                     lower[: len(run)] = np.minimum(lower[: len(run)], run)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import reduce
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,12 @@ from ivsid.tubes.equations import Equations
 from ivsid.tubes.inputs import Course
 
 Array: TypeAlias = NDArray[np.float64]
+# Steps after which a tube that may end early is asked how far it turns.
+# Source: resource: a tenth of a second
+TRIED: Final = 1200
+# Largest turn in a step [rad] with which it goes on.
+# Source: resource: beyond some tenths steps are cut into parts, up to 64, and so wide a tube bounds no reading
+TURN: Final = 0.1
 
 
 @dataclass(frozen=True)
@@ -91,6 +97,7 @@ def follow(
     *,
     parts: int = 1,
     steps: int | None = None,
+    early: bool = False,
 ) -> Horizon:
     """The tubes of the windows of one length.
 
@@ -101,12 +108,13 @@ def follow(
         given: v, r and their rates over each step where surge alone is followed, shape (n - 1, 6).
         parts: equal parts into which each step is cut.
         steps: of all windows together, at most; evenly spaced windows are followed where there are more. None follows all.
+        early: whether a tube whose yaw rate has grown beyond ``TURN`` a step after ``TRIED`` steps ends there.
     """
     n = course.log.t.size
     lower, upper = np.full((n, 6), -np.inf), np.full((n, 6), np.inf)
     windows: list[Window] = []
     for first, last in spaced(windows_of(course, length, given), steps):
-        bounds = window(equations, course, first, last, given, parts=parts)
+        bounds = window(equations, course, first, last, given, parts=parts, early=early)
         proved = first + bounds.shape[0] - 1
         # The end of the window before says more about a row than the reading from which the next one starts.
         begin = 0 if not windows or windows[-1].proved < first else 1
@@ -119,12 +127,23 @@ def follow(
 
 
 def window(
-    equations: Equations, course: Course, first: int, last: int, given: IntervalArray | None, *, parts: int = 1
+    equations: Equations,
+    course: Course,
+    first: int,
+    last: int,
+    given: IntervalArray | None,
+    *,
+    parts: int = 1,
+    early: bool = False,
 ) -> IntervalArray:
     """Bounds at the rows from ``first`` as far as they are proved, at most to ``last``, shape (m, 6).
 
     Each parameter lies in a piece, so that the hull of the pieces' tubes holds every trajectory.
     """
+    if early and given is None and last - first > TRIED:
+        begun = window(equations, course, first, first + TRIED, given, parts=parts)
+        if float(begun[-1, 2].magnitude) * course.log.period > TURN:
+            return begun
     steps = slice(first, last)
     start, held = start_of(course, first, given), None if given is None else given[steps]
     found = [

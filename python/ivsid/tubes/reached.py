@@ -107,6 +107,7 @@ def reached(
                 log,
                 channels=channels,
                 inner=False,
+                early=True,
                 examine=False,
                 equations=known[channels],
                 progress=progress,

@@ -1,8 +1,8 @@
 """Parts of steps of a tube, proved once more in exact ranges (docs/theory.md, "Guaranteed simulation", "Checking").
 
 A part claims: velocities that start in a box, under forces and parameters of given ranges, have accelerations inside ``rates`` over the part and
-end inside a second box. The proof here takes the terms by their second definitions (``physics``), differentiates by ``Motion``, and finds a
-parabola of its own. It does not prove that the forces are those of the log, nor that the vertices hold the fit's parameters.
+end inside a second box. The proof here takes the terms by their second definitions (``physics``), differentiates by ``Motion``, finds a
+parabola of its own, integrates the row of yaw over all parts since the start, and bounds the momentum that no turn changes. It does not prove that the forces are those of the log, nor that the vertices hold the fit's parameters.
 """
 
 from __future__ import annotations
@@ -14,8 +14,11 @@ from typing import Final, TypeAlias
 
 from ivsid.vehicle import Vehicle
 from ivsid.verification.decimals import Decimals
+from ivsid.verification.integrated import YAW, Integrals
+from ivsid.verification.momentum import Momentum
 from ivsid.verification.physics import CHANNELS, Columns, Motion, State, model, rigid_body
 from ivsid.verification.rational import Range, to_range
+from ivsid.verification.turning import forms_of
 
 Three: TypeAlias = tuple[Range, Range, Range]
 Vertex: TypeAlias = tuple[Range, ...]
@@ -42,8 +45,17 @@ class Part:
     h: Range
 
 
+@dataclass
+class Since:
+    """What is known since the start of a tube: the velocities now, the integrals, and the bound of the momentum."""
+
+    now: Three
+    integrals: Integrals
+    size: Range | None = None
+
+
 class TubeChecker:
-    """The equations of a vehicle, for parts that are checked one by one.
+    """The equations of a vehicle, for the parts of one tube that are checked one after the other, in order.
 
     Args:
         vehicle: the checked file.
@@ -75,6 +87,12 @@ class TubeChecker:
         units = [[Range(int(k == i)) for i in range(3)] for k in range(3)]
         # The factors of the accelerations, which are the same at all velocities: by term (the known body last), acceleration, channel.
         self._inertia = [[self._at(j, State(ZERO, ZERO, ZERO, a, b, c)) for a, b, c in units] for j in range(n + 1)]
+        self._since: Since | None = None
+        self._forms = forms_of(self._forces, [any(x.low or x.high for k in f for x in k) for f in self._inertia])
+        found = None
+        if len(self._free) == len(free):
+            found = Momentum(self._inertia, self._vertices[:YAW], self._forces, self._forms)
+        self._momentum = found if found is not None and found.turns else None
 
     def _at(self, term: int, state: State) -> list[Range]:
         made = (self._known if term == len(self._columns) else self._columns[term])(state)
@@ -142,7 +160,16 @@ class TubeChecker:
         return True
 
     def fault(self, part: Part) -> str | None:
-        """The first claim of a part that is not proved, in words; None where all are."""
+        """The first claim of a part that is not proved, in words; None where all are.
+
+        What follows a part that is not proved counts from its own start.
+        """
+        found = self._fault(part)
+        if found is not None:
+            self._since = None
+        return found
+
+    def _fault(self, part: Part) -> str | None:
         names = ("u", "v", "r")
         if not self._regular():
             return "the mass matrix is not proved regular"
@@ -150,24 +177,53 @@ class TubeChecker:
         over = [
             x + span * p if k in self._free else x for k, (x, p) in enumerate(zip(part.start, part.rates, strict=True))
         ]
+        since = self._continued(part.start)
+        since.now = part.end
+        if self._momentum is not None:
+            size = self._momentum.size(part.start)
+            before = size if since.size is None or since.size.high > size.high else since.size
+            since.size = self._momentum.after(before, over, part.force, part.h)
+            over = self._momentum.within(since.size, over)
+            if any(x.low > x.high for x in over):
+                return "the momentum leaves no velocities"
         try:
             columns = self._forces(over)
+            if len(self._free) == len(over):
+                since.integrals.add(part.h, over, columns, part.force)
             for i in self._free:
                 if not _holds(part.rates[i], self._row(i, columns, part.force[i], part.rates)):
                     return f"the accelerations of {names[i]} are not proved"
             for i in self._free:
                 for side in (-1, 1):
-                    if not self._end(part, over, i, side):
+                    # The row of yaw takes the ends of u and v, which are proved before it.
+                    if not self._end(part, over, i, side) and not (
+                        i == YAW and self._integrated(part, since.integrals, side)
+                    ):
                         return f"the {'lower' if side < 0 else 'upper'} end of {names[i]} is not proved"
         except ZeroDivisionError as error:
             return str(error)
         return None
 
+    def _continued(self, start: Three) -> Since:
+        """What is known since the start of the tube, which is this one where the last part does not end inside it."""
+        since = self._since
+        if since is None or not all(_holds(a, b) for a, b in zip(start, since.now, strict=True)):
+            since = Since(start, Integrals(start, self._inertia, self._vertices, self._forms))
+        self._since = since
+        return since
+
+    def _integrated(self, part: Part, integrals: Integrals, side: int) -> bool:
+        """Whether an end of yaw holds by its row over all parts since the start, with one parameter for all of them."""
+        if len(self._free) < len(part.end):
+            return False
+        reached = integrals.yaw(part.end)
+        return part.end[YAW].high >= reached.high if side > 0 else part.end[YAW].low <= reached.low
+
     def _end(self, part: Part, over: Sequence[Range], i: int, side: int) -> bool:
         """Whether one end holds: by the range of the accelerations, or by a parabola that no solution crosses."""
         b = part.start[i].upper if side > 0 else part.start[i].lower
         claim = side * ((part.end[i].upper if side > 0 else part.end[i].lower) - b)
-        if claim >= (part.h * part.rates[i] * side).upper:
+        if claim >= (part.h * part.rates[i] * side).upper or claim >= ((over[i] - Range(b)) * side).upper:
             return True
         face = [Range(b) if k == i else x for k, x in enumerate(part.start)]
         gamma = (self._row(i, self._forces(face), part.force[i], part.rates) * side).upper
@@ -195,6 +251,10 @@ class TubeChecker:
 
 def _range(low: float, high: float) -> Range:
     return Range(Fraction(low), Fraction(high))
+
+
+def _middle(x: Range) -> Fraction:
+    return (x.lower + x.upper) / 2
 
 
 def _holds(outer: Range, inner: Range) -> bool:

@@ -90,7 +90,8 @@ impl Model {
         Ok(Self { program, channels, vertices, hull, free })
     }
 
-    fn values<'w>(&self, nu: &Three, work: &'w mut Work) -> &'w [Interval] {
+    /// The registers of the program over a box.
+    pub fn registers<'w>(&self, nu: &Three, work: &'w mut Work) -> &'w [Interval] {
         work.values.clear();
         work.values.extend_from_slice(nu);
         run(&self.program, &mut work.values);
@@ -113,7 +114,7 @@ impl Model {
     }
 
     /// `M_ik` at one vertex.
-    fn mass(&self, i: usize, k: usize, vertex: &[Interval]) -> Interval {
+    pub fn mass(&self, i: usize, k: usize, vertex: &[Interval]) -> Interval {
         let mut total = Interval::ZERO;
         for e in &self.channels[i] {
             if e.inertia[k] != 0.0 {
@@ -148,7 +149,7 @@ impl Model {
         if !free.iter().all(|&i| self.positive(i)) {
             return None;
         }
-        self.values(nu, work);
+        self.registers(nu, work);
         let values = &work.values;
         for &i in &free {
             rates[i] = Interval::ZERO;
@@ -170,7 +171,7 @@ impl Model {
 
     /// The range of `nu_i'` over a face, given the other accelerations.
     pub fn on_face(&self, i: usize, nu: &Three, force: Interval, rates: &Three, work: &mut Work) -> Interval {
-        self.values(nu, work);
+        self.registers(nu, work);
         self.quotient(i, &work.values, force, rates)
     }
 
@@ -227,6 +228,24 @@ impl Model {
         let solved: [f64; 3] =
             std::array::from_fn(|i| (0..3).map(|k| minor(k, i) * right[k]).sum::<f64>() / determinant);
         solved.iter().all(|x| x.is_finite()).then_some(solved)
+    }
+
+    /// The operations of the columns.
+    #[must_use]
+    pub fn program(&self) -> &[Op] {
+        &self.program
+    }
+
+    /// The columns of channel i.
+    #[must_use]
+    pub fn entries(&self, i: usize) -> &[Entry] {
+        &self.channels[i]
+    }
+
+    /// The vertices of the parameters of channel i.
+    #[must_use]
+    pub fn vertices(&self, i: usize) -> &[Vec<Interval>] {
+        &self.vertices[i]
     }
 
     /// The hull of the parameters.

@@ -150,6 +150,67 @@ fn a_rotation_is_held() {
     }
 }
 
+/// m (u' - v r) + d u|u| = X, m (v' + u r) + d v|v| = Y, I r' = N, with I in a range.
+fn turning(drag: f64) -> Model {
+    let program = vec![Op::Mul(1, 2), Op::Neg(3), Op::Mul(0, 2), Op::SignedSquare(0), Op::SignedSquare(1)];
+    let entry = |term, register, k: usize| Entry {
+        term,
+        register,
+        inertia: std::array::from_fn(|j| if j == k { 1.0 } else { 0.0 }),
+    };
+    let channels = [
+        vec![entry(0, Some(4), 0), entry(1, Some(6), 3)],
+        vec![entry(0, Some(5), 1), entry(1, Some(7), 3)],
+        vec![entry(2, None, 2)],
+    ];
+    let vertex = vec![vec![p(50.0), p(drag), p(7.0)], vec![p(50.0), p(drag), p(9.0)]];
+    let hull = vec![p(50.0), p(drag), i(7.0, 9.0)];
+    Model::new(program, channels, [vertex.clone(), vertex.clone(), vertex], hull, [true; 3]).expect("fits")
+}
+
+/// An inertia does not change on the way: where the moment changes its sign, the extremes of the yaw rate are those of one
+/// inertia, and a moment's error counts as its integral.
+#[test]
+fn one_inertia_turns_the_whole_way() {
+    let model = turning(250.0);
+    let n = 400;
+    let moment: Vec<Interval> = (0..n).map(|k| if k / 50 % 2 == 0 { i(1.9, 2.1) } else { i(-2.1, -1.9) }).collect();
+    let (steps, zero) = (vec![p(0.05); n], vec![Interval::ZERO; n]);
+    let inputs = Inputs { h: &steps, force: [&zero, &zero, &moment], given: &[] };
+    let found = follow(&model, node(Interval::ZERO), &inputs, 1, false).expect("fits");
+    assert_eq!(found.nodes.len(), n + 1);
+    let (mut low, mut high) = (0.0_f64, 0.0_f64);
+    for (k, node) in found.nodes.iter().enumerate() {
+        let ends = [low / 7.0, low / 9.0, high / 7.0, high / 9.0];
+        let (least, most) = (ends.into_iter().fold(f64::INFINITY, f64::min), ends.into_iter().fold(-1e9, f64::max));
+        assert!(node.nu[2].lo() <= least + 1e-12 && most <= node.nu[2].hi() + 1e-12, "{k}: {:?}", node.nu[2]);
+        assert!(node.nu[2].width() <= 1.000_001 * (most - least) + 1e-12, "{k}: {:?}", node.nu[2]);
+        if let Some(n) = moment.get(k) {
+            (low, high) = (low + 0.05 * n.lo(), high + 0.05 * n.hi());
+        }
+    }
+}
+
+/// A turn does no work: speeds stay below what the force drives against the drag, at any yaw rate.
+#[test]
+fn a_turn_of_any_rate_does_no_work() {
+    let model = turning(250.0);
+    let n = 200;
+    let (steps, zero, push) = (vec![p(0.05); n], vec![Interval::ZERO; n], vec![i(-20.0, 20.0); n]);
+    let inputs = Inputs { h: &steps, force: [&push, &zero, &zero], given: &[] };
+    let start = Node { nu: [i(0.2, 0.3), i(-0.1, 0.1), i(-4.0, 4.0)], pose: [Interval::ZERO; 3] };
+    let found = follow(&model, start, &inputs, 1, false).expect("fits");
+    assert_eq!(found.nodes.len(), n + 1);
+    // Drag along the motion is at least d |nu|^2 / sqrt 2.
+    let most = (20.0 * 2.0_f64.sqrt() / 250.0).sqrt();
+    for node in &found.nodes {
+        assert!(node.nu[0].magnitude() <= 1.3 * most && node.nu[1].magnitude() <= 1.3 * most, "{:?}", node.nu);
+    }
+    let last = &found.nodes[n].nu;
+    let held = (20.0_f64 / 250.0).sqrt() * (20.0_f64 * 250.0).sqrt().mul_add(10.0 / 50.0, 0.0).tanh();
+    assert!(last[0].hi() >= held && last[0].lo() <= -held, "{last:?}");
+}
+
 /// A mass that may vanish has no accelerations, and a drag that drives blows up in finite time: the tube ends before.
 #[test]
 fn no_box_no_bound() {

@@ -14,7 +14,7 @@ ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 FIXED := PROPTEST_RNG_SEED=1
 
 .PHONY: demo test test-rust test-python dependencies check rustfmt clippy lint rules null-logs constants constants-page rules-page rule-counts types stubs imports docs-rust docs-python nightly \
-	site links workflows wheel try-wheel licences long-logs memcheck address bench bench-save bench-compare all-peers same same-compare vessels peers inverse-peers fit-peers throughput diagnosis-time first-diagnosis plans refuted tubes stores fleet-throughput exhaustive twins itf1788 differential fuzz fuzz-files mutants exam reliability handbook build release venv tools format clean
+	site links workflows wheel try-wheel licences long-logs memcheck address bench bench-save bench-compare all-peers same same-compare vessels no-std peers inverse-peers fit-peers throughput diagnosis-time first-diagnosis plans refuted tubes stores fleet-throughput exhaustive twins itf1788 differential fuzz fuzz-files mutants exam reliability handbook build release venv tools format clean
 
 demo: release
 	$(BIN)/ivsid demo --out $(OUT)
@@ -58,6 +58,7 @@ rustfmt:
 clippy:
 	cargo clippy $(GATE) --workspace --all-targets -- -D warnings
 	cargo clippy $(GATE) -p interval-core --no-default-features -- -D warnings
+	cargo clippy $(GATE) -p interval-core --no-default-features --features alloc -- -D warnings
 
 lint: venv
 	$(BIN)/ruff format --check python tests examples benches docs/*.py
@@ -203,6 +204,19 @@ vessels: release
 peers:
 	cd benches/peers && cargo run --release --locked --target-dir target/haswell
 	cd benches/peers && RUSTFLAGS=-Ctarget-cpu=native cargo run --release --locked --target-dir target/native
+
+# The scalar part without the standard library has the bits that it has with it. `rustup target add` fetches the libraries of other targets;
+# OLDEST is the oldest compiler of the crate, `stable` where it is not installed.
+OLDEST ?= 1.85.0
+TARGETS ?= wasm32-unknown-unknown thumbv7em-none-eabihf aarch64-unknown-linux-gnu x86_64-pc-windows-msvc
+no-std:
+	cargo test $(GATE) -p interval-core --no-default-features --features alloc --test without_std
+	cargo test $(GATE) -p interval-core --no-default-features --features std --test without_std
+	for target in $(TARGETS); do \
+		cargo +$(OLDEST) check --locked -p interval-core --no-default-features --features alloc --target $$target --target-dir target/oldest || exit 1; \
+		cargo +$(OLDEST) check --locked -p onboard --no-default-features --target $$target --target-dir target/oldest || exit 1; \
+	done
+	cargo +$(OLDEST) check --locked -p interval-core --no-default-features --features exact,parallel,serde --target-dir target/oldest
 
 # The conformance vectors of IEEE 1788, which have to be there; IVSID_ITF1788 names another folder.
 itf1788:

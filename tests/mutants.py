@@ -367,7 +367,7 @@ MUTANTS = (
     rust(
         "sums to nearest",
         "rounding/scalar.rs",
-        "if small - (sum - large) > 0.0 { sum.next_up() } else { sum }",
+        "if small - (sum - large) > 0.0 { sum.above() } else { sum }",
         "sum",
         "rounding",
     ),
@@ -381,7 +381,7 @@ MUTANTS = (
     rust(
         "small products to nearest",
         "rounding/scalar.rs",
-        "candidate < scaled || (candidate == scaled && fused(x, y, -scaled) > 0.0)",
+        "candidate < scaled || (candidate == scaled && x.mul_add(y, -scaled) > 0.0)",
         "false",
         "rounding",
     ),
@@ -395,7 +395,7 @@ MUTANTS = (
     rust(
         "quotients to nearest",
         "rounding/scalar.rs",
-        "if fused(quotient, denominator, -numerator) < 0.0 { quotient.next_up() } else { quotient }",
+        "if quotient.mul_add(denominator, -numerator) < 0.0 { quotient.above() } else { quotient }",
         "quotient",
         "rounding",
     ),

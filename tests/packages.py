@@ -67,7 +67,7 @@ def source_faults(path: Path) -> list[str]:
         f"crates/{c}/src/{n}"
         for c in ("filter-core", "interval-core", "onboard", "pyivsid")
         for n in tracked(f"crates/{c}/src")
-    }
+    } | {"crates/interval-core/build.rs"}
     stray = [
         n for n in names if n.startswith(("tests/", "benches/", "docs/", "target/")) or n.endswith((".so", ".pyc"))
     ]
@@ -79,7 +79,9 @@ def crate_faults(path: Path) -> list[str]:
     head = f"interval-core-{version()}/"
     with tarfile.open(path) as archive:
         names = {n.removeprefix(head) for n in archive.getnames()}
-    needed = {f"src/{n}" for n in tracked("crates/interval-core/src")} | {"README.md", "LICENSE-APACHE", "LICENSE-MIT"}
+    crate = "crates/interval-core"
+    needed = {f"{d}/{n}" for d in ("src", "examples") for n in tracked(f"{crate}/{d}")}
+    needed |= {"build.rs", "README.md", "LICENSE-APACHE", "LICENSE-MIT"}
     made = {"Cargo.toml", "Cargo.toml.orig", "Cargo.lock", ".cargo_vcs_info.json"}
     return [f"not in the crate: {n}" for n in sorted(needed - names)] + [
         f"does not belong: {n}" for n in sorted(names - needed - made)

@@ -132,8 +132,8 @@ def packed(path: Path, names, prefix: str) -> Path:
 
 def test_a_package_with_too_few_files_or_too_many_is_refused(tmp_path):
     version = packages.version()
-    sources = [f"src/{n}" for n in packages.tracked("crates/interval-core/src")]
-    whole = [*sources, "README.md", "LICENSE-APACHE", "LICENSE-MIT", "Cargo.toml"]
+    sources = [f"{d}/{n}" for d in ("src", "examples") for n in packages.tracked(f"crates/interval-core/{d}")]
+    whole = [*sources, "build.rs", "README.md", "LICENSE-APACHE", "LICENSE-MIT", "Cargo.toml"]
     head = f"interval-core-{version}/"
     assert not packages.crate_faults(packed(tmp_path / "a", whole, head))
     assert packages.crate_faults(packed(tmp_path / "b", [*whole[1:], "tests/data.csv"], head)) == [

@@ -1,5 +1,7 @@
 //! The crate's own integers against those of num-bigint: every operation, on digits that carry, borrow and cancel.
 
+extern crate alloc;
+
 #[allow(dead_code, unreachable_pub, reason = "the module is compiled as it stands in the crate")]
 #[path = "../../crates/interval-core/src/integers/mod.rs"]
 mod integers;

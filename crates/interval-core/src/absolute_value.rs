@@ -8,6 +8,7 @@
 //! members' inverses. That is the whole proof; the search for `x` needs none.
 
 use crate::approximate::{self, Basis};
+use crate::doubles::Neighbours as _;
 use crate::lanes::{One, Vector, backends, two_product, two_sum};
 use crate::matrix::IntervalMatrix;
 use crate::rounding::slices::Backend;
@@ -52,7 +53,7 @@ impl Solution {
             let sum = x + shift;
             let part = sum - x;
             let rounding = (x - (sum - part)) + (shift - part);
-            if rounding < 0.0 { sum.next_down() } else { sum }
+            if rounding < 0.0 { sum.below() } else { sum }
         };
         let (least, most) = (crate::rounding::sub_down(tail, error), add_up(tail, error));
         let bound = below(least) + 0.0;

@@ -3,9 +3,14 @@
 //! A fixed-point accumulator spans all products of two doubles (Kulisch): nothing is lost before the last rounding, so
 //! the result does not depend on the order of the operands.
 
-use crate::dyadic::{decode, dyadic_down};
+use crate::dyadic::decode;
+#[cfg(feature = "alloc")]
+use crate::dyadic::dyadic_down;
+#[cfg(feature = "alloc")]
 use crate::integers::Integer;
-use std::cmp::Ordering;
+#[cfg(feature = "alloc")]
+use alloc::vec::Vec;
+use core::cmp::Ordering;
 
 /// The least exponent of a product of two doubles.
 const LEAST: i64 = -2 * 1074;
@@ -77,7 +82,21 @@ impl Accumulator {
         self.add(i128::from(m) * i128::from(n), e + f);
     }
 
+    /// The sign of the sum.
+    fn sign(mut self) -> Ordering {
+        // All limbs but the last are then in 0, ..., 2^32 - 1, so that the last one tells a sum below zero.
+        self.carry();
+        if self.limbs[LIMBS - 1] < 0 {
+            Ordering::Less
+        } else if self.limbs.iter().all(|limb| *limb == 0) {
+            Ordering::Equal
+        } else {
+            Ordering::Greater
+        }
+    }
+
     /// The sum as an integer multiple of `2^LEAST`.
+    #[cfg(feature = "alloc")]
     fn value(mut self) -> Integer {
         self.carry();
         let negative = self.limbs[LIMBS - 1] < 0;
@@ -122,8 +141,8 @@ impl Special {
     }
 }
 
-/// The exact sum of products as an integer multiple of `2^LEAST`, or the effect of infinite and undefined terms.
-pub(crate) fn accumulate(terms: impl Iterator<Item = (f64, f64)>) -> Result<Integer, f64> {
+/// The exact sum of products, or the effect of infinite and undefined terms.
+fn accumulated(terms: impl Iterator<Item = (f64, f64)>) -> Result<Accumulator, f64> {
     let mut special = Special::NONE;
     let mut sum = Accumulator::new();
     for (x, y) in terms {
@@ -133,15 +152,23 @@ pub(crate) fn accumulate(terms: impl Iterator<Item = (f64, f64)>) -> Result<Inte
             special.note(x * y);
         }
     }
-    special.result().map_or_else(|| Ok(sum.value()), Err)
+    special.result().map_or(Ok(sum), Err)
+}
+
+/// The exact sum of products as an integer multiple of `2^LEAST`, or the effect of infinite and undefined terms.
+#[cfg(feature = "alloc")]
+pub(crate) fn accumulate(terms: impl Iterator<Item = (f64, f64)>) -> Result<Integer, f64> {
+    accumulated(terms).map(Accumulator::value)
 }
 
 /// The sum rounded down.
+#[cfg(feature = "alloc")]
 pub(crate) fn down(value: &Integer) -> f64 {
     dyadic_down(value, LEAST)
 }
 
 /// The sum rounded to nearest, ties to even.
+#[cfg(feature = "alloc")]
 pub(crate) fn nearest(value: &Integer) -> f64 {
     let (below, above) = (down(value), -down(&-value));
     if below == above {
@@ -164,12 +191,10 @@ pub(crate) fn nearest(value: &Integer) -> f64 {
 
 /// The sign of an exact sum of finite doubles.
 pub(crate) fn sign_of_sum(x: &[f64]) -> Ordering {
-    let value = accumulate(x.iter().map(|&v| (v, 1.0))).unwrap_or(Integer::ZERO);
-    value.cmp(&Integer::ZERO)
+    accumulated(x.iter().map(|&v| (v, 1.0))).map_or(Ordering::Equal, Accumulator::sign)
 }
 
 /// The sign of `a b + c - x` for finite doubles.
 pub(crate) fn sign_of_fused(a: f64, b: f64, c: f64, x: f64) -> Ordering {
-    let value = accumulate([(a, b), (c, 1.0), (-x, 1.0)].into_iter()).unwrap_or(Integer::ZERO);
-    value.cmp(&Integer::ZERO)
+    accumulated([(a, b), (c, 1.0), (-x, 1.0)].into_iter()).map_or(Ordering::Equal, Accumulator::sign)
 }

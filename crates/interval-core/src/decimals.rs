@@ -2,7 +2,9 @@
 
 use crate::dyadic::{decode, dyadic_down};
 use crate::integers::Integer;
-use std::cmp::Ordering;
+use alloc::format;
+use alloc::string::{String, ToString as _};
+use core::cmp::Ordering;
 
 /// A quotient of integers with a positive denominator, not in lowest terms: nothing here needs them, and finding them
 /// takes longest.

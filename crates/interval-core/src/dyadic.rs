@@ -1,14 +1,17 @@
 //! Doubles as integers times powers of two, and back with a stated rounding.
 
+#[cfg(feature = "alloc")]
 use crate::integers::Integer;
 
 /// `x * 2^shift`, rounded down where `shift` is negative.
+#[cfg(feature = "alloc")]
 pub(crate) fn shifted(x: &Integer, shift: i64) -> Integer {
     let by = shift.unsigned_abs();
     if shift >= 0 { x << by } else { x >> by }
 }
 
 /// The largest double not above `m * 2^exp`.
+#[cfg(feature = "alloc")]
 pub(crate) fn dyadic_down(m: &Integer, exp: i64) -> f64 {
     if m.is_zero() {
         return 0.0;
@@ -31,6 +34,7 @@ pub(crate) fn dyadic_down(m: &Integer, exp: i64) -> f64 {
 }
 
 /// `m * 2^unit` for `m <= 2^53` and a result that is a double, or infinite.
+#[cfg(feature = "alloc")]
 fn compose(m: u64, unit: i64) -> f64 {
     if m == 0 {
         return 0.0;

@@ -1,6 +1,8 @@
 //! Misuse of the library: one variant a cause. A numerical outcome is never an error but a `Status`.
 
-use std::fmt;
+#[cfg(feature = "alloc")]
+use alloc::string::String;
+use core::fmt;
 
 /// Misuse by a caller, with the given and the needed values.
 #[non_exhaustive]
@@ -45,6 +47,7 @@ pub enum Error {
     /// The processor rounds otherwise than to nearest, or flushes subnormal numbers to zero.
     Environment,
     /// A name that is not among those known.
+    #[cfg(feature = "alloc")]
     Name {
         /// The kind of the name.
         what: &'static str,
@@ -54,6 +57,7 @@ pub enum Error {
         known: String,
     },
     /// Text that is no interval literal.
+    #[cfg(feature = "alloc")]
     Text {
         /// The text given.
         text: String,
@@ -82,7 +86,9 @@ impl fmt::Display for Error {
                 "the processor does not round to nearest or flushes subnormal numbers to zero; undo the change of the \
          floating-point mode",
             ),
+            #[cfg(feature = "alloc")]
             Self::Name { what, given, known } => write!(f, "{what} '{given}' is not available; choose one of {known}"),
+            #[cfg(feature = "alloc")]
             Self::Text { text } => {
                 write!(f, "'{text}' is not an interval; write [lower, upper] or a number, for example [0.1, 0.2]")
             }
@@ -90,8 +96,9 @@ impl fmt::Display for Error {
     }
 }
 
-impl std::error::Error for Error {}
+impl core::error::Error for Error {}
 
+#[cfg(feature = "alloc")]
 impl Error {
     /// The same of a slice that starts `by` entries further on.
     pub(crate) fn moved(self, by: usize) -> Self {

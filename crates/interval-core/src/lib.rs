@@ -10,16 +10,21 @@
 //! - Results do not depend on the number of threads.
 //!
 //! # Features
-//! - Without features the crate needs no other: intervals, decorations, text, all functions of IEEE 1788, slices, exact sums.
+//! - `std` (on): back ends that ask the processor for its vectors, threads, everything below.
+//! - `alloc` (on, with `std`): decorations, text, elementary functions, slices, exact sums. Without any other feature the crate
+//!   needs no other crate.
 //! - `exact` (on): rationals, by `num-bigint` and `num-rational`.
 //! - `linalg` (on, with `exact`): interval matrices, inverses, systems, linear programmes, regression; `nalgebra` and `faer`
 //!   propose the points whose proofs follow.
 //! - `parallel` (on): threads, by `rayon`. The bits are the same without.
+//! - `num-traits` (on, with `exact`): neutral elements, inverse, power and fused product for generic code.
 //! - `serde`: intervals as their bounds.
 //!
-//! # Without a system
-//! On a target without an operating system (`target_os = "none"`) the crate is `no_std` and holds [`rounding`]: directed
-//! sums, products and quotients, to the same bits. The other modules need the standard library.
+//! # Without the standard library
+//! Without `std` the crate is `no_std`, with the same bits: square roots, fused products and integers next to a number are
+//! then computed in integers. `alloc` gives all of the scalar part; elementary functions need it for the integers of their
+//! last resort. Without `alloc` there are [`rounding`] and the functions of [`Interval`] that need no last resort:
+//! arithmetic, square root, fused product, integer and set functions, relations and measures.
 //!
 //! # Limits
 //! - `inverse::published` and `inverse::published_hull` follow a paper literally. They are *not* enclosures, and say
@@ -27,29 +32,29 @@
 //! - The floating-point environment has to be the default one (round to nearest, subnormals kept);
 //!   [`rounding::environment_is_default`] checks it.
 
-#![cfg_attr(target_os = "none", no_std)]
+#![cfg_attr(not(feature = "std"), no_std)]
+
+#[cfg(feature = "alloc")]
+extern crate alloc;
 
 #[cfg(feature = "linalg")]
 mod absolute_value;
-#[cfg(not(target_os = "none"))]
 mod accumulator;
 #[cfg(feature = "linalg")]
 mod approximate;
 #[cfg(feature = "linalg")]
 pub mod certified;
-#[cfg(not(target_os = "none"))]
+#[cfg(feature = "alloc")]
 mod decimals;
-#[cfg(not(target_os = "none"))]
+mod doubles;
 mod dyadic;
-#[cfg(not(target_os = "none"))]
+#[cfg(feature = "alloc")]
 mod elementary;
-#[cfg(not(target_os = "none"))]
 pub mod error;
 #[cfg(feature = "exact")]
 pub mod exact;
-#[cfg(not(target_os = "none"))]
+#[cfg(feature = "alloc")]
 mod integers;
-#[cfg(not(target_os = "none"))]
 pub mod interval;
 #[cfg(feature = "linalg")]
 pub mod inverse;
@@ -59,23 +64,24 @@ mod lanes;
 pub mod linear_program;
 #[cfg(feature = "linalg")]
 pub mod matrix;
-#[cfg(not(target_os = "none"))]
 mod names;
-#[cfg(not(target_os = "none"))]
+#[cfg(feature = "alloc")]
 mod parallel;
-#[cfg(not(target_os = "none"))]
+#[cfg(feature = "std")]
 pub mod reach;
-#[cfg(not(target_os = "none"))]
+#[cfg(feature = "alloc")]
 pub mod reductions;
 #[cfg(feature = "linalg")]
 pub mod regression;
 #[cfg(feature = "linalg")]
 pub mod regularity;
-#[cfg(not(target_os = "none"))]
+#[cfg(feature = "std")]
 pub mod relaxation;
 pub mod rounding;
 #[cfg(feature = "linalg")]
 mod scaling;
+#[doc(hidden)]
+pub mod software;
 #[cfg(feature = "linalg")]
 pub mod status;
 #[cfg(feature = "linalg")]
@@ -89,10 +95,13 @@ mod witness;
 
 #[cfg(feature = "linalg")]
 pub use certified::{Certified, Claim, Unproved};
-#[cfg(not(target_os = "none"))]
+#[cfg(feature = "alloc")]
+#[doc(hidden)]
+pub use elementary::source as tables_source;
 pub use error::Error;
-#[cfg(not(target_os = "none"))]
-pub use interval::{DecoratedInterval, Decoration, Interval};
+pub use interval::Interval;
+#[cfg(feature = "alloc")]
+pub use interval::{DecoratedInterval, Decoration};
 #[cfg(feature = "linalg")]
 pub use matrix::IntervalMatrix;
 #[cfg(feature = "linalg")]

@@ -32,7 +32,8 @@ macro_rules! named {
             }
         }
 
-        impl std::str::FromStr for $kind {
+        #[cfg(feature = "alloc")]
+        impl core::str::FromStr for $kind {
             type Err = $crate::error::Error;
 
             fn from_str(name: &str) -> Result<Self, Self::Err> {
@@ -44,8 +45,8 @@ macro_rules! named {
             }
         }
 
-        impl std::fmt::Display for $kind {
-            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        impl core::fmt::Display for $kind {
+            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
                 f.pad(self.name())
             }
         }

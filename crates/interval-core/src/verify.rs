@@ -207,7 +207,7 @@ fn determinant(a: &IntervalMatrix, lo: f64, hi: f64) -> bool {
             let products: Vec<BigRational> = ends.iter().flat_map(|e| [e * &minor.0, e * &minor.1]).collect();
             let least = products.iter().min().cloned().unwrap_or_default();
             let most = products.iter().max().cloned().unwrap_or_default();
-            let even = (mask >> (j + 1)).count_ones().is_multiple_of(2);
+            let even = (mask >> (j + 1)).count_ones() % 2 == 0;
             sum = if even { (sum.0 + least, sum.1 + most) } else { (sum.0 - most, sum.1 - least) };
         }
         minors[mask] = sum;

@@ -49,7 +49,6 @@ impl Bounds {
     }
 }
 
-#[cfg(not(target_os = "none"))]
 impl From<interval_core::Interval> for Bounds {
     fn from(x: interval_core::Interval) -> Self {
         Self { lo: x.lo(), hi: x.hi() }

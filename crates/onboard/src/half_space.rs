@@ -29,6 +29,8 @@ pub(crate) struct HalfSpace<const N: usize> {
     pub(crate) size: f64,
     /// The distance to the vertices, in units of their spread: small for rows that may cut soon.
     pub(crate) value: f64,
+    /// The vertex to which it is closest, by column and side.
+    pub(crate) nearest: (u8, bool),
 }
 
 impl<const N: usize> HalfSpace<N> {
@@ -43,6 +45,7 @@ impl<const N: usize> HalfSpace<N> {
         h: f64::INFINITY,
         size: 1.0,
         value: f64::INFINITY,
+        nearest: (0, false),
     };
 
     /// The side of `y.hi`, or with `least` that of `y.lo`. The value is `None` if it says nothing.

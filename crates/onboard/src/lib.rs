@@ -6,7 +6,8 @@
 //!   proved in directed rounding before it is shown.
 //! - [`State::Empty`] is proved: multipliers of kept rows contradict one another, or two proved ends have passed.
 //! - Nothing is allocated, memory is that of the value, and a row takes a bounded number of steps.
-//! - The crate is `no_std`, and so is all that it needs on a target without a system.
+//! - The crate is `no_std`, and so is all that it needs without the feature `std` (on), by which directed products ask for the
+//!   fused operation of the standard library.
 //!
 //! # Example
 //! ```

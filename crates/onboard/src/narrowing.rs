@@ -6,8 +6,9 @@ use crate::half_space::HalfSpace;
 use crate::proof::Combination;
 use crate::vertex::{Found, Member, Problem, Vertex};
 
-/// Exchanges of one call at most: a bound of its time. Ends that need more go on at the next row.
-const STEPS: usize = 16;
+/// Vertices looked at and exchanges of one call at most, which cost about the same: a bound of its time. Ends that need
+/// more go on at the next row.
+const STEPS: usize = 24;
 /// Kept rows whose value is computed again at every row: values drift as slowly as the set shrinks.
 const REVALUED: usize = 4;
 /// Half-spaces are made again once the box has narrowed to this share of the one that they were made for.
@@ -42,22 +43,27 @@ impl<const N: usize, const ROWS: usize> Follower<N, ROWS> {
         }
     }
 
-    /// The least and the greatest value of the left side at the vertices.
-    fn spread(&self, row: &HalfSpace<N>) -> (f64, f64) {
-        let values = self.vertices.iter().flatten().map(|v| row.at(&v.x));
-        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
-    }
-
-    fn value(&self, row: &HalfSpace<N>, now: f64) -> f64 {
-        let (low, high) = self.spread(row);
-        (row.right(now) - high) / (high - low).max(1e-12 * row.size)
+    /// Computes the distance of a half-space to the vertex that is closest to it, in units of the vertices' spread along it.
+    fn appraise(&self, row: &mut HalfSpace<N>, now: f64) {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (column, pair) in self.vertices.iter().enumerate() {
+            for (vertex, upper) in pair.iter().zip([false, true]) {
+                let at = row.at(&vertex.x);
+                low = low.min(at);
+                if at > high {
+                    high = at;
+                    row.nearest = (u8::try_from(column).unwrap_or(u8::MAX), upper);
+                }
+            }
+        }
+        row.value = (row.right(now) - high) / (high - low).max(1e-12 * row.size);
     }
 
     /// Keeps a half-space if it cuts a vertex, or may sooner than one that is kept.
     pub(crate) fn consider(&mut self, mut row: HalfSpace<N>) {
         let now = self.now.unwrap_or(0.0);
-        row.value = self.value(&row, now);
-        let Some(place) = self.place(row.value) else { return };
+        self.appraise(&mut row, now);
+        let Some(place) = self.place(&row) else { return };
         let limit = row.right(now) + CUT * row.size;
         for vertex in self.vertices.iter_mut().flatten() {
             vertex.pending |= row.at(&vertex.x) > limit;
@@ -66,15 +72,30 @@ impl<const N: usize, const ROWS: usize> Follower<N, ROWS> {
         self.count = self.count.max(place + 1);
     }
 
-    /// The place of a row of this value: a free one, or that of the row that is furthest from every vertex.
-    fn place(&self, value: f64) -> Option<usize> {
+    /// The place of a row: a free one, or that of the row furthest from its vertex among those of the vertex that has most.
+    fn place(&self, new: &HalfSpace<N>) -> Option<usize> {
         if self.count < ROWS {
             return Some(self.count);
         }
+        let mut counts = [[0_u16; 2]; N];
+        let at = |(column, upper): (u8, bool)| (usize::from(column).min(N - 1), usize::from(upper));
+        for row in self.rows.iter().chain([new]) {
+            let (column, side) = at(row.nearest);
+            counts[column][side] += 1;
+        }
+        let most = counts.iter().flatten().copied().max()?;
+        let own = {
+            let (column, side) = at(new.nearest);
+            counts[column][side]
+        };
+        let crowded = |row: &HalfSpace<N>| {
+            let (column, side) = at(row.nearest);
+            if own == most { row.nearest == new.nearest } else { counts[column][side] == most }
+        };
         let mut found = None;
-        let mut furthest = value;
+        let mut furthest = if own == most { new.value } else { f64::NEG_INFINITY };
         for (k, row) in self.rows.iter().enumerate() {
-            if row.value > furthest && !self.is_in_a_basis(k) {
+            if crowded(row) && row.value > furthest && !self.is_in_a_basis(k) {
                 (found, furthest) = (Some(k), row.value);
             }
         }
@@ -91,8 +112,9 @@ impl<const N: usize, const ROWS: usize> Follower<N, ROWS> {
         let now = self.now.unwrap_or(0.0);
         for _ in 0..REVALUED.min(self.count) {
             self.revalued = (self.revalued + 1) % self.count;
-            let value = self.value(&self.rows[self.revalued], now);
-            self.rows[self.revalued].value = value;
+            let mut row = self.rows[self.revalued];
+            self.appraise(&mut row, now);
+            self.rows[self.revalued] = row;
         }
         let turn = self.turn;
         self.turn = (turn + 1) % (2 * N);
@@ -103,6 +125,7 @@ impl<const N: usize, const ROWS: usize> Follower<N, ROWS> {
             let at = (turn + k) % (2 * N);
             let (column, upper) = (at / 2, at % 2 == 1);
             if self.vertices[column][usize::from(upper)].pending {
+                steps -= 1;
                 self.move_vertex(column, upper, now, &mut steps);
                 if self.contradiction.is_some() || steps == 0 {
                     return;

@@ -51,7 +51,7 @@ impl<const N: usize> Problem<'_, N> {
             let row = &self.rows[k];
             return (row.g, row.right(self.now), row.size);
         }
-        let (column, upper) = ((k - self.capacity) / 2, (k - self.capacity).is_multiple_of(2));
+        let (column, upper) = ((k - self.capacity) / 2, (k - self.capacity) % 2 == 0);
         let mut g = [0.0; N];
         g[column] = if upper { 1.0 } else { -1.0 };
         (g, if upper { self.region[column].hi } else { -self.region[column].lo }, self.widths[column])

@@ -5,6 +5,9 @@ use super::double_double::{Dd, two_sum};
 use super::multiprecision::{self, Bracket, settle};
 use super::tables::{TABLES, Tables};
 use super::{decide, power_of_two, split};
+use crate::doubles::Neighbours as _;
+#[cfg(not(feature = "std"))]
+use crate::software::Real as _;
 
 /// Relative error of [`angle`], doubled.
 const ERROR: f64 = f64::from_bits((1023 - 76) << 52);
@@ -103,7 +106,7 @@ fn exactly(x: f64, choose: impl Fn(&Ball, &Ball, i64) -> Option<Ball>) -> Bracke
 /// The angle of the point `(x, y)` in [-pi, pi], for `x` and `y` not both zero; on the negative half of the axis pi.
 #[inline(always)]
 pub(crate) fn atan2(y: f64, x: f64) -> Bracket {
-    let tables = &*TABLES;
+    let tables = &TABLES;
     if y == 0.0 {
         return if x > 0.0 { Bracket::exact(0.0) } else { constant(tables.pi) };
     }
@@ -140,5 +143,5 @@ fn finite(rise: f64, x: f64, run: f64, tables: &Tables) -> Bracket {
 
 /// The roundings of a constant of the tables, none of which is a double.
 fn constant(value: Dd) -> Bracket {
-    decide(value, ERROR).unwrap_or(Bracket { down: value.hi.next_down(), up: value.hi.next_up() })
+    decide(value, ERROR).unwrap_or(Bracket { down: value.hi.below(), up: value.hi.above() })
 }

@@ -5,7 +5,7 @@
 
 use crate::dyadic::{decode, dyadic_down, shifted};
 use crate::integers::Integer;
-use std::cmp::Ordering;
+use core::cmp::Ordering;
 
 /// The numbers within `rad * 2^exp` of `mid * 2^exp`; `rad >= 0`.
 #[derive(Debug, Clone)]
@@ -13,6 +13,15 @@ pub(crate) struct Ball {
     pub mid: Integer,
     pub rad: Integer,
     pub exp: i64,
+}
+
+/// `2^k`, infinite or zero beyond the range of normal numbers.
+fn power_of_two(k: i64) -> f64 {
+    match u64::try_from(k + 1023) {
+        Ok(field @ 1..=2046) => f64::from_bits(field << 52),
+        Ok(2047..) => f64::INFINITY,
+        _ => 0.0,
+    }
 }
 
 fn two() -> Integer {
@@ -61,9 +70,9 @@ impl Ball {
         let top = shifted(&self.mid, -cut).to_i64().unwrap_or(0) as f64;
         let exponent = (self.exp + cut).clamp(-4000, 4000);
         // Two steps, so that no factor overflows on the way to a subnormal number.
-        let half = i32::try_from(exponent / 2).unwrap_or(0);
-        let rest = i32::try_from(exponent).unwrap_or(0) - half;
-        top * 2.0_f64.powi(half) * 2.0_f64.powi(rest)
+        let half = exponent / 2;
+        let rest = exponent - half;
+        top * power_of_two(half) * power_of_two(rest)
     }
 
     /// The same ball, or a slightly larger one, with a midpoint of at most `precision` bits.

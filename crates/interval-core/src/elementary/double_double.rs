@@ -4,7 +4,9 @@
 //! for a quotient and 4 u^2 for a square root, barring underflow (Joldes, Muller, Popescu, *ACM TOMS* 44 (2017), 15).
 //! Every function here is called with operands that keep the error terms above 2^-1022.
 
-use std::ops::{Add, Mul, Neg, Sub};
+#[cfg(not(feature = "std"))]
+use crate::software::Real as _;
+use core::ops::{Add, Mul, Neg, Sub};
 
 /// `hi + lo`, with `hi` the double nearest to the sum.
 #[derive(Debug, Clone, Copy)]

@@ -5,6 +5,9 @@ use super::double_double::{Dd, two_product, two_sum};
 use super::multiprecision::{self, Bracket, settle};
 use super::tables::{TABLES, Tables};
 use super::{decide, nearest, power_of_two};
+use crate::doubles::unsigned;
+#[cfg(not(feature = "std"))]
+use crate::software::Real as _;
 
 /// Relative error of [`kernel`], doubled twice over.
 pub(crate) const ERROR: f64 = power(-71);
@@ -21,7 +24,7 @@ pub(super) const OVERFLOW: f64 = 709.8;
 const UNDERFLOW: f64 = -745.2;
 
 const fn power(k: i64) -> f64 {
-    f64::from_bits((k + 1023).cast_unsigned() << 52)
+    f64::from_bits(unsigned(k + 1023) << 52)
 }
 
 /// `e^x = m 2^k` with `m` in [0.99, 2.02], for `|x| < 1100`.
@@ -36,7 +39,7 @@ pub(super) fn kernel(x: Dd, tables: &Tables) -> (Dd, i64) {
     #[expect(clippy::cast_possible_truncation, reason = "an integer below 2^18")]
     let count = n as i64;
     #[expect(clippy::cast_possible_truncation, reason = "six bits")]
-    let step = (count & 63).cast_unsigned() as usize;
+    let step = unsigned(count & 63) as usize;
     let low = two_product(n, tables.step[1]);
     // The first difference is exact: both terms are multiples of the smaller one's last bit, and nearly equal.
     let s = two_sum(n.mul_add(-tables.step[0], x.hi), -low.hi);
@@ -107,7 +110,7 @@ pub(crate) fn exp2(x: f64) -> Bracket {
         let k = x as i64;
         return Bracket::exact(if k >= -1022 { power_of_two(k) } else { power_of_two(k + 200) * power_of_two(-200) });
     }
-    let tables = &*TABLES;
+    let tables = &TABLES;
     let (m, k) = kernel(tables.ln2.mul_f64(x - whole), tables);
     #[expect(clippy::cast_possible_truncation, reason = "an integer below 2^11")]
     let k = k + whole as i64;
@@ -137,7 +140,7 @@ pub(crate) fn exp10(x: f64) -> Bracket {
         #[expect(clippy::cast_possible_truncation, reason = "an integer of at most 22")]
         return Bracket::exact((0..x as i64).fold(1.0, |product, _| product * 10.0));
     }
-    let tables = &*TABLES;
+    let tables = &TABLES;
     let (m, k) = kernel(tables.ln10.mul_f64(x), tables);
     finish(m, k, ERROR).unwrap_or_else(|| exp10_exactly(x))
 }
@@ -184,7 +187,7 @@ pub(crate) fn sinh(x: f64) -> Bracket {
     if a < TINY {
         return if x == 0.0 { Bracket::exact(x) } else { Bracket::beyond(x) };
     }
-    let tables = &*TABLES;
+    let tables = &TABLES;
     let positive = if a < SMALL {
         decide(sinh_series(a, tables), HYPERBOLIC_ERROR)
     } else if a < 40.0 {
@@ -204,7 +207,7 @@ pub(crate) fn cosh(x: f64) -> Bracket {
     if a < TINY {
         return if x == 0.0 { Bracket::exact(1.0) } else { Bracket::beyond(1.0) };
     }
-    let tables = &*TABLES;
+    let tables = &TABLES;
     let found = if a < 40.0 {
         let e = growth(a, tables);
         decide((e + Dd::ONE.div(e)).scale(0.5), 4.0 * ERROR)
@@ -231,7 +234,7 @@ pub(crate) fn tanh(x: f64) -> Bracket {
     if a < TINY {
         return if x == 0.0 { Bracket::exact(x) } else { Bracket::within(x) };
     }
-    let tables = &*TABLES;
+    let tables = &TABLES;
     let positive = if a < SMALL {
         let s = sinh_series(a, tables);
         decide(s.div((s.square() + Dd::ONE).sqrt()), HYPERBOLIC_ERROR)

@@ -10,6 +10,8 @@ use super::multiprecision::{self, Bracket, settle, sin_cos};
 use super::tables::TABLES;
 use super::trigonometric::{ERROR, Turning, kernel};
 use super::{decide, nearest, power_of_two, split};
+#[cfg(not(feature = "std"))]
+use crate::software::Real as _;
 
 /// Below this an error term of a double-double may be subnormal.
 const SUBNORMAL: f64 = f64::from_bits((1023 - 900) << 52);

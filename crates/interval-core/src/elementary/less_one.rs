@@ -9,6 +9,8 @@ use super::plus_one::{self, ln_1p_of};
 use super::tables::{TABLES, Tables};
 use super::{decide, power_of_two, split};
 use crate::integers::Integer;
+#[cfg(not(feature = "std"))]
+use crate::software::Real as _;
 
 /// Relative error of [`of_double_double`]: 2^-68 from the cancellation of five bits at 2^-5, and more than twice that.
 const ERROR: f64 = f64::from_bits((1023 - 66) << 52);
@@ -62,8 +64,8 @@ pub(crate) fn exp_m1(x: f64) -> Bracket {
     if x.abs() < TINY {
         // x + x^2/2: away from zero for positive x, towards it for negative x.
         return match x.partial_cmp(&0.0) {
-            Some(std::cmp::Ordering::Greater) => Bracket::beyond(x),
-            Some(std::cmp::Ordering::Less) => Bracket::within(x),
+            Some(core::cmp::Ordering::Greater) => Bracket::beyond(x),
+            Some(core::cmp::Ordering::Less) => Bracket::within(x),
             _ => Bracket::exact(x),
         };
     }
@@ -92,7 +94,7 @@ pub(crate) fn exp2_m1(x: f64) -> Bracket {
         // 1 - 2^-54 is no double, 1 - 2^-53 is.
         return if x == -54.0 { Bracket::within(-1.0) } else { whole(power) };
     }
-    let tables = &*TABLES;
+    let tables = &TABLES;
     let found =
         if x.abs() < SUBNORMAL { None } else { of_double_double(tables.ln2.mul_f64(x), power_of_two(-100), tables) };
     found.unwrap_or_else(|| settle(|p| multiprecision::exp_m1(&Ball::from_f64(x).mul(&multiprecision::ln2(p + 64)), p)))
@@ -112,7 +114,7 @@ pub(crate) fn exp10_m1(x: f64) -> Bracket {
         #[expect(clippy::cast_possible_truncation, reason = "an integer of at most 22")]
         return whole((0..x as i64).fold(1.0, |product, _| product * 10.0));
     }
-    let tables = &*TABLES;
+    let tables = &TABLES;
     let found =
         if x.abs() < SUBNORMAL { None } else { of_double_double(tables.ln10.mul_f64(x), power_of_two(-100), tables) };
     found
@@ -127,7 +129,7 @@ pub(crate) fn compound_m1(x: f64, y: f64) -> Bracket {
     if y == 1.0 {
         return Bracket::exact(x);
     }
-    let tables = &*TABLES;
+    let tables = &TABLES;
     let log = ln_1p_of(x, tables);
     // In plain doubles first: the double-double product is not a number where it overflows.
     let size = log.hi * y;

@@ -5,6 +5,8 @@ use super::double_double::{Dd, two_product, two_sum};
 use super::multiprecision::{self, Bracket, settle};
 use super::tables::{LOG_FIRST, TABLES, Tables};
 use super::{decide, power_of_two, split};
+#[cfg(not(feature = "std"))]
+use crate::software::Real as _;
 
 /// Relative error of [`kernel`] and [`log1p`], doubled.
 pub(super) const ERROR: f64 = f64::from_bits((1023 - 76) << 52);
@@ -88,7 +90,7 @@ fn logarithm(x: f64, base: Base) -> Bracket {
     if x == 1.0 {
         return Bracket::exact(0.0);
     }
-    let tables = &*TABLES;
+    let tables = &TABLES;
     let natural = of_double(x, tables);
     let value = match base {
         Base::E => natural,
@@ -155,7 +157,7 @@ pub(crate) fn asinh(x: f64) -> Bracket {
     if a == f64::INFINITY {
         return Bracket::exact(x);
     }
-    let tables = &*TABLES;
+    let tables = &TABLES;
     let value = if a < LARGE {
         let square = two_product(a, a);
         let root = square.add_f64(1.0).sqrt();
@@ -186,7 +188,7 @@ pub(crate) fn acosh(x: f64) -> Bracket {
     if x == f64::INFINITY {
         return Bracket::exact(x);
     }
-    let tables = &*TABLES;
+    let tables = &TABLES;
     let value = if x < LARGE {
         let t = two_sum(x, -1.0);
         log1p(t + (t * t.add_f64(2.0)).sqrt(), tables)

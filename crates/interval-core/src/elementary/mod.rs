@@ -24,20 +24,30 @@ mod roots;
 mod tables;
 mod trigonometric;
 
+use crate::doubles::{Neighbours as _, signed, unsigned};
+
 pub(crate) use arctangent::{acos, asin, atan, atan2};
 pub(crate) use ball::Ball;
 pub(crate) use double_double::{Dd, two_sum};
-pub(crate) use exponential::{ERROR as EXP_ERROR, cosh, exp, exp2, exp10, sinh, tanh};
+#[cfg(avx2)]
+pub(crate) use exponential::ERROR as EXP_ERROR;
+pub(crate) use exponential::{cosh, exp, exp2, exp10, sinh, tanh};
 pub(crate) use half_turns::{HalfTurns, acos_pi, asin_pi, atan_pi, atan2_pi};
 pub(crate) use less_one::{compound_m1, exp_m1, exp2_m1, exp10_m1};
-pub(crate) use logarithm::{DERIVED_ERROR as LOG_ERROR, acosh, asinh, atanh, log, log2, log10};
+#[cfg(avx2)]
+pub(crate) use logarithm::DERIVED_ERROR as LOG_ERROR;
+pub(crate) use logarithm::{acosh, asinh, atanh, log, log2, log10};
 pub(crate) use multiprecision::{Bracket, atan2 as ball_atan2, pi, settle};
 pub(crate) use plus_one::{ln_1p, log2_1p, log10_1p};
 pub(crate) use power::{log_ratio, pow, pown, root};
 pub(crate) use reciprocal::{acoth, cot, coth, csc, csch, sec, sech};
 pub(crate) use roots::{hypot, rootn, rsqrt};
+pub use tables::source;
+#[cfg(avx2)]
 pub(crate) use tables::{LOG_FIRST, TABLES};
-pub(crate) use trigonometric::{Angle, ERROR as WAVE_ERROR, Turning};
+#[cfg(avx2)]
+pub(crate) use trigonometric::ERROR as WAVE_ERROR;
+pub(crate) use trigonometric::{Angle, Turning};
 
 impl Bracket {
     pub(crate) const fn exact(x: f64) -> Self {
@@ -46,19 +56,19 @@ impl Bracket {
 
     /// True if the ends are equal or neighbours, as they are but for arguments that no attempt could settle.
     pub(crate) fn is_tight(self) -> bool {
-        self.down == self.up || self.down.next_up() == self.up
+        self.down == self.up || self.down.above() == self.up
     }
 
     /// The value lies strictly between `x` and the next double away from zero.
     #[inline(always)]
     fn beyond(x: f64) -> Self {
-        if x > 0.0 { Self { down: x, up: x.next_up() } } else { Self { down: x.next_down(), up: x } }
+        if x > 0.0 { Self { down: x, up: x.above() } } else { Self { down: x.below(), up: x } }
     }
 
     /// The value lies strictly between `x` and the next double towards zero.
     #[inline(always)]
     fn within(x: f64) -> Self {
-        if x > 0.0 { Self { down: x.next_down(), up: x } } else { Self { down: x, up: x.next_up() } }
+        if x > 0.0 { Self { down: x.below(), up: x } } else { Self { down: x, up: x.above() } }
     }
 
     pub(crate) fn neg(self) -> Self {
@@ -76,7 +86,7 @@ impl Bracket {
 /// `2^k` for a normal result.
 #[inline(always)]
 fn power_of_two(k: i64) -> f64 {
-    f64::from_bits((k + 1023).cast_unsigned() << 52)
+    f64::from_bits(unsigned(k + 1023) << 52)
 }
 
 /// The roundings of a normal number within `|v| error` of `v`, where the error leaves no choice.
@@ -86,9 +96,9 @@ fn power_of_two(k: i64) -> f64 {
 fn decide(v: Dd, error: f64) -> Option<Bracket> {
     let margin = v.hi.abs() * error;
     if v.lo > margin {
-        Some(Bracket { down: v.hi, up: v.hi.next_up() })
+        Some(Bracket { down: v.hi, up: v.hi.above() })
     } else if v.lo < -margin {
-        Some(Bracket { down: v.hi.next_down(), up: v.hi })
+        Some(Bracket { down: v.hi.below(), up: v.hi })
     } else {
         None
     }
@@ -99,7 +109,7 @@ fn decide(v: Dd, error: f64) -> Option<Bracket> {
 fn split(x: f64) -> (f64, i64) {
     let (x, offset) = if x < f64::MIN_POSITIVE { (x * 18_014_398_509_481_984.0, 54) } else { (x, 0) };
     let bits = x.to_bits();
-    let exponent = (bits >> 52).cast_signed() - 1023 - offset;
+    let exponent = signed(bits >> 52) - 1023 - offset;
     (f64::from_bits((bits & 0x000f_ffff_ffff_ffff) | 0x3ff0_0000_0000_0000), exponent)
 }
 

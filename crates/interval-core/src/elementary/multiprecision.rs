@@ -5,7 +5,6 @@
 
 use super::ball::Ball;
 use crate::integers::Integer;
-use std::sync::LazyLock;
 
 /// Directed roundings of one real number: the largest double not above it and the smallest not below it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,8 +61,17 @@ const KEPT: i64 = 1536;
 
 /// Pi.
 pub(crate) fn pi(precision: i64) -> Ball {
-    static PI: LazyLock<Ball> = LazyLock::new(|| machin(KEPT + 16));
-    if precision <= KEPT { PI.clone().shorten(precision + 16) } else { machin(precision) }
+    if precision > KEPT {
+        return machin(precision);
+    }
+    #[cfg(feature = "std")]
+    let kept = {
+        static PI: std::sync::LazyLock<Ball> = std::sync::LazyLock::new(|| machin(KEPT + 16));
+        PI.clone()
+    };
+    #[cfg(not(feature = "std"))]
+    let kept = machin(KEPT + 16);
+    kept.shorten(precision + 16)
 }
 
 /// Pi by two series (Machin 1706).

@@ -72,7 +72,7 @@ pub(crate) fn log2_1p(x: f64) -> Bracket {
             return Bracket::beyond(e as f64);
         }
     }
-    let tables = &*TABLES;
+    let tables = &TABLES;
     let found = if x.abs() < SUBNORMAL { None } else { decide(ln_1p_of(x, tables) * tables.log2_e, ERROR) };
     found.unwrap_or_else(|| {
         settle(|p| multiprecision::ln_1p(&Ball::from_f64(x), p + 16)?.div(&multiprecision::ln2(p + 16), p))
@@ -85,7 +85,7 @@ pub(crate) fn log10_1p(x: f64) -> Bracket {
     if let Some(end) = at_an_end(x) {
         return end;
     }
-    let tables = &*TABLES;
+    let tables = &TABLES;
     let found = if x.abs() < SUBNORMAL { None } else { decide(ln_1p_of(x, tables) * tables.log10_e, ERROR) };
     found.unwrap_or_else(|| {
         if let Some(exact) = logarithm_of_ten(x) {

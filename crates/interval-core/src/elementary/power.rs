@@ -5,8 +5,11 @@ use super::double_double::Dd;
 use super::multiprecision::{self, Bracket, settle};
 use super::tables::TABLES;
 use super::{decide, exponential, logarithm, split};
+use crate::doubles::Neighbours as _;
 use crate::dyadic::decode;
 use crate::integers::Integer;
+#[cfg(not(feature = "std"))]
+use crate::software::Real as _;
 
 /// Relative error of a product of at most 64 factors: `64 * 6 u^2` is far below it.
 const PRODUCT_ERROR: f64 = f64::from_bits((1023 - 90) << 52);
@@ -84,7 +87,7 @@ pub(crate) fn pow(x: f64, y: f64) -> Bracket {
     if y == 1.0 {
         return Bracket::exact(x);
     }
-    let tables = &*TABLES;
+    let tables = &TABLES;
     let log = logarithm::of_double(x, tables);
     let size = log.hi * y;
     if size > 710.0 {
@@ -156,7 +159,7 @@ pub(crate) fn root(v: f64, y: f64) -> Bracket {
     if v == 1.0 || y == 1.0 {
         return Bracket::exact(v);
     }
-    let tables = &*TABLES;
+    let tables = &TABLES;
     let log = logarithm::of_double(v, tables);
     // In plain doubles first: the double-double quotient is not a number where it overflows.
     let size = log.hi / y;
@@ -189,7 +192,7 @@ pub(crate) fn log_ratio(v: f64, b: f64) -> Bracket {
     if v == 1.0 || v == b {
         return Bracket::exact(if v == b { 1.0 } else { 0.0 });
     }
-    let tables = &*TABLES;
+    let tables = &TABLES;
     let ratio = logarithm::of_double(v, tables).div(logarithm::of_double(b, tables));
     decide(ratio, 8.0 * logarithm::ERROR).unwrap_or_else(|| {
         exactly_or(
@@ -207,9 +210,7 @@ fn exactly_or(evaluate: impl Fn(i64) -> Option<Ball>, is_exact: impl Fn(f64) -> 
             return Bracket { down, up };
         }
         let near = ball.approximate();
-        if let Some(exact) =
-            [near, near.next_up(), near.next_down()].into_iter().find(|&x| x.is_finite() && is_exact(x))
-        {
+        if let Some(exact) = [near, near.above(), near.below()].into_iter().find(|&x| x.is_finite() && is_exact(x)) {
             return Bracket::exact(exact);
         }
     }

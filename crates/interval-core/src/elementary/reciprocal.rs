@@ -8,6 +8,9 @@ use super::logarithm;
 use super::multiprecision::{self, Bracket, settle};
 use super::tables::TABLES;
 use super::trigonometric::{self, Angle, Turning, kernel};
+use crate::doubles::Neighbours as _;
+#[cfg(not(feature = "std"))]
+use crate::software::Real as _;
 
 /// Below this the second term of the series, at most `x^2` of the value, is smaller than the distance of a quotient `1/x`
 /// that is no double from all of them, 2^-106 of it.
@@ -24,9 +27,9 @@ fn beside_reciprocal(x: f64, larger: bool) -> Bracket {
     // The sign is right: the difference is a multiple of the product of both last bits, at least 2^-105.
     let r = (-q).mul_add(x, 1.0);
     if r > 0.0 {
-        Bracket { down: q, up: q.next_up() }
+        Bracket { down: q, up: q.above() }
     } else if r < 0.0 {
-        Bracket { down: q.next_down(), up: q }
+        Bracket { down: q.below(), up: q }
     } else if larger {
         Bracket::beyond(q)
     } else {
@@ -86,7 +89,7 @@ pub(crate) fn cot(x: f64) -> Bracket {
 /// `2 / (e^a + e^-a)` with `even`, else `2 / (e^a - e^-a)`, for `a >= 2^-5`.
 #[inline(always)]
 fn over_growth(a: f64, even: bool) -> Option<Bracket> {
-    let tables = &*TABLES;
+    let tables = &TABLES;
     if a > 747.0 {
         // 2 e^-747 is below 2^-1076.
         return Some(if a == f64::INFINITY { Bracket::exact(0.0) } else { TOO_SMALL });
@@ -138,7 +141,7 @@ pub(crate) fn csch(x: f64) -> Bracket {
 /// `cosh x / sinh x`, `x != 0`.
 #[inline(always)]
 pub(crate) fn coth(x: f64) -> Bracket {
-    let (a, tables) = (x.abs(), &*TABLES);
+    let (a, tables) = (x.abs(), &TABLES);
     let found = if a < TINY {
         Some(beside_reciprocal(a, true))
     } else if a < exponential::SMALL {

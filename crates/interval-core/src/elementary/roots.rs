@@ -48,10 +48,10 @@ pub(crate) fn hypot(x: f64, y: f64) -> Bracket {
     }
     let n = n * power_of_two(f - e);
     let length = (two_product(m, m) + two_product(n, n)).sqrt();
-    if (-1000..1000).contains(&e)
-        && let Some(bracket) = decide(length, ERROR)
-    {
-        return bracket.scale(e);
+    if (-1000..1000).contains(&e) {
+        if let Some(bracket) = decide(length, ERROR) {
+            return bracket.scale(e);
+        }
     }
     // A root of an integer is an integer or irrational, so this ends.
     settle(|p| {

@@ -7,6 +7,8 @@ use super::multiprecision::{Bracket, settle, sin_cos};
 use super::nearest;
 use super::tables::{TABLES, Tables};
 use crate::integers::Integer;
+#[cfg(not(feature = "std"))]
+use crate::software::Real as _;
 
 /// Relative error of sine and cosine and, with a quotient more, of the tangent, doubled and more.
 pub(crate) const ERROR: f64 = f64::from_bits((1023 - 68) << 52);

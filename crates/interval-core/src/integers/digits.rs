@@ -1,6 +1,8 @@
 //! Natural numbers as digits to base 2^64, the lowest first, without leading zeros.
 
-use std::cmp::Ordering;
+use alloc::vec;
+use alloc::vec::Vec;
+use core::cmp::Ordering;
 
 /// Bits of a digit.
 pub(super) const WIDTH: u64 = 64;

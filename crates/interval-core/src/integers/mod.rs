@@ -4,12 +4,14 @@
 
 mod digits;
 
+use alloc::vec;
+use alloc::vec::Vec;
+use core::cmp::Ordering;
+use core::fmt;
+use core::ops::{Add, Mul, Neg, Shl, Shr, Sub};
 use digits::{
     WIDTH, compare, difference, divided_by_digit, high, low, product, quotient, shifted_down, shifted_up, sum, trimmed,
 };
-use std::cmp::Ordering;
-use std::fmt;
-use std::ops::{Add, Mul, Neg, Shl, Shr, Sub};
 
 /// An integer: its sign, and the digits of its magnitude to base 2^64, the lowest first, without leading zeros.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use super::Interval;
 use crate::rounding::{add_down, add_up, div_up, mul_down, mul_up, sqrt_down, sqrt_up, sub_down, sub_up};
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use core::ops::{Add, Div, Mul, Neg, Sub};
 
 impl Add for Interval {
     type Output = Self;

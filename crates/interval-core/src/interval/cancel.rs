@@ -3,7 +3,7 @@
 use super::Interval;
 use crate::accumulator;
 use crate::rounding::{sub_down, sub_up};
-use std::cmp::Ordering;
+use core::cmp::Ordering;
 
 impl Interval {
     /// The tightest interval `z` with `y + z` around `x`, for bounded `x` at least as wide as bounded `y`. It is the

@@ -1,6 +1,8 @@
 //! Integer functions, all exact.
 
 use super::Interval;
+#[cfg(not(feature = "std"))]
+use crate::software::Real as _;
 
 impl Interval {
     fn ends(self, f: impl Fn(f64) -> f64) -> Self {

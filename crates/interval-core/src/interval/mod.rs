@@ -27,30 +27,43 @@
 #![expect(clippy::inline_always, reason = "operations are compiled again inside functions with wider instruction sets")]
 
 mod arithmetic;
+mod assigning;
 mod cancel;
+#[cfg(feature = "alloc")]
 mod decorated;
+#[cfg(feature = "alloc")]
 mod elementary;
 mod fused;
+#[cfg(feature = "alloc")]
 mod half_turns;
 mod integer;
+#[cfg(feature = "alloc")]
 mod less_one;
 mod measures;
+#[cfg(feature = "num-traits")]
+mod number_traits;
+#[cfg(feature = "alloc")]
 mod power;
+#[cfg(feature = "alloc")]
 mod reciprocal;
 mod relations;
+#[cfg(feature = "alloc")]
 mod reverse;
+#[cfg(feature = "alloc")]
 mod roots;
 #[cfg(feature = "serde")]
 mod serialize;
 mod sets;
+#[cfg(feature = "alloc")]
 mod text;
 
+#[cfg(feature = "alloc")]
 pub use decorated::{DecoratedInterval, Decoration};
 pub use measures::Measure;
 pub use relations::Overlap;
 
 use crate::error::Error;
-use std::fmt;
+use core::fmt;
 
 /// A closed interval of real numbers with double bounds, possibly unbounded, possibly empty.
 ///
@@ -137,7 +150,14 @@ impl Interval {
 }
 
 impl fmt::Debug for Interval {
+    #[cfg(feature = "alloc")]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)
+    }
+
+    /// The bounds as doubles are written.
+    #[cfg(not(feature = "alloc"))]
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "[{:?}, {:?}]", self.lo, self.hi)
     }
 }

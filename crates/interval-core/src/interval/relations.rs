@@ -1,7 +1,7 @@
 //! Relations between intervals (IEEE 1788, tables 10.3 and 10.7). Those of sets are exact.
 
 use super::Interval;
-use std::cmp::Ordering;
+use core::cmp::Ordering;
 
 /// The 16 ways in which two intervals can lie (IEEE 1788, table 10.7). `-By` is the relation with the operands
 /// exchanged.

@@ -2,9 +2,9 @@
 //! are written as the text of [`Interval::to_exact`], which formats without infinities can hold.
 
 use super::Interval;
+use core::fmt;
 use serde::de::{Error as _, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use std::fmt;
 
 impl Serialize for Interval {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {

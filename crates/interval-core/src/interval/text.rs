@@ -6,9 +6,11 @@ use crate::decimals::{Ratio, decimal_value, decimal_with_place, from_text, natur
 use crate::dyadic::decode;
 use crate::error::Error;
 use crate::integers::Integer;
-use std::cmp::Ordering;
-use std::fmt;
-use std::str::FromStr;
+use alloc::format;
+use alloc::string::String;
+use core::cmp::Ordering;
+use core::fmt;
+use core::str::FromStr;
 
 /// The exact content of a literal.
 pub(super) enum Literal {

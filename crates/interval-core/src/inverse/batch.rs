@@ -79,7 +79,7 @@ fn run(
     if hi.len() != lo.len() {
         return Err(Error::Shape { what: "the upper bound", given: hi.len(), needed: lo.len() });
     }
-    if !lo.len().is_multiple_of(size) {
+    if lo.len() % size != 0 {
         return Err(Error::Shape { what: "the batch", given: lo.len(), needed: lo.len().next_multiple_of(size) });
     }
     let count = lo.len() / size;

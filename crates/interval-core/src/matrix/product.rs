@@ -6,6 +6,7 @@
 
 use super::IntervalMatrix;
 use crate::approximate;
+use crate::doubles::Neighbours as _;
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::parallel;
@@ -99,8 +100,8 @@ impl IntervalMatrix {
         let (ra, rb) = (self.radius(), other.radius());
         let magnitude: Vec<f64> = ma.iter().map(|x| x.abs()).collect();
         let t1: Vec<f64> =
-            mb.iter().zip(&rb).map(|(x, r)| ((terms + 1.0) * UNIT * x.abs() + r).next_up().next_up()).collect();
-        let t2: Vec<f64> = mb.iter().zip(&rb).map(|(x, r)| (x.abs() + r).next_up()).collect();
+            mb.iter().zip(&rb).map(|(x, r)| ((terms + 1.0) * UNIT * x.abs() + r).above().above()).collect();
+        let t2: Vec<f64> = mb.iter().zip(&rb).map(|(x, r)| (x.abs() + r).above()).collect();
         let centre = approximate::product(&ma, &mb, m, k, n);
         let first = approximate::product(&magnitude, &t1, m, k, n);
         let second = approximate::product(&ra, &t2, m, k, n);
@@ -108,7 +109,7 @@ impl IntervalMatrix {
         let tiny = 2.0 * terms * f64::from_bits(1);
         let (mut lo, mut hi) = (Vec::with_capacity(m * n), Vec::with_capacity(m * n));
         for (i, &c) in centre.iter().enumerate() {
-            let r = ((first[i] + second[i]) * growth + tiny).next_up();
+            let r = ((first[i] + second[i]) * growth + tiny).above();
             let (below, above) = (sub_down(c, r), add_up(c, r));
             if below.is_finite() && above.is_finite() {
                 lo.push(below);

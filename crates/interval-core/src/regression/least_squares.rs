@@ -229,7 +229,7 @@ fn enclose(rows: &Rows<'_>, s: &[f64], centre: &[f64]) -> Option<LeastSquares> {
     for part in &parts {
         sums.add(part);
     }
-    let one = |at: usize| if at.is_multiple_of(n + 1) { Interval::ONE } else { Interval::ZERO };
+    let one = |at: usize| if at % (n + 1) == 0 { Interval::ONE } else { Interval::ZERO };
     let g: Vec<f64> = sums.gram.iter().enumerate().map(|(at, &x)| (one(at) - x).magnitude()).collect();
     if !g.iter().all(|x| x.is_finite()) {
         return None;

@@ -186,9 +186,8 @@ fn prove_signs(decided: &[i8], piece: &Piece<'_>) -> SignProof {
     let growth: Vec<f64>;
     if let Some(lines) = complete {
         growth = lines.iter().flat_map(|l| l.growth.iter().copied()).collect();
-        if let Some(vector) = contracted_vector(&growth, k)
-            && let Some(rest) = slack(&growth, &vector)
-        {
+        let slack_of = |vector: Vec<f64>| slack(&growth, &vector).map(|rest| (vector, rest));
+        if let Some((vector, rest)) = contracted_vector(&growth, k).and_then(slack_of) {
             let factor = lines.iter().zip(&rest).map(|(l, &r)| div_up((-l.least).max(0.0), r)).fold(0.0, f64::max);
             let mut reach: Vec<f64> = vector.iter().map(|&v| crate::rounding::mul_up(factor, v)).collect();
             for _ in 0..SHARPENED {

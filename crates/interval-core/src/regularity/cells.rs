@@ -32,10 +32,9 @@ fn examine(a: &IntervalMatrix, budget: &mut usize, depth: usize) -> Verdict {
     }
     *budget -= 1;
     let preconditioned = Preconditioned::new(a);
-    if let Some(p) = &preconditioned
-        && let Some(vector) = p.contracted()
-    {
-        return Verdict::Regular(Cell::Regular { approximate_inverse: p.r.clone(), vector });
+    let contracted = preconditioned.as_ref().and_then(|p| p.contracted().map(|vector| (p.r.clone(), vector)));
+    if let Some((approximate_inverse, vector)) = contracted {
+        return Verdict::Regular(Cell::Regular { approximate_inverse, vector });
     }
     if let Some(x) = null_vector(a) {
         return Verdict::Singular(x);

@@ -63,7 +63,7 @@ pub fn regularity_batch(n: usize, lo: &[f64], hi: &[f64]) -> Result<Vec<Regulari
     if size == 0 {
         return Err(Error::Zero { what: "the order of the matrix" });
     }
-    if hi.len() != lo.len() || !lo.len().is_multiple_of(size) {
+    if hi.len() != lo.len() || lo.len() % size != 0 {
         return Err(Error::Shape { what: "the batch", given: hi.len(), needed: lo.len().next_multiple_of(size) });
     }
     let count = lo.len() / size;

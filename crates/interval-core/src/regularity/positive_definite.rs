@@ -2,6 +2,7 @@
 //! `m'm - s I` is positive definite for an `s` of at least the squared spectral norm of the radii.
 
 use super::{Witness, split, times};
+use crate::doubles::Neighbours as _;
 use crate::interval::Interval;
 use crate::matrix::IntervalMatrix;
 use nalgebra::DMatrix;
@@ -51,7 +52,7 @@ fn squared_norm(d: &[f64], n: usize) -> Option<(f64, Vec<f64>)> {
     let mut best = w.clone();
     for _ in 0..12 {
         let image = times(&transposed, &times(d, &w));
-        let quotients: Vec<f64> = image.iter().zip(&w).map(|(y, x)| (y / x).next_up()).collect();
+        let quotients: Vec<f64> = image.iter().zip(&w).map(|(y, x)| (y / x).above()).collect();
         // An overflow would make them infinite or NaN, which a maximum passes over.
         if !(quotients.iter().all(|q| q.is_finite()) && w.iter().all(|&x| x > 0.0 && x.is_finite())) {
             break;

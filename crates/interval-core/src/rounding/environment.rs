@@ -1,6 +1,5 @@
 //! The premise of every bound: the processor rounds to nearest and keeps subnormal numbers.
 
-#[cfg(not(target_os = "none"))]
 use crate::error::Error;
 
 /// True if the processor rounds to nearest and keeps subnormal numbers: the premise of every bound in this crate.
@@ -19,7 +18,6 @@ pub fn environment_is_default() -> bool {
 ///
 /// # Errors
 /// [`Error::Environment`].
-#[cfg(not(target_os = "none"))]
 #[inline]
 pub fn check_environment() -> Result<(), Error> {
     if is_default() { Ok(()) } else { Err(Error::Environment) }

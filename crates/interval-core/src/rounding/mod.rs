@@ -5,15 +5,12 @@
 //! the processor is never touched.
 
 mod environment;
-#[cfg(target_os = "none")]
-mod fused_sign;
 mod scalar;
-#[cfg(not(target_os = "none"))]
+#[cfg(feature = "alloc")]
 pub mod slices;
 
-#[cfg(not(target_os = "none"))]
 pub use environment::check_environment;
 pub use environment::environment_is_default;
-pub use scalar::{add_down, add_up, div_down, div_up, mul_down, mul_up, sub_down, sub_up};
-#[cfg(not(target_os = "none"))]
-pub use scalar::{fma_down, fma_up, sqrt_down, sqrt_up};
+pub use scalar::{
+    add_down, add_up, div_down, div_up, fma_down, fma_up, mul_down, mul_up, sqrt_down, sqrt_up, sub_down, sub_up,
+};

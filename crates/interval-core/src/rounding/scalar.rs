@@ -8,10 +8,13 @@
 //! Infinite operands give the limit; `inf - inf`, `0 * inf`, `0 / 0` and `inf / inf` give NaN and are the caller's to
 //! avoid.
 
+use crate::doubles::Neighbours as _;
+#[cfg(not(feature = "std"))]
+use crate::software::Real as _;
+
 /// 2^-969: a product of this size or larger has an error term that is a multiple of 2^-1074, hence exact.
 const SAFE: f64 = f64::from_bits((1023 - 969) << 52);
 /// Factor of the root of an operand below 2^-969. [`TWO_200`] is that of the operand.
-#[cfg(not(target_os = "none"))]
 const TWO_100: f64 = f64::from_bits((1023 + 100) << 52);
 /// Factor of an operand below 2^-969: the fused residual then keeps its sign.
 const TWO_200: f64 = f64::from_bits((1023 + 200) << 52);
@@ -23,7 +26,6 @@ const TWO_800: f64 = f64::from_bits((1023 + 800) << 52);
 /// Operands up to this size are split (Veltkamp) without overflow.
 const TWO_970: f64 = f64::from_bits((1023 + 970) << 52);
 /// A sum of two numbers below this size does not overflow.
-#[cfg(not(target_os = "none"))]
 const HALF_MAX: f64 = f64::MAX / 2.0;
 /// The smallest positive double, 2^-1074.
 const SMALLEST: f64 = f64::from_bits(1);
@@ -38,7 +40,7 @@ pub fn add_up(a: f64, b: f64) -> f64 {
     }
     let (large, small) = if a.abs() >= b.abs() { (a, b) } else { (b, a) };
     // |small| <= |large| and a finite sum: sum - large is exact (Dekker), so the error is too.
-    if small - (sum - large) > 0.0 { sum.next_up() } else { sum }
+    if small - (sum - large) > 0.0 { sum.above() } else { sum }
 }
 
 /// `a + b` rounded down.
@@ -62,15 +64,6 @@ pub fn sub_down(a: f64, b: f64) -> f64 {
     -add_up(-a, b)
 }
 
-/// A number with the sign of `a * b + c`: rounded once, or the sign alone where there is no fused operation.
-#[inline]
-fn fused(a: f64, b: f64, c: f64) -> f64 {
-    #[cfg(not(target_os = "none"))]
-    return a.mul_add(b, c);
-    #[cfg(target_os = "none")]
-    return super::fused_sign::fused_sign(a, b, c);
-}
-
 /// A number with the sign of `a * b - product` for the product rounded to nearest, at least `SAFE` in size.
 ///
 /// Without a fused instruction a call of the library's function costs more than Dekker's product, which is as exact
@@ -78,7 +71,7 @@ fn fused(a: f64, b: f64, c: f64) -> f64 {
 #[inline]
 fn product_error(a: f64, b: f64, product: f64) -> f64 {
     if cfg!(any(target_feature = "fma", target_arch = "aarch64")) || a.abs().max(b.abs()).max(product.abs()) > TWO_970 {
-        return fused(a, b, -product);
+        return a.mul_add(b, -product);
     }
     let ((ah, al), (bh, bl)) = (halves(a), halves(b));
     ((ah * bh - product) + ah * bl + al * bh) + al * bl
@@ -111,9 +104,9 @@ pub fn mul_up(a: f64, b: f64) -> f64 {
         let (x, y) = (a * TWO_537, b * TWO_537);
         let scaled = x * y;
         let candidate = (product * TWO_537) * TWO_537;
-        candidate < scaled || (candidate == scaled && fused(x, y, -scaled) > 0.0)
+        candidate < scaled || (candidate == scaled && x.mul_add(y, -scaled) > 0.0)
     };
-    if too_low { product.next_up() } else { product }
+    if too_low { product.above() } else { product }
 }
 
 /// `a * b` rounded down.
@@ -144,7 +137,7 @@ pub fn div_up(a: f64, b: f64) -> f64 {
         return if a > 0.0 { SMALLEST } else { -0.0 };
     };
     // The sign of quotient * denominator - numerator, rounded once, is the sign of the exact difference.
-    if fused(quotient, denominator, -numerator) < 0.0 { quotient.next_up() } else { quotient }
+    if quotient.mul_add(denominator, -numerator) < 0.0 { quotient.above() } else { quotient }
 }
 
 /// `a / b` rounded down, for `b != 0`.
@@ -155,25 +148,22 @@ pub fn div_down(a: f64, b: f64) -> f64 {
 }
 
 /// The square root of `x >= 0` rounded up.
-#[cfg(not(target_os = "none"))]
 #[must_use]
 #[inline]
 pub fn sqrt_up(x: f64) -> f64 {
     let root = x.sqrt();
-    if sqrt_residual(root, x) > 0.0 { root.next_up() } else { root }
+    if sqrt_residual(root, x) > 0.0 { root.above() } else { root }
 }
 
 /// The square root of `x >= 0` rounded down.
-#[cfg(not(target_os = "none"))]
 #[must_use]
 #[inline]
 pub fn sqrt_down(x: f64) -> f64 {
     let root = x.sqrt();
-    if sqrt_residual(root, x) < 0.0 { root.next_down() } else { root }
+    if sqrt_residual(root, x) < 0.0 { root.below() } else { root }
 }
 
 /// A number with the sign of `x - root^2`; zero where there is no rounding.
-#[cfg(not(target_os = "none"))]
 #[inline]
 fn sqrt_residual(root: f64, x: f64) -> f64 {
     if x == 0.0 || !x.is_finite() {
@@ -194,7 +184,6 @@ fn saturate_up(result: f64, a: f64, b: f64) -> f64 {
 }
 
 /// `a * b + c` rounded up once; infinite operands give the limit.
-#[cfg(not(target_os = "none"))]
 #[must_use]
 #[inline]
 pub fn fma_up(a: f64, b: f64, c: f64) -> f64 {
@@ -216,13 +205,12 @@ pub fn fma_up(a: f64, b: f64, c: f64) -> f64 {
         let (g3, g2) = two_sum(q, h2);
         [g3, g2, g1, g0].into_iter().find(|&x| x != 0.0).is_some_and(|x| x > 0.0)
     } else {
-        crate::accumulator::sign_of_fused(a, b, c, nearest) == std::cmp::Ordering::Greater
+        crate::accumulator::sign_of_fused(a, b, c, nearest) == core::cmp::Ordering::Greater
     };
-    if too_low { nearest.next_up() } else { nearest }
+    if too_low { nearest.above() } else { nearest }
 }
 
 /// `a * b + c` rounded down once.
-#[cfg(not(target_os = "none"))]
 #[must_use]
 #[inline]
 pub fn fma_down(a: f64, b: f64, c: f64) -> f64 {
@@ -230,7 +218,6 @@ pub fn fma_down(a: f64, b: f64, c: f64) -> f64 {
 }
 
 /// The sum and its error, for sums that do not overflow.
-#[cfg(not(target_os = "none"))]
 #[inline]
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;

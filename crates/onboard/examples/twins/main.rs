@@ -1,7 +1,8 @@
 //! Twins of known truth, followed at 10 Hz: violations, widths beside those of the batch, time of a sample.
 //!
-//! `cargo run --release -p onboard --example twins -- TWINS HOURS [SEED]` prints a table. Every twin's rows go to the
-//! follower one by one; the batch then takes all of them at once.
+//! `cargo run --release -p onboard --example twins -- TWINS HOURS [SEED [GROUP]]` prints a line for each twin, and `twins
+//! table` makes the table from such lines. Every twin's rows go to the follower one by one; the batch then takes all of
+//! them at once.
 #![allow(
     clippy::print_stdout,
     clippy::cast_precision_loss,
@@ -102,40 +103,66 @@ fn twin<const N: usize, const ROWS: usize>(kind: Kind, samples: u32, seed: u64, 
     }
 }
 
-fn line(name: &str, outcomes: &[Outcome], hours: f64) {
-    let n = outcomes.len() as f64;
-    let largest = |f: fn(&Outcome) -> f64| outcomes.iter().map(f).fold(0.0, f64::max);
-    let mean = |f: fn(&Outcome) -> f64| outcomes.iter().map(f).sum::<f64>() / n;
-    let quantile =
-        |q: f64| outcomes.iter().map(|o| o.sorted[((o.sorted.len() - 1) as f64 * q) as usize]).sum::<f64>() / n;
+/// The four groups of the study: name, and the start of every parameter.
+const GROUPS: [(&str, Kind, f64); 4] = [
+    ("five parameters, signs known", Kind::Five, 0.0),
+    ("nine parameters, signs known", Kind::Nine, 0.0),
+    ("five parameters, signs unknown", Kind::Five, -1e4),
+    ("nine parameters, signs unknown", Kind::Nine, -1e4),
+];
+
+/// A line of a twin: group, seed, hours, and the numbers of its outcome.
+fn follow(group: usize, seed: u64, hours: f64) -> String {
+    let samples = (36_000.0 * hours) as u32;
+    let (_, kind, least) = GROUPS[group];
+    let o = match kind {
+        Kind::Five => twin::<5, 160>(kind, samples, seed, least),
+        Kind::Nine => twin::<9, 160>(kind, samples, seed + 1000, least),
+    };
+    let late = o.sorted[((o.sorted.len() - 1) as f64 * 0.9999) as usize];
+    let times = [o.sample, late, o.longest, o.batch].map(|t| format!("{:.2}", 1e6 * t)).join(" ");
+    format!("{group} {seed} {hours} {} {} {:.6} {:.6} {times}", o.violations, u8::from(o.empty), o.mean, o.worst)
+}
+
+/// The table of the lines of twins.
+fn table(lines: &[Vec<f64>]) {
     println!(
-        "| {name} | {} | {hours} | {} | {} | {:.4} | {:.4} | {:.1} | {:.1} | {:.0} | {:.1} |",
-        outcomes.len(),
-        outcomes.iter().map(|o| o.violations).sum::<u64>(),
-        outcomes.iter().filter(|o| o.empty).count(),
-        mean(|o| o.mean),
-        largest(|o| o.worst),
-        1e6 * mean(|o| o.sample),
-        1e6 * quantile(0.9999),
-        1e6 * largest(|o| o.longest),
-        1e6 * mean(|o| o.batch),
+        "| vessel | twins | hours | violations | proved empty | mean width ratio | largest width ratio | us a sample | 99.99 % | longest | batch, us a sample |"
     );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|");
+    for (group, (name, ..)) in GROUPS.iter().enumerate() {
+        let of: Vec<&Vec<f64>> = lines.iter().filter(|l| l[0] == group as f64).collect();
+        let sum = |k: usize| of.iter().map(|l| l[k]).sum::<f64>();
+        let (mean, largest) = (|k| sum(k) / of.len() as f64, |k: usize| of.iter().map(|l| l[k]).fold(0.0, f64::max));
+        println!(
+            "| {name} | {} | {} | {} | {} | {:.4} | {:.4} | {:.1} | {:.0} | {:.0} | {:.1} |",
+            of.len(),
+            sum(2),
+            sum(3),
+            sum(4),
+            mean(5),
+            largest(6),
+            mean(7),
+            mean(8),
+            largest(9),
+            mean(10),
+        );
+    }
 }
 
 fn main() {
-    let mut arguments = std::env::args().skip(1);
-    let mut number = |usual: f64| arguments.next().map_or(usual, |a| a.parse().expect("a number"));
-    let (twins, hours, seed) = (number(2.0) as u64, number(1.0), number(1.0) as u64);
-    let samples = (36_000.0 * hours) as u32;
-    println!(
-        "| vessel | twins | hours | violations | empty | mean width ratio | largest | us a sample | 99.99 % | longest | batch, us a sample |"
-    );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|");
-    for (signs, least) in [("known", 0.0), ("unknown", -1e4)] {
-        let outcomes: Vec<Outcome> = (0..twins).map(|k| twin::<5, 160>(Kind::Five, samples, seed + k, least)).collect();
-        line(&format!("five parameters, signs {signs}"), &outcomes, hours);
-        let outcomes: Vec<Outcome> =
-            (0..twins).map(|k| twin::<9, 160>(Kind::Nine, samples, seed + 1000 + k, least)).collect();
-        line(&format!("nine parameters, signs {signs}"), &outcomes, hours);
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if arguments.first().is_some_and(|a| a == "table") {
+        let text = std::io::read_to_string(std::io::stdin()).expect("lines of twins");
+        let numbers = |l: &str| l.split(' ').map(|x| x.parse().expect("a number")).collect();
+        return table(&text.lines().map(numbers).collect::<Vec<_>>());
+    }
+    let number = |k: usize, usual: f64| arguments.get(k).map_or(usual, |a| a.parse().expect("a number"));
+    let (twins, hours, seed) = (number(0, 2.0) as u64, number(1, 1.0), number(2, 1.0) as u64);
+    let groups = arguments.get(3).map_or(0..4, |a| a.parse().map(|g| g..g + 1).expect("the number of a group"));
+    for k in 0..twins {
+        for group in groups.clone() {
+            println!("{}", follow(group, seed + k, hours));
+        }
     }
 }

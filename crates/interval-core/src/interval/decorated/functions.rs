@@ -2,7 +2,9 @@
 
 use super::{DecoratedInterval, Decoration};
 use crate::interval::Interval;
-use std::ops::{Add, Div, Mul, Neg, Sub};
+#[cfg(not(feature = "std"))]
+use crate::software::Real as _;
+use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// `com` on the domain, nothing outside.
 fn on_domain(inside: bool) -> Decoration {

@@ -5,8 +5,8 @@ mod functions;
 use super::text::{Literal, literal};
 use super::{Interval, Overlap};
 use crate::error::Error;
-use std::fmt;
-use std::str::FromStr;
+use core::fmt;
+use core::str::FromStr;
 
 /// The property that is proved of a function on the box of its arguments, weakest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

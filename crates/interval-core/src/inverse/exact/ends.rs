@@ -1,6 +1,7 @@
 //! The ends of the hull from solutions of absolute value equations.
 
 use crate::absolute_value::{Equations, Solution};
+use crate::doubles::Neighbours as _;
 use crate::matrix::IntervalMatrix;
 use crate::parallel;
 
@@ -122,12 +123,12 @@ fn least(of: &[usize], refined: impl Fn(usize) -> End, coarse: impl Fn(usize) ->
 
 fn lower_end(solution: &Solution, magnitude: &[f64], i: usize) -> End {
     let (bound, tight) = solution.lower(magnitude, i);
-    (bound, if tight { bound.next_up() } else { solution.upper(magnitude, i).0 }, tight)
+    (bound, if tight { bound.above() } else { solution.upper(magnitude, i).0 }, tight)
 }
 
 fn upper_end(solution: &Solution, magnitude: &[f64], i: usize) -> End {
     let (bound, tight) = solution.upper(magnitude, i);
-    (bound, if tight { bound.next_down() } else { solution.lower(magnitude, i).0 }, tight)
+    (bound, if tight { bound.below() } else { solution.lower(magnitude, i).0 }, tight)
 }
 
 /// Upper bounds `H` of the magnitudes of all members' inverses from the solutions of all sign vectors, which attain

@@ -57,9 +57,11 @@ pub fn exact(a: &IntervalMatrix) -> Result<Outcome, Error> {
     if !a.is_bounded() {
         return Ok(Outcome::not_applicable(UNBOUNDED));
     }
-    if let (3, Ok(lo), Ok(hi)) = (n, a.lo().try_into(), a.hi().try_into())
-        && let Some((lower, upper, r)) = three::hull(lo, hi)
-    {
+    let of_three = match (n, a.lo().try_into(), a.hi().try_into()) {
+        (3, Ok(lo), Ok(hi)) => three::hull(lo, hi),
+        _ => None,
+    };
+    if let Some((lower, upper, r)) = of_three {
         let value = IntervalMatrix::new(3, 3, lower.to_vec(), upper.to_vec())?;
         let witness = Witness::ScaledContraction { approximate_inverse: r.to_vec(), vector: vec![1.0; 3] };
         return Ok(Outcome::enclosed(value, Certificate::Regular(witness)));

@@ -13,7 +13,7 @@ pub(super) fn hull(a: &IntervalMatrix, v: &[f64]) -> Option<Ends> {
     let centred = |at: usize| {
         let (lo, hi) = (a.lo()[at], a.hi()[at]);
         // lo + hi is exact here: 2 on the diagonal only for bounds whose sum is, which subtracting 1 from each shows.
-        if at.is_multiple_of(n + 1) {
+        if at % (n + 1) == 0 {
             lo > 0.0 && hi < 2.0 && hi - 1.0 == 1.0 - lo && exact(lo) && exact(hi)
         } else {
             lo == -hi
@@ -29,7 +29,7 @@ pub(super) fn hull(a: &IntervalMatrix, v: &[f64]) -> Option<Ends> {
     let (mut lower, mut upper) = (tail.upper.clone(), tail.upper.clone());
     let (mut attained_lower, mut attained_upper) = (tail.lower.clone(), tail.lower.clone());
     for at in 0..n * n {
-        if at.is_multiple_of(n + 1) {
+        if at % (n + 1) == 0 {
             // M / (2 M - 1) = 1 / 2 + 1 / (4 M - 2) falls with M.
             let (most, least) = (add_up(1.0, tail.upper[at]), add_down(1.0, tail.lower[at]));
             upper[at] = most;

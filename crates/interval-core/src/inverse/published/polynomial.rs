@@ -55,7 +55,7 @@ impl Coefficients {
                     std::array::from_fn(|p| first[p] - second[p])
                 }
             };
-            if (i + j).is_multiple_of(2) { minor } else { minor.map(|c| -c) }
+            if (i + j) % 2 == 0 { minor } else { minor.map(|c| -c) }
         };
         let mut determinant = zero;
         for j in 0..n {

@@ -4,7 +4,7 @@
 
 use super::elementary::{Fused, MANTISSA, ONE_EXPONENT, SHIFT_BITS, SHIFTED_BIAS, last_index};
 use super::kernel::Lanes;
-use std::arch::x86_64::{
+use core::arch::x86_64::{
     __m256d, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _mm256_add_epi64, _mm256_add_pd, _mm256_and_pd, _mm256_and_si256,
     _mm256_andnot_pd, _mm256_blendv_pd, _mm256_castpd_si256, _mm256_castsi256_pd, _mm256_cmp_pd, _mm256_cmpeq_epi64,
     _mm256_cmpgt_epi64, _mm256_div_pd, _mm256_fmadd_pd, _mm256_fmsub_pd, _mm256_i64gather_pd, _mm256_loadu_pd,
@@ -173,6 +173,6 @@ impl Fused for Avx2 {
     }
     #[inline(always)]
     fn flags(mask: __m256d) -> u32 {
-        unsafe { _mm256_movemask_pd(mask) }.cast_unsigned()
+        u32::from_ne_bytes(unsafe { _mm256_movemask_pd(mask) }.to_ne_bytes())
     }
 }

@@ -4,7 +4,7 @@
 
 use super::elementary::{Fused, MANTISSA, ONE_EXPONENT, SHIFT_BITS, SHIFTED_BIAS, last_index};
 use super::kernel::Lanes;
-use std::arch::x86_64::{
+use core::arch::x86_64::{
     __m512d, __mmask8, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _mm512_abs_pd, _mm512_add_epi64, _mm512_add_pd,
     _mm512_and_si512, _mm512_castpd_si512, _mm512_castsi512_pd, _mm512_cmp_pd_mask, _mm512_cmplt_epi64_mask,
     _mm512_div_pd, _mm512_fmadd_pd, _mm512_fmsub_pd, _mm512_i64gather_pd, _mm512_loadu_pd, _mm512_mask_add_epi64,
@@ -15,7 +15,7 @@ use std::arch::x86_64::{
 
 /// Eight doubles; a mask is one bit a lane.
 #[derive(Clone, Copy)]
-pub(super) struct Wide(__m512d);
+pub(super) struct Wide(pub(super) __m512d);
 
 // SAFETY of every block below: the door builds these vectors only inside functions with AVX-512F, on a processor that
 // has it; loads and stores are of slices whose length is asserted, and gathered indices are less than the length.

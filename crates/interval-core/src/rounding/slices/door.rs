@@ -1,6 +1,6 @@
 //! The door: operations by name, the back end chosen once, loops over blocks.
 
-#![cfg_attr(target_arch = "x86_64", expect(unsafe_code, reason = "calls of functions whose features were asked for"))]
+#![cfg_attr(avx2, expect(unsafe_code, reason = "calls of functions whose features were asked for"))]
 
 use super::kernel::{self, Lanes};
 use super::operations::{Binary, Bounds, BoundsMut, Unary};
@@ -13,8 +13,7 @@ use crate::error::Error;
 use crate::interval::Interval;
 use crate::parallel;
 use crate::rounding;
-use std::ops::{Add, Div, Mul, Neg, Sub};
-use std::sync::OnceLock;
+use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// The back end of the operations on slices.
 #[non_exhaustive]
@@ -24,7 +23,7 @@ pub enum Backend {
     Portable,
     /// AVX2 and FMA.
     Avx2,
-    /// AVX-512F, with AVX2 and FMA.
+    /// AVX-512F, with AVX2 and FMA. Never available where the compiler is older than Rust 1.89.
     Avx512,
 }
 
@@ -37,11 +36,11 @@ impl Backend {
     pub fn is_available(self) -> bool {
         match self {
             Self::Portable => true,
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(avx2)]
             Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(avx512)]
             Self::Avx512 => is_x86_feature_detected!("avx512f") && Self::Avx2.is_available(),
-            #[cfg(not(target_arch = "x86_64"))]
+            #[cfg(not(avx512))]
             _ => false,
         }
     }
@@ -54,10 +53,16 @@ impl Backend {
     /// ```
     #[must_use]
     pub fn chosen() -> Self {
-        static CHOSEN: OnceLock<Backend> = OnceLock::new();
-        *CHOSEN.get_or_init(|| {
-            Self::ALL.into_iter().rev().find(|backend| backend.is_available()).unwrap_or(Self::Portable)
-        })
+        #[cfg(feature = "std")]
+        {
+            static CHOSEN: std::sync::OnceLock<Backend> = std::sync::OnceLock::new();
+            *CHOSEN.get_or_init(|| {
+                Self::ALL.into_iter().rev().find(|backend| backend.is_available()).unwrap_or(Self::Portable)
+            })
+        }
+        // Without the standard library nothing asks the processor.
+        #[cfg(not(feature = "std"))]
+        Self::Portable
     }
 
     /// `portable`, `avx2` or `avx512`.
@@ -71,54 +76,35 @@ impl Backend {
     }
 }
 
-/// A vector that blocks of a slice are read into.
-pub(super) trait Block: Copy {
-    const N: usize;
-    fn load(from: &[f64]) -> Self;
-    fn store(self, to: &mut [f64]);
-    /// True if every lane is an interval with a finite point. `hi - lo >= 0` says all of it: the difference is NaN for
-    /// a bound that is NaN and for two equal infinities, and underflow is gradual.
-    fn proper(lo: Self, hi: Self) -> bool;
-    /// The same of two intervals.
-    fn both_proper(a: Self, b: Self, c: Self, d: Self) -> bool;
+/// True if every lane is an interval with a finite point. `hi - lo >= 0` says all of it: the difference is NaN for a
+/// bound that is NaN and for two equal infinities, and underflow is gradual.
+#[inline(always)]
+fn proper<L: Lanes>(lo: L, hi: L) -> bool {
+    L::all(L::splat(0.0).less_equal(hi.sub(lo)))
 }
 
-impl<L: Lanes> Block for L {
-    const N: usize = <L as Lanes>::N;
-    #[inline(always)]
-    fn load(from: &[f64]) -> Self {
-        <L as Lanes>::load(from)
-    }
-    #[inline(always)]
-    fn store(self, to: &mut [f64]) {
-        <L as Lanes>::store(self, to);
-    }
-    #[inline(always)]
-    fn proper(lo: Self, hi: Self) -> bool {
-        L::all(L::splat(0.0).less_equal(hi.sub(lo)))
-    }
-    #[inline(always)]
-    fn both_proper(a: Self, b: Self, c: Self, d: Self) -> bool {
-        let zero = L::splat(0.0);
-        L::all(L::both(zero.less_equal(b.sub(a)), zero.less_equal(d.sub(c))))
-    }
+/// The same of two intervals.
+#[inline(always)]
+fn both_proper<L: Lanes>(a: L, b: L, c: L, d: L) -> bool {
+    let zero = L::splat(0.0);
+    L::all(L::both(zero.less_equal(b.sub(a)), zero.less_equal(d.sub(c))))
 }
 
 // The loops over blocks: `fast` on two vectors at a time, `slow` on the intervals of a block for which it is not sound
 // and on the rest. Macros, because a function passed as a value would be compiled without the features of the caller.
 macro_rules! unary_blocks {
     ($block:ty, $x:ident, $out:ident, $fast:path, $slow:expr) => {{
-        let n = <$block as Block>::N;
+        let n = <$block as Lanes>::N;
         let mut start = 0;
         let operands = $x.lo.chunks_exact(2 * n).zip($x.hi.chunks_exact(2 * n));
         let results = $out.lo.chunks_exact_mut(2 * n).zip($out.hi.chunks_exact_mut(2 * n));
         for ((a, b), (low, high)) in operands.zip(results) {
             let ((a, a2), (b, b2)) = (a.split_at(n), b.split_at(n));
-            let (a, b) = (<$block>::load(a), <$block>::load(b));
-            let (a2, b2) = (<$block>::load(a2), <$block>::load(b2));
+            let (a, b) = (<$block as Lanes>::load(a), <$block as Lanes>::load(b));
+            let (a2, b2) = (<$block as Lanes>::load(a2), <$block as Lanes>::load(b2));
             let (lo, hi, sound) = $fast(a, b);
             let (lo2, hi2, sound2) = $fast(a2, b2);
-            if sound & sound2 & <$block>::proper(a, b) & <$block>::proper(a2, b2) {
+            if sound & sound2 & proper(a, b) & proper(a2, b2) {
                 lo.store(&mut low[..n]);
                 hi.store(&mut high[..n]);
                 lo2.store(&mut low[n..]);
@@ -140,7 +126,7 @@ macro_rules! unary_blocks {
 
 macro_rules! binary_blocks {
     ($block:ty, $x:ident, $y:ident, $out:ident, $fast:path, $slow:expr) => {{
-        let n = <$block as Block>::N;
+        let n = <$block as Lanes>::N;
         let mut start = 0;
         let first = $x.lo.chunks_exact(2 * n).zip($x.hi.chunks_exact(2 * n));
         let second = $y.lo.chunks_exact(2 * n).zip($y.hi.chunks_exact(2 * n));
@@ -148,11 +134,21 @@ macro_rules! binary_blocks {
         for (((a, b), (c, d)), (low, high)) in first.zip(second).zip(results) {
             let ((a, a2), (b, b2)) = (a.split_at(n), b.split_at(n));
             let ((c, c2), (d, d2)) = (c.split_at(n), d.split_at(n));
-            let (a, b, c, d) = (<$block>::load(a), <$block>::load(b), <$block>::load(c), <$block>::load(d));
-            let (a2, b2, c2, d2) = (<$block>::load(a2), <$block>::load(b2), <$block>::load(c2), <$block>::load(d2));
+            let (a, b, c, d) = (
+                <$block as Lanes>::load(a),
+                <$block as Lanes>::load(b),
+                <$block as Lanes>::load(c),
+                <$block as Lanes>::load(d),
+            );
+            let (a2, b2, c2, d2) = (
+                <$block as Lanes>::load(a2),
+                <$block as Lanes>::load(b2),
+                <$block as Lanes>::load(c2),
+                <$block as Lanes>::load(d2),
+            );
             let (lo, hi, sound) = $fast(a, b, c, d);
             let (lo2, hi2, sound2) = $fast(a2, b2, c2, d2);
-            let proper = <$block>::both_proper(a, b, c, d) & <$block>::both_proper(a2, b2, c2, d2);
+            let proper = both_proper(a, b, c, d) & both_proper(a2, b2, c2, d2);
             if sound & sound2 & proper {
                 lo.store(&mut low[..n]);
                 hi.store(&mut high[..n]);
@@ -201,41 +197,47 @@ fn binary_on<L: Lanes>(op: Binary, x: Bounds<'_>, y: Bounds<'_>, mut out: Bounds
 }
 
 /// Functions compiled for processors that have more than the baseline.
-#[cfg(target_arch = "x86_64")]
+#[cfg(avx2)]
 mod wide {
     use super::super::avx2::Avx2;
-    use super::super::avx512::{self, Avx512};
+    #[cfg(avx512)]
+    use super::super::avx512;
+    #[cfg(avx512)]
     use super::super::avx512_lanes::Wide;
     use super::super::elementary;
-    use super::{Add, Binary, Block, Bounds, BoundsMut, Div, Error, Interval, Mul, Sub, Unary, binary_on, unary_on};
+    #[cfg(avx512)]
+    use super::{Add, Div, Interval, Lanes, Mul, Sub, both_proper, proper};
+    use super::{Binary, Bounds, BoundsMut, Error, Unary, binary_on, unary_on};
 
     #[target_feature(enable = "avx2,fma")]
-    pub fn unary_avx2(op: Unary, x: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> {
+    pub unsafe fn unary_avx2(op: Unary, x: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> {
         if op.is_arithmetic() { unary_on::<Avx2>(op, x, out) } else { elementary::unary_on::<Avx2>(op, x, out) }
     }
 
     #[target_feature(enable = "avx2,fma")]
-    pub fn binary_avx2(op: Binary, x: Bounds<'_>, y: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> {
+    pub unsafe fn binary_avx2(op: Binary, x: Bounds<'_>, y: Bounds<'_>, out: BoundsMut<'_>) -> Result<(), Error> {
         binary_on::<Avx2>(op, x, y, out)
     }
 
+    #[cfg(avx512)]
     #[target_feature(enable = "avx512f,avx2,fma")]
-    pub fn unary_avx512(op: Unary, x: Bounds<'_>, mut out: BoundsMut<'_>) -> Result<(), Error> {
+    pub unsafe fn unary_avx512(op: Unary, x: Bounds<'_>, mut out: BoundsMut<'_>) -> Result<(), Error> {
         match op {
-            Unary::Square => unary_blocks!(Avx512, x, out, avx512::square, Interval::square),
-            Unary::Sqrt => unary_blocks!(Avx512, x, out, avx512::sqrt, Interval::sqrt),
+            Unary::Square => unary_blocks!(Wide, x, out, avx512::square, Interval::square),
+            Unary::Sqrt => unary_blocks!(Wide, x, out, avx512::sqrt, Interval::sqrt),
             _ if op.is_arithmetic() => unary_on::<Avx2>(op, x, out),
             _ => elementary::unary_on::<Wide>(op, x, out),
         }
     }
 
+    #[cfg(avx512)]
     #[target_feature(enable = "avx512f,avx2,fma")]
-    pub fn binary_avx512(op: Binary, x: Bounds<'_>, y: Bounds<'_>, mut out: BoundsMut<'_>) -> Result<(), Error> {
+    pub unsafe fn binary_avx512(op: Binary, x: Bounds<'_>, y: Bounds<'_>, mut out: BoundsMut<'_>) -> Result<(), Error> {
         match op {
-            Binary::Add => binary_blocks!(Avx512, x, y, out, avx512::add, Add::add),
-            Binary::Sub => binary_blocks!(Avx512, x, y, out, avx512::sub, Sub::sub),
-            Binary::Mul => binary_blocks!(Avx512, x, y, out, avx512::mul, Mul::mul),
-            Binary::Div => binary_blocks!(Avx512, x, y, out, avx512::div, Div::div),
+            Binary::Add => binary_blocks!(Wide, x, y, out, avx512::add, Add::add),
+            Binary::Sub => binary_blocks!(Wide, x, y, out, avx512::sub, Sub::sub),
+            Binary::Mul => binary_blocks!(Wide, x, y, out, avx512::mul, Mul::mul),
+            Binary::Div => binary_blocks!(Wide, x, y, out, avx512::div, Div::div),
             _ => binary_on::<Avx2>(op, x, y, out),
         }
     }
@@ -313,9 +315,9 @@ pub fn unary_with(backend: Backend, op: Unary, x: Bounds<'_>, out: BoundsMut<'_>
     check_results(x.len(), &out)?;
     match backend {
         // SAFETY: the features were found on this processor.
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(avx512)]
         Backend::Avx512 if backend.is_available() => unsafe { wide::unary_avx512(op, x, out) },
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(avx2)]
         Backend::Avx2 if backend.is_available() => unsafe { wide::unary_avx2(op, x, out) },
         _ => unary_on::<Portable>(op, x, out),
     }
@@ -336,9 +338,9 @@ pub fn binary_with(
     check_results(x.len(), &out)?;
     match backend {
         // SAFETY: the features were found on this processor.
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(avx512)]
         Backend::Avx512 if backend.is_available() => unsafe { wide::binary_avx512(op, x, y, out) },
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(avx2)]
         Backend::Avx2 if backend.is_available() => unsafe { wide::binary_avx2(op, x, y, out) },
         _ => binary_on::<Portable>(op, x, y, out),
     }

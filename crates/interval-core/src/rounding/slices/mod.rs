@@ -7,21 +7,24 @@
 //!   with products by Dekker's splitting. Elsewhere it uses small arrays that the compiler maps to them (NEON has a
 //!   fused product).
 //! - *AVX2 + FMA*: the same transformations with intrinsics.
-//! - *AVX-512*: the instructions round downward and upward themselves.
+//! - *AVX-512*: the instructions round downward and upward themselves. Compilers before Rust 1.89 have no stable
+//!   intrinsics for it (`build.rs` asks); AVX2 takes its place there.
 //!
 //! Blocks with operands on which a transformation is not exact (infinities, empty intervals, results near the ends of
 //! the range) are redone one interval at a time.
 
 #![expect(clippy::inline_always, reason = "kernels are compiled inside functions with wider instruction sets")]
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(avx2)]
 mod avx2;
-#[cfg(target_arch = "x86_64")]
+#[cfg(avx512)]
+#[clippy::msrv = "1.89"]
 mod avx512;
-#[cfg(target_arch = "x86_64")]
+#[cfg(avx512)]
+#[clippy::msrv = "1.89"]
 mod avx512_lanes;
 mod door;
-#[cfg(target_arch = "x86_64")]
+#[cfg(avx2)]
 mod elementary;
 mod kernel;
 mod operations;

@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::interval::Interval;
+use alloc::vec::Vec;
 
 /// Lower and upper bounds of the intervals of a slice; the empty one is `[inf, -inf]`.
 #[derive(Debug, Clone, Copy)]

@@ -1,6 +1,9 @@
 //! Vectors as small arrays, which the compiler maps to the registers of the baseline. No `unsafe`, any processor.
 
 use super::kernel::Lanes;
+use crate::doubles::{signed, unsigned};
+#[cfg(not(feature = "std"))]
+use crate::software::Real as _;
 
 /// Doubles of a vector, which the compiler splits into registers of the baseline.
 const WIDTH: usize = 4;
@@ -15,12 +18,12 @@ pub(super) struct Flags([u64; WIDTH]);
 
 #[inline(always)]
 fn each(f: impl Fn(usize) -> f64) -> Arrays {
-    Arrays(std::array::from_fn(f))
+    Arrays(core::array::from_fn(f))
 }
 
 #[inline(always)]
 fn flags(f: impl Fn(usize) -> bool) -> Flags {
-    Flags(std::array::from_fn(|i| if f(i) { u64::MAX } else { 0 }))
+    Flags(core::array::from_fn(|i| if f(i) { u64::MAX } else { 0 }))
 }
 
 /// `a b - c` for `c` near `a b`.
@@ -124,11 +127,11 @@ impl Lanes for Arrays {
     }
     #[inline(always)]
     fn both(a: Flags, b: Flags) -> Flags {
-        Flags(std::array::from_fn(|i| a.0[i] & b.0[i]))
+        Flags(core::array::from_fn(|i| a.0[i] & b.0[i]))
     }
     #[inline(always)]
     fn either(a: Flags, b: Flags) -> Flags {
-        Flags(std::array::from_fn(|i| a.0[i] | b.0[i]))
+        Flags(core::array::from_fn(|i| a.0[i] | b.0[i]))
     }
     #[inline(always)]
     fn all(mask: Flags) -> bool {
@@ -139,7 +142,7 @@ impl Lanes for Arrays {
         // Bits count upwards for positive and downwards for negative numbers; the flag is -1 as a number.
         each(|i| {
             let bits = self.0[i].to_bits();
-            let negative = (bits.cast_signed() >> 63).cast_unsigned();
+            let negative = unsigned(signed(bits) >> 63);
             f64::from_bits(bits.wrapping_sub((mask.0[i] ^ negative).wrapping_sub(negative)))
         })
     }
@@ -147,7 +150,7 @@ impl Lanes for Arrays {
     fn below_if(self, mask: Flags) -> Self {
         each(|i| {
             let bits = self.0[i].to_bits();
-            let negative = (bits.cast_signed() >> 63).cast_unsigned();
+            let negative = unsigned(signed(bits) >> 63);
             f64::from_bits(bits.wrapping_add((mask.0[i] ^ negative).wrapping_sub(negative)))
         })
     }

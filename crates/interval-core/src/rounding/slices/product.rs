@@ -3,9 +3,9 @@
 //! The order of the sum is that of the inner index, as in the scalar loop, so the bits are the same on every back end
 //! and for any number of threads.
 
-#![cfg_attr(target_arch = "x86_64", expect(unsafe_code, reason = "calls of functions whose features were asked for"))]
+#![cfg_attr(avx2, expect(unsafe_code, reason = "calls of functions whose features were asked for"))]
 
-use super::door::{Backend, Block};
+use super::door::Backend;
 use super::kernel::{self, Lanes};
 #[cfg(not(target_arch = "x86_64"))]
 use super::portable::Arrays as Portable;
@@ -77,9 +77,9 @@ fn one_by_one(a: Slices<'_>, block: Slices<'_>, sums: &mut Sums) {
 fn group_product(backend: Backend, a: Slices<'_>, block: Slices<'_>, sums: &mut Sums) -> bool {
     match backend {
         // SAFETY: the features were found on this processor.
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(avx512)]
         Backend::Avx512 if backend.is_available() => unsafe { wide::group_avx512(a, block, sums) },
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(avx2)]
         Backend::Avx2 if backend.is_available() => unsafe { wide::group_avx2(a, block, sums) },
         _ => by_transformation::<Portable>(a, block, sums),
     }
@@ -93,31 +93,33 @@ fn by_transformation<L: Lanes>(a: Slices<'_>, block: Slices<'_>, sums: &mut Sums
         let (mut lo, mut hi) = (L::splat(0.0), L::splat(0.0));
         for k in 0..a.0.len() {
             let (c, d) = (&block.0[k * GROUP + start..][..n], &block.1[k * GROUP + start..][..n]);
-            let (x, y) = (<L as Block>::load(c), <L as Block>::load(d));
+            let (x, y) = (<L as Lanes>::load(c), <L as Lanes>::load(d));
             let (p, q, product_sound) = kernel::mul(L::splat(a.0[k]), L::splat(a.1[k]), x, y);
             let (s, t, sum_sound) = kernel::add(lo, hi, p, q);
             (lo, hi) = (s, t);
             sound &= product_sound & sum_sound;
         }
-        <L as Block>::store(lo, &mut sums.0[start..]);
-        <L as Block>::store(hi, &mut sums.1[start..]);
+        <L as Lanes>::store(lo, &mut sums.0[start..]);
+        <L as Lanes>::store(hi, &mut sums.1[start..]);
     }
     sound
 }
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(avx2)]
 mod wide {
     use super::super::avx2::Avx2;
+    #[cfg(avx512)]
     use super::super::avx512;
     use super::{Slices, Sums, by_transformation};
 
     #[target_feature(enable = "avx2,fma")]
-    pub fn group_avx2(a: Slices<'_>, block: Slices<'_>, sums: &mut Sums) -> bool {
+    pub unsafe fn group_avx2(a: Slices<'_>, block: Slices<'_>, sums: &mut Sums) -> bool {
         by_transformation::<Avx2>(a, block, sums)
     }
 
+    #[cfg(avx512)]
     #[target_feature(enable = "avx512f,avx2,fma")]
-    pub fn group_avx512(a: Slices<'_>, block: Slices<'_>, sums: &mut Sums) -> bool {
+    pub unsafe fn group_avx512(a: Slices<'_>, block: Slices<'_>, sums: &mut Sums) -> bool {
         avx512::group_product(a, block, sums);
         true
     }

@@ -3,7 +3,7 @@
 #![expect(unsafe_code, reason = "intrinsics")]
 
 use super::kernel::Lanes;
-use std::arch::x86_64::{
+use core::arch::x86_64::{
     __m128d, _mm_add_epi64, _mm_add_pd, _mm_and_pd, _mm_andnot_pd, _mm_castpd_si128, _mm_castsi128_pd, _mm_cmpeq_pd,
     _mm_cmple_pd, _mm_cmplt_pd, _mm_div_pd, _mm_loadu_pd, _mm_max_pd, _mm_min_pd, _mm_movemask_pd, _mm_mul_pd,
     _mm_or_pd, _mm_set1_pd, _mm_shuffle_epi32, _mm_sqrt_pd, _mm_srai_epi32, _mm_storeu_pd, _mm_sub_epi64, _mm_sub_pd,

@@ -17,7 +17,7 @@ const SMALL: f64 = f64::from_bits((1023 - 54) << 52);
 /// 2^-73, proved there. `2^k` is normal for `-707 <= x <= 708`: `|n| < 2^17`, and `k = n >> 6` from -1020 to 1021.
 #[inline(always)]
 fn kernel<L: Fused>(x: L, columns: &Columns) -> (Dd<L>, L) {
-    let tables = &*TABLES;
+    let tables = &TABLES;
     let (shifted, n) = nearest(x.mul(L::splat(tables.steps_per_unit)));
     let low = two_product(n, L::splat(tables.step[1]));
     let s = two_sum(n.mul_add(L::splat(-tables.step[0]), x), low.hi.neg());

@@ -2,6 +2,7 @@
 //! numbers that hold an integer.
 
 use super::super::kernel::Lanes;
+use crate::doubles::signed;
 
 /// 1.5 * 2^52: the doubles about it are the integers, so a sum with it is rounded to an integer, which stands in its
 /// lowest bits as a two's complement.
@@ -10,7 +11,7 @@ pub(super) const SHIFT: f64 = 6_755_399_441_055_744.0;
 /// The bits of the mantissa and of 1, and the exponent's bias on top of [`SHIFT`]: what takes a number apart.
 pub(in super::super) const MANTISSA: i64 = (1 << 52) - 1;
 pub(in super::super) const ONE_EXPONENT: i64 = 1023 << 52;
-pub(in super::super) const SHIFT_BITS: i64 = SHIFT.to_bits().cast_signed();
+pub(in super::super) const SHIFT_BITS: i64 = signed(SHIFT.to_bits());
 pub(in super::super) const SHIFTED_BIAS: f64 = SHIFT + 1023.0;
 
 /// The largest index of a table whose length is a power of two: the mask of the bits that count.

@@ -50,7 +50,7 @@ macro_rules! blocks {
 /// An elementary function on vectors `L`, others one by one.
 #[inline(always)]
 pub(super) fn unary_on<L: Fused>(op: Unary, x: Bounds<'_>, mut out: BoundsMut<'_>) -> Result<(), Error> {
-    let columns = &*COLUMNS;
+    let columns = &COLUMNS;
     match op {
         Unary::Exp => blocks!(L, x, out, |a, b| exponential::exp(a, b, columns), Interval::exp),
         Unary::Ln => blocks!(L, x, out, |a, b| logarithm::ln(a, b, columns), Interval::ln),

@@ -1,7 +1,6 @@
 //! The tables of the scalar kernels, column by column, for vectors that gather their entries.
 
 use crate::elementary::{Dd, LOG_FIRST, TABLES};
-use std::sync::LazyLock;
 
 /// Heads and tails of double-double tables. Lengths are powers of two, whatever stands in the entries that are not
 /// reached.
@@ -16,21 +15,43 @@ pub(super) struct Columns {
     pub log: [[f64; 128]; 2],
 }
 
-pub(super) static COLUMNS: LazyLock<Columns> = LazyLock::new(|| Columns {
-    exp2: columns(&TABLES.exp2),
-    sin: columns(&TABLES.sin_cos.map(|(sin, _)| sin)),
-    cos: columns(&TABLES.sin_cos.map(|(_, cos)| cos)),
-    log_point: std::array::from_fn(|j| log_entry(j).0),
-    log: [std::array::from_fn(|j| log_entry(j).1.hi), std::array::from_fn(|j| log_entry(j).1.lo)],
-});
+pub(super) static COLUMNS: Columns = Columns::new();
 
-fn columns<const SIZE: usize>(entries: &[Dd]) -> [[f64; SIZE]; 2] {
-    let entry = |j: usize| entries.get(j).copied().unwrap_or(Dd::from(0.0));
-    [std::array::from_fn(|j| entry(j).hi), std::array::from_fn(|j| entry(j).lo)]
+impl Columns {
+    const fn new() -> Self {
+        let mut columns = Self {
+            exp2: [[0.0; 64]; 2],
+            sin: [[0.0; 128]; 2],
+            cos: [[0.0; 128]; 2],
+            log_point: [1.0; 128],
+            log: [[0.0; 128]; 2],
+        };
+        let mut j = 0;
+        while j < TABLES.exp2.len() {
+            put(&mut columns.exp2, j, TABLES.exp2[j]);
+            j += 1;
+        }
+        j = 0;
+        while j < TABLES.sin_cos.len() {
+            let (sin, cos) = TABLES.sin_cos[j];
+            put(&mut columns.sin, j, sin);
+            put(&mut columns.cos, j, cos);
+            j += 1;
+        }
+        j = 0;
+        while j < TABLES.log.len() {
+            let (point, log) = TABLES.log[j];
+            // The entry whose index has these seven lowest bits.
+            let bits = (j + LOG_FIRST) % 128;
+            columns.log_point[bits] = point;
+            put(&mut columns.log, bits, log);
+            j += 1;
+        }
+        columns
+    }
 }
 
-/// The entry of the logarithm's table whose index has these seven lowest bits.
-fn log_entry(bits: usize) -> (f64, Dd) {
-    let index = if bits < LOG_FIRST { bits + 128 } else { bits };
-    TABLES.log.get(index - LOG_FIRST).copied().unwrap_or((1.0, Dd::from(0.0)))
+const fn put<const SIZE: usize>(columns: &mut [[f64; SIZE]; 2], at: usize, value: Dd) {
+    columns[0][at] = value.hi;
+    columns[1][at] = value.lo;
 }

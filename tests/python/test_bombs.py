@@ -10,7 +10,7 @@ from scipy.io import savemat
 
 import log_files
 from ivsid import IvsidError, read_log
-from ivsid.log import formats, plain, unpacked
+from ivsid.log import parquet, plain, unpacked
 from test_log_formats import mapping
 
 
@@ -107,7 +107,7 @@ def test_a_bag_with_a_bomb_gets_a_sentence(tmp_path, small, how):
 
 def test_a_parquet_file_of_endless_rows_is_refused(tmp_path, monkeypatch):
     """A constant column takes some bytes, however long it is."""
-    monkeypatch.setattr(formats, "MOST_ROWS", 1_000_000)
+    monkeypatch.setattr(parquet, "MOST_ROWS", 1_000_000)
     path = tmp_path / "log.parquet"
     pl.select(t=pl.repeat(1.0, 3_000_000), u=pl.repeat(2.0, 3_000_000)).write_parquet(path)
     assert path.stat().st_size < 100_000

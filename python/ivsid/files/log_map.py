@@ -83,6 +83,8 @@ class LogMap(Section):
         rates: the largest rate of change of a channel [its unit per second]. Only a channel with a stated rate is brought to
             another clock. Its interval there is widened by the largest change under that rate.
         clock_error: the largest difference between two clocks [s].
+        span: the part of the log that is read, from one time to another [s]: on the clock of the log, which counts from its first stamp
+            where stamps are dates or epochs; of a bag, since its first message by the recorder's clock.
     """
 
     columns: dict[str, Given] = Field(default_factory=dict)
@@ -92,3 +94,10 @@ class LogMap(Section):
     base: str | None = None
     rates: dict[str, Positive] = Field(default_factory=dict)
     clock_error: NonNegative = 0.0
+    span: tuple[Finite, Finite] | None = None
+
+    @model_validator(mode="after")
+    def _forward(self) -> Self:
+        if self.span is not None and not self.span[0] < self.span[1]:
+            raise ValueError(f"span goes from {self.span[0]:g} to {self.span[1]:g} s; its second time is the later one")
+        return self

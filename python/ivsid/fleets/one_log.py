@@ -16,10 +16,10 @@ from ivsid.effects import terms_of
 from ivsid.errors import IvsidError
 from ivsid.fleets.finished import Finished, key_of
 from ivsid.fleets.log_rows import LogRows, of_regression
-from ivsid.fleets.places import Place, on_disk
+from ivsid.fleets.places import Place, opened
 from ivsid.fleets.scan import Question, Violated, scan
 from ivsid.identification import identify
-from ivsid.log import digest_of, read_log
+from ivsid.log import Log, Parts, digest_of, read_log
 from ivsid.rows import build_rows, window_count
 from ivsid.sensors.bounds import bound_log
 from ivsid.vehicle import Vehicle, parse_vehicle
@@ -116,14 +116,20 @@ def identified(place: Place, settings: Settings) -> Outcome:
 
 def _identified(place: Place, settings: Settings) -> tuple[Record, bool, int]:
     vehicle = settings.checked()
-    with on_disk(place.address) as path:
-        size = _size(path)
-        digest = digest_of(path)
+    with opened(place.address) as path:
+        log: Log | None = None
+        if isinstance(path, Parts) or vehicle.log.span is not None:
+            # What its identity stands for is known when it has been read.
+            log = read_log(path, vehicle.log)
+            digest = log.sha256
+        else:
+            digest = digest_of(path)
         key = key_of("identify", [digest], settings.vehicle, settings.options)
         known = settings.finished.read("identify", key)
         if known is not None:
-            return _small({**known, "name": place.name}), True, size
-        log = read_log(path, vehicle.log)
+            return _small({**known, "name": place.name}), True, _size(path)
+        log = log or read_log(path, vehicle.log)
+        size = _size(path)
     fit = identify(vehicle, log, bias="sample", **settings.options)
     record = {
         "key": key,
@@ -173,7 +179,10 @@ def _blocks(certificates: Sequence[Stored]) -> list[list[str]]:
     return [list(ids) for ids in dict.fromkeys(tuple(c["orthant"]) for c in certificates)]
 
 
-def _size(path: Path) -> int:
+def _size(path: Path | Parts) -> int:
+    """Bytes of a log, or those that were fetched of it."""
+    if isinstance(path, Parts):
+        return path.moved
     files = [path] if path.is_file() else [Path(w, n) for w, _, names in os.walk(path) for n in names]
     return sum(f.stat().st_size for f in files)
 
@@ -189,9 +198,9 @@ def _diagnosed(place: Place, other: Place, digests: tuple[str, str], settings: S
     known = settings.finished.read("diagnose", key)
     if known is not None:
         return known, True, 0
-    with on_disk(place.address) as first, on_disk(other.address) as second:
-        size = _size(first) + _size(second)
+    with opened(place.address) as first, opened(other.address) as second:
         logs = [read_log(p, vehicle.log) for p in (first, second)]
+        size = _size(first) + _size(second)
     _same((place, other), [log.sha256 for log in logs], digests)
     found = diagnose(vehicle, *logs, seed=options["seed"], null_logs=options["null_logs"])
     record = {
@@ -239,7 +248,7 @@ def rows_of(logs: Sequence[tuple[int, Place, str]], settings: Settings) -> list[
     terms = terms_of(vehicle, options["form"])
     parts = []
     for number, place, digest in logs:
-        with on_disk(place.address) as path:
+        with opened(place.address) as path:
             log = read_log(path, vehicle.log)
         _same([place], [log.sha256], [digest])
         made = build_rows(

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import glob
 import os
-import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import IO, Final, Protocol
+from typing import Final, Protocol
 
 from ivsid.errors import IvsidError
 from ivsid.files.places import check_writable
 from ivsid.files.whole import write_whole
 from ivsid.fleets import extra
-from ivsid.log import TABLES, WHOLE
+from ivsid.log import TABLES, WHOLE, Parts
 
 ENDINGS: Final = (*TABLES, *WHOLE)
 
@@ -39,11 +38,14 @@ class FileSystem(Protocol):
     def unstrip_protocol(self, path: str) -> str:
         """The URL of a path."""
 
-    def open(self, path: str, mode: str) -> IO[bytes]:
-        """An open file."""
+    def cat_file(self, path: str, start: int | None = None, end: int | None = None) -> bytes:
+        """The content of a file, or its bytes from one place up to another."""
 
-    def cat_file(self, path: str) -> bytes:
-        """The content of a file."""
+    def size(self, path: str) -> int | None:
+        """Bytes of a file."""
+
+    def invalidate_cache(self) -> None:
+        """Forgets what lay in the store."""
 
     def pipe_file(self, path: str, value: bytes) -> None:
         """Writes a file."""
@@ -150,8 +152,10 @@ def _names(addresses: Sequence[str]) -> list[str]:
 
 
 @contextmanager
-def on_disk(address: str) -> Iterator[Path]:
-    """The log as a file of this machine: itself, or a copy that lasts as long as the block.
+def opened(address: str) -> Iterator[Path | Parts]:
+    """The log as ``read_log`` takes it: a path of this machine, or a file elsewhere, of which the bytes that are needed are fetched.
+
+    They lie in a file of this machine as long as the block lasts.
 
     Raises:
         IvsidError: a URL that cannot be read.
@@ -160,14 +164,23 @@ def on_disk(address: str) -> Iterator[Path]:
         yield Path(address)
         return
     system, path = _system(address)
-    with tempfile.TemporaryDirectory(prefix="ivsid-") as folder:
-        copy = Path(folder) / PurePosixPath(path).name
+
+    def fetch(begin: int, end: int) -> bytes:
         try:
-            with system.open(path, "rb") as source, copy.open("wb") as target:
-                shutil.copyfileobj(source, target, 1 << 20)
+            return system.cat_file(path, begin, end)
         except Exception as error:
             raise _unusable(address, error) from None
-        yield copy
+
+    try:
+        # A store may remember what lay there before.
+        system.invalidate_cache()
+        size = system.size(path)
+    except Exception as error:
+        raise _unusable(address, error) from None
+    if size is None:
+        raise IvsidError(f"{address} has no size that its store tells; copy it to a disk")
+    with tempfile.TemporaryDirectory(prefix="ivsid-") as folder:
+        yield Parts(Path(folder) / PurePosixPath(path).name, address, fetch, size)
 
 
 def read_bytes(address: str) -> bytes | None:

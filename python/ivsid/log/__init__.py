@@ -3,7 +3,8 @@
 Files to tables:
 
 - ``formats``: tells the kinds of files apart and opens them; ``source``: the tables that it opens.
-- ``text``, ``matlab``, ``rosbag``, ``dataflash``: one file a format. ``matlab_structure`` refuses damage that SciPy's reader does not
+- ``text``, ``parquet``, ``matlab``, ``rosbag``, ``dataflash``: one file a format. ``parts`` has the bytes of a file that are needed, by ``mcap_index`` or
+  the footer of Parquet; ``mcap_mend`` makes an index anew. ``matlab_structure`` refuses damage that SciPy's reader does not
   survive; ``polars_panics`` keeps reports of internal faults of Polars off the terminal.
 
 Tables to a log:
@@ -23,17 +24,20 @@ The chapter may use ``files``, ``intervals`` and ``errors``. It knows no vehicle
 from ivsid.log.channels import COLUMNS
 from ivsid.log.formats import TABLES, WHOLE, digest_of, open_source
 from ivsid.log.given import GivenLog, log_of
+from ivsid.log.parts import PARTS, Parts
 from ivsid.log.reader import read_log
 from ivsid.log.record import Clock, Log, Quality, StepRange
 from ivsid.log.source import Source
 
 __all__ = [
     "COLUMNS",
+    "PARTS",
     "TABLES",
     "WHOLE",
     "Clock",
     "GivenLog",
     "Log",
+    "Parts",
     "Quality",
     "Source",
     "StepRange",

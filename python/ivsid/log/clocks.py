@@ -37,6 +37,27 @@ def together(times: Mapping[tuple[str, str], Times], source: str) -> dict[tuple[
     return shifted
 
 
+def within(
+    times: Mapping[tuple[str, str], Times], span: tuple[float, float], source: str
+) -> dict[tuple[str, str], Times]:
+    """The samples of all clocks from one time to another [s].
+
+    Raises:
+        IvsidError: a clock has fewer than two samples there.
+    """
+    found: dict[tuple[str, str], Times] = {}
+    for key, x in times.items():
+        a, b = np.searchsorted(x.t, span[0]), np.searchsorted(x.t, span[1], side="right")
+        if b - a < 2:
+            raise IvsidError(
+                f"{source} has {b - a} samples of {'/'.join(key).lstrip('/')} from {span[0]:g} to {span[1]:g} s, the span of [log], and goes from "
+                f"{x.t[0]:.6g} to {x.t[-1]:.6g} s; at least 2 are needed"
+            )
+        rows = np.arange(a, b) if x.rows is None else x.rows[a:b]
+        found[key] = replace(x, t=x.t[a:b], rows=rows)
+    return found
+
+
 def _shifted(x: Times, by: float) -> Times:
     if x.counted:
         since, lost = x.t, x.lost

@@ -9,24 +9,19 @@ import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-import polars as pl
-
 from ivsid.errors import IvsidError
-from ivsid.files.log_map import TimeColumn
 from ivsid.log.dataflash import open_dataflash
 from ivsid.log.long_tables import split
 from ivsid.log.matlab import open_matlab
-from ivsid.log.parquet_pages import PageError, check_pages
+from ivsid.log.parquet import open_parquet
+from ivsid.log.parts import Parts
 from ivsid.log.plain import plain
-from ivsid.log.polars_panics import panics_unprinted
 from ivsid.log.rosbag import open_bag
-from ivsid.log.source import SEPARATOR, Lossless, Source, Table, head
+from ivsid.log.source import SEPARATOR, Source, Table, head
 from ivsid.log.text import open_text
-from ivsid.log.unpacked import MOST_ROWS
 
 # A MATLAB v5 file begins with words; a v4 file is known by its ending.
 MATLAB_5: Final = b"MATLAB 5.0 MAT-file"
@@ -35,6 +30,11 @@ MCAP: Final = b"\x89MCAP0\r\n"
 SQLITE: Final = b"SQLite format 3\x00"
 ROS_1: Final = b"#ROSBAG V2.0"
 DATAFLASH: Final = b"\xa3\x95\x80"
+PARQUET: Final = b"PAR1"
+BAGS: Final = (".mcap", ".db3", ".bag")
+# Bytes by which formats are told apart.
+# Source: definition: the longest mark of a format has fewer
+FIRST: Final = 64
 TABLES: Final = (".csv", ".csv.gz", ".parquet", ".parquet.gz")
 # Endings of files that are a log each, in a folder that is searched.
 WHOLE: Final = (".mat", ".bin", ".mcap", ".db3", ".bag")
@@ -47,20 +47,42 @@ MOST_FILES: Final = 10_000
 
 
 @contextmanager
-def open_source(path: str | Path) -> Iterator[Source]:
+def open_source(
+    path: str | Path | Parts, span: tuple[float, float] | None = None, *, parts: bool = False, mended: bool = False
+) -> Iterator[Source]:
     """Opens any log: CSV or Parquet (plain or gzip), MATLAB, a ROS bag, DataFlash, or a folder of CSV and Parquet files.
 
-    A folder that is no log is searched: the one log below it is opened.
+    A folder that is no log is searched: the one log below it is opened. Of an MCAP or Parquet file that is elsewhere, or of which a span is
+    read, only the bytes that are needed are read, and make its identity.
+
+    Args:
+        path: of the log, or a file elsewhere.
+        span: seconds from and to which messages of a bag are read; None for all.
+        parts: whether the identity of an MCAP or Parquet file is that of its parts.
+        mended: whether the index of an MCAP file is made anew.
 
     Raises:
         IvsidError: an unreadable, empty, binary or unknown file, or a missing optional reader.
     """
-    given = Path(path)
     with ExitStack() as stack:
-        plain = _found(_regular(given, stack), str(given))
-        files = _files(plain, str(given))
-        digest = stack.enter_context(ThreadPoolExecutor(1)).submit(_hash, files)
-        yield Source(str(given), _tables(plain, str(given), files, stack), digest, _unread(plain, files))
+        if isinstance(path, Parts):
+            name, plain, files = path.name, path.path, [path.path]
+            whole: Parts | None = path
+            first = path.peek(0, FIRST)
+        else:
+            name = str(path)
+            plain = _found(_regular(Path(path), stack), name)
+            files = _files(plain, name)
+            whole = Parts(plain, name) if plain.is_file() else None
+            first = b"" if plain.is_dir() else head(plain)
+        divided = first.startswith((MCAP, PARQUET))
+        if whole is not None and (not divided or mended):
+            whole.all()
+        in_parts = whole if divided and (isinstance(path, Parts) or parts or span is not None) else None
+        digest = in_parts or stack.enter_context(ThreadPoolExecutor(1)).submit(_hash, files)
+        of_mcap = whole if first.startswith(MCAP) else None
+        tables = _tables(plain, name, files, stack, span, of_mcap or in_parts, mended=mended)
+        yield Source(name, tables, digest, spanned=is_bag(plain, first), notes=_unread(plain, files))
 
 
 def digest_of(path: str | Path) -> str:
@@ -175,11 +197,20 @@ def _files(path: Path, name: str) -> list[Path]:
     return [p for p in files if _is_table(p)] or [p for p in _below(path) if _is_table(p)]
 
 
-def _tables(path: Path, name: str, files: Sequence[Path], stack: ExitStack) -> Mapping[str, Table]:
+def _tables(
+    path: Path,
+    name: str,
+    files: Sequence[Path],
+    stack: ExitStack,
+    span: tuple[float, float] | None,
+    parts: Parts | None,
+    *,
+    mended: bool,
+) -> Mapping[str, Table]:
     """The tables of a log; files and readers behind them are released with the stack."""
     if path.is_dir():
         if _is_bag(path):
-            return open_bag(path, name, stack)
+            return open_bag(path, name, stack, span)
         tables: dict[str, Table] = {}
         for each in files:
             where = each.relative_to(path).as_posix()
@@ -202,12 +233,19 @@ def _tables(path: Path, name: str, files: Sequence[Path], stack: ExitStack) -> M
         )
     if first.startswith(MATLAB_5) or ending == ".mat":
         return open_matlab(path, name)
-    if first.startswith((MCAP, SQLITE, ROS_1)) or ending in (".mcap", ".db3", ".bag"):
-        return open_bag(path, name, stack)
+    if is_bag(path, first):
+        return open_bag(path, name, stack, span, parts, mended=mended)
     if first.startswith(DATAFLASH) or ending == ".bin":
         return open_dataflash(path, name, stack)
-    table = _table(path, name, stack)
+    table = _table(path, name, stack, parts)
     return split(table) or {"": table}
+
+
+def is_bag(path: Path, first: bytes) -> bool:
+    """Whether a path leads to a bag, by the first bytes or the ending of a file."""
+    if path.is_dir():
+        return _is_bag(path)
+    return first.startswith((MCAP, SQLITE, ROS_1)) or path.suffix.lower() in BAGS
 
 
 def _is_bag(folder: Path) -> bool:
@@ -218,74 +256,9 @@ def _is_table(path: Path) -> bool:
     return path.name.lower().endswith(TABLES)
 
 
-def _table(path: Path, name: str, stack: ExitStack) -> Table:
+def _table(path: Path, name: str, stack: ExitStack, parts: Parts | None = None) -> Table:
     """A table of CSV or Parquet, plain or gzip."""
     path = plain(path, name, stack)
-    if head(path).startswith(b"PAR1"):
-        return _parquet(path, name)
+    if head(path).startswith(PARQUET):
+        return open_parquet(path, name, parts)
     return open_text(path, name)
-
-
-@dataclass(frozen=True)
-class Parquet(Lossless):
-    """A Parquet file."""
-
-    path: Path
-    name: str
-    names: dict[str, str]
-    dtypes: Mapping[str, pl.DataType]
-    rows: int
-    clock: TimeColumn | None = None
-    first_row: int = 1
-
-    @property
-    def columns(self) -> list[str]:
-        """Its names, without blanks around them."""
-        return list(self.names)
-
-    def read(self, names: Sequence[str]) -> dict[str, pl.Series]:
-        """The columns as they are."""
-        try:
-            with panics_unprinted():
-                frame = pl.read_parquet(self.path, columns=[self.names[n] for n in names], glob=False)
-        except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
-            raise _unusable(self.name, error) from None
-        return {n: frame[self.names[n]] for n in names}
-
-    def part(self, name: str, rows: slice) -> pl.Series:
-        """Some rows of a column: only the row groups that hold them are read."""
-        wanted = pl.scan_parquet(self.path, glob=False).select(self.names[name])
-        try:
-            with panics_unprinted():
-                return wanted.slice(rows.start, rows.stop - rows.start).collect().to_series()
-        except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
-            raise _unusable(self.name, error) from None
-
-
-def _unusable(name: str, error: BaseException) -> IvsidError:
-    words = "" if isinstance(error, pl.exceptions.PanicException) else str(error)
-    first = (words.splitlines() or ["damaged"])[0]
-    return IvsidError(f"{name} is not a readable CSV or Parquet table ({first}); mend or export it again")
-
-
-def _parquet(path: Path, name: str) -> Parquet:
-    try:
-        check_pages(path)
-        with panics_unprinted():
-            schema = pl.read_parquet_schema(path)
-            rows = int(pl.scan_parquet(path, glob=False).select(pl.len()).collect().item())
-    except (PageError, pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
-        raise _unusable(name, error) from None
-    if rows > MOST_ROWS:
-        raise IvsidError(f"{name} has {rows:,} rows; logs of up to {MOST_ROWS:,} are read, so cut it into parts")
-    stripped = [c.strip() for c in schema]
-    twice = next((n for n in stripped if stripped.count(n) > 1), None)
-    if twice is not None:
-        raise IvsidError(f"{name} has the column {twice} more than once; each needs its own name")
-    return Parquet(
-        path,
-        name,
-        dict(zip(stripped, schema, strict=True)),
-        dict(zip(stripped, schema.values(), strict=True)),
-        rows,
-    )

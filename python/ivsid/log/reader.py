@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -12,16 +12,18 @@ import polars as pl
 from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
-from ivsid.files.log_map import LogMap
+from ivsid.files.log_map import LogMap, TimeColumn
 from ivsid.files.processor import check_rounding
 from ivsid.log.channels import Clocked, converted, turned, with_heading
-from ivsid.log.clocks import together
+from ivsid.log.clocks import together, within
 from ivsid.log.formats import open_source
+from ivsid.log.mcap_index import IndexFaultError
 from ivsid.log.one_clock import Columns, Reading, on_one_clock
+from ivsid.log.parts import Parts
 from ivsid.log.quality import Steps, examine, gaps, without_held
 from ivsid.log.record import Log
 from ivsid.log.rules import BY_HEADER, Rule, row_clock, rules_of
-from ivsid.log.source import Source, Table, is_long, long_numbers, numbers
+from ivsid.log.source import Divided, Source, Table, is_long, long_numbers, numbers
 from ivsid.log.stamps import YEARS, loses_digits, of_two_columns, times_of
 from ivsid.memory.pieces import any_piece
 
@@ -30,12 +32,13 @@ Array = NDArray[np.float64]
 EARTH: Final = ("velocity_north", "velocity_east")
 
 
-def read_log(path: str | Path, mapping: LogMap | None = None) -> Log:
+def read_log(path: str | Path | Parts, mapping: LogMap | None = None, *, parts: bool = False) -> Log:
     """Reads a log: CSV or Parquet (plain or gzip), MATLAB v4 or v5, a ROS bag, DataFlash, or a folder of CSV and Parquet files.
 
     Args:
-        path: of the file or folder.
+        path: of the file or folder; or a file elsewhere, which is fetched in parts.
         mapping: the section ``[log]`` of a vehicle file.
+        parts: whether the identity of an MCAP or Parquet file is that of the parts that are needed, as of a file elsewhere.
 
     Returns:
         The channels on one clock, in SI units and the axes of the equations of motion. A channel of another clock is missing between
@@ -46,8 +49,13 @@ def read_log(path: str | Path, mapping: LogMap | None = None) -> Log:
         IvsidError: the first fault of the file, in one sentence.
     """
     check_rounding()
-    with open_source(path) as source:
-        log = read_source(source, mapping or LogMap())
+    wanted = mapping or LogMap()
+    try:
+        with open_source(path, wanted.span, parts=parts) as source:
+            log = read_source(source, wanted)
+    except IndexFaultError:
+        with open_source(path, wanted.span, mended=True) as source:
+            log = read_source(source, wanted)
     # A reader of others may have changed the mode.
     check_rounding()
     return log
@@ -67,7 +75,6 @@ def read_source(source: Source, mapping: LogMap) -> Log:
     reading.notes += source.notes
     reading.channels, words = with_heading(reading.channels, source.name)
     reading.notes += words
-    reading.times = together(reading.times, source.name)
     stamps = {clock: x.t for clock, x in reading.times.items()}
     _examine(reading, stamps)
     t, columns, rounding, clocks = on_one_clock(reading, stamps)
@@ -112,59 +119,116 @@ def _began(reading: Reading) -> float | None:
     return first if YEARS[0] <= first <= YEARS[1] else None
 
 
-def _collect(reading: Reading, rules: Mapping[str, Rule]) -> None:  # noqa: PLR0912
-    """Reads every table once: its stamps, and the columns that a rule asks for."""
+@dataclass(frozen=True)
+class _Wanted:
+    """What is read of a table: its stamps, and the channels of its columns.
+
+    Attributes:
+        content: the table.
+        channels: rules by channel.
+        clocks: how the stamps of each clock are read.
+        rows: the clock of the rows, or None.
+    """
+
+    content: Table
+    channels: Mapping[str, Rule]
+    clocks: Mapping[Clocked, TimeColumn]
+    rows: Clocked | None
+
+
+def _wanted(reading: Reading, rules: Mapping[str, Rule]) -> Iterator[_Wanted]:
     source = reading.source
-    tables = {rule.table for rule in rules.values()} or {next(iter(source.tables))}
-    for table in sorted(tables):
-        content = source.tables[table]
+    for table in sorted({rule.table for rule in rules.values()} or {next(iter(source.tables))}):
         mine = {wanted: rule for wanted, rule in rules.items() if rule.table == table}
-        wanted_clocks = {rule.clock: rule.stamps for rule in mine.values()}
-        row, of_rows = None, None
-        if not wanted_clocks or any(rule.column.time is None for rule in mine.values()):
-            row, of_rows = row_clock(source, reading.mapping, table)
-            wanted_clocks[of_rows] = row
-        names = [*(c[1] for c in wanted_clocks), *(n for rule in mine.values() for n in rule.names)]
-        long = content if is_long(content) else None
-        series = content.read(list(dict.fromkeys(names))) if long is None else {}
-        for clock, stamps in wanted_clocks.items():
-            shown, own = source.shown(*clock), clock != of_rows
-            unit, cells = stamps.unit, None
-            if long is None:
-                column = series[clock[1]]
-            elif long.dtypes[clock[1]].is_float() and not own:
-                # The first stamp stands for their type.
-                column = long.part(clock[1], slice(0, 1))
-                cells = long_numbers(long, clock[1], shown, source.name, content.first_row)
-            else:
-                column = content.exact(clock[1])
-            if stamps.nanoseconds is not None:
-                column, unit, cells = _of_two(source, content, clock, stamps.nanoseconds), "ns", None
-            elif long is None and loses_digits(column, unit):
-                column = content.exact(clock[1])
-            times = times_of(column, unit, source.name, shown, content.first_row, own=own, cells=cells)
-            reading.times[clock] = times
-            reading.notes += times.notes
-            reading.assumes += times.assumes
-        arrays: dict[str, Array] = {}
-        for wanted, rule in mine.items():
-            for name in set(rule.names) - arrays.keys():
-                shown = source.shown(table, name)
-                if long is None:
-                    arrays[name] = numbers(series[name], shown, source.name, content.first_row)
-                else:
-                    arrays[name] = long_numbers(long, name, shown, source.name, content.first_row)
-            rows = reading.times[rule.clock].rows
-            values, lost = rule.values({n: arrays[n] if rows is None else arrays[n][rows] for n in rule.names})
-            made = converted(values, rule.column, rule.clock, lost)
-            if rule.note:
-                reading.notes.append(rule.note)
-            if _infinite(made.values):
-                raise IvsidError(
-                    f"{source.name}: column {rule.name} times its scale, plus its offset, is no finite number for {wanted}; "
-                    "look at scale and offset under [log] columns"
-                )
-            reading.channels[wanted] = made
+        clocks, of_rows = {rule.clock: rule.stamps for rule in mine.values()}, None
+        if not clocks or any(rule.column.time is None for rule in mine.values()):
+            stamps, of_rows = row_clock(source, reading.mapping, table)
+            clocks[of_rows] = stamps
+        yield _Wanted(source.tables[table], mine, clocks, of_rows)
+
+
+def _collect(reading: Reading, rules: Mapping[str, Rule]) -> None:
+    """Reads every table once: its stamps, and the columns that a rule asks for."""
+    span = None if reading.source.spanned else reading.mapping.span
+    tables = list(_wanted(reading, rules))
+    if span is None:
+        for wanted in tables:
+            columns = [n for rule in wanted.channels.values() for n in rule.names]
+            _stamps(reading, wanted, series := _cells(wanted, columns))
+            _channels(reading, wanted, series, slice(0, None))
+        reading.times = together(reading.times, reading.source.name)
+        return
+    for wanted in tables:
+        _stamps(reading, wanted, _cells(wanted, []))
+    reading.times = within(together(reading.times, reading.source.name), span, reading.source.name)
+    for wanted in tables:
+        chosen = [reading.times[c].rows for c in wanted.clocks]
+        rows = slice(
+            min(int(r[0]) for r in chosen if r is not None), 1 + max(int(r[-1]) for r in chosen if r is not None)
+        )
+        if isinstance(wanted.content, Divided):
+            series = {n: wanted.content.part(n, rows) for r in wanted.channels.values() for n in r.names}
+        else:
+            columns = list(dict.fromkeys(n for r in wanted.channels.values() for n in r.names))
+            series = {n: c[rows] for n, c in wanted.content.read(columns).items()}
+        _channels(reading, wanted, series, rows)
+
+
+def _cells(wanted: _Wanted, columns: Sequence[str]) -> dict[str, pl.Series] | None:
+    """The columns of stamps and others of a table; None where they are read a part at a time."""
+    names = [*(c[1] for c in wanted.clocks), *columns]
+    return None if is_long(wanted.content) else wanted.content.read(list(dict.fromkeys(names)))
+
+
+def _stamps(reading: Reading, wanted: _Wanted, series: Mapping[str, pl.Series] | None) -> None:
+    """Reads the stamps of a table."""
+    source, content = reading.source, wanted.content
+    long = content if is_long(content) else None
+    for clock, stamps in wanted.clocks.items():
+        shown, own = source.shown(*clock), clock != wanted.rows
+        unit, cells = stamps.unit, None
+        if series is not None:
+            column = series[clock[1]]
+        elif long is not None and long.dtypes[clock[1]].is_float() and not own:
+            # The first stamp stands for their type.
+            column = long.part(clock[1], slice(0, 1))
+            cells = long_numbers(long, clock[1], shown, source.name, content.first_row)
+        else:
+            column = content.exact(clock[1])
+        if stamps.nanoseconds is not None:
+            column, unit, cells = _of_two(source, content, clock, stamps.nanoseconds), "ns", None
+        elif series is not None and loses_digits(column, unit):
+            column = content.exact(clock[1])
+        times = times_of(column, unit, source.name, shown, content.first_row, own=own, cells=cells)
+        reading.times[clock] = times
+        reading.notes += times.notes
+        reading.assumes += times.assumes
+
+
+def _channels(reading: Reading, wanted: _Wanted, series: Mapping[str, pl.Series] | None, part: slice) -> None:
+    """Reads the channels of a table, from some of its rows."""
+    source, content = reading.source, wanted.content
+    long = content if is_long(content) else None
+    arrays: dict[str, Array] = {}
+    for channel, rule in wanted.channels.items():
+        for name in set(rule.names) - arrays.keys():
+            shown = source.shown(rule.table, name)
+            if series is not None:
+                arrays[name] = numbers(series[name], shown, source.name, content.first_row + part.start)
+            elif long is not None:
+                arrays[name] = long_numbers(long, name, shown, source.name, content.first_row)
+        rows = reading.times[rule.clock].rows
+        chosen = {n: arrays[n] if rows is None else arrays[n][rows - part.start] for n in rule.names}
+        values, lost = rule.values(chosen)
+        made = converted(values, rule.column, rule.clock, lost)
+        if rule.note:
+            reading.notes.append(rule.note)
+        if _infinite(made.values):
+            raise IvsidError(
+                f"{source.name}: column {rule.name} times its scale, plus its offset, is no finite number for {channel}; "
+                "look at scale and offset under [log] columns"
+            )
+        reading.channels[channel] = made
 
 
 def _infinite(values: Array) -> bool:

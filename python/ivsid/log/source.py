@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import Future
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, Protocol, TypeGuard, runtime_checkable
@@ -95,6 +94,13 @@ class Frame(Lossless):
         return {n: self.frame[n] for n in names}
 
 
+class Digest(Protocol):
+    """A hash that is being made."""
+
+    def result(self) -> str:
+        """The hash, as soon as it is there."""
+
+
 @dataclass(frozen=True)
 class Source:
     """An opened file or folder.
@@ -102,18 +108,20 @@ class Source:
     Attributes:
         name: as the user gave it, for messages.
         tables: by name; a file that is one table has the name "".
-        digest: the running hash of its bytes.
+        digest: the running hash of its bytes, or what gives it in the end.
+        spanned: whether its tables hold the span of ``[log]`` alone.
         notes: sentences on what was left aside.
     """
 
     name: str
     tables: Mapping[str, Table]
-    digest: Future[str] = field(repr=False)
+    digest: Digest = field(repr=False)
+    spanned: bool = False
     notes: tuple[str, ...] = ()
 
     @property
     def sha256(self) -> str:
-        """Hash of the bytes of the file, or of all files of the folder in order."""
+        """Hash of the bytes of the file, or of all files of the folder in order; of a file that is read in parts, the identity of those."""
         return self.digest.result()
 
     @property

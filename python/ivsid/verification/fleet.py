@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Final
 
 from ivsid.errors import IvsidError
-from ivsid.log import Log, digest_of
+from ivsid.files.log_map import LogMap
+from ivsid.log import PARTS, Log, digest_of, read_log
 from ivsid.verification.checker import PROVABLE, Checker
 from ivsid.verification.errors import UnprovedError
 from ivsid.verification.rational import Range
@@ -28,12 +29,13 @@ LIKELY: Final = Fraction(1, 2)
 APART: Final = " @ "
 
 
-def logs_of(given: str | Path | Sequence[str | Path], needed: Mapping[str, str]) -> dict[str, Path]:
+def logs_of(given: str | Path | Sequence[str | Path], needed: Mapping[str, str], mapping: LogMap) -> dict[str, Path]:
     """The files of the logs that a result needs, by name, found by their content.
 
     Args:
         given: a folder with logs in it or below it, or logs.
         needed: names of logs by SHA-256.
+        mapping: the section ``[log]``, by which the parts of a log are chosen that its identity stands for.
 
     Raises:
         IvsidError: a path that cannot be read, or a log that is not there.
@@ -44,6 +46,7 @@ def logs_of(given: str | Path | Sequence[str | Path], needed: Mapping[str, str])
         inside = path.is_dir() and not _is_bag(path)
         paths += sorted(p for p in path.rglob("*") if p.is_file() or _is_bag(p)) if inside else [path]
     found: dict[str, Path] = {}
+    parts = any(digest.startswith(PARTS) for digest in needed)
     # A log most often has the name that the result gives it, so that few files are read.
     names = {Path(n).name for n in needed.values()}
     for path in sorted(paths, key=lambda p: p.name not in names):
@@ -51,6 +54,8 @@ def logs_of(given: str | Path | Sequence[str | Path], needed: Mapping[str, str])
             break
         try:
             name = needed.get(digest_of(path))
+            if name is None and parts:
+                name = needed.get(read_log(path, mapping, parts=True).sha256)
         except IvsidError:
             continue
         if name is not None:

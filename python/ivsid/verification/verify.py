@@ -9,7 +9,7 @@ from typing import Final
 
 from ivsid.errors import IvsidError
 from ivsid.files.processor import check_rounding
-from ivsid.log import Log, read_log
+from ivsid.log import PARTS, Log, read_log
 from ivsid.verification.checker import READING_ERRORS, Checker
 from ivsid.verification.fleet import FleetChecker, logs_of, needed_logs
 from ivsid.verification.result import DamagedError, is_fleet, read_result
@@ -163,7 +163,11 @@ def _of_fleet(
         return damaged(f"{type(error).__name__}: {error}")
     if not needed:
         return damaged("no row of any log proves anything")
-    logs = {name: read_log(p, read.vehicle.log) for name, p in logs_of(given, needed).items()}
+    digests = {name: digest for digest, name in needed.items()}
+    logs = {
+        name: read_log(p, read.vehicle.log, parts=digests[name].startswith(PARTS))
+        for name, p in logs_of(given, needed, read.vehicle.log).items()
+    }
     checker = FleetChecker(read, logs)
     try:
         checker.run(progress)

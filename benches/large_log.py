@@ -3,7 +3,7 @@
 The log repeats ten minutes of the paper's SWAN at 1 kHz, 12 columns of Parquet, with a gap of ten seconds between two runs. Each command runs
 in a process of its own, whose peak of memory of its own (what no file stands behind) is read from /proc.
 
-Run: python benches/large_log.py [ROWS ...]
+Run: python benches/large_log.py [ROWS ...] [csv]
 """
 
 from __future__ import annotations
@@ -26,19 +26,23 @@ from ivsid.vehicle import parse_vehicle
 LIMIT = 2 * 10**9
 
 
-def written(folder: Path, rows: int) -> Path:
+def written(folder: Path, rows: int, ending: str) -> Path:
     """The log, written a run at a time."""
     texts = [(files("ivsid") / "data" / f"{n}.toml").read_text() for n in ("swan", "swan_train")]
     vehicle, scenario = parse_vehicle(texts[0], "swan"), parse_scenario(texts[1], "swan_train")
     made = simulate(vehicle, scenario.model_copy(update={"duration": 600.0, "rate": 1000.0}), 1)
     run = pl.DataFrame({"t": made.t, **made.columns})
-    part, path = folder / "run.parquet", folder / f"log_{rows}.parquet"
+    part, path = folder / "run.parquet", folder / f"log_{rows}.{ending}"
     run.write_parquet(part)
     runs = [
         pl.scan_parquet(part).with_columns(pl.col("t") + 610.0 * k).head(max(0, rows - k * run.height))
         for k in range(-(-rows // run.height))
     ]
-    pl.concat(runs).sink_parquet(path)
+    whole = pl.concat(runs)
+    if ending == "csv":
+        whole.sink_csv(path)
+    else:
+        whole.sink_parquet(path)
     return path
 
 
@@ -69,11 +73,12 @@ def measured(words: str, command: list[str]) -> None:
 
 def main() -> None:
     """Prints the table."""
-    for rows in [int(float(a)) for a in sys.argv[1:]] or [10**6, 10**7]:
+    ending = "csv" if "csv" in sys.argv else "parquet"
+    for rows in [int(float(a)) for a in sys.argv[1:] if a != "csv"] or [10**6, 10**7]:
         with tempfile.TemporaryDirectory(dir="/var/tmp", prefix="ivsid-large-") as name:
             folder = Path(name)
-            path = written(folder, rows)
-            print(f"{rows:,} rows, {path.stat().st_size / 1e9:.3f} GB of Parquet")
+            path = written(folder, rows, ending)
+            print(f"{rows:,} rows, {path.stat().st_size / 1e9:.3f} GB of {ending}", flush=True)
             measured("identify", ["identify", "swan", str(path), "--out", str(folder / "fit")])
             measured("validate", ["validate", str(folder / "fit"), str(path), "--out", str(folder / "checked")])
             measured("verify", ["verify", str(folder / "fit"), str(path)])

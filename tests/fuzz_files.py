@@ -27,6 +27,11 @@ from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ivsid.files.log_map import LogMap
+    from ivsid.log import Parts
 
 ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT / "tests" / "python")]
@@ -291,7 +296,54 @@ def kinds(folder: Path) -> dict[str, Kind]:
         ending = path.name.split(".", 1)[1]
         command = ("identify", str(folder / "swan.toml"), "{}")
         found.append(Kind(name, path.read_bytes(), ending, change, lambda p, m=mapped: read_log(p, m), command))
+    for name in ("mcap_file", "parquet"):
+        write, table = log_files.FORMATS[name]
+        place = folder / f"{name}_parts"
+        place.mkdir()
+        path = write(place)
+        mapped = LogMap.model_validate({**table, "span": [1.0, 8.0]})
+        change = index_changed if name == "mcap_file" else bytes_changed
+        found.append(
+            Kind(f"{name}_parts", path.read_bytes(), path.suffix[1:], change, lambda p, m=mapped: in_parts(p, m))
+        )
     return {k.name: k for k in found}
+
+
+def index_changed(data: bytes, rng: random.Random) -> bytes:
+    """Changes of the index of an MCAP file, half of them of a number in it."""
+    begin = int.from_bytes(data[-28:-20], "little")
+    if rng.random() < 0.5:
+        return data[:begin] + bytes_changed(data[begin:], rng)
+    made, at = bytearray(data), rng.randrange(begin, len(data) - 8)
+    value = rng.choice((0, 1, -1, 1 << 62, len(data), begin, rng.randrange(len(data)), at))
+    made[at : at + 8] = (value % (1 << 64)).to_bytes(8, "little")
+    return bytes(made)
+
+
+def in_parts(path: Path, mapping: LogMap) -> object:
+    """A log from a disk and from elsewhere, which have to be one: with one identity and one time, or in a sentence each."""
+    from ivsid import IvsidError, read_log
+    from ivsid.log import Parts
+
+    content = path.read_bytes()
+
+    def read(given: Path | Parts) -> str:
+        try:
+            log = read_log(given, mapping)
+        except IvsidError as error:
+            if found := CONTROL.search(str(error)):
+                raise ValueError(f"a sentence with U+{ord(found[0]):04X}") from None
+            return "sentence"
+        return f"{log.sha256} {log.t.size}"
+
+    with tempfile.TemporaryDirectory() as folder:
+        there = Parts(Path(folder) / path.name, "store://log", lambda a, b: content[a:b], len(content))
+        found = read(path), read(there)
+    if found[0] != found[1]:
+        raise ValueError(f"a disk gives {found[0]}, a store {found[1]}")
+    if found[0] == "sentence":
+        raise IvsidError("no log")
+    return found[0]
 
 
 def file_of(kind: Kind, seed: int, number: int, folder: Path) -> Path:

@@ -154,7 +154,8 @@ def s3(monkeypatch):
         monkeypatch.setenv("AWS_DEFAULT_REGION", "us-east-1")
         fsspec.filesystem("s3").clear_instance_cache()
         system = fsspec.filesystem("s3")
-        system.mkdir("fleet")
+        if not system.exists("fleet"):
+            system.mkdir("fleet")
         yield system
     finally:
         server.stop()

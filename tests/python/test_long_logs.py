@@ -11,6 +11,7 @@ import pytest
 import ivsid
 from ivsid.effects import terms_of
 from ivsid.errors import IvsidError
+from ivsid.files.log_map import LogMap
 from ivsid.files.records import sealed, to_json
 from ivsid.log import angles, quality, read_log, source
 from ivsid.memory import order, pieces, room
@@ -147,6 +148,70 @@ def test_thrusters_with_a_history_push_the_same_in_pieces_and_in_files(tmp_path,
     whole = made()
     small_pieces(monkeypatch)
     assert made() == whole
+
+
+def cells(rows=700):
+    rng = np.random.default_rng(4)
+    t, u = 0.05 * np.arange(rows), rng.normal(size=(4, rows))
+    return t, dict(zip(("u", "v", "r", "demand_port"), u, strict=True))
+
+
+def in_text(t, columns, *, comma=False, padded=False, others=True):
+    """A CSV file; numbers with decimal commas, or with blanks around some of them."""
+    sign = ";" if comma else ","
+    shown = [[*(f"{x}" for x in row)] for row in zip(t, *columns.values(), strict=True)]
+    if comma:
+        shown = [[c.replace(".", ",") for c in row] for row in shown]
+    if padded:
+        shown[650][2] = f" {shown[650][2]} "
+    lines = [sign.join([*row, f'"words{sign}{k}"'] if others else row) for k, row in enumerate(shown)]
+    return "\n".join([sign.join(["t", *columns, *(["remark"] if others else [])]), *lines]) + "\n"
+
+
+def both(path, monkeypatch, mapping=None):
+    """A log, or the sentence about it, as a short file and as a long one."""
+
+    def read():
+        try:
+            return bytes_of(read_log(path, mapping)), ""
+        except IvsidError as error:
+            return None, str(error)
+
+    short = read()
+    with monkeypatch.context() as patch:
+        small_pieces(patch)
+        return short, read()
+
+
+DATES = [f"2024-05-31T12:{k // 60:02}:{k % 60:02}.125Z" for k in range(700)]
+TEXTS = {
+    "numbers": in_text(*cells()),
+    "no other column": in_text(*cells(), others=False),
+    "a padded cell": in_text(*cells(), padded=True),
+    "decimal commas": in_text(*cells(), comma=True),
+    "dates": in_text(DATES, cells()[1]),
+    "an epoch": in_text([f"{1_700_000_000 + k // 20}.{50 * (k % 20):03}" for k in range(700)], cells()[1]),
+    "nanoseconds": in_text([1_700_000_000_000_000_123 + 50_000_000 * k for k in range(700)], cells()[1]),
+    "missing cells": in_text(*cells()).replace(".1", "nan", 3).replace("\n1.0,", "\n1.0,null,", 0),
+    "a word": in_text(*cells()).replace("\n30.0,", "\n30.0,soon", 1),
+    "an infinite cell": in_text(*cells()).replace("\n30.0,", "\n30.0,inf,,,,\n30.01,", 1),
+    "a row with more cells": in_text(*cells()).replace("\n30.0,", "\n30.0,1,2,3,4,5,6,7,", 1),
+    "commas and points": in_text(*cells(), comma=True).replace("\n30,0;", "\n30,0;1.5;1,5;1,5;1,5;a\n30,01;", 1),
+    "disorder": in_text(*cells()).replace("\n30.0,", "\n29.0,", 1),
+}
+
+
+@pytest.mark.parametrize("kind", TEXTS)
+def test_a_long_text_is_the_log_of_a_short_one(tmp_path, monkeypatch, kind):
+    """Read a part at a time, with the types of the whole file: the same numbers, or the same sentence."""
+    path = tmp_path / "log.csv"
+    path.write_text(TEXTS[kind])
+    short, long = both(path, monkeypatch)
+    assert long == short and (short[0] is not None) != bool(short[1])
+    if not short[1]:
+        part = LogMap.model_validate({"span": [5.0, 9.0]})
+        short, long = both(path, monkeypatch, part)
+        assert long == short and short[0] is not None
 
 
 def numbers():

@@ -38,7 +38,7 @@ class FileSystem(Protocol):
     def unstrip_protocol(self, path: str) -> str:
         """The URL of a path."""
 
-    def cat_file(self, path: str, start: int | None = None, end: int | None = None) -> bytes:
+    def cat_file(self, path: str, *, start: int | None = None, end: int | None = None) -> bytes:
         """The content of a file, or its bytes from one place up to another."""
 
     def size(self, path: str) -> int | None:
@@ -167,7 +167,7 @@ def opened(address: str) -> Iterator[Path | Parts]:
 
     def fetch(begin: int, end: int) -> bytes:
         try:
-            return system.cat_file(path, begin, end)
+            return system.cat_file(path, start=begin, end=end)
         except Exception as error:
             raise _unusable(address, error) from None
 

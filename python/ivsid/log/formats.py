@@ -261,4 +261,4 @@ def _table(path: Path, name: str, stack: ExitStack, parts: Parts | None = None) 
     path = plain(path, name, stack)
     if head(path).startswith(PARQUET):
         return open_parquet(path, name, parts)
-    return open_text(path, name)
+    return open_text(path, name, stack)

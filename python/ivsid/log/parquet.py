@@ -57,6 +57,9 @@ class Parquet(Lossless):
             raise unusable(self.name, error) from None
         return {n: frame[self.names[n]] for n in names}
 
+    def prepare(self, names: Sequence[str]) -> None:
+        """Nothing: a column is read by itself."""
+
     def part(self, name: str, rows: slice) -> pl.Series:
         """Some rows of a column: only the row groups that hold them are read."""
         wanted = pl.scan_parquet(self.path, glob=False).select(self.names[name])

@@ -19,12 +19,13 @@ from ivsid.log.clocks import together, within
 from ivsid.log.formats import open_source
 from ivsid.log.mcap_index import IndexFaultError
 from ivsid.log.one_clock import Columns, Reading, on_one_clock
+from ivsid.log.parquet import Parquet
 from ivsid.log.parts import Parts
 from ivsid.log.quality import Steps, examine, gaps, without_held
 from ivsid.log.record import Log
 from ivsid.log.rules import BY_HEADER, Rule, row_clock, rules_of
-from ivsid.log.source import Divided, Source, Table, is_long, long_numbers, numbers
-from ivsid.log.stamps import YEARS, loses_digits, of_two_columns, times_of
+from ivsid.log.source import Lossless, Source, Table, is_long, long_numbers, numbers
+from ivsid.log.stamps import YEARS, digits_lost, loses_digits, of_two_columns, times_of
 from ivsid.memory.pieces import any_piece
 
 Array = NDArray[np.float64]
@@ -166,18 +167,22 @@ def _collect(reading: Reading, rules: Mapping[str, Rule]) -> None:
         rows = slice(
             min(int(r[0]) for r in chosen if r is not None), 1 + max(int(r[-1]) for r in chosen if r is not None)
         )
-        if isinstance(wanted.content, Divided):
-            series = {n: wanted.content.part(n, rows) for r in wanted.channels.values() for n in r.names}
+        columns = list(dict.fromkeys(n for r in wanted.channels.values() for n in r.names))
+        if isinstance(wanted.content, Parquet) or is_long(wanted.content):
+            wanted.content.prepare(columns)
+            series = {n: wanted.content.part(n, rows) for n in columns}
         else:
-            columns = list(dict.fromkeys(n for r in wanted.channels.values() for n in r.names))
             series = {n: c[rows] for n, c in wanted.content.read(columns).items()}
         _channels(reading, wanted, series, rows)
 
 
 def _cells(wanted: _Wanted, columns: Sequence[str]) -> dict[str, pl.Series] | None:
     """The columns of stamps and others of a table; None where they are read a part at a time."""
-    names = [*(c[1] for c in wanted.clocks), *columns]
-    return None if is_long(wanted.content) else wanted.content.read(list(dict.fromkeys(names)))
+    names = list(dict.fromkeys([*(c[1] for c in wanted.clocks), *columns]))
+    if is_long(wanted.content):
+        wanted.content.prepare(names)
+        return None
+    return wanted.content.read(names)
 
 
 def _stamps(reading: Reading, wanted: _Wanted, series: Mapping[str, pl.Series] | None) -> None:
@@ -193,6 +198,8 @@ def _stamps(reading: Reading, wanted: _Wanted, series: Mapping[str, pl.Series] |
             # The first stamp stands for their type.
             column = long.part(clock[1], slice(0, 1))
             cells = long_numbers(long, clock[1], shown, source.name, content.first_row)
+            if not isinstance(content, Lossless) and digits_lost(cells, unit):
+                column, cells = content.exact(clock[1]), None
         else:
             column = content.exact(clock[1])
         if stamps.nanoseconds is not None:

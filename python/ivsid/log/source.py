@@ -64,6 +64,9 @@ class Divided(Protocol):
     def dtypes(self) -> Mapping[str, pl.DataType]:
         """The type of each column."""
 
+    def prepare(self, names: Sequence[str]) -> None:
+        """Tells which columns are read together, before any part of them is."""
+
     def part(self, name: str, rows: slice) -> pl.Series:
         """Some rows of a column."""
 

@@ -241,6 +241,11 @@ def loses_digits(series: pl.Series, unit: str | None) -> bool:
     return isinstance(largest, float) and (largest > EPOCH or unit not in (None, "s"))
 
 
+def digits_lost(stamps: Array, unit: str | None) -> bool:
+    """The same of stamps that are doubles, NaN where one is missing."""
+    return unit not in (None, "s") or _largest(stamps) > EPOCH
+
+
 def _decimal(stamp: object) -> Decimal:
     return Decimal(stamp.strip()) if isinstance(stamp, str) else Decimal(str(stamp))
 

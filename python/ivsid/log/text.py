@@ -6,8 +6,11 @@ Cells are separated by commas, semicolons, tabs or single blanks. Between other 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+import tempfile
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Final
 
@@ -16,7 +19,9 @@ import polars as pl
 from ivsid.errors import IvsidError
 from ivsid.files.log_map import TimeColumn
 from ivsid.log.beginning import MOST_LINES, beginning
-from ivsid.log.source import MISSING
+from ivsid.log.polars_panics import panics_unprinted
+from ivsid.log.source import AT_ONCE, MISSING
+from ivsid.memory.room import DOUBLE, disk, is_large
 
 # Bytes at either end of a file that are examined before it is read.
 # Source: resource: bounds the time and memory of the examination
@@ -24,6 +29,8 @@ HEAD: Final = 65536
 # Rows that tell whether numbers have decimal commas.
 # Source: definition: the rows in the first bytes, at most
 SOME: Final = 200
+# Column of a copy that stands for all that are not in it.
+_OTHERS: Final = "\x00others"
 _NUMBER: Final = r"^(\s*[+-]?\d*),(\d+(?:[eE][+-]?\d+)?\s*)$"
 # A number with a point where others have a comma: it may be the decimals, or thousands.
 _POINT: Final = r"^\s*[+-]?\d*\.\d+(?:[eE][+-]?\d+)?\s*$"
@@ -50,6 +57,48 @@ class Text:
     clock: TimeColumn | None = None
     first_row: int = 2
     """Number of the line that holds the first sample."""
+    stack: ExitStack = field(default_factory=ExitStack, repr=False)
+    _copies: dict[str, tuple[Path, pl.DataType]] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def rows(self) -> int:
+        """The number of rows; of a short file at least that."""
+        # A cell may be empty, and has something behind it.
+        most = self.path.stat().st_size // len(self.columns)
+        if not is_large(most * DOUBLE.itemsize):
+            return most
+        try:
+            return int(self._lazy(()).select(pl.len()).collect(engine="streaming").item())
+        except pl.exceptions.PolarsError as error:
+            raise self._unreadable(error) from None
+
+    @property
+    def dtypes(self) -> Mapping[str, pl.DataType]:
+        """Doubles or text, for columns that are prepared."""
+        return {n: kind for n, (_, kind) in self._copies.items()}
+
+    def prepare(self, names: Sequence[str]) -> None:
+        """Copies columns to a file on a disk, a part of which is read fast: as doubles where every cell of them is a plain number, as text otherwise."""
+        folder = Path(self.stack.enter_context(tempfile.TemporaryDirectory(prefix="ivsid-", dir=disk())))
+        kind: pl.DataType = pl.String() if self.decimal_comma else pl.Float64()
+        if not self.decimal_comma:
+            try:
+                self._copy(names, kind, folder / "numbers")
+            except pl.exceptions.PolarsError:
+                kind = pl.String()
+        if kind == pl.String:
+            try:
+                self._copy(names, kind, folder / "text")
+            except pl.exceptions.PolarsError as error:
+                raise self._unreadable(error) from None
+        self._copies.update(dict.fromkeys(names, (folder / ("text" if kind == pl.String else "numbers"), kind)))
+
+    def part(self, name: str, rows: slice) -> pl.Series:
+        """Some rows of a prepared column."""
+        path, kind = self._copies[name]
+        chosen = pl.scan_parquet(path, glob=False).select(name).slice(rows.start, rows.stop - rows.start)
+        cells = chosen.collect().to_series()
+        return self._pointed(cells, rows.start) if kind == pl.String else cells
 
     def read(self, names: Sequence[str]) -> dict[str, pl.Series]:
         """The columns as doubles where every cell is a plain number, as text otherwise."""
@@ -65,7 +114,7 @@ class Text:
         """The column as text."""
         return self._pointed(self._text([name])[name])
 
-    def _pointed(self, text: pl.Series) -> pl.Series:
+    def _pointed(self, text: pl.Series, start: int = 0) -> pl.Series:
         """Cells with decimal points; dates keep their commas, which stand before decimals as well.
 
         Raises:
@@ -76,7 +125,7 @@ class Text:
         if (mixed := text.str.contains(_POINT).arg_true()).len():
             k = int(mixed[0])
             raise IvsidError(
-                f"{self.name}: column {text.name} has {text[k].strip()} in row {k + self.first_row}, where other numbers have decimal commas; its point may "
+                f"{self.name}: column {text.name} has {text[k].strip()} in row {k + start + self.first_row}, where other numbers have decimal commas; its point may "
                 "stand before decimals or thousands: export the log with one kind of number"
             )
         return text.str.replace(_NUMBER, "${1}.${2}")
@@ -85,9 +134,10 @@ class Text:
         try:
             return self._typed(names, pl.String())
         except pl.exceptions.PolarsError as error:
-            raise IvsidError(
-                f"{self.name} is not a readable CSV table ({self._why(error)}); mend or export it again"
-            ) from None
+            raise self._unreadable(error) from None
+
+    def _unreadable(self, error: BaseException) -> IvsidError:
+        return IvsidError(f"{self.name} is not a readable CSV table ({self._why(error)}); mend or export it again")
 
     def _why(self, error: BaseException) -> str:
         """The fault in the words of a log, in place of the reader's words about its schema."""
@@ -97,28 +147,40 @@ class Text:
         )
 
     def _typed(self, names: Sequence[str], kind: pl.DataType) -> dict[str, pl.Series]:
-        lazy = pl.scan_csv(
+        # Counting the cells of the other columns makes the reader examine them, so that it finds a row with too many cells.
+        others = [pl.col(c).null_count() for c in self.columns if c not in names]
+        lazy = self._lazy(names, kind).select(*[pl.col(n) for n in names], *others)
+        frame = lazy.collect(engine="streaming")
+        return {n: frame[n] for n in names}
+
+    def _copy(self, names: Sequence[str], kind: pl.DataType, target: Path) -> None:
+        """Writes columns as a Parquet file, a part at a time; the others are examined as ``_typed`` does."""
+        others = [pl.col(c).is_null() for c in self.columns if c not in names]
+        examined = [pl.any_horizontal(others).alias(_OTHERS)] if others else []
+        lazy = self._lazy(names, kind).select(*[pl.col(n) for n in names], *examined)
+        with panics_unprinted():
+            lazy.sink_parquet(target, compression="lz4", row_group_size=AT_ONCE // 4, maintain_order=True)
+
+    def _lazy(self, names: Sequence[str], kind: pl.DataType | None = None) -> pl.LazyFrame:
+        return pl.scan_csv(
             self.path,
             has_header=False,
             skip_lines=self.first_row - 1,
-            schema={c: kind if c in names else pl.String() for c in self.columns},
+            schema={c: kind if kind is not None and c in names else pl.String() for c in self.columns},
             null_values=list(MISSING),
             separator=self.separator,
             encoding="utf8-lossy",
             glob=False,
         )
-        # Counting the cells of the other columns makes the reader examine them, so that it finds a row with too many cells.
-        others = [pl.col(c).null_count() for c in self.columns if c not in names]
-        frame = lazy.select(*[pl.col(n) for n in names], *others).collect(engine="streaming")
-        return {n: frame[n] for n in names}
 
 
-def open_text(path: Path, name: str) -> Text:
+def open_text(path: Path, name: str, stack: ExitStack | None = None) -> Text:
     """Checks both ends of a file and reads its header.
 
     Args:
         path: of the file.
         name: of the file, for messages.
+        stack: releases the copies of a long file.
 
     Raises:
         IvsidError: an empty or binary file, a wrong separator, a column that stands twice, or a last row that breaks off.
@@ -155,7 +217,7 @@ def open_text(path: Path, name: str) -> Text:
     _check_end(path, name, len(begun.names), begun.separator)
     cells = [row.split(begun.separator) for row in rows[begun.lines : begun.lines + SOME]]
     comma = begun.separator != "," and any(_COMMA.fullmatch(cell.strip(' "')) for row in cells for cell in row)
-    return Text(path, name, begun.names, begun.separator, comma, first_row=begun.lines + 1)
+    return Text(path, name, begun.names, begun.separator, comma, first_row=begun.lines + 1, stack=stack or ExitStack())
 
 
 def _check_end(path: Path, name: str, columns: int, separator: str) -> None:

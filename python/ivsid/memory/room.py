@@ -28,6 +28,11 @@ DOUBLE: Final = np.dtype(np.float64)
 _N = TypeVar("_N", bound=np.generic)
 
 
+def disk() -> Path | None:
+    """The folder of large files that end with their user; None for the one that the system chooses."""
+    return ON_DISK if "TMPDIR" not in os.environ and os.access(ON_DISK, os.W_OK) else None
+
+
 def is_large(size: int) -> bool:
     """Whether an array of this many bytes lies in a file."""
     return size >= LARGE
@@ -44,7 +49,7 @@ def room(shape: int | tuple[int, ...], kind: np.dtype[_N]) -> NDArray[_N]:
     size = math.prod((shape,) if isinstance(shape, int) else shape) * kind.itemsize
     if not is_large(size):
         return np.empty(shape, dtype=kind)
-    folder = ON_DISK if "TMPDIR" not in os.environ and os.access(ON_DISK, os.W_OK) else None
+    folder = disk()
     try:
         with tempfile.TemporaryFile(dir=folder) as file:
             if hasattr(os, "posix_fallocate"):

@@ -81,7 +81,7 @@ def main() -> None:
             print(f"{rows:,} rows, {path.stat().st_size / 1e9:.3f} GB of {ending}", flush=True)
             measured("identify", ["identify", "swan", str(path), "--out", str(folder / "fit")])
             measured("validate", ["validate", str(folder / "fit"), str(path), "--out", str(folder / "checked")])
-            measured("verify", ["verify", str(folder / "fit"), str(path)])
+            measured("verify", ["verify", str(folder / "fit"), str(path), "--out", str(folder / "proof")])
 
 
 if __name__ == "__main__":

@@ -85,7 +85,7 @@ class Log(Result):
 
     Attributes:
         name: of the file.
-        sha256: SHA-256 of its bytes.
+        sha256: SHA-256 of its bytes; of a file that was read in parts, ``parts:`` and the hash of those.
         t: times [s], strictly increasing, shape (n,); from the first row where the file's are epochs or not in seconds.
         columns: channels by name, shape (n,) each; NaN is a missing sample.
         ignored: names of columns that no channel uses.

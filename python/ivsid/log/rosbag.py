@@ -37,6 +37,10 @@ LONGEST: Final = 64
 NANO: Final = 10**9
 
 
+class MessageError(IvsidError):
+    """A message that cannot be read."""
+
+
 @dataclass(frozen=True)
 class Range:
     """Messages of a part of a bag.
@@ -74,7 +78,7 @@ class Indexed:
 
     def faulty(self, error: Exception) -> Exception:
         """The error, or that of an index by which the wrong bytes of a file elsewhere may have been fetched."""
-        return IndexFaultError(str(error)) if self.parts.elsewhere and isinstance(error, IvsidError) else error
+        return IndexFaultError(str(error)) if self.parts.elsewhere and isinstance(error, MessageError) else error
 
 
 @dataclass(frozen=True)
@@ -203,9 +207,12 @@ def _messages(reader: Any, connections: Sequence[Any], name: str, within: Range)
             # Some drivers leave the header's stamp at zero: then only the recorder knows a time.
             fields[STAMP] = stamp or received
             yield fields
+    except IvsidError:
+        # A store that does not send.
+        raise
     except Exception as error:
         words = (str(error).splitlines() or [type(error).__name__])[0]
-        raise IvsidError(
+        raise MessageError(
             f"{name} has a message that cannot be read ({words}); record or convert the bag again"
         ) from None
 

@@ -78,20 +78,34 @@ class Text:
         return {n: kind for n, (_, kind) in self._copies.items()}
 
     def prepare(self, names: Sequence[str]) -> None:
-        """Copies columns to a file on a disk, a part of which is read fast: as doubles where every cell of them is a plain number, as text otherwise."""
-        folder = Path(self.stack.enter_context(tempfile.TemporaryDirectory(prefix="ivsid-", dir=disk())))
-        kind: pl.DataType = pl.String() if self.decimal_comma else pl.Float64()
+        """Copies columns to a file on a disk, a part of which is read fast: as doubles where every cell of them is a plain number, as text otherwise.
+
+        Raises:
+            IvsidError: no table, or no room for the copy.
+        """
+        try:
+            folder = Path(self.stack.enter_context(tempfile.TemporaryDirectory(prefix="ivsid-", dir=disk())))
+            kind = self._copied(names, folder / "columns")
+        except pl.exceptions.PolarsError as error:
+            raise self._unreadable(error) from None
+        except OSError as error:
+            raise IvsidError(
+                f"{self.name} is long, and its columns cannot be copied ({error.strerror or error}); make room on the disk, or set TMPDIR to a folder "
+                "with more"
+            ) from None
+        self._copies.update(dict.fromkeys(names, (folder / "columns", kind)))
+
+    def _copied(self, names: Sequence[str], target: Path) -> pl.DataType:
+        """The type of the cells of a copy, which is written."""
         if not self.decimal_comma:
             try:
-                self._copy(names, kind, folder / "numbers")
-            except pl.exceptions.PolarsError:
-                kind = pl.String()
-        if kind == pl.String:
-            try:
-                self._copy(names, kind, folder / "text")
-            except pl.exceptions.PolarsError as error:
-                raise self._unreadable(error) from None
-        self._copies.update(dict.fromkeys(names, (folder / ("text" if kind == pl.String else "numbers"), kind)))
+                self._copy(names, pl.Float64(), target)
+                return pl.Float64()
+            except (pl.exceptions.ComputeError, pl.exceptions.SchemaError):
+                # A cell is no number, or padded.
+                target.unlink(missing_ok=True)
+        self._copy(names, pl.String(), target)
+        return pl.String()
 
     def part(self, name: str, rows: slice) -> pl.Series:
         """Some rows of a prepared column."""

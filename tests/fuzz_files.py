@@ -16,6 +16,7 @@ import os
 import random
 import re
 import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -37,6 +38,8 @@ ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT / "tests" / "python")]
 # Seconds of a case, and bytes beyond those of the interpreter.
 LONGEST = 10.0
+# Seconds in which a worker makes its sound files.
+STARTING = 60.0
 MEMORY = 2 << 30
 # A case of the command line takes a second: one in so many.
 COMMANDS = 400
@@ -423,6 +426,11 @@ def work(jobs: list[tuple[str, int]], seed: int, link: Connection) -> None:
     link.send(None)
 
 
+def patience() -> float:
+    """By how much the clock runs ahead of a process on a busy machine."""
+    return max(1.0, 2.0 * os.getloadavg()[0] / len(os.sched_getaffinity(0)))
+
+
 def run(jobs: list[tuple[str, int]], seed: int, told: Callable[[str, int, str, float], None]) -> None:
     """All cases by several workers; one that dies or hangs is replaced, and its case is a fault."""
     # Polars has threads of its own: a process that is forked after its first table waits for them for ever.
@@ -436,14 +444,15 @@ def run(jobs: list[tuple[str, int]], seed: int, told: Callable[[str, int, str, f
         worker = context.Process(target=work, args=(queue, seed, writer), daemon=True)
         worker.start()
         writer.close()
-        state[reader] = [worker, queue, -1, time.monotonic() + 60.0]
+        state[reader] = [worker, queue, -1, time.monotonic() + STARTING * patience()]
 
     def lost(reader: Connection, why: str) -> None:
         worker, queue, at, _ = state.pop(reader)
         worker.kill()
         worker.join()
-        if at >= 0:
-            told(*queue[at], f"FAULT {why} ({worker.exitcode})", LONGEST)
+        if at < 0:
+            raise TimeoutError(f"a worker made no files: {why}")
+        told(*queue[at], f"FAULT {why} ({worker.exitcode})", LONGEST)
         if queue[at + 1 :]:
             begin(queue[at + 1 :])
 
@@ -459,10 +468,10 @@ def run(jobs: list[tuple[str, int]], seed: int, told: Callable[[str, int, str, f
             if said is None:
                 state.pop(reader)[0].join()
             elif isinstance(said[0], int):
-                state[reader][2:] = [said[0], time.monotonic() + said[1]]
+                state[reader][2:] = [said[0], time.monotonic() + said[1] * patience()]
             else:
                 told(*state[reader][1][state[reader][2]], *said)
-                state[reader][3] = time.monotonic() + 60.0
+                state[reader][3] = time.monotonic() + STARTING * patience()
         for reader in [r for r, s in state.items() if time.monotonic() > s[3]]:
             if not reader.poll():
                 lost(reader, f"no end in {LONGEST:g} s")
@@ -495,7 +504,13 @@ def main() -> int:
                 sys.stdout.write(f"{kind} at={number}: {said}\n")
                 sys.stdout.flush()
 
-        run([(chosen[k % len(chosen)], k // len(chosen)) for k in range(cases)], seed, told)
+        # Whoever ends the run gets the counts so far.
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+        try:
+            run([(chosen[k % len(chosen)], k // len(chosen)) for k in range(cases)], seed, told)
+        except KeyboardInterrupt:
+            cases = sum(counts.values())
+            sys.stdout.write(f"ended after {cases} cases\n")
     for kind in chosen:
         parts = ", ".join(f"{counts[kind, w]} {w}" for w in ("value", "sentence", "memory", "FAULT"))
         sys.stdout.write(f"{kind}: {parts}, slowest {slowest.get(kind, 0.0):.1f} s\n")

@@ -1,6 +1,7 @@
 """Tubes: no consistent trajectory leaves them, they are narrow, and a vehicle outside the fit does."""
 
 import json
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -22,7 +23,7 @@ from ivsid.tubes.equations import equations_of
 from ivsid.tubes.given import straight
 from ivsid.tubes.horizons import start_of, window
 from ivsid.tubes.inputs import course_of
-from ivsid.tubes.parameters import blocks_of
+from ivsid.tubes.parameters import blocks_of, pieces_of
 from ivsid.vehicle import parse_vehicle
 from ivsid.verification.tubes import TubeChecker, part_of
 from tube_oracle import integrate, shapes
@@ -572,3 +573,14 @@ def test_pieces_cover_the_parameters(fit, test_log):
     log = Log("part.csv", test_log.sha256, test_log.t[:8], {n: x[300:308] for n, x in test_log.columns.items()})
     again = tube(fit, log, channels="straight", windows=[], inner=False, cells=2, check=True)
     assert again.pieces == 4 and again.checked.proved == again.checked.parts == 28
+
+
+@pytest.mark.parametrize(("key", "value"), [("lower", ["x"]), ("right", None), ("upper", [3, 4])])
+def test_a_damaged_certificate_is_a_sentence(fit, key, value):
+    """An edited result is read by whoever validates: a corner of its sets that is no number ends in a sentence."""
+    edited = deepcopy(fit.certificates)
+    for c in edited:
+        for row in c.get("rows", ()):
+            row[key] = value * len(row["lower"]) if value == ["x"] else value
+    with pytest.raises(IvsidError, match="a certificate of the fit cannot be read"):
+        pieces_of(replace(fit, certificates=edited), list(fit.parameters), 1)

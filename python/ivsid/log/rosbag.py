@@ -76,9 +76,9 @@ class Indexed:
         start = 0 if within.start is None else within.start
         return self.index.ranges(topics, start, 1 << 64 if within.stop is None else within.stop)
 
-    def faulty(self, error: Exception) -> Exception:
-        """The error, or that of an index by which the wrong bytes of a file elsewhere may have been fetched."""
-        return IndexFaultError(str(error)) if self.parts.elsewhere and isinstance(error, MessageError) else error
+    def faulty(self, error: IvsidError) -> IvsidError:
+        """The error, or that of an index by which the wrong bytes may have been read."""
+        return IndexFaultError(str(error)) if isinstance(error, MessageError) else error
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ def open_bag(
     bounded_chunks()
     indexed: Indexed | None = None
     try:
-        opened: Any = path
+        opened: Path | Place = path
         if parts is not None:
             indexed, opened = _indexed(parts, span, stack, mended=mended)
         # Bags of older recorders carry no definitions: the standard messages of a release stand in for them.
@@ -159,7 +159,8 @@ def open_bag(
     except Exception as error:
         # The reader passes on whatever SQLite, YAML, LZ4 and its own parsers raise.
         words = (str(error).splitlines() or [type(error).__name__])[0]
-        raise IvsidError(f"{name} is not a readable ROS bag ({words}); record or convert it again") from None
+        fault = IvsidError if indexed is None else IndexFaultError
+        raise fault(f"{name} is not a readable ROS bag ({words}); record or convert it again") from None
     if not tables:
         when = "" if span is None else f" from {span[0]:g} to {span[1]:g} s, the span of [log]"
         raise IvsidError(f"{name} holds no topic with a numeric field{when}; give a bag with the vehicle's sensors")
@@ -168,7 +169,7 @@ def open_bag(
 
 def _indexed(
     parts: Parts, span: tuple[float, float] | None, stack: ExitStack, *, mended: bool
-) -> tuple[Indexed | None, Any]:
+) -> tuple[Indexed | None, Path | Place]:
     """The index of an MCAP file, and what its reader opens: a copy with a new index where the file has none that can be used."""
     if not mended:
         try:

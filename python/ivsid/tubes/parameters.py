@@ -121,7 +121,12 @@ def _sets(fit: Identification, acting: Collection[str]) -> list[tuple[tuple[str,
 
     A set with an open interval has no corners: those of its parameters that act stand alone, each with its interval.
     """
-    cells = {ids: rows for ids, rows in _cells(fit).items() if all(_finite(fit.parameters[i]) for i in ids)}
+    try:
+        held = _cells(fit)
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        # Of a result that was edited: the checker looks at certificates, a reader of results does not.
+        raise IvsidError(f"a certificate of the fit cannot be read ({type(error).__name__}); identify again") from None
+    cells = {ids: rows for ids, rows in held.items() if all(_finite(fit.parameters[i]) for i in ids)}
     chosen = {ids: rows for ids, rows in cells.items() if set(ids) & set(acting)}
     rest = [i for i in fit.parameters if i in acting and not any(i in ids for ids in chosen)]
     return [*chosen.items(), *(((i,), ()) for i in rest)]

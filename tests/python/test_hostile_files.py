@@ -23,11 +23,19 @@ def test_a_manoeuvre_of_any_length_is_driven(swan, old, new):
     assert made.t.size == 100
 
 
-@pytest.mark.parametrize("thrusts", ["[0.0, 1e308, -1e308]", "[0.0, 1e305, 2.0]", "[0.0, 1.0, 1e99]"])
-def test_a_table_beyond_any_thruster_gets_a_sentence(thrusts):
+@pytest.mark.parametrize(
+    ("thrusts", "last"),
+    [
+        ("[0.0, 1e308, -1e308]", "1e-4"),
+        ("[0.0, 1e305, 2.0]", "1e-4"),
+        ("[0.0, 1.0, 1e99]", "1e-4"),
+        ("[0.0, 1.0, 2.0]", "1e308"),
+    ],
+)
+def test_a_table_beyond_any_thruster_gets_a_sentence(thrusts, last):
     """The slopes of the interpolation overflowed."""
     text = (
-        "name = 'b'\n[hull]\nmass = 9\n[[thrusters]]\nname = 'p'\n[thrusters.table]\ndemand = [-1e-5, 0.0, 1e-4]\nthrust = "
+        f"name = 'b'\n[hull]\nmass = 9\n[[thrusters]]\nname = 'p'\n[thrusters.table]\ndemand = [-1e-5, 0.0, {last}]\nthrust = "
         + thrusts
     )
     with pytest.raises(IvsidError, match=r"beyond 1e\+100; check its unit"):

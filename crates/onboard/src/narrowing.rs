@@ -8,7 +8,7 @@ use crate::vertex::{Found, Member, Problem, Vertex};
 
 /// Vertices looked at and exchanges of one call at most, which cost about the same: a bound of its time. Ends that need
 /// more go on at the next row.
-const STEPS: usize = 24;
+const STEPS: usize = 32;
 /// Kept rows whose value is computed again at every row: values drift as slowly as the set shrinks.
 const REVALUED: usize = 4;
 /// Half-spaces are made again once the box has narrowed to this share of the one that they were made for.

@@ -157,8 +157,8 @@ impl Since<'_> {
     ) -> Option<()> {
         let Some(momentum) = self.momentum else { return Some(()) };
         // The box of the start may say more than the bound so far.
-        self.size = momentum.after(model, self.size.min(momentum.size(model, start)), &step.nu, force, h, work);
-        let cut = momentum.within(model, self.size, &step.nu);
+        self.size = momentum.after(model, self.size.min(Momentum::size(model, start)), &step.nu, force, h, work);
+        let cut = Momentum::within(model, self.size, &step.nu);
         if (0..3).any(|i| cut[i] != step.nu[i]) {
             // Every solution exists over the step by its own box, and stays in the part of it that is left.
             step.nu = cut;

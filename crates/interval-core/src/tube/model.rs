@@ -114,6 +114,7 @@ impl Model {
     }
 
     /// `M_ik` at one vertex.
+    #[must_use]
     pub fn mass(&self, i: usize, k: usize, vertex: &[Interval]) -> Interval {
         let mut total = Interval::ZERO;
         for e in &self.channels[i] {

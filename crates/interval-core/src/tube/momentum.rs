@@ -124,14 +124,14 @@ impl Momentum {
 
     /// `|p|` over a box, at most.
     #[must_use]
-    pub fn size(&self, model: &Model, nu: &Three) -> f64 {
+    pub fn size(model: &Model, nu: &Three) -> f64 {
         let part = |i: usize| model.mass(i, i, model.hull()) * nu[i] + model.mass(i, 2, model.hull()) * nu[2];
         (part(0).square() + part(1).square()).sqrt().hi()
     }
 
     /// The bound after a step over the box `nu`, from a bound c before it.
     pub fn after(&self, model: &Model, c: f64, nu: &Three, force: &Three, h: Interval, work: &mut Work) -> f64 {
-        let largest = self.size(model, nu);
+        let largest = Self::size(model, nu);
         if largest <= c {
             return largest;
         }
@@ -163,7 +163,7 @@ impl Momentum {
 
     /// A box cut to what `|p| <= c` leaves of it.
     #[must_use]
-    pub fn within(&self, model: &Model, c: f64, nu: &Three) -> Three {
+    pub fn within(model: &Model, c: f64, nu: &Three) -> Three {
         let mut cut = *nu;
         for i in 0..2 {
             let p = Interval::raw(-c, c);

@@ -1,4 +1,5 @@
 //! The feasible set: the truth inside, the hull of an exact oracle inside, tightness apart, proofs of emptiness.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,

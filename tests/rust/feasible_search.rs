@@ -1,4 +1,5 @@
 //! The feasible set of many rows: the same bits everywhere, sets in several pieces, degenerate rows, wrong rows.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "test data are small numbers")]
 
 mod common;

@@ -1,4 +1,5 @@
 //! Proofs of signs, checked in rationals: the orthants that are not looked at hold no consistent parameter.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 
 mod common;
 

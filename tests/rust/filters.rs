@@ -1,5 +1,6 @@
 //! Filters against the sums that define them, and the same bits for any company, width of vectors and number of
 //! threads.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 
 use filter_core::{Group, Layout, respond, whiten};
 use proptest::prelude::*;

@@ -1,6 +1,7 @@
 //! Mutated literals for the text parser: whatever comes, it answers at once, without a panic, and soundly.
 //!
 //! `IVSID_FUZZ_SECONDS` sets how long (default 2; `make fuzz` runs ten minutes).
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(clippy::print_stdout, clippy::cast_possible_truncation, reason = "a report; random bits are cut on purpose")]
 
 mod common;

@@ -1,4 +1,5 @@
 //! Exact hulls and tight enclosures: containment against exact members, tightness apart.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "test data are small numbers")]
 
 mod common;

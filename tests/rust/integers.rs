@@ -1,4 +1,5 @@
 //! The crate's own integers against those of num-bigint: every operation, on digits that carry, borrow and cancel.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 
 extern crate alloc;
 

@@ -1,4 +1,5 @@
 //! Intervals: containment for members, tightness of the ends, sets, text.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,

@@ -1,4 +1,5 @@
 //! Inverses: soundness against exact vertex inverses, tightness apart, honest refusals.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,

@@ -2,6 +2,7 @@
 //! ../shared/data/itf1788).
 //!
 //! Ends with the line `N passed, N failed, N skipped`; shown with `-- --nocapture`.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(clippy::print_stdout, reason = "the summary is what the harness is run for")]
 
 #[path = "itf1788/operations.rs"]

@@ -1,5 +1,6 @@
 //! The layers of the crates: a module uses only what stands above it in the tables of ARCHITECTURE.md, bottom to top
 //! there.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 
 use std::collections::BTreeMap;
 use std::fs;

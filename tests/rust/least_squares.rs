@@ -1,4 +1,5 @@
 //! Enclosures of all least-squares solutions: members solved exactly, first-order width, honest statuses.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(clippy::cast_precision_loss, reason = "test data are small numbers")]
 
 mod common;

@@ -1,4 +1,5 @@
 //! Products of interval matrices: every back end the bits of the scalar loop, the fast one around the exact product.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(clippy::cast_possible_truncation, reason = "random bits are cut on purpose")]
 
 mod common;

@@ -1,4 +1,5 @@
 //! Generic code over `num-traits`: neutral elements to the bit, the same functions, and matrices of nalgebra over intervals.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 
 use interval_core::Interval;
 use nalgebra::{Matrix2, Vector2};

@@ -1,4 +1,5 @@
 //! The follower: at every step the exact hull is inside, emptiness is the exact oracle's, widths are those of the batch.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,

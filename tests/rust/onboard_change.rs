@@ -1,4 +1,5 @@
 //! Change of parameters: windows and rates prove a jump, never change where there is none, and hold a drift.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 mod common;
 
 use common::Random;

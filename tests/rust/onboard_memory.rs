@@ -1,4 +1,5 @@
 //! The follower's memory: its size, and no allocation after its start.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 
 use onboard::{Bounds, Follower, State, Windows};
 use std::alloc::{GlobalAlloc, Layout, System};

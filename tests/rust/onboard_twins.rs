@@ -1,4 +1,5 @@
 //! Rows that a follower keeps: twins of the study whose early rare rows were once lost to the many alike of other ends.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -1,5 +1,6 @@
 //! Sets of solutions against single solutions of an oracle written apart: fixed-point numbers of 256 binary places, whose
 //! Taylor steps are much finer than a double.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 
 use interval_core::Interval;
 use interval_core::reach::{Node, System, Term, Tube, follow};

@@ -1,4 +1,5 @@
 //! Verdicts on regularity: never wrong, and each certificate holds in exact arithmetic.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,

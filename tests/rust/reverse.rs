@@ -2,6 +2,7 @@
 //!
 //! Tightness by the forward functions, which are compared with MPFR: between an end that is not the operand's and its
 //! inner neighbour the function takes a value in `c`.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 
 mod common;
 

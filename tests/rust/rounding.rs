@@ -1,4 +1,5 @@
 //! Directed operations against exact rationals: enclosing, and apart from that tightest.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,

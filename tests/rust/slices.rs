@@ -1,6 +1,7 @@
 //! Every back end gives the bits of the scalar operators, on any operands and however a slice is cut.
 //!
 //! `IVSID_CASES` sets the number of operand pairs of an operation and back end (default 1e6 for arithmetic).
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_precision_loss,

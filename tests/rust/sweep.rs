@@ -1,4 +1,5 @@
 //! The published sweep: members, vectors, threads and the short way by extrema say the same; it can be stopped.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "test data are small numbers")]
 
 mod common;

@@ -1,4 +1,5 @@
 //! Square interval systems: containment in every method, the exact hull of the solution set attained.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "test data are small numbers")]
 
 mod common;

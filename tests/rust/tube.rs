@@ -1,4 +1,5 @@
 //! Tubes against solutions in closed form, and the program's inclusions against plain floats.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(clippy::cast_precision_loss, reason = "test data are small numbers")]
 
 use interval_core::Interval;

@@ -3,6 +3,13 @@
 //!
 //! `make no-std` runs this file without `std` as well. The digests of `bits.txt` are those of both builds; with
 //! `IVSID_WRITE=1` the tables and the digests are written anew.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::type_complexity,
+    reason = "counts, and a table of functions"
+)]
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 
 use interval_core::rounding::slices::{Binary, Unary};
 use interval_core::software::Real;

@@ -2,6 +2,7 @@
 //! Lotka and Volterra's equations from the start of its LOVO21.
 //!
 //! LALO20: Laub and Loomis, Mol. Biol. Cell 9 (1998); CVDP23, LOVO21: Geretti et al., ARCH-COMP reports on nonlinear dynamics.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
 use interval_core::reach::{System, Term, follow};

@@ -2,6 +2,7 @@
 //!
 //! Each row is an equation between intervals: the acceleration and the velocity within the bounds of their sensors, the
 //! force within the accuracy of the thrust.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
 use interval_core::regression::{FeasibleStatus, feasible_set};

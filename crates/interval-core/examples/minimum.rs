@@ -2,6 +2,7 @@
 //!
 //! A box whose least value lies above a value that is attained holds no global minimum (Hansen and Walster, *Global
 //! Optimization Using Interval Analysis*, 2004, chapter 12).
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
 use interval_core::{Error, Interval};

@@ -1,6 +1,7 @@
 //! All roots of `f(x) = e^x - 3 x^2` between -2 and 5, each proved, by the interval Newton operator.
 //!
 //! `N(X) = m - f(m) / f'(X)`: every root in X lies in N(X), and if N(X) lies inside X there is exactly one (Moore 1966).
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
 use interval_core::{Error, Interval};

@@ -150,7 +150,7 @@ fn exponent_of(x: f64) -> i32 {
 /// The midpoint of the least and the largest.
 fn middle_of(exponents: &[i32]) -> i32 {
     let (least, most) = (exponents.iter().min(), exponents.iter().max());
-    least.zip(most).map_or(0, |(a, b)| i32::midpoint(*a, *b))
+    least.zip(most).map_or(0, |(a, b)| (a + b) / 2)
 }
 
 /// The exponent of a positive double's leading bit.

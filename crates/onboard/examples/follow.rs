@@ -4,6 +4,7 @@
 //!
 //! A line holds `time, y, accuracy of y` and for each parameter `reading, accuracy`. Lines that begin with a letter or
 //! `#` are titles. Every so many lines the bounds are written, and at once where nothing explains the rows.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "an example prints")]
 
 use onboard::{Bounds, Follower, State};

@@ -3,6 +3,7 @@
 //! `cargo run --release -p onboard --example twins -- TWINS HOURS [SEED [GROUP]]` prints a line for each twin, and `twins
 //! table` makes the table from such lines. Every twin's rows go to the follower one by one; the batch then takes all of
 //! them at once.
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 #![allow(
     clippy::print_stdout,
     clippy::cast_precision_loss,

@@ -2,6 +2,8 @@
 //!
 //! `IVSID_CASES` sets how many cases are drawn (60 by default).
 
+#![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
+
 mod common;
 
 use common::corners::corners;

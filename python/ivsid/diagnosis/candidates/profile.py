@@ -11,14 +11,17 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ivsid.diagnosis.candidates.starts import proposed_starts
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.estimation.signatures import free_parameters
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import Given
 
+Array = NDArray[np.float64]
 # Directions of the search for an anchor, north and east.
 # Source: geometry: eight directions of the compass
 COMPASS: Final = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (0.7, 0.7), (0.7, -0.7), (-0.7, 0.7), (-0.7, -0.7))
@@ -124,6 +127,40 @@ def profile(problem: Problem, states: FilteredStates, given: Given, *places: int
     return chi2
 
 
+def of_starts(problem: Problem, states: FilteredStates, given: Given, j: int) -> Callable[[float], float]:
+    """Chi-squared as a function of the start of an effect, with its size fitted anew at each.
+
+    The slope with the size belongs to one start: beside another it would be a second step, which fits whatever the first one left.
+
+    Args:
+        problem: the log.
+        states: of the hypothesis.
+        given: the effect as it stands in the hypothesis.
+        j: index of the start among its numbers.
+    """
+    g, predictor = problem.gram(states, sums=False), problem.noise.predictor
+    sizes = {k: name for name, _, k in free_parameters(given)}
+    base = [k for k, name in enumerate(g.names) if name not in {*sizes.values(), given.effect.parts[j]}]
+
+    def change(values: Sequence[float]) -> Array:
+        return predictor.difference(states, moved(states.h, problem.fixed, given, values))
+
+    none = change([given.effect.parameters[k].none if k in sizes else x for k, x in enumerate(given.values)])
+    without = g.of(predictor.errors(states) - none)
+    p = Projection(without, base)
+
+    def chi2(start: float) -> float:
+        # The signature of the whole effect with this start, with what the base leaves of it.
+        column = g.of(change([start if k == j else x for k, x in enumerate(given.values)]) - none)
+        score = column.score.sum(axis=0)[base]
+        solved = np.linalg.solve(p.normal, score)
+        length = float(column.energy.sum()) - float(score @ solved)
+        along = float(np.sum(column.y * without.y)) - float(p.score[base] @ solved)
+        return p.chi2 - (along**2 / length if length > 0.0 else 0.0)
+
+    return chi2
+
+
 def moved(h: Hypothesis, fixed: Mapping[str, float], given: Given, values: Sequence[float]) -> Hypothesis:
     """The hypothesis with other numbers of an effect.
 
@@ -148,13 +185,14 @@ def refined(problem: Problem, states: FilteredStates, given: Given, *, wide: boo
     if given.effect.form.place:
         return _moored(problem, states, given)
     for j in bent(given):
-        chi2 = profile(problem, states, given, j)
+        in_time = given.effect.parameters[j].draw == "time"
+        chi2 = of_starts(problem, states, given, j) if in_time else profile(problem, states, given, j)
         step, best = first_step(problem, given, j), given.values[j]
         tried = {best: chi2(best)}
         if wide and given.effect.form.bends:
             tried |= {best * share: chi2(best * share) for share in SHARES}
             best = min(tried, key=lambda q: tried[q])
-        if given.effect.parameters[j].draw == "time":
+        if in_time:
             tried |= {start: chi2(start) for start in proposed_starts(problem, states, given, j) if start > 0}
             best = min(tried, key=lambda q: tried[q])
         for _ in range(PASSES):

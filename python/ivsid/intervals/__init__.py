@@ -3,6 +3,7 @@
 - ``array``: ``IntervalArray`` over two NumPy arrays. ``Interval`` is the core's, which this module alone imports here.
 - ``floats``: numbers of a user as float64, without a rounding.
 - ``protocol``: NumPy's functions of interval arrays; ``recommended``: functions of IEEE 1788 that NumPy lacks.
+- ``decimals``: intervals of numbers that a file states.
 - ``exchange``: intervals of other libraries, and columns of intervals.
 - ``endpoints``: bounds that may be reversed, the result of the published method.
 - ``shown``: intervals and arrays in words, rounded outward.
@@ -13,6 +14,7 @@ The chapter may use ``errors`` and the compiled core. Every other chapter may us
 """
 
 from ivsid.intervals.array import Interval, IntervalArray, Operand, bound, follow, operate, outward_decimal
+from ivsid.intervals.decimals import of_decimals
 from ivsid.intervals.endpoints import EndpointPair
 from ivsid.intervals.floats import FloatArray
 from ivsid.intervals.protocol import ufunc
@@ -21,4 +23,14 @@ from ivsid.intervals.shown import interval_html, shown
 # The core's Interval calls these for operands that are neither intervals nor numbers, and in a notebook.
 _bound, _operate, _ufunc, _html = bound, operate, ufunc, interval_html
 
-__all__ = ["EndpointPair", "FloatArray", "Interval", "IntervalArray", "Operand", "follow", "outward_decimal", "shown"]
+__all__ = [
+    "EndpointPair",
+    "FloatArray",
+    "Interval",
+    "IntervalArray",
+    "Operand",
+    "follow",
+    "of_decimals",
+    "outward_decimal",
+    "shown",
+]

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.intervals import Interval, IntervalArray
+from ivsid.intervals import Interval, IntervalArray, of_decimals
 from ivsid.log import Log
 from ivsid.propulsion.lag import GAP, between
 from ivsid.vehicle import Thruster, Vehicle
@@ -65,16 +65,12 @@ def _factor(vehicle: Vehicle, thruster: Thruster) -> Interval | None:
     gain, asymmetry = of_thruster(vehicle, _GAIN, thruster.name), vehicle.model.fitted.get(_ASYMMETRY)
     y = thruster.position[1]
     side = (y > 0) - (y < 0)
-    factor: Interval | None = None if gain is None else _decimals(ends_of(gain)) + 1.0
+    factor: Interval | None = None if gain is None else of_decimals(ends_of(gain)) + 1.0
     if asymmetry is None or asymmetry.value is None or not side:
         return factor
-    share: Interval = 1.0 - _decimals(ends_of(asymmetry)) * float(side)
+    share: Interval = 1.0 - of_decimals(ends_of(asymmetry)) * float(side)
     both: Interval = share if factor is None else factor * share
     return both
-
-
-def _decimals(ends: Ends) -> Interval:
-    return Interval(float(np.nextafter(ends[0], -np.inf)), float(np.nextafter(ends[1], np.inf)))
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.intervals import Interval, IntervalArray
+from ivsid.intervals import IntervalArray, of_decimals
 from ivsid.log import Log
 from ivsid.vehicle import Vehicle
 from ivsid.vehicle.carried import Ends, ends_of
@@ -92,9 +92,9 @@ def corrected(channels: dict[str, IntervalArray], found: Corrections) -> set[str
     for name in sorted({*found.bias, *found.scale} & {*channels}):
         x = channels[name]
         if name in found.bias:
-            x = x - _decimals(found.bias[name])
+            x = x - of_decimals(found.bias[name])
         if name in found.scale:
-            x = x / (_decimals(found.scale[name]) + 1.0)
+            x = x / (of_decimals(found.scale[name]) + 1.0)
         channels[name] = x
         changed.add(name)
     return changed
@@ -108,7 +108,7 @@ def through_water(
     Returns:
         A bound of the speed of the current [m/s].
     """
-    north, east = (_decimals(e) for e in water)
+    north, east = (of_decimals(e) for e in water)
     psi = channels["psi"]
     cosine, sine = np.cos(psi), np.sin(psi)
     ahead, across = cosine * north + sine * east, cosine * east - sine * north
@@ -130,8 +130,3 @@ def centres(
     """The columns of a log with the middles of some channels, NaN where a sample is missing."""
     made = {n: np.where(present[n], channels[n].midpoint, np.nan) for n in sorted(names)}
     return {**log.columns, **made}
-
-
-def _decimals(ends: Ends) -> Interval:
-    """An interval that holds the decimals that were read as its ends."""
-    return Interval(float(np.nextafter(ends[0], -np.inf)), float(np.nextafter(ends[1], np.inf)))

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.columns import Columns
 from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.projection import NOTHING_LEFT
 from ivsid.diagnosis.estimation.signatures import Signatures
 from ivsid.diagnosis.plant.physics import acceleration
 from ivsid.linear.filters import decaying
@@ -59,11 +60,12 @@ class Visibility:
 
 
 def excitation(fit: Fit, seed: int = 0) -> dict[str, float]:
-    """Size of each signature over the size of its error, by column, both as they stand beside the model.
+    """Size of each signature beside the model over the size of its error, by column.
 
     The columns are made again at states that differ from the filtered ones by an error with the deviation and memory of the filter. A
     regressor that is mostly noise cannot be tested. What the model's columns take of a signature they take of its error as well: beside r and
-    r|r| the slope of r^3 with r is a small part of its own.
+    r|r| the slope of r^3 with r is a small part of its own. They also bring errors of their own, so that the smaller of both errors counts,
+    alone and beside the model.
 
     Args:
         fit: of the plain model.
@@ -85,9 +87,11 @@ def excitation(fit: Fit, seed: int = 0) -> dict[str, float]:
     g, at = fit.gram, fit.gram.at(names)
     own, model = _change(fit, there.fitted(fit.fixed))
     part = fit.projection.taken(g.at(own), at)
-    difference = np.einsum("cbi,cbi->c", d := d - np.tensordot(part.T, model, 1), d)
     signal = np.diag(fit.projection.information(at)) * g.unit[at] ** 2
-    ratio = np.sqrt(signal / np.maximum(difference, 1e-300))
+    alone, beside = (np.einsum("cbi,cbi->c", e, e) for e in (d, d - np.tensordot(part.T, model, 1)))
+    # Where nothing is left of a signature, nothing is left of its error either.
+    some = signal > NOTHING_LEFT * g.unit[at] ** 2
+    ratio = np.sqrt(signal / np.maximum(np.where(some, np.minimum(alone, beside), alone), 1e-300))
     # Effects on axes that are left out have no signature and no error of one.
     return {n: float(q) for n, q, s in zip(names, ratio, signal, strict=True) if s > NOTHING}
 

@@ -145,6 +145,8 @@ def of_starts(problem: Problem, states: FilteredStates, given: Given, j: int) ->
     def change(values: Sequence[float]) -> Array:
         return predictor.difference(states, moved(states.h, problem.fixed, given, values))
 
+    # A size that has one sign alone is not fitted with the other.
+    sided = not any(given.effect.parameters[k].signed for k in sizes)
     none = change([given.effect.parameters[k].none if k in sizes else x for k, x in enumerate(given.values)])
     without = g.of(predictor.errors(states) - none)
     p = Projection(without, base)
@@ -156,6 +158,7 @@ def of_starts(problem: Problem, states: FilteredStates, given: Given, j: int) ->
         solved = np.linalg.solve(p.normal, score)
         length = float(column.energy.sum()) - float(score @ solved)
         along = float(np.sum(column.y * without.y)) - float(p.score[base] @ solved)
+        along = max(along, 0.0) if sided else along
         return p.chi2 - (along**2 / length if length > 0.0 else 0.0)
 
     return chi2

@@ -23,11 +23,13 @@ def tube(
         ),
     ],
     channels: Annotated[
-        str,
+        str | None,
         typer.Option(
-            "--channels", help="all, surge (v and r as measured) or straight (v = r = 0, which is then an assumption)."
+            "--channels",
+            help="all, surge (v and r as measured) or straight (v = r = 0, which is then an assumption); by default all, or surge where the "
+            "fit leaves parameters of the others open.",
         ),
-    ] = "all",
+    ] = None,
     windows: Annotated[
         str,
         typer.Option(

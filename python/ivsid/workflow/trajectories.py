@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ivsid import simulation, tubes
+from ivsid.errors import IvsidError
 from ivsid.files.records import envelope
 from ivsid.identification import Identification, read_identification
 from ivsid.log import Log, read_log
@@ -18,6 +19,7 @@ from ivsid.report.page import First, Report, Section
 from ivsid.report.series import Line, Panel, series
 from ivsid.tubes import Tube
 from ivsid.tubes.bounds import NAMES, PARTS, UNITS, WINDOWS, Run, record_of, widths
+from ivsid.tubes.equations import equations_of
 from ivsid.workflow.log_files import csv
 from ivsid.workflow.progress import Progress, silent
 from ivsid.workflow.set_up import with_setup
@@ -27,7 +29,7 @@ def tube(
     fit: str | Path,
     log: str | Path,
     *,
-    channels: str = "all",
+    channels: str | None = None,
     windows: Sequence[float] = WINDOWS,
     parts: int = PARTS,
     cells: int = 1,
@@ -37,16 +39,19 @@ def tube(
 ) -> Report:
     """Reads a fit and a log or a scenario, follows the tubes and reports.
 
+    Without ``channels`` all of them are followed, or surge alone where the fit leaves a parameter of the others without an interval.
+
     Raises:
         IvsidError: an unusable file, in one sentence.
     """
     progress("reading")
     known = read_identification(fit)
     data = _log_of(known, Path(log), progress)
+    followed, less = (channels, "") if channels is not None else _followed(known)
     result = tubes.tube(
         known,
         data,
-        channels=channels,
+        channels=followed,
         windows=windows,
         parts=parts,
         cells=cells,
@@ -70,7 +75,7 @@ def tube(
         (known.log_name, known.log_sha256),
         (result.log_name, result.log_sha256),
     ]
-    summary, lines = summary_of(result), lines_of(result)
+    summary, lines = f"{summary_of(result)}{less}", lines_of(result)
     record = {**envelope("tube", inputs), **record_of(result)}
     title = f"Trajectories of {known.vehicle.name} that the data allow"
     files = {"tube.csv": _csv(result)}
@@ -92,6 +97,16 @@ def _log_of(fit: Identification, path: Path, progress: Progress) -> Log:
     }
     made = simulation.simulate(fit.vehicle, scenario.model_copy(update={"truth": truth, "noise": "none"}))
     return Log(path.name, hashlib.sha256(path.read_bytes()).hexdigest(), made.t, made.columns)
+
+
+def _followed(fit: Identification) -> tuple[str, str]:
+    """The channels that the fit's parameters allow, and a sentence where these are not all."""
+    try:
+        equations_of(fit, (True, True, True))
+    except IvsidError as error:
+        reason = str(error).partition(", and a tube")[0].partition(";")[0]
+        return "surge", f" Of the velocities u alone is followed, with v and r as measured: {reason}."
+    return "all", ""
 
 
 def _file(run: Run) -> str:

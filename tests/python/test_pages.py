@@ -147,6 +147,9 @@ def test_every_command_of_the_readme_does_its_job(tmp_path, monkeypatch):
     for name in ("boat.toml", "run1.csv", "run2.csv", "programme.toml"):
         (tmp_path / name).write_text((tmp_path / "trip" / name).read_text())
     (tmp_path / "my_log.csv").write_text((tmp_path / "run1.csv").read_text())
+    (tmp_path / "season").mkdir()
+    for name in ("run1.csv", "run2.csv"):
+        (tmp_path / "season" / name).write_text((tmp_path / name).read_text())
     rng = np.random.default_rng(1)
     still = np.c_[np.arange(6000) / 20, 0.01 * rng.standard_normal((6000, 2))]
     np.savetxt("deck.csv", still, delimiter=",", header="t,ax,r", comments="")

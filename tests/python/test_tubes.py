@@ -26,6 +26,7 @@ from ivsid.tubes.inputs import course_of
 from ivsid.tubes.parameters import blocks_of, pieces_of
 from ivsid.vehicle import parse_vehicle
 from ivsid.verification.tubes import TubeChecker, part_of
+from ivsid.workflow.trajectories import _followed
 from tube_oracle import integrate, shapes
 
 SWAN = parse_vehicle(embedded("swan.toml"), "swan.toml")
@@ -278,6 +279,10 @@ def test_parameters_that_do_not_act_may_stay_open(fit, test_log):
         assert (made.runs[0].horizon.bounds.upper == closed.runs[0].horizon.bounds.upper)[:, 0].all()
     with pytest.raises(IvsidError, match="inertia.yaw has the interval .* or follow surge alone"):
         tube(opened, test_log, windows=[], inner=False)
+    # The command chooses for a user who names no channels.
+    assert _followed(fit) == ("all", "")
+    channels, less = _followed(opened)
+    assert channels == "surge" and less.endswith("v and r as measured: inertia.yaw has the interval [-inf, inf].")
 
 
 def test_an_open_parameter_leaves_the_others_of_its_rows_as_boxes(fit, test_log):

@@ -82,8 +82,11 @@ def diagnose(
     log, other, fit, doubts = _fitted(vehicle, train, test, progress)
     visible = visibility(fit)
     seen = frozenset(i for i, v in visible.items() if v.tested)
-    limits = Apart(partial(detection_limits, fit))
+    limits, proving = Apart(partial(detection_limits, fit)), Apart(partial(proof_of, vehicle, train))
     calibration, before = at_once(partial(calibrate, fit, seen, NAMES, seed), partial(adequacy, fit))
+    proof = proving.result()
+    # An adequate model is asked by its rows alone; of another one the tubes are followed while its causes are looked for.
+    moving = None if before.quiet else Apart(partial(motion_of, proof, train, test))
     test_of, looks = Threshold(calibration, visible), Looks(seed, null_logs, cache, progress)
     progress("looking for causes")
     selection = select(fit, test_of, progress)
@@ -104,9 +107,7 @@ def diagnose(
     residuals = before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
     findings, withdrawn = findings_of(selection, residuals, after, complete=complete)
     trial = trial.of({f.effect for f in findings})
-    proof = proof_of(vehicle, train)
-    # An adequate model is asked by its rows alone.
-    moving = Apart(partial(motion_of, proof, train, test)) if findings else None
+    moving = Apart(partial(motion_of, proof, train, test)) if moving is None and findings else moving
     proved, extended = proved_findings(findings, vehicle, train, trial.model) if complete else (findings, None)
     progress("trying both models on the other log")
     (gain, shown), water = trial.result(), moved.result()
@@ -123,8 +124,7 @@ def diagnose(
     claimed = claims(selection.last, selection.leftover, findings, unknown=not after.quiet)
     if water is not None and water.factor is not None:
         findings = (*findings, shallow(water))
-    visible = _limited(visible, limits.result())
-    motion = () if moving is None else moving.result()
+    visible, motion = _limited(visible, limits.result()), () if moving is None else moving.result()
     findings = weighed(findings, shown)
     verdict = verdict_of(findings)
     said = [

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from typing import Final
 
 from ivsid.errors import IvsidError
+from ivsid.intervals.apart import Apart
 from ivsid.log import GivenLog, Log, log_of
 from ivsid.setup.angles import angles
 from ivsid.setup.demands import demands
@@ -62,13 +64,16 @@ def examined(
 
     Args:
         vehicle: a checked vehicle.
-        logs: checked logs.
+        logs: checked logs, at least one; several are examined at once.
         progress: told of each fault.
 
     Raises:
         IvsidError: a fault beyond doubt that the vehicle file does not accept.
     """
-    found = tuple(f for log in logs for f in setup_findings(vehicle, log))
+    *first, last = [partial(setup_findings, vehicle, log) for log in logs]
+    beside = [Apart(task) for task in first]
+    ended = last()
+    found = (*(f for task in beside for f in task.result()), *ended)
     refuse(found, vehicle)
     for f in found:
         progress(f"set-up: {f.sentence}")

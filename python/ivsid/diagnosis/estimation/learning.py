@@ -166,4 +166,4 @@ def undetermined(fit: Fit) -> dict[str, float]:
     at = list(p.base)
     deviation = dict(zip((g.names[k] for k in at), np.sqrt(np.diag(p.covariance)) / g.unit[at], strict=True))
     usual = usual_numbers(fit.noise.predictor.vehicle)
-    return {i: x for i, x in usual.items() if i in fit.free and deviation[i] > HULLS_DIFFER * x}
+    return {i: x for i, x in usual.items() if i in fit.free and deviation[i] > HULLS_DIFFER * abs(x)}

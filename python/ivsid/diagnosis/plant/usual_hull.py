@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from ivsid.effects import EFFECTS, Term
+from ivsid.effects import EFFECTS, Term, terms_of
 from ivsid.effects.drag import SWAY_QUADRATIC
 from ivsid.effects.inertia import INERTIA_YAW, MASS_SWAY
 from ivsid.vehicle import Vehicle
@@ -32,9 +32,15 @@ def hull_length(vehicle: Vehicle) -> float:
 
 
 def usual_numbers(vehicle: Vehicle) -> dict[str, float]:
-    """Sway mass [kg], inertia in yaw [kg m^2] and quadratic sway drag [kg/m] of a usual hull of this mass and length."""
+    """Numbers of a usual hull of this mass and length for the plain model's terms that a log without turning may leave open, by id.
+
+    Sway mass [kg], inertia in yaw [kg m^2] and quadratic sway drag [kg/m] are scaled from shapes of hulls. Further drags of the vehicle file's
+    model that act in turns have the catalogue's typical size.
+    """
     m, length = vehicle.hull.mass, hull_length(vehicle)
+    effects = [EFFECTS[t.id] for t in terms_of(vehicle) if t.id in EFFECTS]
     return {
+        **{e.id: e.parameters[0].scaled(m) for e in effects if e.turning and len(e.parameters) == 1},
         MASS_SWAY.id: SWAY_MASS * m,
         INERTIA_YAW.id: YAW_INERTIA * m * length**2,
         SWAY_QUADRATIC.id: SWAY_DRAG * m / length,

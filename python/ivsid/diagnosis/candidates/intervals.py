@@ -130,8 +130,10 @@ def intervals(
         wide = max(reach, SIGMAS * beside.noise + beside.worst + rest)
         worse = max(worse, robust[i] / variance[i])
         unit = float(g.unit[k])
-        within = (value - reach + moved[0, i] / unit, value + reach + moved[1, i] / unit)
-        lower, upper = value - wide + hidden[0, i] / unit, value + wide + hidden[1, i] / unit
+        low, high = (moved[:, i] / unit).tolist()
+        within = (value - reach + low, value + reach + high)
+        low, high = (hidden[:, i] / unit).tolist()
+        lower, upper = value - wide + low, value + wide + high
         out[name] = Bound(lower, upper, parameter.unit, parameter.symbol, within=within)
     _canonical(out, id_)
     for given in fit.h.given:

@@ -165,6 +165,27 @@ fn one_unit_in_the_last_place_is_not_lost() {
 }
 
 #[test]
+fn rows_in_any_unit_say_the_same() {
+    // The truth (1, -2) under both sides of rows with radii, and multiples of them by powers of two.
+    let bounds = |scale: f64| {
+        let mut random = Random(37);
+        let mut follower = Follower::<2, 12>::new([Bounds::new(-4.0, 3.0); 2]).expect("a good start");
+        for k in 0..60 {
+            let (a, y) = random_row(&mut random, &[1.0, -2.0], 0.01, false);
+            let a = a.map(|x| Bounds::new(scale * x.lo, scale * x.hi));
+            let y = Bounds::new(scale * (y.lo - 0.06), scale * (y.hi + 0.06));
+            assert_eq!(follower.row(f64::from(k), &a, y), Ok(State::Bounded));
+        }
+        *follower.bounds()
+    };
+    let plain = bounds(1.0);
+    assert!(plain.iter().zip([1.0, -2.0]).all(|(x, t)| x.contains(t) && x.width() < 0.5), "{plain:?}");
+    for power in [-250, -3, 40, 300] {
+        assert_eq!(bounds(f64::powi(2.0, power)), plain, "2^{power}");
+    }
+}
+
+#[test]
 fn the_truth_stays_inside_whatever_the_numbers() {
     let mut random = Random(33);
     let limit = |x: f64| x.clamp(-1e60, 1e60);

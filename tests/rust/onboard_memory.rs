@@ -30,11 +30,11 @@ static COUNTING: Counting = Counting;
 
 #[test]
 fn nine_parameters_take_64_kilobytes_and_allocate_nothing() {
-    assert!(size_of::<Follower<9, 160>>() <= 64_000, "{} bytes", size_of::<Follower<9, 160>>());
-    assert!(size_of::<Windows<9, 160>>() <= 64_000, "{} bytes", size_of::<Windows<9, 160>>());
+    assert!(size_of::<Follower<9, 304>>() <= 64_000, "{} bytes", size_of::<Follower<9, 160>>());
+    assert!(size_of::<Windows<9, 304>>() <= 64_000, "{} bytes", size_of::<Windows<9, 160>>());
     let start = [Bounds::new(-100.0, 100.0); 9];
-    let mut follower = Follower::<9, 160>::drifting(start, [1e-6; 9]).expect("good rates");
-    let mut windows = Windows::<9, 160>::new(start, 10.0).expect("a good window");
+    let mut follower = Follower::<9, 304>::drifting(start, [1e-6; 9]).expect("good rates");
+    let mut windows = Windows::<9, 304>::new(start, 10.0).expect("a good window");
     let before = ALLOCATIONS.get();
     let (mut state, mut changes) = (7_u64, 0);
     for k in 0..3000_u32 {
@@ -54,5 +54,5 @@ fn nine_parameters_take_64_kilobytes_and_allocate_nothing() {
     assert_eq!(after - before, 0);
     // The wrong row was seen: what ran was the whole of the follower.
     assert!(follower.state() != State::Bounded && changes > 0);
-    assert_eq!(follower.kept(), 160);
+    assert_eq!(follower.kept(), 304);
 }

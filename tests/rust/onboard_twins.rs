@@ -19,7 +19,7 @@ fn widening(seed: u64) -> f64 {
     const SAMPLES: u32 = 1800;
     let mut vessel = Vessel::new(Kind::Nine, seed);
     let truth: [f64; 9] = vessel.parameters();
-    let mut follower = Box::new(Follower::<9, 160>::new([Bounds::new(-1e4, 1e4); 9]).expect("a good start"));
+    let mut follower = Box::new(Follower::<9, 304>::new([Bounds::new(-1e4, 1e4); 9]).expect("a good start"));
     let mut kept: [Vec<f64>; 4] = Default::default();
     for k in 0..SAMPLES {
         let (rows, count) = vessel.sample::<9>();

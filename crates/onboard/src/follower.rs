@@ -1,7 +1,8 @@
 //! A polytope of bounded size around the feasible set, and the proved ends of every parameter in it.
 
 use crate::bounds::{Bounds, Refusal};
-use crate::half_space::HalfSpace;
+use crate::half_space::Side;
+use crate::store::Store;
 use crate::vertex::{Problem, Vertex};
 use interval_core::rounding::{add_up, environment_is_default, mul_up, sub_down, sub_up};
 
@@ -40,11 +41,9 @@ pub struct Follower<const N: usize, const ROWS: usize> {
     pub(crate) drifts: bool,
     pub(crate) now: Option<f64>,
     pub(crate) bounds: [Bounds; N],
-    /// The box for which the half-spaces were made; it holds `bounds`.
-    pub(crate) region: [Bounds; N],
     pub(crate) widths: [f64; N],
-    pub(crate) rows: [HalfSpace<N>; ROWS],
-    pub(crate) count: usize,
+    /// The rows that are kept; the box of their half-spaces holds `bounds`.
+    pub(crate) rows: Store<N, ROWS>,
     /// The search for the lower and the upper end of each parameter.
     pub(crate) vertices: [[Vertex<N>; 2]; N],
     pub(crate) turn: usize,
@@ -60,10 +59,8 @@ impl<const N: usize, const ROWS: usize> Follower<N, ROWS> {
         drifts: false,
         now: None,
         bounds: [Bounds::ZERO; N],
-        region: [Bounds::ZERO; N],
         widths: [1.0; N],
-        rows: [HalfSpace::NONE; ROWS],
-        count: 0,
+        rows: Store::NONE,
         vertices: [const { [Vertex::NONE, Vertex::NONE] }; N],
         turn: 0,
         revalued: 0,
@@ -110,10 +107,11 @@ impl<const N: usize, const ROWS: usize> Follower<N, ROWS> {
 
     /// Forgets every row and begins again within the same start.
     pub fn restart(&mut self) {
-        (self.now, self.count, self.turn, self.revalued, self.contradiction) = (None, 0, 0, 0, None);
+        self.rows.clear();
+        (self.now, self.turn, self.revalued, self.contradiction) = (None, 0, 0, None);
         self.bounds = self.start;
         self.make_half_spaces();
-        let problem = Problem { rows: &[], region: &self.bounds, widths: &self.widths, capacity: ROWS, now: 0.0 };
+        let problem = Problem { rows: &self.rows, region: &self.bounds, widths: &self.widths, now: 0.0 };
         for (column, pair) in self.vertices.iter_mut().enumerate() {
             for (vertex, direction) in pair.iter_mut().zip([1.0, -1.0]) {
                 vertex.start_at_corner(&problem, column, direction);
@@ -138,7 +136,7 @@ impl<const N: usize, const ROWS: usize> Follower<N, ROWS> {
     /// The number of half-spaces that are kept.
     #[must_use]
     pub const fn kept(&self) -> usize {
-        self.count
+        self.rows.count
     }
 
     /// Takes the row `sum a_j x_j = y`, which holds at `time` \[s\] for some member of each interval.
@@ -150,9 +148,8 @@ impl<const N: usize, const ROWS: usize> Follower<N, ROWS> {
         self.advance(time)?;
         if self.contradiction.is_none() {
             for least in [false, true] {
-                if let Some(mut side) = HalfSpace::of_row(a, y, least, time, &self.rates) {
-                    side.derive(&self.region);
-                    self.consider(side);
+                if let Some(side) = Side::of_row(a, y, least, time, &self.rates) {
+                    self.consider(&side);
                 }
             }
             self.work();
@@ -206,7 +203,7 @@ impl<const N: usize, const ROWS: usize> Follower<N, ROWS> {
                 let moved = mul_up(rate, step);
                 *x = Bounds::new(sub_down(x.lo, moved), add_up(x.hi, moved));
             }
-            if self.bounds.iter().zip(&self.region).any(|(x, r)| x.lo < r.lo || x.hi > r.hi) {
+            if self.bounds.iter().zip(&self.rows.region).any(|(x, r)| x.lo < r.lo || x.hi > r.hi) {
                 self.make_half_spaces();
             }
         }

@@ -12,7 +12,7 @@
 //! # Example
 //! ```
 //! use onboard::{Bounds, Follower, State};
-//! // Mass and drag of a hull in surge: m u' + d u|u| = X. Nine parameters would take 160 rows in 64 kB.
+//! // Mass and drag of a hull in surge: m u' + d u|u| = X. Nine parameters would take 304 rows in 64 kB.
 //! let mut follower = Follower::<2, 40>::new([Bounds::new(0.0, 1e4), Bounds::new(0.0, 1e4)])?;
 //! for k in 0..500 {
 //!     let (rate, speed) = (0.3 * f64::sin(0.1 * f64::from(k)), f64::cos(0.07 * f64::from(k)));
@@ -34,6 +34,7 @@ mod follower;
 mod half_space;
 mod narrowing;
 mod proof;
+mod store;
 mod vertex;
 
 pub use bounds::{Bounds, Refusal};

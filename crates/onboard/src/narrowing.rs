@@ -2,13 +2,13 @@
 
 use crate::bounds::Bounds;
 use crate::follower::{Contradiction, Follower};
-use crate::half_space::HalfSpace;
+use crate::half_space::{HalfSpace, Side};
 use crate::proof::Combination;
 use crate::vertex::{Found, Member, Problem, Vertex};
 
 /// Vertices looked at and exchanges of one call at most, which cost about the same: a bound of its time. Ends that need
 /// more go on at the next row.
-const STEPS: usize = 32;
+const STEPS: usize = 24;
 /// Kept rows whose value is computed again at every row: values drift as slowly as the set shrinks.
 const REVALUED: usize = 4;
 /// Half-spaces are made again once the box has narrowed to this share of the one that they were made for.
@@ -25,15 +25,15 @@ const CUT: f64 = 1e-9;
 impl<const N: usize, const ROWS: usize> Follower<N, ROWS> {
     /// Makes all half-spaces for the present box, or one a little wider where parameters drift.
     pub(crate) fn make_half_spaces(&mut self) {
-        self.region = self.bounds;
+        let mut region = self.bounds;
         if self.drifts {
-            for x in &mut self.region {
+            for x in &mut region {
                 let more = AHEAD * x.width();
                 *x = Bounds::new(x.lo - more, x.hi + more);
             }
         }
         self.measure();
-        self.rows[..self.count].iter_mut().for_each(|row| row.derive(&self.region));
+        self.rows.make(&region);
         self.vertices.iter_mut().flatten().for_each(|v| v.pending = true);
     }
 
@@ -43,60 +43,47 @@ impl<const N: usize, const ROWS: usize> Follower<N, ROWS> {
         }
     }
 
-    /// Computes the distance of a half-space to the vertex that is closest to it, in units of the vertices' spread along it.
-    fn appraise(&self, row: &mut HalfSpace<N>, now: f64) {
+    /// The distance of a half-space to the vertex that is closest to it, in units of the vertices' spread along it, and
+    /// that vertex.
+    #[expect(clippy::cast_possible_truncation, reason = "a value needs no more digits, and vertices are few")]
+    fn appraise(&self, row: &HalfSpace<N>) -> (f32, u16) {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (column, pair) in self.vertices.iter().enumerate() {
-            for (vertex, upper) in pair.iter().zip([false, true]) {
-                let at = row.at(&vertex.x);
-                low = low.min(at);
-                if at > high {
-                    high = at;
-                    row.nearest = (u8::try_from(column).unwrap_or(u8::MAX), upper);
-                }
+        let mut nearest = 0;
+        for (vertex, at) in self.vertices.as_flattened().iter().map(|v| row.at(&v.x)).enumerate() {
+            low = low.min(at);
+            if at > high {
+                (nearest, high) = (vertex, at);
             }
         }
-        row.value = (row.right(now) - high) / (high - low).max(1e-12 * row.size);
+        (((row.h - high) / (high - low).max(1e-12 * row.size)) as f32, nearest as u16)
     }
 
     /// Keeps a half-space if it cuts a vertex, or may sooner than one that is kept.
-    pub(crate) fn consider(&mut self, mut row: HalfSpace<N>) {
-        let now = self.now.unwrap_or(0.0);
-        self.appraise(&mut row, now);
-        let Some(place) = self.place(&row) else { return };
-        let limit = row.right(now) + CUT * row.size;
-        for vertex in self.vertices.iter_mut().flatten() {
+    pub(crate) fn consider(&mut self, side: &Side<N>) {
+        let row = self.rows.half_space_of(side);
+        let (value, nearest) = self.appraise(&row);
+        let Some(place) = self.place(value, nearest) else { return };
+        let limit = row.h + CUT * row.size;
+        for vertex in self.vertices.as_flattened_mut() {
             vertex.pending |= row.at(&vertex.x) > limit;
         }
-        self.rows[place] = row;
-        self.count = self.count.max(place + 1);
+        self.rows.put(place, side, &row, value, nearest);
     }
 
     /// The place of a row: a free one, or that of the row furthest from its vertex among those of the vertex that has most.
-    fn place(&self, new: &HalfSpace<N>) -> Option<usize> {
-        if self.count < ROWS {
-            return Some(self.count);
+    fn place(&self, value: f32, nearest: u16) -> Option<usize> {
+        if self.rows.count < ROWS {
+            return Some(self.rows.count);
         }
-        let mut counts = [[0_u16; 2]; N];
-        let at = |(column, upper): (u8, bool)| (usize::from(column).min(N - 1), usize::from(upper));
-        for row in self.rows.iter().chain([new]) {
-            let (column, side) = at(row.nearest);
-            counts[column][side] += 1;
-        }
-        let most = counts.iter().flatten().copied().max()?;
-        let own = {
-            let (column, side) = at(new.nearest);
-            counts[column][side]
-        };
-        let crowded = |row: &HalfSpace<N>| {
-            let (column, side) = at(row.nearest);
-            if own == most { row.nearest == new.nearest } else { counts[column][side] == most }
-        };
+        let shared = self.rows.shared();
+        let most = shared.iter().copied().fold(0, u16::max);
+        let own = shared[usize::from(nearest)] + 1 >= most;
         let mut found = None;
-        let mut furthest = if own == most { new.value } else { f64::NEG_INFINITY };
-        for (k, row) in self.rows.iter().enumerate() {
-            if crowded(row) && row.value > furthest && !self.is_in_a_basis(k) {
-                (found, furthest) = (Some(k), row.value);
+        let mut furthest = if own { value } else { f32::NEG_INFINITY };
+        for (k, (far, other)) in self.rows.appraisals().enumerate() {
+            let crowded = if own { other == nearest } else { shared[usize::from(other)] == most };
+            if crowded && far > furthest && !self.is_in_a_basis(k) {
+                (found, furthest) = (Some(k), far);
             }
         }
         found
@@ -110,11 +97,11 @@ impl<const N: usize, const ROWS: usize> Follower<N, ROWS> {
     pub(crate) fn work(&mut self) {
         let mut steps = STEPS;
         let now = self.now.unwrap_or(0.0);
-        for _ in 0..REVALUED.min(self.count) {
-            self.revalued = (self.revalued + 1) % self.count;
-            let mut row = self.rows[self.revalued];
-            self.appraise(&mut row, now);
-            self.rows[self.revalued] = row;
+        for _ in 0..REVALUED.min(self.rows.count) {
+            let k = (self.revalued + 1) % self.rows.count;
+            let (value, nearest) = self.appraise(&self.rows.half_space(k, now));
+            self.rows.appraise(k, value, nearest);
+            self.revalued = k;
         }
         let turn = self.turn;
         self.turn = (turn + 1) % (2 * N);
@@ -132,7 +119,7 @@ impl<const N: usize, const ROWS: usize> Follower<N, ROWS> {
                 }
             }
         }
-        let narrowed = self.bounds.iter().zip(&self.region).any(|(x, r)| {
+        let narrowed = self.bounds.iter().zip(&self.rows.region).any(|(x, r)| {
             let without_sign = !self.drifts && r.lo < 0.0 && r.hi > 0.0;
             let share = if without_sign { NARROWED_WITHOUT_SIGN } else { NARROWED };
             x.width() < share * r.width() || (without_sign && (x.lo >= 0.0 || x.hi <= 0.0))
@@ -143,8 +130,7 @@ impl<const N: usize, const ROWS: usize> Follower<N, ROWS> {
     }
 
     fn move_vertex(&mut self, column: usize, upper: bool, now: f64, steps: &mut usize) {
-        let problem =
-            Problem { rows: &self.rows[..self.count], region: &self.bounds, widths: &self.widths, capacity: ROWS, now };
+        let problem = Problem { rows: &self.rows, region: &self.bounds, widths: &self.widths, now };
         let direction = if upper { -1.0 } else { 1.0 };
         let vertex = &mut self.vertices[column][usize::from(upper)];
         let found = vertex.search(&problem, column, direction, steps);
@@ -193,8 +179,8 @@ impl Members {
 
 /// The objective and the weighted half-spaces of a basis, with the entering one once. Ends of the box are left to the
 /// residual.
-fn combination<const N: usize>(
-    problem: &Problem<'_, N>,
+fn combination<const N: usize, const ROWS: usize>(
+    problem: &Problem<'_, N, ROWS>,
     objective: [f64; N],
     basis: &[Member; N],
     weights: &[f64; N],
@@ -204,10 +190,11 @@ fn combination<const N: usize>(
     let mut members = Members { oldest: f64::INFINITY, rows: 0 };
     let parts = basis.iter().copied().zip(weights.iter().copied()).chain(entering.map(|m| (m, 1.0)));
     for (member, weight) in parts {
-        if usize::from(member) < problem.capacity && weight > 0.0 {
-            let row = &problem.rows[usize::from(member)];
-            sum.add(weight, &row.g, row.right(problem.now));
-            members = Members { oldest: members.oldest.min(row.time), rows: members.rows + 1 };
+        let k = usize::from(member);
+        if k < ROWS && weight > 0.0 {
+            let row = problem.rows.half_space(k, problem.now);
+            sum.add(weight, &row.g, row.h);
+            members = Members { oldest: members.oldest.min(problem.rows.time[k]), rows: members.rows + 1 };
         }
     }
     (sum, members)

@@ -5,7 +5,7 @@
 //! 36-47). Nothing here is a proof: multipliers that are wrong by a rounding leave a residual, which the proof counts.
 
 use crate::bounds::Bounds;
-use crate::half_space::HalfSpace;
+use crate::store::Store;
 
 /// Violations below this share of a half-space's change across the box are none: far below any width of interest.
 const TOLERANCE: f64 = 1e-9;
@@ -29,29 +29,28 @@ pub(crate) enum Found {
 }
 
 /// The kept half-spaces, as a search sees them.
-pub(crate) struct Problem<'a, const N: usize> {
-    pub(crate) rows: &'a [HalfSpace<N>],
+pub(crate) struct Problem<'a, const N: usize, const ROWS: usize> {
+    pub(crate) rows: &'a Store<N, ROWS>,
     pub(crate) region: &'a [Bounds; N],
     pub(crate) widths: &'a [f64; N],
-    pub(crate) capacity: usize,
     pub(crate) now: f64,
 }
 
-impl<const N: usize> Problem<'_, N> {
+impl<const N: usize, const ROWS: usize> Problem<'_, N, ROWS> {
     /// The member that is the upper or the lower end of a parameter.
     #[expect(clippy::cast_possible_truncation, reason = "a capacity and twice the parameters are far below 65,536")]
     pub(crate) fn end(&self, column: usize, upper: bool) -> Member {
-        (self.capacity + 2 * column + usize::from(!upper)) as Member
+        (ROWS + 2 * column + usize::from(!upper)) as Member
     }
 
     /// Coefficients, right-hand side and size of a member.
     pub(crate) fn half_space(&self, member: Member) -> ([f64; N], f64, f64) {
         let k = usize::from(member);
-        if k < self.capacity {
-            let row = &self.rows[k];
-            return (row.g, row.right(self.now), row.size);
+        if k < ROWS {
+            let row = self.rows.half_space(k, self.now);
+            return (row.g, row.h, row.size);
         }
-        let (column, upper) = ((k - self.capacity) / 2, (k - self.capacity) % 2 == 0);
+        let (column, upper) = ((k - ROWS) / 2, (k - ROWS) % 2 == 0);
         let mut g = [0.0; N];
         g[column] = if upper { 1.0 } else { -1.0 };
         (g, if upper { self.region[column].hi } else { -self.region[column].lo }, self.widths[column])
@@ -60,15 +59,15 @@ impl<const N: usize> Problem<'_, N> {
     /// The member that the point violates most, in units of its size.
     #[expect(clippy::cast_possible_truncation, reason = "a capacity is far below 65,536")]
     fn most_violated(&self, x: &[f64; N], basis: &[Member; N]) -> Option<(Member, f64)> {
-        let (mut worst, mut found) = (TOLERANCE, None);
+        let free = |k: usize| basis.contains(&(k as Member));
+        let row = self.rows.most_violated(x, self.now, TOLERANCE, free);
+        let mut found = row.map(|(k, excess, _)| (k as Member, excess));
+        let mut worst = row.map_or(TOLERANCE, |(_, _, share)| share);
         let mut ask = |member: Member, excess: f64, size: f64| {
             if excess > worst * size && !basis.contains(&member) {
                 (worst, found) = (excess / size, Some((member, excess)));
             }
         };
-        for (k, row) in self.rows.iter().enumerate() {
-            ask(k as Member, row.at(x) - row.right(self.now), row.size);
-        }
         for j in 0..N {
             ask(self.end(j, true), x[j] - self.region[j].hi, self.widths[j]);
             ask(self.end(j, false), self.region[j].lo - x[j], self.widths[j]);
@@ -94,7 +93,12 @@ impl<const N: usize> Vertex<N> {
         Self { basis: [0; N], inverse: [[0.0; N]; N], x: [0.0; N], multipliers: [0.0; N], pending: true };
 
     /// The corner of the box where `direction` times the parameter is least; other parameters take their lower ends.
-    pub(crate) fn start_at_corner(&mut self, problem: &Problem<'_, N>, column: usize, direction: f64) {
+    pub(crate) fn start_at_corner<const ROWS: usize>(
+        &mut self,
+        problem: &Problem<'_, N, ROWS>,
+        column: usize,
+        direction: f64,
+    ) {
         for j in 0..N {
             self.basis[j] = problem.end(j, j == column && direction < 0.0);
         }
@@ -102,7 +106,12 @@ impl<const N: usize> Vertex<N> {
 
     /// Computes inverse, vertex and multipliers from the basis. The value is false if it is not regular, or no basis of
     /// a minimum.
-    pub(crate) fn refresh(&mut self, problem: &Problem<'_, N>, column: usize, direction: f64) -> bool {
+    pub(crate) fn refresh<const ROWS: usize>(
+        &mut self,
+        problem: &Problem<'_, N, ROWS>,
+        column: usize,
+        direction: f64,
+    ) -> bool {
         let mut a = [[0.0; N]; N];
         let mut right = [0.0; N];
         let mut sizes = [1.0; N];
@@ -132,9 +141,9 @@ impl<const N: usize> Vertex<N> {
     }
 
     /// Exchanges members until none is violated, with at most `steps` exchanges, of which it takes the number away.
-    pub(crate) fn search(
+    pub(crate) fn search<const ROWS: usize>(
         &mut self,
-        problem: &Problem<'_, N>,
+        problem: &Problem<'_, N, ROWS>,
         column: usize,
         direction: f64,
         steps: &mut usize,
@@ -187,7 +196,7 @@ impl<const N: usize> Vertex<N> {
     }
 
     /// The member whose multiplier reaches zero first; of several the one with the largest entry.
-    fn leaving(&self, problem: &Problem<'_, N>, alpha: &[f64; N]) -> Option<usize> {
+    fn leaving<const ROWS: usize>(&self, problem: &Problem<'_, N, ROWS>, alpha: &[f64; N]) -> Option<usize> {
         let mut sizes = [1.0; N];
         let mut largest = 0.0_f64;
         for k in 0..N {

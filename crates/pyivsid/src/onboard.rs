@@ -8,7 +8,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 /// Half-spaces that a follower keeps: 64 kB for nine parameters.
-const ROWS: usize = 160;
+const ROWS: usize = 304;
 
 type Pair<T> = (T, T);
 /// Time and begin of a proof [s], its number of half-spaces, and the parameter whose bounds do not meet.

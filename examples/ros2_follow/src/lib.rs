@@ -6,7 +6,7 @@
 use onboard::{Bounds, Follower, State};
 
 /// Half-spaces that are kept: 64 kB for nine parameters.
-const ROWS: usize = 160;
+const ROWS: usize = 304;
 
 /// A follower behind a topic.
 pub struct Topic<const N: usize> {

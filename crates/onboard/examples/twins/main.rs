@@ -117,8 +117,8 @@ fn follow(group: usize, seed: u64, hours: f64) -> String {
     let samples = (36_000.0 * hours) as u32;
     let (_, kind, least) = GROUPS[group];
     let o = match kind {
-        Kind::Five => twin::<5, 160>(kind, samples, seed, least),
-        Kind::Nine => twin::<9, 160>(kind, samples, seed + 1000, least),
+        Kind::Five => twin::<5, 304>(kind, samples, seed, least),
+        Kind::Nine => twin::<9, 304>(kind, samples, seed + 1000, least),
     };
     let late = o.sorted[((o.sorted.len() - 1) as f64 * 0.9999) as usize];
     let times = [o.sample, late, o.longest, o.batch].map(|t| format!("{:.2}", 1e6 * t)).join(" ");

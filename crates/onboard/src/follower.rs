@@ -114,7 +114,7 @@ impl<const N: usize, const ROWS: usize> Follower<N, ROWS> {
         let problem = Problem { rows: &self.rows, region: &self.bounds, widths: &self.widths, now: 0.0 };
         for (column, pair) in self.vertices.iter_mut().enumerate() {
             for (vertex, direction) in pair.iter_mut().zip([1.0, -1.0]) {
-                vertex.start_at_corner(&problem, column, direction);
+                vertex.start_at_corner::<ROWS>(column, direction);
                 vertex.refresh(&problem, column, direction);
                 vertex.pending = false;
             }

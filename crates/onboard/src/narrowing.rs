@@ -146,7 +146,7 @@ impl<const N: usize, const ROWS: usize> Follower<N, ROWS> {
                 return;
             }
         }
-        let end = problem.end(column, upper);
+        let end = Problem::<N, ROWS>::end(column, upper);
         objective[column] = direction;
         let (sum, members) = combination(&problem, objective, &vertex.basis, &vertex.multipliers, None);
         let bound = direction * sum.least(&self.bounds);

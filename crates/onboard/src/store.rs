@@ -82,7 +82,7 @@ impl<const N: usize, const ROWS: usize> Store<N, ROWS> {
     }
 
     /// The number of rows that are closest to each vertex.
-    pub(crate) const fn shared(&self) -> &[u16] {
+    pub(crate) fn shared(&self) -> &[u16] {
         self.shared.as_flattened()
     }
 

@@ -39,7 +39,7 @@ pub(crate) struct Problem<'a, const N: usize, const ROWS: usize> {
 impl<const N: usize, const ROWS: usize> Problem<'_, N, ROWS> {
     /// The member that is the upper or the lower end of a parameter.
     #[expect(clippy::cast_possible_truncation, reason = "a capacity and twice the parameters are far below 65,536")]
-    pub(crate) fn end(&self, column: usize, upper: bool) -> Member {
+    pub(crate) fn end(column: usize, upper: bool) -> Member {
         (ROWS + 2 * column + usize::from(!upper)) as Member
     }
 
@@ -69,8 +69,8 @@ impl<const N: usize, const ROWS: usize> Problem<'_, N, ROWS> {
             }
         };
         for j in 0..N {
-            ask(self.end(j, true), x[j] - self.region[j].hi, self.widths[j]);
-            ask(self.end(j, false), self.region[j].lo - x[j], self.widths[j]);
+            ask(Self::end(j, true), x[j] - self.region[j].hi, self.widths[j]);
+            ask(Self::end(j, false), self.region[j].lo - x[j], self.widths[j]);
         }
         found
     }
@@ -93,14 +93,9 @@ impl<const N: usize> Vertex<N> {
         Self { basis: [0; N], inverse: [[0.0; N]; N], x: [0.0; N], multipliers: [0.0; N], pending: true };
 
     /// The corner of the box where `direction` times the parameter is least; other parameters take their lower ends.
-    pub(crate) fn start_at_corner<const ROWS: usize>(
-        &mut self,
-        problem: &Problem<'_, N, ROWS>,
-        column: usize,
-        direction: f64,
-    ) {
+    pub(crate) fn start_at_corner<const ROWS: usize>(&mut self, column: usize, direction: f64) {
         for j in 0..N {
-            self.basis[j] = problem.end(j, j == column && direction < 0.0);
+            self.basis[j] = Problem::<N, ROWS>::end(j, j == column && direction < 0.0);
         }
     }
 
@@ -149,7 +144,7 @@ impl<const N: usize> Vertex<N> {
         steps: &mut usize,
     ) -> Found {
         if !self.refresh(problem, column, direction) {
-            self.start_at_corner(problem, column, direction);
+            self.start_at_corner::<ROWS>(column, direction);
             self.refresh(problem, column, direction);
         }
         let mut since = 0;

@@ -254,7 +254,7 @@ def whiten(
 class _Followed(TypedDict):
     lower: _Array
     upper: _Array
-    steps: list[tuple[int, int]]
+    steps: list[tuple[int, int, int]]
     parts_lower: _Array
     parts_upper: _Array
 
@@ -283,6 +283,7 @@ class TubeModel:
         force: _Bounds,
         given: _Bounds | None,
         parts: int,
+        cutting: tuple[int, int, float] | None,
         certify: bool,
     ) -> _Followed: ...
     def members(
@@ -294,5 +295,6 @@ class TubeModel:
         errors: list[_Array],
         given: _Array | None,
         signs: tuple[list[float], list[float]],
+        switched: list[tuple[int, list[float]]],
         towards: list[tuple[int, list[float]]],
     ) -> list[_Array]: ...

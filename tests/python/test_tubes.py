@@ -3,6 +3,7 @@
 import json
 from copy import deepcopy
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -21,11 +22,14 @@ from ivsid.simulation import simulate
 from ivsid.tubes import tube
 from ivsid.tubes.equations import equations_of
 from ivsid.tubes.given import straight
-from ivsid.tubes.horizons import start_of, window
+from ivsid.tubes.horizons import of_piece, start_of, window
 from ivsid.tubes.inputs import course_of
 from ivsid.tubes.parameters import blocks_of, pieces_of
 from ivsid.vehicle import parse_vehicle
-from ivsid.verification.tubes import TubeChecker, part_of
+from ivsid.verification.claims import part_of, start_box
+from ivsid.verification.covered import covers
+from ivsid.verification.rational import Range
+from ivsid.verification.tubes import TubeChecker
 from ivsid.workflow.trajectories import _followed
 from tube_oracle import integrate, shapes
 
@@ -317,6 +321,9 @@ REFUSED = {
     "channels": (lambda f, log: tube(f, log, channels="sway"), "channels 'sway' are unknown"),
     "windows": (lambda f, log: tube(f, log, windows=[0.0]), "positive lengths are needed"),
     "cells": (lambda f, log: tube(f, log, cells=0), "at least 1, is needed"),
+    "no yaw cells": (lambda f, log: tube(f, log, yaw_cells=0), "at least 1 and at most 1024"),
+    "too many yaw cells": (lambda f, log: tube(f, log, yaw_cells=10**30), "at least 1 and at most 1024"),
+    "yaw cells of surge": (lambda f, log: tube(f, log, channels="surge", yaw_cells=2), "leave yaw_cells out"),
     "pieces": (lambda f, log: tube(f, log, cells=9), "into 729 pieces"),
     "parts": (lambda f, log: tube(f, log, parts=0), "at least 1, is needed"),
     "open": (
@@ -444,7 +451,7 @@ def certified(fit, course, first, count, start):
         for a, b in zip(found.parts.lower.tolist(), found.parts.upper.tolist(), strict=True)
     ]
     parts = []
-    for row, (step, share) in zip(rows, found.steps, strict=True):
+    for row, (step, _, share) in zip(rows, found.steps, strict=True):
         k = first + step
         force = list(zip(course.force.lower[k].tolist(), course.force.upper[k].tolist(), strict=True))
         parts.append((row, force, (float(course.h.lower[k]), float(course.h.upper[k])), share))
@@ -559,6 +566,62 @@ def test_the_checker_knows_the_cross_flow(otter):
     part = Log("part.csv", log.sha256, log.t[:12], {n: x[400:412] for n, x in log.columns.items()})
     made = tube(known, part, windows=[], inner=False, check=True)
     assert made.checked.parts >= 11 and not made.checked.faults
+
+
+def test_cells_of_the_yaw_rate_hold_every_trajectory(fit, course):
+    """In a turn and out of it: nobody escapes, and surge and sway are narrower than in one box."""
+    cut = replace(equations_of(fit), yaw_cells=8)
+    for first in (310, 640):
+        whole, states = examined(np.random.default_rng(first), fit, course, first, 80, 40)
+        bounds = window(cut, course, first, first + 80, None)
+        assert bounds.shape[0] == 81 and escapes(bounds, states) == 0
+        one, many = (np.median(b.upper[1:, :3] - b.lower[1:, :3], axis=0) for b in (whole, bounds))
+        assert np.all(many < one) and many[1] < 0.98 * one[1]
+
+
+def test_the_checker_proves_cells_of_the_yaw_rate(fit, test_log, course):
+    """Each part, and that the cells that are cut anew hold all states of the step before."""
+    log = Log("part.csv", test_log.sha256, test_log.t[:14], {n: x[310:324] for n, x in test_log.columns.items()})
+    made = tube(fit, log, windows=[], inner=False, yaw_cells=3, check=True)
+    assert made.yaw_cells == 3 and made.checked.parts == made.checked.proved >= 26
+    equations = replace(equations_of(fit), yaw_cells=3)
+    piece, start = equations.pieces[0], start_of(course, 310, None)
+    found = of_piece(equations, piece, course, 310, 321, None, parts=1, certify=True)
+    claims = {}
+    for (step, cell, share), low, high in zip(found.steps, found.parts.lower, found.parts.upper, strict=True):
+        k = 310 + step
+        force = list(zip(course.force.lower[k].tolist(), course.force.upper[k].tolist(), strict=True))
+        h = (float(course.h.lower[k]), float(course.h.upper[k]))
+        part = part_of(list(zip(low.tolist(), high.tolist(), strict=True)), force, h, share)
+        claims.setdefault(step, []).append((cell, part))
+
+    def fault(last, change):
+        """What the checker says first of a step whose claims are changed, after those before it."""
+        checker = TubeChecker(fit.vehicle, "total", piece.points)
+        checker.begin(start_box(start.lower[:3].tolist(), start.upper[:3].tolist()))
+        assert not any(f for step in range(last) for f in checker.faults(claims[step]))
+        return checker.faults(change(claims[last]))[0]
+
+    assert len(claims[0]) > 1 and len(claims[10]) > 2
+    assert all("leave states" in fault(0, change) for change in (lambda c: c[1:], lambda c: c[:-1]))
+    assert "leave states" in fault(10, lambda c: [c[0], *c[2:]])
+
+
+def box(*ends):
+    return tuple(Range(Fraction(a), Fraction(b)) for a, b in ends)
+
+
+def test_a_cover_has_no_gap():
+    whole = box((0, 1), (-1, 1), (0, 3))
+    cells = [box((0, 1), (-1, 1), (a, a + 1)) for a in range(3)]
+    assert covers(cells, whole) and covers(cells[::-1], whole) and covers(cells, box((0, 1), (0, 0), (1, 1)))
+    assert not covers([], whole) and not covers([], box((0, 1), (0, 1), (2, 2)))
+    for k in range(3):
+        assert not covers(cells[:k] + cells[k + 1 :], whole)
+        # A cell that lacks some of sway where the yaw rates meet, though another holds the same yaw rate.
+        assert not covers([*cells, box((0, 1), (-1, Fraction(1, 2)), (k, k + 1))], whole)
+    beyond = box((5, 6), (5, 6), (4, 5))
+    assert covers([*cells, beyond], whole) and not covers(cells, box((0, 1), (0, 1), (2, Fraction(7, 2))))
 
 
 def test_pieces_cover_the_parameters(fit, test_log):

@@ -4,7 +4,7 @@
 
 use interval_core::Interval;
 use interval_core::tube::program::{Moving, run};
-use interval_core::tube::{Entry, Given, Inputs, Model, Node, Op, Three, follow};
+use interval_core::tube::{Cutting, Entry, Given, Inputs, Model, Node, Op, Three, follow};
 
 fn i(lo: f64, hi: f64) -> Interval {
     Interval::new(lo, hi).expect("ordered")
@@ -44,7 +44,7 @@ fn tube(model: &Model, start: Interval, force: &[Interval], h: f64, parts: u32) 
     let zero = vec![Interval::ZERO; force.len()];
     let given = vec![Given { nu: [Interval::ZERO; 3], rates: [Interval::ZERO; 3] }; force.len()];
     let inputs = Inputs { h: &steps, force: [force, &zero, &zero], given: &given };
-    let found = follow(model, node(start), &inputs, parts, true).expect("fits");
+    let found = follow(model, node(start), &inputs, parts, None, true).expect("fits");
     assert_eq!(found.nodes.len(), force.len() + 1, "a box over every step");
     assert_eq!(found.parts.len() % parts as usize, 0);
     found.nodes.iter().map(|n| n.nu[0]).collect()
@@ -132,7 +132,7 @@ fn a_rotation_is_held() {
     let (steps, zero) = (vec![p(0.05); n], vec![Interval::ZERO; n]);
     let inputs = Inputs { h: &steps, force: [&zero, &zero, &zero], given: &[] };
     let start = Node { nu: [p(0.5), p(0.1), p(0.3)], pose: [Interval::ZERO; 3] };
-    let found = follow(&model, start, &inputs, 1, false).expect("fits");
+    let found = follow(&model, start, &inputs, 1, None, false).expect("fits");
     assert_eq!(found.nodes.len(), n + 1);
     for (k, node) in found.nodes.iter().enumerate() {
         let angle = 0.3 * 0.05 * k as f64;
@@ -178,7 +178,7 @@ fn one_inertia_turns_the_whole_way() {
     let moment: Vec<Interval> = (0..n).map(|k| if k / 50 % 2 == 0 { i(1.9, 2.1) } else { i(-2.1, -1.9) }).collect();
     let (steps, zero) = (vec![p(0.05); n], vec![Interval::ZERO; n]);
     let inputs = Inputs { h: &steps, force: [&zero, &zero, &moment], given: &[] };
-    let found = follow(&model, node(Interval::ZERO), &inputs, 1, false).expect("fits");
+    let found = follow(&model, node(Interval::ZERO), &inputs, 1, None, false).expect("fits");
     assert_eq!(found.nodes.len(), n + 1);
     let (mut low, mut high) = (0.0_f64, 0.0_f64);
     for (k, node) in found.nodes.iter().enumerate() {
@@ -200,7 +200,7 @@ fn a_turn_of_any_rate_does_no_work() {
     let (steps, zero, push) = (vec![p(0.05); n], vec![Interval::ZERO; n], vec![i(-20.0, 20.0); n]);
     let inputs = Inputs { h: &steps, force: [&push, &zero, &zero], given: &[] };
     let start = Node { nu: [i(0.2, 0.3), i(-0.1, 0.1), i(-4.0, 4.0)], pose: [Interval::ZERO; 3] };
-    let found = follow(&model, start, &inputs, 1, false).expect("fits");
+    let found = follow(&model, start, &inputs, 1, None, false).expect("fits");
     assert_eq!(found.nodes.len(), n + 1);
     // Drag along the motion is at least d |nu|^2 / sqrt 2.
     let most = (20.0 * 2.0_f64.sqrt() / 250.0).sqrt();
@@ -220,13 +220,13 @@ fn no_box_no_bound() {
     let zero = [Interval::ZERO; 3];
     let given = [Given { nu: [Interval::ZERO; 3], rates: [Interval::ZERO; 3] }; 3];
     let inputs = Inputs { h: &steps, force: [&[p(1.0); 3], &zero, &zero], given: &given };
-    assert_eq!(follow(&may_vanish, node(Interval::ZERO), &inputs, 1, false).expect("fits").nodes.len(), 1);
+    assert_eq!(follow(&may_vanish, node(Interval::ZERO), &inputs, 1, None, false).expect("fits").nodes.len(), 1);
     // u' = u^2 from 1 ends at t = 1.
     let drives = surge(Op::Square(0), &[[1.0, -1.0]]);
     let (steps, zero) = (vec![p(0.01); 300], vec![Interval::ZERO; 300]);
     let given = vec![given[0]; 300];
     let inputs = Inputs { h: &steps, force: [&zero, &zero, &zero], given: &given };
-    let found = follow(&drives, node(p(1.0)), &inputs, 1, false).expect("fits");
+    let found = follow(&drives, node(p(1.0)), &inputs, 1, None, false).expect("fits");
     assert!((80..=101).contains(&found.nodes.len()), "{}", found.nodes.len());
     for (k, n) in found.nodes.iter().enumerate() {
         assert!(n.nu[0].hi() >= 1.0 / (1.0 - 0.01 * k as f64) - 1e-12);
@@ -299,6 +299,54 @@ fn programs_include_their_floats() {
     }
 }
 
+/// Turns of any rate in a range: each solution is held by its closed form, and cells of the rate are narrower than one box.
+#[test]
+fn cells_of_the_yaw_rate_hold_every_turn() {
+    let program = vec![Op::Mul(1, 2), Op::Neg(3), Op::Mul(0, 2)];
+    let entry = |term, register, k: usize| Entry {
+        term,
+        register,
+        inertia: std::array::from_fn(|j| if j == k { 1.0 } else { 0.0 }),
+    };
+    let channels = [vec![entry(0, Some(4), 0)], vec![entry(0, Some(5), 1)], vec![entry(1, None, 2)]];
+    let hull = vec![p(50.0), p(8.0)];
+    let model = Model::new(program, channels, std::array::from_fn(|_| vec![hull.clone()]), hull.clone(), [true; 3])
+        .expect("fits");
+    let n = 30;
+    let (steps, zero) = (vec![p(0.05); n], vec![Interval::ZERO; n]);
+    let inputs = Inputs { h: &steps, force: [&zero, &zero, &zero], given: &[] };
+    let (least, most) = (-0.4, 0.8);
+    let start = Node { nu: [p(0.5), p(0.1), i(least, most)], pose: [Interval::ZERO; 3] };
+    let tube = |cutting| follow(&model, start, &inputs, 1, cutting, true).expect("fits");
+    let cutting = Cutting { most: 12, every: 7, narrowest: 0.01 };
+    let (whole, cells) = (tube(None), tube(Some(cutting)));
+    assert!(whole.parts.iter().all(|x| x.cell == 0) && cells.parts.iter().any(|x| x.cell > 5));
+    assert!(cells.parts.iter().all(|x| x.cell < 12));
+    for (k, node) in cells.nodes.iter().enumerate() {
+        for step in 0..=120 {
+            let r = least + (most - least) * f64::from(step) / 120.0;
+            let (s, c) = (r * 0.05 * k as f64).sin_cos();
+            for (j, x) in [0.5 * c + 0.1 * s, 0.1 * c - 0.5 * s, r].into_iter().enumerate() {
+                assert!(node.nu[j].lo() <= x + 1e-14 && x <= node.nu[j].hi() + 1e-14, "{k} {j} {x} {:?}", node.nu[j]);
+            }
+        }
+    }
+    let [one, many] = [&whole, &cells].map(|t| t.nodes[n].nu[0].width());
+    assert!(many < 0.9 * one, "{many} and {one}");
+    // A single rate needs no cells, and a number that is not one is refused.
+    let still = Node { nu: [p(0.5), p(0.1), p(0.3)], pose: [Interval::ZERO; 3] };
+    let alone = |cutting| follow(&model, still, &inputs, 1, cutting, true).expect("fits").parts.len();
+    assert_eq!(alone(Some(cutting)), alone(None));
+    for wrong in [
+        Cutting { most: 0, ..cutting },
+        Cutting { every: 0, ..cutting },
+        Cutting { narrowest: 0.0, ..cutting },
+        Cutting { narrowest: f64::NAN, ..cutting },
+    ] {
+        assert!(follow(&model, start, &inputs, 1, Some(wrong), false).is_err());
+    }
+}
+
 /// Misuse is an error in words.
 #[test]
 fn misuse_is_an_error() {
@@ -322,6 +370,6 @@ fn misuse_is_an_error() {
         (p(0.1), &one[..], &given[..], 0),
     ] {
         let inputs = Inputs { h: &[h], force: [force, &one, &one], given: g };
-        assert!(follow(&model, node(Interval::ZERO), &inputs, parts, false).is_err());
+        assert!(follow(&model, node(Interval::ZERO), &inputs, parts, None, false).is_err());
     }
 }

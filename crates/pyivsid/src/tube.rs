@@ -3,7 +3,7 @@
 use crate::arrays::{intervals, refusal, row_major, vector};
 use interval_core::Interval;
 use interval_core::tube::members::{Choice, Member, State};
-use interval_core::tube::{Entry, Given, Inputs, Model, Node, Op, Three, Tube, follow};
+use interval_core::tube::{Cutting, Entry, Given, Inputs, Model, Node, Op, Three, Tube, follow};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -63,7 +63,7 @@ impl TubeModel {
 
     /// Bounds of u, v, r, psi, x, y at the samples, shape (m, 6), and the certificate of each part of a step.
     #[expect(clippy::too_many_arguments, reason = "the inputs of a tube")]
-    #[pyo3(signature = (start, h, force, given, parts, certify))]
+    #[pyo3(signature = (start, h, force, given, parts, cutting, certify))]
     fn follow<'py>(
         &self,
         py: Python<'py>,
@@ -72,6 +72,7 @@ impl TubeModel {
         force: Rows<'py>,
         given: Option<Rows<'py>>,
         parts: u32,
+        cutting: Option<(usize, usize, f64)>,
         certify: bool,
     ) -> PyResult<Bound<'py, PyDict>> {
         let start = box_of(&start)?;
@@ -91,15 +92,19 @@ impl TubeModel {
         };
         let force = [columns[0].as_slice(), columns[1].as_slice(), columns[2].as_slice()];
         let inputs = Inputs { h: &h, force, given: &given };
-        let tube = py.detach(|| follow(&self.model, node, &inputs, parts, certify)).map_err(|e| refusal(&e))?;
+        let cutting = cutting.map(|(most, every, narrowest)| Cutting { most, every, narrowest });
+        let tube =
+            py.detach(|| follow(&self.model, node, &inputs, parts, cutting, certify)).map_err(|e| refusal(&e))?;
         record(py, &tube)
     }
 
-    /// Trajectories of one member, shape (m, 6): under given errors, and under those that push a component to each target.
+    /// Trajectories of one member, shape (m, 6): under held errors, under those that switch once, and under those that push a
+    /// component to each target.
     ///
+    /// `switched` holds steps and the signs from there on.
     /// `towards` holds targets: a sample and weights of the six components.
     #[expect(clippy::too_many_arguments, reason = "the surroundings of a member")]
-    #[pyo3(signature = (theta, start, h, centre, errors, given, signs, towards))]
+    #[pyo3(signature = (theta, start, h, centre, errors, given, signs, switched, towards))]
     fn members<'py>(
         &self,
         py: Python<'py>,
@@ -110,6 +115,7 @@ impl TubeModel {
         errors: Vec<PyReadonlyArray2<'py, f64>>,
         given: Option<PyReadonlyArray2<'py, f64>>,
         signs: (Vec<f64>, [f64; 6]),
+        switched: Vec<(usize, Vec<f64>)>,
         towards: Vec<(usize, State)>,
     ) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
         let h = vector(&h)?;
@@ -128,6 +134,7 @@ impl TubeModel {
         if centre.len() != h.len()
             || errors.iter().any(|e| e.len() != h.len())
             || signs.0.len() != errors.len()
+            || switched.iter().any(|(_, s)| s.len() != errors.len())
             || theta.len() != self.model.hull().len()
         {
             return Err(PyValueError::new_err("arrays whose lengths fit each other are needed"));
@@ -136,6 +143,13 @@ impl TubeModel {
         let plain = Choice { errors: signs.0.iter().map(|&s| vec![s; h.len()]).collect(), start: signs.1 };
         let runs = py.detach(|| {
             let mut runs = vec![member.run(&self.model, &plain)];
+            for (from, after) in &switched {
+                let mut choice = plain.clone();
+                for (sign, &x) in choice.errors.iter_mut().zip(after) {
+                    sign.iter_mut().skip(*from).for_each(|s| *s = x);
+                }
+                runs.push(member.run(&self.model, &choice));
+            }
             for &(target, weights) in &towards {
                 // The second pass is about the trajectory of the first.
                 let mut choice = plain.clone();
@@ -160,7 +174,7 @@ fn record<'py>(py: Python<'py>, tube: &Tube) -> PyResult<Bound<'py, PyDict>> {
     };
     found.set_item("lower", ends(Interval::lo)?)?;
     found.set_item("upper", ends(Interval::hi)?)?;
-    let steps: Vec<(usize, u32)> = tube.parts.iter().map(|p| (p.step, p.parts)).collect();
+    let steps: Vec<(usize, usize, u32)> = tube.parts.iter().map(|p| (p.step, p.cell, p.parts)).collect();
     found.set_item("steps", steps)?;
     let boxes = |end: fn(Interval) -> f64| {
         let all: Vec<f64> =

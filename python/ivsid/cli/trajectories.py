@@ -45,6 +45,14 @@ def tube(
             "--cells", min=1, help="Equal parts of the interval of each parameter; more are narrower and slower."
         ),
     ] = 1,
+    yaw_cells: Annotated[
+        int,
+        typer.Option(
+            "--yaw-cells",
+            min=1,
+            help="Cells of the yaw rate, at most, that a tube of all channels follows by themselves; more are narrower and slower.",
+        ),
+    ] = 1,
     inner: Annotated[bool, typer.Option("--inner/--no-inner", help="Simulate extreme members beside the tube.")] = True,
     check: Annotated[
         bool,
@@ -72,6 +80,7 @@ def tube(
             windows=listed,
             parts=parts,
             cells=cells,
+            yaw_cells=yaw_cells,
             inner=inner,
             check=check,
             progress=progress,

@@ -27,12 +27,12 @@ class Followed:
 
     Attributes:
         bounds: of u, v [m/s], r [rad/s], psi [rad], x, y [m], shape (m, 6).
-        steps: number of the step and of its equal parts, for each part of a step.
+        steps: number of the step, of the cell of the yaw rate, and of the step's equal parts there, for each part of a step.
         parts: for each part, velocities at its start, accelerations over it and velocities at its end, shape (p, 9).
     """
 
     bounds: IntervalArray
-    steps: list[tuple[int, int]]
+    steps: list[tuple[int, int, int]]
     parts: IntervalArray
 
 
@@ -70,6 +70,7 @@ class Model:
         given: IntervalArray | None = None,
         *,
         parts: int = 1,
+        cutting: tuple[int, int, float] | None = None,
         certify: bool = False,
     ) -> Followed:
         """Follows a box of starts.
@@ -80,6 +81,8 @@ class Model:
             force: X, Y [N] and N [N m] at all moments of each step, shape (n, 3).
             given: velocities and accelerations of components that are not free, shape (n, 6).
             parts: equal parts into which each step is cut.
+            cutting: cells of the yaw rate where all components are free: their number at most, the steps after which they are cut anew, and the
+                width of the narrowest [rad/s]; None follows one box.
             certify: whether the parts are kept.
 
         Raises:
@@ -91,6 +94,7 @@ class Model:
             _both(force),
             None if given is None else _both(given),
             parts,
+            cutting,
             certify,
         )
         return Followed(
@@ -108,9 +112,10 @@ class Model:
         errors: Sequence[Array],
         given: Array | None,
         signs: tuple[Sequence[float], Sequence[float]],
+        switched: Sequence[tuple[int, Sequence[float]]],
         towards: Sequence[tuple[int, Sequence[float]]],
     ) -> list[Array]:
-        """Trajectories of one member in plain floats: under held errors, and under those that push towards each target.
+        """Trajectories of one member in plain floats: under held errors, under those that switch once, and under those that push to each target.
 
         Args:
             theta: a parameter, one number a term.
@@ -120,6 +125,7 @@ class Model:
             errors: reaches of independent errors of the forces, each of shape (n, 3).
             given: velocities and accelerations of components that are not free, shape (n, 6).
             signs: held signs of the errors, and of the start.
+            switched: steps from which other signs of the errors hold, with these.
             towards: number of a sample, and the weights of its six components.
 
         Returns:
@@ -133,6 +139,7 @@ class Model:
             [np.ascontiguousarray(e) for e in errors],
             None if given is None else np.ascontiguousarray(given),
             (list(signs[0]), list(signs[1])),
+            [(int(k), list(s)) for k, s in switched],
             [(int(k), list(w)) for k, w in towards],
         )
 

@@ -1,6 +1,6 @@
 """The inner bound: what single members attain, in plain floats. It shows how much of a tube is real, and proves nothing.
 
-Members are vertices of the polytope of parameters. Their errors are bang-bang: held at one end, or switched where the adjoint of a target
+Members are vertices of the polytope of parameters. Their errors are bang-bang: held at one end, switched once, or switched where the adjoint of a target
 changes its sign (Pontryagin and others 1962), with the start at the end that pushes the same way. The adjoint is taken about every pattern
 of held errors: it knows the first order alone, and surge feels a turn by its square.
 """
@@ -28,6 +28,12 @@ LONGEST: Final = 1200
 # Most patterns of held errors; beyond it all stand at one end together.
 # Source: resource: each costs a run for each member
 MOST_PATTERNS: Final = 16
+# Moments of a window at which held errors switch once are its multiples of 1 / SWITCHES.
+# Source: resource: each costs a run for each member, pattern and end; a vehicle that was turned for a while and is then pushed has its extreme surge
+SWITCHES: Final = 20
+# Most patterns to each of which each other may switch; beyond it all switch to one end together.
+# Source: resource: the runs grow with its square
+FEW_PATTERNS: Final = 4
 
 
 def attained(
@@ -52,8 +58,11 @@ def attained(
     ]
     towards = towards if given is None and count <= LONGEST else []
     lower, upper = np.full((count + 1, 6), np.inf), np.full((count + 1, 6), -np.inf)
+    ends = patterns if len(patterns) <= FEW_PATTERNS else [(s,) * len(errors) for s in (-1.0, 1.0)]
+    moments = sorted({round(count * k / SWITCHES) for k in range(1, SWITCHES)})
     for theta in equations.members:
         for pattern in patterns:
+            switched = [(k, end) for k in moments for end in ends if end != pattern] if given is None else []
             for side in (-1.0, 1.0):
                 runs = equations.model.members(
                     theta,
@@ -63,6 +72,7 @@ def attained(
                     errors,
                     middle,
                     (pattern, [side] * 6),
+                    switched,
                     towards if side < 0 else [],
                 )
                 for run in runs:

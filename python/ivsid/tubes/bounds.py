@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -32,6 +32,9 @@ WINDOWS: Final = (10.0, 30.0)
 # Equal parts into which each step is cut.
 # Source: definition: one step a hold interval
 PARTS: Final = 1
+# Most cells of the yaw rate.
+# Source: resource: each takes the time of a tube
+MOST_YAW_CELLS: Final = 1024
 # Faults of the checker that a result lists.
 # Source: definition: what a reader looks at
 MOST_FAULTS: Final = 20
@@ -90,6 +93,7 @@ class Tube(Result):
         vertices: numbers of vertices of the parameters in surge, sway and yaw.
         parts: equal parts of each step.
         pieces: number of pieces of the parameters.
+        yaw_cells: cells of the yaw rate, at most.
         checked: what the checker proved of the tubes without restarts; None where not asked for.
         setup: what is doubtful about the set-up.
     """
@@ -106,6 +110,7 @@ class Tube(Result):
     vertices: tuple[int, int, int]
     parts: int
     pieces: int
+    yaw_cells: int = 1
     checked: Checked | None = None
     setup: tuple[SetupFinding, ...] = ()
 
@@ -166,6 +171,7 @@ def tube(
     steps: int | None = None,
     parts: int = PARTS,
     cells: int = 1,
+    yaw_cells: int = 1,
     inner: bool = True,
     early: bool = False,
     check: bool = False,
@@ -186,6 +192,8 @@ def tube(
         parts: equal parts into which each step is cut; more are narrower and slower.
         cells: equal parts into which the interval of each parameter is cut; the tube is the hull of the tubes of all pieces, narrower and
             slower by their number.
+        yaw_cells: cells of the yaw rate, at most, that are followed by themselves in a tube of all channels and cut anew each half second:
+            narrower, most of all in surge and sway while it turns, and slower by about half of their number.
         inner: whether members are simulated beside the tubes.
         early: whether a tube of all channels ends after a minute at 20 Hz (1,200 steps) where its yaw rate is so wide by then that it bounds little and takes long.
         check: whether each part of the first tube, which is the one without restarts if there is one, is proved once more in exact arithmetic, by code that shares nothing with the
@@ -200,7 +208,7 @@ def tube(
     Raises:
         IvsidError: a fit, model, vehicle or log that a tube cannot follow, or a wrong set-up that is beyond doubt.
     """
-    _asked(channels, windows, whole=whole, parts=parts, cells=cells, check=check)
+    _asked(channels, windows, whole=whole, parts=parts, cells=cells, yaw_cells=yaw_cells, check=check)
     vehicle = fit.vehicle
     data = log_of(log, vehicle.log)
     doubts = examined(vehicle, [data], progress) if examine else ()
@@ -209,6 +217,7 @@ def tube(
     alone = channels != "all"
     free = (True, not alone, not alone)
     equations = equations_of(fit, free, cells=cells) if equations is None else equations
+    equations = replace(equations, yaw_cells=yaw_cells)
     given = None
     if alone:
         given = taken.straight(course) if channels == "straight" else taken.measured(course, vehicle)
@@ -255,12 +264,15 @@ def tube(
         equations.vertices,
         parts,
         len(equations.pieces),
+        yaw_cells,
         again,
         tuple(doubts),
     )
 
 
-def _asked(channels: str, windows: Sequence[float], *, whole: bool, parts: int, cells: int, check: bool) -> None:
+def _asked(
+    channels: str, windows: Sequence[float], *, whole: bool, parts: int, cells: int, yaw_cells: int, check: bool
+) -> None:
     """Refuses options that no tube has."""
     if channels not in CHANNELS:
         raise IvsidError(f"channels '{channels}' are unknown; {meant(channels, CHANNELS)}use {', '.join(CHANNELS)}")
@@ -268,6 +280,14 @@ def _asked(channels: str, windows: Sequence[float], *, whole: bool, parts: int, 
         raise IvsidError(f"parts = {parts} was given; a number of equal parts of a step, at least 1, is needed")
     if cells < 1:
         raise IvsidError(f"cells = {cells} was given; a number of equal parts of each interval, at least 1, is needed")
+    if not 1 <= yaw_cells <= MOST_YAW_CELLS:
+        raise IvsidError(
+            f"yaw_cells = {yaw_cells} was given; a number of cells of the yaw rate, at least 1 and at most {MOST_YAW_CELLS}, is needed"
+        )
+    if yaw_cells > 1 and channels != "all":
+        raise IvsidError(
+            f"cells of the yaw rate are those of tubes of all channels; leave yaw_cells out for {channels}"
+        )
     if any(not 0 < w < np.inf for w in windows):
         raise IvsidError(f"windows of {', '.join(f'{w:g}' for w in windows)} s were given; positive lengths are needed")
     if not whole and not windows:
@@ -286,6 +306,7 @@ def record_of(made: Tube) -> dict[str, object]:
         "channels": made.channels,
         "parts": made.parts,
         "pieces": made.pieces,
+        "yaw_cells": made.yaw_cells,
         "vertices": dict(zip(("surge", "sway", "yaw"), made.vertices, strict=True)),
         "fit": {"log": made.fit.log_name, "sha256": made.fit.log_sha256},
         "checked": None

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import product
+from itertools import groupby, product
 
 from ivsid.identification import Identification
 from ivsid.intervals import IntervalArray
 from ivsid.tubes.equations import Equations
-from ivsid.tubes.horizons import Window, start_of
+from ivsid.tubes.horizons import Window, of_piece
 from ivsid.tubes.inputs import Course
-from ivsid.verification.tubes import TubeChecker, part_of
+from ivsid.verification.claims import part_of, start_box
+from ivsid.verification.tubes import TubeChecker
 
 
 @dataclass(frozen=True)
@@ -55,22 +56,18 @@ def checked(
     for number, (piece, w) in enumerate(product(equations.pieces, windows), start=1):
         progress(f"proving tube {number} of {len(equations.pieces) * len(windows)} once more")
         checker = TubeChecker(fit.vehicle, fit.options["form"], piece.points, free)
-        steps = slice(w.first, w.proved)
-        followed = piece.model.follow(
-            start_of(course, w.first, given),
-            course.h[steps],
-            course.force[steps],
-            None if given is None else given[steps],
-            parts=parts,
-            certify=True,
-        )
+        followed = of_piece(equations, piece, course, w.first, w.proved, given, parts=parts, certify=True)
+        begun = followed.bounds[0]
+        checker.begin(start_box(begun.lower[:3].tolist(), begun.upper[:3].tolist()))
         low, high = followed.parts.lower.tolist(), followed.parts.upper.tolist()
-        for (step, share), a, b in zip(followed.steps, low, high, strict=True):
+        rows = [list(zip(a, b, strict=True)) for a, b in zip(low, high, strict=True)]
+        for step, claims in groupby(zip(followed.steps, rows, strict=True), key=lambda claim: claim[0][0]):
             k = w.first + step
             force = list(zip(course.force.lower[k].tolist(), course.force.upper[k].tolist(), strict=True))
             h = (float(course.h.lower[k]), float(course.h.upper[k]))
-            fault = checker.fault(part_of(list(zip(a, b, strict=True)), force, h, share))
-            count += 1
-            if fault is not None:
-                faults.append((float(course.log.t[k]), fault))
+            parts_of_step = [(cell, part_of(row, force, h, share)) for (_, cell, share), row in claims]
+            for fault in checker.faults(parts_of_step):
+                count += 1
+                if fault is not None:
+                    faults.append((float(course.log.t[k]), fault))
     return Checked(count, count - len(faults), tuple(faults))

@@ -45,12 +45,14 @@ class Equations:
         ids: of its terms.
         blocks: sets of parameters that share rows, with their vertices.
         members: outermost parameters in plain floats, one number a term and known number.
+        yaw_cells: cells of the yaw rate, at most, that are followed by themselves where all components are free.
     """
 
     pieces: tuple[Piece, ...]
     ids: tuple[str, ...]
     blocks: tuple[Block, ...]
     members: list[list[float]]
+    yaw_cells: int = 1
 
     @property
     def model(self) -> Model:

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.intervals import IntervalArray
-from ivsid.tubes.equations import Equations
+from ivsid.linear.trajectories import Followed
+from ivsid.tubes.equations import Equations, Piece
 from ivsid.tubes.inputs import Course
 
 Array: TypeAlias = NDArray[np.float64]
@@ -20,6 +21,13 @@ TRIED: Final = 1200
 # Largest turn in a step [rad] with which it goes on.
 # Source: resource: beyond some tenths steps are cut into parts, up to 64, and so wide a tube bounds no reading
 TURN: Final = 0.1
+
+# Time [s] after which the yaw rates of a tube are cut into cells anew.
+# Source: own choice: 1 s is as narrow for SWAN and 0.25 s wider, because each cut takes the hull of neighbours (docs/measurements.md, "Tubes")
+CUT: Final = 0.5
+# Width of the narrowest cell of the yaw rate [rad/s].
+# Source: own choice: half of what readings and errors of the moment leave of the yaw rate of SWAN after half a second
+NARROWEST: Final = 0.02
 
 
 @dataclass(frozen=True)
@@ -126,6 +134,31 @@ def follow(
     return Horizon(length, tuple(windows), IntervalArray(lower, upper))
 
 
+def of_piece(
+    equations: Equations,
+    piece: Piece,
+    course: Course,
+    first: int,
+    last: int,
+    given: IntervalArray | None,
+    *,
+    parts: int,
+    certify: bool = False,
+) -> Followed:
+    """The tube of one piece of the parameters from row ``first`` on, with its parts where they are asked for."""
+    steps = slice(first, last)
+    cutting = (equations.yaw_cells, max(1, round(CUT / course.log.period)), NARROWEST)
+    return piece.model.follow(
+        start_of(course, first, given),
+        course.h[steps],
+        course.force[steps],
+        None if given is None else given[steps],
+        parts=parts,
+        cutting=cutting if equations.yaw_cells > 1 else None,
+        certify=certify,
+    )
+
+
 def window(
     equations: Equations,
     course: Course,
@@ -144,11 +177,7 @@ def window(
         begun = window(equations, course, first, first + TRIED, given, parts=parts)
         if float(begun[-1, 2].magnitude) * course.log.period > TURN:
             return begun
-    steps = slice(first, last)
-    start, held = start_of(course, first, given), None if given is None else given[steps]
-    found = [
-        p.model.follow(start, course.h[steps], course.force[steps], held, parts=parts).bounds for p in equations.pieces
-    ]
+    found = [of_piece(equations, p, course, first, last, given, parts=parts).bounds for p in equations.pieces]
     count = min(b.shape[0] for b in found)
     hull: IntervalArray = reduce(lambda a, b: a.hull(b), (b[:count] for b in found))
     return hull

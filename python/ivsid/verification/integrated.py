@@ -42,6 +42,18 @@ class Integrals:
         self._products = [ZERO] * len(PAIRS)
         self._force = [ZERO] * 3
 
+    def joined(self, others: Sequence[Integrals]) -> Integrals:
+        """What is true of every solution of this and of the others, which have run as long."""
+        made = Integrals(self._start, self._inertia, self._vertices, self._forms)
+        alike = [self, *others]
+        made._start = _hull([tuple(x._start) for x in alike])
+        made._columns = [
+            list(_hull([tuple(row) for row in rows])) for rows in zip(*(x._columns for x in alike), strict=True)
+        ]
+        made._products = list(_hull([tuple(x._products) for x in alike]))
+        made._force = list(_hull([tuple(x._force) for x in alike]))
+        return made
+
     def add(self, h: Range, over: Sequence[Range], columns: Sequence[Sequence[Range]], force: Sequence[Range]) -> None:
         """Adds a part: its length, and velocities, columns and forces over it."""
         self._columns = [

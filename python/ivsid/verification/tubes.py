@@ -13,6 +13,8 @@ from fractions import Fraction
 from typing import Final, TypeAlias
 
 from ivsid.vehicle import Vehicle
+from ivsid.verification.claims import Part, Three, holds, inside, range_of
+from ivsid.verification.covered import covers, meet
 from ivsid.verification.decimals import Decimals
 from ivsid.verification.integrated import YAW, Integrals
 from ivsid.verification.momentum import Momentum
@@ -20,7 +22,6 @@ from ivsid.verification.physics import CHANNELS, Columns, Motion, State, model, 
 from ivsid.verification.rational import Range, to_range
 from ivsid.verification.turning import forms_of
 
-Three: TypeAlias = tuple[Range, Range, Range]
 Vertex: TypeAlias = tuple[Range, ...]
 ZERO: Final = Range(0)
 # Attempts to find a parabola: each takes the right-hand side of the inequality for the last one.
@@ -32,17 +33,6 @@ REPEATED: Final = 3
 # Share of the last change by which later attempts go beyond it, so that the inequality holds for them if a H / 2 is below a ninth.
 # Source: theorem: a map that contracts by q < 1 / 9 moves a step of (1 + 1 / 8) by less than its eighth
 BEYOND: Final = Fraction(1, 8)
-
-
-@dataclass(frozen=True)
-class Part:
-    """A claim: ``start`` and ``end`` hold velocities, ``rates`` accelerations, ``force`` X, Y, N, and ``h`` the length [s]."""
-
-    start: Three
-    rates: Three
-    end: Three
-    force: Three
-    h: Range
 
 
 @dataclass
@@ -80,14 +70,14 @@ class TubeChecker:
         self._known: Callable[[State], Columns] = lambda s: rigid_body(s, mass * x_g, mass * y_g, left_out)
         n = len(self._columns)
         self._vertices: list[list[Vertex]] = [
-            [tuple(_range(a, b) for a, b in zip(low[:n], high[:n], strict=True)) for low, high in channel]
+            [tuple(range_of(a, b) for a, b in zip(low[:n], high[:n], strict=True)) for low, high in channel]
             for channel in vertices
         ]
         self._free = [k for k in range(3) if free[k]]
         units = [[Range(int(k == i)) for i in range(3)] for k in range(3)]
         # The factors of the accelerations, which are the same at all velocities: by term (the known body last), acceleration, channel.
         self._inertia = [[self._at(j, State(ZERO, ZERO, ZERO, a, b, c)) for a, b, c in units] for j in range(n + 1)]
-        self._since: Since | None = None
+        self._since: dict[int, Since] = {}
         self._forms = forms_of(self._forces, [any(x.low or x.high for k in f for x in k) for f in self._inertia])
         found = None
         if len(self._free) == len(free):
@@ -159,17 +149,54 @@ class TubeChecker:
                     return False
         return True
 
-    def fault(self, part: Part) -> str | None:
+    def begin(self, start: Three) -> None:
+        """States in which a tube starts, which the cells of its first step have to hold."""
+        self._since = {0: self._fresh(start)}
+
+    def faults(self, parts: Sequence[tuple[int, Part]]) -> list[str | None]:
+        """As ``fault``, of all parts of one step, each with the number of its cell of the yaw rate.
+
+        Cells that do not hold every state of the step before are a fault of the first part.
+        """
+        starts: dict[int, Three] = {}
+        for cell, part in parts:
+            starts.setdefault(cell, part.start)
+        left = self._cut(starts)
+        found = [self.fault(part, cell) for cell, part in parts]
+        return [left or found[0], *found[1:]]
+
+    def _cut(self, starts: dict[int, Three]) -> str | None:
+        """Hands what is known since the start to the cells of the next step; in words where they leave states out."""
+        old, free = self._since, len(self._free)
+        # A state that is given stands beside the tube, and cells that hold their own last states are the same cells.
+        if (
+            not old
+            or free < 3
+            or (old.keys() == starts.keys() and all(inside(starts[c], s.now) for c, s in old.items()))
+        ):
+            return None
+        self._since = {}
+        if not all(covers(list(starts.values()), s.now) for s in old.values()):
+            return "the cells of the yaw rate leave states of the step before out"
+        for cell, start in starts.items():
+            first, *others = [s for s in old.values() if meet(s.now, start)] or [self._fresh(start)]
+            sizes = [s.size for s in (first, *others)]
+            known = [s for s in sizes if s is not None]
+            largest = max(known, key=lambda s: s.high) if len(known) == len(sizes) else None
+            self._since[cell] = Since(start, first.integrals.joined([s.integrals for s in others]), largest)
+        return None
+
+    def fault(self, part: Part, cell: int = 0) -> str | None:
         """The first claim of a part that is not proved, in words; None where all are.
 
         What follows a part that is not proved counts from its own start.
         """
-        found = self._fault(part)
+        found = self._fault(part, cell)
         if found is not None:
-            self._since = None
+            self._since.pop(cell, None)
         return found
 
-    def _fault(self, part: Part) -> str | None:
+    def _fault(self, part: Part, cell: int) -> str | None:
         names = ("u", "v", "r")
         if not self._regular():
             return "the mass matrix is not proved regular"
@@ -177,7 +204,7 @@ class TubeChecker:
         over = [
             x + span * p if k in self._free else x for k, (x, p) in enumerate(zip(part.start, part.rates, strict=True))
         ]
-        since = self._continued(part.start)
+        since = self._continued(part.start, cell)
         since.now = part.end
         if self._momentum is not None:
             size = self._momentum.size(part.start)
@@ -191,7 +218,7 @@ class TubeChecker:
             if len(self._free) == len(over):
                 since.integrals.add(part.h, over, columns, part.force)
             for i in self._free:
-                if not _holds(part.rates[i], self._row(i, columns, part.force[i], part.rates)):
+                if not holds(part.rates[i], self._row(i, columns, part.force[i], part.rates)):
                     return f"the accelerations of {names[i]} are not proved"
             for i in self._free:
                 for side in (-1, 1):
@@ -204,12 +231,15 @@ class TubeChecker:
             return str(error)
         return None
 
-    def _continued(self, start: Three) -> Since:
+    def _fresh(self, start: Three) -> Since:
+        return Since(start, Integrals(start, self._inertia, self._vertices, self._forms))
+
+    def _continued(self, start: Three, cell: int) -> Since:
         """What is known since the start of the tube, which is this one where the last part does not end inside it."""
-        since = self._since
-        if since is None or not all(_holds(a, b) for a, b in zip(start, since.now, strict=True)):
-            since = Since(start, Integrals(start, self._inertia, self._vertices, self._forms))
-        self._since = since
+        since = self._since.get(cell)
+        if since is None or not inside(start, since.now):
+            since = self._fresh(start)
+        self._since[cell] = since
         return since
 
     def _integrated(self, part: Part, integrals: Integrals, side: int) -> bool:
@@ -241,37 +271,9 @@ class TubeChecker:
         for attempt in range(ATTEMPTS):
             slope = Range(gamma) + half * Range(kappa)
             least = delta + (slopes * slope).upper
-            if kappa >= least and _holds(reach, slope):
+            if kappa >= least and holds(reach, slope):
                 moved = part.h * Range(gamma) + part.h.square() * Range(kappa) / 2
                 if claim >= moved.upper:
                     return True
             kappa = least + (BEYOND * abs(least - kappa) if attempt >= REPEATED else 0)
         return False
-
-
-def _range(low: float, high: float) -> Range:
-    return Range(Fraction(low), Fraction(high))
-
-
-def _middle(x: Range) -> Fraction:
-    return (x.lower + x.upper) / 2
-
-
-def _holds(outer: Range, inner: Range) -> bool:
-    return outer.low <= inner.low and inner.high <= outer.high
-
-
-def part_of(
-    row: Sequence[tuple[float, float]], force: Sequence[tuple[float, float]], h: tuple[float, float], parts: int
-) -> Part:
-    """A part from the ends of its nine ranges (start, rates, end), the forces of its step, the step's length and its number of parts."""
-    ranges = [_range(low, high) for low, high in row]
-    push = [_range(low, high) for low, high in force]
-    length = Range(Fraction(h[0]) / parts, Fraction(h[1]) / parts)
-    return Part(
-        (ranges[0], ranges[1], ranges[2]),
-        (ranges[3], ranges[4], ranges[5]),
-        (ranges[6], ranges[7], ranges[8]),
-        (push[0], push[1], push[2]),
-        length,
-    )

@@ -33,6 +33,7 @@ def tube(
     windows: Sequence[float] = WINDOWS,
     parts: int = PARTS,
     cells: int = 1,
+    yaw_cells: int = 1,
     inner: bool = True,
     check: bool = False,
     progress: Progress = silent,
@@ -55,6 +56,7 @@ def tube(
         windows=windows,
         parts=parts,
         cells=cells,
+        yaw_cells=yaw_cells,
         inner=inner,
         check=check,
         # The log of a scenario follows the vehicle file by construction.

@@ -109,6 +109,16 @@ impl Integrals {
         Self { start: *start, registers: Vec::new(), force: [Interval::ZERO; 3] }
     }
 
+    /// What is true of the solutions of both, which have run as long.
+    pub fn join(&mut self, other: &Self) {
+        let Self { start, registers, force } = self;
+        let mine = start.iter_mut().chain(registers).chain(force);
+        let theirs = other.start.iter().chain(&other.registers).chain(&other.force);
+        for (total, &more) in mine.zip(theirs) {
+            *total = total.hull(more);
+        }
+    }
+
     /// Adds a part of a step.
     pub fn add(&mut self, model: &Model, step: &Enclosure, force: &Three, h: Interval, work: &mut Work) {
         let values = model.registers(&step.nu, work);

@@ -86,10 +86,53 @@ fn main() -> Result<(), Error> {
     for b in ["[1]", "[1, 1.2]", "[1, 3]"] {
         bounded(&format!("CVDP23 b = {b}"), &cvdp23()?, &[x, y, x, y, b], 7.0, 1)?;
     }
+    for (parts, places) in [(10, 1), (20, 2), (10, 4)] {
+        in_pieces(parts, places)?;
+    }
     for x in ["[1.292, 1.308]", "[1.288, 1.312]"] {
         bounded(&format!("Lotka-Volterra x = {x}"), &lotka_volterra()?, &[x, "[1]"], 3.64, 0)?;
     }
     Ok(())
+}
+
+/// CVDP23 for b of `[1, 3]`, each of `parts` equal parts of b and of `places` equal parts of x1 and of x2 by itself: every
+/// start and b lies in one of them.
+fn in_pieces(parts: u32, places: u32) -> Result<(), Error> {
+    let system = cvdp23()?;
+    let began = Instant::now();
+    let y: Interval = "[2.35, 2.45]".parse()?;
+    let (mut highest, mut earliest) = (f64::NEG_INFINITY, f64::INFINITY);
+    let (mut last, mut steps) = (vec![Interval::EMPTY; 5], 0);
+    let (bs, xs) = (pieces("[1, 3]", parts)?, pieces("[1.25, 1.55]", places)?);
+    for &b in &bs {
+        for &x1 in &xs {
+            for &x2 in &xs {
+                let tube = follow(&system, &[x1, y, x2, y, b], 7.0)?;
+                steps += tube.nodes.len();
+                highest = tube.nodes.iter().map(|n| n.over[1].hi().max(n.over[3].hi())).fold(highest, f64::max);
+                if let Some(node) = tube.nodes.last() {
+                    earliest = earliest.min(node.time);
+                    last = last.iter().zip(&node.state).map(|(a, &b)| a.hull(b)).collect();
+                }
+            }
+        }
+    }
+    println!(
+        "CVDP23 b = [1, 3] in {parts}, x1 and x2 in {places}: until {earliest:.4} in {steps} steps and {:.2} s; y at most {highest:.4}; widths {}",
+        began.elapsed().as_secs_f64(),
+        last.iter().map(|x| format!("{:.5}", x.width())).collect::<Vec<_>>().join(" ")
+    );
+    Ok(())
+}
+
+/// Equal parts of an interval, which share their ends.
+fn pieces(text: &str, count: u32) -> Result<Vec<Interval>, Error> {
+    let whole: Interval = text.parse()?;
+    let end = |k: u32| {
+        let share = f64::from(k) / f64::from(count);
+        if k == count { whole.hi() } else { whole.lo() + share * (whole.hi() - whole.lo()) }
+    };
+    (0..count).map(|k| Interval::new(end(k), end(k + 1))).collect()
 }
 
 /// `[x - w, x + w]`, outward.

@@ -116,7 +116,7 @@ pub fn follow(
     if parts == 0 {
         return Err(Error::Zero { what: "the number of parts of a step" });
     }
-    if cutting.is_some_and(|c| c.every == 0 || c.most == 0 || !(c.narrowest > 0.0)) {
+    if cutting.is_some_and(|c| c.every == 0 || c.most == 0 || c.narrowest.is_nan() || c.narrowest <= 0.0) {
         return Err(Error::Zero { what: "a number or width of cells of the yaw rate" });
     }
     if let Some(index) = inputs.h.iter().position(|h| !(h.lo() > 0.0 && h.hi().is_finite())) {

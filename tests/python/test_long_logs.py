@@ -1,8 +1,11 @@
 """Long logs in bounded memory: read, bounded and solved in small pieces and in files, with the bits of one piece in memory."""
 
+import mmap
 import os
+import weakref
 from dataclasses import fields, is_dataclass
 from importlib.resources import files
+from types import SimpleNamespace
 
 import numpy as np
 import polars as pl
@@ -115,6 +118,33 @@ def test_a_log_in_pieces_and_in_files_has_the_bits_of_one_in_memory(tmp_path, mo
     assert split.motion.reason == checked.motion.reason
     assert np.allclose(split.motion.simulated, checked.motion.simulated, rtol=1e-9, atol=1e-12)
     assert split.motion.rms == pytest.approx(checked.motion.rms, rel=1e-9)
+
+
+def test_a_validation_gives_its_rows_back_before_it_simulates(tmp_path, monkeypatch):
+    """The rows and the bounded log lay on the disk beside the simulated motion: 607 bytes a row where 448 are enough."""
+    vehicle, path = written(tmp_path, SWAN)
+    fit = ivsid.identify(vehicle, path)
+    log = read_log(path, vehicle.log)
+    small_pieces(monkeypatch)
+    held, most, there = [0], [0], []
+
+    def mapped(file, size):
+        made = mmap.mmap(file, size)
+        held[0] += size
+        most[0] = max(most[0], held[0])
+        weakref.finalize(made, lambda: held.__setitem__(0, held[0] - size))
+        return made
+
+    def simulated(*given):
+        there.append((held[0], most[0]))
+        return simulate_windows(*given)
+
+    simulate_windows = checks.simulate_windows
+    monkeypatch.setattr(room, "mmap", SimpleNamespace(mmap=mapped))
+    monkeypatch.setattr(checks, "simulate_windows", simulated)
+    ivsid.validate(fit, log, tubes=False)
+    ((left, peak),) = there
+    assert 0 < left < 0.6 * peak
 
 
 @pytest.mark.parametrize(

@@ -19,8 +19,10 @@ from ivsid.diagnosis import cache_folder
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.null.cache import keep, kept, key_of, rules_digest
 from ivsid.diagnosis.null.calibration import LOOKS, scores
+from ivsid.diagnosis.null.looks import Looks
 from ivsid.diagnosis.null.tail import NullTest
 from ivsid.vehicle import parse_vehicle
+from ivsid.workflow.progress import count as counted
 
 
 def test_looks_decide_wrongly_as_seldom_as_they_state():
@@ -43,6 +45,23 @@ def test_looks_decide_wrongly_as_seldom_as_they_state():
     assert said[1e-9].count("falls") <= 19 and said[-1e-9].count("stands") <= 19
     assert said[-3.0].count("falls") > 350 and not said[-3.0].count("stands")
     assert said[3.0].count("stands") > 250 and not said[3.0].count("falls")
+
+
+def test_progress_counts_the_null_logs_of_one_look():
+    """Time left against the last look would be twenty times too long for most logs."""
+    said = []
+
+    def strengths(_seed, parts):
+        yield from ((5.0, False) for _ in chain.from_iterable(parts))
+
+    none = NullTest(np.zeros(0), np.zeros(0, dtype=bool), 0.005)
+    Looks(1, 400, None, said.append).decided(lambda: SimpleNamespace(strengths=strengths), str, none, [200.0])
+    more = ": 400 at most, where these leave doubt"
+    assert said == [f"null logs {k} of {LOOKS[0]}{more}" for k in range(LOOKS[0] + 1)]
+    assert [counted(words)[1:] for words in said[:2]] == [(0, LOOKS[0]), (1, LOOKS[0])]
+    said.clear()
+    Looks(1, LOOKS[0], None, said.append).decided(lambda: SimpleNamespace(strengths=strengths), str, none, [5.0])
+    assert said[-1] == f"null logs {LOOKS[0]} of {LOOKS[0]}"
 
 
 def test_scores_come_in_order_and_no_process_outlives_the_last_that_is_asked_for():

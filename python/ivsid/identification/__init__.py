@@ -7,6 +7,7 @@
 - ``certificates``: the rows and multipliers that prove each bound, as records.
 - ``combinations``: combinations of parameters that the data determine where single parameters stay open.
 - ``result``: the identification as a value and as a file, whose parts ``stored`` checks.
+- ``narrower``: what would narrow the intervals: further rows, which are tried, and the physical bounds.
 - ``following``: the same intervals row by row, in bounded memory; ``followed`` is their result.
 - ``constriction``: the paper's heuristic, which guarantees nothing.
 
@@ -19,6 +20,7 @@ from ivsid.identification.combinations import in_words
 from ivsid.identification.followed import Change, Following, Moment
 from ivsid.identification.following import follow
 from ivsid.identification.method import METHODS, checked_claims, identify, identify_rows
+from ivsid.identification.narrower import Narrower, narrower
 from ivsid.identification.result import Identification, Parameter, read_identification
 
 __all__ = [
@@ -27,6 +29,7 @@ __all__ = [
     "Following",
     "Identification",
     "Moment",
+    "Narrower",
     "Parameter",
     "checked_claims",
     "follow",
@@ -34,5 +37,6 @@ __all__ = [
     "identify_rows",
     "in_words",
     "left_out",
+    "narrower",
     "read_identification",
 ]

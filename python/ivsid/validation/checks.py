@@ -173,14 +173,18 @@ def validate(
         kind=fit.options["rows"],
         window=fit.options["window"],
     )
+    beside = ", ".join(n for g in left_out(vehicle, bounded) for n in g.named)
+    used = bounded.log
+    # A long log lies on the disk: what no later step reads ends here, or the disk would have to hold it beside the simulated motion.
+    del bounded
     forces = tuple(_force_check(fit, rows, k, name) for k, name in enumerate(CHANNELS) if _checkable(fit, rows, k))
+    del rows
     own = (
         f"{log.name} is the log that the fit was made of: agreement with it proves nothing; give a log of another run",
     )
-    beside = ", ".join(n for g in left_out(vehicle, bounded) for n in g.named)
     absent = (f"{beside} of [model.fitted] moves the simulated vehicle, and stands in no row of forces and no reading",)
-    notes = (*(own if log.sha256 == fit.log_sha256 else ()), *bounded.log.notes, *(absent if beside else ()))
-    motion = simulate_windows(fit, bounded.log)
+    notes = (*(own if log.sha256 == fit.log_sha256 else ()), *used.notes, *(absent if beside else ()))
+    motion = simulate_windows(fit, used)
     held = reached(fit, log, asked=tubes, progress=progress)
     return Validation(fit, log.name, log.sha256, forces, motion, notes, held, doubts)
 

@@ -29,8 +29,13 @@ TITLES: Final = {"surge": "force X", "sway": "force Y", "yaw": "moment N"}
 SETS: Final = 4
 
 
-def identified(fit: Identification) -> First:
-    """The first screen of an identification."""
+def identified(fit: Identification, further: Sequence[str] = ()) -> First:
+    """The first screen of an identification.
+
+    Args:
+        fit: the identification.
+        further: what would narrow its intervals, in sentences.
+    """
     verdict = {
         "enclosed": f"{len(fit.parameters)} parameters are enclosed",
         "empty": "No parameters explain this log",
@@ -46,7 +51,7 @@ def identified(fit: Identification) -> First:
     cards = (Card("Intervals", f"Method {fit.method}.", facts, "parameters"),) if facts else ()
     claims = [c for c in fit.claims if c["contradicted"]]
     warnings = [f"The claimed {c['parameter']} = {c['value']:.4g} is contradicted." for c in claims]
-    return First(verdict, tone, words, cards, (NEXT[fit.status], *freedom_lines(fit)), tuple(warnings))
+    return First(verdict, tone, words, cards, (NEXT[fit.status], *further, *freedom_lines(fit)), tuple(warnings))
 
 
 def validated(result: Validation) -> First:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ivsid import identification
 from ivsid.files.records import sealed
-from ivsid.identification import Identification
+from ivsid.identification import Identification, Narrower, narrower
 from ivsid.log import Log, read_log
 from ivsid.report import figures, page
 from ivsid.report.page import Part, Report, Section
@@ -21,6 +21,7 @@ from ivsid.workflow.parameters import (
     claim_lines,
     freedom_lines,
     method_table,
+    narrower_lines,
     parameter_bars,
     parameter_lines,
     physical_lines,
@@ -64,12 +65,21 @@ def identify(
         physical=physical,
         progress=progress,
     )
+    progress("trying further rows")
+    more = narrower(fit, data)
     progress("drawing")
-    return identification_report(fit, data)
+    return identification_report(fit, data, more)
 
 
-def identification_report(fit: Identification, log: Log) -> Report:
-    """The report of one identification."""
+def identification_report(fit: Identification, log: Log, more: Narrower | None = None) -> Report:
+    """The report of one identification.
+
+    Args:
+        fit: of the log.
+        log: that was identified.
+        more: what would narrow the intervals, if that was asked.
+    """
+    further = [] if more is None else narrower_lines(more)
     drawings = (figures.intervals([fit]), figures.channels(log))
     word = "guaranteed under the stated assumptions" if fit.guaranteed else f"not guaranteed{_why(fit)}"
     summary = f"{fit.vehicle.name}, method {fit.method}: {fit.status} ({MEANING[fit.status]}); {word}."
@@ -87,6 +97,7 @@ def identification_report(fit: Identification, log: Log) -> Report:
     facts += physical_lines(fit)
     facts += freedom_lines(fit)
     facts += claim_lines(fit)
+    facts += further
     sections = [
         Section(
             "Parameters",
@@ -102,7 +113,7 @@ def identification_report(fit: Identification, log: Log) -> Report:
     ]
     if fit.status == "empty":
         sections.insert(1, _contradiction(fit))
-    lines = parameter_lines(fit) + [f"  note: {n}" for n in fit.notes]
+    lines = parameter_lines(fit) + [f"  {n}" for n in further] + [f"  note: {n}" for n in fit.notes]
     report = Report(
         f"Identification of {fit.vehicle.name}",
         summary,
@@ -111,7 +122,7 @@ def identification_report(fit: Identification, log: Log) -> Report:
         drawings,
         {},
         tuple(lines),
-        identified(fit),
+        identified(fit, further),
     )
     return with_setup(report, fit.setup)
 

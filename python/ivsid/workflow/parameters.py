@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from ivsid.identification import Identification, in_words
+from ivsid.identification import Identification, Narrower, in_words
 from ivsid.intervals import shown
 from ivsid.report import drawn, page
 from ivsid.report.drawn import Bar, Bars
@@ -131,6 +131,25 @@ def physical_lines(fit: Identification) -> list[str]:
         f"no vessel has these parameters: {f['says']}{word}; look at masses, thrust curves, units and signs of the vehicle file"
         for f in fit.physical
     ]
+
+
+def narrower_lines(more: Narrower) -> list[str]:
+    """What the same log would say with other options, where the sign of a parameter is open."""
+    option = f"--rows both --window {','.join(f'{w:g}' for w in more.windows)}"
+    lines = []
+    if more.parameters:
+        numbers = ", ".join(f"{k} {shown(p.lower, p.upper, 4)} {p.unit}" for k, p in more.parameters.items())
+        lines.append(f"narrower by {option}, which adds rows of this log and no assumption: {numbers}")
+    if more.beyond:
+        lines.append(
+            f"--physical narrows {', '.join(more.beyond)}: ends of these intervals are of no vessel; the bounds that every vessel keeps then are "
+            "an assumption"
+        )
+    if more.asked and not more.tried and not more.windows:
+        lines.append(
+            "the log is too long to try what narrows intervals of an open sign: --rows both, several windows as --window 0.5,2,10, and --physical"
+        )
+    return lines
 
 
 def claim_lines(fit: Identification) -> list[str]:

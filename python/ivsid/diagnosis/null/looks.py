@@ -54,14 +54,16 @@ class Looks:
         try:
             for count in looks:
                 start = nulls.strengths.size
+                # The whole of a step is that of its look: few findings ask for the last one.
+                doubt = "" if count == looks[-1] else f": {self.most} at most, where these leave doubt"
                 if start < count:
+                    self.progress(f"null logs {start} of {count}{doubt}")
                     if more is None:
-                        self.progress(f"null logs {start} of {self.most}")
                         more = scores(trial(), self.seed, range(start, self.most))
                     every = []
                     for one in islice(more, count - start):
                         every.append(one)
-                        self.progress(f"null logs {start + len(every)} of {self.most}")
+                        self.progress(f"null logs {start + len(every)} of {count}{doubt}")
                     nulls = nulls.joined(null_test(every, none.level))
                 used = nulls.first_of(count)
                 if not used.usable or all(used.decides(s, len(looks)) for s in near):

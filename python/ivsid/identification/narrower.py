@@ -8,6 +8,7 @@ whatever the other parameters are inside their intervals; that follows from the 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final
@@ -109,6 +110,11 @@ def beyond(subject: Subject, parameters: Mapping[str, Parameter]) -> tuple[str, 
 
 def _clearly(new: Parameter, old: Parameter) -> bool:
     """Whether an interval lost a quarter of its width, or got an end that it did not have."""
-    if not np.isfinite(old.width):
-        return sum(map(np.isfinite, (new.lower, new.upper))) > sum(map(np.isfinite, (old.lower, old.upper)))
+    if not math.isfinite(old.width):
+        return _ends(new) > _ends(old)
     return bool(new.width <= SHARE * old.width)
+
+
+def _ends(p: Parameter) -> int:
+    """The number of ends that were proved."""
+    return int(math.isfinite(p.lower)) + int(math.isfinite(p.upper))

@@ -189,7 +189,44 @@ MUTANTS = (
         "start = min(low, rest), max(high, rest)",
         "start = rest, rest",
     ),
+    # Causes that [model.fitted] states.
+    python(
+        "sign of a fitted asymmetry",
+        "propulsion/carried.py",
+        "1.0 - of_decimals(ends_of(asymmetry))",
+        "1.0 + of_decimals(ends_of(asymmetry))",
+        "test_fitted_rows.py",
+    ),
+    python(
+        "width of a fitted delay",
+        "propulsion/carried.py",
+        "slack = (half + 2 * reach) / step",
+        "slack = 2 * reach / step",
+        "test_late_demands.py",
+    ),
+    python(
+        "sign of a fitted bias",
+        "sensors/corrections.py",
+        "x = x - of_decimals(found.bias[name])",
+        "x = x + of_decimals(found.bias[name])",
+        "test_fitted_rows.py",
+    ),
+    python(
+        "a current that does not turn under the vessel",
+        "sensors/corrections.py",
+        '("udot", r * across), ("vdot", -(r * ahead))',
+        '("udot", 0.0 * across), ("vdot", 0.0 * ahead)',
+        "test_through_water.py",
+    ),
     # Identification and validation.
+    python(
+        "ends that some vessel has",
+        "identification/narrower.py",
+        "bool((r < b.least).any())",
+        "bool((r < b.least + 1e9).any())",
+        "test_narrower.py",
+    ),
+    python("rows of a validation kept", "validation/checks.py", "    del rows\n", "", "test_long_logs.py"),
     python(
         "guaranteed under sigmas",
         "identification/method.py",

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from ivsid import identify
-from ivsid.identification import narrower
+from ivsid.identification import Parameter, narrower
+from ivsid.identification.narrower import beyond
 from ivsid.log import Log
 from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
@@ -16,6 +17,7 @@ from ivsid.vehicle import parse_vehicle
 from ivsid.workflow.first_screens import identified
 from ivsid.workflow.identification import identification_report
 from ivsid.workflow.parameters import narrower_lines
+from test_physical import TRUTH, subject
 
 SIGN_OPEN = ("vectored_rov", "otter")
 # The linear programmes of the Otter's physical bounds take some seconds.
@@ -80,6 +82,22 @@ def test_more_windows_are_named_with_what_they_give():
 def test_windows_that_narrow_nothing_are_not_named():
     more = made("otter")[2]
     assert more.tried and not more.parameters and not any("--rows both" in line for line in narrower_lines(more))
+
+
+def test_the_physical_bounds_are_named_for_ends_of_no_vessel_alone():
+    """Mass 50 kg: totals lie between 25 and 500 kg; a drag may not drive."""
+    whole = {k: Parameter(0.9 * x, 1.1 * x, "", "") for k, x in TRUTH.items()}
+    assert beyond(subject(), whole) == ()
+    for id_, lower, upper in (
+        ("mass.surge", 24.9, 60.0),
+        ("mass.sway", 70.0, 501.0),
+        ("inertia.yaw", -0.1, 9.0),
+        ("inertia.yaw", 8.0, np.inf),
+        ("drag.sway.quadratic", -1.0, 160.0),
+        ("drag.surge.quadratic", -np.inf, 30.0),
+    ):
+        assert beyond(subject(), {**whole, id_: Parameter(lower, upper, "", "")}) == (id_,)
+    assert beyond(subject(), {**whole, "drag.surge.quadratic": Parameter(1.0, np.inf, "", "")}) == ()
 
 
 def test_nothing_is_tried_on_a_long_log_and_on_rows_that_are_taken_already():

@@ -34,6 +34,7 @@ MOST = 4
 SEARCHED = (
     "wave.force",
     "tether.tension",
+    "drag.surge.hump",
     "current.oscillating",
     "payload.step",
     "thruster.failure",

@@ -94,6 +94,7 @@ HULL: dict[str, Callable] = {
     "x.torque": lambda q, u, v, r, b: (0.0, 0.0, q * u**3),
     "x.side": lambda q, u, v, r, b: (0.0, q * u * u, 0.0),
     "x.turning": lambda q, u, v, r, b: (-q * u * r * r, 0.0, 0.0),
+    "x.skeg": lambda q, u, v, r, b: (0.0, 0.0, q * abs(u * v)),
     "x.hump": lambda q, u, v, r, b: (-q * wave_hump(u, b.length), 0.0, 0.0),
 }
 
@@ -126,12 +127,24 @@ def tether(p: Mapping[str, float], t, u, psi, x, y):
     return surge, sway, p["arm"] * sway
 
 
+def hump(p: Mapping[str, float], t, u, psi, x, y):
+    """A drag of the size ``height`` at ``speed``, ahead and astern, which falls off as the square of a hyperbolic secant."""
+    ahead, astern = ((u - sign * p["speed"]) / p["width"] for sign in (1, -1))
+    return p["height"] * (math.cosh(astern) ** -2 - math.cosh(ahead) ** -2), 0.0, 0.0
+
+
 def shear(p: Mapping[str, float], t, u, psi, x, y):
     return p[""] * 0.02 * y * u, 0.0, 0.0
 
 
 # Forces that depend on time, heading and place, by the effect's numbers.
-PLACE: dict[str, Callable] = {"wind.steady": wind, "wave.force": wave, "tether.tension": tether, "x.shear": shear}
+PLACE: dict[str, Callable] = {
+    "wind.steady": wind,
+    "wave.force": wave,
+    "tether.tension": tether,
+    "drag.surge.hump": hump,
+    "x.shear": shear,
+}
 
 
 def water(effects: Mapping[str, Mapping[str, float]], t: float) -> tuple[float, float, float, float]:

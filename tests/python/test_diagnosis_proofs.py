@@ -8,7 +8,7 @@ import pytest
 from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS
 from ivsid import diagnose
 from ivsid.diagnosis import GUARANTEED, REFUTED, Bound
-from ivsid.diagnosis.statements.proved import Proof, extended_proof, guaranteed, proof_of
+from ivsid.diagnosis.statements.proved import Proof, extended_proof, guaranteed, lasting, proof_of
 from ivsid.files.records import to_json
 from ivsid.log import Log
 from ivsid.programme.scenario import parse_scenario
@@ -94,6 +94,18 @@ def test_a_true_model_inside_its_bounds_is_not_refuted():
     # A model that was not extended is no file of its own.
     assert not diagnosis_report(result).files and result.record()["model"] is None
     assert result.record()["falsified"]["inflation"] < 1
+
+
+def test_a_refutation_lasts_where_the_model_is_wrong_and_not_where_a_few_readings_are(refuted):
+    train, result = refuted
+    assert lasting(result.proofs[0], result.vehicle, train) > 1.0
+    vehicle, train, _ = logs({})
+    spoilt = {k: x.copy() for k, x in train.columns.items()}
+    for at in (700, 900):
+        spoilt["ax"][at : at + 2] += 0.1
+    other = Log("train.csv", "0" * 64, train.t, spoilt)
+    proof = proof_of(vehicle, other)
+    assert proof.refuted and proof.wider > 1.0 and lasting(proof, vehicle, other) == 0.0
 
 
 # Nightly: the gate has the proof of a refuted model and of one that is not.

@@ -22,6 +22,7 @@ PLAIN = ["mass.surge", "mass.sway", "inertia.yaw", "drag.surge.quadratic", "drag
 IDS = [
     "drag.surge.linear",
     "drag.surge.cubic",
+    "drag.surge.hump",
     "friction.coulomb",
     "drag.surge.astern",
     "drag.surge.sideslip",
@@ -68,6 +69,7 @@ IDS = [
     "sensor.velocity.delay",
 ]
 PARTS = {
+    "drag.surge.hump": "height speed width",
     "payload.step": "mass time",
     "current.steady": "north east",
     "current.oscillating": "north east period phase",
@@ -153,7 +155,7 @@ def undisturbed(nominal, rich):
 
 def test_the_catalogue_is_that_of_the_contract():
     assert [e.id for e in EFFECTS.values() if e.plain] == ["mass.surge", "mass.sway", "inertia.yaw", *PLAIN[3:]]
-    assert {e.id for e in EFFECTS.values() if not e.plain} == set(IDS) and len(IDS) == 46
+    assert {e.id for e in EFFECTS.values() if not e.plain} == set(IDS) and len(IDS) == 47
     for id_, effect in EFFECTS.items():
         parts = [f"{id_}.{p}" for p in PARTS[id_].split()] if id_ in PARTS else [id_]
         assert list(effect.parts) == parts

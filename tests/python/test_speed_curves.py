@@ -21,6 +21,7 @@ from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.selection.one_force import curve_in_their_place
 from ivsid.diagnosis.selection.rules import BETTER_CURVE, Curve
 from ivsid.diagnosis.selection.speed_curves import speed_curves
+from ivsid.effects import EFFECTS
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 from test_one_force import CAUSES, FORCES, MODEL, gram_of, least
@@ -91,7 +92,19 @@ NIGHT = [pytest.param(s, marks=pytest.mark.nightly) for s in (95100, 95102, 9510
 
 
 @pytest.mark.parametrize("seed", [95103, *NIGHT])
-def test_a_hump_of_the_wave_resistance_is_no_drag_of_the_catalogue(seed):
+def test_a_hump_of_another_outline_is_a_hump_and_no_other_drag(seed):
+    """A normal curve in the examiner's hands; the catalogue's falls off as the square of a hyperbolic secant."""
+    result = said(seed, "x.hump", "outside")
+    named, *others = [f.effect for f in result.findings]
+    assert named == "drag.surge.hump" and others in ([], ["unknown"])
+    # No interval holds numbers that a hump cannot have.
+    assert all(b.lower >= 0.0 for b in result.findings[0].parameters.values())
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("seed", [95100, 95102, 95103, 95107])
+def test_a_force_of_one_velocity_that_the_catalogue_lacks_is_no_drag(seed, monkeypatch):
+    monkeypatch.delitem(EFFECTS, "drag.surge.hump")
     result = said(seed, "x.hump", "outside")
     assert [f.effect for f in result.findings] == ["unknown"]
     assert any(r.refusal.rule == "better curve" for r in result.rejected)

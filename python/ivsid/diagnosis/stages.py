@@ -34,7 +34,7 @@ from ivsid.diagnosis.statements.findings import findings_of, shallow, unknown, v
 from ivsid.diagnosis.statements.hints import hints
 from ivsid.diagnosis.statements.motion import motion_of, sentences
 from ivsid.diagnosis.statements.not_tested import left_out_note, not_tested
-from ivsid.diagnosis.statements.proved import proof_of, proved_findings
+from ivsid.diagnosis.statements.proved import lasting, proof_of, proved_findings
 from ivsid.diagnosis.statements.residuals import before_and_after, unexplained
 from ivsid.diagnosis.statements.shallow_water import change
 from ivsid.diagnosis.statements.trial import Trial
@@ -103,7 +103,8 @@ def diagnose(
     rest = Left(after, before, len(selection.found), bool(fit.noise.left_out))
     structure = confirmed_structure(selection.last, test_of.visible, rest, looks)
     before, after = (replace(a, risk=structure.risk) for a in (before, after))
-    complete = replace(rest, after=after, before=before, imitating=len(selection.imitating)).sufficient
+    rest = replace(rest, after=after, before=before, imitating=len(selection.imitating))
+    complete = rest.sufficient and replace(rest, wider=lasting(proof, vehicle, train)).sufficient
     residuals = before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
     findings, withdrawn = findings_of(selection, residuals, after, complete=complete)
     trial = trial.of({f.effect for f in findings})
@@ -120,8 +121,14 @@ def diagnose(
         trial = trial.of(())
         gain, shown = trial.result()
     else:
-        findings = proved if complete else (*findings, unknown(after, trial.out))
-    claimed = claims(selection.last, selection.leftover, findings, unknown=not after.quiet)
+        findings = (
+            proved
+            if complete
+            else (*findings, unknown(after, trial.out, proved=proof.sentence("unknown") if rest.sufficient else ""))
+        )
+    claimed = claims(
+        selection.last, selection.leftover, findings, unknown=not after.quiet or complete != rest.sufficient
+    )
     if water is not None and water.factor is not None:
         findings = (*findings, shallow(water))
     visible, motion = _limited(visible, limits.result()), () if moving is None else moving.result()
@@ -133,7 +140,7 @@ def diagnose(
             _twice(train, test),
             confirmation.note,
             structure.note,
-            proof.sentence(verdict) if proof.refuted else "",
+            proof.sentence(verdict) if proof.refuted and complete == rest.sufficient else "",
             *sentences(motion, train.name, test.name),
         )
         if n

@@ -48,7 +48,7 @@ from ivsid.effects.effect import (
     Thrust,
 )
 from ivsid.effects.fitted import causes, fitted, needed_terms, with_terms
-from ivsid.effects.forms import Anchored, Form, Grid, Harmonic, Linear, Step
+from ivsid.effects.forms import Anchored, Form, Grid, Harmonic, Hump, Linear, Step
 from ivsid.effects.registration import own_digest, own_files, own_ids, read_effects, register, unregister
 from ivsid.effects.rigid_body import rigid_body
 from ivsid.effects.terms import CHANNELS, Columns, Place, State, Term
@@ -74,6 +74,7 @@ __all__ = [
     "Given",
     "Grid",
     "Harmonic",
+    "Hump",
     "Inflow",
     "Key",
     "Linear",

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
-from ivsid.effects.effect import Effect, term_effect
+from ivsid.effects.effect import Effect, Force, Numbers, Parameter, term_effect
+from ivsid.effects.forms import Hump
 from ivsid.effects.functions import (
     astern_square,
     cross_flow_force,
@@ -39,6 +40,13 @@ def _cross_flow(length: float) -> Callable[[State], Columns]:
 
 def _without_length(_state: State) -> Columns:
     raise IvsidError("drag.cross_flow acts along the hull; give the vehicle file hull.length [m]")
+
+
+def _hump(state: State, p: Numbers) -> Columns:
+    height, speed, width = p
+    # Ahead minus the square of the hyperbolic secant about the speed, astern plus the same: odd and smooth, so that none is left at rest.
+    ahead, astern = tanh((state.u - speed) / width), tanh((state.u + speed) / width)
+    return {"surge": (square(ahead) - square(astern)) * height}
 
 
 SURGE_LINEAR: Final = Term("drag.surge.linear", "-X_u", "kg/s", lambda s: {"surge": s.u})
@@ -88,6 +96,19 @@ FAMILY: Final[tuple[Effect, ...]] = (
         "drag in surge that grows with the cube of the speed, as where waves or a squatting stern add to the form drag",
         confusable=("thruster.advance_loss", "thruster.curve", "drag.surge.linear"),
         separate="speed steps from a creep to full speed, and a zigzag",
+    ),
+    Effect(
+        "drag.surge.hump",
+        "a hump of the wave resistance: about one speed bow and stern waves add up, and the drag stands above that of its neighbours",
+        (
+            Parameter("height", "", "N", 8.0, lowest=0.0),
+            Parameter("speed", "", "m/s", 0.9, draw="fixed", lowest=0.0, exclusive=True),
+            Parameter("width", "", "m/s", 0.3, draw="fixed", lowest=0.0, exclusive=True),
+        ),
+        Force(_hump),
+        confusable=("drag.surge.cubic", "drag.surge.linear", "thruster.advance_loss", "thruster.curve"),
+        searched=Hump(),
+        separate="speed steps of a tenth of full speed each, up to full speed, ahead and astern",
     ),
     term_effect(
         COULOMB,

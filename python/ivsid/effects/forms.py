@@ -28,10 +28,12 @@ class Form:
     Attributes:
         bends: whether the errors bend or jump with the first number, which is then profiled.
         place: indices of the numbers that are a place over ground, which has to be searched.
+        rough: whether its curve over a velocity is known in rough outline, so that what remains of it looks like a small cause of its own.
     """
 
     bends: ClassVar[bool] = False
     place: ClassVar[tuple[int, ...]] = ()
+    rough: ClassVar[bool] = False
 
     @property
     def jumps(self) -> bool:
@@ -47,6 +49,14 @@ class Form:
     def limits(self) -> bool:
         """Whether the first number caps the thrusts; masses and drags are then known up to a scale that follows it."""
         return False
+
+    def held(self, numbers: tuple[float, ...]) -> tuple[float, ...]:
+        """What the slopes of the errors with the numbers are multiplied by to give the whole effect, where it is their sum.
+
+        Args:
+            numbers: of the effect, from those at which it vanishes on.
+        """
+        return numbers
 
     def canonical(self, ends: Ends) -> Ends:
         """One of several equal descriptions of an effect, by the ends of its numbers' intervals."""
@@ -167,3 +177,19 @@ class Anchored(Form):
             if tuple(draws[:3]) == ("size", "north", "east") and len(draws) == 4
             else "a pull, a place north and east, and an arm"
         )
+
+
+@dataclass(frozen=True)
+class Hump(Form):
+    """A force that stands out about one speed, with the parts ``height``, ``speed`` and ``width``: in proportion to the height alone."""
+
+    rough: ClassVar[bool] = True
+
+    def held(self, numbers: tuple[float, ...]) -> tuple[float, ...]:
+        """The height: it is the only number of which the force is a multiple."""
+        return numbers[0], 0.0, 0.0
+
+    def asks(self, draws: Sequence[str], parts: Sequence[str]) -> str | None:
+        """A height, a speed and a width."""
+        fits = tuple(parts) == ("height", "speed", "width") and tuple(draws) == ("size", "fixed", "fixed")
+        return None if fits else "the parts height (draw size), speed and width (draw fixed), in this order"

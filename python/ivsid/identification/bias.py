@@ -106,7 +106,9 @@ def _share_left(narrow: IntervalArray, wide: IntervalArray, known: NDArray[np.bo
     """The median share of the width that is left."""
 
     def share(rows: slice) -> NDArray[np.float64]:
-        return np.asarray(np.where(known[rows], narrow[rows].width / wide[rows].width, 0.0))
+        left = np.zeros(known[rows].size)
+        np.divide(narrow[rows].width, wide[rows].width, out=left, where=known[rows])
+        return left
 
     shares = array_pieces(known.size, share)
     shares = shares if known.all() else kept(shares, known)

@@ -131,9 +131,10 @@ def intervals(
         worse = max(worse, robust[i] / variance[i])
         unit = float(g.unit[k])
         low, high = (moved[:, i] / unit).tolist()
-        within = (value - reach + low, value + reach + high)
+        least = -np.inf if parameter.lowest is None else parameter.lowest
+        within = (max(value - reach + low, least), value + reach + high)
         low, high = (hidden[:, i] / unit).tolist()
-        lower, upper = value - wide + low, value + wide + high
+        lower, upper = max(value - wide + low, least), value + wide + high
         out[name] = Bound(lower, upper, parameter.unit, parameter.symbol, within=within)
     _canonical(out, id_)
     for given in fit.h.given:

@@ -10,11 +10,12 @@ from ivsid.diagnosis.estimation.kinds.candidate import Candidate
 from ivsid.diagnosis.estimation.kinds.claim import ClaimCandidate
 from ivsid.diagnosis.estimation.kinds.grid import GridCandidate
 from ivsid.diagnosis.estimation.kinds.harmonic import HarmonicCandidate
+from ivsid.diagnosis.estimation.kinds.hump import HumpCandidate
 from ivsid.diagnosis.estimation.kinds.linear import LinearCandidate
 from ivsid.diagnosis.estimation.kinds.step import StepCandidate
 from ivsid.diagnosis.estimation.kinds.tether import TetherCandidate
 from ivsid.diagnosis.estimation.signatures import Signatures
-from ivsid.effects import EFFECTS, Anchored, Effect, Form, Grid, Harmonic, Linear, Step, lacking
+from ivsid.effects import EFFECTS, Anchored, Effect, Form, Grid, Harmonic, Hump, Linear, Step, lacking
 
 # The kind of candidate by the form of an effect.
 KINDS: Final[Mapping[type[Form], type[Candidate]]] = {
@@ -23,6 +24,7 @@ KINDS: Final[Mapping[type[Form], type[Candidate]]] = {
     Step: StepCandidate,
     Harmonic: HarmonicCandidate,
     Anchored: TetherCandidate,
+    Hump: HumpCandidate,
 }
 
 

@@ -5,7 +5,7 @@ acceleration, is one that follows the drag. Each then stands in a fit with many 
 regressor of the adequacy's dictionary, in the place of all of them and with one number, explains as much. A single cause is none where
 such a regressor explains more in its place than the cause does. A regressor stands in the place of causes if hardly anything is left to
 them beside it: one that explains another part of the errors replaces nothing. The same is asked of any function of one velocity
-(``speed_curves``), which has many numbers.
+(``speed_curves``), which has many numbers. What the rough outline of a hump leaves is a function of the same velocity, and no cause.
 
 Source: docs/theory.md, "Diagnosis"; Akaike, "A new look at the statistical model identification", IEEE Transactions on Automatic Control 19,
 1974.
@@ -14,18 +14,21 @@ Source: docs/theory.md, "Diagnosis"; Akaike, "A new look at the statistical mode
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
 from itertools import combinations
-from typing import Final
+from typing import Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import NOTHING_LEFT, Projection
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.selection.dictionary import regressors
 from ivsid.diagnosis.selection.rivals import Found
-from ivsid.diagnosis.selection.rules import BETTER_CURVE, BETTER_FORCE, ONE_FORCE, Curve, Together
+from ivsid.diagnosis.selection.rules import BETTER_CURVE, BETTER_FORCE, ONE_FORCE, OUTLINE, Curve, Remainder, Together
 from ivsid.diagnosis.selection.speed_curves import speed_curves, words
 
 Array = NDArray[np.float64]
@@ -35,56 +38,124 @@ REPLACED: Final = 0.25
 
 
 def imitating(fit: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:
-    """Refusals, by id, of linear causes that one force explains as well as they do together, or better than one of them.
+    """Refusals, by id, of causes that one force explains as well as they do together, or better than one of them.
 
     Args:
         fit: of the model with all causes.
         found: the causes.
     """
-    numbers = _numbers(fit)
-    own = {
-        f.id: [k for k in fit.base if fit.gram.names[k] in numbers and _of(fit.gram.names[k], f.id)]
-        for f in found
-        if f.first.candidate.sums
-    }
-    own = {id_: at for id_, at in own.items() if at}
-    if not own:
+    causes = [f for f in found if f.first.candidate.sums]
+    asked = _Asked.of(fit, causes)
+    if asked is None:
         return {}
-    names, x, unit = regressors(fit)
-    g = fit.gram.only(fit.base)
-    first = len(g.names)
-    wide = g.joined(names, x, unit)
-    curves, lines, lengths, groups = speed_curves(fit)
-    if groups:
-        wide = wide.joined(curves, lines, lengths)
-    place = {k: i for i, k in enumerate(fit.base)}
-    last = first + len(names)
+    rough = {f.id for f in causes if f.first.candidate.effect.form.rough}
     refused: dict[str, Refusal] = {}
-    # The largest sets first: a set that one force explains takes its parts with it.
-    for count in range(len(own), 0, -1):
-        for ids in combinations(own, count):
-            if refused.keys() & set(ids):
+    # The largest sets first: a set that one force explains takes its parts with it. A rough curve is no linear cause of such a set.
+    for count in range(len(asked.own), 0, -1):
+        for ids in combinations(asked.own, count):
+            if refused.keys() & set(ids) or (count > 1 and rough & set(ids)):
                 continue
-            at = [place[k] for i in ids for k in own[i]]
-            held = np.array([numbers[g.names[k]] for k in at]) * g.unit[at]
-            p = Projection(wide, [k for k in range(first) if k not in at])
-            fall, alone, kept = in_their_place(p, at, held, range(first, last))
-            # A force beside which the causes explain what they did is another part of the errors.
-            alone = np.where(kept <= REPLACED * fall, alone, 0.0)
-            best = int(np.argmax(alone))
-            channel, function = names[best].split("|", 1)
-            case = Together(ids, fall, len(at), f"{function} in {channel}", float(alone[best]))
-            others = [f.id for f in found if f.id not in ids]
-            if (refusal := (ONE_FORCE if count > 1 else BETTER_FORCE).refuses(case, others)) is not None:
+            refusal = asked.refusal(ids, [f.id for f in found if f.id not in ids])
+            if refusal is not None:
                 refused |= dict.fromkeys(ids, refusal)
-                continue
-            for group in groups:
-                shape, left, directions = curve_in_their_place(p, at, held, [last + k for k in group])
+    return refused | asked.outlined(rough - refused.keys(), [i for i in asked.own if i not in rough | refused.keys()])
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """Causes with the forces and the curves of a velocity that may stand in their place.
+
+    Attributes:
+        own: columns of each cause among those of the model, by id.
+        held: coefficients of the model's columns that the errors no longer hold, in unit lengths, shape (model,).
+        wide: cross-products of the model's columns, the forces and the curves, in this order.
+        forces: names.
+        curves: names of the columns of all curves.
+        groups: columns of each curve, among those of all.
+    """
+
+    own: Mapping[str, list[int]]
+    held: Array
+    wide: Gram
+    forces: Sequence[str]
+    curves: Sequence[str]
+    groups: Sequence[range]
+
+    @classmethod
+    def of(cls, fit: Fit, causes: Sequence[Found]) -> Self | None:
+        """The causes of a fit whose errors are sums of columns; None if there are none."""
+        numbers = _numbers(fit)
+        names = [fit.gram.names[k] for k in fit.base]
+        own = {f.id: [i for i, n in enumerate(names) if n in numbers and _of(n, f.id)] for f in causes}
+        own = {id_: at for id_, at in own.items() if at}
+        if not own:
+            return None
+        forces, x, unit = regressors(fit)
+        g = fit.gram.only(fit.base)
+        held = np.array([numbers.get(n, 0.0) for n in names]) * g.unit
+        wide = g.joined(forces, x, unit)
+        curves, lines, lengths, groups = speed_curves(fit)
+        if groups:
+            wide = wide.joined(curves, lines, lengths)
+        return cls(own, held, wide, forces, curves, groups)
+
+    def _without(self, ids: Sequence[str]) -> tuple[Projection, list[int], Array]:
+        """Least squares on the model without some causes, with their columns and what the errors no longer hold of them."""
+        at = [k for i in ids for k in self.own[i]]
+        return Projection(self.wide, [k for k in range(self.held.size) if k not in at]), at, self.held[at]
+
+    def _curve(self, group: range) -> list[int]:
+        """Columns of a curve."""
+        return [self.held.size + len(self.forces) + k for k in group]
+
+    def refusal(self, ids: Sequence[str], others: Sequence[str]) -> Refusal | None:
+        """The refusal of causes together, or of one, or None.
+
+        Args:
+            ids: of the causes.
+            others: ids of all other causes.
+        """
+        p, at, held = self._without(ids)
+        first = self.held.size
+        fall, alone, kept = in_their_place(p, at, held, range(first, first + len(self.forces)))
+        # A force beside which the causes explain what they did is another part of the errors.
+        alone = np.where(kept <= REPLACED * fall, alone, 0.0)
+        best = int(np.argmax(alone))
+        channel, function = self.forces[best].split("|", 1)
+        case = Together(tuple(ids), fall, len(at), f"{function} in {channel}", float(alone[best]))
+        refusal = (ONE_FORCE if len(ids) > 1 else BETTER_FORCE).refuses(case, others)
+        for group in self.groups:
+            if refusal is not None:
+                break
+            shape, left, directions = curve_in_their_place(p, at, held, self._curve(group))
+            if left <= REPLACED * fall:
+                curve = Curve(tuple(ids), fall, len(at), words(self.curves, group), shape, directions)
+                refusal = BETTER_CURVE.refuses(curve, others)
+        return refusal
+
+    def outlined(self, rough: AbstractSet[str], others: Sequence[str]) -> dict[str, Refusal]:
+        """Refusals of causes that are what the shape of a rough one leaves, by id.
+
+        Args:
+            rough: ids of causes whose shape is known in rough outline.
+            others: ids of the others.
+        """
+        refused: dict[str, Refusal] = {}
+        for group in self.groups if rough else ():
+            # Causes that a function of this velocity replaces, with their falls of chi-squared.
+            spanned: dict[str, float] = {}
+            for id_ in (*sorted(rough), *others):
+                p, at, held = self._without([id_])
+                fall, _, _ = in_their_place(p, at, held, self._curve(group)[:1])
+                _, left, _ = curve_in_their_place(p, at, held, self._curve(group))
                 if left <= REPLACED * fall:
-                    case = Curve(ids, fall, len(at), words(curves, group), shape, directions)
-                    if (refusal := BETTER_CURVE.refuses(case, others)) is not None:
-                        refused |= dict.fromkeys(ids, refusal)
-    return refused
+                    spanned[id_] = fall
+            for whole in rough & spanned.keys():
+                for id_ in spanned.keys() - rough:
+                    case = Remainder(spanned[id_], whole, spanned[whole])
+                    if (refusal := OUTLINE.refuses(case, [i for i in (*rough, *others) if i != id_])) is not None:
+                        refused[id_] = refusal
+        return refused
 
 
 def curve_in_their_place(
@@ -150,8 +221,11 @@ def _numbers(fit: Fit) -> dict[str, float]:
     """Numbers of the hypothesis by column, from no effect on."""
     numbers = {k: float(x) for k, x in fit.h.values.items()}
     for given in fit.h.given:
-        none = dict(zip(given.effect.parts, (q.none for q in given.effect.parameters), strict=True))
-        numbers |= {k: float(x) - none.get(k, 0.0) for k, x in given.named.items()}
+        if given.thruster is None:
+            beyond = tuple(float(x) - q.none for x, q in zip(given.values, given.effect.parameters, strict=True))
+            numbers |= dict(zip(given.effect.parts, given.effect.form.held(beyond), strict=True))
+        else:
+            numbers |= {k: float(x) for k, x in given.named.items()}
     return numbers
 
 

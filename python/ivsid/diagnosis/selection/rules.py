@@ -253,8 +253,35 @@ BETTER_CURVE: Final = Rule[Curve](
     "it explains {case.fall:.0f} in chi², and {case.force} explains {case.alone:.0f} in its place; {limit:.0f} more are too many",
     least=False,
 )
+
+
+@dataclass(frozen=True)
+class Remainder:
+    """A cause beside another one whose curve over the same velocity is known in rough outline.
+
+    Attributes:
+        fall: of chi-squared by the cause.
+        rough: id of the other.
+        whole: fall of chi-squared by the other.
+    """
+
+    fall: float
+    rough: str
+    whole: float
+
+
+OUTLINE: Final = Rule[Remainder](
+    "outline",
+    "fall of chi² of a function of one velocity over that of a hump of the same velocity beside it",
+    f"at least {BENT:g}",
+    "Humps differ in shape from hull to hull, so that a small function of the same velocity beside one is what its shape leaves.",
+    "make exam",
+    lambda c: c.fall / c.whole,
+    lambda _: BENT,
+    "it explains {value:.2%} of what {case.rough} explains over the same velocity, whose shape is known to {limit:.0%}",
+)
 LATE: Final = (MOST_RULE, WORTH_RULE)
-FULL_FITS: Final = (FINALIST, NUMBERS, RIVAL, FULL, OWN, SETTLED, ONE_FORCE, BETTER_FORCE, BETTER_CURVE)
+FULL_FITS: Final = (FINALIST, NUMBERS, RIVAL, FULL, OWN, SETTLED, ONE_FORCE, BETTER_FORCE, BETTER_CURVE, OUTLINE)
 
 
 def full_refused(test: Threshold, s: Scored, fall: float, beside: Sequence[str] = ()) -> Refusal | None:

@@ -193,12 +193,13 @@ def shallow(moved: Change) -> Finding:
     return Finding(id_, 0.5, (ONE_FACTOR.id,), separate, {id_: bound}, evidence)
 
 
-def unknown(left: Adequacy, near: Sequence[str]) -> Finding:
+def unknown(left: Adequacy, near: Sequence[str], *, proved: str = "") -> Finding:
     """Finding ``unknown``: structure that no cause of the catalogue explains.
 
     Args:
         left: adequacy of the extended model.
         near: causes that the fit holds and that are no findings.
+        proved: what the rows of the log prove, in a sentence, where statistics alone would leave the model adequate.
     """
     likely = ", ".join(f"{name} in {channel} ({np.sqrt(fall):.0f} sigma)" for name, channel, fall in left.strongest)
     channel = left.strongest[0][1]
@@ -235,6 +236,8 @@ def unknown(left: Adequacy, near: Sequence[str]) -> Finding:
             "file may be wrong, and the fit stops at the limit"
         )
         z = max(z, left.hulls[0].deviations)
+    if proved:
+        z, text = 0.0, f"{proved}; the statistics see no structure that the model lacks"
     if near:
         text += f"; the nearest are {' and '.join(near)}, which the fit holds and nothing proves, so that the extended model leaves them out"
     evidence: FindingEvidence = {

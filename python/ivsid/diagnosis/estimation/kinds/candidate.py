@@ -57,7 +57,7 @@ class Candidate(ABC):
         variants: names of its columns, one group for each value that is tried; empty if columns are found by a search.
         searched: whether its columns are found by a search.
         starts: whether its columns begin at a time that is searched.
-        sums: whether the errors are the sum of its columns times its numbers.
+        sums: whether the errors are the sum of its columns times numbers of the effect.
     """
 
     effect: Effect

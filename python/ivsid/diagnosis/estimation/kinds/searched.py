@@ -21,9 +21,6 @@ Array = NDArray[np.float64]
 # Values of a search that get exact columns.
 # Source: resource: a period costs four columns, an anchor two
 PEAKS: Final = 3
-# Numbers that a search fits. A far anchor is a wind: the two numbers of its place are paid for, too.
-# Source: definition: the parameters of a wave, and of a tether
-COUNT: Final = 4
 
 
 @dataclass(frozen=True)
@@ -74,6 +71,8 @@ class SearchedCandidate(Candidate):
             looks: number of independent values that were searched.
         """
         best: Scored | None = None
+        # A far anchor is a wind: the numbers that were searched are paid for, too.
+        count = len(self.effect.parameters)
         for value, columns in tried:
             theta, fall = p.solve(columns)
             real = tuple((theta / p.g.unit[list(columns)]).tolist())
@@ -81,5 +80,11 @@ class SearchedCandidate(Candidate):
             # A value that pushes where the cause pulls hides no weaker one that pulls.
             own = fall if ok else 0.0
             if best is None or own > best.fall:
-                best = Scored(self, own, COUNT, looks, columns, real, self.numbers(value, real), ok)
+                best = Scored(self, own, count, looks, columns, real, self.numbers(value, real), ok)
         return best
+
+
+def beside(rows: Array, base: tuple[Array, ...]) -> Array:
+    """What least squares on a base leaves of rows, shape (rows, m)."""
+    q, _ = np.linalg.qr(np.stack(base, axis=1))
+    return np.asarray(rows - (rows @ q) @ q.T)

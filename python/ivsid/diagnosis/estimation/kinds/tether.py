@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.estimation.kinds.searched import SearchedCandidate
+from ivsid.diagnosis.estimation.kinds.searched import SearchedCandidate, beside
 from ivsid.diagnosis.estimation.signatures import Signatures
 from ivsid.diagnosis.estimation.whitening import Whitening
 
@@ -82,8 +82,8 @@ class TetherCandidate(SearchedCandidate):
         inverse = s.mass.inverse[0]
         own = np.hstack(
             [
-                inverse[0, 0] * _beside(ahead, (one, u, u * np.abs(u))),
-                inverse[1, 1] * _beside(aside, (one, v, v * np.abs(v), u * r)),
+                inverse[0, 0] * beside(ahead, (one, u, u * np.abs(u))),
+                inverse[1, 1] * beside(aside, (one, v, v * np.abs(v), u * r)),
             ]
         )
         length = np.linalg.norm(own, axis=1)
@@ -127,9 +127,3 @@ def _anchors(place: Array, x: Array, y: Array) -> Array:
     near = ASIDE * reach * np.array([(0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)])
     beside = (np.stack([x[passed], y[passed]], axis=1)[:, None] + near).reshape(-1, 2)
     return np.concatenate([grid, beside])
-
-
-def _beside(rows: Array, base: tuple[Array, ...]) -> Array:
-    """What least squares on a base leaves of rows, shape (rows, m)."""
-    q, _ = np.linalg.qr(np.stack(base, axis=1))
-    return np.asarray(rows - (rows @ q) @ q.T)

@@ -1,0 +1,59 @@
+"""Humps of the wave resistance: their force, the search for speed and width, and what their outline leaves."""
+
+import math
+
+import numpy as np
+import pytest
+
+from diagnosis_logs import train_of, vehicle_of
+from ivsid.diagnosis.candidates.families import everything, score
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.selection.rules import BENT, OUTLINE, Remainder
+from ivsid.effects import EFFECTS, State
+
+HUMP = EFFECTS["drag.surge.hump"]
+
+
+def scored(**numbers):
+    """The score of the hump in a log with these of its numbers, or with none."""
+    vehicle = vehicle_of()
+    truth = {f"{HUMP.id}.{k}": v for k, v in numbers.items()}
+    fit = plain_fit(vehicle, channels(train_of(vehicle, truth, duration=150.0), vehicle), everything)
+    return {s.id: s for s in score(fit)[1]}[HUMP.id]
+
+
+def force(u, height, speed, width):
+    return HUMP.acts.function(State(u, 0.0, 0.0, 0.0, 0.0, 0.0), (height, speed, width))["surge"]
+
+
+def test_the_force_is_a_drag_of_its_height_at_its_speed_and_none_at_rest():
+    for u in np.linspace(-2.0, 2.0, 41).tolist():
+        one, other = (math.cosh((u - s * 0.8) / 0.2) ** -2 for s in (1, -1))
+        assert force(u, 5.0, 0.8, 0.2) == pytest.approx(5.0 * (other - one), abs=1e-12)
+        assert force(u, 5.0, 0.8, 0.2) * u <= 0.0 and force(-u, 5.0, 0.8, 0.2) == pytest.approx(
+            -force(u, 5.0, 0.8, 0.2)
+        )
+    assert force(0.0, 5.0, 0.8, 0.2) == 0.0 and force(0.8, 5.0, 0.8, 0.2) == pytest.approx(-5.0, rel=1e-2)
+
+
+def test_the_search_finds_speed_and_height_and_a_thrust_of_that_shape_is_no_drag():
+    found = scored(height=12.0, speed=0.7, width=0.25)
+    height, speed, width = found.values
+    assert found.fall > 100.0 and found.physical and found.count == 3
+    assert 0.5 < speed < 0.9 and 0.1 < width < 0.6 and 4.0 < height < 36.0
+    assert 1.0 <= found.looks <= 36.0
+    assert found.chance < 1e-10 < scored().chance
+
+
+def test_a_hump_that_drives_is_not_possible():
+    candidate = scored().candidate
+    assert candidate.possible((1.0,)) and not candidate.possible((-1.0,))
+
+
+def test_what_the_outline_leaves_is_no_cause_and_more_is_one():
+    whole = 5000.0
+    little, much = (Remainder(share * BENT * whole, HUMP.id, whole) for share in (0.9, 1.1))
+    assert OUTLINE.refuses(much) is None
+    said = OUTLINE.refuses(little)
+    assert said.rule == "outline" and HUMP.id in said.sentence

@@ -51,6 +51,15 @@ def test_a_hump_that_drives_is_not_possible():
     assert candidate.possible((1.0,)) and not candidate.possible((-1.0,))
 
 
+def test_a_log_shows_a_hump_with_a_flank_that_it_sails_and_a_period_that_it_holds():
+    form = HUMP.form
+    for speed, width, shown in ((0.8, 0.3, True), (1.3, 0.35, True), (1.4, 0.3, False), (0.2, 0.3, False)):
+        assert form.shown({"height": 1.0, "speed": speed, "width": width}, 300.0, 1.0) is shown
+    swell = EFFECTS["wave.force"].form
+    for period, shown in ((899.0, True), (901.0, False)):
+        assert swell.shown({"period": period}, 300.0, 1.0) is shown
+
+
 def test_what_the_outline_leaves_is_no_cause_and_more_is_one():
     whole = 5000.0
     little, much = (Remainder(share * BENT * whole, HUMP.id, whole) for share in (0.9, 1.1))

@@ -19,6 +19,9 @@ BANDS: Final = (0.03, 0.05, 0.08, 0.125, 0.19, 0.28, 0.4, 0.55, 0.75, 1.0)
 # Limits that are tried, in the largest thrust of the log.
 # Source: measured: make constants
 LIMITS: Final = (0.97, 0.92, 0.85, 0.77, 0.68, 0.58, 0.47, 0.35)
+# Longest period that a log can show, in lengths of the log.
+# Source: geometry/physics: less than a third of a sine hardly differs from a parabola in time
+PERIODS: Final = 3.0
 
 
 @dataclass(frozen=True)
@@ -57,6 +60,16 @@ class Form:
             numbers: of the effect, from those at which it vanishes on.
         """
         return numbers
+
+    def shown(self, _numbers: Mapping[str, float], _duration: float, _fastest: float) -> bool:
+        """Whether a log can show an effect with these numbers.
+
+        Args:
+            numbers: of the effect, by part.
+            duration: of the log [s].
+            fastest: its largest speed ahead or astern [m/s].
+        """
+        return True
 
     def canonical(self, ends: Ends) -> Ends:
         """One of several equal descriptions of an effect, by the ends of its numbers' intervals."""
@@ -136,6 +149,10 @@ class Harmonic(Form):
 
     of: Literal["force", "flow"]
 
+    def shown(self, numbers: Mapping[str, float], duration: float, _fastest: float) -> bool:
+        """A period of a few lengths of the log."""
+        return numbers["period"] <= PERIODS * duration
+
     def asks(self, _draws: Sequence[str], parts: Sequence[str]) -> str | None:
         """The parts of a sine."""
         known = ({"amplitude", "direction"}, {"north", "east"})
@@ -184,6 +201,10 @@ class Hump(Form):
     """A force that stands out about one speed, with the parts ``height``, ``speed`` and ``width``: in proportion to the height alone."""
 
     rough: ClassVar[bool] = True
+
+    def shown(self, numbers: Mapping[str, float], _duration: float, fastest: float) -> bool:
+        """A hump that leaves rest without a force, and of which one flank is sailed."""
+        return numbers["width"] <= numbers["speed"] <= fastest + numbers["width"]
 
     def held(self, numbers: tuple[float, ...]) -> tuple[float, ...]:
         """The height: it is the only number of which the force is a multiple."""

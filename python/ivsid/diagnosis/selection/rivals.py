@@ -51,9 +51,6 @@ FULL_STEPS: Final = 6
 # A number this close to its bound, in typical sizes, stands at the bound.
 # Source: measured: make constants
 AT_BOUND: Final = 1e-4
-# Longest period that a log can show, in lengths of the log.
-# Source: geometry/physics: less than a third of a sine hardly differs from a parabola in time
-PERIODS: Final = 3.0
 
 
 @dataclass(frozen=True)
@@ -146,7 +143,7 @@ def fitted(problem: Problem, fit: Fit, s: Scored) -> Rival | None:
 def possible(h: Hypothesis, id_: str, predictor: Predictor) -> bool:
     """Whether the fitted numbers of a cause are ones that it can have.
 
-    A drag that drives, a delay of zero and a tide whose period exceeds several logs are not possible.
+    A drag that drives, a delay of zero, a tide whose period exceeds several logs and a hump that no flank shows are not possible.
 
     Args:
         h: the fitted hypothesis.
@@ -160,9 +157,11 @@ def possible(h: Hypothesis, id_: str, predictor: Predictor) -> bool:
                 return False
     for g in h.given:
         if g.effect.id == id_:
+            said = {p.part: value for p, value in zip(g.effect.parameters, g.values, strict=True)}
+            log = predictor.log
+            if not g.effect.form.shown(said, log.n * log.h, float(np.abs(log.nu[0]).max())):
+                return False
             for p, value in zip(g.effect.parameters, g.values, strict=True):
-                if p.part == "period" and value > PERIODS * predictor.log.n * predictor.log.h:
-                    return False
                 if (
                     p.draw == "size"
                     and not p.inverse

@@ -1,7 +1,5 @@
 """A generic dictionary of regressors: powers and products of velocities, thrusts, heading, place and time in every channel.
 
-The velocities have all products up to the third order (Abkowitz 1964), and those of the second with an absolute value (Norrbin 1971).
-
 Source: docs/theory.md, "Diagnosis".
 """
 
@@ -60,15 +58,8 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
         "u^3": a**3,
         "v^3": b**3,
         "r^3": c**3,
-        "v|r|": b * np.abs(c),
-        "r|v|": c * np.abs(b),
         "u^2 r": a * a * c,
         "u^2 v": a * a * b,
-        "u v^2": a * b * b,
-        "u r^2": a * c * c,
-        "v^2 r": b * b * c,
-        "v r^2": b * c * c,
-        "u v r": a * b * c,
         "t": t,
         "t^2": t * t,
         "t u|u|": t * a * np.abs(a),

@@ -147,9 +147,14 @@ def test_a_cause_joins_the_catalogue_with_the_seeds_after_it():
     assert not set(outside_by(since)) & {*JOINED, *EFFECTS} and len(outside_by(since)) == len(outside_by(since - 1))
     assert set(drawn_by(since)) == set(EFFECTS) > set(drawn_by(before))
     assert not {*JOINED.values()} & {*drawn_by(before)}
-    # Each cause has an end where its successor begins, and the size of both is of one kind.
+    # Each cause has an end where its successor begins, and the first number of both is a size.
     for old, new in JOINED.items():
-        assert UNTIL[old] == SINCE[new] and [*OUTSIDE[old].values()] == [*EFFECTS[new].values()][:1]
+        assert UNTIL[old] == SINCE[new]
+        assert (
+            [kind for _, _, kind in OUTSIDE[old].values()]
+            == ["size"]
+            == [kind for _, _, kind in EFFECTS[new].values()][:1]
+        )
 
 
 def test_a_cause_that_joined_is_the_motion_of_its_effect():

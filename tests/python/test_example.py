@@ -16,7 +16,7 @@ from ivsid.files.seal import seal_of
 from ivsid.vehicle import read_vehicle
 
 # The cause of the default seed and of another one, by the sealed files.
-CAUSES = {None: "sensor.velocity.lever_arm", 4: "thruster.gain"}
+CAUSES = {None: "sensor.velocity.lever_arm", 8: "thruster.gain"}
 
 
 @pytest.fixture(scope="module")
@@ -81,12 +81,12 @@ def test_the_hidden_cause_moves_the_boat(made):
 
 def test_the_same_seed_gives_the_same_bytes_and_another_seed_another_cause(made, tmp_path):
     folder, _ = made
-    for seed, name in ((5, "again"), (4, "other")):
+    for seed, name in ((2, "again"), (8, "other")):
         done = run("example", tmp_path / name, "--seed", seed, "--json")
         assert done.returncode == 0 and json.loads(done.stdout)["seed"] == seed
     for path in ("boat.toml", "run1.csv", "run2.csv", "truth/truth.json"):
         assert (folder / path).read_bytes() == (tmp_path / "again" / path).read_bytes(), path
-    assert json.loads((tmp_path / "other" / "truth" / "truth.json").read_text())["effect"] == CAUSES[4]
+    assert json.loads((tmp_path / "other" / "truth" / "truth.json").read_text())["effect"] == CAUSES[8]
 
 
 @pytest.mark.nightly
@@ -112,8 +112,8 @@ def test_the_first_diagnosis_names_the_hidden_cause_and_reads_no_truth(tmp_path,
 
 def test_a_gain_beside_a_stated_centre_of_gravity_is_no_other_centre(tmp_path):
     """Every mass and drag takes up a gain but the moments of the stated centre of gravity: the log does not tell it from another centre."""
-    assert run("example", tmp_path / "gain", "--seed", 4).returncode == 0
+    assert run("example", tmp_path / "gain", "--seed", 8).returncode == 0
     place = tmp_path / "gain"
     assert read_vehicle(place / "boat.toml").hull.centre_of_gravity[0] > 0.1
     result = ivsid.diagnose(place / "boat.toml", place / "run1.csv", place / "run2.csv")
-    assert [{f.effect, *f.alternatives} for f in result.findings] == [{"coupling.cg_x", CAUSES[4]}]
+    assert [{f.effect, *f.alternatives} for f in result.findings] == [{"coupling.cg_x", CAUSES[8]}]

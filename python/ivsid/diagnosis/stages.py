@@ -103,7 +103,7 @@ def diagnose(
     rest = Left(after, before, len(selection.found), bool(fit.noise.left_out))
     structure = confirmed_structure(selection.last, test_of.visible, rest, looks)
     before, after = (replace(a, risk=structure.risk) for a in (before, after))
-    rest = replace(rest, after=after, before=before, imitating=len(selection.imitating))
+    rest = replace(rest, after=after, before=before, imitated=tuple(f.fall for f in selection.imitating))
     complete = rest.sufficient and replace(rest, wider=lasting(proof, vehicle, train)).sufficient
     residuals = before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
     findings, withdrawn = findings_of(selection, residuals, after, complete=complete)

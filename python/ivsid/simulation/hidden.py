@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from typing import Final
+from zlib import crc32
 
 import numpy as np
 
@@ -61,11 +62,16 @@ def hidden_effects(
             f"{count} effects are asked for and {len(possible)} can be hidden in {vehicle.name}; ask for fewer"
         )
     found: dict[str, float] = {}
-    for k in rng.choice(len(possible), count, replace=False):
-        effect = as_logged(possible[int(k)], scenario)
+    for drawn in sorted(possible, key=lambda e: _lot(seed, e))[:count]:
+        effect = as_logged(drawn, scenario)
         size = float(np.exp(rng.uniform(np.log(sizes[0]), np.log(sizes[1]))))
         found |= draw(effect, size, vehicle, scenario, rng)
     return found
+
+
+def _lot(seed: int, effect: Effect) -> float:
+    """A number that an effect draws for itself, so that one which joins the catalogue changes the draws of few seeds."""
+    return float(np.random.default_rng([seed, 0x1D, crc32(effect.id.encode())]).uniform())
 
 
 def can_hide(effect: Effect, vehicle: Vehicle, scenario: Scenario) -> bool:

@@ -13,7 +13,7 @@ Source: docs/theory.md, "Diagnosis"; Akaike, "A new look at the statistical mode
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from itertools import combinations
@@ -99,7 +99,7 @@ class _Asked:
             wide = wide.joined(curves, lines, lengths)
         return cls(own, held, wide, forces, curves, groups)
 
-    def _without(self, ids: Sequence[str]) -> tuple[Projection, list[int], Array]:
+    def _without(self, ids: Iterable[str]) -> tuple[Projection, list[int], Array]:
         """Least squares on the model without some causes, with their columns and what the errors no longer hold of them."""
         at = [k for i in ids for k in self.own[i]]
         return Projection(self.wide, [k for k in range(self.held.size) if k not in at]), at, self.held[at]
@@ -129,9 +129,21 @@ class _Asked:
                 break
             shape, left, directions = curve_in_their_place(p, at, held, self._curve(group))
             if left <= REPLACED * fall:
-                curve = Curve(tuple(ids), fall, len(at), words(self.curves, group), shape, directions)
+                whole, _, _ = in_their_place(*self._without({*ids, *self.spanned(group)}), self._curve(group)[:1])
+                curve = Curve(tuple(ids), fall, len(at), words(self.curves, group), shape, directions, whole)
                 refusal = BETTER_CURVE.refuses(curve, others)
         return refusal
+
+    def spanned(self, group: range) -> dict[str, float]:
+        """Causes that a function of one velocity replaces, with their falls of chi-squared."""
+        found: dict[str, float] = {}
+        for id_ in self.own:
+            p, at, held = self._without([id_])
+            fall, _, _ = in_their_place(p, at, held, self._curve(group)[:1])
+            _, left, _ = curve_in_their_place(p, at, held, self._curve(group))
+            if left <= REPLACED * fall:
+                found[id_] = fall
+        return found
 
     def outlined(self, rough: AbstractSet[str], others: Sequence[str]) -> dict[str, Refusal]:
         """Refusals of causes that are what the shape of a rough one leaves, by id.
@@ -142,14 +154,7 @@ class _Asked:
         """
         refused: dict[str, Refusal] = {}
         for group in self.groups if rough else ():
-            # Causes that a function of this velocity replaces, with their falls of chi-squared.
-            spanned: dict[str, float] = {}
-            for id_ in (*sorted(rough), *others):
-                p, at, held = self._without([id_])
-                fall, _, _ = in_their_place(p, at, held, self._curve(group)[:1])
-                _, left, _ = curve_in_their_place(p, at, held, self._curve(group))
-                if left <= REPLACED * fall:
-                    spanned[id_] = fall
+            spanned = {i: fall for i, fall in self.spanned(group).items() if i in rough or i in others}
             for whole in rough & spanned.keys():
                 for id_ in spanned.keys() - rough:
                     case = Remainder(spanned[id_], whole, spanned[whole])

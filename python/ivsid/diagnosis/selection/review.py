@@ -21,8 +21,8 @@ from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.diagnosis.selection.parallel import side_by_side
-from ivsid.diagnosis.selection.rivals import FINALISTS, Found, Rival, contenders, fitted
-from ivsid.diagnosis.selection.rules import compared, full_refused
+from ivsid.diagnosis.selection.rivals import FINALISTS, Found, Rival, contenders, fitted, possible
+from ivsid.diagnosis.selection.rules import NUMBERS, compared, full_refused, refused_by
 
 # Merit by which another cause has to be better to take the place of one that was found.
 # Source: measured: make constants
@@ -73,6 +73,9 @@ def reviewed(problem: Problem, last: Reviewed, asked: int, passes: Threshold, pl
         if refusal is not None and again is not None:
             # What declared errors may take of a cause is less where other causes leave it fewer directions.
             refusal = full_refused(passes, passes(bare, [again], others).measured(again), mine.fall, others)
+        if refusal is None and not possible(states.h, one.id, problem.noise.predictor):
+            # Beside the later causes it has numbers that make another cause of it, which the next round finds.
+            refusal = refused_by(NUMBERS, others)
         if refusal is not None:
             return Reviewed(True, [f for f in found if f is not one], without, refused | {one.id: refusal})
         near = contenders(scored, mine.merit)

@@ -89,7 +89,7 @@ MORE: Final = 0.25
 # Chance with which a function of a velocity may beat the true cause.
 # Source: definition: a tenth of the level of a whole verdict
 SHAPES: Final = 1e-3
-# Share of a cause's fall of chi-squared by which a function of a velocity may beat it and still be the cause's own.
+# Share of the fall of chi-squared, by all causes over a velocity, by which a function of it may beat one of them and still be the cause's own.
 # Source: measured: beside true drags it is at most 0.012 for falls above 1000, beside humps of the wave resistance 0.04 and more
 BENT: Final = 0.02
 
@@ -212,9 +212,11 @@ class Curve(Together):
 
     Attributes:
         directions: numbers of the function that the log determines.
+        whole: fall of chi-squared by all causes over that velocity together.
     """
 
     directions: int = 0
+    whole: float = 0.0
 
 
 ONE_FORCE: Final = Rule[Together](
@@ -244,12 +246,12 @@ BETTER_FORCE: Final = Rule[Together](
 BETTER_CURVE: Final = Rule[Curve](
     "better curve",
     "merit of any function of one velocity over that of linear causes in whose place it stands",
-    f"at most the fall of chi² that its further numbers exceed by chance once in {1 / SHAPES:.0f}, or {BENT:g} of the causes' own fall where that is more",
+    f"at most the fall of chi² that its further numbers exceed by chance once in {1 / SHAPES:.0f}, or {BENT:g} of the fall by all causes over that velocity where that is more",
     "A force that goes with one velocity and has another shape than the causes is one that the catalogue lacks: a hump of the wave resistance "
     "stands out as a linear, a dry or a cubic drag.",
     "theorem: chi-squared of the further numbers",
     lambda c: c.alone - c.fall,
-    lambda c: max(float(chdtri(max(c.directions - c.numbers, 1), SHAPES)), BENT * c.fall),
+    lambda c: max(float(chdtri(max(c.directions - c.numbers, 1), SHAPES)), BENT * max(c.fall, c.whole)),
     "it explains {case.fall:.0f} in chi², and {case.force} explains {case.alone:.0f} in its place; {limit:.0f} more are too many",
     least=False,
 )

@@ -26,7 +26,7 @@ class Left:
         before: adequacy of the plain model.
         findings: number of causes that were found.
         straight: whether the vehicle hardly turns: slow causes imitate one another there, so that no rest is little.
-        imitating: number of causes that passed every test and that one force of no cause explains as well, or better.
+        imitated: falls of chi-squared by causes that passed every test and that one force of no cause explains as well, or better.
         wider: factor on all declared bounds from which on some numbers of the plain model explain the rows of the log; at most 1 without a proof that
             none do inside the bounds, and infinite where no factor would do.
     """
@@ -35,13 +35,15 @@ class Left:
     before: Adequacy
     findings: int
     straight: bool = False
-    imitating: int = 0
+    imitated: tuple[float, ...] = ()
     wider: float = 0.0
 
     @property
     def little(self) -> bool:
-        """Whether causes leave less than the share ``REST`` of the structure before."""
-        return self.findings > 0 and not self.straight and self.after.unexplained < REST * self.before.unexplained
+        """Whether causes leave less than the share ``REST`` of the structure before, and what a force of no cause explains is less as well."""
+        # Regressors see most of what the refused causes explained, so that the two are not added.
+        left = max(self.after.unexplained, sum(self.imitated))
+        return self.findings > 0 and not self.straight and left < REST * self.before.unexplained
 
     @property
     def sufficient(self) -> bool:
@@ -84,13 +86,15 @@ OF_THE_SEA: Final = Rule[Left](
 )
 OF_FORCES: Final = Rule[Left](
     "force of no cause",
-    "causes that passed every test and that one force of no cause explains as well, or better",
+    f"causes that passed every test and that one force of no cause explains as well, or better, where {100 * REST:g} % or more of the structure before "
+    "is left, no cause was found or the vehicle hardly turns",
     "0",
     "What passes every test is no chance, however little of it the regressors see. Logs with nothing hidden give such causes as rarely as findings.",
     "definition: levels of the verdict in docs/constants.md",
-    lambda c: c.imitating,
+    lambda c: len(c.imitated),
     lambda _: 0,
     "{value:.0f} causes passed every test, and one force of no cause explains as much",
+    lambda c: not c.little,
     least=False,
 )
 OF_ROWS: Final = Rule[Left](

@@ -104,6 +104,25 @@ fn members_follow_the_equations_and_back_ends_agree_to_the_bit() {
     }
 }
 
+/// Columns whose largest magnitudes tie, so that the first of them has to be the pivot; the number is of a search one by one.
+#[test]
+fn the_first_of_equal_pivots_is_taken() {
+    for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
+        let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+        for n in [21, 24, 33, 50, 63, 64] {
+            let mut random = Random(7 + n as u64);
+            let centre: Vec<f64> = (0..n * n).map(|_| if random.unit() > 0.0 { 1.0 } else { -1.0 }).collect();
+            let ends = |sign: f64| centre.iter().map(|c| c + sign / 1024.0).collect();
+            let a = IntervalMatrix::new(n, n, ends(-1.0), ends(1.0)).expect("a good matrix");
+            let (lower, upper) = self::ends(&run(&a, 3, Form::Hull, Sweep::Members, backend));
+            for x in lower.iter().chain(&upper) {
+                hash = (hash ^ x.to_bits()).wrapping_mul(0x0100_0000_01b3);
+            }
+        }
+        assert_eq!(hash, 14_917_091_582_653_191_009, "{}", backend.name());
+    }
+}
+
 /// Midpoints whose pivots vanish in other members: these are eliminated with pivots of their own, in any lane.
 #[test]
 fn small_pivots() {

@@ -52,6 +52,12 @@ fn hull(c: &mut Criterion) {
     group.warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1)).sample_size(20);
     let three = dominant(3, 0.01, 1);
     group.bench_function("exact n=3", |b| b.iter(|| inverse::exact(black_box(&three))));
+    // Ends that are doubles, and ends that tie between vertices: an arrow around 0 with points in its corner.
+    let of = |lo: [f64; 9], hi: [f64; 9]| IntervalMatrix::new(3, 3, lo.to_vec(), hi.to_vec()).expect("a good matrix");
+    let diagonal = of([1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 4.0], [2.0, 0.0, 0.0, 0.0, 4.0, 0.0, 0.0, 0.0, 8.0]);
+    group.bench_function("exact n=3, diagonal", |b| b.iter(|| inverse::exact(black_box(&diagonal))));
+    let ties = of([4.0, -1.0, 0.0, -1.0, 4.0, -1.0, 0.0, -1.0, 4.0], [4.0, 1.0, 0.0, 1.0, 5.0, 1.0, 0.0, 1.0, 4.0]);
+    group.bench_function("exact n=3, ties", |b| b.iter(|| inverse::exact(black_box(&ties))));
     let many: Vec<IntervalMatrix> = (0..1000).map(|seed| dominant(3, 0.01, seed)).collect();
     let join = |f: fn(&IntervalMatrix) -> &[f64]| many.iter().flat_map(|a| f(a).to_vec()).collect::<Vec<f64>>();
     let (lo, hi) = (join(IntervalMatrix::lo), join(IntervalMatrix::hi));

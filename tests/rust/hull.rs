@@ -7,8 +7,9 @@ mod common;
 use common::matrices::{METHODS, Method, by_cells, families, is_tight, matrix, relative, vertex_hull};
 use common::{Random, columns_of_inverse, invert, q};
 use interval_core::inverse::{
-    Outcome, batch, exact, exact_batch, exact_by_vertices, hansen_bliek_rohn, kuttler, partitioned,
+    Certificate, Outcome, batch, exact, exact_batch, exact_by_vertices, hansen_bliek_rohn, kuttler, partitioned,
 };
+use interval_core::regularity::Witness;
 use interval_core::{Error, IntervalMatrix, Status};
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
@@ -334,4 +335,69 @@ fn a_batch_is_one_after_the_other() {
     bad[22] = f64::NAN;
     assert_eq!(exact_batch(n, &lo, &bad), Err(Error::NotANumber { index: 22 }));
     assert!(exact_batch(n, &lo[1..], &hi[1..]).is_err());
+}
+
+/// Matrices of order 3 whose ends are doubles, tie between vertices or are zero: diagonal, symmetric, in blocks, with
+/// entries that are points, with small numbers, and with any; each kind in turn.
+fn three_with_ties(kind: u64, random: &mut Random) -> IntervalMatrix {
+    let small = kind.is_multiple_of(2);
+    let mut pick = |scale: f64| if small { (scale * 8.0 * random.unit()).round() / 8.0 } else { scale * random.unit() };
+    let mut centre: [f64; 9] = std::array::from_fn(|at| pick(1.0) + if at % 4 == 0 { 4.0 } else { 0.0 });
+    let mut radius: [f64; 9] = std::array::from_fn(|_| pick(0.6).abs());
+    for i in 0..3 {
+        for j in 0..3 {
+            let (at, other) = (3 * i + j, 3 * j + i);
+            let apart = match kind / 2 % 5 {
+                // A diagonal, two blocks, a symmetric matrix, few entries with a radius, off-diagonal entries around 0.
+                0 => i != j,
+                1 => (i == 0) != (j == 0),
+                2 => {
+                    if i < j {
+                        (centre[at], radius[at]) = (centre[other], radius[other]);
+                    }
+                    false
+                }
+                3 => {
+                    if !(at as u64 + kind).is_multiple_of(3) {
+                        radius[at] = 0.0;
+                    }
+                    false
+                }
+                _ => {
+                    if i != j {
+                        centre[at] = 0.0;
+                    }
+                    false
+                }
+            };
+            if apart {
+                (centre[at], radius[at]) = (0.0, 0.0);
+            }
+        }
+    }
+    let rotate = (kind / 10 % 3) as usize;
+    let end = |sign: f64| (0..9).map(|at| (at + 3 * rotate) % 9).map(|at| centre[at] + sign * radius[at]).collect();
+    IntervalMatrix::new(3, 3, end(-1.0), end(1.0)).expect("a good matrix")
+}
+
+#[test]
+fn ends_that_are_doubles_or_tie_are_those_of_rationals_to_the_bit() {
+    // The long run has fifty times as many.
+    let cases = if std::env::var("IVSID_CASES").is_ok() { 40_000 } else { 800 };
+    let mut random = Random(77);
+    let (mut enclosed, mut quick) = (0, 0);
+    for kind in 0..cases {
+        let a = three_with_ties(kind, &mut random);
+        let (found, truth) = (exact(&a).expect("square"), exact_by_vertices(&a).expect("square"));
+        assert_eq!(found.status, truth.status, "{a:?}");
+        let bits = |outcome: &Outcome| -> Option<Vec<u64>> {
+            outcome.bounds().map(|(lower, upper)| lower.iter().chain(upper).map(|x| (x + 0.0).to_bits()).collect())
+        };
+        assert_eq!(bits(&found), bits(&truth), "{a:?}");
+        enclosed += u64::from(found.status == Status::Enclosed);
+        // The path of order 3 states this vector.
+        let of_three = |c: &Certificate| matches!(c, Certificate::Regular(Witness::ScaledContraction { vector, .. }) if vector == &[1.0; 3]);
+        quick += u64::from(found.certificate.as_ref().is_some_and(of_three));
+    }
+    assert!(10 * enclosed > 9 * cases && 10 * quick > 9 * enclosed, "{enclosed}, {quick} of {cases}");
 }

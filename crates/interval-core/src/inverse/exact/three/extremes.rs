@@ -6,19 +6,23 @@ use crate::lanes::{Vector, backends};
 use crate::rounding::slices::Backend;
 
 /// Vertex matrices `A_c - T_y Delta T_z` with `y_1 = 1`: `2^(2n-1)` of them.
-const VERTICES: usize = 32;
+pub(super) const VERTICES: usize = 32;
 /// The unit roundoff of a double, 2^-53.
 const UNIT: f64 = f64::EPSILON / 2.0;
 
 /// Approximate entries of all vertex inverses and bounds of their errors.
-struct All {
-    value: [[f64; VERTICES]; 9],
-    error: [[f64; VERTICES]; 9],
+pub(super) struct All {
+    pub value: [[f64; VERTICES]; 9],
+    pub error: [[f64; VERTICES]; 9],
+}
+
+impl All {
+    pub(super) const NONE: Self = Self { value: [[0.0; VERTICES]; 9], error: [[0.0; VERTICES]; 9] };
 }
 
 /// The vertex of each end. The value is `None` if more than one may attain it.
 pub(super) fn find(backend: Backend, lo: &Square, hi: &Square, zero: &[bool; 9]) -> Option<Vertices> {
-    let mut all = All { value: [[0.0; VERTICES]; 9], error: [[0.0; VERTICES]; 9] };
+    let mut all = All::NONE;
     if !invert(backend, lo, hi, &mut all) {
         return None;
     }
@@ -45,12 +49,12 @@ pub(super) fn find(backend: Backend, lo: &Square, hi: &Square, zero: &[bool; 9])
 }
 
 /// `y` and `z` of each vertex.
-struct Signs {
-    rows: [[f64; VERTICES]; 3],
-    columns: [[f64; VERTICES]; 3],
+pub(super) struct Signs {
+    pub rows: [[f64; VERTICES]; 3],
+    pub columns: [[f64; VERTICES]; 3],
 }
 
-const SIGNS: Signs = {
+pub(super) const SIGNS: Signs = {
     let mut signs = Signs { rows: [[1.0; VERTICES]; 3], columns: [[1.0; VERTICES]; 3] };
     let mut v = 0;
     while v < VERTICES {
@@ -70,7 +74,7 @@ const SIGNS: Signs = {
     signs
 };
 
-backends!(fn invert(lo: &Square, hi: &Square, all: &mut All) -> bool = invert_lanes);
+backends!(pub(super) fn invert(lo: &Square, hi: &Square, all: &mut All) -> bool = invert_lanes);
 
 /// Cofactors are right within `2 u` of the magnitudes of their two products, the determinant within `6 u` of those of
 /// its six. The bound takes twice that. The result is false if a determinant is not far from zero.

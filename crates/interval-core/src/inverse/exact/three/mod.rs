@@ -8,12 +8,15 @@
 //! 3. An entry of the inverse falls while `a_kl` grows where `B_ik B_lj > 0`, so with fixed signs its extremes stand at
 //!    two known vertices (docs/theory.md, "Inverses", fixed signs). Otherwise all 32 vertices are inverted in floats
 //!    with bounds of their errors, and an end is known where one vertex alone can attain it
-//!    (docs/theory.md, "Inverses", all vertices).
+//!    (docs/theory.md, "Inverses", all vertices). Where several may, the least of their bounds is the end's ([`ties`]).
 //! 4. At these vertices the cofactor and the determinant are evaluated by error-free transformations. The quotient is
-//!    rounded outward, and is the tightest bound where the error cannot change the rounding.
+//!    rounded outward, and is the tightest bound where the error cannot change the rounding. Elsewhere the end is a double
+//!    or close to one: the sign of `cofactor - bound determinant`, without error, tells on which side it lies ([`residual`]).
 
 mod entries;
 mod extremes;
+mod residual;
+mod ties;
 
 use crate::lanes::{Vector, backends};
 use crate::rounding::slices::Backend;
@@ -35,7 +38,9 @@ type Hull = (Square, Square, Square);
 /// The tightest bounds of every entry of the inverse, and an approximate inverse `R` with
 /// `|I - R A| (1, 1, 1)' < (1, 1, 1)'`. The value is `None` if one of the steps does not decide.
 pub(super) fn hull(lo: &Square, hi: &Square) -> Option<Hull> {
-    hull_on(Backend::chosen(), lo, hi)
+    // Ties are looked for only after the first try, whose code knows nothing of them: they cost ordinary matrices no time.
+    let found = hull_on(Backend::chosen(), lo, hi);
+    if found.is_some() { found } else { ties::hull(lo, hi) }
 }
 
 backends!(fn hull_on(lo: &Square, hi: &Square) -> Option<Hull> = hull_lanes);

@@ -14,11 +14,12 @@ from typing import Final
 
 from ivsid.errors import IvsidError
 from ivsid.log.dataflash import open_dataflash
+from ivsid.log.json_text import is_json, open_json
 from ivsid.log.long_tables import split
 from ivsid.log.matlab import open_matlab
 from ivsid.log.parquet import open_parquet
 from ivsid.log.parts import Parts
-from ivsid.log.plain import plain
+from ivsid.log.plain import plain, unzipped
 from ivsid.log.rosbag import open_bag
 from ivsid.log.source import SEPARATOR, Source, Table, head
 from ivsid.log.text import open_text
@@ -35,7 +36,7 @@ BAGS: Final = (".mcap", ".db3", ".bag")
 # Bytes by which formats are told apart.
 # Source: definition: the longest mark of a format has fewer
 FIRST: Final = 64
-TABLES: Final = (".csv", ".csv.gz", ".parquet", ".parquet.gz")
+TABLES: Final = tuple(e + z for e in (".csv", ".tsv", ".parquet", ".jsonl", ".ndjson") for z in ("", ".gz"))
 # Endings of files that are a log each, in a folder that is searched.
 WHOLE: Final = (".mat", ".bin", ".mcap", ".db3", ".bag")
 # Columns of a table that is no run: a stamp and a signal.
@@ -50,7 +51,7 @@ MOST_FILES: Final = 10_000
 def open_source(
     path: str | Path | Parts, span: tuple[float, float] | None = None, *, parts: bool = False, mended: bool = False
 ) -> Iterator[Source]:
-    """Opens any log: CSV or Parquet (plain or gzip), MATLAB, a ROS bag, DataFlash, or a folder of CSV and Parquet files.
+    """Opens any log (plain or gzip): CSV, Parquet, JSON, MATLAB, a ROS bag, DataFlash, or a folder of tables.
 
     A folder that is no log is searched: the one log below it is opened. Of an MCAP or Parquet file that is elsewhere, or of which a span is
     read, only the bytes that are needed are read, and make its identity.
@@ -217,8 +218,7 @@ def _tables(
             stem = next(where[: -len(e)] for e in TABLES if where.lower().endswith(e))
             if stem in tables:
                 raise IvsidError(f"folder {name} holds two tables named {stem}; rename one")
-            table = _table(each, str(each), stack)
-            for part, content in (split(table) or {"": table}).items():
+            for part, content in _of_file(each, str(each), stack).items():
                 tables[f"{stem}{SEPARATOR}{part.lstrip(SEPARATOR)}" if part else stem] = content
         places = {each.parent for each in files}
         runs = [tuple(t.columns) for t in tables.values() if len(t.columns) > LEAST_RUN]
@@ -226,6 +226,7 @@ def _tables(
             # Tables of one log have columns of their own; two that are alike are two runs, unless they hold a signal each.
             raise _several(path, name, [*places])
         return tables
+    path = unzipped(path, name, stack)
     first, ending = head(path), path.suffix.lower()
     if first.startswith(MATLAB_73):
         raise IvsidError(
@@ -237,8 +238,7 @@ def _tables(
         return open_bag(path, name, stack, span, parts, mended=mended)
     if first.startswith(DATAFLASH) or ending == ".bin":
         return open_dataflash(path, name, stack)
-    table = _table(path, name, stack, parts)
-    return split(table) or {"": table}
+    return _of_file(path, name, stack, parts)
 
 
 def is_bag(path: Path, first: bytes) -> bool:
@@ -256,9 +256,13 @@ def _is_table(path: Path) -> bool:
     return path.name.lower().endswith(TABLES)
 
 
-def _table(path: Path, name: str, stack: ExitStack, parts: Parts | None = None) -> Table:
-    """A table of CSV or Parquet, plain or gzip."""
+def _of_file(path: Path, name: str, stack: ExitStack, parts: Parts | None = None) -> Mapping[str, Table]:
+    """The tables of a file that is text or Parquet, plain or gzip."""
     path = plain(path, name, stack)
     if head(path).startswith(PARQUET):
-        return open_parquet(path, name, parts)
-    return open_text(path, name, stack)
+        tables: Mapping[str, Table] = {"": open_parquet(path, name, parts)}
+    elif is_json(path, name):
+        tables = open_json(path, name)
+    else:
+        tables = {"": open_text(path, name, stack)}
+    return (split(tables[""]) if tables.keys() == {""} else None) or tables

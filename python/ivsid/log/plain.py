@@ -32,13 +32,24 @@ def plain(path: Path, name: str, stack: ExitStack) -> Path:
     Raises:
         IvsidError: a damaged or too large packed file, or a format that is not read.
     """
-    if head(path).startswith(GZIP):
-        path = _unpacked(path, name, _copy(stack))
+    path = unzipped(path, name, stack)
     first = head(path)
     for mark, words in EXPORTED.items():
         if first.startswith(mark):
             raise IvsidError(f"{name} {words}")
     return _in_utf_8(path, name, _copy(stack)) if first.startswith(UTF_16) else path
+
+
+def unzipped(path: Path, name: str, stack: ExitStack) -> Path:
+    """The file itself, or an unpacked copy whose name has its ending.
+
+    Raises:
+        IvsidError: a damaged or too large packed file.
+    """
+    if not head(path).startswith(GZIP):
+        return path
+    copy = _copy(stack)
+    return _unpacked(path, name, copy.with_suffix(Path(path.stem).suffix if path.suffix.lower() == ".gz" else ""))
 
 
 def _copy(stack: ExitStack) -> Path:

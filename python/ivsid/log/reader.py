@@ -34,7 +34,7 @@ EARTH: Final = ("velocity_north", "velocity_east")
 
 
 def read_log(path: str | Path | Parts, mapping: LogMap | None = None, *, parts: bool = False) -> Log:
-    """Reads a log: CSV or Parquet (plain or gzip), MATLAB v4 or v5, a ROS bag, DataFlash, or a folder of CSV and Parquet files.
+    """Reads a log (plain or gzip): CSV, Parquet, JSON, MATLAB v4 or v5, a ROS bag, DataFlash, or a folder of tables.
 
     Args:
         path: of the file or folder; or a file elsewhere, which is fetched in parts.

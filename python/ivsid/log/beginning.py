@@ -58,14 +58,14 @@ def beginning(lines: Sequence[str], name: str) -> Beginning:
     header, sample = lines[at], lines[at + 1] if at + 1 < len(lines) else ""
     separator = told[1] if told is not None else _separator(header, sample)
     names = _cells(header, separator, name)
-    if at and _holds_number(names):
+    if at and holds_number(names):
         # The header itself stands behind the mark of a comment, as NumPy writes it, or begins with such a mark.
         for said in (lines[at - 1].lstrip().lstrip("#%/ "), lines[at - 1]):
             held = _cells(said, separator, name)
             if len(held) == len(names) and all(held):
                 return Beginning(tuple(held), separator, at)
     below, next_row = (line.split(separator) for line in (sample, lines[at + 2] if at + 2 < len(lines) else ""))
-    if len(below) == len(names) == len(next_row) and _holds_number(next_row) and (found := _units(below)) is not None:
+    if len(below) == len(names) == len(next_row) and holds_number(next_row) and (found := units_of(below)) is not None:
         pairs = zip(names, found, strict=True)
         return Beginning(tuple(f"{n} [{u}]" if u and "[" not in n else n for n, u in pairs), separator, at + 2)
     return Beginning(tuple(names), separator, at + 1)
@@ -85,14 +85,14 @@ def _cells(line: str, separator: str, name: str) -> list[str]:
         raise IvsidError(f"{name} has a header that cannot be read ({error}); mend its quotation marks") from None
 
 
-def _holds_number(cells: Sequence[str]) -> bool:
+def holds_number(cells: Sequence[str]) -> bool:
     """Whether a row holds samples: a header has no numbers."""
     return any(_NUMBER.fullmatch(c.strip(' \r"')) for c in cells)
 
 
-def _units(cells: Sequence[str]) -> list[str] | None:
+def units_of(cells: Sequence[str]) -> list[str] | None:
     """The units of a row that holds nothing else, two of them known; None for another row."""
-    if _holds_number(cells):
+    if holds_number(cells):
         return None
     stated = [spelled(c.strip(" \r\"'").strip("[]()").strip()) for c in cells]
     known = [u for u in stated if u != "1" and (u in units.COLUMN or u in units.TIME)]

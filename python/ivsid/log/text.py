@@ -1,6 +1,6 @@
 """Text tables with a header row, read column by column: a large file need not fit in memory twice.
 
-Cells are separated by commas, semicolons, tabs or single blanks. Between other separators than commas numbers may have decimal commas.
+Cells are separated by commas, semicolons, tabs or blanks. Between other separators than commas numbers may have decimal commas.
 """
 
 from __future__ import annotations
@@ -18,7 +18,9 @@ import polars as pl
 
 from ivsid.errors import IvsidError
 from ivsid.files.log_map import TimeColumn
-from ivsid.log.beginning import MOST_LINES, beginning
+from ivsid.log.aligned import aligned, copied, filled
+from ivsid.log.beginning import MOST_LINES, Beginning, beginning
+from ivsid.log.instruments import Header, X, header_of
 from ivsid.log.polars_panics import panics_unprinted
 from ivsid.log.source import AT_ONCE, MISSING
 from ivsid.memory.room import DOUBLE, disk, is_large
@@ -224,14 +226,46 @@ def open_text(path: Path, name: str, stack: ExitStack | None = None) -> Text:
     rows = [line.removesuffix("\r") for line in lines]
     if any("\r" in line for line in rows[:2]):
         raise IvsidError(f"{name} ends its lines with carriage returns alone; save it with line feeds")
-    begun = beginning(rows[:MOST_LINES], name)
+    stack = stack or ExitStack()
+    told = header_of(rows[:MOST_LINES], name) or aligned(rows[:MOST_LINES], name)
+    if told is not None:
+        path = _plainly(path, name, told, stack)
+    begun = told or beginning(rows[:MOST_LINES], name)
     twice = next((n for n in begun.names if begun.names.count(n) > 1), None)
     if twice is not None:
         raise IvsidError(f"{name} has the column {twice} more than once; each needs its own name")
     _check_end(path, name, len(begun.names), begun.separator)
-    cells = [row.split(begun.separator) for row in rows[begun.lines : begun.lines + SOME]]
+    cells = [_parted(row, begun) for row in rows[begun.lines : begun.lines + SOME]]
     comma = begun.separator != "," and any(_COMMA.fullmatch(cell.strip(' "')) for row in cells for cell in row)
-    return Text(path, name, begun.names, begun.separator, comma, first_row=begun.lines + 1, stack=stack or ExitStack())
+    clock = TimeColumn.model_validate({"from": begun.names[0], "unit": "s"}) if begun.names[0].startswith(X) else None
+    return Text(path, name, begun.names, begun.separator, comma, clock, first_row=begun.lines + 1, stack=stack)
+
+
+def _parted(row: str, begun: Beginning | Header) -> list[str]:
+    return row.split() if isinstance(begun, Header) and begun.separator == "\t" else row.split(begun.separator)
+
+
+def _plainly(path: Path, name: str, header: Header, stack: ExitStack) -> Path:
+    """The file of an instrument or of aligned columns, or a copy with one separator between two cells and all cells in each row.
+
+    Raises:
+        IvsidError: several headers, or no room for the copy.
+    """
+    try:
+        if header.names[0].startswith(X):
+            with path.open("rb") as file:
+                if sum(line.startswith(X.encode()) for line in file) > 1:
+                    raise IvsidError(
+                        f"{name} has several headers, one for each of its parts; save each part as a file of its own, or all with one header"
+                    )
+        elif header.separator != "\t":
+            return path
+        target = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="ivsid-"))) / "log"
+        return filled(path, target, header) if header.names[0].startswith(X) else copied(path, target)
+    except OSError as error:
+        raise IvsidError(
+            f"{name} cannot be copied ({error.strerror or error}); make room on the disk, or set TMPDIR to a folder with more"
+        ) from None
 
 
 def _check_end(path: Path, name: str, columns: int, separator: str) -> None:

@@ -3,7 +3,7 @@
 Files to tables:
 
 - ``formats``: tells the kinds of files apart and opens them; ``source``: the tables that it opens.
-- ``text`` (``beginning``; ``instruments`` and ``aligned`` columns), ``parquet``, ``json_text`` with ``json_tables``, ``matlab``, ``rosbag``, ``dataflash``: one file a format. ``parts`` has the bytes of a file that are needed, by ``mcap_index`` or
+- ``text`` (``beginning``; ``instruments`` and ``aligned`` columns), ``parquet``, ``json_text`` with ``json_tables``, ``moos``, ``matlab``, ``rosbag``, ``dataflash``: one file a format. ``parts`` has the bytes of a file that are needed, by ``mcap_index`` or
   the footer of Parquet; ``mcap_mend`` makes an index anew. ``matlab_structure`` refuses damage that SciPy's reader does not
   survive; ``polars_panics`` keeps reports of internal faults of Polars off the terminal.
 

@@ -17,6 +17,7 @@ from ivsid.log.dataflash import open_dataflash
 from ivsid.log.json_text import is_json, open_json
 from ivsid.log.long_tables import split
 from ivsid.log.matlab import open_matlab
+from ivsid.log.moos import is_moos, open_moos
 from ivsid.log.parquet import open_parquet
 from ivsid.log.parts import Parts
 from ivsid.log.plain import plain, unzipped
@@ -38,7 +39,7 @@ BAGS: Final = (".mcap", ".db3", ".bag")
 FIRST: Final = 64
 TABLES: Final = tuple(e + z for e in (".csv", ".tsv", ".parquet", ".jsonl", ".ndjson") for z in ("", ".gz"))
 # Endings of files that are a log each, in a folder that is searched.
-WHOLE: Final = (".mat", ".bin", ".mcap", ".db3", ".bag")
+WHOLE: Final = (".mat", ".bin", ".mcap", ".db3", ".bag", ".alog", ".lvm")
 # Columns of a table that is no run: a stamp and a signal.
 # Source: definition: a run needs velocities as well
 LEAST_RUN: Final = 2
@@ -261,6 +262,8 @@ def _of_file(path: Path, name: str, stack: ExitStack, parts: Parts | None = None
     path = plain(path, name, stack)
     if head(path).startswith(PARQUET):
         tables: Mapping[str, Table] = {"": open_parquet(path, name, parts)}
+    elif is_moos(path, name):
+        tables = open_moos(path, name)
     elif is_json(path, name):
         tables = open_json(path, name)
     else:

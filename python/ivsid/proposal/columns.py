@@ -113,7 +113,7 @@ def _matches(source: Source) -> list[Match]:
             bare = column if stated is None else stated.name
             m = match(full, bare)
             # What a controller asks for is no reading of the motion, whatever its message is called.
-            if m is not None and (m.meaning.channel == "demand" or not steps_of(full) & commanded):
+            if m is not None and (m.meaning.channel in ("demand", *ANGLES) or not steps_of(full) & commanded):
                 found.append(m)
             elif m is None and (kind := kind_of(table, bare)) is not None:
                 endings = known_names().endings

@@ -85,7 +85,7 @@ def mapping_of(
             entries[name] = entry
     entries.update(ambiguous(source, {**taken, **entries}))
     clocks = {f.table for f in taken.values()}
-    rates = _rates(channels) if len(clocks) > 1 else {}
+    rates = _rates({**channels, **angles}) if len(clocks) > 1 else {}
     return Mapped(frame, _time(common), entries, rates)
 
 

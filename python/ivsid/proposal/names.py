@@ -50,6 +50,7 @@ class Program(Section):
         messages: fields by message; those of "" end any path.
         whole: whether the fields are whole names.
         plain: whether the names are anybody's, so that they state no frame.
+        question: about what its names leave open, for the user.
     """
 
     name: str
@@ -58,6 +59,7 @@ class Program(Section):
     messages: dict[str, dict[str, Field_]]
     whole: bool = False
     plain: bool = False
+    question: str = ""
 
 
 class DemandWords(Section):

@@ -93,6 +93,7 @@ def propose(paths: Sequence[str | Path]) -> Proposal:
         logs=logs,
         questions=(
             *questions,
+            *filter(None, [columns.program.question]),
             *words,
             *dropped,
             *_earthbound(channels),

@@ -67,6 +67,9 @@ def thruster(found: Found) -> str:
     bare = column if stated is None else stated.name
     if not found.program.plain:
         words = _words(re.split(r"[/.:]", bare)[-1])
+        said = {*known_names().demands.general, *known_names().demands.commanded}
+        apart = [w for w in words if w.lower() not in said]
+        words = words if all(w.isdigit() for w in apart) else apart
     else:
         general = {*known_names().demands.general, *known_names().demands.rudders, *known_names().demands.azimuths}
         own, its_table = ([w for w in _words(p) if w.lower() not in general] for p in (bare, found.table))

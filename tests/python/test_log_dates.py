@@ -122,3 +122,30 @@ def test_seconds_and_nanoseconds_in_two_columns(tmp_path):
         IvsidError, match=r"column sec goes up to 1e\+10, which are no seconds beside nanoseconds in nanosec"
     ):
         read_log(path, log_map(time={"from": "sec", "nanoseconds": "nanosec"}))
+
+
+@pytest.mark.parametrize("zero", [25569, 719529])
+@pytest.mark.parametrize("separator", [",", ";"])
+def test_days_of_a_spreadsheet_or_matlab_are_told_by_their_size(tmp_path, zero, separator):
+    """Ten samples a second from the noon of 2024-05-31, whose day is 19874 since 1970."""
+    rows = [f"{zero + 19874.5 + k / 864000:.10f}{separator}{k}.5" for k in range(50)]
+    path = tmp_path / "run.csv"
+    path.write_text(f"t{separator}u\n" + "\n".join(rows).replace(".", "," if separator == ";" else ".") + "\n")
+    log = read_log(path)
+    np.testing.assert_allclose(log.t, np.arange(50) / 10, atol=1e-5)
+    assert log.began == pytest.approx((19874.5) * 86400, abs=1e-4)
+    assert log.time_rounding > 0 and any("t counts days, as" in n for n in log.notes)
+    assert any("count days" in a for a in log.assumes)
+
+
+def test_seconds_of_a_clock_that_has_run_for_hours_are_no_days(tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_text("t,u\n" + "".join(f"{45443.5 + k / 1000},{k}\n" for k in range(50)))
+    np.testing.assert_allclose(read_log(path).t, 45443.5 + np.arange(50) / 1000)
+
+
+def test_days_with_too_few_decimals_say_what_to_do(tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_text("t,u\n" + "".join(f"{45443.5 + k / 864000:.5f},{k}\n" for k in range(50)))
+    with pytest.raises(IvsidError, match=r"stamps stand 0\.864 s apart and repeat; give the column nine decimals"):
+        read_log(path)

@@ -10,7 +10,7 @@ from ivsid.errors import IvsidError, meant
 FORCE: Final = {"N": 1.0, "kN": 1e3, "kgf": 9.80665, "gf": 9.80665e-3, "lbf": 4.4482216152605}
 # Units of times [s].
 # Source: definition: SI
-TIME: Final = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
+TIME: Final = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0, "d": 86400.0}
 # Units of angles [rad].
 # Source: definition: SI
 ANGLE: Final = {"rad": 1.0, "deg": math.pi / 180.0}

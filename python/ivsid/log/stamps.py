@@ -15,6 +15,7 @@ from ivsid.files import units
 from ivsid.log.dates import is_date, nanoseconds
 from ivsid.log.disorder import in_order
 from ivsid.log.record import steps_in
+from ivsid.log.serial_days import Days, coarse, days_of
 from ivsid.log.source import numbers, stamp_unit
 from ivsid.memory.pieces import any_piece, array_pieces, pieces
 
@@ -108,11 +109,11 @@ def times_of(
     stamps = numbers(series, name, source, first_row) if cells is None else cells
     notes: list[str] = []
     assumes: list[str] = []
+    days = days_of(stamps, YEARS) if unit in (None, "d") else None
     if unit is None:
-        unit = _unit_of(stamps, source, name)
-        if unit != "s":
-            notes.append(f"{name} counts {unit} since 1970, by the size of its stamps")
-            assumes.append(f"stamps {name} count {unit}, as their size says")
+        unit, told = _unit_of(stamps, days, source, name)
+        notes += told[:1]
+        assumes += told[1:]
     scale = units.factor(unit, units.TIME, f"column {name}")
     rows = None
     if own:
@@ -127,7 +128,7 @@ def times_of(
     if not _increasing(stamps):
         order = in_order(stamps)
         if order is None:
-            raise _disorder(stamps, rows, scale, source, first_row)
+            raise _disorder(stamps, rows, scale, source, first_row, coarse(stamps, source, name) if unit == "d" else "")
         at = order.wrong if rows is None else rows[order.wrong]
         few = ", ".join(str(k + first_row) for k in at[:3].tolist()) + (", ..." if at.size > 3 else "")
         notes.append(
@@ -138,6 +139,8 @@ def times_of(
         rows = order.kept if rows is None else rows[order.kept]
         stamps, series = stamps[order.kept], series.gather(order.kept) if cells is None else series
     first = _decimal(series[0] if cells is None else float(stamps[0])) * _SECONDS[unit]
+    if days is not None:
+        first -= days.seconds
     counted = bool(abs(stamps[0]) > EPOCH or scale != 1.0)
     t, lost = _since_first(series, stamps, scale) if counted else (stamps, _own_rounding(series, stamps))
     if not _increasing(t):
@@ -146,22 +149,26 @@ def times_of(
     return Times(t, lost, first, counted, rows, tuple(notes), tuple(assumes))
 
 
-def _unit_of(stamps: Array, source: str, name: str) -> str:
-    """The unit of stamps whose unit is not stated: seconds, or that of an epoch which makes a date and a step that a log can have.
+def _unit_of(stamps: Array, days: Days | None, source: str, name: str) -> tuple[str, list[str]]:
+    """The unit of stamps whose unit is not stated: seconds, days, or that of an epoch which makes a date and a step that a log can have.
+
+    A note and an assumption stand beside all but seconds.
 
     Raises:
         IvsidError: stamps too large for seconds that are no epoch in any unit.
     """
-    if _largest(stamps) <= LARGEST:
-        return "s"
-    known = stamps[np.isfinite(stamps)]
+    if days is not None:
+        note = f"{name} counts days, as {days.program} does, by the size of its stamps and their steps"
+        return "d", [note, f"stamps {name} count days, as their size and their steps say"]
+    known = stamps[np.isfinite(stamps)] if _largest(stamps) > LARGEST else stamps[:0]
     if known.size < 2:
-        return "s"
+        return "s", []
     middle, step = float(np.median(known)), float(np.median(np.abs(np.diff(known))))
     for unit in ("ms", "us", "ns"):
         second = float(_SECONDS[unit])
         if YEARS[0] <= middle * second <= YEARS[1] and STEPS[0] <= step * second <= STEPS[1]:
-            return unit
+            note = f"{name} counts {unit} since 1970, by the size of its stamps"
+            return unit, [note, f"stamps {name} count {unit}, as their size says"]
     raise IvsidError(
         f"{source}: column {name} goes up to {float(known.max()):.6g} in steps of {step:.6g}, which are neither seconds nor ms, us or ns since 1970; "
         f'state their unit: time = {{ from = "{name}", unit = "ns" }} under [log]'
@@ -179,8 +186,12 @@ def _largest(stamps: Array) -> float:
     return max(float(np.max(x, where=~np.isnan(x), initial=0.0)) for x in parts)
 
 
-def _disorder(stamps: Array, rows: NDArray[np.intp] | None, scale: float, source: str, first_row: int) -> IvsidError:
-    """The sentence for stamps that are out of order or missing."""
+def _disorder(
+    stamps: Array, rows: NDArray[np.intp] | None, scale: float, source: str, first_row: int, why: str = ""
+) -> IvsidError:
+    """The sentence for stamps that are out of order or missing, or the one that says why."""
+    if why:
+        return IvsidError(why)
 
     def row(k: int) -> int:
         return (k if rows is None else int(rows[k])) + first_row

@@ -11,6 +11,7 @@ Tables to a log:
 
 - ``rules``: where each channel comes from; ``headers``: units in the headers; ``arithmetic``: formulas of columns.
 - ``channels``: cells to channels: scales, missing markers, frames, heading from attitude.
+- ``markers``: numbers that mark a missing sample.
 - ``stamps``: stamps to seconds, without losing digits; ``dates``: stamps that are words; ``serial_days``: stamps in days; ``disorder``: stamps out of order, as gaps.
 - ``clocks``: samples of one clock on the rows of another. ``one_clock`` does so for every channel.
 - ``step_ranges``: the range of a force or an angle over the step between two rows.

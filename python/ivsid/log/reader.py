@@ -17,6 +17,7 @@ from ivsid.files.processor import check_rounding
 from ivsid.log.channels import Clocked, converted, turned, with_heading
 from ivsid.log.clocks import together, within
 from ivsid.log.formats import open_source
+from ivsid.log.markers import without_markers
 from ivsid.log.mcap_index import IndexFaultError
 from ivsid.log.one_clock import Columns, Reading, on_one_clock
 from ivsid.log.parquet import Parquet
@@ -224,6 +225,8 @@ def _channels(reading: Reading, wanted: _Wanted, series: Mapping[str, pl.Series]
                 arrays[name] = numbers(series[name], shown, source.name, content.first_row + part.start)
             elif long is not None:
                 arrays[name] = long_numbers(long, name, shown, source.name, content.first_row)
+            if rule.column.missing is None:
+                arrays[name] = _unmarked(reading, shown, arrays[name])
         rows = reading.times[rule.clock].rows
         chosen = {n: arrays[n] if rows is None else arrays[n][rows - part.start] for n in rule.names}
         values, lost = rule.values(chosen)
@@ -236,6 +239,17 @@ def _channels(reading: Reading, wanted: _Wanted, series: Mapping[str, pl.Series]
                 "look at scale and offset under [log] columns"
             )
         reading.channels[channel] = made
+
+
+def _unmarked(reading: Reading, shown: str, values: Array) -> Array:
+    """A column without cells that mark missing samples; each marker is noted and assumed."""
+    kept, markers = without_markers(values)
+    for marker, count in markers:
+        reading.notes.append(
+            f"{shown} holds {marker:.10g} in {count} cell{'s' * (count > 1)}, a usual marker of missing samples far beyond all others: they are no samples"
+        )
+        reading.assumes.append(f"cells of {shown} that hold {marker:.10g} are missing samples")
+    return kept
 
 
 def _infinite(values: Array) -> bool:

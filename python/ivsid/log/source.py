@@ -15,7 +15,47 @@ from ivsid.errors import IvsidError, meant
 from ivsid.files.log_map import TimeColumn
 from ivsid.memory.room import DOUBLE, is_large, room
 
-MISSING: Final = ("", "nan", "NaN", "NAN", "null")
+# Cells of text that are no samples: empty ones, and what loggers, spreadsheets and data bases write in their place.
+MISSING: Final = (
+    *(
+        "",
+        "nan",
+        "NaN",
+        "NAN",
+        "null",
+        "NULL",
+        "Null",
+        "None",
+        "none",
+        "NA",
+        "na",
+        "N/A",
+        "n/a",
+        "NaT",
+        "<NA>",
+        "nil",
+        r"\N",
+    ),
+    *(
+        "#N/A",
+        "#NA",
+        "#NV",
+        "#N/A N/A",
+        "#VALUE!",
+        "#NUM!",
+        "#DIV/0!",
+        "-",
+        "--",
+        "---",
+        "----",
+        "*",
+        "**",
+        "***",
+        "****",
+        "?",
+    ),
+    *("1.#QNAN", "-1.#IND", "missing", "invalid"),
+)
 # Separates a table from its column in the name of a foreign column, where a file holds several tables.
 SEPARATOR: Final = "/"
 # Rows of a column that are read at once.

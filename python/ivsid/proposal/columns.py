@@ -15,6 +15,7 @@ from ivsid.errors import IvsidError
 from ivsid.files import units
 from ivsid.log import COLUMNS, Source
 from ivsid.log.headers import label
+from ivsid.log.markers import without_markers
 from ivsid.log.stamps import times_of
 from ivsid.proposal.found import Found, Stamps
 from ivsid.proposal.names import Match, Meaning, Program, known_names, match, plain_name
@@ -145,7 +146,8 @@ def _cells(source: Source, matches: Sequence[Match]) -> dict[str, Array]:
         for name in names:
             with contextlib.suppress(IvsidError):
                 read |= source.numeric([name])
-    return {n: x for n, x in read.items() if np.isfinite(x).sum() > 1}
+    unmarked = {n: without_markers(x)[0] for n, x in read.items()}
+    return {n: x for n, x in unmarked.items() if np.isfinite(x).sum() > 1}
 
 
 def _found(source: Source, m: Match, values: Array, stamps: dict[str, Stamps | None], best: Program) -> Found:

@@ -18,7 +18,10 @@ from ivsid.cli.terminal import say
 
 def init(
     logs: Annotated[
-        list[Path], typer.Argument(metavar="LOG...", help="Logs of one vehicle in one form; one of them may be static.")
+        list[Path],
+        typer.Argument(
+            metavar="LOG...", help="Logs of one vehicle in one form, or folders of them; one may be static."
+        ),
     ],
     out: Annotated[Path, typer.Option("--out", help="Vehicle file to write.")] = Path("boat.toml"),
     yes: Annotated[

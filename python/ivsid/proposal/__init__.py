@@ -4,6 +4,7 @@
 - ``found``: a column that is taken for a channel.
 - ``thrusters``: demands and angles of thrusters by the words of their names; ``angles``: units and signs of these angles.
 - ``places``: a position from latitude and longitude.
+- ``folders``: the runs that a folder holds.
 - ``columns``: the column of each channel, of the demands and of the stamps.
 - ``signs``: units and signs that names leave open, from the ranges of the readings.
 - ``mapping``: the section ``[log]`` that follows.

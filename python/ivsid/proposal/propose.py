@@ -13,6 +13,7 @@ from ivsid.log import Log, open_source, read_log
 from ivsid.proposal.angles import angles_of
 from ivsid.proposal.blanks import Answers, Demand, demand_of
 from ivsid.proposal.columns import Columns, columns_of
+from ivsid.proposal.folders import runs_in, short
 from ivsid.proposal.found import Found
 from ivsid.proposal.mapping import Mapped, mapping_of, usable
 from ivsid.proposal.noise import Number, Run, Stretch, sensors_of
@@ -34,7 +35,8 @@ class Proposal:
         still: the stretch at rest behind the noise of inertial sensors, or None.
         logs: as the section ``[log]`` reads them.
         questions: that the names and the readings leave open.
-        gravity: whether the accelerations hold gravity.
+        paths: of the logs that were looked at; the first one gives the columns.
+        left: files of folders that were not taken, each with the reason.
     """
 
     columns: Columns
@@ -46,6 +48,8 @@ class Proposal:
     still: Stretch | None
     logs: tuple[Log, ...]
     questions: tuple[str, ...]
+    paths: tuple[Path, ...] = ()
+    left: tuple[tuple[Path, str], ...] = ()
 
     @property
     def gravity(self) -> bool:
@@ -65,23 +69,36 @@ class Proposal:
 def propose(paths: Sequence[str | Path]) -> Proposal:
     """Looks at logs of one vehicle; the first one gives the columns, and all give ranges and noise.
 
+    Args:
+        paths: of logs, or of folders of runs. A file that is given has to be usable; one that a folder holds is left out with the reason.
+
     Raises:
         IvsidError: a log that is unusable, or whose columns have no known name.
     """
-    with open_source(paths[0]) as source:
+    named, searched, left = _searched(paths)
+    ordered = [*named, *searched]
+    with open_source(ordered[0]) as source:
         columns = columns_of(source)
         channels, frame, questions = settled(columns)
         channels, dropped = usable(channels)
         angles, unread, words = angles_of(columns.angles, channels)
         mapped = mapping_of(source, columns, channels, angles, frame)
-    runs = [Run(Path(paths[0]).name, channels, columns.demands)]
+    runs = [Run(Path(ordered[0]).name, channels, columns.demands)]
     demands = dict(columns.demands)
-    for path in paths[1:]:
-        run = _like(path, channels, columns)
+    looked = [ordered[0]]
+    for path in ordered[1:]:
+        try:
+            run = _like(path, channels, columns)
+        except IvsidError as error:
+            if path not in searched:
+                raise
+            left.append((path, short(error, path)))
+            continue
+        looked.append(path)
         runs.append(run)
         demands = {n: _joined(f, run.demands.get(n)) for n, f in demands.items()}
     sensors, still = sensors_of(runs)
-    logs = tuple(read_log(p, mapped.checked) for p in paths[:1])
+    logs = tuple(read_log(p, mapped.checked) for p in ordered[:1])
     return Proposal(
         columns=columns,
         channels=channels,
@@ -99,7 +116,24 @@ def propose(paths: Sequence[str | Path]) -> Proposal:
             *_earthbound(channels),
             *_further(columns, (*columns.loose, *unread), logs[0]),
         ),
+        paths=tuple(looked),
+        left=tuple(left),
     )
+
+
+def _searched(paths: Sequence[str | Path]) -> tuple[list[Path], list[Path], list[tuple[Path, str]]]:
+    """The logs that are named, those that the named folders hold, and what else those hold."""
+    named: list[Path] = []
+    searched: list[Path] = []
+    left: list[tuple[Path, str]] = []
+    for path in map(Path, paths):
+        found = runs_in(path) if path.is_dir() else None
+        if found is None:
+            named.append(path)
+        else:
+            searched += found.runs
+            left += found.left
+    return named, searched, left
 
 
 def _like(path: str | Path, channels: dict[str, Found], columns: Columns) -> Run:

@@ -5,12 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 from ivsid.errors import IvsidError
 from ivsid.files.records import envelope
 from ivsid.files.whole import write_whole
 from ivsid.proposal import Answers, Proposal, propose, vehicle_file
 from ivsid.workflow.progress import Progress, silent
+
+# Files of a folder that are no log and are named on the terminal.
+# Source: definition: the lines of a screen
+MOST_LEFT: Final = 12
 
 
 @dataclass(frozen=True)
@@ -31,7 +36,7 @@ def init(
     """Looks at logs and writes a vehicle file for them.
 
     Args:
-        logs: of one vehicle, in one form; the first one has to move.
+        logs: of one vehicle, in one form, or folders of such; the first one has to move.
         out: the file to write, which must not exist.
         ask: gets the answers of the user; by default nobody is asked, and open keys are marked.
         progress: told of each step.
@@ -54,11 +59,12 @@ def init(
     demands = {f"demand_{d.name}": d.column for d in found.demands}
     demands |= {n: f.match.column for n, f in found.angles.items()}
     lines = [
+        *_folder(found, logs),
         f"{log.name}: {log.t.size} rows, {log.t[-1] - log.t[0]:.4g} s, names: {found.columns.program.name}, frame {found.mapped.frame}",
         *(f"  {name:<16} {column}" for name, column in {**shown, **demands}.items()),
         *(f"  question: {q}" for q in found.questions),
         f"written to {target}" + (f"; to fill in: {', '.join(blanks)}" if blanks else ""),
-        f"next: ivsid diagnose {target} {logs[0]} {logs[1] if len(logs) > 1 else 'ANOTHER_LOG'}",
+        f"next: ivsid diagnose {target} {found.paths[0]} {found.paths[1] if len(found.paths) > 1 else 'ANOTHER_LOG'}",
     ]
     record = {
         **envelope("init", [(x.name, x.sha256) for x in found.logs]),
@@ -67,6 +73,20 @@ def init(
         "frame": found.mapped.frame,
         "columns": {**shown, **demands},
         "questions": list(found.questions),
+        "logs": [str(p) for p in found.paths],
+        "left": {str(p): why for p, why in found.left},
         "blanks": list(blanks),
     }
     return Written(tuple(lines), record)
+
+
+def _folder(found: Proposal, given: Sequence[str | Path]) -> list[str]:
+    """Which logs of the folders were taken, and which files were not."""
+    if [Path(p) for p in given] == list(found.paths) and not found.left:
+        return []
+    lines = [f"taken: {', '.join(str(p) for p in found.paths)}"]
+    return (
+        lines
+        + [f"  not taken: {p}, which {why}" for p, why in found.left[:MOST_LEFT]]
+        + ([f"  and {len(found.left) - MOST_LEFT} more, which stand in --json"] if len(found.left) > MOST_LEFT else [])
+    )

@@ -83,6 +83,18 @@ def _catalogue():
     assert list(EFFECTS) == before
 
 
+@pytest.fixture
+def without_hump(_catalogue):
+    """The catalogue without the hump of the wave resistance; afterwards with it, in the same order."""
+    from ivsid.effects import EFFECTS
+
+    everything = dict(EFFECTS)
+    del EFFECTS["drag.surge.hump"]
+    yield
+    EFFECTS.clear()
+    EFFECTS.update(everything)
+
+
 @pytest.fixture(scope="module")
 def _rows_by_model() -> dict[tuple[Any, ...], tuple[Log, Rows]]:
     return {}

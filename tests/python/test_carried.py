@@ -9,7 +9,7 @@ from diagnosis_logs import logs_of, train_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis import extended_vehicle, lost
 from ivsid.diagnosis.selection.adequacy import Adequacy
-from ivsid.diagnosis.selection.verdict import Left
+from ivsid.diagnosis.selection.verdict import OF_FORCES, Left
 from ivsid.diagnosis.statements.carried import failure, in_their_place
 from ivsid.diagnosis.statements.extended import extended_text
 from ivsid.diagnosis.statements.findings import Finding
@@ -100,3 +100,8 @@ def test_what_is_left_of_much_structure_is_not_little_on_a_straight_run():
     before = replace(REST, fall=1e5)
     assert Left(REST, before, 1).little and not Left(REST, before, 1, straight=True).little
     assert not Left(REST, before, 0).little
+    # A cause that one force of no cause explains as well decides where it explains as much as would not be little.
+    share = 0.02 * before.unexplained
+    for fall, little in ((0.9 * share, True), (1.1 * share, False)):
+        left = Left(REST, before, 1, imitated=(fall,))
+        assert left.little is little and (OF_FORCES.refuses(left) is None) is little

@@ -7,10 +7,11 @@ import pytest
 
 from conftest import embedded
 from ivsid import IvsidError, read_log, read_vehicle, workflow
+from ivsid.effects import EFFECTS, sort_given
 from ivsid.programme.manoeuvres import Segment
 from ivsid.programme.scenario import parse_scenario
 from ivsid.report import page
-from ivsid.simulation import hidden_effect, hidden_effects, simulate
+from ivsid.simulation import hidden, hidden_effect, hidden_effects, simulate
 from ivsid.vehicle import parse_vehicle
 from test_actuators import HULL, POD, PRBS, SENSORS, TRUTH, VALUES
 from test_rudders import RUDDER
@@ -111,17 +112,22 @@ def test_a_scenario_holds_every_manoeuvre_and_every_fault(tmp_path):
     assert {"wind_speed", "wind_direction", "voltage", "depth"} <= set(made.columns)
 
 
-def test_so_many_effects_are_hidden_as_are_asked_for(tmp_path, swan):
+def test_so_many_effects_are_hidden_as_are_asked_for(tmp_path, swan, monkeypatch):
     scenario = parse_scenario(embedded("swan_train.toml"), "swan_train.toml")
     seen = set()
     for seed in range(40):
         drawn = hidden_effects(swan, scenario, seed, 2)
-        from ivsid.effects import sort_given
-
         given = sort_given(drawn, ["port", "starboard"])
         assert len(given) == 2 and hidden_effects(swan, scenario, seed, 2) == drawn
         seen |= {g.effect.id for g in given}
     assert len(seen) > 20
+    # An effect that leaves the catalogue, or joins it, changes the draws of the seeds that drew it, and of no others.
+    for seed in range(10):
+        drawn = {g.effect.id for g in sort_given(hidden_effects(swan, scenario, seed, 1), ["port", "starboard"])}
+        with monkeypatch.context() as fewer:
+            fewer.setattr(hidden, "EFFECTS", {k: e for k, e in EFFECTS.items() if k != "drag.surge.cubic"})
+            again = hidden_effects(swan, scenario, seed, 1)
+        assert "drag.surge.cubic" in drawn or {g.effect.id for g in sort_given(again, ["port", "starboard"])} == drawn
     assert len({bool(hidden_effect(swan, scenario, s)) for s in range(20)}) == 2, "without a number none may be hidden"
     with pytest.raises(IvsidError, match="can be hidden in SWAN; ask for fewer"):
         hidden_effects(swan, scenario, 0, 99)

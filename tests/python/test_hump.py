@@ -1,6 +1,7 @@
 """Humps of the wave resistance: their force, the search for speed and width, and what their outline leaves."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +10,8 @@ from diagnosis_logs import train_of, vehicle_of
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.selection.rules import BENT, OUTLINE, Remainder
+from ivsid.diagnosis.selection.rivals import MARGIN, Rival
+from ivsid.diagnosis.selection.rules import BENT, BETTER_CURVE, OUTLINE, Curve, Remainder
 from ivsid.effects import EFFECTS, State
 
 HUMP = EFFECTS["drag.surge.hump"]
@@ -66,3 +68,18 @@ def test_what_the_outline_leaves_is_no_cause_and_more_is_one():
     assert OUTLINE.refuses(much) is None
     said = OUTLINE.refuses(little)
     assert said.rule == "outline" and HUMP.id in said.sentence
+
+
+def test_a_drag_of_a_known_shape_comes_before_a_hump_that_is_not_told_from_it():
+    hump, linear = (Rival(id_, None, 0.0, 1, fall) for id_, fall in ((HUMP.id, 208.0), ("drag.surge.linear", 200.0)))
+    assert max(hump, linear, key=lambda r: r.merit) is linear
+    clear = Rival(HUMP.id, None, 0.0, 1, 200.0 + MARGIN + 1.0)
+    assert max(clear, linear, key=lambda r: r.merit) is clear
+
+
+def test_a_curve_has_to_beat_all_causes_over_its_velocity():
+    """Damping of yaw of 252 in chi-squared beside a square of it, 2,500 together: a curve that explains 38 more is their shape, and one of 90 more is not."""
+    alone = Curve(("drag.yaw.linear",), 252.0, 1, "any function of r in yaw", 290.0, 8, 252.0)
+    assert BETTER_CURVE.refuses(alone) is not None
+    assert BETTER_CURVE.refuses(replace(alone, whole=2500.0)) is None
+    assert BETTER_CURVE.refuses(replace(alone, whole=2500.0, alone=342.0)) is not None

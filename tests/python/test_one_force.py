@@ -17,7 +17,6 @@ from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.selection.one_force import REPLACED, in_their_place
 from ivsid.diagnosis.selection.rules import BETTER_FORCE, ONE_FORCE, Together
-from ivsid.effects import EFFECTS
 from ivsid.log import read_log
 from ivsid.vehicle import read_vehicle
 
@@ -115,16 +114,6 @@ def test_a_moment_outside_the_catalogue_has_no_name_and_a_pair_has_two(seed, nam
     vehicle = read_vehicle(folder / "vehicle.toml")
     train, test = (read_log(folder / f"{k}.csv", vehicle.log) for k in (1, 2))
     assert [f.effect for f in diagnose(vehicle, train, test, null_logs=0).findings] == names
-
-
-@pytest.fixture
-def without_hump():
-    """The catalogue without the hump of the wave resistance; afterwards with it, in the same order."""
-    everything = dict(EFFECTS)
-    del EFFECTS["drag.surge.hump"]
-    yield
-    EFFECTS.clear()
-    EFFECTS.update(everything)
 
 
 def test_a_cause_that_a_force_beats_leaves_the_verdict_unknown(tmp_path, without_hump):

@@ -21,7 +21,6 @@ from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.selection.one_force import curve_in_their_place
 from ivsid.diagnosis.selection.rules import BETTER_CURVE, Curve
 from ivsid.diagnosis.selection.speed_curves import speed_curves
-from ivsid.effects import EFFECTS
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 from test_one_force import CAUSES, FORCES, MODEL, gram_of, least
@@ -103,8 +102,7 @@ def test_a_hump_of_another_outline_is_a_hump_and_no_other_drag(seed):
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("seed", [95100, 95102, 95103, 95107])
-def test_a_force_of_one_velocity_that_the_catalogue_lacks_is_no_drag(seed, monkeypatch):
-    monkeypatch.delitem(EFFECTS, "drag.surge.hump")
+def test_a_force_of_one_velocity_that_the_catalogue_lacks_is_no_drag(seed, without_hump):
     result = said(seed, "x.hump", "outside")
     assert [f.effect for f in result.findings] == ["unknown"]
     assert any(r.refusal.rule == "better curve" for r in result.rejected)

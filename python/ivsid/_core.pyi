@@ -1,4 +1,4 @@
-"""The compiled core; every function borrows contiguous float64 arrays."""
+"""The compiled core; functions borrow contiguous float64 arrays, and ``inverse`` copies any."""
 
 from collections.abc import Callable
 from typing import Any, Final, Self, TypedDict, final
@@ -24,6 +24,7 @@ __all__ = [
     "SWEEPS",
     "VERDICTS",
     "Follower",
+    "Found",
     "Interval",
     "TubeModel",
     "backend",
@@ -77,6 +78,21 @@ class _Outcome(TypedDict):
     gap: float | None
     certificate: Content | None
     reason: str | None
+
+@final
+class Found:
+    @property
+    def status(self) -> str: ...
+    @property
+    def value(self) -> _Bounds | None: ...
+    @property
+    def proved(self) -> bool: ...
+    @property
+    def gap(self) -> float | None: ...
+    @property
+    def certificate(self) -> Content | None: ...
+    @property
+    def reason(self) -> str | None: ...
 
 class _NormalEquations(TypedDict):
     status: str
@@ -229,7 +245,7 @@ def inverse(
     partitions: int,
     sweep: str,
     progress: Callable[[int, int], object] | None = None,
-) -> _Outcome: ...
+) -> Found: ...
 def inverse_part(lo: _Array, hi: _Array, method: str, partitions: int, range: tuple[int, int]) -> _Array | None: ...
 def inverse_of_parts(lo: _Array, hi: _Array, method: str, partitions: int, parts: list[_Array | None]) -> _Outcome: ...
 def cell_answers(lo: _Array, hi: _Array) -> tuple[NDArray[np.uint8], _Array]: ...

@@ -1,6 +1,9 @@
 """Inverses, regularity and systems from Python: batches, certificates, sweeps that report and stop."""
 
+import copy
+import dataclasses
 import json
+import pickle
 import signal
 import threading
 import time
@@ -331,3 +334,20 @@ def test_threads_of_other_code_go_on():
     thread.join()
     if end - begin > 0.1:
         assert sum(begin < t < end for t in ticks) > 5
+
+
+def test_a_result_is_one_value_however_late_its_parts_are_made():
+    a = IntervalArray(np.array([[4.0, 1.0], [0.0, 2.0]]), np.array([[5.0, 1.5], [0.5, 3.0]]))
+    late, whole = linalg.inverse(a), linalg.inverse(a)
+    assert late.value is late.value and late.certificate.verify() and whole.reason is None
+    again = pickle.loads(pickle.dumps(linalg.inverse(a)))
+    for other in (copy.copy(late), again, dataclasses.replace(late)):
+        assert (other.method, other.status, other.reason, other.gap) == ("exact", linalg.Status.ENCLOSED, None, None)
+        assert np.array_equal(other.value.lower, late.value.lower) and other.guaranteed
+        assert dict(other.certificate)["kind"] == late.certificate["kind"]
+    assert "status=<Status.ENCLOSED" in repr(linalg.inverse(a)) and not hasattr(late, "unknown")
+    # Any layout of the bounds: a transpose is no copy.
+    turned = linalg.inverse(a.T)
+    assert np.array_equal(turned.value.lower, late.value.lower.T)
+    with pytest.raises(IvsidError, match="method '"):
+        linalg.inverse(a, "exacts")

@@ -2,7 +2,7 @@
 
 use interval_core::rounding::slices::Bounds;
 use interval_core::{Error, Interval, IntervalMatrix};
-use numpy::{PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -58,6 +58,25 @@ pub fn row_major<'a>(
         return Err(PyValueError::new_err("C-contiguous arrays are needed"));
     };
     Ok((l, h, lo.shape()[1]))
+}
+
+/// An interval matrix from two arrays in any layout. They are copied and not borrowed: of small matrices a borrow, which
+/// is kept in a table, costs as much as the inverse.
+pub fn copied(lo: &Bound<'_, PyArray2<f64>>, hi: &Bound<'_, PyArray2<f64>>) -> PyResult<IntervalMatrix> {
+    interval_core::rounding::check_environment().map_err(|e| refusal(&e))?;
+    let (rows, columns) = (lo.shape()[0], lo.shape()[1]);
+    if hi.shape() != [rows, columns] {
+        return Err(PyValueError::new_err("the lower and the upper bounds have different shapes"));
+    }
+    IntervalMatrix::new(rows, columns, numbers(lo)?, numbers(hi)?).map_err(|e| refusal(&e))
+}
+
+/// The numbers of an array, row by row.
+fn numbers(array: &Bound<'_, PyArray2<f64>>) -> PyResult<Vec<f64>> {
+    if array.is_c_contiguous() {
+        return array.to_vec().map_err(|_| PyValueError::new_err("C-contiguous arrays are needed"));
+    }
+    Ok(array.to_owned_array().into_iter().collect())
 }
 
 /// An interval matrix from two arrays of bounds.

@@ -97,7 +97,7 @@ fn singular<'py>(py: Python<'py>, member: &SingularMember, n: usize) -> PyResult
     Ok(found)
 }
 
-fn certificate<'py>(py: Python<'py>, certificate: &Certificate, n: usize) -> PyResult<Bound<'py, PyDict>> {
+pub fn certificate<'py>(py: Python<'py>, certificate: &Certificate, n: usize) -> PyResult<Bound<'py, PyDict>> {
     match certificate {
         Certificate::Regular(w) => witness(py, w, n),
         Certificate::Singular(m) => singular(py, m, n),
@@ -119,17 +119,15 @@ pub fn regularity<'py>(py: Python<'py>, found: &Regularity, n: usize) -> PyResul
     }
 }
 
-/// `value` has `n` rows and as many columns as it fills.
+/// The bounds, of `n` rows and as many columns as they fill.
+pub fn value<'py>(py: Python<'py>, outcome: &Outcome, n: usize) -> PyResult<Option<Bound<'py, PyAny>>> {
+    outcome.bounds().map(|(lower, upper)| bounds(py, lower, upper, (n, lower.len() / n))).transpose()
+}
+
 pub fn outcome<'py>(py: Python<'py>, outcome: &Outcome, n: usize) -> PyResult<Bound<'py, PyDict>> {
     let found = PyDict::new(py);
     found.set_item("status", outcome.status.name())?;
-    found.set_item(
-        "value",
-        match outcome.bounds() {
-            Some((lower, upper)) => Some(bounds(py, lower, upper, (n, lower.len() / n))?),
-            None => None,
-        },
-    )?;
+    found.set_item("value", value(py, outcome, n)?)?;
     found.set_item("proved", matches!(outcome.value, Some(Value::Certified(_))))?;
     found.set_item("gap", outcome.gap)?;
     found.set_item(

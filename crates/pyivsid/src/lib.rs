@@ -7,6 +7,7 @@ mod arrays;
 mod convert;
 mod elementwise;
 mod filters;
+mod found;
 mod linalg;
 mod names;
 mod onboard;
@@ -26,6 +27,8 @@ mod core_module {
     };
     #[pymodule_export]
     use super::filters::{respond, whiten};
+    #[pymodule_export]
+    use super::found::Found;
     #[pymodule_export]
     use super::linalg::{
         cell_answers, default_count, gram, inverse, inverse_batch, inverse_of_parts, inverse_part, matmul, norm,

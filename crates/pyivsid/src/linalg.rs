@@ -1,14 +1,16 @@
 //! Interval matrices.
 
-use crate::arrays::{intervals, matrix, refusal, vector};
+use crate::arrays::{copied, intervals, matrix, refusal, vector};
 use crate::convert;
+use crate::found::Found;
 use interval_core::inverse::{
     Answers, Batch, Form, Method, Options, Part, cell_answers as answers_of, partitioned_shared as shared,
     published_of_parts, published_part,
 };
 use interval_core::{regularity as verdicts, systems};
 use numpy::{
-    PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
+    PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
+    PyUntypedArrayMethods,
 };
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -32,21 +34,29 @@ pub fn default_count(method: &str) -> PyResult<u64> {
     Ok(named::<Method>(method)?.default_count())
 }
 
+/// The largest order whose rigorous inverse is found without leaving the interpreter: it takes some microseconds.
+const SMALL: usize = 3;
+
 /// The inverse of a square interval matrix. Long sweeps report to `progress(done, partitions)` and end when a signal
 /// comes.
 #[pyfunction]
 #[pyo3(signature = (lo, hi, method, partitions, sweep, progress=None))]
-pub fn inverse<'py>(
-    py: Python<'py>,
-    lo: PyReadonlyArray2<'py, f64>,
-    hi: PyReadonlyArray2<'py, f64>,
+pub fn inverse(
+    py: Python<'_>,
+    lo: &Bound<'_, PyArray2<f64>>,
+    hi: &Bound<'_, PyArray2<f64>>,
     method: &str,
     partitions: u64,
     sweep: &str,
     progress: Option<Py<PyAny>>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let a = matrix(&lo, &hi)?;
+) -> PyResult<Found> {
+    let a = copied(lo, hi)?;
     let (method, options) = (named::<Method>(method)?, options(partitions, sweep)?);
+    let counts = matches!(method, Method::Published | Method::PublishedHull | Method::Partitioned);
+    if a.rows() <= SMALL && !counts {
+        let outcome = method.inverse(&a, &options).map_err(|e| refusal(&e))?;
+        return Ok(Found::new(outcome, a.rows()));
+    }
     let mut interruption = None;
     let outcome = py.detach(|| {
         let mut watch = |done: u64| {
@@ -66,7 +76,7 @@ pub fn inverse<'py>(
     });
     match interruption {
         Some(error) => Err(error),
-        None => convert::outcome(py, &outcome.map_err(|e| refusal(&e))?, a.rows()),
+        None => Ok(Found::new(outcome.map_err(|e| refusal(&e))?, a.rows())),
     }
 }
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ivsid import _core
 from ivsid.errors import IvsidError, choice, meant
-from ivsid.intervals import EndpointPair, FloatArray, Interval, IntervalArray, Operand
+from ivsid.intervals import FloatArray, Interval, IntervalArray, Operand
 from ivsid.linear.certificates import Certificate
 from ivsid.linear.results import (
     PROVED,
@@ -24,6 +24,7 @@ from ivsid.linear.results import (
     ResultBatch,
     Status,
     Verdict,
+    bounds_of,
 )
 from ivsid.linear.spread import Answers, Client, asker, swept
 
@@ -74,6 +75,9 @@ VERDICTS: Final = _core.VERDICTS
 PARTITION_LIMIT: Final = 2**53
 
 
+# The number that each method of an inverse takes where none is given.
+# Source: definition: the core's defaults
+COUNTS: Final = {name: _core.default_count(name) for name in INVERSE_METHODS}
 # Methods whose sweep is shared by a client.
 SPREAD: Final = ("published", "published-hull")
 
@@ -110,7 +114,13 @@ def inverse(
         IvsidError: wrong shape, NaN, reversed bounds, or an unknown method or sweep.
     """
     number = _check(method, partitions, sweep)
-    matrix = _matrix(A)
+    matrix = _intervals(A)
+    # One call is some microseconds, of which the second look of `_matrix` would be one.
+    lower, upper = matrix.lower, matrix.upper
+    shape = lower.shape
+    if client is None and len(shape) == 2 and 0 < shape[0] == shape[1]:
+        return Result.of(method, _core.inverse(lower, upper, method, number, sweep, progress), (lower, upper))
+    matrix = _matrix(matrix)
     if matrix.ndim == 2:
         return _inverse_one(matrix, method, number, sweep, progress, client)
     if client is not None:
@@ -140,12 +150,11 @@ def _inverse_one(
     progress: Callable[[int, int], object] | None,
     client: Client | None,
 ) -> Result:
-    """``inverse_one`` of arguments that were checked: one call is some microseconds, of which a second check would be two."""
+    """``inverse_one`` of arguments that were checked."""
     lower, upper = _bounds(matrix, 2)
     if client is None:
-        found = _core.inverse(lower, upper, method, number, sweep, progress)
-    else:
-        found = _shared(client, lower, upper, method, number, sweep)
+        return Result.of(method, _core.inverse(lower, upper, method, number, sweep, progress), (lower, upper))
+    found = _shared(client, lower, upper, method, number, sweep)
     return make_result(method, found, (lower, upper), lower.shape)
 
 
@@ -184,7 +193,7 @@ def inverse_batch(
 
     def single(k: int) -> Result:
         found = _core.inverse(lower[k], upper[k], method, number, sweep)
-        return make_result(method, found, (lower[k], upper[k]), lower[k].shape)
+        return Result.of(method, found, (lower[k], upper[k]))
 
     return ResultBatch(method, np.array(STATUSES)[codes], bounds, single)
 
@@ -287,10 +296,12 @@ def check_method(method: str, methods: tuple[str, ...]) -> None:
 
 def _check(method: str, partitions: int | None, sweep: str) -> int:
     """The number of partitions or cells, once the names of the method and of the sweep are known."""
-    check_method(method, INVERSE_METHODS)
+    number = COUNTS.get(method) if isinstance(method, str) else None
+    if number is None:
+        check_method(method, INVERSE_METHODS)
     if sweep not in SWEEPS:
         raise IvsidError(f"sweep '{sweep}' is unknown; {meant(sweep, SWEEPS)}use {' or '.join(SWEEPS)}")
-    return partition_count(partitions, method)
+    return partition_count(partitions, method) if partitions is not None or number is None else number
 
 
 def _points(value: Operand) -> FloatArray:
@@ -299,8 +310,12 @@ def _points(value: Operand) -> FloatArray:
     return np.asarray(value, dtype=np.float64)
 
 
+def _intervals(value: Operand) -> IntervalArray:
+    return value if isinstance(value, IntervalArray) else IntervalArray(_points(value))
+
+
 def _matrix(value: Operand, *, square: bool = True) -> IntervalArray:
-    matrix = value if isinstance(value, IntervalArray) else IntervalArray(_points(value))
+    matrix = _intervals(value)
     usable = matrix.ndim in ((2, 3) if square else (2,)) and (not square or matrix.shape[-1] == matrix.shape[-2])
     if not usable or matrix.size == 0:
         needed = "(n, n) or (k, n, n)" if square else "(m, n)"
@@ -323,14 +338,6 @@ def _right(matrix: IntervalArray, b: Operand) -> Bounds:
         raise IvsidError(f"the right-hand side has shape {right.shape}; for this matrix it must be {needed}")
     lower, upper = (np.ascontiguousarray(np.broadcast_to(end, needed)) for end in (right.lower, right.upper))
     return lower, upper
-
-
-def bounds_of(ends: Bounds | None, proved: bool) -> IntervalArray | EndpointPair | None:
-    """The core's bounds; only proved ones become an ``IntervalArray``."""
-    if ends is None:
-        return None
-    # The core made the bounds, for this array: they are intervals without another look at them.
-    return IntervalArray._raw(ends, ends[0].shape) if proved else EndpointPair(*ends)
 
 
 def make_result(method: str, found: _core._Outcome, matrix: Bounds, shape: tuple[int, ...]) -> Result:

@@ -8,12 +8,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Final, TypeAlias, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.intervals import EndpointPair, FloatArray, IntervalArray
+from ivsid.linear.certificate_kinds import Content
 from ivsid.linear.certificates import Certificate
 
 Bounds: TypeAlias = tuple[FloatArray, FloatArray]
@@ -40,6 +41,45 @@ PROVED: Final = (Status.ENCLOSED, Status.SINGULAR)
 """Statuses that are proved."""
 
 
+def bounds_of(ends: Bounds | None, proved: bool) -> IntervalArray | EndpointPair | None:
+    """The core's bounds; only proved ones become an ``IntervalArray``."""
+    if ends is None:
+        return None
+    # The core made the bounds, for this array: they are intervals without another look at them.
+    return IntervalArray._raw(ends, ends[0].shape) if proved else EndpointPair(*ends)
+
+
+class _Answered(Protocol):
+    """The core's answer for one matrix, whose parts are made when they are asked for."""
+
+    @property
+    def status(self) -> str: ...
+    @property
+    def value(self) -> Bounds | None: ...
+    @property
+    def proved(self) -> bool: ...
+    @property
+    def gap(self) -> float | None: ...
+    @property
+    def certificate(self) -> Content | None: ...
+    @property
+    def reason(self) -> str | None: ...
+
+
+def _certificate_of(found: _Answered, matrix: Bounds) -> Certificate | None:
+    content = found.certificate
+    return None if content is None else Certificate(content, *matrix)
+
+
+# Parts of a result that are made when they are first asked for, from the core's answer and the matrix.
+PARTS: Final[dict[str, Callable[[_Answered, Bounds], object]]] = {
+    "status": lambda found, _: Status(found.status),
+    "value": lambda found, _: bounds_of(found.value, found.proved),
+    "certificate": _certificate_of,
+    "reason": lambda found, _: found.reason,
+}
+
+
 @dataclass(frozen=True)
 class Result:
     """Answer of a method, with its proof.
@@ -64,6 +104,25 @@ class Result:
     def guaranteed(self) -> bool:
         """Whether every step was proved."""
         return self.status in PROVED
+
+    @classmethod
+    def of(cls, method: str, found: _Answered, matrix: Bounds) -> Result:
+        """A result whose ``PARTS`` are made when they are first asked for: one inverse takes less time than they do."""
+        new = object.__new__(cls)
+        object.__setattr__(new, "__dict__", {"method": method, "gap": found.gap, "_found": found, "_matrix": matrix})
+        return new
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> object:
+            # Called where the instance has no such attribute yet.
+            own = self.__dict__
+            if name not in PARTS or "_found" not in own:
+                raise AttributeError(f"'{type(self).__name__}' object has no attribute '{name}'")
+            return own.setdefault(name, PARTS[name](own["_found"], own["_matrix"]))
+
+    def __reduce__(self) -> tuple[type[Result], tuple[Any, ...]]:
+        return type(self), (self.method, self.status, self.value, self.certificate, self.reason, self.gap)
 
 
 @dataclass(frozen=True)

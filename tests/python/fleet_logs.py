@@ -24,7 +24,7 @@ def season(folder, number, changed=None, duration=60.0, effects=None, scenario=N
     """Logs of the same Swan, one a day; from log ``changed`` on it has the effects."""
     folder.mkdir(parents=True, exist_ok=True)
     vehicle = read_vehicle("swan")
-    programme = read_scenario(scenario or shipped("swan_train")).model_copy(update={"duration": duration})
+    programme = read_scenario(scenario or shipped("swan_train", "_programme")).model_copy(update={"duration": duration})
     for k in range(number):
         hidden = (effects or {}) if changed is not None and k >= changed else {}
         made = simulate(vehicle, programme, k + 1, hidden, thrusters=7)

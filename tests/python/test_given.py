@@ -1,12 +1,18 @@
 """Vehicles and logs as people give them: paths, names, tables in memory, checked objects."""
 
+from pathlib import Path
+
 import numpy as np
 import polars as pl
 import pytest
 
 from conftest import as_log
-from ivsid import IvsidError, identify, read_vehicle, validate
+from ivsid import IvsidError, identify, read_vehicle, validate, workflow
+from ivsid.cli.command import _missing
+from ivsid.cli.recognition import SCENARIO, VEHICLE, kinds
+from ivsid.files.shipped import shipped, shipped_names
 from ivsid.log import log_of, read_log
+from ivsid.programme.scenario import read_scenario
 from ivsid.vehicle import vehicle_of
 from log_files import log_map
 
@@ -99,3 +105,17 @@ def test_what_is_no_log_is_said(given, words):
 def test_what_is_no_vehicle_is_said(twin):
     with pytest.raises(IvsidError, match="a vehicle is given as Log; give the path of its file"):
         identify(as_log(twin), as_log(twin))
+
+
+def test_shipped_scenarios_are_known_by_their_vehicle_or_a_name_of_their_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert {"otter", "vectored_rov", "swan_train", "swan_test", "example"} <= set(shipped_names("_programme"))
+    assert "swan_train" not in shipped_names() and "otter" in shipped_names()
+    assert read_scenario(shipped("swan_train", "_programme")).duration == 300
+    assert kinds("swan_train") == {SCENARIO} and kinds("otter") == {SCENARIO, VEHICLE} and not kinds("swan_tran")
+    with pytest.raises(IvsidError, match="did you mean swan_train or swan_test"):
+        read_scenario("swan_tran")
+    words = _missing("simulate", ["VEHICLE", "SCENARIO"], [Path("otter")])
+    assert words.endswith("ivsid simulate otter otter takes the scenario that comes with it")
+    with pytest.raises(IvsidError, match="log or scenario otr is not there; did you mean otter"):
+        workflow.isolability("otter", "otr")

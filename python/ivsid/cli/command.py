@@ -102,7 +102,14 @@ def _missing(command: str, names: Sequence[str], given: Sequence[Path]) -> str:
         kinds = recognition.kinds(path) if set(names) <= NEEDED.keys() else frozenset()
         left.remove(next((n for n in left if n in NEEDED and NEEDED[n][0] & kinds), left[0]))
         said.append(_is(path, kinds) if kinds else f"{path} was given")
-    return f"Missing argument {left[0]}: {command} needs {_all(names)}, and {'; '.join(said) or 'nothing was given'}"
+    hint = "".join(
+        f"; ivsid {command} {p} {p} takes the scenario that comes with it"
+        for p in given
+        if left[0] == "SCENARIO" and recognition.SCENARIO in recognition.kinds(p) and not p.exists()
+    )
+    return (
+        f"Missing argument {left[0]}: {command} needs {_all(names)}, and {'; '.join(said) or 'nothing was given'}{hint}"
+    )
 
 
 def _all(names: Sequence[str]) -> str:

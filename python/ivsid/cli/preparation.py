@@ -78,7 +78,7 @@ def simulate(
         Path,
         typer.Argument(
             metavar="SCENARIO",
-            help="Scenario file (TOML); otter or vectored_rov for a shipped one.",
+            help="Scenario file (TOML), or a shipped one: otter, vectored_rov, swan_train, ...",
             autocompletion=completion.scenarios,
         ),
     ],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 
@@ -13,21 +14,32 @@ def shipped(path: str | Path, suffix: str = "") -> Path:
     """The path, or that of the shipped file of this name if there is no file at the path.
 
     Args:
-        path: of a file, or the name of a shipped vehicle.
+        path: of a file, or the name of a shipped vehicle or scenario.
         suffix: of the file's name behind the vehicle's: ``_programme`` for a scenario.
     """
     given = Path(path)
     if given.exists() or given.suffix or len(given.parts) != 1:
         return given
-    found = Path(str(files("ivsid") / "data" / f"{given.name}{suffix}.toml"))
-    return found if found.exists() else given
+    return _files(suffix).get(given.name, given)
 
 
 def shipped_names(suffix: str = "") -> list[str]:
-    """Names of the shipped vehicles, or of those that a shipped file with the suffix is for."""
+    """Names of the shipped vehicles, or of the shipped scenarios, which are those of their vehicles or their own."""
+    return sorted(_files(suffix))
+
+
+@cache
+def _files(suffix: str) -> dict[str, Path]:
+    """The shipped files by name: vehicle files without a suffix, scenarios with theirs. A scenario may have a name of its own."""
     folder = Path(str(files("ivsid") / "data"))
-    vehicles = sorted(p.stem for p in folder.glob("*.toml") if "hull" in tomllib.loads(p.read_text()))
-    return [name for name in vehicles if (folder / f"{name}{suffix}.toml").exists()]
+    found: dict[str, Path] = {}
+    for path in folder.glob("*.toml"):
+        table = tomllib.loads(path.read_text())
+        if suffix and "segments" in table:
+            found[path.stem.removesuffix(suffix)] = path
+        elif not suffix and "hull" in table:
+            found[path.stem] = path
+    return found
 
 
 def near_shipped(path: str | Path, suffix: str = "") -> str:

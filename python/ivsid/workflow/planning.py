@@ -12,7 +12,7 @@ import numpy as np
 from ivsid import diagnosis, simulation
 from ivsid.diagnosis import Advice, Isolability
 from ivsid.errors import IvsidError
-from ivsid.files.shipped import shipped
+from ivsid.files.shipped import near_shipped, shipped
 from ivsid.log import Log, read_log
 from ivsid.programme import trials
 from ivsid.programme.scenario import read_scenario
@@ -51,6 +51,10 @@ def isolability(
 
 def _log(vehicle: Vehicle, path: Path, seed: int | None, progress: Progress) -> Log:
     path = shipped(path, "_programme")
+    if not path.exists() and (near := near_shipped(path, "_programme")):
+        raise IvsidError(
+            f"log or scenario {path} is not there; {near}give the path of a file, or a shipped scenario's name"
+        )
     if path.suffix != ".toml":
         return read_log(path, vehicle.log)
     scenario = read_scenario(path)

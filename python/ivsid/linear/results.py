@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias, TypeVar, overload
+from typing import TYPE_CHECKING, Final, Protocol, TypeAlias, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -121,7 +121,7 @@ class Result:
                 raise AttributeError(f"'{type(self).__name__}' object has no attribute '{name}'")
             return own.setdefault(name, PARTS[name](own["_found"], own["_matrix"]))
 
-    def __reduce__(self) -> tuple[type[Result], tuple[Any, ...]]:
+    def __reduce__(self) -> tuple[type[Result], tuple[object, ...]]:
         return type(self), (self.method, self.status, self.value, self.certificate, self.reason, self.gap)
 
 

@@ -41,6 +41,13 @@ def follow(
         float | None,
         typer.Option("--speed", help="Seconds of the log in a second, with --live; by default as fast as possible."),
     ] = None,
+    wait: Annotated[
+        float | None,
+        typer.Option(
+            "--wait",
+            help="Follow a CSV log that is still being written, with --live: it ends after this time without a new row [s], or by Ctrl-C.",
+        ),
+    ] = None,
     drift: Annotated[
         list[str] | None,
         typer.Option(
@@ -82,6 +89,10 @@ def follow(
         raise IvsidError(
             f"--speed {speed:g} is not possible; give seconds of the log in a second, above 0, with --live"
         )
+    if wait is not None and not (live and speed is None and 0 < wait < float("inf")):
+        raise IvsidError(
+            f"--wait {wait:g} is not possible; give the seconds without a new row after which the log has ended, above 0, with --live and without --speed"
+        )
     rates = dict(_rate(text) for text in drift or ())
     windows = window_lengths(window)
 
@@ -99,7 +110,9 @@ def follow(
                 drift=rates,
                 changes=changes,
                 every=every,
+                wait=wait,
                 watch=watch,
+                say=lambda text: say(text, err=True),
                 progress=progress,
             )
 

@@ -16,6 +16,7 @@ Tables to a log:
 - ``clocks``: samples of one clock on the rows of another. ``one_clock`` does so for every channel.
 - ``step_ranges``: the range of a force or an angle over the step between two rows.
 - ``angles``, ``turning``: angles followed through whole turns; the angle of an azimuth thruster or a rudder.
+- ``growing``: whole lines of a text that another program writes.
 - ``quality``: held values, gaps, drop-outs and outliers are reported, and none is mended.
 - ``reader``: all steps in order; ``record``: the log that they give; ``given``: a log by its path, checked, or as a table in memory.
 

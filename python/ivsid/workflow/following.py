@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
+
+import numpy as np
 
 from ivsid import identification
 from ivsid.identification import Following, Moment
 from ivsid.identification.following import START
 from ivsid.intervals import shown
 from ivsid.log import read_log
+from ivsid.log.growing import growing
 from ivsid.report import figures, page
 from ivsid.report.page import First, Report, Section
 from ivsid.rows import WINDOW
 from ivsid.vehicle import read_vehicle
+from ivsid.workflow.growing import watched
 from ivsid.workflow.log_files import log_series
 from ivsid.workflow.parameters import brief
 from ivsid.workflow.progress import Progress, silent
@@ -39,20 +44,37 @@ def follow(
     drift: Mapping[str, float] | None = None,
     changes: float | None = None,
     every: float | None = None,
+    wait: float | None = None,
     watch: Callable[[Moment], None] = lambda _: None,
+    say: Callable[[str], None] = lambda _: None,
     progress: Progress = silent,
 ) -> Report:
     """Reads a vehicle file and a log, follows the log and reports; the options are those of ``ivsid.follow``.
+
+    Args:
+        vehicle: a vehicle file.
+        log: a log.
+        form: as for ``ivsid.follow``, as the other options are.
+        rows: likewise.
+        window: likewise.
+        physical: likewise.
+        start: likewise.
+        drift: likewise.
+        changes: likewise.
+        every: likewise; of a log that is being written the least time between two moments.
+        wait: seconds without a new row after which a text log that is being written has ended; None for a finished log.
+        watch: shown each moment as it comes.
+        say: told why the rows so far are no log yet.
+        progress: told of each step.
 
     Raises:
         IvsidError: an unusable file or option, in one sentence.
     """
     progress("reading")
     checked = read_vehicle(vehicle)
-    data = read_log(log, checked.log)
-    found = identification.follow(
+    followed = partial(
+        identification.follow,
         checked,
-        data,
         form=form,
         rows=rows,
         window=window,
@@ -60,10 +82,25 @@ def follow(
         start=START if start is None else start,
         drift=drift,
         changes=changes,
-        every=every,
-        watch=watch,
-        progress=progress,
     )
+    if wait is None:
+        data = read_log(log, checked.log)
+        found = followed(data, every=every, watch=watch, progress=progress)
+    else:
+        with growing(log) as lines:
+            shown_until = -np.inf
+
+            def latest() -> Moment | None:
+                nonlocal shown_until
+                so_far = read_log(lines.copy, checked.log)
+                if every is not None and so_far.t[-1] - shown_until < every:
+                    return None
+                shown_until = so_far.t[-1]
+                return followed(so_far, every=so_far.t[-1] - so_far.t[0], examine=False).moments[-1]
+
+            watched(lines, wait, latest, watch, say)
+            data = read_log(lines.copy, checked.log)
+            found = followed(data, every=every, progress=progress)
     progress("drawing")
     drawing = figures.narrowing(found)
     sections = [

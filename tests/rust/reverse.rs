@@ -136,3 +136,77 @@ fn ends_are_found_one_by_one_and_points_are_decided() {
     assert!(half_line.mul_rev(ordered(1.0, 2.0), ordered(-1.0, 0.0)).is_empty());
     assert_eq!(ordered(2.0, 4.0).mul_rev(ordered(1.0, 2.0), Interval::ENTIRE), ordered(0.25, 1.0));
 }
+
+/// Points of boxes of both signs, with angles about 0, quarter turns and pi: both reverses keep the point, and an end that
+/// is not the operand's has the angle of a member within one double.
+#[test]
+fn reverses_of_atan2_keep_every_point_and_are_tight() {
+    let mut random = Random(41);
+    let mut moved = [0; 2];
+    for case in 0..6_000 {
+        let mut side = |zero: bool| {
+            let (a, b) = (random.unit(), random.unit());
+            if zero { ordered(0.0, 3.0 * a) } else { ordered(3.0 * a, 3.0 * b) }
+        };
+        let (x, y) = (side(case % 5 == 0), side(case % 7 == 0));
+        let mut member = |of: Interval, axis: bool| {
+            if axis && of.contains(0.0) { 0.0 } else { of.lo() + (0.5 + 0.5 * random.unit()) * (of.hi() - of.lo()) }
+        };
+        let (s, t) = (member(x, case % 11 == 0), member(y, case % 13 == 0));
+        let (s, t) = (s.clamp(x.lo(), x.hi()), t.clamp(y.lo(), y.hi()));
+        if s == 0.0 && t == 0.0 {
+            continue;
+        }
+        let angle = ordered(t, t).atan2(ordered(s, s));
+        // As tight as the angle itself, or with room on either side or on both.
+        let room = [0.0, 0.3, 2.0][case % 3];
+        let c = ordered(angle.lo() - room * random.unit().abs(), angle.hi() + room * random.unit().abs());
+        let (rows, columns) = (x.atan2_rev_y(c, y), y.atan2_rev_x(c, x));
+        let name = format!("{} {} {}", x.to_exact(), y.to_exact(), c.to_exact());
+        assert!(rows.subset(y) && rows.contains(t), "y: {name}: {t:e} {}", rows.to_exact());
+        assert!(columns.subset(x) && columns.contains(s), "x: {name}: {s:e} {}", columns.to_exact());
+        for (k, (found, own)) in [(rows, y), (columns, x)].into_iter().enumerate() {
+            for (end, inner, given) in
+                [(found.lo(), found.lo().next_up(), own.lo()), (found.hi(), found.hi().next_down(), own.hi())]
+            {
+                if end != given && end != 0.0 {
+                    moved[k] += 1;
+                    let beside = ordered(end, inner);
+                    let near = if k == 0 { beside.atan2(x) } else { y.atan2(beside) };
+                    // Angles that c holds beyond a half turn are none.
+                    assert!(!near.disjoint(c), "{k} {name}: {}", found.to_exact());
+                }
+            }
+        }
+    }
+    assert!(moved.iter().all(|&count| count > 900), "{moved:?}");
+}
+
+#[test]
+fn reverses_of_atan2_at_the_axes() {
+    let point = |x: f64| Interval::point(x).expect("finite");
+    let (positive, negative) = (ordered(1.0, 2.0), ordered(-2.0, -1.0));
+    let (all, pi) = (Interval::ENTIRE, ordered(3.0, 4.0));
+    // Angle 0 is the positive half of the axis alone, pi the negative one, and the origin has no angle.
+    assert_eq!(positive.atan2_rev_y(point(0.0), all), point(0.0));
+    assert!(negative.atan2_rev_y(point(0.0), all).is_empty());
+    assert!(point(0.0).atan2_rev_y(point(0.0), all).is_empty());
+    assert_eq!(
+        point(0.0).atan2_rev_x(pi, all),
+        ordered(-f64::MAX, 0.0).hull(Interval::new(f64::NEG_INFINITY, 0.0).expect("ordered"))
+    );
+    assert!(point(0.0).atan2_rev_x(pi, positive).is_empty());
+    assert_eq!(point(0.0).atan2_rev_x(point(0.0), ordered(-1.0, 3.0)), ordered(0.0, 3.0));
+    // No double is a right angle; both of its neighbours hold it.
+    let right = ordered(std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2.next_up());
+    assert_eq!(point(0.0).atan2_rev_y(right, ordered(-5.0, 5.0)), ordered(0.0, 5.0));
+    assert!(point(0.0).atan2_rev_y(point(std::f64::consts::FRAC_PI_2), ordered(-5.0, 5.0)).is_empty());
+    // Angles outside of a half turn either way are those of no point.
+    assert!(all.atan2_rev_y(ordered(3.2, 9.0), all).is_empty() && all.atan2_rev_x(ordered(-9.0, -3.2), all).is_empty());
+    assert_eq!(all.atan2_rev_y(all, all), all);
+    // Tiny and huge operands.
+    assert_eq!(point(5e-324).atan2_rev_y(point(5e-324), all), ordered(0.0, 5e-324));
+    let huge = point(1e308).atan2_rev_x(point(1e-300), all);
+    assert_eq!((huge.lo(), huge.hi()), (f64::MAX, f64::INFINITY));
+    assert!(Interval::EMPTY.atan2_rev_y(all, all).is_empty() && all.atan2_rev_x(Interval::EMPTY, all).is_empty());
+}

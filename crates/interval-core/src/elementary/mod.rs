@@ -47,7 +47,7 @@ pub use tables::source;
 pub(crate) use tables::{LOG_FIRST, TABLES};
 #[cfg(avx2)]
 pub(crate) use trigonometric::ERROR as WAVE_ERROR;
-pub(crate) use trigonometric::{Angle, Turning};
+pub(crate) use trigonometric::{Angle, Turning, exactly};
 
 impl Bracket {
     pub(crate) const fn exact(x: f64) -> Self {

@@ -153,6 +153,6 @@ fn turns_of_large(x: f64) -> Option<i64> {
 }
 
 #[cold]
-pub(super) fn exactly(x: f64, choose: impl Fn(Ball, Ball, i64) -> Option<Ball>) -> Bracket {
+pub(crate) fn exactly(x: f64, choose: impl Fn(Ball, Ball, i64) -> Option<Ball>) -> Bracket {
     settle(|p| sin_cos(&Ball::from_f64(x), p).and_then(|(s, c, _)| choose(s, c, p)))
 }

@@ -247,6 +247,18 @@ impl DecoratedInterval {
         Self::trivial(&[self, c, x], self.interval.pow_rev_exponent(c.interval, x.interval))
     }
 
+    /// [`Interval::atan2_rev_y`].
+    #[must_use]
+    pub fn atan2_rev_y(self, c: Self, y: Self) -> Self {
+        Self::trivial(&[self, c, y], self.interval.atan2_rev_y(c.interval, y.interval))
+    }
+
+    /// [`Interval::atan2_rev_x`].
+    #[must_use]
+    pub fn atan2_rev_x(self, c: Self, x: Self) -> Self {
+        Self::trivial(&[self, c, x], self.interval.atan2_rev_x(c.interval, x.interval))
+    }
+
     /// [`Interval::mul_rev_to_pair`]: where the divisor excludes zero the first part is a quotient and decorated as one.
     #[must_use]
     pub fn mul_rev_to_pair(self, c: Self) -> [Self; 2] {

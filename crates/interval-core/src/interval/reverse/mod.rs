@@ -3,6 +3,7 @@
 //! The solutions form branches whose ends are real numbers known by both their roundings. The question whether a double
 //! lies on a branch is then decided exactly, so each result is the tightest interval around the members.
 
+mod angle;
 mod division;
 mod periodic;
 

@@ -5,6 +5,7 @@ import json
 import re
 import sys
 import tomllib
+from dataclasses import replace
 from unittest import mock
 
 import numpy as np
@@ -15,9 +16,12 @@ import program_logs as programs
 from command_line import run
 from conftest import embedded
 from ivsid import IvsidError, identify
+from ivsid.effects import terms_of
 from ivsid.log import read_log
 from ivsid.programme.scenario import parse_scenario
 from ivsid.proposal import propose
+from ivsid.proposal.blanks import Demand
+from ivsid.rows import build_rows
 from ivsid.sensors.bounds import bound_log
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle, read_vehicle
@@ -320,8 +324,8 @@ def test_a_proposed_file_identifies_and_its_intervals_hold_the_truth(tmp_path, o
     out = tmp_path / "boat.toml"
     init([otter_log], out)
     # The structure of the model is the user's own knowledge, too.
-    model = read_vehicle("otter").text.partition("[model]")
-    out.write_text(filled(out.read_text()) + "".join(model[1:]))
+    model = "".join(read_vehicle("otter").text.partition("[model]")[1:])
+    out.write_text(re.sub(r"^\[model\].*?^\]$", "", filled(out.read_text()), flags=re.M | re.S) + model)
     fit = run("identify", out, otter_log, "--out", tmp_path / "fit", "--json")
     assert fit.returncode == 0, fit.stderr
     record = json.loads(fit.stdout)
@@ -335,6 +339,31 @@ def test_a_proposed_file_identifies_and_its_intervals_hold_the_truth(tmp_path, o
         assert ends["upper"] is None or value <= ends["upper"], id_
         closed += ends["lower"] is not None and ends["upper"] is not None
     assert closed >= 5
+
+
+def test_the_model_of_a_proposed_file_is_that_of_a_usual_hull_and_a_livelier_log_is_not_refused(tmp_path, otter_log):
+    out = tmp_path / "boat.toml"
+    init([otter_log], out)
+    vehicle = parse_vehicle(filled(out.read_text()), "boat.toml")
+    ids = {t.id for t in terms_of(vehicle)}
+    assert {f"drag.{axis}.{power}" for axis in ("surge", "sway", "yaw") for power in ("linear", "quadratic")} < ids
+    assert {"mass.surge", "mass.sway", "inertia.yaw", "added_mass.munk"} < ids
+    # With a length, the cross-flow of its comment is read, too.
+    crossed = (
+        out.read_text().replace('"drag.sway.quadratic"', '"drag.cross_flow"', 2).replace(', "drag.yaw.quadratic"', "")
+    )
+    assert "drag.cross_flow" in {t.id for t in terms_of(parse_vehicle(filled(crossed), "boat.toml"))}
+    log = read_log(otter_log, vehicle.log)
+
+    def rows(factor):
+        columns = {n: factor * x if n.startswith("demand_") else x for n, x in log.columns.items()}
+        return build_rows(bound_log(replace(log, columns=columns), vehicle), vehicle, terms_of(vehicle))
+
+    rows(1.45)
+    with pytest.raises(IvsidError, match="outside"):
+        rows(1.6)
+    # Pulses go from 1000 to 2000, shares to the whole.
+    assert Demand("a", "a", 1300.0, 1600.0, 1500.0, "").end == 500.0 and Demand("a", "a", 0.0, 0.4, 0.0, "").end == 1.0
 
 
 def test_one_mark_left_is_named_alone():
@@ -360,8 +389,8 @@ def test_answers_on_a_terminal_leave_no_mark(tmp_path, otter_log):
     table = tomllib.loads(out.read_text())
     port, starboard = table["thrusters"]
     assert table["hull"]["mass"] == 80 and port["position"] == [0.0, -0.395] and starboard["position"] == [0.0, 0.395]
-    # A pull of 134 N at the largest demand.
-    largest = port["demand_range"][1]
+    # A pull of 134 N at the largest demand, of which the range is half more.
+    largest = port["demand_range"][1] / 1.5
     assert port["quadratic"]["forward"] * largest**2 == pytest.approx(134, rel=1e-3)
     # An empty answer leaves the question to the file.
     assert starboard["quadratic"] == "TODO" and "to fill in: thrusters.starboard.quadratic" in made.stdout

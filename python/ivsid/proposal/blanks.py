@@ -18,7 +18,12 @@ PULSES: Final = (800.0, 2200.0)
 # Source: definition: the midpoint of 1000 and 2000 us
 NEUTRAL: Final = 1500.0
 NEAR: Final = 50.0
-
+# Longest pulse of a controller [us].
+# Source: definition: pulses last 1000 to 2000 us
+LONGEST: Final = 2000.0
+# End of the proposed range of a demand, as a multiple of the largest one seen: the next log may go further.
+# Source: definition: a guess that the proposed file calls one
+FURTHER: Final = 1.5
 
 # Words of a demand that is a speed, which no pulse width is.
 SPEEDS: Final = frozenset({"rpm", "rps", "rad", "hz"})
@@ -63,6 +68,13 @@ class Demand:
     def span(self) -> float:
         """The largest distance from neutral."""
         return max(self.highest - self.neutral, self.neutral - self.lowest)
+
+    @property
+    def end(self) -> float:
+        """The proposed end of its range, from neutral: that of pulses or shares, or half more than the largest one seen."""
+        if self.neutral >= PULSES[0]:
+            return max(self.span, LONGEST - self.neutral)
+        return 1.0 if 0 < self.span <= 1.0 else FURTHER * self.span
 
 
 def demand_of(name: str, found: Found) -> Demand:

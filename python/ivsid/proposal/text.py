@@ -22,6 +22,12 @@ WIDTH: Final = 48
 # Absolute part of the guessed accuracy of a thrust curve, as a share of the bollard pull.
 # Source: definition: a guess that the proposed file calls one
 LOOSE: Final = 0.02
+# Terms of the proposed model, by row of the file.
+TERMS: Final = (
+    ("mass.surge", "mass.sway", "inertia.yaw", "added_mass.munk"),
+    ("drag.surge.linear", "drag.surge.quadratic", "drag.sway.linear", "drag.sway.quadratic"),
+    ("drag.yaw.linear", "drag.yaw.quadratic"),
+)
 
 
 def vehicle_file(proposal: Proposal, answers: Answers, name: str) -> str:
@@ -35,7 +41,7 @@ def vehicle_file(proposal: Proposal, answers: Answers, name: str) -> str:
     lines = [*_head(proposal, answers), f"name = {_quoted(name)}", "", *_hull(answers)]
     for demand in proposal.demands:
         lines += ["", *_thruster(demand, answers, proposal)]
-    lines += ["", *_sensors(proposal), "", *_log(proposal)]
+    lines += ["", *_sensors(proposal), "", *_model(), "", *_log(proposal)]
     return "\n".join(lines) + "\n"
 
 
@@ -96,8 +102,11 @@ def _thruster(demand: Demand, answers: Answers, proposal: Proposal) -> Iterator[
             f"{_number(thrust)} N at {_number(demand.neutral + demand.span)}; add reverse if it pulls less astern",
         )
     yield _line("neutral", _number(demand.neutral), demand.reason)
-    ends = f"[{_number(-demand.span)}, {_number(demand.span)}]"
-    yield _line("demand_range", ends, "the largest of the logs; leave it out beside a table")
+    ends = f"[{_number(-demand.end)}, {_number(demand.end)}]"
+    reason = (
+        "ends of its unit" if demand.neutral or demand.end == 1.0 else "a guess: half more than the largest of the logs"
+    )
+    yield _line("demand_range", ends, f"{reason}; a log beyond it is refused; leave it out beside a table")
     absolute = "" if thrust is None else f"absolute = {_number(LOOSE * thrust)}, "
     yield _line("accuracy", f"{{ {absolute}relative = 0.2 }}", "a guess: the bound on the error of that curve")
 
@@ -115,6 +124,16 @@ def _sensors(proposal: Proposal) -> Iterator[str]:
             yield _line(n.key, _number(n.value), n.reason)
         if section == "acceleration" and proposal.gravity:
             yield _line("gravity", "true", "the readings hold gravity, which roll and pitch take out")
+
+
+def _model() -> Iterator[str]:
+    """The terms of a usual hull, without those that need its length."""
+    yield "[model]"
+    yield "# Of a usual hull, both drags of surge, sway and yaw, and the moment of the added masses. With hull.length in this file,"
+    yield '# "drag.cross_flow" may stand in place of "drag.sway.quadratic" and "drag.yaw.quadratic". Leave out terms that your vessel has not.'
+    yield "terms = ["
+    yield from (f"    {', '.join(map(_quoted, row))}," for row in TERMS)
+    yield "]"
 
 
 def _log(proposal: Proposal) -> Iterator[str]:

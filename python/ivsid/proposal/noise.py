@@ -33,6 +33,9 @@ MARGIN: Final = 1.5
 # Time over which speeds are averaged before their changes count as accelerations [s].
 # Source: physics: a second of averaging takes most of the noise out, and little of the motion of a vessel
 SPAN: Final = 1.0
+# Bound of a channel that shows no scatter, as a share of its range: it is held, rounded or smoothed.
+# Source: definition: a guess that the proposed file calls one
+UNSEEN: Final = 0.01
 # Standard deviation of second differences of white noise, as a multiple of its own.
 # Source: theorem: 1 + 4 + 1 variances
 SECOND: Final = 6.0**0.5
@@ -43,6 +46,9 @@ MEDIAN: Final = 0.6745
 # Least proposed bounds of angles [rad]: filters smooth them until no scatter is left, and their constant errors stay.
 # Source: physics: a good compass is off by half a degree, a level by a quarter
 LEAST: Final = {"heading": 0.009, "attitude": 0.0045}
+
+# The reason of a bound that no reading shows.
+NO_SCATTER: Final = "a guess: a hundredth of the range, since the readings show no scatter"
 
 VELOCITIES: Final = ("u", "v", "velocity_north", "velocity_east")
 # The channels of each sensor that has one bound.
@@ -100,6 +106,8 @@ def sensors_of(runs: Sequence[Run]) -> tuple[dict[str, list[Number]], Stretch | 
                 reason = f"a guess: the constant error of a good sensor; the scatter from sample to sample, times 5.2, is {value:g}"
                 value = LEAST[sensor]
             sections[sensor] = [Number("accuracy", value, reason)]
+        elif (wide := _range(runs, names)) > 0:
+            sections[sensor] = [Number("accuracy", _up(UNSEEN * wide), NO_SCATTER)]
     for sensor, names in INERTIAL.items():
         numbers = _inertial(runs, names, still)
         if numbers:
@@ -108,6 +116,44 @@ def sensors_of(runs: Sequence[Run]) -> tuple[dict[str, list[Number]], Stretch | 
     if limits:
         sections["limits"] = limits
     return sections, still
+
+
+def unbounded(runs: Sequence[Run], sections: Mapping[str, list[Number]], still: Stretch | None) -> list[str]:
+    """Sentences on bounds that the logs do not show: what is assumed in their place, and how to state them."""
+    words = []
+    for sensor, names in {**BOUNDED, **INERTIAL}.items():
+        there = list(dict.fromkeys(r.channels[n].match.column for r in runs for n in names if n in r.channels))
+        keys = "random_walk and bias_instability" if sensor in INERTIAL else "accuracy"
+        if there and sensor not in sections:
+            words.append(
+                f"{', '.join(there)} never changes, so no bound of it is proposed: write {keys} under [sensors.{sensor}] from the sensor's data sheet, or leave the column out"
+            )
+        elif there and any(n.reason == NO_SCATTER for n in sections[sensor]):
+            words.append(
+                f"{', '.join(there)} shows no scatter, so a hundredth of its range is assumed as its bound: write {keys} under [sensors.{sensor}] from the sensor's data sheet"
+            )
+    guessed = [s for s in INERTIAL if s in sections]
+    if still is None and guessed:
+        words.append(
+            f"no log rests for {SHORTEST:g} s, so the noise of {' and '.join(guessed)} is a guess from its scatter, and its bias a tenth of that: give a log at rest beside "
+            "these (ivsid init RUN DECK), or the numbers of `ivsid allan`"
+        )
+    constant = [s for s in BOUNDED if s in sections and s not in ("heading", "attitude")]
+    if constant:
+        words.append(
+            f"the bounds of {' and '.join(constant)} come from the scatter, and assume no constant error: add the sensor's own under [sensors.{constant[0]}]"
+            + (", and so on" if len(constant) > 1 else "")
+        )
+    return words
+
+
+def _range(runs: Sequence[Run], names: Sequence[str]) -> float:
+    """The largest range of the channels [SI]; 0 where none changes."""
+    seen = [r.channels[n] for r in runs for n in names if n in r.channels]
+    spans = [
+        float(np.nanmax(f.values) - np.nanmin(f.values)) * abs(f.factor) for f in seen if np.isfinite(f.values).any()
+    ]
+    return max(spans, default=0.0)
 
 
 def still_stretch(runs: Sequence[Run]) -> Stretch | None:
@@ -188,7 +234,14 @@ def _inertial(runs: Sequence[Run], names: Sequence[str], still: Stretch | None) 
     seen = [(scatter(r.channels[n]), r.channels[n]) for r in runs for n in names if n in r.channels]
     seen = [s for s in seen if s[0] > 0]
     if not seen:
-        return []
+        held = [r.channels[n] for r in runs for n in names if n in r.channels]
+        if (wide := _range(runs, names)) <= 0:
+            return []
+        period = float(np.median(np.diff(held[0].t)))
+        return [
+            Number("random_walk", _up(UNSEEN * wide * period**0.5), NO_SCATTER),
+            Number("bias_instability", _up(BIAS * UNSEEN * wide), NO_SCATTER),
+        ]
     sigma, found = max(seen, key=lambda s: s[0])
     period = float(np.median(np.diff(found.t)))
     return [

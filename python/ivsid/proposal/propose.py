@@ -16,7 +16,7 @@ from ivsid.proposal.columns import Columns, columns_of
 from ivsid.proposal.folders import runs_in, short
 from ivsid.proposal.found import Found
 from ivsid.proposal.mapping import Mapped, mapping_of, usable
-from ivsid.proposal.noise import Number, Run, Stretch, sensors_of
+from ivsid.proposal.noise import Number, Run, Stretch, sensors_of, unbounded
 from ivsid.proposal.places import is_earthbound
 from ivsid.proposal.signs import settled
 
@@ -37,6 +37,7 @@ class Proposal:
         questions: that the names and the readings leave open.
         paths: of the logs that were looked at; the first one gives the columns.
         left: files of folders that were not taken, each with the reason.
+        assumed: sentences on bounds that the logs do not show, and how to state them.
     """
 
     columns: Columns
@@ -50,6 +51,7 @@ class Proposal:
     questions: tuple[str, ...]
     paths: tuple[Path, ...] = ()
     left: tuple[tuple[Path, str], ...] = ()
+    assumed: tuple[str, ...] = ()
 
     @property
     def gravity(self) -> bool:
@@ -116,6 +118,7 @@ def propose(paths: Sequence[str | Path]) -> Proposal:
             *_earthbound(channels),
             *_further(columns, (*columns.loose, *unread), logs[0]),
         ),
+        assumed=tuple(unbounded(runs, sensors, still)),
         paths=tuple(looked),
         left=tuple(left),
     )

@@ -54,6 +54,9 @@ def _head(proposal: Proposal, answers: Answers) -> Iterator[str]:
     if proposal.questions:
         yield "# Questions that the log leaves open:"
         yield from (f"#  - {q}" for q in proposal.questions)
+    if proposal.assumed:
+        yield "# Assumed where the logs show no bound:"
+        yield from (f"#  - {a}" for a in proposal.assumed)
 
 
 def _hull(answers: Answers) -> Iterator[str]:

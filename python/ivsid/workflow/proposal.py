@@ -63,6 +63,7 @@ def init(
         f"{log.name}: {log.t.size} rows, {log.t[-1] - log.t[0]:.4g} s, names: {found.columns.program.name}, frame {found.mapped.frame}",
         *(f"  {name:<16} {column}" for name, column in {**shown, **demands}.items()),
         *(f"  question: {q}" for q in found.questions),
+        *(f"  assumed: {a}" for a in found.assumed),
         f"written to {target}" + (f"; to fill in: {', '.join(blanks)}" if blanks else ""),
         f"next: ivsid diagnose {target} {found.paths[0]} {found.paths[1] if len(found.paths) > 1 else 'ANOTHER_LOG'}",
     ]
@@ -73,6 +74,7 @@ def init(
         "frame": found.mapped.frame,
         "columns": {**shown, **demands},
         "questions": list(found.questions),
+        "assumed": list(found.assumed),
         "logs": [str(p) for p in found.paths],
         "left": {str(p): why for p, why in found.left},
         "blanks": list(blanks),

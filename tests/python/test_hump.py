@@ -72,9 +72,9 @@ def test_what_the_outline_leaves_is_no_cause_and_more_is_one():
 
 def test_a_drag_of_a_known_shape_comes_before_a_hump_that_is_not_told_from_it():
     hump, linear = (Rival(id_, None, 0.0, 1, fall) for id_, fall in ((HUMP.id, 208.0), ("drag.surge.linear", 200.0)))
-    assert max(hump, linear, key=lambda r: r.merit) is linear
+    assert max(hump, linear, key=lambda r: r.place) is linear
     clear = Rival(HUMP.id, None, 0.0, 1, 200.0 + MARGIN + 1.0)
-    assert max(clear, linear, key=lambda r: r.merit) is clear
+    assert max(clear, linear, key=lambda r: r.place) is clear
 
 
 def test_a_curve_has_to_beat_all_causes_over_its_velocity():

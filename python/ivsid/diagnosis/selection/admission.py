@@ -93,7 +93,7 @@ def admit(
             refused[s.id] = refusal
     if not rivals:
         return Admission(refused, waiting)
-    best = max(rivals, key=lambda r: r.merit)
+    best = max(rivals, key=lambda r: r.place)
     # All are fitted once more under the better noise.
     problem = Problem.at(_learnt(fit, best.states), fit.fixed, best.states)
     asked = sorted(rivals, key=lambda r: -r.merit)
@@ -109,7 +109,7 @@ def admit(
     far = [r for r in rivals if r not in asked]
     if not again:
         return Admission(compared(best, far, beside)[1] | refused, waiting)
-    again.sort(key=lambda r: -r.merit)
+    again.sort(key=lambda r: -r.place)
     best = again[0]
     others = [*again, *far]
     close, worse = compared(best, others, beside)

@@ -83,13 +83,13 @@ def reviewed(problem: Problem, last: Reviewed, asked: int, passes: Threshold, pl
         near = near[: FINALISTS - 1]
         tried = side_by_side([partial(fitted, problem, bare, s) for s in near])
         rivals = sorted(
-            [mine, *(replace(r, fall=base - r.chi2) for r in tried if r is not None)], key=lambda r: -r.merit
+            [mine, *(replace(r, fall=base - r.chi2) for r in tried if r is not None)], key=lambda r: -r.place
         )
         best = rivals[0]
         close, worse = compared(best, rivals, others)
         refused |= worse
         behind = {r.id: r.fall for r in rivals if r not in close}
-        if best is mine or best.merit < mine.merit + SWAP:
+        if best is mine or best.place < mine.place + SWAP:
             found[i] = replace(one, rivals=(mine, *(r for r in close if r is not mine)), tried=behind, fall=mine.fall)
             continue
         first = passes(bare, scored, others).measured(next(s for s in near if s.id == best.id))

@@ -73,12 +73,15 @@ class Rival:
 
     @property
     def merit(self) -> float:
-        """Fall of chi-squared less a price for each parameter beyond the first, and for what comes after simpler causes."""
-        effect = EFFECTS[self.id]
+        """Fall of chi-squared less a price for each parameter beyond the first."""
         # A gain of all thrusts fits exactly as a single wrong claim does, by moving everything else: the claim is the simpler cause.
-        later = TIE if effect.one_factor else 0.0
+        return self.fall - PRICE * (self.count - 1) - (TIE if EFFECTS[self.id].one_factor else 0.0)
+
+    @property
+    def place(self) -> float:
+        """Merit by which the first of several causes is chosen."""
         # A rough outline bends to a drag of a known shape, which comes first wherever the log does not tell the two apart.
-        return self.fall - PRICE * (self.count - 1) - later - (MARGIN if effect.form.rough else 0.0)
+        return self.merit - (MARGIN if EFFECTS[self.id].form.rough else 0.0)
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,9 @@ def make(given):
     if path.exists():
         return
     vehicle = read_vehicle("swan")
-    programme = read_scenario(shipped("swan_train", "_programme")).model_copy(update={"duration": DURATION, "rate": RATE})
+    programme = read_scenario(shipped("swan_train", "_programme")).model_copy(
+        update={"duration": DURATION, "rate": RATE}
+    )
     made = simulate(vehicle, programme, number + 1, CHANGE if number >= whole // 2 else {}, thrusters=7)
     path.write_bytes(log_file(made.t + 1.7e9 + 86400.0 * number, made.columns))
 

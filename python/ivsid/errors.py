@@ -36,14 +36,16 @@ def _escape(found: re.Match[str]) -> str:
     return {"\n": "\\n", "\r": "\\r", "\t": "\\t"}.get(found[0], f"\\x{code:02x}" if code < 256 else f"\\u{code:04x}")
 
 
-def meant(given: str, names: Iterable[str]) -> str:
+def meant(given: object, names: Iterable[str]) -> str:
     """The question in a sentence about an unknown name, with a blank behind it: at most three names that it is close to; empty without any."""
     known = list(names)
+    if not isinstance(given, str):
+        return ""
     close = get_close_matches(given, known, 3) or [n for n in known if n.lower() == given.lower()]
     return f"did you mean {' or '.join(close)}? " if close else ""
 
 
-def choice(given: str, names: Iterable[str]) -> str:
+def choice(given: object, names: Iterable[str]) -> str:
     """The end of a sentence about an unknown name: the names that it is close to, or else all."""
     known = list(names)
     return meant(given, known).rstrip() or f"choose one of {', '.join(known)}"

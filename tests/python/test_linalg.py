@@ -351,3 +351,5 @@ def test_a_result_is_one_value_however_late_its_parts_are_made():
     assert np.array_equal(turned.value.lower, late.value.lower.T)
     with pytest.raises(IvsidError, match="method '"):
         linalg.inverse(a, "exacts")
+    with pytest.raises(IvsidError, match="method .* choose one of exact"):
+        linalg.inverse(a, ["exact"])

@@ -54,6 +54,8 @@ def test_white_noise_keeps_every_averaging_time():
     assert not np.isnan(curve.model(curve.taus)).any()
 
 
+# Nightly: the gate has the bands of each point.
+@pytest.mark.nightly
 @pytest.mark.sampled
 def test_most_bands_hold_the_truth():
     """Sensors with every mixture of filter, steps, bias and walk; the 216 of the nightly run are counted below."""
@@ -193,6 +195,8 @@ def test_units_that_do_not_fit(recording, unit, columns, sentence):
         workflow.allan(recording, unit=unit, columns=columns)
 
 
+# Nightly: eleven seconds; the gate names swell and units.
+@pytest.mark.nightly
 def test_the_signs_reach_the_reader(tmp_path):
     """Filter, sinusoid, drift and coarse steps stand in the notes of the command and of its page."""
     rng = np.random.default_rng(10)

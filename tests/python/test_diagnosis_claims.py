@@ -39,6 +39,8 @@ def test_each_claim_has_the_logs_own_interval():
         assert claim.alone.upper - claim.alone.lower >= 0.999 * (claim.beside.upper - claim.beside.lower)
 
 
+# Nightly: a whole diagnosis; other claims stand in the gate.
+@pytest.mark.nightly
 def test_a_wrong_claim_stands_far_from_the_log_and_bends_the_others():
     result, said = claimed({"drag.surge.quadratic": 20.0, "mass.surge": 52.0})
     assert result.verdict == "wrong"

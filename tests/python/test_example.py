@@ -110,6 +110,8 @@ def test_the_first_diagnosis_names_the_hidden_cause_and_reads_no_truth(tmp_path,
     assert hashlib.sha256(logs[0].read_bytes()).hexdigest() in digests
 
 
+# Nightly: a whole diagnosis; the gate has the example that the documents follow.
+@pytest.mark.nightly
 def test_a_gain_beside_a_stated_centre_of_gravity_is_no_other_centre(tmp_path):
     """Every mass and drag takes up a gain but the moments of the stated centre of gravity: the log does not tell it from another centre."""
     assert run("example", tmp_path / "gain", "--seed", 8).returncode == 0

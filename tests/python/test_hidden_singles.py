@@ -40,6 +40,8 @@ def scored(seed, **given):
     return fit, {s.id: s for s in found}
 
 
+# Nightly: one of the causes that an examination missed; the gate keeps seven of them.
+@pytest.mark.nightly
 def test_the_declared_force_moves_the_water_along_with_the_hull():
     """With the inertia of the dry hull the ambient moment of this log was twice what was declared, and a drag of 11 standard deviations lost in it."""
     fit, found = scored(85308)
@@ -58,6 +60,8 @@ def test_the_declared_force_moves_the_water_along_with_the_hull():
     assert found["drag.yaw.linear"].fall > 60.0
 
 
+# Nightly: one of the causes that an examination missed; the gate keeps seven of them.
+@pytest.mark.nightly
 def test_an_anchor_beside_a_straight_track_is_found():
     """The best anchors of the grid lay ahead and pushed, because every fourth sample of the errors stood for all: aliases were summed."""
     _, found = scored(85095)
@@ -164,6 +168,8 @@ def test_a_cubic_drag_is_seen_by_what_other_drags_leave_of_its_error():
     assert excitation(fit)["drag.cross_flow"] < EXCITED
 
 
+# Nightly: one of the causes that an examination missed; the gate keeps seven of them.
+@pytest.mark.nightly
 def test_a_scale_beyond_its_bound_is_held_against_the_bound():
     """Its prior, a third of the bound, took a scale of 1.7 bounds and 8.6 standard deviations down to a fall of 24."""
     fit, found = scored(132096)

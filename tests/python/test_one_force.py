@@ -116,6 +116,8 @@ def test_a_moment_outside_the_catalogue_has_no_name_and_a_pair_has_two(seed, nam
     assert [f.effect for f in diagnose(vehicle, train, test, null_logs=0).findings] == names
 
 
+# Nightly: a whole diagnosis; the rule alone stands in the gate.
+@pytest.mark.nightly
 def test_a_cause_that_a_force_beats_leaves_the_verdict_unknown(tmp_path, without_hump):
     """A hump that the catalogue lacks passes as a current, which any function of u refuses; what passes every test needs no second proof."""
     folder = seal(case(95107, duration=300.0, what="outside", effect="x.hump"), tmp_path, tmp_path / "answers")

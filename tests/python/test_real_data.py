@@ -72,6 +72,8 @@ def test_every_candidate_for_a_t200_holds_its_table(real, volts):
         assert np.isfinite(ThrustCurve(unit).largest)
 
 
+# Nightly: twelve seconds; the gate fits simulated sensors.
+@pytest.mark.nightly
 def test_the_rov_on_deck(real):
     record = workflow.allan(real("rov_30k/20150518--1335_deck_imu.csv.gz")).record
     assert set(record["channels"]) == {"acc_x", "acc_y", "acc_z", "gyr_x", "gyr_y", "gyr_z"}

@@ -369,6 +369,8 @@ def test_built_in_vehicles_are_sound(name):
     assert "setup.yaw_rate.sign" in [f.id for f in setup_findings(vehicle, turned)]
 
 
+# Nightly: the gate names the faults of simulated channels.
+@pytest.mark.nightly
 def test_real_logs_are_sound_and_their_faults_are_named(real, tmp_path):
     page.write(workflow.import_set("rov30k", real("rov_30k")), tmp_path / "rov")
     page.write(workflow.import_set("cse1", real("cse1")), tmp_path / "cse")

@@ -192,6 +192,8 @@ def test_the_tube_of_surge_is_attained(fit, test_log):
     assert np.all(widest.lower[:, 0] <= widest.upper[:, 0]) and np.isfinite(widest.lower[:, 0]).all()
 
 
+# Nightly: eighteen seconds; the gate has all channels of a twin of nine parameters, and the yaw rate.
+@pytest.mark.nightly
 def test_all_channels_over_short_windows(fit, test_log):
     made = tube(fit, test_log, windows=[2.0])
     windows = made.runs[1]

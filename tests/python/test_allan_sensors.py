@@ -94,6 +94,8 @@ def test_flicker_noise_is_said_and_bounded():
     assert 0.8 * values.std() < curve.bias_bound < 4 * values.std()
 
 
+# Nightly: other sensors stand in the gate.
+@pytest.mark.nightly
 def test_noise_of_increments_counts_in_full_at_a_sample():
     """Angles rounded to steps of 1e-3 and then differentiated: the noise at a sample is far above N / sqrt(dt)."""
     rng = np.random.default_rng(5)

@@ -83,6 +83,8 @@ def test_claims_in_a_table_of_their_own_do_not_stand_twice_in_the_extended_file(
     assert parse_vehicle(text, "model.toml").model.values == {"mass.surge": 58.0}
 
 
+# Nightly: a whole diagnosis; the rule stands in the gate.
+@pytest.mark.nightly
 def test_a_current_that_turns_round_between_the_logs_is_not_named():
     """The extended model is wrong by twice the current on the other log, and one log cannot tell a current from another cause."""
     vehicle = vehicle_of()

@@ -121,6 +121,8 @@ def test_an_effect_is_screened_across_gaps_and_epochs():
     assert screened(vehicle, epochs(gaps(train, rng), rng)).passed[0] == "drag.yaw.linear"
 
 
+# Nightly: other plants are screened in the gate.
+@pytest.mark.nightly
 def test_a_rudder_is_followed_and_what_is_hidden_behind_it_is_screened():
     vehicle = vehicle_of(RUDDER)
     found = screened(vehicle, train_of(vehicle, segments=STEERED, duration=120.0))
@@ -137,6 +139,8 @@ def test_a_wrong_claim_passes_and_a_true_one_does_not(claim, wrong):
     assert ("drag.surge.quadratic" in found.passed) == wrong and bool(found.passed) == wrong
 
 
+# Nightly: the gate mirrors port and starboard.
+@pytest.mark.nightly
 def test_turning_the_earth_frame_turns_the_score_of_a_current():
     vehicle = vehicle_of()
     train = train_of(vehicle, {"current.steady.north": 0.08, "current.steady.east": 0.05})

@@ -130,6 +130,8 @@ def test_teeth_inside_a_cell_are_no_cause_in_time():
     assert not inside_cells(fit, found["drag.surge.linear"])
 
 
+# Nightly: one of the causes that an examination missed; the gate keeps some of them.
+@pytest.mark.nightly
 def test_a_failure_inside_the_accuracy_stands_beside_any_curve():
     """A curve does not change in time, so that a loss of 2 % at a moment is none of its errors."""
     fit, found = scored(85288)
@@ -144,6 +146,8 @@ def test_a_failure_beyond_the_accuracy_stands_beside_usual_cells():
     assert not inside_cells(fit, failure) and Round(fit, tuple(found.values()), 1e-4, {}).left(failure) > 40.0
 
 
+# Nightly: one of the causes that an examination missed; the gate keeps some of them.
+@pytest.mark.nightly
 def test_a_dead_band_between_two_values_of_its_grid_has_its_whole_fall():
     """At the nearest value of the grid a fifth of the fall was left, which a curve inside its accuracy takes."""
     fit, found = scored(85214)
@@ -153,6 +157,8 @@ def test_a_dead_band_between_two_values_of_its_grid_has_its_whole_fall():
     assert band.looks > 1.0 + 0.3 * len(band.candidate.variants)
 
 
+# Nightly: one of the causes that an examination missed; the gate keeps some of them.
+@pytest.mark.nightly
 def test_teeth_that_jump_are_no_dead_band():
     fit, found = scored(82105, what="none", thrust="sawtooth", share=1.0)
     assert Round(fit, tuple(found.values()), 1e-4, {}).left(found["thruster.deadband"]) < 1.0

@@ -127,6 +127,8 @@ def test_headings_separate_current_from_wind_better_than_straight_runs():
     assert one.best.trial == "turns on the spot"
 
 
+# Nightly: the gate has the command.
+@pytest.mark.nightly
 def test_algebra_is_broken_by_no_manoeuvre():
     vehicle, train, fit = fitted(ZIGZAGS)
     (one,), _ = advise(fit, [("added_mass.munk", "drag.lift.yaw")], sailed(vehicle, fit.h.values, train.columns))

@@ -343,6 +343,8 @@ def test_only_a_finding_close_to_its_threshold_asks_for_null_logs(zigzags, tmp_p
     np.testing.assert_array_equal(again.nulls.strengths, near.nulls.strengths)
 
 
+# Nightly: a whole calibration; smaller ones stand in the gate.
+@pytest.mark.nightly
 def test_null_logs_beside_a_cause_beyond_doubt_follow_the_model_with_it(zigzags, tmp_path):
     fit, test, _ = zigzags
     tide = Given(EFFECTS["current.oscillating"], (0.1, 0.0, 100.0, 0.0))

@@ -528,6 +528,8 @@ def test_a_tube_beside_rows_ends_where_it_bounds_little(fit, course, monkeypatch
     assert ended.shape[0] == 101 and np.array_equal(ended.upper, whole.upper[:101])
 
 
+# Nightly: a twin of nine parameters stands in the gate.
+@pytest.mark.nightly
 def test_the_yaw_rate_is_attained(fit, test_log):
     """Over ten seconds: one inertia for the whole window, and errors of the moment as their integral."""
     windows = tube(fit, test_log, windows=[10.0], whole=False).runs[0]

@@ -36,14 +36,20 @@ def main() -> None:
     vehicle = parse_vehicle((files("ivsid") / "data" / "swan.toml").read_text(), "swan.toml")
     fit = identify(vehicle, trial(vehicle, "swan_train", 300.0))
     long = trial(vehicle, "swan_test", 600.0)
-    for channels, parts in (("straight", 1), ("straight", 2), ("surge", 1), ("all", 1)):
-        made = tube(fit, long, channels=channels, parts=parts, windows=[10.0])
+    for channels, parts, cells in (
+        ("straight", 1, 1),
+        ("straight", 2, 1),
+        ("surge", 1, 1),
+        ("all", 1, 1),
+        ("all", 1, 8),
+    ):
+        made = tube(fit, long, channels=channels, parts=parts, yaw_cells=cells, windows=[10.0])
         for run in made.runs:
             proved = sum(w.proved - w.first for w in run.horizon.windows)
             for k in made.components[:3]:
                 w = widths(run, k)
                 print(
-                    f"{channels:<9} {parts} part(s) {run.name:<6} {NAMES[k]:<2} width {w['median_width']:.4g} {UNITS[k]} median, {w['largest_width']:.4g} worst; "
+                    f"{channels:<9} {parts} part(s), {cells} cell(s) {run.name:<6} {NAMES[k]:<2} width {w['median_width']:.4g} {UNITS[k]} median, {w['largest_width']:.4g} worst; "
                     f"outer / inner {w['median_ratio']:.4f} median, {w['largest_ratio']:.4f} worst; {proved} steps in {run.seconds:.2f} s; "
                     f"{run.outside} rows outside"
                 )

@@ -206,16 +206,16 @@ def _clipped(
     An edge that is cut has its ends on opposite sides, and they share at least ``dimension - 1`` tight bounds. A pair that meets this and is
     no edge only adds a point inside.
     """
-    over = {p: sum(f * x for f, x in zip(half[0], p, strict=True)) - half[1] for p in corners}
-    kept = {p: tight | {number} if over[p] == 0 else tight for p, tight in corners.items() if over[p] <= 0}
+    # A point of fractions is slow to look up, so that each is once.
+    over = [(p, tight, sum(f * x for f, x in zip(half[0], p, strict=True)) - half[1]) for p, tight in corners.items()]
+    kept = {p: tight | {number} if by == 0 else tight for p, tight, by in over if by <= 0}
     if len(kept) == len(corners):
         return kept
-    inside = [p for p in corners if over[p] < 0]
-    outside = [p for p in corners if over[p] > 0]
-    for p, q in product(inside, outside):
-        shared = corners[p] & corners[q]
+    inside, outside = [c for c in over if c[2] < 0], [c for c in over if c[2] > 0]
+    for (p, near, low), (q, far, high) in product(inside, outside):
+        shared = near & far
         if len(shared) >= dimension - 1:
-            share = over[q] / (over[q] - over[p])
+            share = high / (high - low)
             point = tuple(y + share * (x - y) for x, y in zip(p, q, strict=True))
             kept[point] = kept.get(point, frozenset()) | shared | {number}
     return kept

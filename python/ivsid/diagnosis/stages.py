@@ -38,6 +38,7 @@ from ivsid.diagnosis.statements.proved import lasting, proof_of, proved_findings
 from ivsid.diagnosis.statements.residuals import before_and_after, unexplained
 from ivsid.diagnosis.statements.shallow_water import change
 from ivsid.diagnosis.statements.trial import Trial
+from ivsid.errors import IvsidError
 from ivsid.intervals.apart import Apart
 from ivsid.log import GivenLog, Log, log_of
 from ivsid.setup import SetupFinding, examined
@@ -173,17 +174,33 @@ def diagnose(
 def _fitted(
     vehicle: Vehicle, train: Log, test: Log, progress: Callable[[str], None]
 ) -> tuple[Channels, Channels, Fit, tuple[SetupFinding, ...]]:
-    """Both logs on their clocks, the vehicle file's model fitted to the first, and doubts of the set-up, which is examined before.
+    """Both logs on their clocks, the vehicle file's model fitted to the first, and doubts of the set-up, which is examined beside the first fit.
 
     Raises:
         IvsidError: a wrong set-up that is beyond doubt, which comes before all other reasons and before any fit, or a log that no numbers follow.
     """
-    # The examination takes a twentieth of the fit, which follows a wrong set-up for the longest.
-    doubts = examined(vehicle, (train, test), progress)
+    examining = Apart(partial(examined, vehicle, (train, test)))
+    doubts: list[SetupFinding] = []
+
+    def looked_for(fit: Fit) -> Fit:
+        # A wrong set-up that is beyond doubt ends the work before any cause is looked for.
+        doubts.extend(examining.result())
+        return everything(fit)
+
     progress("fitting the model")
-    log, other = _on_one_origin(train, test, vehicle)
-    fit = plain_fit(vehicle, log, everything)
-    return log, other, fit, doubts
+    try:
+        log, other = _on_one_origin(train, test, vehicle)
+        fit = plain_fit(vehicle, log, looked_for)
+    except IvsidError:
+        # Its sentence comes before one that follows from it.
+        if not doubts:
+            examining.result()
+        raise
+    finally:
+        examining.end()
+    for one in doubts:
+        progress(f"set-up: {one.sentence}")
+    return log, other, fit, tuple(doubts)
 
 
 def _on_one_origin(train: Log, test: Log, vehicle: Vehicle) -> tuple[Channels, Channels]:

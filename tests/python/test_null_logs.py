@@ -256,12 +256,14 @@ def test_a_faster_log_is_thinned_and_its_noise_with_it():
     vehicle, log = drawn(rate=20.0, duration=120.0)
     data = channels(log, vehicle)
     thin, q = thinned(data, vehicle)
-    assert q == 4 and 1 / thin.h == pytest.approx(SLOWEST) and thin.n == data.n // 4
-    assert thin.noise["u"] == pytest.approx(data.noise["u"] / 2)
-    np.testing.assert_allclose(thin.demands, data.demands[:, : 4 * thin.n].reshape(-1, thin.n, 4).mean(axis=2))
+    assert q == 2 and 1 / thin.h == pytest.approx(SLOWEST) and thin.n == data.n // 2
+    assert thin.noise["u"] == pytest.approx(data.noise["u"] / np.sqrt(2))
+    inside = data.between.demands[:, : 2 * thin.n].reshape(len(data.demands), thin.n, -1)
+    np.testing.assert_allclose(thin.demands, inside.mean(axis=2))
     assert thinned(thin, vehicle) == (thin, 1)
-    # Where a demand moves inside a step, the clock stays quicker.
-    assert thinned(replace(data, held=False), vehicle)[1] == 2
+    # Where a demand moves inside a step, the clock stays quicker; demands are those of the whole step there, too.
+    quick, q = thinned(replace(data, held=False), vehicle)
+    assert q == 1 and quick.between is None and quick.n == data.n
 
 
 def test_a_thinned_clock_adds_no_error_to_a_null_log(zigzags):

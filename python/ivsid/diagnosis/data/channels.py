@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -34,13 +35,32 @@ class Between:
         demands: of thrusters, in their own unit.
         angles: of azimuth thrusters [rad].
         rudders: angles of rudders [rad].
+        read: parts from a sample to each of the readings whose mean it is.
     """
 
     demands: Array
     angles: Array
     rudders: Array
+    read: tuple[int, ...] = (0,)
 
-    @property
+    @cached_property
+    def _readings(self) -> list[NDArray[np.int64]]:
+        """Parts at the readings of each sample, shape (n,) each."""
+        n, count = self.demands.shape[1:]
+        first = np.arange(0, n * count, count)
+        return [np.clip(first + k, 0, n * count - 1) for k in self.read]
+
+    def sampled(self, x: Array) -> Array:
+        """The mean of a quantity over the readings of each sample, shape (..., n), from its values at the starts of all parts, shape (..., n parts)."""
+        first, *others = (x[..., at] for at in self._readings)
+        return np.asarray(sum(others, first) / len(self.read))
+
+    def mean(self, x: Array) -> Array:
+        """Means over steps, shape (..., n), from those over their parts, shape (..., n, parts)."""
+        # A reduction along an axis of a few numbers takes ten times as long.
+        return np.asarray(x @ np.full(x.shape[-1], 1 / x.shape[-1]))
+
+    @cached_property
     def lean(self) -> Array:
         """Weights of the parts in the lead of a step's mean velocity over a straight line, shape (parts,).
 
@@ -137,25 +157,32 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     log, _ = with_velocities(differenced(log), vehicle.sensors)
     check_usable(log)
     log = at_origin(log, vehicle.sensors)
-    log, h, notes = paced(log)
-    clock = np.arange(int(np.floor((log.t[-1] - log.t[0]) / h + WHOLE)) + 1) * h + log.t[0]
-    resample = Resampler(log, clock, h)
+    held = vehicle.log.demand == "hold"
+    # Only a force that keeps its direction is linear in its thrust, so that the mean of one gives that of the other.
+    fixed = all(t.steering == "fixed" and t.rudder is None for t in vehicle.thrusters)
+    log, h, count, notes = paced(log, inside=held and fixed and bool(vehicle.thrusters))
+    # The first time has as many of its step's readings before it as after it.
+    start = log.t[0] + 0.5 * (count - 1) * (h / count)
+    clock = np.arange(int(np.floor((log.t[-1] - start) / h + WHOLE)) + 1) * h + start
+    resample = Resampler(log, clock, h, count)
     nu = np.stack([resample(n) for n in ("u", "v", "r")])
-    ax, ay = resample.optional("ax"), resample.optional("ay")
-    if ax is None and (udot := resample.optional("udot")) is not None:
+    sensor = vehicle.sensors.acceleration
+    averaged = sensor is not None and sensor.sampling == "averaged"
+    ax, ay, rdot = (resample.optional(n, since=averaged) for n in ("ax", "ay", "rdot"))
+    if ax is None and (udot := resample.optional("udot", since=averaged)) is not None:
         ax = udot - nu[1] * nu[2]
-    if ay is None and (vdot := resample.optional("vdot")) is not None:
+    if ay is None and (vdot := resample.optional("vdot", since=averaged)) is not None:
         ay = vdot + nu[0] * nu[2]
     psi = None
     if "psi" in log.columns and "r" not in log.derived:
         psi = resample("psi", unwrap=True)
     place = np.stack([resample("x"), resample("y")]) if {"x", "y"} <= set(log.columns) else None
-    held = vehicle.log.demand == "hold"
     demands, angles, rudders = _sent(vehicle, resample, held=held)
     between = None
     if held and h > RARE * log.period and vehicle.thrusters:
-        parts = min(int(np.ceil(h / log.period - WHOLE)), MOST_PARTS)
-        between = _between(vehicle, resample, parts)
+        # Times between two samples cut the steps of the log in half.
+        parts = min(int(np.ceil(h / log.period - WHOLE)) * (2 - count % 2), MOST_PARTS)
+        between = _between(vehicle, resample, parts, _read(parts, count))
     force = np.zeros((3, clock.size))
     if not vehicle.thrusters:
         for k, name in enumerate(("force_X", "force_Y", "moment_N")):
@@ -166,8 +193,6 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
         speed, direction = resample("wind_speed"), resample("wind_direction", unwrap=True)
         wind = np.stack([-speed * np.cos(direction), -speed * np.sin(direction)])
     voltage = resample.optional("voltage")
-    sensor = vehicle.sensors.acceleration
-    rdot = resample.optional("rdot")
     readings = {"u": nu[0], "v": nu[1], "r": nu[2], "ax": ax, "ay": ay, "rdot": rdot, "psi": psi}
     readings |= {"x": None, "y": None} if place is None else {"x": place[0], "y": place[1]}
     return Channels(
@@ -176,7 +201,7 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
         clock - (log.t[0] if origin is None else origin),
         nu,
         (ax, ay, rdot),
-        sensor is not None and sensor.sampling == "averaged",
+        averaged,
         psi,
         place,
         demands,
@@ -212,7 +237,12 @@ def _sent(vehicle: Vehicle, resample: Resampler, *, held: bool) -> tuple[Array, 
     return demands, angles, rudders
 
 
-def _between(vehicle: Vehicle, resample: Resampler, parts: int) -> Between:
+def _read(parts: int, count: int) -> tuple[int, ...]:
+    """Parts of a step from a sample to each of the readings that are averaged around it."""
+    return tuple(round((k - 0.5 * (count - 1)) * parts / count) for k in range(count))
+
+
+def _between(vehicle: Vehicle, resample: Resampler, parts: int, read: tuple[int, ...]) -> Between:
     """Demands and angles at equal parts of the steps."""
     demands = np.stack([resample.between(f"demand_{t.name}", parts) for t in vehicle.thrusters])
     angles, rudders = np.zeros_like(demands), np.zeros_like(demands)
@@ -222,4 +252,4 @@ def _between(vehicle: Vehicle, resample: Resampler, parts: int) -> Between:
             angles[k] = resample.between(f"azimuth_{thruster.name}", parts)
         if thruster.rudder is not None:
             rudders[k] = resample.between(f"rudder_{thruster.name}", parts)
-    return Between(demands, angles, rudders)
+    return Between(demands, angles, rudders, read)

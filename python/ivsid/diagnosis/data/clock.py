@@ -14,6 +14,12 @@ from ivsid.log import Log
 # Highest rate of the clock [Hz]; a quicker log is thinned.
 # Source: physics: the motion of a hull and of its thrusters has time constants above 0.1 s, which two samples and more resolve
 HIGHEST_RATE: Final = 25.0
+# Highest rate of the clock [Hz] where demands are looked up inside its steps; the readings of a quicker log are averaged over the steps.
+# Source: physics: the motion of a hull has time constants above 0.1 s, so that means over a step of that length show it
+HIGHEST_MEAN_RATE: Final = 12.5
+# Largest usual turn in a step over which readings are averaged [rad].
+# Source: physics: sin x and x differ by 0.2 % at 0.1 rad, and so does the mean of a velocity from that at the middle of the step
+LARGEST_MEAN_TURN: Final = 0.1
 # Longest step of the clock [s]; a log whose velocities come more rarely is refused.
 # Source: physics: thrusters and yaw of a hull of 1 m settle within a second or two, which a rarer velocity does not follow
 LONGEST_STEP: Final = 1.0
@@ -54,8 +60,12 @@ def usual_step(log: Log, name: str) -> float:
     return float(np.median(np.diff(log.t[there]))) if there.sum() > 2 else 0.0
 
 
-def paced(log: Log) -> tuple[Log, float, list[str]]:
-    """The log without channels that come too rarely and without outliers, the step of its clock [s], and notes for the reader.
+def paced(log: Log, *, inside: bool) -> tuple[Log, float, int, list[str]]:
+    """The log without channels that come too rarely and without outliers, the step of its clock [s], readings in a step, and notes for the reader.
+
+    Args:
+        log: as read.
+        inside: whether demands are looked up inside the steps of the clock.
 
     Raises:
         IvsidError: velocities come less than once a second, or the vehicle turns too far between two samples.
@@ -73,11 +83,18 @@ def paced(log: Log) -> tuple[Log, float, list[str]]:
             )
         h = slowest
         notes.append(f"the clock is that of the slowest velocity: {1 / h:.3g} samples a second")
+    count, turning = 1, float(np.nanquantile(np.abs(log.columns["r"]), USUAL))
+    if inside and slowest <= RARE * h and 1 / h > HIGHEST_MEAN_RATE * CLOCK_TOLERANCE:
+        most = int(LARGEST_MEAN_TURN / (turning * h)) if turning > 0 else 1
+        count = max(1, min(int(np.ceil(1 / h / HIGHEST_MEAN_RATE)), most))
+    if count > 1:
+        h *= count
+        notes.append(f"means of {count} readings are used: {1 / h:.3g} a second are enough for the motion of a hull")
     if 1 / h > HIGHEST_RATE * CLOCK_TOLERANCE:
         thin = int(np.ceil(1 / h / HIGHEST_RATE))
         h *= thin
         notes.append(f"every {thin}th sample is used: {1 / h:.3g} a second are enough for the motion of a hull")
-    turned = h * float(np.nanquantile(np.abs(log.columns["r"]), USUAL))
+    turned = h * turning
     if turned > LARGEST_TURN:
         raise IvsidError(
             f"{log.name}: the vehicle turns by {turned:.2g} rad from one sample to the next, and a diagnosis follows {LARGEST_TURN:g}; log faster, or "
@@ -91,4 +108,4 @@ def paced(log: Log) -> tuple[Log, float, list[str]]:
         if name in columns and (wild := outliers(columns[name])).any():
             columns[name] = np.where(wild, np.nan, columns[name])
             notes.append(f"{int(wild.sum())} samples of {name} stand far out from both neighbours and are left out")
-    return replace(log, columns=columns), h, notes
+    return replace(log, columns=columns), h, count, notes

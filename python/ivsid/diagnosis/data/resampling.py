@@ -25,21 +25,25 @@ class Resampler:
         log: with irregular times.
         clock: times of the uniform clock [s], shape (n,).
         h: its step [s].
+        count: readings that are averaged over a step.
         good: samples at which every channel asked for so far was measured, shape (n,).
     """
 
-    def __init__(self, log: Log, clock: Array, h: float) -> None:
-        self.log, self.clock, self.h = log, clock, h
+    def __init__(self, log: Log, clock: Array, h: float, count: int = 1) -> None:
+        self.log, self.clock, self.h, self.count = log, clock, h, count
         self.good = np.ones(clock.size, dtype=bool)
 
-    def __call__(self, name: str, *, sent: bool = False, held: bool = False, unwrap: bool = False) -> Array:
-        """A column on the clock, shape (n,).
+    def __call__(
+        self, name: str, *, sent: bool = False, held: bool = False, unwrap: bool = False, since: bool = False
+    ) -> Array:
+        """A column on the clock, shape (n,): a demand at its times, the mean of a reading over the step around them.
 
         Args:
             name: of the column.
             sent: a demand, which stays in force between its samples; a reading is not ``good`` in a gap.
             held: the last value at or before each time (a zero-order hold), in place of straight lines.
             unwrap: an angle is followed through whole turns.
+            since: the mean of a reading over the step before each time instead: one that is a mean over the step before its row.
         """
         values = self.log.columns[name]
         there = np.isfinite(values)
@@ -54,7 +58,9 @@ class Resampler:
             return np.interp(self.clock, t, x)
         nearest = np.minimum(np.abs(self.clock - t[at]), np.abs(t[np.minimum(at + 1, t.size - 1)] - self.clock))
         self.good &= nearest <= FARTHEST * self.h
-        return np.interp(self.clock, t, x)
+        places = np.arange(self.count) - (self.count - 1 if since else 0.5 * (self.count - 1))
+        found = np.mean([np.interp(self.clock + k * (self.h / self.count), t, x) for k in places], axis=0)
+        return np.asarray(found, dtype=np.float64)
 
     def between(self, name: str, parts: int) -> Array:
         """A held demand at equal parts of the steps of a clock that is slower than the log, shape (n, parts)."""
@@ -64,8 +70,8 @@ class Resampler:
         at = np.searchsorted(t, clock + SAME * self.h / parts, side="right") - 1
         return np.asarray(x[np.clip(at, 0, t.size - 1)])
 
-    def optional(self, name: str) -> Array | None:
+    def optional(self, name: str, *, since: bool = False) -> Array | None:
         """A reading on the clock, shape (n,), or None if the log has no sample of it."""
         if name not in self.log.columns or not np.isfinite(self.log.columns[name]).any():
             return None
-        return self(name)
+        return self(name, since=since)

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.data.channels import Channels
+from ivsid.diagnosis.data.channels import Between, Channels
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.diagnosis.plant.thrust_errors import ThrustErrors
@@ -43,9 +43,10 @@ class Driving:
         self.propulsion = Propulsion(vehicle, log, errors)
         self.turned, self.steered, self.sent = (_over(x, held=log.held) for x in (log.angles, log.rudders, log.force))
         if log.between is not None:
-            self.turned = np.concatenate([log.angles, log.between.angles.mean(axis=2)], axis=1)
-            self.steered = np.concatenate([log.rudders, log.between.rudders.mean(axis=2)], axis=1)
+            self.turned, self.steered = (_between(log.between, x) for x in (log.between.angles, log.between.rudders))
         self.swing = np.cos(self.turned), np.sin(self.turned)
+        self._turns = any(t.steering == "azimuth" for t in vehicle.thrusters)
+        self._at_samples = self.swing[0][:, : log.n], self.swing[1][:, : log.n]
         self._known: dict[object, tuple[Array, Array, Array | None]] = {}
 
     def thrusts(self, h: Hypothesis) -> Array:
@@ -80,6 +81,9 @@ class Driving:
         between = self.log.between
         if parts is None or between is None:
             return None
+        if not self._turns:
+            # A force that keeps its direction has its moment where its thrust has it.
+            return bollard_force(self.vehicle, parts @ between.lean, self._at_samples, np.zeros((3, self.log.n)))
         pushes = (parts * between.lean).reshape(len(parts), -1)
         angles = between.angles.reshape(pushes.shape)
         none = np.zeros((3, pushes.shape[1]))
@@ -99,6 +103,11 @@ class Driving:
             beside: the errors [N], shape (errors, m), of m demands from neutral in the order of time; the declared ones by default.
         """
         return self.propulsion.slopes(k, h.given, self._sizes(h, k), beside)
+
+
+def _between(between: Between, x: Array) -> Array:
+    """Angles at the readings of samples, then over the steps, from those at the parts of the steps."""
+    return np.concatenate([between.sampled(x.reshape(len(x), -1)), between.mean(x)], axis=1)
 
 
 def _over(x: Array, *, held: bool) -> Array:

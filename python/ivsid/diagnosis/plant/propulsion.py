@@ -105,6 +105,8 @@ class Propulsion:
         self._samples = [self._at(k, d, kept=True) for k, d in enumerate(self.demands)]
         # Every hypothesis asks for the thrusts of the same demands between samples: they are worked out once.
         self._between: dict[int, _At] = {}
+        # The last thrusts of the log's own demands, with what they were worked out under: lags and delays are tried on the same ones.
+        self._static: dict[int, tuple[object, Array]] = {}
 
     def thrusts(self, given: Sequence[Given] = (), sizes: Sequence[Sequence[float]] | None = None) -> Thrusts:
         """The thrusts before any loss by inflow.
@@ -170,6 +172,14 @@ class Propulsion:
             return thrust if thrust.shape == d.shape else np.full(d.size, thrust)
 
         def static(at: _At) -> Array:
+            if errors is not None or at is not self._between.get(k):
+                return worked(at)
+            key = (tuple(sizes), tuple(changes))
+            if self._static.get(k, (None,))[0] != key:
+                self._static[k] = key, worked(at)
+            return self._static[k][1]
+
+        def worked(at: _At) -> Array:
             # The error of the curve comes before any limit or dead band.
             thrust = at.thrust + at.total(sizes) if any(sizes) else at.thrust
             if errors is None:
@@ -265,7 +275,7 @@ class Propulsion:
             if lag > SHORTEST_LAG:
                 now, mean, _ = _behind(now, mean, lag, h)
         fine = mean.reshape(*mean.shape[:-1], mean.shape[-1] // parts, parts)
-        return now[..., ::parts], fine.mean(axis=-1), fine
+        return self.log.between.sampled(now), self.log.between.mean(fine), fine
 
 
 def _lag(thruster: Thruster, late: Mapping[str, float]) -> tuple[float, bool]:

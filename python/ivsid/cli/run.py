@@ -63,4 +63,6 @@ def run(
         say(line)
     for name, place in apart.items():
         say(f"  {name} stands apart: {place}")
-    say(f"written to {folder}/ (report.html, result.json, {len(report.drawings)} figures)")
+    count = len(report.drawings)
+    figures = f", {count} figure{'s' * (count > 1)}" if count else ""
+    say(f"written to {folder}/ (report.html, result.json{figures})")

@@ -17,6 +17,9 @@ Array = NDArray[np.float64]
 # Source: definition: letters of 12 units stay legible at the width of a phone
 FRAME = (440.0, 270.0, 56.0, 12.0, 12.0, 44.0)
 
+# A bar over the whole axis, with an arrow at both ends.
+ENDLESS = {"left": 0.0, "width": 100.0, "less": True, "more": True}
+
 
 @dataclass(frozen=True)
 class Bar:
@@ -81,7 +84,7 @@ def _number(n: Bars) -> dict[str, object]:
     if ends is None:
         return {
             "number": n.number,
-            "rows": [{"label": b.label, "words": b.words, "bar": None} for b in n.rows],
+            "rows": [{"label": b.label, "words": b.words, "proved": b.proved, "bar": ENDLESS} for b in n.rows],
             "axis": [],
             "points": [],
         }

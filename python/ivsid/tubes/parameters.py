@@ -16,7 +16,7 @@ from typing import Final, TypeAlias, TypedDict
 
 from ivsid.errors import IvsidError
 from ivsid.identification import Identification, Parameter
-from ivsid.intervals import Interval
+from ivsid.intervals import Interval, shown
 from ivsid.linear.trajectories import Column, Vertex
 
 Point: TypeAlias = tuple[Fraction, ...]
@@ -83,7 +83,7 @@ def blocks_of(fit: Identification, acting: Collection[str]) -> list[Block]:
             )
         if not _finite(p):
             raise IvsidError(
-                f"{id_} has the interval [{p.lower:g}, {p.upper:g}], and a tube needs finite ones of all parameters that act on what it follows; "
+                f"{id_} has {'no bound' if not (math.isfinite(p.lower) or math.isfinite(p.upper)) else f'the interval {shown(p.lower, p.upper)}'}, and a tube needs finite ones of all parameters that act on what it follows; "
                 "identify with a log that excites it, or follow surge alone with --channels surge or straight where it does not act there"
             )
     found = []

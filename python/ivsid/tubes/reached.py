@@ -129,7 +129,7 @@ def reached(
             tuple(a for a in found.assumes if a not in fit.assumes),
             None,
         )
-    return _none("; ".join(obstacles))
+    return _none("; ".join(dict.fromkeys(obstacles)))
 
 
 def _proved(horizon: Horizon) -> float:

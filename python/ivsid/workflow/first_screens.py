@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
 from ivsid.report.page import Card, First
-from ivsid.workflow.parameters import MEANING, brief, freedom_lines
+from ivsid.workflow.parameters import bounded, freedom_lines
 
 if TYPE_CHECKING:
     from ivsid.diagnosis import Isolability
@@ -42,16 +42,15 @@ def identified(fit: Identification, further: Sequence[str] = ()) -> First:
         "unbounded": "The log leaves some parameters open",
     }.get(fit.status, "These intervals prove nothing")
     tone = {"enclosed": "good", "empty": "bad"}.get(fit.status, "open")
-    sure = "Guaranteed under the assumptions below" if fit.guaranteed else "Not guaranteed"
-    words = f"{sure}: {MEANING[fit.status]}."
+    said = [f"{line[0].upper()}{line[1:]}." for line in freedom_lines(fit)]
     if fit.inflation is not None:
         room = "the log leaves room to spare" if fit.inflation < 1 else "so wide would all bounds have to be"
-        words += f" Smallest factor on all bounds with a consistent parameter: {fit.inflation:.3g}, {room}."
-    facts = tuple((id_, f"{brief(p.lower, p.upper)} {p.unit}") for id_, p in fit.parameters.items())
+        said.append(f"Smallest factor on all bounds with a consistent parameter: {fit.inflation:.3g}, {room}.")
+    facts = tuple((id_, bounded(p)) for id_, p in fit.parameters.items())
     cards = (Card("Intervals", f"Method {fit.method}.", facts, "parameters"),) if facts else ()
     claims = [c for c in fit.claims if c["contradicted"]]
     warnings = [f"The claimed {c['parameter']} = {c['value']:.4g} is contradicted." for c in claims]
-    return First(verdict, tone, words, cards, (NEXT[fit.status], *further, *freedom_lines(fit)), tuple(warnings))
+    return First(verdict, tone, " ".join(said), cards, (NEXT[fit.status], *further), tuple(warnings))
 
 
 def validated(result: Validation) -> First:
@@ -62,7 +61,7 @@ def validated(result: Validation) -> First:
     facts = [
         (
             TITLES[f.channel],
-            f"error {f.sigma:.3g} {units.get(f.channel, 'N')} about {f.mean:.3g}; {100 * f.coverage:.4g} % inside the bounds",
+            f"error {f.sigma:.3g} {units.get(f.channel, 'N')} about a mean of {f.mean:.3g} {units.get(f.channel, 'N')}; {100 * f.coverage:.4g} % inside the bounds",
         )
         for f in result.forces
     ]
@@ -74,6 +73,8 @@ def validated(result: Validation) -> First:
     outside = f"{max(found.outside.values(), default=0)} rows"
     facts.append(("tubes", found.reason) if found.reason else ("readings outside of the tubes", outside))
     verdict = "The parameters hold on the other log"
+    if result.motion.reason:
+        verdict = "No row of the other log contradicts the parameters"
     if wrong:
         verdict = f"{wrong} of {total} rows contradict the parameters"
     elif found.refuted:
@@ -84,7 +85,8 @@ def validated(result: Validation) -> First:
         else "not guaranteed, so agreement proves nothing"
     )
     twin = " (the log of this call)" if result.log_name == fit.log_name else ""
-    words = f"{result.log_name}{twin}, {total} rows, against the fit of {fit.log_name} by {fit.method}. The bounds are {sure}."
+    rows = "" if wrong else f", {total} rows"
+    words = f"{result.log_name}{twin}{rows}, against the fit of {fit.log_name} by {fit.method}. The bounds are {sure}."
     # Logs of one name stand in folders of their own, which the fit does not know.
     logs = "LOG OTHER_LOG" if twin else f"{fit.log_name} {result.log_name}"
     following = (
@@ -92,7 +94,8 @@ def validated(result: Validation) -> First:
         if result.contradicted
         else "Use the parameters for motion like that of both logs; sail other motion to test them further."
     )
-    tone = "bad" if result.contradicted else "good"
+    # Where the log leaves parameters open, no motion can be simulated: agreement of rows is half of the answer.
+    tone = "bad" if result.contradicted else "open" if result.motion.reason else "good"
     return First(verdict, tone, words, (Card("Errors", "Predicted against measured.", tuple(facts)),), (following,))
 
 
@@ -176,7 +179,7 @@ def separable(result: Isolability) -> First:
 def demonstrated(fits: Sequence[Identification], checks: Sequence[Validation]) -> First:
     """The first screen of the paper's experiment."""
     feasible = fits[0]
-    facts = tuple((id_, f"{brief(p.lower, p.upper)} {p.unit}") for id_, p in feasible.parameters.items())
+    facts = tuple((id_, bounded(p)) for id_, p in feasible.parameters.items())
     proved = [f.method for f in fits if f.guaranteed and f.parameters]
     wrong = sum(f.falsified for f in checks[0].forces)
     words = (

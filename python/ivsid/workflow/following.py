@@ -120,7 +120,7 @@ def follow(
         (drawing,),
         {},
         tuple(lines_of(found)),
-        _first(found, summary),
+        _first(found),
     )
     return with_setup(report, found.setup)
 
@@ -146,7 +146,7 @@ def _table(found: Following) -> page.Part:
     return page.table(["parameter", "unit", "interval after the last row"], rows)
 
 
-def _first(found: Following, summary: str) -> First:
+def _first(found: Following) -> First:
     verdict = {
         "enclosed": f"{len(found.parameters)} parameters are enclosed",
         "unbounded": "The log leaves some parameters open",
@@ -160,4 +160,4 @@ def _first(found: Following, summary: str) -> First:
         "empty": "Look for the cause: ivsid diagnose VEHICLE LOG OTHER_LOG.",
     }[found.status]
     tone = "bad" if found.changes else "good" if found.status == "enclosed" and found.guaranteed else "open"
-    return First(verdict, tone, summary, (), (following,), ())
+    return First(verdict, tone, "", (), (following,), ())

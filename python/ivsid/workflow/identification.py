@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Final
 
 from ivsid import identification
 from ivsid.files.records import sealed
 from ivsid.identification import Identification, Narrower, narrower
 from ivsid.log import Log, read_log
 from ivsid.report import figures, page
+from ivsid.report.figures import Drawing
 from ivsid.report.page import Part, Report, Section
 from ivsid.report.tables import quality_record
 from ivsid.rows import WINDOW
@@ -28,6 +31,17 @@ from ivsid.workflow.parameters import (
 )
 from ivsid.workflow.progress import Progress, silent
 from ivsid.workflow.set_up import with_setup
+
+# Rows of a contradiction that the page shows; result.json holds all.
+# Source: resource: lines of a page
+MOST_ROWS: Final = 60
+# Samples of a contradiction that the page lists, and those to which it leads in the log.
+# Source: resource: lines of a page
+MOST_SAMPLES: Final = 12
+MOST_LINKS: Final = 6
+# Seconds of the log on either side of such a sample.
+# Source: definition: as on the page of a diagnosis
+AROUND: Final = 10.0
 
 
 def identify(
@@ -105,7 +119,7 @@ def identification_report(fit: Identification, log: Log, more: Narrower | None =
                 *_bars(fit),
                 method_table([fit]),
                 page.bullets(facts),
-                page.details("The intervals as a picture", (page.drawing(drawings[0]),)),
+                *_picture(fit, drawings[0]),
             ),
         ),
         Section("Assumptions", (page.bullets(fit.assumes),)),
@@ -138,6 +152,10 @@ def _bars(fit: Identification) -> list[Part]:
     return [parameter_bars([fit])] if fit.parameters else []
 
 
+def _picture(fit: Identification, drawing: Drawing) -> list[Part]:
+    return [page.details("The intervals as a picture", (page.drawing(drawing),))] if fit.parameters else []
+
+
 def _quality(log: Log) -> list[Part]:
     return [quality_table(log.quality)] if log.quality else []
 
@@ -150,20 +168,35 @@ def _notes(fit: Identification, log: Log) -> list[Part]:
 
 
 def _contradiction(fit: Identification) -> Section:
-    """The rows that prove the model wrong."""
+    """The samples of the rows that prove the model wrong, and the rows of each combination of signs."""
+    found = [(c, r) for c in fit.falsifying for r in c["rows"]]
+    places = Counter((r["channel"], r["time"], r["duration"], r["side"]) for _, r in found)
+    samples = page.table(
+        ["channel", "time [s]", "window [s]", "side", "in proofs"],
+        [[c, f"{t:.6g}", d, side, n] for (c, t, d, side), n in places.most_common(MOST_SAMPLES)],
+        f"{MOST_SAMPLES} of {len(places)}; result.json holds all." if len(places) > MOST_SAMPLES else "",
+    )
     rows = [
         [
-            ", ".join(f"{k} {'≥' if s > 0 else '≤'} 0" for k, s in c["orthant"].items() if s),
+            ", ".join(f"{k} {'≥' if s > 0 else '≤'} 0" for k, s in c["orthant"].items() if s) or "any",
             r["channel"],
-            r["time"],
+            f"{r['time']:.6g}",
             r["duration"],
             r["side"],
         ]
-        for c in fit.falsifying
-        for r in c["rows"]
+        for c, r in found[:MOST_ROWS]
     ]
-    table = page.table(["signs", "channel", "time [s]", "window [s]", "side"], rows[:60])
+    proofs = len(fit.falsifying)
     words = page.text(
-        "For each combination of signs, these rows contradict each other. They are the samples to look at."
+        "These rows contradict each other. They are the samples to look at."
+        if proofs == 1
+        else f"Rows contradict each other, whatever the signs of the parameters: {proofs} combinations of signs, a proof for each. "
+        "The rows that occur in most proofs stand first. They are the samples to look at."
     )
-    return Section("Why no parameter fits", (words, table))
+    table = page.table(["signs", "channel", "time [s]", "window [s]", "side"], rows)
+    more = [page.details("The rows by the signs of the parameters", (table,))] if proofs > 1 else []
+    links = [
+        (f"{channel} at {time:.6g} s", "log", time - AROUND, time + long + AROUND)
+        for channel, time, long in list(dict.fromkeys(p[:3] for p, _ in places.most_common()))[:MOST_LINKS]
+    ]
+    return Section("Why no parameter fits", (words, page.jump("Show them in the log:", links), samples, *more))

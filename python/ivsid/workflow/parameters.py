@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from ivsid.identification import Identification, Narrower, in_words
+from ivsid.identification import Identification, Narrower, Parameter, in_words
 from ivsid.intervals import shown
 from ivsid.report import drawn, page
 from ivsid.report.drawn import Bar, Bars
@@ -35,13 +35,21 @@ NARROW: Final = 0.05
 
 
 def brief(lower: float, upper: float) -> str:
-    """An interval in as few digits as do not widen it by more than a twentieth, four at the least, rounded outward."""
+    """An interval in as few digits as do not widen it by more than a twentieth, four at the least, rounded outward; words without any end."""
+    if lower == -math.inf and upper == math.inf:
+        return "no bound"
     digits = 4
     while (
         digits < MOST_DIGITS and math.isfinite(upper - lower) and _lost(lower, upper, digits) > NARROW * (upper - lower)
     ):
         digits += 1
     return shown(lower, upper, digits)
+
+
+def bounded(p: Parameter) -> str:
+    """The interval of a parameter with its unit, or that it has no end."""
+    words = brief(p.lower, p.upper)
+    return f"{words} {p.unit}" if words.startswith("[") else words
 
 
 def _lost(lower: float, upper: float, digits: int) -> float:
@@ -51,7 +59,9 @@ def _lost(lower: float, upper: float, digits: int) -> float:
 
 
 def method_table(fits: Sequence[Identification]) -> Part:
-    """One row for each method and parameter."""
+    """One row for each method and parameter; a sentence for a single one without parameters."""
+    if len(fits) == 1 and not fits[0].parameters:
+        return page.text(f"Method {fits[0].method}, {fits[0].status}: no parameter has an interval.")
     rows: list[Cells] = []
     for fit in fits:
         ids = list(fit.parameters) or ["–"]
@@ -142,7 +152,7 @@ def narrower_lines(more: Narrower) -> list[str]:
         lines.append(f"narrower by {option}, which adds rows of this log and no assumption: {numbers}")
     if more.beyond:
         lines.append(
-            f"--physical narrows {', '.join(more.beyond)}: ends of these intervals are of no vessel; the bounds that every vessel keeps then are "
+            f"add --physical, which narrows {', '.join(more.beyond)}: ends of these intervals are of no vessel; the bounds that every vessel keeps then are "
             "an assumption"
         )
     if more.asked and not more.tried and not more.windows:

@@ -144,7 +144,7 @@ def isolability_report(vehicle: Vehicle, result: Isolability, words: Mapping[str
         Section("The manoeuvres", (page.table(["name", "how it is sailed"], words.items()),) if words else ()),
     )
     tested = sum(v.tested for v in result.visible.values())
-    summary = f"{vehicle.name}: {tested} effects of typical size are tested by this programme, in {len(classes)} sets that it does not tell apart."
+    summary = f"{vehicle.name}: {tested} effects of typical size are tested by this programme, {_sets(len(classes))} that it does not tell apart."
     return Report(
         f"Isolability for {vehicle.name}",
         summary,
@@ -200,3 +200,7 @@ def _lines(result: Isolability, record: Mapping[str, Any]) -> list[str]:
         best_of = "" if found is None else f"; {found[0]} would show it, z = {found[1]:.0f}"
         lines.append(f"  not tested: {q['effect']} ({q['reason']}{best_of})")
     return lines
+
+
+def _sets(count: int) -> str:
+    return f"in {count} sets" if count > 1 else "with one set" if count else "with no two"

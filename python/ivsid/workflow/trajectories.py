@@ -81,7 +81,7 @@ def tube(
     record = {**envelope("tube", inputs), **record_of(result)}
     title = f"Trajectories of {known.vehicle.name} that the data allow"
     files = {"tube.csv": _csv(result)}
-    report = Report(title, summary, record, sections, drawings, files, lines, _first(result, summary))
+    report = Report(title, summary, record, sections, drawings, files, lines, _first(result))
     return with_setup(report, result.setup)
 
 
@@ -220,16 +220,14 @@ def _series(result: Tube, run: Run) -> page.Part:
     return series(f"tube-{_file(run).removeprefix('tube_')}", f"Tube: {run.name}", caption, result.t, panels, beside=2)
 
 
-def _first(result: Tube, summary: str) -> First:
+def _first(result: Tube) -> First:
     verdict = "A reading contradicts the fit" if result.refuted else "No reading contradicts the fit"
     following = (
         ("Look for the cause: ivsid diagnose VEHICLE LOG OTHER_LOG.",)
         if result.refuted
         else ("Use the tubes where a bound counts, and a window no longer than the one that is still narrow enough.",)
     )
-    return First(
-        verdict, "bad" if result.refuted else "good" if result.guaranteed else "open", summary, (), following, ()
-    )
+    return First(verdict, "bad" if result.refuted else "good" if result.guaranteed else "open", "", (), following, ())
 
 
 def _csv(result: Tube) -> str:

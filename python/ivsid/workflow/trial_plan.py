@@ -68,7 +68,7 @@ def plan(
         SCENARIO: scenario_text(made.scenario, f"Planned for {known.vehicle.name} from the fit of {known.log_name}.")
     }
     title = f"A trial of {known.vehicle.name} that tells more"
-    return Report(title, summary, record, sections, (drawing,), files, lines, _first(made, summary))
+    return Report(title, summary, record, sections, (drawing,), files, lines, _first(made))
 
 
 def scenario_text(scenario: Scenario, comment: str) -> str:
@@ -163,7 +163,7 @@ def _assumes(made: Plan) -> list[str]:
     return [*said, f"fence: {made.fence.reason}"] if made.fence.reason else said
 
 
-def _first(made: Plan, summary: str) -> First:
+def _first(made: Plan) -> First:
     f = made.fence
     facts = [(made.quantity, f"{made.predicted.median:.3g} ({made.predicted.least:.3g} to {made.predicted.most:.3g})")]
     if made.best_rival is not None:
@@ -177,4 +177,4 @@ def _first(made: Plan, summary: str) -> First:
         f"Sail {SCENARIO}, then identify its log and compare.",
         f"Try it first: ivsid simulate VEHICLE {SCENARIO}.",
     )
-    return First(verdict, "good" if better else "open", summary, (Card("Predicted", "", tuple(facts)),), following, ())
+    return First(verdict, "good" if better else "open", "", (Card("Predicted", "", tuple(facts)),), following, ())

@@ -7,7 +7,7 @@ from pathlib import Path
 from ivsid import verification
 from ivsid.files.records import envelope
 from ivsid.report import page
-from ivsid.report.page import Report, Section
+from ivsid.report.page import Card, First, Report, Section
 from ivsid.verification import Verification
 from ivsid.workflow.progress import Progress, silent
 
@@ -52,6 +52,38 @@ def verify(result: str | Path, log: str | Path, *, progress: Progress = silent) 
         (),
         {},
         tuple(lines[1:]),
+        _first(verdict),
+    )
+
+
+def _first(verdict: Verification) -> First:
+    """The first screen: whether the result follows from the log, and what to do next."""
+    words, tone, following = {
+        "proved": (
+            "The result is proved",
+            "good",
+            "Keep the result, the log and the vehicle file together: whoever has them can prove it again.",
+        ),
+        "not_checked": (
+            "Part of the result cannot be checked",
+            "open",
+            "See below which rows the checker cannot recompute, and identify without them for a proof.",
+        ),
+    }.get(
+        verdict.status,
+        (
+            "The result does not follow from this log",
+            "bad",
+            "Check that the log and the result belong together; if they do, identify again.",
+        ),
+    )
+    facts = (
+        ("certificates that hold", str(verdict.certificates)),
+        ("rows recomputed from the log", str(verdict.rows)),
+        ("checks that failed", str(len(verdict.failures))),
+    )
+    return First(
+        words, tone, "", (Card("The proof", "In exact arithmetic, by a program of its own.", facts),), (following,)
     )
 
 

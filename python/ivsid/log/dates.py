@@ -29,6 +29,11 @@ def is_date(text: str) -> bool:
     return any(bool(shown.str.contains(form)[0]) for form in (*_FORMS, _UNCLEAR))
 
 
+def is_time_of_day(text: str) -> bool:
+    """Whether a stamp is a time of day without a date."""
+    return bool(pl.Series([text.strip()]).str.contains(_FORMS[-1])[0])
+
+
 def nanoseconds(series: pl.Series, name: str, source: str, first_row: int) -> pl.Series:
     """Stamps as nanoseconds, integers; null where a cell is empty.
 

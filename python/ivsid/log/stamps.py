@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import Final
@@ -12,8 +13,9 @@ from numpy.typing import NDArray
 
 from ivsid.errors import IvsidError
 from ivsid.files import units
-from ivsid.log.dates import is_date, nanoseconds
+from ivsid.log.dates import is_date, is_time_of_day, nanoseconds
 from ivsid.log.disorder import in_order
+from ivsid.log.midnight import begun_anew, past_midnight
 from ivsid.log.record import steps_in
 from ivsid.log.serial_days import Days, coarse, days_of
 from ivsid.log.source import numbers, stamp_unit
@@ -95,20 +97,8 @@ def times_of(
     Raises:
         IvsidError: a stamp that is no number, or too many that are missing or do not increase.
     """
-    if series.dtype == pl.Boolean:
-        raise IvsidError(
-            f"{source}: column {name} holds true and false, not times; map the column of stamps under [log] time"
-        )
-    if series.dtype == pl.Date:
-        series = series.cast(pl.Datetime("us"))
-    unit = stamp_unit(series) or unit
-    if series.dtype.is_temporal():
-        series = series.to_physical()
-    if series.dtype == pl.String and is_date(next((c for c in series if c is not None and c.strip()), "")):
-        series, unit = nanoseconds(series, name, source, first_row), "ns"
+    series, unit, notes, assumes = _counted(series, unit, source, name, first_row)
     stamps = numbers(series, name, source, first_row) if cells is None else cells
-    notes: list[str] = []
-    assumes: list[str] = []
     days = days_of(stamps, YEARS) if unit in (None, "d") else None
     if unit is None:
         unit, told = _unit_of(stamps, days, source, name)
@@ -125,14 +115,20 @@ def times_of(
     if stamps.size < 2:
         what = "stamp" if own else "row"
         raise IvsidError(f"{source} has {stamps.size} {what}{'s' * (stamps.size != 1)}; at least 2 samples are needed")
+    rounds, length, anew = begun_anew(stamps, scale) if unit == "s" else (np.zeros(0), 0.0, [])
+    if anew:
+        series = _with_rounds(series if cells is None else pl.Series(stamps), stamps, rounds, length)
+        stamps, cells = stamps + rounds * length, None
+        places = _places(anew if rows is None else rows[anew].tolist(), first_row)
+        notes.append(f"the clock {name} begins anew at row {places}: {length:g} s are added from there on")
+        assumes.append(f"the clock {name} goes on where it begins anew, after {length:g} s")
     if not _increasing(stamps):
         order = in_order(stamps)
         if order is None:
             raise _disorder(stamps, rows, scale, source, first_row, coarse(stamps, source, name) if unit == "d" else "")
         at = order.wrong if rows is None else rows[order.wrong]
-        few = ", ".join(str(k + first_row) for k in at[:3].tolist()) + (", ..." if at.size > 3 else "")
         notes.append(
-            f"stamps {name} repeat, go back, jump or are missing at row{'s' * (at.size > 1)} {few}: {at.size + order.beside} of "
+            f"stamps {name} repeat, go back, jump or are missing at row{'s' * (at.size > 1)} {_places(at.tolist(), first_row)}: {at.size + order.beside} of "
             f"{stamps.size} rows are left out, as gaps"
         )
         assumes.append(f"stamps {name} are right where they increase beside those that do not")
@@ -141,12 +137,58 @@ def times_of(
     first = _decimal(series[0] if cells is None else float(stamps[0])) * _SECONDS[unit]
     if days is not None:
         first -= days.seconds
-    counted = bool(abs(stamps[0]) > EPOCH or scale != 1.0)
+    counted = bool(abs(stamps[0]) > EPOCH or scale != 1.0 or anew)
     t, lost = _since_first(series, stamps, scale) if counted else (stamps, _own_rounding(series, stamps))
     if not _increasing(t):
         # Stamps that differ may be one double after their conversion.
         raise _disorder(t, rows, 1.0, source, first_row)
     return Times(t, lost, first, counted, rows, tuple(notes), tuple(assumes))
+
+
+def _counted(
+    series: pl.Series, unit: str | None, source: str, name: str, first_row: int
+) -> tuple[pl.Series, str | None, list[str], list[str]]:
+    """Stamps as numbers or texts of numbers, their unit, notes and assumptions; dates and times of day count nanoseconds.
+
+    Raises:
+        IvsidError: a column of no stamps, or a date that cannot be read.
+    """
+    if series.dtype == pl.Boolean:
+        raise IvsidError(
+            f"{source}: column {name} holds true and false, not times; map the column of stamps under [log] time"
+        )
+    if series.dtype == pl.Date:
+        series = series.cast(pl.Datetime("us"))
+    unit = stamp_unit(series) or unit
+    of_day = series.dtype == pl.Time
+    if series.dtype.is_temporal():
+        series = series.to_physical()
+    first = next((c for c in series if c is not None and c.strip()), "") if series.dtype == pl.String else ""
+    if is_date(first):
+        of_day = is_time_of_day(first)
+        series, unit = nanoseconds(series, name, source, first_row), "ns"
+    midnights: list[int] = []
+    if of_day:
+        series, midnights = past_midnight(series)
+    if not midnights:
+        return series, unit, [], []
+    note = f"times of day {name} pass midnight at row {_places(midnights, first_row)}: a day is added from there on"
+    return series, unit, [note], [f"no gap of the stamps {name} lasts longer than half a day"]
+
+
+def _places(positions: Sequence[int], first_row: int) -> str:
+    """The rows of the first few positions, in words."""
+    return ", ".join(str(k + first_row) for k in positions[:3]) + (", ..." if len(positions) > 3 else "")
+
+
+def _with_rounds(series: pl.Series, stamps: Array, rounds: Array, length: float) -> pl.Series:
+    """Stamps with whole rounds added, with every digit where they are decimals."""
+    if series.dtype.is_float():
+        return pl.Series(stamps + rounds * length)
+    try:
+        return _exact(series) + pl.Series(rounds * length).cast(pl.Decimal(38, DECIMALS))
+    except pl.exceptions.PolarsError:
+        return pl.Series(stamps + rounds * length)
 
 
 def _unit_of(stamps: Array, days: Days | None, source: str, name: str) -> tuple[str, list[str]]:

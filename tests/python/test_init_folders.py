@@ -7,7 +7,8 @@ import polars as pl
 import pytest
 
 import program_logs as programs
-from ivsid import IvsidError
+from ivsid import IvsidError, read_log
+from ivsid.files.log_map import LogMap
 from ivsid.proposal import propose
 from ivsid.workflow import init
 
@@ -78,3 +79,19 @@ def test_a_folder_without_a_log_says_what_it_holds(tmp_path):
         IvsidError, match=r"holds no log that can be read \(.*photo.jpg: has the ending of no log.*\); give a log file"
     ):
         propose([tmp_path])
+
+
+@pytest.mark.parametrize("header", ["t,u,v,r", "t,surge_speed,sway_speed,yaw_rate", "t [s],u [m/s],v [m/s],r [deg/s]"])
+def test_a_folder_of_runs_is_no_log_for_commands_that_take_one(tmp_path, header):
+    for name in ("first", "second"):
+        (tmp_path / f"{name}.csv").write_text(f"{header}\n" + "".join(f"{k},1.0,0.0,0.{k}\n" for k in range(9)))
+    mapping = propose([tmp_path]).mapped.checked
+    with pytest.raises(IvsidError, match=r"holds 2 runs \(first, second: .*; give one of these files"):
+        read_log(tmp_path, mapping)
+    assert read_log(tmp_path / "first.csv", mapping).t.size == 9
+    if header == "t,u,v,r":
+        # One of them by its full name is a choice, and tables of other columns are one log.
+        chosen = LogMap.model_validate({"columns": {c: f"second/{c}" for c in "uvr"}})
+        assert read_log(tmp_path, chosen).t.size == 9
+        (tmp_path / "second.csv").write_text("t,demand_port\n" + "".join(f"{k},{k}\n" for k in range(9)))
+        assert "demand_port" in read_log(tmp_path, LogMap.model_validate({"rates": dict.fromkeys("uvr", 1.0)})).columns

@@ -15,6 +15,7 @@ from ivsid.files.log_map import Column, LogMap, TimeColumn
 from ivsid.log.arithmetic import Formula, formula
 from ivsid.log.channels import BY_THRUSTER, COLUMNS, DEMAND, Clocked
 from ivsid.log.headers import Label, label, labels
+from ivsid.log.runs import one_run
 from ivsid.log.source import Source
 
 Array = NDArray[np.float64]
@@ -65,9 +66,10 @@ def rules_of(source: Source, mapping: LogMap) -> tuple[dict[str, Rule], tuple[st
     """The rule of every channel that the source has, and the names of the columns that no rule uses.
 
     Raises:
-        IvsidError: the map names a column or a channel that does not exist.
+        IvsidError: the map names a column or a channel that does not exist, or the source holds several runs.
     """
     _check_targets(mapping)
+    one_run(source, mapping)
     several = len(source.tables) > 1
     labelled = labels(source)
     foreign = [*(c for t in source.tables.values() for c in t.columns), *labelled]

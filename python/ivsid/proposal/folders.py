@@ -10,6 +10,7 @@ from typing import Final
 
 from ivsid.errors import IvsidError
 from ivsid.log import TABLES, WHOLE, digest_of, open_source
+from ivsid.log.runs import SPEEDS, TURNS
 from ivsid.proposal.columns import columns_of
 
 # Endings of text that may be a log, beside those that are one.
@@ -20,9 +21,6 @@ MOST_RUNS: Final = 40
 # Files of a folder that are looked at.
 # Source: resource: bounds the time until the first word
 MOST_FILES: Final = 2000
-# A run states how fast and how the vessel turns: one channel of each.
-SPEEDS: Final = frozenset({"u", "velocity_north", "x", "latitude"})
-TURNS: Final = frozenset({"r", "psi", "qw", "y", "longitude"})
 
 
 @dataclass(frozen=True)

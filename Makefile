@@ -227,6 +227,7 @@ CASES ?= 1e8
 differential: release
 	IVSID_CASES=$(CASES) $(ONE_THREAD) $(BIN)/pytest -n auto tests/python/test_oracle.py
 	IVSID_CASES=1e5 $(ONE_THREAD) $(BIN)/pytest -n auto tests/python/test_recommended.py
+	IVSID_CASES=1e4 $(ONE_THREAD) $(BIN)/pytest -n auto tests/python/test_reverses.py
 	IVSID_CASES=$(CASES) cargo test --locked --release --test slices
 
 # Twins with a known truth, several vehicles, both kinds of rows and noise: is it inside? VERIFY=--verify proves each result, too.

@@ -55,6 +55,7 @@ PARTS = (
     Part("draws", 'pytest -n auto -m "hypothesis and not nightly" --hypothesis-seed={seed}', "IVSID_SEED={seed}"),
     Part("oracle", "pytest -n auto tests/python/test_oracle.py", "IVSID_CASES=1e6"),
     Part("recommended", "pytest -n auto tests/python/test_recommended.py", "IVSID_CASES=1e5"),
+    Part("reverses", "pytest -n auto tests/python/test_reverses.py", "IVSID_CASES=1e4"),
     Part(
         "rust",
         "cargo test --profile gate --locked --workspace --exclude benches -- --include-ignored",

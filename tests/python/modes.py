@@ -83,6 +83,7 @@ def operations():
     calls = {}
     arguments = {
         "contains": (0.0,), "subset": (y,), "interior": (y,), "disjoint": (y,), "hull": (y,), "intersection": (y,), "arctan2": (y,), "arctan2pi": (y,), "hypot": (y,), "compoundm1": (y,), "rootn": (3,), "fma": (x, y),
+        "powi_rev": (3,), "mul_rev": (y,), "mul_rev_to_pair": (y,), "pow_rev_base": (y,), "pow_rev_exponent": (y,), "arctan2_rev_y": (y,), "arctan2_rev_x": (y,),
         "__contains__": (0.0,), "__pow__": (3,), "__rpow__": (2.0,), "__format__": ("",), "__reduce_ex__": (2,),
     }  # fmt: skip
     # What a class has by being one.
@@ -128,7 +129,8 @@ def operations():
     arguments = {
         "contains": (np.zeros(3),), "subset": (b,), "hull": (b,), "intersection": (b,), "arctan2pi": (b,), "hypot": (b,), "compoundm1": (b,), "rootn": (3,), "around": ([0.1, tiny], [third, tiny]), "concatenate": ([a, b],),
         "stack": ([a, b],), "reshape": (3, 1), "__getitem__": (1,), "__pow__": (3,), "__rpow__": (2.0,), "__matmul__": (b,), "__rmatmul__": (b,),
-        "__format__": ("",), "__reduce_ex__": (2,),
+        "__format__": ("",), "__reduce_ex__": (2,), "powi_rev": (3,), "mul_rev": (b,), "mul_rev_to_pair": (b,), "pow_rev_base": (b,), "pow_rev_exponent": (b,), "arctan2_rev_y": (b,),
+        "arctan2_rev_x": (b,),
     }  # fmt: skip
     for name in dir(ivsid.IntervalArray):
         if name in plain or (name.startswith("_") and not name.startswith("__")):

@@ -12,6 +12,7 @@ mod linalg;
 mod names;
 mod onboard;
 mod regression;
+mod reverses;
 mod scalar;
 mod tube;
 
@@ -38,6 +39,8 @@ mod core_module {
     use super::onboard::Follower;
     #[pymodule_export]
     use super::regression::{feasible_set, least_squares, normal_equations};
+    #[pymodule_export]
+    use super::reverses::{power_reverse, reverse};
     #[pymodule_export]
     use super::scalar::Interval;
     #[pymodule_export]

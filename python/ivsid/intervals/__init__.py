@@ -2,7 +2,7 @@
 
 - ``array``: ``IntervalArray`` over two NumPy arrays. ``Interval`` is the core's, which this module alone imports here.
 - ``floats``: numbers of a user as float64, without a rounding.
-- ``protocol``: NumPy's functions of interval arrays; ``recommended``: functions of IEEE 1788 that NumPy lacks.
+- ``protocol``: NumPy's functions of interval arrays; ``recommended`` and ``reverses``: functions of IEEE 1788 that NumPy lacks.
 - ``decimals``: intervals of numbers that a file states.
 - ``exchange``: intervals of other libraries, and columns of intervals.
 - ``endpoints``: bounds that may be reversed, the result of the published method.
@@ -18,10 +18,12 @@ from ivsid.intervals.decimals import of_decimals
 from ivsid.intervals.endpoints import EndpointPair
 from ivsid.intervals.floats import FloatArray
 from ivsid.intervals.protocol import ufunc
+from ivsid.intervals.reverses import power_reverse, reverse
 from ivsid.intervals.shown import interval_html, shown
 
 # The core's Interval calls these for operands that are neither intervals nor numbers, and in a notebook.
 _bound, _operate, _ufunc, _html = bound, operate, ufunc, interval_html
+_reverse, _power_reverse = reverse, power_reverse
 
 __all__ = [
     "EndpointPair",

@@ -14,12 +14,13 @@ from ivsid.errors import IvsidError
 from ivsid.intervals.floats import FloatArray, exact_floats
 from ivsid.intervals.operators import Operators
 from ivsid.intervals.recommended import RecommendedFunctions
+from ivsid.intervals.reverses import ReverseOperations
 from ivsid.intervals.shown import array_html, array_text
 
 Interval = _core.Interval
 
 
-class IntervalArray(Operators, RecommendedFunctions):
+class IntervalArray(Operators, RecommendedFunctions, ReverseOperations):
     """An array of closed intervals.
 
     Operators, matmul, and NumPy's arithmetic, elementary (exp, log, sin, arctan2, power, ...) and rounding functions give the
@@ -327,6 +328,14 @@ def binary(op: str, a: Operand, b: Operand) -> IntervalArray:
     left = _contiguous(x.lower, shape), _contiguous(x.upper, shape)
     right = _contiguous(y.lower, shape), _contiguous(y.upper, shape)
     return IntervalArray._raw(_core.binary(op, left, right), shape)
+
+
+def solve_rows(
+    op: str, rows: list[tuple[FloatArray, FloatArray]], n: int | None, shape: tuple[int, ...]
+) -> IntervalArray:
+    """The reverse operation ``op`` of the core on flat rows of bounds, or with an integer ``n`` that of its power."""
+    found = _core.reverse(op, rows) if n is None else _core.power_reverse(rows[0], rows[1], n)
+    return IntervalArray._raw(found, shape)
 
 
 def operate(op: str, a: Any, b: Any) -> Any:

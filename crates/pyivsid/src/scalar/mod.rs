@@ -2,6 +2,7 @@
 
 mod functions;
 mod operators;
+mod reverses;
 
 use crate::arrays::refusal;
 use interval_core::{Error, Interval as Bounds, exact, rounding};

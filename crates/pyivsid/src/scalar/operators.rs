@@ -12,7 +12,7 @@ const EXACT: i64 = 1 << 53;
 
 /// An operand that is an interval, a float or an exactly representable integer.
 #[inline]
-fn operand(value: &Bound<'_, PyAny>) -> Option<PyResult<Bounds>> {
+pub(super) fn operand(value: &Bound<'_, PyAny>) -> Option<PyResult<Bounds>> {
     if let Ok(interval) = value.cast::<Interval>() {
         return Some(Ok(interval.get().0));
     }

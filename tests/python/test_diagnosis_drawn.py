@@ -32,9 +32,11 @@ def holds(result, truth):
 
 @pytest.mark.nightly
 def test_a_delay_of_a_sample_is_no_lag_beside_it():
-    """Chi^2 is a wall where a delay is a sample long: a fit that stops there left a lag of a millisecond at 40 sigma."""
+    """Chi^2 is a wall where a delay is a sample long: a fit that stops there left a lag of a millisecond at 40 sigma, as a second cause."""
     c, result = drawn(113018, what="one")
-    assert names(result) == [{"thruster.delay"}]
+    # The lags joined the set with that of the shaft: each is as likely by itself, within the margin.
+    (said,) = names(result)
+    assert "thruster.delay" in said and said <= {"thruster.delay", "thruster.lag", "thruster.shaft_lag"}
     assert holds(result, c.truth) == ["thruster.delay"]
 
 

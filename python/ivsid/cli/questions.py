@@ -14,10 +14,15 @@ if TYPE_CHECKING:
 
 
 def answers(proposal: Proposal) -> Answers:
-    """Asks for the mass of the hull, and for the place and the bollard pull of each thruster."""
-    from ivsid.proposal import Answers  # noqa: PLC0415 - loads libraries that the help does not need
+    """Asks for unknown units, for the mass of the hull, and for the place and the bollard pull of each thruster."""
+    from ivsid.proposal import Answers, si_unit  # noqa: PLC0415 - loads libraries that the help does not need
 
     say("Enter alone leaves a question to the file.")
+    scales = {}
+    for name, f in proposal.unread.items():
+        one = _numbers(f"{f.match.column}: how many {si_unit(name)} is one {f.unread}", 1)
+        if one is not None:
+            scales[name] = one[0]
     mass = _numbers("mass of the hull with all on board [kg]", 1, above=0.0)
     positions, thrusts = {}, {}
     for d in proposal.demands:
@@ -27,7 +32,7 @@ def answers(proposal: Proposal) -> Answers:
         pull = _numbers(f"thruster {d.name}: bollard pull at the demand {d.neutral + d.span:g} [N]", 1, above=0.0)
         if pull is not None:
             thrusts[d.name] = pull[0]
-    return Answers(None if mass is None else mass[0], positions, thrusts)
+    return Answers(None if mass is None else mass[0], positions, thrusts, scales)
 
 
 def _numbers(question: str, count: int, above: float = -math.inf) -> tuple[float, ...] | None:

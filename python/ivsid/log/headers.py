@@ -19,6 +19,17 @@ _SPELLED: Final = {
     **{"m/s2": "m/s^2", "m/s²": "m/s^2", "m/s/s": "m/s^2", "rad/s2": "rad/s^2", "rad/s²": "rad/s^2"},
     **{"deg/s2": "deg/s^2", "deg/s²": "deg/s^2", "°/s²": "deg/s^2", "m/sec": "m/s", "mps": "m/s"},
     **{"knots": "kn", "knot": "kn", "kts": "kn", "kt": "kn", "sec": "s", "seconds": "s", "µs": "us", "μs": "us"},
+    **{
+        "cm/sec": "cm/s",
+        "ft/sec": "ft/s",
+        "fps": "ft/s",
+        "mi/h": "mph",
+        "kph": "km/h",
+        "kmh": "km/h",
+        "grad": "gon",
+        "mG": "mg",
+    },
+    **{"cm/s2": "cm/s^2", "cm/s²": "cm/s^2", "mm/s2": "mm/s^2", "mm/s²": "mm/s^2", "feet": "ft", "kNm": "kN m"},
     **{"Nm": "N m", "N·m": "N m", "N*m": "N m", "metres": "m", "meters": "m", "-": "1", "": "1"},
 }
 

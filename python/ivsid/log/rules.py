@@ -72,7 +72,8 @@ def rules_of(source: Source, mapping: LogMap) -> tuple[dict[str, Rule], tuple[st
     one_run(source, mapping)
     several = len(source.tables) > 1
     labelled = labels(source)
-    foreign = [*(c for t in source.tables.values() for c in t.columns), *labelled]
+    # A header with a unit is no name of a thruster: demand_port [rpm] is demand_port.
+    foreign = [*(c for n, t in source.tables.items() for c in t.columns if label(n, c) is None), *labelled]
     known = [c for c in COLUMNS if c in foreign or c in mapping.columns]
     demands = [c for c in (*foreign, *mapping.columns) if c.startswith(DEMAND)]
     # An angle belongs to a thruster that the log knows; another column may be called rudder_mode and hold words.

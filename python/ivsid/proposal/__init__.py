@@ -16,7 +16,8 @@ The chapter may use ``log``, ``vehicle``, ``sensors`` and below. What it propose
 """
 
 from ivsid.proposal.blanks import Answers
+from ivsid.proposal.found import si_unit
 from ivsid.proposal.propose import Proposal, propose
 from ivsid.proposal.text import vehicle_file
 
-__all__ = ["Answers", "Proposal", "propose", "vehicle_file"]
+__all__ = ["Answers", "Proposal", "propose", "si_unit", "vehicle_file"]

@@ -37,11 +37,13 @@ class Answers:
         mass: of the hull [kg].
         positions: of thrusters, forward and to starboard [m].
         thrusts: thrust ahead at the largest demand [N].
+        scales: SI units in one unit of a channel whose header states an unknown one.
     """
 
     mass: float | None = None
     positions: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     thrusts: Mapping[str, float] = field(default_factory=dict)
+    scales: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ivsid.errors import IvsidError
 from ivsid.files import units
 from ivsid.log import COLUMNS, Source
-from ivsid.log.headers import label
+from ivsid.log.headers import label, spelled
 from ivsid.log.markers import without_markers
 from ivsid.log.stamps import times_of
 from ivsid.proposal.found import Found, Stamps
@@ -173,10 +173,16 @@ def _found(source: Source, m: Match, values: Array, stamps: dict[str, Stamps | N
         )
     stated = label(table, column)
     meaning = m.meaning
+    unread = ""
     if stated is not None and meaning.channel != "demand" and meaning.unit is None and meaning.scale == 1.0:
-        meaning = meaning.model_copy(update={"unit": stated.known(units.COLUMN, source.name)})
-    sure = meaning.unit is not None or meaning.scale != 1.0 or not m.program.plain
-    return Found(replace(m, meaning=meaning), table, t, values if rows is None else values[rows], sure)
+        unit = spelled(stated.unit)
+        if unit in units.COLUMN:
+            meaning = meaning.model_copy(update={"unit": unit})
+        else:
+            unread = stated.unit
+    sure = meaning.unit is not None or meaning.scale != 1.0 or not m.program.plain or bool(unread)
+    kept = values if rows is None else values[rows]
+    return Found(replace(m, meaning=meaning), table, t, kept, sure, unread=unread)
 
 
 def _stamps(source: Source, table: str, best: Program) -> Stamps | None:

@@ -35,6 +35,7 @@ class Found:
         values: cells as they are, shape (n,); NaN is a missing sample.
         stated: whether the unit stands in the name, in the header, or in the program's table.
         others: further columns that hold the same channel, which are not taken.
+        unread: the unit that its header states, if it is not known: the scale is open, and one stands in its place.
     """
 
     match: Match
@@ -43,6 +44,7 @@ class Found:
     values: Array
     stated: bool
     others: tuple[str, ...] = ()
+    unread: str = ""
 
     @property
     def program(self) -> Program:
@@ -63,3 +65,19 @@ class Found:
     def factor(self) -> float:
         """From a cell to SI units."""
         return self.meaning.scale * units.COLUMN.get(self.meaning.unit or "1", 1.0)
+
+
+def si_unit(name: str) -> str:
+    """The SI unit of a channel."""
+    known = {"psi": "rad", "roll": "rad", "pitch": "rad", "r": "rad/s", "rdot": "rad/s^2", "x": "m", "y": "m"}
+    if name in known:
+        return known[name]
+    if name.startswith(("rudder_", "azimuth_")):
+        return "rad"
+    return (
+        "m/s"
+        if name in ("u", "v", "velocity_north", "velocity_east")
+        else "m/s^2"
+        if name in ("ax", "ay", "udot", "vdot")
+        else ""
+    )

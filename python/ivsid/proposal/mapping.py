@@ -8,9 +8,10 @@ from typing import Final
 
 import numpy as np
 
+from ivsid.files import units
 from ivsid.files.log_map import LogMap
 from ivsid.log import Source
-from ivsid.log.headers import label
+from ivsid.log.headers import label, spelled
 from ivsid.proposal.columns import ATTITUDE, Columns, ambiguous
 from ivsid.proposal.found import Found, Stamps
 
@@ -120,7 +121,7 @@ def _entry(
     else:
         if meaning.unit is not None and (stated is None or meaning.scale != 1.0):
             keys["unit"] = meaning.unit
-        if meaning.scale != 1.0:
+        if meaning.scale != 1.0 or (stated is not None and spelled(stated.unit) not in units.COLUMN):
             keys["scale"] = meaning.scale
         if meaning.offset != 0.0:
             keys["offset"] = meaning.offset

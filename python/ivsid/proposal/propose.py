@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ from ivsid.proposal.angles import angles_of
 from ivsid.proposal.blanks import Answers, Demand, demand_of
 from ivsid.proposal.columns import Columns, columns_of
 from ivsid.proposal.folders import runs_in, short
-from ivsid.proposal.found import Found
+from ivsid.proposal.found import Found, si_unit
 from ivsid.proposal.mapping import Mapped, mapping_of, usable
 from ivsid.proposal.noise import Number, Run, Stretch, sensors_of, unbounded
 from ivsid.proposal.places import is_earthbound
@@ -58,6 +58,11 @@ class Proposal:
         """Whether the accelerations hold gravity."""
         return "ax" in self.channels and self.channels["ax"].meaning.gravity
 
+    @property
+    def unread(self) -> dict[str, Found]:
+        """Channels and angles whose header states a unit that is not known, and that nobody has told."""
+        return {n: f for n, f in {**self.channels, **self.angles}.items() if f.unread}
+
     def blanks(self, answers: Answers) -> tuple[str, ...]:
         """Keys of the file that stay open under these answers."""
         keys = [] if answers.mass is not None else ["hull.mass"]
@@ -65,14 +70,16 @@ class Proposal:
             keys += [] if d.name in answers.positions else [f"thrusters.{d.name}.position"]
             keys += [f"thrusters.{d.name}.rudder"] if f"rudder_{d.name}" in self.angles else []
             keys += [] if d.name in answers.thrusts else [f"thrusters.{d.name}.quadratic"]
+        keys += [f"log.columns.{n}.scale" for n in self.unread]
         return tuple(keys)
 
 
-def propose(paths: Sequence[str | Path]) -> Proposal:
+def propose(paths: Sequence[str | Path], scales: Mapping[str, float] | None = None) -> Proposal:
     """Looks at logs of one vehicle; the first one gives the columns, and all give ranges and noise.
 
     Args:
         paths: of logs, or of folders of runs. A file that is given has to be usable; one that a folder holds is left out with the reason.
+        scales: SI units in one unit of a channel whose header states an unknown one, by channel.
 
     Raises:
         IvsidError: a log that is unusable, or whose columns have no known name.
@@ -80,7 +87,7 @@ def propose(paths: Sequence[str | Path]) -> Proposal:
     named, searched, left = _searched(paths)
     ordered = [*named, *searched]
     with open_source(ordered[0]) as source:
-        columns = columns_of(source)
+        columns = _scaled(columns_of(source), scales or {})
         channels, frame, questions = settled(columns)
         channels, dropped = usable(channels)
         angles, unread, words = angles_of(columns.angles, channels)
@@ -116,11 +123,35 @@ def propose(paths: Sequence[str | Path]) -> Proposal:
             *words,
             *dropped,
             *_earthbound(channels),
+            *filter(None, map(_unknown_unit, {**channels, **angles}.items())),
             *_further(columns, (*columns.loose, *unread), logs[0]),
         ),
         assumed=tuple(unbounded(runs, sensors, still)),
         paths=tuple(looked),
         left=tuple(left),
+    )
+
+
+def _scaled(columns: Columns, scales: Mapping[str, float]) -> Columns:
+    """The columns with the scales that the user knows."""
+
+    def told(found: Mapping[str, Found]) -> dict[str, Found]:
+        return {
+            n: replace(f.with_meaning(scale=scales[n]), unread="") if f.unread and n in scales else f
+            for n, f in found.items()
+        }
+
+    return replace(columns, channels=told(columns.channels), angles=told(columns.angles))
+
+
+def _unknown_unit(named: tuple[str, Found]) -> str:
+    """The question that an unknown unit of a header raises; nothing for a known one."""
+    name, f = named
+    if not f.unread:
+        return ""
+    return (
+        f"the header {f.match.column} states the unit '{f.unread}', which is not known: how many {si_unit(name)} is one of it? "
+        f"write that as scale of {name} under [log.columns]; its numbers under [sensors] are in '{f.unread}' as well"
     )
 
 

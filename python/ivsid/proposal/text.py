@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Final
 
 from ivsid.proposal.blanks import Answers, Demand
+from ivsid.proposal.found import si_unit
 from ivsid.proposal.noise import SIGMAS
 from ivsid.proposal.propose import Proposal
 from ivsid.proposal.thrusters import ANGLES, word
@@ -165,15 +166,16 @@ def _log(proposal: Proposal) -> Iterator[str]:
         seen = (
             ""
             if quality is None
-            else f"{_number(quality.lower)} to {_number(quality.upper)} {_unit(name)}, {quality.rate:.4g} Hz"
+            else f"{_number(quality.lower)} to {_number(quality.upper)} {f.unread or si_unit(name)}, {quality.rate:.4g} Hz"
         )
         others = f"; also {', '.join(f.others[:3])}" if f.others else ""
-        yield _line(name, _value(mapped.columns.get(name, name)), f"{seen}{others}")
-    for name, given in mapped.columns.items():
+        open_ = f"scale: how many {si_unit(name)} is one {f.unread}; " if f.unread else ""
+        yield _line(name, _value(_given(proposal, name)), f"{open_}{seen}{others}")
+    for name in mapped.columns:
         if name not in proposal.channels:
             yield _line(
                 name,
-                _value(given),
+                _value(_given(proposal, name)),
                 "" if name.startswith(("demand_", *ANGLES)) else "one of several columns of this name",
             )
     notes = [n for n in log.notes if not n.endswith("as its header says") and "that their headers say" not in n]
@@ -184,18 +186,10 @@ def _log(proposal: Proposal) -> Iterator[str]:
         yield f"# Columns that are not used: {', '.join(proposal.columns.unknown[:most])}{f' and {more} more' if more > 0 else ''}"
 
 
-def _unit(name: str) -> str:
-    """The SI unit of a channel."""
-    units = {"psi": "rad", "roll": "rad", "pitch": "rad", "r": "rad/s", "rdot": "rad/s^2", "x": "m", "y": "m"}
-    if name in units:
-        return units[name]
-    return (
-        "m/s"
-        if name in ("u", "v", "velocity_north", "velocity_east")
-        else "m/s^2"
-        if name in ("ax", "ay", "udot", "vdot")
-        else ""
-    )
+def _given(proposal: Proposal, name: str) -> str | Mapping[str, object]:
+    """The keys of a column; a scale that nobody knows is marked."""
+    given = proposal.mapped.columns.get(name, name)
+    return {**given, "scale": TODO} if name in proposal.unread and not isinstance(given, str) else given
 
 
 def _line(key: str, value: str, comment: str) -> str:

@@ -52,6 +52,8 @@ def init(
     progress("reading")
     found = propose(logs)
     answers = Answers() if ask is None else ask(found)
+    if answers.scales:
+        found = propose(logs, answers.scales)
     write_whole(target, vehicle_file(found, answers, target.stem))
     blanks = found.blanks(answers)
     log = found.logs[0]

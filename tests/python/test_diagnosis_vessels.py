@@ -43,7 +43,8 @@ def test_the_papers_model_shares_a_drag_that_the_hull_does_not(tmp_path):
     twin = parse_vehicle(SWAN.replace('terms = "paper"', PLAIN), "twin.toml")
     truth = '"drag.surge.quadratic" = 80.0\n"drag.sway.quadratic" = 255.0\n"mass.sway" = 60.45'
     result = diagnose(parse_vehicle(SWAN, "swan.toml"), *trials(twin, truth, {"drag.yaw.linear": 3.0}))
-    assert [f.effect for f in result.findings] == ["drag.yaw.linear", "drag.sway.quadratic"]
+    # Which of them explains more depends on the noise that is learnt beside them.
+    assert sorted(f.effect for f in result.findings) == ["drag.sway.quadratic", "drag.yaw.linear"]
     bounds = {id_: b for f in result.findings for id_, b in f.parameters.items()}
     assert bounds["drag.sway.quadratic"].lower <= 255.0 <= bounds["drag.sway.quadratic"].upper
     assert bounds["drag.yaw.linear"].lower <= 3.0 <= bounds["drag.yaw.linear"].upper

@@ -26,7 +26,7 @@ from ivsid.diagnosis.statements.residuals import FindingEvidence
 from ivsid.diagnosis.statements.rules import ALTERNATIVES, HELD, UNNAMED, Held
 from ivsid.diagnosis.statements.shallow_water import Change
 from ivsid.diagnosis.statements.share import Share
-from ivsid.effects import CHANNELS, EFFECTS
+from ivsid.effects import CHANNELS, EFFECTS, PAPER_TERMS
 from ivsid.effects.environment import SHALLOW_WATER
 from ivsid.effects.thrusters import ONE_FACTOR
 
@@ -115,7 +115,9 @@ def findings_of(
     for found in sorted(selection.found, key=lambda f: f.fall):
         one = finding(found, last, selection.leftover, evidence, rest, curves)
         left = nothing + (rest.beside(last, own_columns(last, found.id)) if complete else rest.unexplained)
-        case = Held(EFFECTS[found.id], found.fall, left, one.parameters, complete, rest.quiet, len(rest.hulls))
+        effect = EFFECTS[found.id]
+        parts = any(t.id == effect.shares and t in PAPER_TERMS for t in selection.plain.h.terms)
+        case = Held(effect, found.fall, left, one.parameters, complete, rest.quiet, len(rest.hulls), parts)
         refusal = first_refusal(HELD, case, [f.id for f in selection.found if f is not found])
         if refusal is None:
             made[found.id] = one

@@ -33,6 +33,7 @@ class Held:
         complete: whether little enough structure is left for a verdict.
         quiet: whether no structure is left.
         hulls: numbers that the extended model would need and no hull has.
+        parts: whether it parts a number that the model has for two axes.
     """
 
     effect: Effect
@@ -42,6 +43,7 @@ class Held:
     complete: bool
     quiet: bool
     hulls: int = 0
+    parts: bool = False
 
     @property
     def distance(self) -> float:
@@ -98,4 +100,16 @@ HULLS: Final = Rule[Held](
     "{value:.0f} numbers of the model that it stands in are none that a hull of this mass and length has",
     least=False,
 )
-HELD: Final = (HULLS, DOMINANT_RULE, EXCLUDES)
+PARTED: Final = Rule[Held](
+    "parted number",
+    "whether it parts a number that the model has for two axes in two, where more structure is left than a verdict allows",
+    "no",
+    "The number of one axis is told from that of the other, which what stays unexplained may have moved: a wrong thrust curve moves the drag ahead alone.",
+    "definition",
+    lambda c: float(c.parts),
+    lambda _: 0.0,
+    "it is told from the number of another axis, which what stays unexplained may have moved",
+    lambda c: not c.complete,
+    least=False,
+)
+HELD: Final = (HULLS, PARTED, DOMINANT_RULE, EXCLUDES)

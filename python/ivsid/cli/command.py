@@ -88,7 +88,7 @@ def _ordered(command: str, names: Sequence[str], given: Sequence[Path]) -> list[
         return list(given)
     order = recognition.in_order(kinds, needed)
     if order is None:
-        said = "; ".join(_is(g, k) for g, k in zip(given, kinds, strict=True))
+        said = "; ".join(_is(g, k, names) for g, k in zip(given, kinds, strict=True))
         raise IvsidError(f"{command} needs {_all(names)}; {said}")
     files = [given[k] for k in order]
     say(f"ivsid: taken as ivsid {command} {' '.join(map(str, files))}, by the content of the files", err=True)
@@ -101,7 +101,7 @@ def _missing(command: str, names: Sequence[str], given: Sequence[Path]) -> str:
     for path in given:
         kinds = recognition.kinds(path) if set(names) <= NEEDED.keys() else frozenset()
         left.remove(next((n for n in left if n in NEEDED and NEEDED[n][0] & kinds), left[0]))
-        said.append(_is(path, kinds) if kinds else f"{path} was given")
+        said.append(_is(path, kinds, names) if kinds else f"{path} was given")
     hint = "".join(
         f"; ivsid {command} {p} {p} takes the scenario that comes with it"
         for p in given
@@ -117,5 +117,8 @@ def _all(names: Sequence[str]) -> str:
     return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
 
 
-def _is(path: Path, kinds: frozenset[str]) -> str:
+def _is(path: Path, kinds: frozenset[str], names: Sequence[str]) -> str:
+    """What a file is: of several kinds, those that the command takes."""
+    taken = frozenset[str]().union(*(NEEDED[n][0] for n in names))
+    kinds = kinds & taken or kinds
     return f"{path} is {' or '.join(sorted(kinds))}"

@@ -20,7 +20,10 @@ def shipped(path: str | Path, suffix: str = "") -> Path:
     given = Path(path)
     if given.exists() or given.suffix or len(given.parts) != 1:
         return given
-    return _files(suffix).get(given.name, given)
+    named = _files(suffix)
+    # A scenario that is called after its vehicle may be given by its own name, too.
+    own = given.name.removesuffix(suffix) if suffix else given.name
+    return named.get(given.name) or named.get(own, given)
 
 
 def shipped_names(suffix: str = "") -> list[str]:

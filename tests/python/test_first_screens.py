@@ -5,17 +5,20 @@ import re
 from dataclasses import replace
 from functools import cache
 from importlib.resources import files
+from types import SimpleNamespace
 
 import pytest
 
 from ivsid import identify, simulation, validate
 from ivsid.log import Log
+from ivsid.plans.narrowing import OPEN
 from ivsid.programme.scenario import parse_scenario
 from ivsid.report import page
 from ivsid.vehicle import parse_vehicle
+from ivsid.workflow import trial_plan
 from ivsid.workflow.first_screens import identified, validated
 from ivsid.workflow.identification import identification_report
-from ivsid.workflow.parameters import MEANING, brief, parameter_bars
+from ivsid.workflow.parameters import MEANING, bounded, brief, parameter_bars
 from ivsid.workflow.validation import validation_summary
 from pages import Page
 
@@ -87,3 +90,28 @@ def test_rows_that_agree_prove_half_where_no_motion_can_be_simulated():
     first = validated(moved)
     assert first.tone == "open" and first.verdict == "No row of the other log contradicts the parameters"
     assert not set(sentences(validation_summary(moved))) & set(sentences(first.words))
+
+
+def test_what_a_plan_reaches_is_said_in_the_same_words_everywhere():
+    """Open intervals are counted beside a number, and were a million in the card of the first screen."""
+    values = SimpleNamespace(median=15.9 + 4 * OPEN, least=14.7 + 4 * OPEN, most=18.2 + 4 * OPEN)
+    made = SimpleNamespace(
+        purpose="narrow",
+        quantity="widest relative interval",
+        predicted=values,
+        before=3.42 + 4 * OPEN,
+        best_rival=("turns on the spot", 1.88 + 4 * OPEN),
+        rivals={"turns on the spot": 1.88 + 4 * OPEN},
+        scenario=SimpleNamespace(duration=60.0),
+        fence=SimpleNamespace(radius=math.inf),
+        gain=lambda value: value / values.median,
+    )
+    first, summary = trial_plan._first(made), trial_plan.summary_of(made)
+    card = dict(first.cards[0].facts)
+    assert card["widest relative interval"].startswith("1590 % beside 4 open ones (1470 %")
+    assert "to 1590 % beside 4 open ones" in summary and "e+0" not in f"{summary} {card}"
+    assert first.words == "" and trial_plan._library(made)["rows"][1][1]["text"] == "188 % beside 4 open ones"
+
+
+def test_a_fleet_gives_no_unit_to_what_has_no_bound():
+    assert bounded(-math.inf, math.inf, "kg") == "no bound" and bounded(1.0, 2.0, "kg") == "[1, 2] kg"

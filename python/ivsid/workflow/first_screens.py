@@ -46,7 +46,7 @@ def identified(fit: Identification, further: Sequence[str] = ()) -> First:
     if fit.inflation is not None:
         room = "the log leaves room to spare" if fit.inflation < 1 else "so wide would all bounds have to be"
         said.append(f"Smallest factor on all bounds with a consistent parameter: {fit.inflation:.3g}, {room}.")
-    facts = tuple((id_, bounded(p)) for id_, p in fit.parameters.items())
+    facts = tuple((id_, bounded(p.lower, p.upper, p.unit)) for id_, p in fit.parameters.items())
     cards = (Card("Intervals", f"Method {fit.method}.", facts, "parameters"),) if facts else ()
     claims = [c for c in fit.claims if c["contradicted"]]
     warnings = [f"The claimed {c['parameter']} = {c['value']:.4g} is contradicted." for c in claims]
@@ -179,7 +179,7 @@ def separable(result: Isolability) -> First:
 def demonstrated(fits: Sequence[Identification], checks: Sequence[Validation]) -> First:
     """The first screen of the paper's experiment."""
     feasible = fits[0]
-    facts = tuple((id_, bounded(p)) for id_, p in feasible.parameters.items())
+    facts = tuple((id_, bounded(p.lower, p.upper, p.unit)) for id_, p in feasible.parameters.items())
     proved = [f.method for f in fits if f.guaranteed and f.parameters]
     wrong = sum(f.falsified for f in checks[0].forces)
     words = (

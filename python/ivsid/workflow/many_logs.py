@@ -20,7 +20,7 @@ from ivsid.report import drawn, page
 from ivsid.report.drawn import Bar, Bars
 from ivsid.report.page import Card, First, Part, Report, Section
 from ivsid.rows import WINDOW
-from ivsid.workflow.parameters import brief
+from ivsid.workflow.parameters import bounded, brief
 from ivsid.workflow.progress import Progress, silent
 
 # Logs that the page lists; the tables hold all.
@@ -287,10 +287,7 @@ def _first(found: Fleet) -> First:
     if found.pooled is None:
         return First("No log can be used", "bad", "The sentences of the failed logs stand below.")
     solved = found.pooled.solved
-    sure = "Guaranteed under the assumptions below" if found.guaranteed else "Not guaranteed"
-    facts = tuple(
-        (i, f"{brief(*e)} {t.unit}") for t, (i, e) in zip(found.terms, found.parameters.items(), strict=False)
-    )
+    facts = tuple((i, bounded(*e, t.unit)) for t, (i, e) in zip(found.terms, found.parameters.items(), strict=False))
     cards = [Card("Intervals of all logs", f"{len(found.order)} logs.", facts, "all-logs-together")] if facts else []
     causes = tuple((c, f"{len(n)} logs") for c, n in list(found.findings().items())[:CHANGES])
     if causes:
@@ -298,13 +295,12 @@ def _first(found: Fleet) -> First:
     if solved.empty:
         changes = () if found.drift is None else found.drift.changes
         verdict = f"The parameters changed at least {len(changes)} time{'s' * (len(changes) != 1)}"
-        words = f"{sure}: {MEANING['empty']}."
         steps = tuple(_change(found, c) + "." for c in changes[:4])
-        return First(verdict, "bad", words, tuple(cards), steps or ("Look at the logs that contradict each other.",))
+        return First(verdict, "bad", "", tuple(cards), steps or ("Look at the logs that contradict each other.",))
     verdict = {
         "enclosed": f"{len(facts)} parameters hold in all {len(found.order)} logs",
         "unbounded": "All logs together leave some parameters open",
     }.get(solved.status, "These logs prove nothing together")
     following = ("Check the proof: ivsid verify result.json FOLDER_OF_LOGS.",)
     tone = "good" if solved.status == "enclosed" else "open"
-    return First(verdict, tone, f"{sure}: {MEANING[solved.status]}.", tuple(cards), following)
+    return First(verdict, tone, "", tuple(cards), following)

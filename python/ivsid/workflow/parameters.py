@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from ivsid.identification import Identification, Narrower, Parameter, in_words
+from ivsid.identification import Identification, Narrower, in_words
 from ivsid.intervals import shown
 from ivsid.report import drawn, page
 from ivsid.report.drawn import Bar, Bars
@@ -46,10 +46,10 @@ def brief(lower: float, upper: float) -> str:
     return shown(lower, upper, digits)
 
 
-def bounded(p: Parameter) -> str:
+def bounded(lower: float, upper: float, unit: str) -> str:
     """The interval of a parameter with its unit, or that it has no end."""
-    words = brief(p.lower, p.upper)
-    return f"{words} {p.unit}" if words.startswith("[") else words
+    words = brief(lower, upper)
+    return f"{words} {unit}" if words.startswith("[") else words
 
 
 def _lost(lower: float, upper: float, digits: int) -> float:

@@ -101,13 +101,21 @@ def summary_of(made: Plan) -> str:
         words = f"{made.scenario.duration:g} s are predicted to bring the {made.quantity}{before} to {_share(p.median)} ({_share(p.least)} to {_share(p.most)})."
     beside = made.best_rival
     if beside is not None:
-        words += f" The best of the library, {beside[0]}, gives {_share(beside[1]) if made.purpose == 'narrow' else f'{beside[1]:.3g}'}."
+        words += f" The best of the library, {beside[0]}, gives {_worth(made, beside[1])}."
     return words
 
 
 def _share(x: float) -> str:
     count = int(x // OPEN)
-    return f"{100 * (x - count * OPEN):.3g} %" + (f" beside {count} open one{'s' * (count > 1)}" if count else "")
+    percent = 100 * (x - count * OPEN)
+    return f"{percent:{'.0f' if percent >= 1000 else '.3g'}} %" + (
+        f" beside {count} open one{'s' * (count > 1)}" if count else ""
+    )
+
+
+def _worth(made: Plan, x: float) -> str:
+    """What a manoeuvre reaches, in the words of the summary."""
+    return _share(x) if made.purpose == "narrow" else f"{x:.3g}"
 
 
 def lines_of(made: Plan) -> tuple[str, ...]:
@@ -144,8 +152,8 @@ def _levels(x: float | tuple[float, ...]) -> str:
 
 
 def _library(made: Plan) -> Part:
-    rows = [["planned", made.predicted.median, 1.0]]
-    rows += [[name, value, made.gain(value)] for name, value in made.rivals.items() if value is not None]
+    rows: list[list[object]] = [["planned", _worth(made, made.predicted.median), 1.0]]
+    rows += [[name, _worth(made, value), made.gain(value)] for name, value in made.rivals.items() if value is not None]
     left = [name for name, value in made.rivals.items() if value is None]
     caption = "Each for the same time, on logs of the fit's estimate."
     if left:
@@ -164,10 +172,10 @@ def _assumes(made: Plan) -> list[str]:
 
 
 def _first(made: Plan) -> First:
-    f = made.fence
-    facts = [(made.quantity, f"{made.predicted.median:.3g} ({made.predicted.least:.3g} to {made.predicted.most:.3g})")]
+    f, p = made.fence, made.predicted
+    facts = [(made.quantity, f"{_worth(made, p.median)} ({_worth(made, p.least)} to {_worth(made, p.most)})")]
     if made.best_rival is not None:
-        facts.append((f"best of the library: {made.best_rival[0]}", f"{made.best_rival[1]:.3g}"))
+        facts.append((f"best of the library: {made.best_rival[0]}", _worth(made, made.best_rival[1])))
     if math.isfinite(f.radius):
         facts.append((f"fence of {f.radius:g} m", "proved" if f.whole else f"proved for {f.proved_until:.3g} s"))
     beside = made.best_rival

@@ -16,7 +16,7 @@ from ivsid.programme.scenario import parse_scenario
 from ivsid.report import page
 from ivsid.vehicle import parse_vehicle
 from ivsid.workflow import trial_plan
-from ivsid.workflow.first_screens import identified, validated
+from ivsid.workflow.first_screens import analysed, identified, validated
 from ivsid.workflow.identification import identification_report
 from ivsid.workflow.parameters import MEANING, bounded, brief, parameter_bars
 from ivsid.workflow.validation import validation_summary
@@ -115,3 +115,15 @@ def test_what_a_plan_reaches_is_said_in_the_same_words_everywhere():
 
 def test_a_fleet_gives_no_unit_to_what_has_no_bound():
     assert bounded(-math.inf, math.inf, "kg") == "no bound" and bounded(1.0, 2.0, "kg") == "[1, 2] kg"
+
+
+@pytest.mark.parametrize(
+    ("unit", "walk"),
+    [("rad/s", "rad/√s"), ("deg/s", "deg/√s"), ("m/s^2", "m/s/√s"), ("mg", "mg·√s"), ("deg/h", "deg/h·√s")],
+)
+def test_coefficients_of_noise_have_units(unit, walk):
+    curve = SimpleNamespace(
+        bands={"random_walk": (0.9, 1.1)}, bias_instability=0.25, resolved=True, random_walk=1.0, channel="r"
+    )
+    (fact,) = analysed({"r": curve}, {"r": 3.0}, {"r": unit}, 600.0).cards[0].facts
+    assert fact == ("r", f"N 1 {walk} (0.9 to 1.1); B 0.25 {unit}; half-width 3 {unit}")

@@ -45,10 +45,10 @@ class AllanDeviation:
         deviation: overlapping Allan deviation, in the channel's unit, shape (n,).
         error: standard error of each point under the fitted noise, shape (n,).
         band: 95 % band of the deviation at each point (chi^2 with the degrees of freedom of the fitted noise), shape (2, n).
-        random_walk: N [unit/sqrt(s)].
+        random_walk: N [unit sqrt(s)].
         bias_instability: B, the standard deviation of the Gauss-Markov bias, or the coefficient of flicker noise [unit].
         bias_time: T [s]; for flicker noise the shortest time that the fit counts as a bias.
-        rate_random_walk: K [unit/s/sqrt(s)]; 0 if the record shows none.
+        rate_random_walk: K [unit/sqrt(s)]; 0 if the record shows none.
         bands: the 95 % band of each of these four numbers by its name here; ends that the record leaves open are 0 or infinite.
         short: C [unit^2 s^2], the part of the sensor's filter (below 0) or of noise of increments (above 0).
         start: shortest averaging time of the fit [s].
@@ -63,7 +63,7 @@ class AllanDeviation:
         motion: frequency [Hz] of a motion of the sensor that makes a hump in the curve; None if there is none.
         period: of the samples [s].
         coarse: whether the steps of the readings are larger than their noise, so that rounding is no white noise.
-        white_bound: N for a sensor bound [unit/sqrt(s)]: noise of increments counts as white noise of the same size at a sample.
+        white_bound: N for a sensor bound [unit sqrt(s)]: noise of increments counts as white noise of the same size at a sample.
         bias_bound: B for a sensor bound [unit]: flicker noise counts with its standard deviation over a record of this length.
     """
 

@@ -56,7 +56,7 @@ class NoiseFit:
     """The fitted noise.
 
     Attributes:
-        values: N [unit/sqrt(s)], B [unit], T [s], K [unit/s/sqrt(s)].
+        values: N [unit sqrt(s)], B [unit], T [s], K [unit/sqrt(s)].
         short: C [unit^2 s^2], below 0 for a low-pass filter and above 0 for noise of increments.
         flicker: whether the bias is flicker noise; B is then its coefficient F, and T the shortest time that counts as a bias.
         bands: the 95 % band of each of ``values`` by its name in ``NAMES``; an end that the record leaves open is 0 or infinite.

@@ -32,9 +32,9 @@ class Noise:
     """The noise of a sensor, in the channel's unit.
 
     Attributes:
-        n: white noise N [unit/sqrt(s)].
+        n: white noise N [unit sqrt(s)].
         b, t: standard deviation B [unit] and correlation time T [s] of the Gauss-Markov bias.
-        k: rate random walk K [unit/s/sqrt(s)].
+        k: rate random walk K [unit/sqrt(s)].
         c: short-time part C [unit^2 s^2], of either sign.
         f: flicker noise F [unit].
     """

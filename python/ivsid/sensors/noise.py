@@ -55,7 +55,7 @@ def sigma_published(n: float, b: float, dt: float, t: float) -> float:
     """The paper's eq. 15 as printed, sigma_c = N / sqrt(dt) + sqrt(dt / t) B, in the channel's unit: a rule and no bound.
 
     Args:
-        n: random walk N [unit/sqrt(s)].
+        n: random walk N [unit sqrt(s)].
         b: bias instability B [unit].
         dt: sampling interval [s].
         t: time of the bias [s].

@@ -105,7 +105,9 @@ def allan(
         drawings,
         {"sensors.toml": snippet},
         tuple(lines),
-        analysed(curves, record["bounds"], samples * recording.period),
+        analysed(
+            curves, record["bounds"], {n: c.unit for n, c in recording.channels.items()}, samples * recording.period
+        ),
     )
 
 
@@ -155,7 +157,7 @@ def coefficient_table(rows: Sequence[Cells]) -> Part:
     header = [
         "channel",
         "unit",
-        "N [unit/√s]",
+        "N [unit·√s]",
         "B [unit]",
         "T [s]",
         "hump resolved",
@@ -170,7 +172,7 @@ def coefficient_table(rows: Sequence[Cells]) -> Part:
 def band_table(curves: Mapping[str, AllanDeviation]) -> Part:
     """The coefficients with their 95 % bands."""
     rows = [[channel, *(_banded(getattr(a, name), a.bands[name]) for name in NAMES)] for channel, a in curves.items()]
-    return page.table(["channel", "N", "B", "T [s]", "K [unit/s/√s]"], rows, "95 % bands")
+    return page.table(["channel", "N", "B", "T [s]", "K [unit/√s]"], rows, "95 % bands")
 
 
 def _banded(value: float, band: tuple[float, float]) -> str:

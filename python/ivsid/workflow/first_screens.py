@@ -99,15 +99,16 @@ def validated(result: Validation) -> First:
     return First(verdict, tone, words, (Card("Errors", "Predicted against measured.", tuple(facts)),), (following,))
 
 
-def analysed(curves: Mapping[str, AllanDeviation], bounds: Mapping[str, float], duration: float) -> First:
+def analysed(
+    curves: Mapping[str, AllanDeviation], bounds: Mapping[str, float], units: Mapping[str, str], duration: float
+) -> First:
     """The first screen of an Allan analysis."""
     facts = []
     for name, a in curves.items():
         low, high = a.bands["random_walk"]
-        bias = f"{a.bias_instability:.3g}" + ("" if a.resolved else " (not resolved)")
-        facts.append(
-            (name, f"N {a.random_walk:.3g} ({low:.3g} to {high:.3g}), B {bias}; half-width {float(bounds[name]):.3g}")
-        )
+        bias = f"{a.bias_instability:.3g} {units[name]}" + ("" if a.resolved else " (not resolved)")
+        walk = f"{a.random_walk:.3g} {_over_root(units[name])} ({low:.3g} to {high:.3g})"
+        facts.append((name, f"N {walk}; B {bias}; half-width {float(bounds[name]):.3g} {units[name]}"))
     open_ = [n for n, a in curves.items() if not a.resolved]
     verdict = f"Noise of {len(curves)} {'channel' if len(curves) == 1 else 'channels'} for the vehicle file"
     words = f"From {duration:.4g} s at rest. N is the random walk with its 95 % band, B the bias instability, and the half-width bounds every sample of a log of this length with probability 0.999."
@@ -116,8 +117,14 @@ def analysed(curves: Mapping[str, AllanDeviation], bounds: Mapping[str, float], 
         following.append(
             f"Record for longer to measure the bias of {', '.join(open_)}: its hump lies beyond this record."
         )
-    card = Card("Coefficients", "In the units of each column.", tuple(facts), "coefficients")
+    card = Card("Coefficients", "", tuple(facts), "coefficients")
     return First(verdict, "open" if open_ else "good", words, (card,), tuple(following))
+
+
+def _over_root(unit: str) -> str:
+    """The unit of a random walk: that of the readings times the root of a second."""
+    once = unit.removesuffix("/s^2") + "/s/√s" if unit.endswith("/s^2") else unit.removesuffix("/s") + "/√s"
+    return once if unit.endswith(("/s", "/s^2")) else f"{unit}·√s"
 
 
 def pulled(table: Bollard) -> First:

@@ -40,10 +40,9 @@ def shipped() -> set[tuple[str, str]]:
         "--format",
     ]
     lines = subprocess.run([*command, "{p}"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines()
-    words = [line.split() for line in lines if line]
-    return {
-        (w[0], w[1].removeprefix("v")) for w in words if not w[-1].startswith(f"({ROOT}") and "/crates/" not in w[-1]
-    }
+    # A crate that was shown before has "(*)" at its end.
+    words = [line.removesuffix(" (*)").split() for line in lines if line]
+    return {(w[0], w[1].removeprefix("v")) for w in words if not w[-1].startswith(f"({ROOT}")}
 
 
 def text_of(package: dict[str, Any]) -> str:

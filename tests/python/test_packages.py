@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 import yaml
 from tests import packages
+from tests.licences import shipped
 
 import ivsid
 
@@ -47,6 +48,8 @@ def test_licences_are_whole_and_go_with_each_package():
     listed = re.findall(r"^([\w-]+) (\d\S*): ", (ROOT / "LICENSE-THIRD-PARTY").read_text(), re.M)
     locked = {(p["name"], p["version"]) for p in tomllib.loads((ROOT / "Cargo.lock").read_text())["package"]}
     assert len(listed) > 40 and set(listed) <= locked, "make licences"
+    # The crates of others in a wheel, and none of the project's own.
+    assert set(listed) == shipped(), "make licences"
     direct = {d for c in ("interval-core", "filter-core", "onboard", "pyivsid") for d in crate(c)} - {
         "interval-core",
         "filter-core",

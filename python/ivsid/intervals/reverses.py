@@ -30,7 +30,7 @@ class ReverseOperations:
         return _solved("sqr_rev", self._own, x)
 
     def abs_rev(self, x: Operand | None = None) -> IntervalArray:
-        """The members t of ``x`` (all numbers if left out) with |t| in these intervals."""
+        """The members t of ``x`` (all numbers if left out) with ``|t|`` in these intervals."""
         return _solved("abs_rev", self._own, x)
 
     def powi_rev(self, n: int, x: Operand | None = None) -> IntervalArray:

@@ -57,7 +57,7 @@ macro_rules! of_values {
 of_values! {
     /// The members t of ``x`` (all numbers if left out) with t^2 in this interval.
     sqr_rev;
-    /// The members t of ``x`` (all numbers if left out) with |t| in this interval.
+    /// The members t of ``x`` (all numbers if left out) with ``|t|`` in this interval.
     abs_rev;
     /// The members t of ``x`` (all numbers if left out) with sin t in this interval.
     sin_rev;

@@ -88,3 +88,33 @@ def test_a_log_over_midnight_is_proposed_and_read(tmp_path):
     assert {n: f.match.column for n, f in made.channels.items()} == {"u": "vx", "v": "vy", "r": "yaw_rate"}
     log = read_log(path, made.mapped.checked)
     assert log.t[-1] == pytest.approx(3.9, abs=1e-9) and any("pass midnight" in n for n in log.notes)
+
+
+def of_twelve(seconds):
+    """The same times of day on a clock of twelve hours."""
+    return [f"{(int(w[:2]) + 11) % 12 + 1:02d}{w[2:]} {'AM' if int(w[:2]) < 12 else 'PM'}" for w in words(seconds)]
+
+
+@pytest.mark.parametrize("start", [43_198.0, 86_398.0])
+def test_clocks_of_twelve_hours_pass_noon_and_midnight(start):
+    made = read(of_twelve(start + 0.1 * STEPS))
+    assert np.abs(made.t - 0.1 * STEPS).max() <= made.lost + 1e-12
+    assert bool(made.notes) == (start > 43_200)
+    with pytest.raises(IvsidError, match="is no time like"):
+        read(["11:59:59 PM", "13:00:00 PM"])
+
+
+@pytest.mark.parametrize(
+    ("first", "second"), [("05/31/2024", "06/01/2024"), ("31/05/2024", "01/06/2024"), ("31-05-2024", "01-06-2024")]
+)
+def test_a_day_beyond_twelve_settles_the_order_of_day_and_month(first, second):
+    made = read(
+        [f"{first} 23:59:59.5", f"{second} 00:00:00.25", f"{second} 12:00:00 AM".replace("12:00:00 AM", "12:00:01 AM")]
+    )
+    assert made.t.tolist() == pytest.approx([0.0, 0.75, 1.5]) and made.first == pytest.approx(1_717_199_999.5)
+
+
+def test_days_and_months_that_nothing_tells_apart_are_refused():
+    for cells in (["05/06/2024 12:00:00", "05/06/2024 12:00:01"], ["31/05/2024 12:00:00", "05/31/2024 12:00:01"]):
+        with pytest.raises(IvsidError, match="day and month cannot be told apart"):
+            read(cells)

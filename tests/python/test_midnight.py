@@ -118,3 +118,15 @@ def test_days_and_months_that_nothing_tells_apart_are_refused():
     for cells in (["05/06/2024 12:00:00", "05/06/2024 12:00:01"], ["31/05/2024 12:00:00", "05/31/2024 12:00:01"]):
         with pytest.raises(IvsidError, match="day and month cannot be told apart"):
             read(cells)
+
+
+@pytest.mark.parametrize(("start", "step"), [(43_197.0, 0.1), (86_310.0, 1.0), (3_590.0, 5.0), (59.0, 0.5)])
+def test_digits_of_a_clock_are_no_seconds(start, step):
+    """12:00:00 as 120000: 59.9 is followed by 100, and the log would have a gap of 40 s a minute."""
+    true = (start + step * np.arange(60)) % 86_400
+    face = [w.replace(":", "") for w in words(true)]
+    with pytest.raises(IvsidError, match="digits of a clock"):
+        read([float(f) for f in face])
+    # The same numbers without a full minute, and seconds with or without a gap, are what they were.
+    assert read(0.5 * np.arange(90.0)).t.size == 90 and read(start + step * np.arange(60)).t.size == 60
+    assert read([*np.arange(50.0), *(100.0 + np.arange(50.0)), *(260.0 + np.arange(30.0))]).t.size == 130

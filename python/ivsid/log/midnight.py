@@ -74,3 +74,29 @@ def begun_anew(stamps: Array, scale: float) -> tuple[Array, float, list[int]]:
             rounds[anew] = 1.0
             return np.cumsum(rounds), length, anew.tolist()
     return np.zeros(0), 0.0, []
+
+
+def is_clock_face(stamps: Array) -> bool:
+    """Whether numbers are the digits of a clock, hhmmss, as GNSS receivers write them: they leap by 40 from second 59 to the next minute.
+
+    Args:
+        stamps: NaN where one is missing, shape (n,).
+    """
+    known = stamps[np.isfinite(stamps)]
+    if known.size < 2 or known.min() < 0 or known.max() >= 240_000:
+        return False
+    minutes = np.floor(known / 100)
+    if (known - 100 * minutes >= 60).any() or (minutes % 100 >= 60).any():
+        return False
+    over = np.flatnonzero(np.diff(minutes) > 0)
+    step = np.diff(known)
+    inside = step[np.diff(minutes) == 0]
+    usual = float(np.median(inside[inside > 0])) if (inside > 0).any() else 0.0
+    if not over.size or not usual:
+        return False
+    # Seconds leap nowhere; the digits leap at each full minute, and at each full hour by 4,000 more.
+    turned = 40.0 * np.diff(minutes)[over] + np.where(
+        np.floor(minutes[over + 1] / 100) > np.floor(minutes[over] / 100), 2400.0, 0.0
+    )
+    rest = step[over] - turned
+    return bool(((rest > 0) & (rest <= STEPS * usual)).all())

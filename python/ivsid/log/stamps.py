@@ -15,7 +15,7 @@ from ivsid.errors import IvsidError
 from ivsid.files import units
 from ivsid.log.dates import is_date, is_time_of_day, nanoseconds
 from ivsid.log.disorder import in_order
-from ivsid.log.midnight import begun_anew, past_midnight
+from ivsid.log.midnight import begun_anew, is_clock_face, past_midnight
 from ivsid.log.record import steps_in
 from ivsid.log.serial_days import Days, coarse, days_of
 from ivsid.log.source import numbers, stamp_unit
@@ -99,6 +99,11 @@ def times_of(
     """
     series, unit, notes, assumes = _counted(series, unit, source, name, first_row)
     stamps = numbers(series, name, source, first_row) if cells is None else cells
+    if unit is None and is_clock_face(stamps):
+        raise IvsidError(
+            f"{source}: column {name} holds the digits of a clock (hhmmss), which are no seconds: they leap at each full minute; write them as hh:mm:ss, "
+            "with colons, or as seconds"
+        )
     days = days_of(stamps, YEARS) if unit in (None, "d") else None
     if unit is None:
         unit, told = _unit_of(stamps, days, source, name)

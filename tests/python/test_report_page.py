@@ -233,7 +233,7 @@ def test_a_table_and_a_recording_give_pages_that_say_what_to_do(tmp_path):
     assert faults(page.html(made)) == []
     a = made.record["channels"]["ax"]
     said = Page(page.html(made)).text
-    assert f"N {a['random_walk']:.3g} (" in said and ("not resolved" in said) == (not a["bias_resolved"])
+    assert f"N {a['random_walk']:.3g} m/s/√s (" in said and ("not resolved" in said) == (not a["bias_resolved"])
 
 
 def test_a_cause_that_pushes_nothing_has_no_figure_of_forces():

@@ -70,6 +70,40 @@ fn exact_is_the_hull_rounded_once() {
     }
 }
 
+/// The determinant of the first rows in the given columns as the formula stands: products with 1 and sums from 0 too.
+fn by_last_row(a: &IntervalMatrix, rows: &[usize], columns: &[usize]) -> Interval {
+    let Some((&row, above)) = rows.split_last() else { return Interval::ONE };
+    let mut sum = Interval::ZERO;
+    for k in 0..columns.len() {
+        let others = [&columns[..k], &columns[k + 1..]].concat();
+        let term = a.get(row, columns[k]) * by_last_row(a, above, &others);
+        sum = if (columns.len() - 1 - k).is_multiple_of(2) { sum + term } else { sum - term };
+    }
+    sum
+}
+
+#[test]
+fn cramer_has_the_bits_of_its_formula() {
+    let mut enclosed = 0;
+    for n in 1..=5 {
+        for (name, a) in families(n, 3) {
+            let outcome = cramer(&a).expect("square");
+            let Some((lower, upper)) = outcome.bounds() else { continue };
+            enclosed += 1;
+            let every: Vec<usize> = (0..n).collect();
+            let det = by_last_row(&a, &every, &every);
+            for (at, (&l, &u)) in lower.iter().zip(upper).enumerate() {
+                let (i, j) = (at / n, at % n);
+                let without = |skip: usize| every.iter().copied().filter(|&k| k != skip).collect::<Vec<_>>();
+                let cofactor = by_last_row(&a, &without(j), &without(i));
+                let entry = if (i + j).is_multiple_of(2) { cofactor / det } else { -cofactor / det };
+                assert_eq!((l, u), (entry.lo(), entry.hi()), "{name}, n = {n}: entry {at}");
+            }
+        }
+    }
+    assert!(enclosed > 15, "{enclosed}");
+}
+
 /// Widths against the exact hull: never narrower, and close to it where the preconditioned matrix is near the identity.
 #[test]
 fn hansen_bliek_rohn_is_close_to_the_hull() {

@@ -22,9 +22,10 @@ pub fn cramer(a: &IntervalMatrix) -> Result<Outcome, Error> {
         Err(refusal) => return Ok(Outcome::not_applicable(refusal)),
     };
     let mut entries = Vec::with_capacity(n * n);
+    let mut minors = vec![Interval::ONE; 1 << n];
     for i in 0..n {
         for j in 0..n {
-            let cofactor = minor(a, j, i);
+            let cofactor = minor(a, j, i, &mut minors);
             entries.push(if (i + j) % 2 == 0 { cofactor / det } else { -cofactor / det });
         }
     }
@@ -56,28 +57,40 @@ pub(crate) fn determinant(a: &IntervalMatrix) -> Result<Interval, String> {
 
 /// An enclosure of every member's determinant; the order is at most [`ORDER_LIMIT`].
 pub(crate) fn expand_all(a: &IntervalMatrix) -> Interval {
-    let every: Vec<usize> = (0..a.rows()).collect();
-    expand(a, &every, &every)
+    let every: [usize; ORDER_LIMIT] = std::array::from_fn(|k| k);
+    let every = &every[..a.rows()];
+    expand(a, every, every, &mut vec![Interval::ONE; 1 << a.rows()])
 }
 
 /// The determinant without row `i` and column `j`.
-fn minor(a: &IntervalMatrix, i: usize, j: usize) -> Interval {
-    let without = |skip: usize| (0..a.rows()).filter(move |&k| k != skip).collect::<Vec<_>>();
-    expand(a, &without(i), &without(j))
+fn minor(a: &IntervalMatrix, i: usize, j: usize, minors: &mut [Interval]) -> Interval {
+    let without = |skip: usize| -> [usize; ORDER_LIMIT] { std::array::from_fn(|k| if k < skip { k } else { k + 1 }) };
+    let rest = a.rows() - 1;
+    expand(a, &without(i)[..rest], &without(j)[..rest], minors)
 }
 
 /// Laplace expansion by rows with shared minors: `minors[mask]` is the determinant of the first `|mask|` rows in the
-/// columns of `mask`.
-fn expand(a: &IntervalMatrix, rows: &[usize], columns: &[usize]) -> Interval {
+/// columns of `mask`. The first entry of `minors` is 1.
+fn expand(a: &IntervalMatrix, rows: &[usize], columns: &[usize], minors: &mut [Interval]) -> Interval {
     let n = columns.len();
-    let mut minors = vec![Interval::ONE; 1 << n];
     for mask in 1_usize..1 << n {
         let row = rows[mask.count_ones() as usize - 1];
-        let mut sum = Interval::ZERO;
-        for (position, &column) in columns.iter().enumerate().filter(|(k, _)| mask >> k & 1 == 1) {
-            let term = a.get(row, column) * minors[mask & !(1 << position)];
-            let after = (mask >> (position + 1)).count_ones();
-            sum = if after % 2 == 0 { sum + term } else { sum - term };
+        let term = |position: usize| {
+            let entry = a.get(row, columns[position]);
+            // A product with the determinant of nothing, or a sum with 0, is exact and costs as much as any other.
+            if mask.is_power_of_two() { entry } else { entry * minors[mask & !(1 << position)] }
+        };
+        let mut left = mask;
+        let mut next = || {
+            let position = left.trailing_zeros() as usize;
+            left &= left - 1;
+            (position, left.count_ones() % 2 == 0)
+        };
+        let (first, positive) = next();
+        let mut sum = if positive { term(first) } else { -term(first) };
+        for _ in 1..mask.count_ones() {
+            let (position, positive) = next();
+            sum = if positive { sum + term(position) } else { sum - term(position) };
         }
         minors[mask] = sum;
     }

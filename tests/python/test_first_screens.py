@@ -15,7 +15,7 @@ from ivsid.plans.narrowing import OPEN
 from ivsid.programme.scenario import parse_scenario
 from ivsid.report import page
 from ivsid.vehicle import parse_vehicle
-from ivsid.workflow import trial_plan
+from ivsid.workflow import trial_plan, verification
 from ivsid.workflow.first_screens import analysed, identified, validated
 from ivsid.workflow.identification import identification_report
 from ivsid.workflow.parameters import MEANING, bounded, brief, parameter_bars
@@ -127,3 +127,18 @@ def test_coefficients_of_noise_have_units(unit, walk):
     )
     (fact,) = analysed({"r": curve}, {"r": 3.0}, {"r": unit}, 600.0).cards[0].facts
     assert fact == ("r", f"N 1 {walk} (0.9 to 1.1); B 0.25 {unit}; half-width 3 {unit}")
+
+
+@pytest.mark.parametrize(
+    ("status", "tone", "words"),
+    [
+        ("proved", "good", "is proved"),
+        ("not_checked", "open", "cannot be checked"),
+        ("failed", "bad", "does not follow"),
+    ],
+)
+def test_a_verification_has_a_first_screen(status, tone, words):
+    verdict = SimpleNamespace(status=status, certificates=12, rows=30, failures=("one",) if status == "failed" else ())
+    first = verification._first(verdict)
+    assert first.tone == tone and words in first.verdict and first.following
+    assert dict(first.cards[0].facts)["checks that failed"] == str(len(verdict.failures))

@@ -176,6 +176,8 @@ def test_units_of_the_recording_become_si_in_the_vehicle_file(recording, tmp_pat
     assert sheet == pytest.approx(60 * walk, rel=0.06)
 
 
+# Nightly: the gate states units by the option.
+@pytest.mark.nightly
 def test_a_header_states_its_unit(recording, tmp_path):
     text = recording.read_text().replace("gyr_z", "gyr_z [deg/s]", 1).replace("acc_x", "acc_x (g)", 1)
     (tmp_path / "labelled.csv").write_text(text)

@@ -8,6 +8,7 @@ from ivsid.diagnosis.candidates.intervals import Bound
 from ivsid.diagnosis.selection.adequacy import Adequacy
 from ivsid.diagnosis.statements import findings
 from ivsid.diagnosis.statements.findings import findings_of
+from ivsid.effects import EFFECTS, PAPER_TERMS, PLAIN_TERMS
 
 IDS = ("coupling.cg_y", "thruster.asymmetry", "drag.lift.yaw", "sensor.yaw_rate.scale")
 
@@ -24,14 +25,15 @@ def _made(monkeypatch):
     monkeypatch.setattr(Adequacy, "beside", lambda rest, *_: rest.unexplained / 10)
 
 
-def named(falls, left, *, complete=False):
+def named(falls, left, *, complete=False, ids=IDS, terms=(), rule="dominant"):
     """Names of causes with these falls, where a dictionary of 100 columns finds ``left`` more than chance."""
-    found = [SimpleNamespace(id=i, fall=f, rivals=[SimpleNamespace(id=i)]) for i, f in zip(IDS, falls, strict=False)]
-    selection = SimpleNamespace(found=found, last=None, leftover=[])
+    found = [SimpleNamespace(id=i, fall=f, rivals=[SimpleNamespace(id=i)]) for i, f in zip(ids, falls, strict=False)]
+    plain = SimpleNamespace(h=SimpleNamespace(terms=terms))
+    selection = SimpleNamespace(plain=plain, found=found, last=None, leftover=[])
     rest = Adequacy(100.0 + left, 100, 1e-12, (("u", "surge", left),), 1e-12, {})
     made, withdrawn = findings_of(selection, {}, rest, complete=complete)
     assert {f.effect for f in made} | set(withdrawn) == {f.id for f in found}
-    assert all(r.rule == "dominant" for r in withdrawn.values())
+    assert all(r.rule == rule for r in withdrawn.values())
     return [f.effect for f in made]
 
 
@@ -50,3 +52,14 @@ def test_what_refused_causes_take_stays_unexplained_beside_stronger_ones():
     assert named([300.0, 3750.0, 440.0], 380.0) == []
     assert named([1000.0, 9000.0], 100.0) == [IDS[0], IDS[1]]
     assert named([1000.0, 12000.0, 20.0], 100.0) == [IDS[1]]
+
+
+def test_a_number_of_two_axes_is_not_parted_beside_structure():
+    """A wrong thrust curve moves the drag ahead alone, and with it the paper's drag of both axes."""
+    parts = [i for i, e in EFFECTS.items() if e.shares]
+    assert "drag.sway.quadratic" in parts
+    for id_ in parts:
+        assert named([1e6], 100.0, ids=[id_], terms=PAPER_TERMS, rule="parted number") == []
+        # With little structure left, and in a model that shares no number, it is a cause as any other.
+        assert named([1e6], 100.0, ids=[id_], terms=PAPER_TERMS, complete=True) == [id_]
+        assert named([1e6], 100.0, ids=[id_], terms=PLAIN_TERMS) == [id_]

@@ -99,11 +99,9 @@ def test_a_fall_far_beyond_the_smallest_chance_stays_as_large():
     assert np.all(np.diff(grown) > -2.0) and as_rare(1, 3, 0.0) == 0.0
 
 
-# Nightly: the second cause, nine seconds of the gate for the same projection.
-@pytest.mark.parametrize(
-    ("seed", "id_"),
-    [(85160, "current.oscillating"), pytest.param(83161, "thruster.reverse_loss", marks=pytest.mark.nightly)],
-)
+# Nightly: the same projection stands in the distance from all errors, above, and beside teeth, below.
+@pytest.mark.nightly
+@pytest.mark.parametrize(("seed", "id_"), [(85160, "current.oscillating"), (83161, "thruster.reverse_loss")])
 def test_a_cause_stands_by_the_direction_that_shows_it(seed, id_):
     """In the one direction of the prior the worst errors took these causes of 12 and 18 standard deviations whole."""
     fit, found = scored(seed)
@@ -139,6 +137,8 @@ def test_a_failure_inside_the_accuracy_stands_beside_any_curve():
     assert Round(fit, tuple(found.values()), 1e-4, {}).left(found["thruster.failure"]) > 60.0
 
 
+# Nightly: the gate holds teeth against usual cells, above.
+@pytest.mark.nightly
 def test_a_failure_beyond_the_accuracy_stands_beside_usual_cells():
     """On a straight run the cells of a demand that hardly changes would take it: 9 of 192 were left."""
     fit, found = scored(85286)
@@ -164,6 +164,8 @@ def test_teeth_that_jump_are_no_dead_band():
     assert Round(fit, tuple(found.values()), 1e-4, {}).left(found["thruster.deadband"]) < 1.0
 
 
+# Nightly: the gate has the curves of one velocity in test_speed_curves.py.
+@pytest.mark.nightly
 def test_a_cubic_drag_is_seen_by_what_other_drags_leave_of_its_error():
     """Beside r and r|r| little is left of the slope of r^3, so that a drag of 12 standard deviations is no sensor's noise."""
     fit, found = scored(132142)

@@ -92,6 +92,8 @@ def test_a_heading_that_no_rate_follows_is_refused(tmp_path):
         read_hsva(tmp_path)
 
 
+# Nightly: the gate identifies what is imported from CyberShip.
+@pytest.mark.nightly
 def test_what_is_imported_can_be_identified(tmp_path):
     hsva(tmp_path / "HSVA_CPMC_KVLCC2_Z_20_10_P.dat")
     page.write(workflow.import_set("hsva", tmp_path), tmp_path / "out")

@@ -59,7 +59,10 @@ def test_sound_logs_have_no_finding(seed):
     assert named(text, t, setup_faults.bare(columns)) == []
 
 
-@pytest.mark.parametrize("seed", range(8040, 8045))
+# Nightly: five draws of one mechanism; the gate takes three.
+@pytest.mark.parametrize(
+    "seed", [8041, 8042, 8044, *(pytest.param(s, marks=pytest.mark.nightly) for s in (8040, 8043))]
+)
 def test_hidden_effects_are_no_set_up(seed):
     text, t, columns = drawn(seed, "one", None)
     assert named(text, t, columns) == []

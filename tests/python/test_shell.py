@@ -182,7 +182,8 @@ def test_summaries_do_not_stand_in_the_lines_below_them(place):
     assert report.summary not in report.lines and "guaranteed under the stated assumptions" in report.summary
 
 
-@pytest.mark.parametrize("words", [(), ("--json",)])
+# Nightly: without steps the output is that of the JSON test above.
+@pytest.mark.parametrize("words", [(), pytest.param(("--json",), marks=pytest.mark.nightly)])
 def test_a_command_tells_its_steps_and_json_does_not(place, monkeypatch, words):
     monkeypatch.setattr("ivsid.cli.progress.EVERY", 0.002)
     made = run("allan", place / "run.csv", "--columns", "u,r", "--out", place / "told", *words)

@@ -87,10 +87,9 @@ def said(seed, effect, what):
     return diagnose(parse_vehicle(c.text, "vehicle.toml"), *logs)
 
 
-NIGHT = [pytest.param(s, marks=pytest.mark.nightly) for s in (95100, 95102, 95107)]
-
-
-@pytest.mark.parametrize("seed", [95103, *NIGHT])
+# Nightly: whole diagnoses; the gate finds a hump of the catalogue's outline in test_hump.py.
+@pytest.mark.nightly
+@pytest.mark.parametrize("seed", [95100, 95102, 95103, 95107])
 def test_a_hump_of_another_outline_is_a_hump_and_no_other_drag(seed):
     """A normal curve in the examiner's hands; the catalogue's falls off as the square of a hyperbolic secant."""
     result = said(seed, "x.hump", "outside")

@@ -42,6 +42,8 @@ def test_the_start_of_a_failure_is_known_to_its_slack():
     assert loss.lower <= 0.45 <= loss.upper and loss.upper - loss.lower < 0.03
 
 
+# Nightly: the gate finds the start of a failure above.
+@pytest.mark.nightly
 def test_a_start_is_not_moved_to_where_the_size_of_another_would_fit():
     """Beside the slope with the size of a step at 70 s a second step at 289 s fitted more, and a failure of 105 standard deviations was lost."""
     with TemporaryDirectory() as one, TemporaryDirectory() as two:

@@ -552,6 +552,8 @@ def otter(fit):
     return known, simulate(OTTER, scenario)
 
 
+# Nightly: the gate follows five parameters, and the equations of nine.
+@pytest.mark.nightly
 def test_a_twin_of_nine_parameters_stays_inside(otter):
     known, twin = otter
     made = tube(known, as_log(twin), windows=[5.0], inner=False)

@@ -1,11 +1,14 @@
 """Clocks that begin anew: times of day past midnight, seconds of a day and of a week; and what is no new day."""
 
+import tracemalloc
+
 import numpy as np
 import polars as pl
 import pytest
 
 from ivsid.errors import IvsidError
 from ivsid.log import read_log
+from ivsid.log.midnight import is_clock_face
 from ivsid.log.stamps import times_of
 from ivsid.proposal import propose
 
@@ -130,3 +133,12 @@ def test_digits_of_a_clock_are_no_seconds(start, step):
     # The same numbers without a full minute, and seconds with or without a gap, are what they were.
     assert read(0.5 * np.arange(90.0)).t.size == 90 and read(start + step * np.arange(60)).t.size == 60
     assert read([*np.arange(50.0), *(100.0 + np.arange(50.0)), *(260.0 + np.arange(30.0))]).t.size == 130
+
+
+def test_stamps_of_a_long_log_are_not_copied_to_be_told_from_a_clock():
+    """A hundred million rows have to fit into 2 GB; the copies of a whole column took more."""
+    stamps = np.arange(1_000_000) * 1e-3
+    tracemalloc.start()
+    assert not is_clock_face(stamps)
+    assert tracemalloc.get_traced_memory()[1] < 0.2 * stamps.nbytes
+    tracemalloc.stop()

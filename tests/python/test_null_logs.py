@@ -264,6 +264,9 @@ def test_a_faster_log_is_thinned_and_its_noise_with_it():
     # Where a demand moves inside a step, the clock stays quicker; demands are those of the whole step there, too.
     quick, q = thinned(replace(data, held=False), vehicle)
     assert q == 1 and quick.between is None and quick.n == data.n
+    # A log whose velocities come rarely keeps the demands between them.
+    rare = replace(data, held=False, between=replace(data.between, read=(0,)))
+    assert thinned(rare, vehicle) == (rare, 1)
 
 
 def test_a_thinned_clock_adds_no_error_to_a_null_log(zigzags):

@@ -164,7 +164,7 @@ def trial_of(fit: Fit, library: frozenset[str], examination: Examination) -> Tri
         fit.states.points.nu[:, 0],
         replace(back, at=back.at[:, : thin.n * q : q]),
         reference,
-        thinned=q > 1 or log.between is not None,
+        thinned=thin is not log,
     )
     axes = (*motion_axes(thin, predictor.ambient), *track_axes(thin))
     return Trial(programme, fit.noise, axes, fit.fixed, library, examination)

@@ -68,12 +68,13 @@ def thinned(log: Channels, vehicle: Vehicle) -> tuple[Channels, int]:
         vehicle: whose log it is.
 
     Returns:
-        The log at ``SLOWEST`` or less than twice as fast, unless it is slower itself, with the means of its demands over steps and the white
-        noise of means over the samples that became one, and the number of these samples.
+        The log at ``SLOWEST`` or less than twice as fast, unless it is slower itself, with the white noise of means over the samples that
+        became one, and the number of these samples.
     """
     bent = not log.held or any(t.lag == "demand" and t.time_constant for t in vehicle.thrusters)
     q = max(1, int(1.0 / (log.h * (SLOWEST_BENT if bent else SLOWEST)) + RATIO_ROUNDING))
-    if q == 1 and log.between is None:
+    # Null logs have the readings of a moment: a log of means gets the means of its demands as well.
+    if q == 1 and (log.between is None or len(log.between.read) == 1):
         return log, 1
     n = log.n // q
 

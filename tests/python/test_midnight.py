@@ -142,3 +142,13 @@ def test_stamps_of_a_long_log_are_not_copied_to_be_told_from_a_clock():
     assert not is_clock_face(stamps)
     assert tracemalloc.get_traced_memory()[1] < 0.2 * stamps.nbytes
     tracemalloc.stop()
+
+
+def test_short_floats_keep_their_rounding_where_a_clock_begins_anew():
+    """Seconds of a day in 32 bits are off by up to 4 ms near midnight, the first stamp and any other."""
+    true = 86_390.0 + np.arange(200) * 0.1
+    stored = np.asarray(true % 86_400.0, dtype=np.float32)
+    times = read(stored)
+    assert any("begins anew" in n for n in times.notes)
+    assert times.lost >= 2 * 0.5 * np.spacing(np.float32(86_399.0))
+    assert (np.abs(times.t - (true - true[0])) <= times.lost).all()

@@ -121,6 +121,8 @@ def times_of(
         what = "stamp" if own else "row"
         raise IvsidError(f"{source} has {stamps.size} {what}{'s' * (stamps.size != 1)}; at least 2 samples are needed")
     rounds, length, anew = begun_anew(stamps, scale) if unit == "s" else (np.zeros(0), 0.0, [])
+    # Whole rounds are added in doubles: what a short float had lost before stays lost, of this stamp and of the first.
+    short = 2 * _own_rounding(series, stamps) if anew else 0.0
     if anew:
         series = _with_rounds(series if cells is None else pl.Series(stamps), stamps, rounds, length)
         stamps, cells = stamps + rounds * length, None
@@ -147,7 +149,7 @@ def times_of(
     if not _increasing(t):
         # Stamps that differ may be one double after their conversion.
         raise _disorder(t, rows, 1.0, source, first_row)
-    return Times(t, lost, first, counted, rows, tuple(notes), tuple(assumes))
+    return Times(t, lost + short, first, counted, rows, tuple(notes), tuple(assumes))
 
 
 def _counted(

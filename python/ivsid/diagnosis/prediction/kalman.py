@@ -62,10 +62,14 @@ class Axis:
         found = [respond([x[i] for x in flat], top, below) for i in range(len(flat[0]))]
         return np.stack(found).reshape(*shape[:-1], count, shape[-1])
 
-    def ambient(self, errors: Array) -> Array:
-        """The ambient acceleration that the past lets expect at each sample, shape (n,), from errors of shape (outputs, n)."""
-        found = decaying(self.decay * (self.kalman_gain[2] @ errors), self.decay)
-        return np.concatenate([np.zeros(1), found[:-1]])
+    def ambient(self, errors: Array) -> tuple[Array, Array]:
+        """The ambient acceleration at each sample that the past lets expect, and the one that the readings of the sample let, shape (n,) each.
+
+        Args:
+            errors: of predictions, shape (outputs, n).
+        """
+        filtered = decaying(self.kalman_gain[2] @ errors, self.decay)
+        return np.concatenate([np.zeros(1), self.decay * filtered[:-1]]), filtered
 
     def numerator(self, name: str) -> Array:
         """Numerators of each output's transfer function from one input, shape (outputs, TAPS)."""

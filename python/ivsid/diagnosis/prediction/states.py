@@ -156,7 +156,7 @@ class StateFilter:
             readings = self.readings(states)
             errors = self._errors(readings, states)
             nu = np.empty((3, self.log.n))
-            before = np.empty_like(nu)
+            before, pushed = np.empty_like(nu), np.empty_like(nu)
             psi = states.points.psi[: self.log.n].copy()
             row = 0
             for k in range(3):
@@ -168,17 +168,23 @@ class StateFilter:
                 nu[k] = before[k] + here.kalman_gain[1] @ e
                 if "position" in here.outputs:
                     psi = readings[k]["position"] - e[0] + here.kalman_gain[0] @ e
-                if k == 2:
-                    ambient = here.ambient(e)
-            states = replace(self._evaluated(states.h, nu, psi, states.nudot, before), ambient=ambient)
+                ambient, pushed[k] = here.ambient(e)
+            states = replace(self._evaluated(states.h, nu, psi, states.nudot, before, pushed), ambient=ambient)
         return states
 
     def _evaluated(
-        self, h: Hypothesis, nu: Array, psi: Array, nudot: Array | None, before: Array | None = None
+        self,
+        h: Hypothesis,
+        nu: Array,
+        psi: Array,
+        nudot: Array | None,
+        before: Array | None = None,
+        pushed: Array | float = 0.0,
     ) -> FilteredStates:
         log, n = self.log, self.log.n
         half = 0.5 * log.h
-        rate = np.zeros((3, n)) if nudot is None else nudot[:, n:]
+        # The ambient force carries the states over half a step as the model does: without it, a turning hull at sea has too little u r there.
+        rate = pushed + (np.zeros((3, n)) if nudot is None else nudot[:, n:])
         # A hypothesis is evaluated near measured states alone: elsewhere its states would run away.
         nu = np.clip(nu, *self.reach)
         before = None if before is None else np.clip(before, *self.reach)

@@ -19,7 +19,7 @@ from diagnosis_logs import screened, train_of, vehicle_of
 from ivsid.diagnosis.candidates.intervals import intervals
 from ivsid.diagnosis.estimation.declared_errors import through_water, thrust_answers
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.null.any_curve import OVERSHOOT, AnyCurve, Boxed, beyond, lost
+from ivsid.diagnosis.null.any_curve import OVERSHOOT, AnyCurve, Boxed, _places, beyond, lost
 from ivsid.diagnosis.null.detection import detection_limits
 from ivsid.diagnosis.null.directions import left_beside
 from ivsid.diagnosis.null.reached import Reached
@@ -105,6 +105,22 @@ def test_the_distance_from_all_curves_is_the_least_of_any_curve(wrong):
     assert reached.leaving == pytest.approx(found.fun, rel=2e-3, abs=0.1)
     assert reached.leaving <= gained(np.zeros(len(cells)))[0]
     assert chi2.sf(reached.leaving, reached.knots) <= RISK
+
+
+def test_no_cell_holds_much_of_a_demand_that_is_kept():
+    """A feedback keeps a demand at the edge of a saw's tooth: equally wide cells held the edge with all of the changes about it in one."""
+    rng = np.random.default_rng(1)
+    levels = np.repeat(rng.uniform(30.0, 70.0, 10), 600)
+    demand = levels + 0.05 * rng.standard_normal(levels.size)
+    demand[::600] = rng.uniform(10.0, 90.0, 10)
+    cells = _places(demand, 48)(demand)
+    assert np.bincount(cells).max() <= demand.size / 24
+    assert cells.min() >= 0 and cells.max() < 96
+    # Wide cells bound the range of demands that one error stands for.
+    place = _places(demand, 48)
+    ordered = np.sort(demand)
+    widths = [np.ptp(ordered[place(ordered) % 48 == k]) for k in range(48) if (place(ordered) % 48 == k).any()]
+    assert max(widths) <= 1.001 * np.ptp(demand) / 24
 
 
 def weights(free, shares):

@@ -297,11 +297,16 @@ def inflow(s: Signatures, k: int, relative: tuple[Array, Array, Array]) -> Array
 
 
 def _places(demand: Array, count: int) -> Callable[[Array], NDArray[np.int64]]:
-    """Cells of demands in the order of time: twice as many as ``count``, the second half for falling demands."""
-    low, pace = float(demand.min()), max(float(np.ptp(demand)), 1e-300) / count
+    """Cells of demands in the order of time: twice as many as ``count``, the second half for falling demands.
+
+    Half of the cells are equally wide, and the other half are equally full: where a demand is kept, the error may jump among its small changes.
+    """
+    even = np.linspace(demand.min(), demand.max(), count - count // 2 + 1)[1:-1]
+    full = np.quantile(demand, np.linspace(0.0, 1.0, count // 2 + 2)[1:-1])
+    edges = np.sort(np.r_[even, full])
 
     def place(d: Array) -> NDArray[np.int64]:
-        return np.clip(((d - low) / pace).astype(np.int64), 0, count - 1) + count * ~upward(d)
+        return np.searchsorted(edges, d) + count * ~upward(d)
 
     return place
 

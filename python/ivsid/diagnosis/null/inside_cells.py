@@ -20,7 +20,7 @@ FINER: Final = 3
 def inside_cells(fit: Fit, s: Scored) -> bool:
     """Whether a cause may look like errors inside a cell: it changes the vehicle or a thrust in the course of a log, or at one demand.
 
-    A failure that exceeds the accuracy of its thruster does not: errors inside a cell do not reach it.
+    A failure that exceeds twice the accuracy of its thruster does not: two errors inside a cell differ by less.
 
     Args:
         fit: of the log.
@@ -33,7 +33,7 @@ def inside_cells(fit: Fit, s: Scored) -> bool:
 
 
 def _inside_accuracy(fit: Fit, s: Scored) -> bool:
-    """Whether a cause takes a share of one thruster's thrust that is less than the thruster's stated accuracy."""
+    """Whether a cause takes a share of one thruster's thrust that is less than two errors inside the thruster's stated accuracy may differ by."""
     numbers = dict(zip(s.candidate.effect.draws, s.values, strict=True))
     if "thruster" not in numbers or "size" not in numbers:
         return False
@@ -45,4 +45,4 @@ def _inside_accuracy(fit: Fit, s: Scored) -> bool:
     )
     thrust = np.asarray(curve.value(demand + thruster.neutral), dtype=np.float64)
     size = np.sqrt(np.mean(thrust**2))
-    return bool(abs(numbers["size"]) * size < np.sqrt(np.mean(bound_of(thruster, curve, demand) ** 2)))
+    return bool(abs(numbers["size"]) * size < 2.0 * np.sqrt(np.mean(bound_of(thruster, curve, demand) ** 2)))

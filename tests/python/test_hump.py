@@ -79,7 +79,7 @@ def test_a_drag_of_a_known_shape_comes_before_a_hump_that_is_not_told_from_it():
 
 def test_a_curve_has_to_beat_all_causes_over_its_velocity():
     """Damping of yaw of 252 in chi-squared beside a square of it, 2,500 together: a curve that explains 38 more is their shape, and one of 90 more is not."""
-    alone = Curve(("drag.yaw.linear",), 252.0, 1, "any function of r in yaw", 290.0, 8, 252.0)
+    alone = Curve(("drag.yaw.linear",), 252.0, 1, "any function of r in yaw", 290.0, directions=8, whole=252.0)
     assert BETTER_CURVE.refuses(alone) is not None
     assert BETTER_CURVE.refuses(replace(alone, whole=2500.0)) is None
     assert BETTER_CURVE.refuses(replace(alone, whole=2500.0, alone=342.0)) is not None

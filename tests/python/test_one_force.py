@@ -1,6 +1,7 @@
 """Causes that add up to one force of no cause: the falls in their place against dense least squares, the rule, and whole logs."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -104,6 +105,19 @@ def test_a_cause_that_one_force_beats_in_its_place_is_refused(seed):
     assert "in its place" in BETTER_FORCE.refuses(Together(("a",), 30.0, 1, "u^3 in yaw", 40.0)).sentence
     # The force of the cause itself, in one channel and of the measured motion, explains about as much as the cause.
     assert BETTER_FORCE.refuses(Together(("a",), 300.0, 1, "r in yaw", 341.0)) is None
+
+
+def test_a_force_that_one_of_the_causes_explains_alone_is_that_cause():
+    """A drag of 70,000 in chi-squared and a loss of 20 beside it were "one force", which was the drag's own, and the drag was left out."""
+    two = Together(("drag.sway.quadratic", "thruster.advance_loss"), 70_983.0, 2, "v|v| in sway", 70_978.0)
+    assert ONE_FORCE.refuses(replace(two, one=60_000.0)) is not None
+    assert ONE_FORCE.refuses(replace(two, one=70_960.0)) is None
+    # A part of the force is no such cause, and neither is a small force that one of two causes misses by three standard deviations.
+    assert ONE_FORCE.refuses(replace(two, one=69_500.0)) is not None
+    small = Together(("a", "b"), 60.0, 2, "r in yaw", 58.0)
+    assert (
+        ONE_FORCE.refuses(replace(small, one=48.0)) is not None and ONE_FORCE.refuses(replace(small, one=50.0)) is None
+    )
 
 
 # An asymmetry beside a centre of gravity to the side, of 10 and 23 standard deviations, were the names of a moment with the cube of speed.

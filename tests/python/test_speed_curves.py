@@ -27,7 +27,7 @@ from test_one_force import CAUSES, FORCES, MODEL, gram_of, least
 
 
 def case_of(fall, alone, directions=9):
-    return Curve(("drag.surge.linear",), fall, 1, "any function of u in surge", alone, directions)
+    return Curve(("drag.surge.linear",), fall, 1, "any function of u in surge", alone, directions=directions)
 
 
 @given(st.integers(0, 10**6))

@@ -122,7 +122,8 @@ class _Asked:
         alone = np.where(kept <= REPLACED * fall, alone, 0.0)
         best = int(np.argmax(alone))
         channel, function = self.forces[best].split("|", 1)
-        case = Together(tuple(ids), fall, len(at), f"{function} in {channel}", float(alone[best]))
+        one = in_their_place(p, at, held, at)[1]
+        case = Together(tuple(ids), fall, len(at), f"{function} in {channel}", float(alone[best]), float(one.max()))
         refusal = (ONE_FORCE if len(ids) > 1 else BETTER_FORCE).refuses(case, others)
         for group in self.groups:
             if refusal is not None:
@@ -130,7 +131,9 @@ class _Asked:
             shape, left, directions = curve_in_their_place(p, at, held, self._curve(group))
             if left <= REPLACED * fall:
                 whole, _, _ = in_their_place(*self._without({*ids, *self.spanned(group)}), self._curve(group)[:1])
-                curve = Curve(tuple(ids), fall, len(at), words(self.curves, group), shape, directions, whole)
+                curve = Curve(
+                    tuple(ids), fall, len(at), words(self.curves, group), shape, directions=directions, whole=whole
+                )
                 refusal = BETTER_CURVE.refuses(curve, others)
         return refusal
 

@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from ivsid.diagnosis.candidates.families import everything
+from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import Channels, channels
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.learning import plain_fit
@@ -23,7 +23,7 @@ from ivsid.diagnosis.null.visibility import Visibility, visibility
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.confirmation import NULL_LOGS, confirmed, confirmed_structure
-from ivsid.diagnosis.selection.parallel import at_once, one_blas_thread
+from ivsid.diagnosis.selection.parallel import one_blas_thread
 from ivsid.diagnosis.selection.rules import full_refused
 from ivsid.diagnosis.selection.select import select
 from ivsid.diagnosis.selection.verdict import Left
@@ -82,20 +82,24 @@ def diagnose(
     train, test = log_of(train, vehicle.log), log_of(test, vehicle.log)
     log, other, fit, doubts = _fitted(vehicle, train, test, progress)
     visible = visibility(fit)
-    seen = frozenset(i for i, v in visible.items() if v.tested)
-    limits, proving = Apart(partial(detection_limits, fit)), Apart(partial(proof_of, vehicle, train))
-    calibration, before = at_once(partial(calibrate, fit, seen, NAMES, seed), partial(adequacy, fit))
-    proof = proving.result()
+    # The limits are asked for last. All others are asked for next, and none of them by another.
+    calibrating, judging = (
+        Apart(partial(calibrate, fit, frozenset(i for i, v in visible.items() if v.tested), NAMES, seed)),
+        Apart(partial(adequacy, fit)),
+    )
+    proving, limits = Apart(partial(proof_of, vehicle, train)), Apart(partial(detection_limits, fit), late=True)
+    scored = score(fit)
+    calibration, before, proof = calibrating.result(), judging.result(), proving.result()
     # An adequate model is asked by its rows alone; of another one the tubes are followed while its causes are looked for.
     moving = None if before.quiet else Apart(partial(motion_of, proof, train, test))
     test_of, looks = Threshold(calibration, visible), Looks(seed, null_logs, cache, progress)
     progress("looking for causes")
-    selection = select(fit, test_of, progress)
+    selection = select(fit, scored, test_of, progress)
     passed = (*selection.found, *selection.imitating)
     confirmation = confirmed(fit, test_of, passed, looks, selection.last)
     if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in passed):
         progress("looking again, at the threshold of the null logs")
-        selection = select(fit, confirmation.test, progress)
+        selection = select(fit, scored, confirmation.test, progress)
     predictor = Predictor(vehicle, other, selection.last.noise.predictor.ambient)
     # Most findings stand, so their model is tried while they are examined.
     trial = Trial(predictor, selection, seed)

@@ -13,6 +13,9 @@ from typing import Final, Generic, TypeVar
 from ivsid.memory.pieces import processors
 
 _T = TypeVar("_T")
+# Steps by which a task whose result is asked for late gives way to others (POSIX ``nice``).
+# Source: resource: it takes what time of the processors the others leave, a tenth of theirs where they leave none
+GIVES_WAY: Final = 10
 # Seconds between two looks at the parent.
 # Source: resource: time that a process without a use goes on
 LOOK: Final = 0.5
@@ -22,9 +25,13 @@ class Apart(Generic[_T]):
     """A task in a forked process: many operations on short arrays, which hold the interpreter.
 
     Where no process can be forked, the task is done when its result is asked for.
+
+    Args:
+        task: what is done.
+        late: whether its result is asked for late, so that the task gives way to others.
     """
 
-    def __init__(self, task: Callable[[], _T]) -> None:
+    def __init__(self, task: Callable[[], _T], *, late: bool = False) -> None:
         self._task = task
         self._reader: Connection | None = None
         if (
@@ -35,7 +42,7 @@ class Apart(Generic[_T]):
             return
         context = multiprocessing.get_context("fork")
         self._reader, writer = context.Pipe(duplex=False)
-        self._worker = context.Process(target=_sent, args=(task, writer), daemon=True)
+        self._worker = context.Process(target=_sent, args=(task, writer, late), daemon=True)
         self._worker.start()
         writer.close()
 
@@ -46,9 +53,15 @@ class Apart(Generic[_T]):
         try:
             found: _T = self._reader.recv()
         except EOFError:
-            found = self._task()
-        finally:
             self.end()
+            return self._task()
+        except BaseException:
+            self.end()
+            raise
+        # The process has nothing left to do but to give its memory back, which takes as long as many a task: nobody waits for that. The next process
+        # that is started, or the end of the program, takes its exit code.
+        self._reader.close()
+        self._reader = None
         return found
 
     def end(self) -> None:
@@ -60,8 +73,10 @@ class Apart(Generic[_T]):
             self._reader = None
 
 
-def _sent(task: Callable[[], _T], writer: Connection) -> None:
+def _sent(task: Callable[[], _T], writer: Connection, late: bool) -> None:
     """Work of the process; nothing is sent of a task that fails."""
+    if late:
+        os.nice(GIVES_WAY)
     # A collection would write to every object of the parent, and so copy all of its memory.
     gc.freeze()
     end_with_parent()

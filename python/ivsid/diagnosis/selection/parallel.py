@@ -14,8 +14,6 @@ from ivsid.memory.pieces import processors
 
 _P = ParamSpec("_P")
 _T = TypeVar("_T")
-_A = TypeVar("_A")
-_B = TypeVar("_B")
 
 
 def side_by_side(tasks: Sequence[Callable[[], _T]]) -> list[_T]:
@@ -32,16 +30,6 @@ def side_by_side(tasks: Sequence[Callable[[], _T]]) -> list[_T]:
     with ThreadPoolExecutor(threads) as pool:
         waiting = [pool.submit(copy_context().run, task) for task in tasks]
         return [w.result() for w in waiting]
-
-
-def at_once(one: Callable[[], _A], other: Callable[[], _B]) -> tuple[_A, _B]:
-    """Results of two tasks that do not depend on each other."""
-    if processors() < 2:
-        return one(), other()
-    with ThreadPoolExecutor(1) as pool:
-        waiting = pool.submit(copy_context().run, other)
-        first = one()
-        return first, waiting.result()
 
 
 def one_blas_thread(function: Callable[_P, _T]) -> Callable[_P, _T]:

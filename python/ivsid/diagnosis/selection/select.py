@@ -53,15 +53,18 @@ class Selection:
     imitating: tuple[Found, ...] = ()
 
 
-def select(plain: Fit, passes: Threshold, progress: Progress = lambda _: None) -> Selection:
+def select(
+    plain: Fit, first: tuple[Fit, list[Scored]], passes: Threshold, progress: Progress = lambda _: None
+) -> Selection:
     """Adds causes while one passes the test, and reviews the earlier ones after each.
 
     Args:
         plain: fit of the model without causes.
+        first: the same with the columns of searched causes, and the scores of all (``score``).
         passes: the test.
         progress: told of each candidate.
     """
-    fit, scored = score(plain)
+    fit, scored = first
     every = tuple(scored)
     found: list[Found] = []
     refused: dict[str, Refusal] = {}

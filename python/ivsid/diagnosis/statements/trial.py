@@ -46,7 +46,8 @@ class Trial:
         # Numbers that were fitted anew beside the same causes are no other model.
         self.model = before if same_causes(extended, plain.h) else replace(known, declared_errors={})
         self._gain = Apart(partial(compare, predictor, before, self.model, seed))
-        self._shares = Apart(partial(shares, predictor, plain, last, [f.id for f in selection.found], out))
+        causes = [f.id for f in selection.found]
+        self._shares = Apart(partial(shares, predictor, plain, last, causes, out)) if causes else None
 
     def of(self, names: Collection[str]) -> Trial:
         """The trial of the model with these findings; this one, if it has no other causes."""
@@ -55,9 +56,10 @@ class Trial:
         if out == self.out:
             return self
         self._gain.end()
-        self._shares.end()
+        if self._shares is not None:
+            self._shares.end()
         return Trial(predictor, selection, seed, out)
 
     def result(self) -> tuple[Gain, Mapping[str, Share]]:
         """Gain on the other log, and shares of the causes in its error in position, by id."""
-        return self._gain.result(), self._shares.result()
+        return self._gain.result(), {} if self._shares is None else self._shares.result()

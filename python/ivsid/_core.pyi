@@ -58,6 +58,7 @@ __all__ = [
     "root",
     "solve",
     "solve_batch",
+    "thrust",
     "unary",
     "whiten",
 ]
@@ -280,6 +281,13 @@ def normal_equations(rows: _Bounds, right: _Bounds, method: str, partitions: int
 def least_squares(rows: _Bounds, right: _Bounds, method: str) -> _LeastSquares: ...
 def feasible_set(rows: _Bounds, right: _Bounds, signs: list[int] | None, outliers: int) -> _FeasibleSet: ...
 def respond(inputs: list[_Array], numerators: _Array, denominators: _Array) -> _Array: ...
+def thrust(
+    demand: _Array,
+    neutral: float,
+    knots: list[float],
+    pieces: list[list[float]],
+    error: tuple[float, float, list[float], list[float], tuple[list[float], list[float]] | None] | None,
+) -> _Array: ...
 def whiten(
     columns: list[_Array], groups: list[list[int]], taps: list[_Array], length: int, weight: _Array | None, unit: bool
 ) -> tuple[_Array, list[float]]: ...

@@ -29,7 +29,7 @@ from ivsid.diagnosis.selection.parallel import side_by_side
 from ivsid.diagnosis.statements.windows import windows
 from ivsid.effects import EFFECTS, Given, Reading, terms_of
 from ivsid.intervals.apart import Apart
-from ivsid.linear.filters import decaying, respond, whiten
+from ivsid.linear.filters import decaying, respond, table_thrust, whiten
 from ivsid.log import Log
 from ivsid.memory.pieces import processors
 from ivsid.programme.scenario import parse_scenario
@@ -97,6 +97,9 @@ def test_whitening_is_the_sum_that_defines_it():
         lambda: respond([np.zeros(5), np.zeros(6)], np.zeros((1, 2, 4)), np.ones((1, 4))),
         lambda: respond([np.zeros(5)], np.zeros((2, 1, 4)), np.ones((1, 4))),
         lambda: respond([np.zeros(5)], np.zeros((1, 1, 5)), np.ones((1, 5))),
+        lambda: table_thrust(np.zeros(5), 0.0, [0.0, 1.0], [[0.0] * 4] * 2, None),
+        lambda: table_thrust(np.zeros(5), 0.0, [0.0], [], None),
+        lambda: table_thrust(np.zeros(5), 0.0, [0.0, 1.0], [[0.0] * 4], (1.0, 0.1, np.zeros(2), np.zeros(3), None)),
         lambda: whiten([], [[0]], [np.ones((1, 1, 1))], 5),
         lambda: whiten([np.zeros((2, 5))], [[0, 2]], [np.ones((1, 2, 2))], 5),
         lambda: whiten([np.zeros((2, 5))], [[0]], [np.ones((1, 2, 2))], 5),

@@ -16,9 +16,11 @@ from diagnosis_logs import screened, train_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis.estimation.declared_errors import through_water, thrust_answers
 from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.plant.declared_curve import DeclaredCurve, ThrustAt
 from ivsid.diagnosis.plant.thrust_errors import BOUNDED, BRANCHES, KNOTS, bound_of, thrust_errors, upward
 from ivsid.log import Log
 from ivsid.propulsion.thrust import ThrustCurve
+from ivsid.vehicle import Thruster
 
 SEED = int(os.environ.get("IVSID_SEED", "0"))
 
@@ -136,6 +138,30 @@ def test_the_total_of_errors_is_the_sum_of_each_by_its_size():
     for at in (d, d[::-1]):
         total = errors.total(at, sizes, bound_of(t, curve, at))
         np.testing.assert_allclose(total, sizes @ errors.at(at), rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "curve",
+    [
+        {"table": {"demand": [-80.0, -30.0, 0.0, 20.0, 90.0], "thrust": [-40.0, -12.0, 0.0, 9.0, 70.0], "unit": "N"}},
+        {"table": {"demand": [20.0, 50.0, 90.0], "thrust": [5.0, 30.0, 70.0], "unit": "N"}},
+        {"table": {"demand": [-80.0, 90.0], "thrust": [-40.0, 50.0], "unit": "N"}},
+        {"gain": 0.6},
+    ],
+)
+def test_thrusts_with_errors_are_the_curve_and_the_errors(curve):
+    thruster = {"name": "a", "position": [0.0, 0.0], "azimuth": 0.0, "accuracy": {"absolute": 1.0, "relative": 0.05}}
+    t = Thruster.model_validate({**thruster, "neutral": 3.0, "outside": "hold", **curve})
+    of = ThrustCurve(t)
+    d = np.repeat(np.random.default_rng(5).uniform(-85.0, 95.0, 60), 5)
+    errors = thrust_errors(t, of, d)
+    worked = DeclaredCurve(t, of, errors)
+    np.testing.assert_allclose(worked.thrust(d), of.value(d + 3.0), rtol=1e-13, atol=1e-13)
+    # Without the hysteresis as well.
+    for sizes in (np.arange(len(errors.spreads)) - 7.0, np.arange(len(errors.spreads)) * (errors.spreads > 0.4)):
+        expected = of.value(d + 3.0) + sizes @ errors.at(d)
+        np.testing.assert_allclose(worked.thrust(d, sizes), expected, rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(ThrustAt(worked, d, kept=True).pushed(sizes), expected, rtol=1e-12, atol=1e-12)
 
 
 def test_the_smoothest_functions_of_a_hysteresis_change_sign_with_the_side_of_a_demand():

@@ -2,7 +2,7 @@
 //! threads.
 #![allow(clippy::incompatible_msrv, reason = "the oldest compiler is that of the crates alone")]
 
-use filter_core::{Group, Layout, respond, whiten};
+use filter_core::{Curve, Error, Group, Layout, Line, respond, thrust, whiten};
 use proptest::prelude::*;
 
 fn signal(n: usize) -> impl Strategy<Value = Vec<f64>> {
@@ -13,7 +13,58 @@ fn close(x: f64, y: f64) -> bool {
     (x - y).abs() <= 1e-11 * (1.0 + x.abs().max(y.abs()))
 }
 
+/// The piecewise linear function by its definition.
+fn straight(knots: &[f64], values: &[f64], x: f64) -> f64 {
+    match knots.iter().rposition(|&k| k <= x) {
+        None => values[0],
+        Some(k) if k + 1 == knots.len() => values[k],
+        Some(k) => values[k] + (values[k + 1] - values[k]) * (x - knots[k]) / (knots[k + 1] - knots[k]),
+    }
+}
+
 proptest! {
+    #[test]
+    fn a_thrust_is_the_formula_that_defines_it(
+        n in prop_oneof![9 => 0usize..300, 1 => 16_384usize..17_000],
+        gaps in prop::collection::vec(0.01f64..1.0, 1..12),
+        pieces in prop::collection::vec(prop::array::uniform4(-2.0f64..2.0), 11),
+        neutral in -1.0f64..1.0,
+        values in signal(12),
+        side in prop::option::of(signal(4)),
+        steps in signal(977),
+        accuracy in (0.0f64..0.5, 0.0f64..0.2),
+    ) {
+        let knots: Vec<f64> = gaps.iter().scan(-2.0, |at, gap| { *at += gap; Some(*at) }).chain([9.0]).collect();
+        let curve = Curve { neutral, knots: &knots, pieces: &pieces[..knots.len() - 1] };
+        let line = Line { knots: &knots, values: &values[..knots.len()] };
+        let turns = [-1.0, 0.0, 0.5, 1.0];
+        let branch = side.as_ref().map(|values| Line { knots: &turns, values });
+        let error = Error { absolute: accuracy.0, relative: accuracy.1, curve: line, branch };
+        // Stretches without a change, and demands beyond the knots.
+        let demand: Vec<f64> = (0..n).map(|t| 4.0 * steps[t / 3 % steps.len()]).collect();
+        let (mut bare, mut whole, mut alone) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        thrust(&demand, curve, None, 2, &mut bare);
+        thrust(&demand, curve, Some(error), 2, &mut whole);
+        thrust(&demand, curve, Some(error), 1, &mut alone);
+        let mut risen = true;
+        for t in 0..n {
+            let d = demand[t].clamp(knots[0], 9.0);
+            let k = knots.iter().rposition(|&k| k <= d).unwrap_or(0).min(knots.len() - 2);
+            let (c, s) = (pieces[k], d - knots[k]);
+            let push = c[0] + s * (c[1] + s * (c[2] + s * c[3]));
+            if t > 0 && demand[t] != demand[t - 1] {
+                risen = demand[t] > demand[t - 1];
+            }
+            let beside = side.as_ref().map_or(0.0, |v| straight(&turns, v, demand[t]));
+            let size = straight(&knots, line.values, demand[t]) + if risen { beside } else { -beside };
+            let bound = (accuracy.0 + accuracy.1 * push.abs()).min(push.abs());
+            // At a knot a rounding decides between two pieces, which need not meet.
+            let near = knots.iter().any(|k| (k - d).abs() < 1e-9);
+            prop_assert!(near || close(bare[t], push) && close(whole[t], push + bound * size), "{t}");
+            prop_assert_eq!(whole[t].to_bits(), alone[t].to_bits());
+        }
+    }
+
     #[test]
     fn a_recursion_is_the_sum_that_defines_it(
         n in 0usize..200,

@@ -1,8 +1,9 @@
 //! Filters of many signals at once; no bounds.
 
-use filter_core::{Group, Layout};
+use filter_core::{Curve, Error, Group, Layout, Line};
 use numpy::{
-    PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
+    PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
+    PyUntypedArrayMethods,
 };
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -82,4 +83,41 @@ pub fn whiten<'py>(
         py.detach(|| filter_core::whiten(&x, &groups, layout, filter_core::processors(), out))
     };
     Ok((found, lengths))
+}
+
+/// An error of a thrust: absolute and relative bound, knots and values by demand, knots and values of the hysteresis,
+/// if any.
+type Errors = (f64, f64, Vec<f64>, Vec<f64>, Option<(Vec<f64>, Vec<f64>)>);
+
+/// Thrusts at demands from the neutral in the order of time, by a curve of knots and cubics, with an error of the curve
+/// if one is given.
+#[pyfunction]
+pub fn thrust<'py>(
+    py: Python<'py>,
+    demand: PyReadonlyArray1<'py, f64>,
+    neutral: f64,
+    knots: Vec<f64>,
+    pieces: Vec<[f64; 4]>,
+    error: Option<Errors>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let line = |k: &Vec<f64>, v: &Vec<f64>| !k.is_empty() && k.len() == v.len();
+    let fits = |(_, _, k, v, b): &Errors| line(k, v) && b.as_ref().is_none_or(|(k, v)| line(k, v));
+    if knots.len() < 2 || pieces.len() + 1 != knots.len() || !error.as_ref().is_none_or(fits) {
+        return Err(misfit());
+    }
+    let curve = Curve { neutral, knots: &knots, pieces: &pieces };
+    let error = error.as_ref().map(|(absolute, relative, k, v, b)| Error {
+        absolute: *absolute,
+        relative: *relative,
+        curve: Line { knots: k, values: v },
+        branch: b.as_ref().map(|(k, v)| Line { knots: k, values: v }),
+    });
+    let d = demand.as_slice().map_err(|_| misfit())?;
+    let found = PyArray1::zeros(py, [d.len()], false);
+    {
+        let mut out = found.readwrite();
+        let out = out.as_slice_mut()?;
+        py.detach(|| filter_core::thrust(d, curve, error, filter_core::processors(), out));
+    }
+    Ok(found)
 }

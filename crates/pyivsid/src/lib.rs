@@ -27,7 +27,7 @@ mod core_module {
         outward_decimal, power, root, unary,
     };
     #[pymodule_export]
-    use super::filters::{respond, whiten};
+    use super::filters::{respond, thrust, whiten};
     #[pymodule_export]
     use super::found::Found;
     #[pymodule_export]

@@ -1,8 +1,9 @@
-"""Thin door to the core's filters: recursions of many outputs at once, and causal whitening. Estimates, and no bounds."""
+"""Thin door to the core's filters: recursions of many outputs at once, causal whitening, and thrusts of many demands. Estimates, and no bounds."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,8 @@ from numpy.typing import NDArray
 from ivsid import _core
 
 Array = NDArray[np.float64]
+# Absolute and relative bound, knots and values by demand, and knots and values of the hysteresis, if any.
+ThrustError: TypeAlias = tuple[float, float, Array, Array, tuple[Array, Array] | None]
 
 
 def respond(inputs: Sequence[Array], numerators: Array, denominators: Array) -> Array:
@@ -64,3 +67,32 @@ def whiten(
         unit,
     )
     return found, np.array(lengths)
+
+
+def table_thrust(
+    demand: Array, neutral: float, knots: Sequence[float], pieces: Sequence[Sequence[float]], error: ThrustError | None
+) -> Array:
+    """Thrusts at demands from the neutral in the order of time, shape (n,).
+
+    Args:
+        demand: shape (n,).
+        neutral: the demand at which the thrust stands still.
+        knots: increasing demands from the neutral; a demand beyond them counts as the nearest.
+        pieces: coefficients of the cubic in the distance from the lower knot, lowest power first, by piece.
+        error: of the curve inside its bound, as a share of it: a piecewise linear function of the demand, and another one that is added where the
+            demand has risen last and subtracted where it has fallen.
+
+    Raises:
+        ValueError: lengths that do not fit each other.
+    """
+    if error is not None:
+        absolute, relative, places, values, branch = error
+        side = None if branch is None else (branch[0].tolist(), branch[1].tolist())
+        return _core.thrust(
+            np.ascontiguousarray(demand),
+            neutral,
+            list(knots),
+            [list(p) for p in pieces],
+            (absolute, relative, places.tolist(), values.tolist(), side),
+        )
+    return _core.thrust(np.ascontiguousarray(demand), neutral, list(knots), [list(p) for p in pieces], None)

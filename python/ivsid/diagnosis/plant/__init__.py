@@ -4,6 +4,7 @@ A ``Hypothesis`` is a model with numbers: terms of the catalogue, effects that a
 answers three questions about it, for whole logs at once:
 
 - ``propulsion``: the thrust of each thruster at each sample and over each step, with lags, delays, dead bands and limits.
+  ``declared_curve`` is the curve of one thruster with its declared errors (``thrust_errors``).
   ``driving`` keeps the thrusts of the hypotheses that are compared, with angles and known forces beside them.
 - ``physics``: the accelerations at given states (``points``) by Fossen's equations in three degrees of freedom, and how they change with a
   term or an effect; ``thruster_forces`` are the thrusters' part of them.

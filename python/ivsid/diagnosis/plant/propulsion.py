@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.channels import Channels
-from ivsid.diagnosis.plant.thrust_errors import ThrustErrors, bound_at, thrust_errors
+from ivsid.diagnosis.plant.declared_curve import DeclaredCurve, ThrustAt
+from ivsid.diagnosis.plant.thrust_errors import ThrustErrors, thrust_errors
 from ivsid.effects import Drive, Given, Response, Thrust, acting, for_thruster, with_stated
 from ivsid.linear.filters import decaying
 from ivsid.propulsion.thrust import ThrustCurve
@@ -53,31 +53,6 @@ class Thrusts:
     parts: Array | None = None
 
 
-class _At:
-    """One thruster at given demands: its thrust by the curve, and its declared errors, worked out when first asked for.
-
-    Attributes:
-        demand: from the thruster's neutral, in its own unit, shape (n,).
-        thrust: by the curve [N], shape (n,).
-        kept: whether many hypotheses ask for it, so that each error is worth working out by itself.
-    """
-
-    def __init__(self, thruster: Thruster, demand: Array, thrust: Array, declared: ThrustErrors, *, kept: bool) -> None:
-        self.demand, self.thrust, self.kept = demand, thrust, kept
-        self._thruster, self._declared = thruster, declared
-
-    @cached_property
-    def errors(self) -> Array:
-        """Thrust errors [N] of one unit of each declared error, shape (errors, n)."""
-        return self._declared.at(self.demand)
-
-    def total(self, sizes: Sequence[float]) -> Array:
-        """Sum of the declared errors [N] of given sizes, shape (n,)."""
-        if self.kept:
-            return np.asarray(sizes) @ self.errors
-        return self._declared.total(self.demand, sizes, bound_at(self._thruster, self.thrust))
-
-
 class Propulsion:
     """The thrusters of a vehicle under the demands of a log.
 
@@ -102,9 +77,12 @@ class Propulsion:
             if errors is None
             else list(errors)
         )
+        self._curves = [
+            DeclaredCurve(t, c, e) for t, c, e in zip(vehicle.thrusters, self.curves, self.errors, strict=True)
+        ]
         self._samples = [self._at(k, d, kept=True) for k, d in enumerate(self.demands)]
         # Every hypothesis asks for the thrusts of the same demands between samples: they are worked out once.
-        self._between: dict[int, _At] = {}
+        self._between: dict[int, ThrustAt] = {}
         # The last thrusts of the log's own demands, with what they were worked out under: lags and delays are tried on the same ones.
         self._static: dict[int, tuple[object, Array]] = {}
 
@@ -146,7 +124,7 @@ class Propulsion:
         k: int,
         given: Sequence[Given],
         sizes: Sequence[float],
-        errors: Callable[[_At], Array] | None = None,
+        errors: Callable[[ThrustAt], Array] | None = None,
     ) -> tuple[Array, Array, Array | None]:
         """Thrusts of one thruster at samples, means over steps, and means over the parts of steps, shape (n, parts), or None.
 
@@ -162,6 +140,8 @@ class Propulsion:
         delay = max(late.get("delay", 0.0), 0.0)
 
         def changed(thrust: Array, d: Array) -> Array:
+            if not changes:
+                return thrust
             parts = d.size // n
             time = self.log.t if parts == 1 else (self.log.t[:, None] + np.arange(parts) * (h / parts)).ravel()
             voltage = self.log.voltage if parts == 1 or self.log.voltage is None else np.repeat(self.log.voltage, parts)
@@ -171,7 +151,7 @@ class Propulsion:
             thrust = np.asarray(thrust, dtype=np.float64)
             return thrust if thrust.shape == d.shape else np.full(d.size, thrust)
 
-        def static(at: _At) -> Array:
+        def static(at: ThrustAt) -> Array:
             if errors is not None or at is not self._between.get(k):
                 return worked(at)
             key = (tuple(sizes), tuple(changes))
@@ -179,9 +159,9 @@ class Propulsion:
                 self._static[k] = key, worked(at)
             return self._static[k][1]
 
-        def worked(at: _At) -> Array:
+        def worked(at: ThrustAt) -> Array:
             # The error of the curve comes before any limit or dead band.
-            thrust = at.thrust + at.total(sizes) if any(sizes) else at.thrust
+            thrust = at.pushed(sizes)
             if errors is None:
                 return changed(thrust, at.demand)
             each = errors(at)
@@ -227,20 +207,18 @@ class Propulsion:
             thrust = change.function(thrust, drive, numbers)
         return np.asarray(thrust, dtype=np.float64)
 
-    def _at(self, k: int, demand: Array, *, kept: bool = False) -> _At:
+    def _at(self, k: int, demand: Array, *, kept: bool = False) -> ThrustAt:
         """One thruster at demands from its neutral."""
-        thruster = self.vehicle.thrusters[k]
-        thrust = np.asarray(self.curves[k].value(demand + thruster.neutral), dtype=np.float64)
-        return _At(thruster, demand, thrust, self.errors[k], kept=kept)
+        return ThrustAt(self._curves[k], demand, kept=kept)
 
-    def _known(self, k: int, demand: Callable[[], Array]) -> _At:
+    def _known(self, k: int, demand: Callable[[], Array]) -> ThrustAt:
         """One thruster at the log's own demands between samples."""
         if k not in self._between:
             self._between[k] = self._at(k, demand(), kept=True)
         return self._between[k]
 
     def _of_shaft(
-        self, k: int, static: Callable[[_At], Array], now: Array, held: Array, lag: float, h: float, *, own: bool
+        self, k: int, static: Callable[[ThrustAt], Array], now: Array, held: Array, lag: float, h: float, *, own: bool
     ) -> tuple[Array, Array]:
         """Thrusts of one thruster whose demand lags, at samples, and means over the steps after them.
 
@@ -260,7 +238,7 @@ class Propulsion:
         return static(self._at(k, start)), mean
 
     def _finely(
-        self, k: int, static: Callable[[_At], Array], lag: float, delay: float, *, of_shaft: bool
+        self, k: int, static: Callable[[ThrustAt], Array], lag: float, delay: float, *, of_shaft: bool
     ) -> tuple[Array, Array, Array]:
         """Thrusts of one thruster whose demands come faster than the clock, worked out at equal parts of the steps."""
         assert self.log.between is not None
@@ -323,5 +301,5 @@ def _behind(now: Array, held: Array, lag: float, h: float) -> tuple[Array, Array
     return start, held + (start - held) * share, end
 
 
-def _declared(at: _At) -> Array:
+def _declared(at: ThrustAt) -> Array:
     return at.errors

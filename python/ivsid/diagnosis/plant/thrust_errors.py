@@ -107,6 +107,11 @@ class ThrustErrors:
         branch = [side * np.interp(demand, self.turns, column) for column in self.branches.T]
         return np.asarray(self.bound(demand) * np.stack([*curve, *branch]))
 
+    def values(self, sizes: Sequence[float]) -> tuple[Array, Array]:
+        """Sums of the errors of given sizes at the knots of the curve, and at those of the hysteresis, in units of the bound."""
+        count = self.knots.shape[1]
+        return self.knots @ np.asarray(sizes[:count]), self.branches @ np.asarray(sizes[count:])
+
     def total(self, demand: Array, sizes: Sequence[float], bound: Array) -> Array:
         """Sum of the thrust errors [N] of given sizes at demands from neutral in the order of time, shape (n,).
 
@@ -115,8 +120,7 @@ class ThrustErrors:
             sizes: of the errors, in units of the bound.
             bound: at these demands [N], shape (n,), where it costs less than ``bound``.
         """
-        count = self.knots.shape[1]
-        curve, branch = self.knots @ np.asarray(sizes[:count]), self.branches @ np.asarray(sizes[count:])
+        curve, branch = self.values(sizes)
         found = np.interp(demand, self.places, curve)
         if np.any(branch):
             found += np.where(upward(demand), 1.0, -1.0) * np.interp(demand, self.turns, branch)

@@ -25,12 +25,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from tests.exam.draw import case
 
-from ivsid import diagnosis
 from ivsid.log import Log
 from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.report import page
 from ivsid.vehicle import Vehicle
-from ivsid.workflow.diagnosis import diagnosis_report
+from ivsid.workflow import diagnosis as workflow
 
 SEED, DURATION, RATE, WINDOW = 52001, 600.0, 20.0, 10.0
 # What is hidden, its size in typical sizes, and null logs at most.
@@ -51,13 +50,13 @@ def drawn(name: str) -> tuple[Vehicle, Log, Log]:
 
 def diagnosed(name: str, vehicle: Vehicle, train: Log, test: Log) -> str:
     """The diagnosis, its figures and its files, and what it said."""
-    result = diagnosis.diagnose(vehicle, train, test, null_logs=CASES[name][2])
-    report = diagnosis_report(result)
+    report = workflow.diagnosed(vehicle, train, test, null_logs=CASES[name][2])
     with tempfile.TemporaryDirectory() as folder:
         page.write(report, Path(folder))
-    said = result.calibration["simulated"]
+    said = report.record["calibration"]["simulated"]
     nulls = "" if said is None else f", {said['logs']} null logs"
-    return f"{result.verdict} ({', '.join(f.effect for f in result.findings) or 'no finding'}{nulls})"
+    findings = ", ".join(f["effect"] for f in report.record["findings"]) or "no finding"
+    return f"{report.record['verdict']} ({findings}{nulls})"
 
 
 def by_hand(vehicle: Vehicle, log: Log) -> np.ndarray:

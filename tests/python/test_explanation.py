@@ -4,6 +4,7 @@ import json
 import multiprocessing
 import os
 import re
+from copy import copy
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -27,7 +28,9 @@ from ivsid.files.records import to_json
 from ivsid.intervals import apart
 from ivsid.report import figures
 from ivsid.report.page import html
+from ivsid.workflow import gain_figures
 from ivsid.workflow.diagnosis import diagnosis_report
+from ivsid.workflow.gain_figures import GainFigures
 from pages import Page, faults
 
 LINEAR = 4.0
@@ -231,12 +234,21 @@ def test_figures_are_drawn_while_the_tables_are_made_and_are_the_same(result, se
     def drawn(gain, name):
         return figures.Drawing(name, "", str(os.getpid()), b"", b"")
 
-    for name in ("net_force", "gain", "force_residual"):
-        monkeypatch.setattr(figures, name, partial(drawn, name=name))
+    names = ("net_force", "gain", "force_residual")
+    monkeypatch.setattr(gain_figures, "DRAWN", tuple(partial(drawn, name=name) for name in names))
     monkeypatch.setattr(apart, "processors", lambda: 2)
     drawers = [d.caption for d in diagnosis_report(result).drawings if d.name != "signature_1"]
     here = str(os.getpid())
     assert drawers[0] == drawers[1] != here and drawers[2] == here
+    # Beside a diagnosis each has a process of its own; a second gain is drawn in place of the first.
+    early = GainFigures()
+    early(copy(result.gain))
+    early(result.gain)
+    drawers = [d.caption for d in diagnosis_report(result, early).drawings if d.name != "signature_1"]
+    assert len({*drawers, here}) == 4
+    # A gain that nobody told of is drawn when it is asked for, where nothing can be forked as well.
+    monkeypatch.setattr(apart, "processors", lambda: 1)
+    assert [d.caption for d in GainFigures().of(result.gain)] == [here] * 3
 
 
 def test_what_is_adequate_draws_no_finding_and_claims_no_gain():

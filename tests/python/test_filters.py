@@ -28,7 +28,7 @@ from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.parallel import side_by_side
 from ivsid.diagnosis.statements.windows import windows
 from ivsid.effects import EFFECTS, Given, Reading, terms_of
-from ivsid.intervals.apart import Apart
+from ivsid.intervals.apart import Apart, Prepared
 from ivsid.linear.filters import decaying, respond, table_thrust, whiten
 from ivsid.log import Log
 from ivsid.memory.pieces import processors
@@ -267,6 +267,15 @@ def test_a_task_apart_keeps_its_result_and_its_fault():
         Apart(lambda: 1 // 0).result()
     never = Apart(lambda: time.sleep(60))
     never.end()
+    early = Prepared(lambda x: (x, os.getpid()), lambda: None)
+    early.begin("a")
+    given, where = early.result()
+    assert given == "a" and (where == os.getpid()) == (alone or multiprocessing.current_process().daemon)
+    for ready in (lambda: None, lambda: 1 // 0):
+        broken = Prepared(lambda x: 1 // x, ready)
+        broken.begin(0)
+        with pytest.raises(ZeroDivisionError):
+            broken.result()
     # The processes of the other two end by themselves.
     for process in multiprocessing.active_children():
         process.join(30)

@@ -29,6 +29,7 @@ from ivsid.diagnosis.selection.select import select
 from ivsid.diagnosis.selection.verdict import Left
 from ivsid.diagnosis.statements.carried import failure, in_their_place
 from ivsid.diagnosis.statements.claims import claims
+from ivsid.diagnosis.statements.comparison import Gain
 from ivsid.diagnosis.statements.diagnosis import Diagnosis, inputs_of
 from ivsid.diagnosis.statements.findings import findings_of, shallow, unknown, verdict_of, weighed
 from ivsid.diagnosis.statements.hints import hints
@@ -61,6 +62,7 @@ def diagnose(
     progress: Callable[[str], None] = lambda _: None,
     null_logs: int = NULL_LOGS,
     cache: Path | None = None,
+    tried: Callable[[Gain], None] = lambda _: None,
 ) -> Diagnosis:
     """Diagnosis of a vehicle file's model by two logs.
 
@@ -72,6 +74,7 @@ def diagnose(
         progress: told of each step.
         null_logs: largest number of null logs that a finding or structure close to its threshold has to pass; 0 leaves it to theory.
         cache: folder in which scores of null logs are kept, or None.
+        tried: told of the gain on the other log while statements are made, and of another one if findings are withdrawn; the last one is the result's.
 
     Raises:
         IvsidError: a log that the model cannot be diagnosed with, or a wrong set-up that is beyond doubt, in one sentence.
@@ -100,9 +103,8 @@ def diagnose(
     if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in passed):
         progress("looking again, at the threshold of the null logs")
         selection = select(fit, scored, confirmation.test, progress)
-    predictor = Predictor(vehicle, other, selection.last.noise.predictor.ambient)
     # Most findings stand, so their model is tried while they are examined.
-    trial = Trial(predictor, selection, seed)
+    trial = Trial(Predictor(vehicle, other, selection.last.noise.predictor.ambient), selection, seed, tried)
     moved = Apart(partial(change, vehicle, selection.last, other))
     after = adequacy(selection.last) if selection.found else before
     rest = Left(after, before, len(selection.found), bool(fit.noise.left_out))
@@ -110,6 +112,7 @@ def diagnose(
     before, after = (replace(a, risk=structure.risk) for a in (before, after))
     rest = replace(rest, after=after, before=before, imitated=tuple(f.fall for f in selection.imitating))
     complete = rest.sufficient and replace(rest, wider=lasting(proof, vehicle, train)).sufficient
+    trial.look()
     residuals = before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
     findings, withdrawn = findings_of(selection, residuals, after, complete=complete)
     trial = trial.of({f.effect for f in findings})

@@ -1,4 +1,4 @@
-"""A process for work that holds the interpreter, which ends with the one that started it."""
+"""Processes for work that holds the interpreter, which end with the one that started them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import gc
 import multiprocessing
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from threading import Thread
 from typing import Final, Generic, TypeVar
@@ -13,6 +14,7 @@ from typing import Final, Generic, TypeVar
 from ivsid.memory.pieces import processors
 
 _T = TypeVar("_T")
+_X = TypeVar("_X")
 # Steps by which a task whose result is asked for late gives way to others (POSIX ``nice``).
 # Source: resource: it takes what time of the processors the others leave, a tenth of theirs where they leave none
 GIVES_WAY: Final = 10
@@ -34,17 +36,18 @@ class Apart(Generic[_T]):
     def __init__(self, task: Callable[[], _T], *, late: bool = False) -> None:
         self._task = task
         self._reader: Connection | None = None
-        if (
-            processors() < 2
-            or "fork" not in multiprocessing.get_all_start_methods()
-            or multiprocessing.current_process().daemon
-        ):
+        if not _forks():
             return
         context = multiprocessing.get_context("fork")
         self._reader, writer = context.Pipe(duplex=False)
         self._worker = context.Process(target=_sent, args=(task, writer, late), daemon=True)
         self._worker.start()
         writer.close()
+
+    @property
+    def done(self) -> bool:
+        """Whether a process has a result or a fault that was not asked for yet."""
+        return self._reader is not None and self._reader.poll()
 
     def result(self) -> _T:
         """The result; a task that failed is done again here, and raises what it raises."""
@@ -71,6 +74,82 @@ class Apart(Generic[_T]):
             self._worker.join()
             self._reader.close()
             self._reader = None
+
+
+class Prepared(Generic[_X, _T]):
+    """A process that is forked before its task is known, while this one is small, and gets ready for it: it is a copy that costs little.
+
+    Where no process can be forked, the task is done when its result is asked for.
+
+    Args:
+        task: what is done with what is given later.
+        ready: what the process does before.
+    """
+
+    def __init__(self, task: Callable[[_X], _T], ready: Callable[[], object]) -> None:
+        self._task = task
+        self._given: tuple[()] | tuple[_X] = ()
+        self._pipe: Connection | None = None
+        if not _forks():
+            return
+        context = multiprocessing.get_context("fork")
+        self._pipe, other = context.Pipe()
+        self._worker = context.Process(target=_answered, args=(task, ready, other), daemon=True)
+        self._worker.start()
+        other.close()
+
+    def begin(self, given: _X) -> None:
+        """Gives the process what it works on, once."""
+        self._given = (given,)
+        if self._pipe is not None:
+            # What is long waits for a process that is not ready yet, and this one does not.
+            Thread(target=_given_to, args=(self._pipe, given), daemon=True).start()
+
+    def result(self) -> _T:
+        """The result; a task that failed is done again here, and raises what it raises."""
+        if self._pipe is not None:
+            try:
+                found: _T = self._pipe.recv()
+            except (EOFError, OSError):
+                pass
+            else:
+                return found
+            finally:
+                self.end()
+        return self._task(*self._given)
+
+    def end(self) -> None:
+        """Ends the process, whether or not its task is done."""
+        if self._pipe is not None:
+            self._worker.terminate()
+            self._pipe.close()
+            self._pipe = None
+
+
+def _given_to(pipe: Connection, given: object) -> None:
+    # A process that has ended is noticed where its result is asked for.
+    with suppress(OSError):
+        pipe.send(given)
+
+
+def _answered(task: Callable[[_X], _T], ready: Callable[[], object], pipe: Connection) -> None:
+    gc.freeze()
+    end_with_parent()
+    os.nice(GIVES_WAY)
+    try:
+        ready()
+        pipe.send(task(pipe.recv()))
+    except Exception:
+        pipe.close()
+
+
+def _forks() -> bool:
+    """Whether a process can be forked here and has a processor of its own."""
+    return (
+        processors() > 1
+        and "fork" in multiprocessing.get_all_start_methods()
+        and not multiprocessing.current_process().daemon
+    )
 
 
 def _sent(task: Callable[[], _T], writer: Connection, late: bool) -> None:

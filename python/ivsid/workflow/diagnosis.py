@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ivsid import diagnosis
 from ivsid.diagnosis import GUARANTEED, NULL_LOGS, REFUTED, Diagnosis, Evidence, cache_folder
 from ivsid.intervals import shown
-from ivsid.intervals.apart import Apart
-from ivsid.log import read_log
+from ivsid.log import Log, read_log
 from ivsid.report import figures, page
 from ivsid.report.page import Part, Report, Section
-from ivsid.vehicle import read_vehicle
+from ivsid.vehicle import Vehicle, read_vehicle
 from ivsid.workflow.diagnosis_screen import best_gain, first_screen, size, worse
 from ivsid.workflow.diagnosis_series import change_bars, claim_bars, finding_parts, row_links, test_series, train_series
 from ivsid.workflow.diagnosis_tables import allowed_table, candidates_table, claims_table, gain_table, untested_table
+from ivsid.workflow.gain_figures import GainFigures, drawn_beside
 from ivsid.workflow.log_files import distinct_names
 from ivsid.workflow.progress import Progress, silent
 from ivsid.workflow.set_up import with_setup
@@ -50,22 +51,50 @@ def diagnose(
     checked = read_vehicle(vehicle)
     paths = (train, test)
     logs = [replace(read_log(p, checked.log), name=name) for p, name in zip(paths, distinct_names(paths), strict=True)]
-    result = diagnosis.diagnose(
+    return diagnosed(
         checked,
         *logs,
         seed=1 if seed is None else seed,
-        progress=progress,
         null_logs=null_logs,
         cache=cache_folder() if cache else None,
+        progress=progress,
     )
-    progress("drawing")
-    return diagnosis_report(result)
 
 
-def diagnosis_report(result: Diagnosis) -> Report:
-    """The report of a diagnosis."""
-    # Another process draws some of the figures, while this one makes the tables and draws the rest.
-    beside = Apart(lambda: (figures.net_force(result.gain), figures.gain(result.gain)))
+def diagnosed(
+    vehicle: Vehicle,
+    train: Log,
+    test: Log,
+    *,
+    seed: int = 1,
+    null_logs: int = NULL_LOGS,
+    cache: Path | None = None,
+    progress: Progress = silent,
+) -> Report:
+    """Diagnoses two logs and reports; the figures of a model that stands on the other log are drawn while statements are made.
+
+    Raises:
+        IvsidError: logs that cannot be diagnosed, in one sentence.
+    """
+    drawn = GainFigures()
+    try:
+        result = diagnosis.diagnose(
+            vehicle, train, test, seed=seed, progress=progress, null_logs=null_logs, cache=cache, tried=drawn
+        )
+        progress("drawing")
+        return diagnosis_report(result, drawn)
+    finally:
+        drawn.end()
+
+
+def diagnosis_report(result: Diagnosis, drawn: GainFigures | None = None) -> Report:
+    """The report of a diagnosis.
+
+    Args:
+        result: the diagnosis.
+        drawn: figures of its gain that are drawn already; by default another process draws some of them while this one makes the tables.
+    """
+    figures_of_gain = drawn_beside(result.gain) if drawn is None else partial(drawn.of, result.gain)
     seen = diagnosis.evidence(result)
     signatures = {e.effect: figures.signature(e, f"signature_{k}") for k, e in enumerate(seen, start=1)}
     # A cause found between the two logs has no signature in one of them.
@@ -92,14 +121,13 @@ def diagnosis_report(result: Diagnosis) -> Report:
         Section("Assumptions", (page.bullets(_assumptions(result)),)),
     ]
     record = result.record()
-    residual = figures.force_residual(result.gain)
     files = {**diagnosis.model_files(result), **_certificates(result)}
     report = Report(
         f"Diagnosis of {result.vehicle.name}",
         _summary(result),
         record,
         tuple(s for s in sections if s.parts),
-        (*signatures.values(), *beside.result(), residual),
+        (*signatures.values(), *figures_of_gain()),
         files,
         tuple(_lines(result)),
         first_screen(result),

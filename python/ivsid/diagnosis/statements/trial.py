@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -27,17 +27,26 @@ class Trial:
     model: Hypothesis
     out: tuple[str, ...]
 
-    def __init__(self, predictor: Predictor, selection: Selection, seed: int, out: Sequence[str] = ()) -> None:
+    def __init__(
+        self,
+        predictor: Predictor,
+        selection: Selection,
+        seed: int,
+        tried: Callable[[Gain], None] = lambda _: None,
+        out: Sequence[str] = (),
+    ) -> None:
         """Starts the comparisons.
 
         Args:
             predictor: of the other log.
             selection: the causes with their fits.
             seed: of the bootstrap.
+            tried: told of the gain once, as soon as it is asked for after it is known.
             out: causes that were found and are no findings.
         """
         self.out = tuple(out)
-        self._given = (predictor, selection, seed)
+        self._given = (predictor, selection, seed, tried)
+        self._known: Gain | None = None
         plain, last = selection.plain, selection.last
         extended = without(plain, last, out).h
         # Errors of TRAIN's sensors and thrusters are no part of the model: TEST has its own.
@@ -51,15 +60,26 @@ class Trial:
 
     def of(self, names: Collection[str]) -> Trial:
         """The trial of the model with these findings; this one, if it has no other causes."""
-        predictor, selection, seed = self._given
+        _, selection, _, _ = self._given
         out = tuple(f.id for f in selection.found if f.id not in names)
         if out == self.out:
             return self
         self._gain.end()
         if self._shares is not None:
             self._shares.end()
-        return Trial(predictor, selection, seed, out)
+        return Trial(*self._given, out)
+
+    def look(self) -> None:
+        """Tells of the gain if it is known by now."""
+        if self._gain.done:
+            self._told()
+
+    def _told(self) -> Gain:
+        if self._known is None:
+            self._known = self._gain.result()
+            self._given[-1](self._known)
+        return self._known
 
     def result(self) -> tuple[Gain, Mapping[str, Share]]:
         """Gain on the other log, and shares of the causes in its error in position, by id."""
-        return self._gain.result(), {} if self._shares is None else self._shares.result()
+        return self._told(), {} if self._shares is None else self._shares.result()

@@ -10,7 +10,7 @@
 The chapter may use the values that the stages return, for their types, and the curve of a thrust table.
 """
 
-from ivsid.report.figures.canvas import COLOURS, FORCE_LABEL, Drawing
+from ivsid.report.figures.canvas import COLOURS, FORCE_LABEL, Drawing, warm
 from ivsid.report.figures.diagnosis import (
     MISSING,
     QUANTITY,
@@ -52,4 +52,5 @@ __all__ = [
     "stretch",
     "thrust_curve",
     "tube",
+    "warm",
 ]

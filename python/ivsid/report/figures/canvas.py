@@ -44,6 +44,16 @@ def finish(name: str, title: str, caption: str, figure: Figure) -> Drawing:
     return Drawing(name, title, caption, files[0], files[1])
 
 
+def warm() -> Drawing:
+    """A drawing that nobody sees: it loads the fonts and the writers of files that others need."""
+    figure = Figure(figsize=(2.0, 2.0), layout="constrained")
+    axes = figure.add_subplot()
+    axes.plot([0.0, 1.0], [0.0, 1.0], label="0123456789 −.eE")
+    axes.set_xlabel("XYNmrads[]/")
+    figure.legend(fontsize=8, loc="outside upper left", frameon=False)
+    return finish("", "", "", figure)
+
+
 def thin(n: int, most: int = 3000) -> slice:
     """A stride that leaves about ``most`` samples in a figure."""
     return slice(None, None, max(1, n // most))

@@ -90,6 +90,7 @@ class Prepared(Generic[_X, _T]):
         self._task = task
         self._given: tuple[()] | tuple[_X] = ()
         self._pipe: Connection | None = None
+        self._giving: Thread | None = None
         if not _forks():
             return
         context = multiprocessing.get_context("fork")
@@ -103,7 +104,8 @@ class Prepared(Generic[_X, _T]):
         self._given = (given,)
         if self._pipe is not None:
             # What is long waits for a process that is not ready yet, and this one does not.
-            Thread(target=_given_to, args=(self._pipe, given), daemon=True).start()
+            self._giving = Thread(target=_given_to, args=(self._pipe, given), daemon=True)
+            self._giving.start()
 
     def result(self) -> _T:
         """The result; a task that failed is done again here, and raises what it raises."""
@@ -122,6 +124,9 @@ class Prepared(Generic[_X, _T]):
         """Ends the process, whether or not its task is done."""
         if self._pipe is not None:
             self._worker.terminate()
+            # What is still being given breaks off with the process.
+            if self._giving is not None:
+                self._giving.join()
             self._pipe.close()
             self._pipe = None
 

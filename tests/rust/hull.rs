@@ -384,20 +384,39 @@ fn three_with_ties(kind: u64, random: &mut Random) -> IntervalMatrix {
 fn ends_that_are_doubles_or_tie_are_those_of_rationals_to_the_bit() {
     // The long run has fifty times as many.
     let cases = if std::env::var("IVSID_CASES").is_ok() { 40_000 } else { 800 };
-    let mut random = Random(77);
+    let (mut random, mut scales) = (Random(77), Random(78));
     let (mut enclosed, mut quick) = (0, 0);
+    let (mut lo, mut hi, mut truths) = (Vec::new(), Vec::new(), Vec::new());
+    let bits = |(lower, upper): (&[f64], &[f64])| -> Vec<u64> {
+        lower.iter().chain(upper).map(|x| (x + 0.0).to_bits()).collect()
+    };
     for kind in 0..cases {
         let a = three_with_ties(kind, &mut random);
         let (found, truth) = (exact(&a).expect("square"), exact_by_vertices(&a).expect("square"));
         assert_eq!(found.status, truth.status, "{a:?}");
-        let bits = |outcome: &Outcome| -> Option<Vec<u64>> {
-            outcome.bounds().map(|(lower, upper)| lower.iter().chain(upper).map(|x| (x + 0.0).to_bits()).collect())
-        };
-        assert_eq!(bits(&found), bits(&truth), "{a:?}");
+        assert_eq!(found.bounds().map(bits), truth.bounds().map(bits), "{a:?}");
         enclosed += u64::from(found.status == Status::Enclosed);
         // The path of order 3 states this vector.
         let of_three = |c: &Certificate| matches!(c, Certificate::Regular(Witness::ScaledContraction { vector, .. }) if vector == &[1.0; 3]);
         quick += u64::from(found.certificate.as_ref().is_some_and(of_three));
+        // In the batch as it is, and with every row times a power of two, up to numbers that the forms for order 3 refuse.
+        let mut powers = [1.0; 3];
+        for scaled in [false, true] {
+            if scaled {
+                powers = std::array::from_fn(|_| 2_f64.powi((scales.bits() % 321) as i32 - 160));
+            }
+            lo.extend(a.lo().iter().enumerate().map(|(at, x)| x * powers[at / 3]));
+            hi.extend(a.hi().iter().enumerate().map(|(at, x)| x * powers[at / 3]));
+            let of = |x: &[f64]| x.iter().enumerate().map(|(at, x)| x / powers[at % 3]).collect::<Vec<f64>>();
+            truths.push((truth.status, truth.bounds().map(|(lower, upper)| bits((&of(lower), &of(upper))))));
+        }
+    }
+    let batch = exact_batch(3, &lo, &hi).expect("good matrices");
+    for (k, (status, truth)) in truths.into_iter().enumerate() {
+        assert_eq!(batch.status[k], status, "matrix {k}");
+        let of = 9 * k..9 * (k + 1);
+        let found = bits((&batch.lower[of.clone()], &batch.upper[of.clone()]));
+        assert!(truth.is_none_or(|truth| truth == found), "{:?}, {:?}", &lo[of.clone()], &hi[of]);
     }
     assert!(10 * enclosed > 9 * cases && 10 * quick > 9 * enclosed, "{enclosed}, {quick} of {cases}");
 }

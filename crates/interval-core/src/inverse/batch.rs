@@ -1,6 +1,6 @@
 //! Many matrices of one order at once, on all threads.
 
-use super::exact::hull_of_three;
+use super::exact::{hull_of_three, hulls_of_three};
 use super::{Outcome, exact};
 use crate::error::Error;
 use crate::matrix::IntervalMatrix;
@@ -29,14 +29,15 @@ pub fn batch(
     hi: &[f64],
     method: impl Fn(&IntervalMatrix) -> Result<Outcome, Error> + Sync + Send,
 ) -> Result<Batch, Error> {
-    run(n, lo, hi, |lo, hi, lower, upper| {
+    let one = |lo: &[f64], hi: &[f64], lower: &mut [f64], upper: &mut [f64]| {
         let outcome = method(&IntervalMatrix::new(n, n, lo.to_vec(), hi.to_vec())?)?;
         if let Some((l, u)) = outcome.bounds() {
             lower.copy_from_slice(l);
             upper.copy_from_slice(u);
         }
         Ok(outcome.status)
-    })
+    };
+    run(n, lo, hi, |_, _, _, _, _| (), one)
 }
 
 /// [`exact`] of every matrix; order 3 without an allocation a matrix.
@@ -47,7 +48,7 @@ pub fn exact_batch(n: usize, lo: &[f64], hi: &[f64]) -> Result<Batch, Error> {
     if n != 3 {
         return batch(n, lo, hi, exact);
     }
-    run(n, lo, hi, |lo, hi, lower, upper| {
+    let one = |lo: &[f64], hi: &[f64], lower: &mut [f64], upper: &mut [f64]| {
         if let Some((l, u)) = hull_of_three(lo, hi) {
             lower.copy_from_slice(&l);
             upper.copy_from_slice(&u);
@@ -59,16 +60,19 @@ pub fn exact_batch(n: usize, lo: &[f64], hi: &[f64]) -> Result<Batch, Error> {
             upper.copy_from_slice(u);
         }
         Ok(outcome.status)
-    })
+    };
+    run(n, lo, hi, hulls_of_three, one)
 }
 
 /// Matrices that one task takes at least, so that its work outweighs its start.
 const CHUNK: usize = 256;
 
+/// `many` encloses those of a task's matrices that it can, and says which; `one` any other.
 fn run(
     n: usize,
     lo: &[f64],
     hi: &[f64],
+    many: impl Fn(&[f64], &[f64], &mut [f64], &mut [f64], &mut [bool]) + Sync + Send,
     one: impl Fn(&[f64], &[f64], &mut [f64], &mut [f64]) -> Result<Status, Error> + Sync + Send,
 ) -> Result<Batch, Error> {
     crate::rounding::check_environment()?;
@@ -87,11 +91,16 @@ fn run(
     let mut lower = vec![f64::NAN; lo.len()];
     let mut upper = vec![f64::NAN; lo.len()];
     let status = parallel::chunks(chunk * size, &mut lower, &mut upper, |at, lower, upper| {
-        let first = at * chunk;
-        let mut status = Vec::with_capacity(lower.len() / size);
+        let (first, count) = (at * chunk, lower.len() / size);
+        let mut enclosed = vec![false; count];
+        let task = first * size..(first + count) * size;
+        many(&lo[task.clone()], &hi[task], lower, upper, &mut enclosed);
+        let mut status = vec![Status::Enclosed; count];
         for (k, (l, u)) in lower.chunks_exact_mut(size).zip(upper.chunks_exact_mut(size)).enumerate() {
-            let from = (first + k) * size;
-            status.push(one(&lo[from..][..size], &hi[from..][..size], l, u).map_err(|e| e.moved(from))?);
+            if !enclosed[k] {
+                let from = (first + k) * size;
+                status[k] = one(&lo[from..][..size], &hi[from..][..size], l, u).map_err(|e| e.moved(from))?;
+            }
         }
         Ok(status)
     });

@@ -37,6 +37,11 @@ pub(crate) fn hull_of_three(lo: &[f64], hi: &[f64]) -> Option<([f64; 9], [f64; 9
     three::hull(lo.try_into().ok()?, hi.try_into().ok()?).map(|(lower, upper, _)| (lower, upper))
 }
 
+/// The hulls of the inverses of a batch of order 3, where those of several are found side by side: `solved` tells which.
+pub(crate) fn hulls_of_three(lo: &[f64], hi: &[f64], lower: &mut [f64], upper: &mut [f64], solved: &mut [bool]) {
+    three::hulls(lo, hi, lower, upper, solved);
+}
+
 /// The hull of the inverse with the cheapest form that applies, or the proof that a member is singular.
 ///
 /// # Errors

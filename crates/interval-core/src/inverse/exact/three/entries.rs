@@ -47,7 +47,7 @@ impl Ends {
 /// The double below where the error is negative, by its bits: entries are neither zero nor infinite where that counts.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
-fn rounded_down(x: f64, error: f64) -> u64 {
+pub(super) fn rounded_down(x: f64, error: f64) -> u64 {
     let step = if x > 0.0 { u64::MAX } else { 1 };
     x.to_bits().wrapping_add(if error < 0.0 { step } else { 0 })
 }
@@ -65,30 +65,72 @@ const MIRROR: [f64; PADDED] = {
 
 /// A value and its error term, and the sum of the magnitudes of the summands.
 #[derive(Clone, Copy)]
-struct Minor<V> {
-    hi: V,
-    lo: V,
-    size: V,
+pub(super) struct Minor<V> {
+    pub hi: V,
+    pub lo: V,
+    pub size: V,
 }
 
-/// `a e - b d` within `4 u^2 size`.
+/// `a e - b d` within `4 u^2 size`: the rounding errors of `p_error - q_error` and of `lo`, below `u^2 size` and
+/// `2.1 u^2 size`. `lo` is at most `2.1 u size`; after a cancellation it may be larger than `hi`.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
 fn minor<V: Vector>(a: V, e: V, b: V, d: V) -> Minor<V> {
     let (p, p_error) = two_product(a, e);
     let (q, q_error) = two_product(b, d);
-    let (s, s_error) = two_sum(p, -q);
-    let tail = s_error + (p_error - q_error);
-    let hi = s + tail;
-    Minor { hi, lo: tail - (hi - s), size: p.abs() + q.abs() }
+    let (hi, error) = two_sum(p, -q);
+    Minor { hi, lo: error + (p_error - q_error), size: p.abs() + q.abs() }
 }
 
-/// `x c` as a product and its tail, within `4 u^2 |x| size`.
+/// `x c` as a product and its tail, at most `3.2 u |x| size`, within `10 u^2 |x| size`.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
-fn scaled<V: Vector>(x: V, c: Minor<V>) -> (V, V) {
+fn scaled<V: Vector>(x: V, c: &Minor<V>) -> (V, V) {
     let (p, p_error) = two_product(x, c.hi);
     (p, p_error + x * c.lo)
+}
+
+/// The minors of the first row of a matrix and its determinant.
+pub(super) struct Expanded<V> {
+    pub minors: [Minor<V>; 3],
+    /// The determinant and its error term, within `25 u^2` of the sum of the magnitudes of its six products: `10 u^2` of
+    /// the products with minors, and the roundings of sums of tails below `2 u`, `3.3 u`, `3.3 u` and `5.4 u` of that sum.
+    /// The error term is exact where the determinant exceeds `12 u` of it.
+    pub determinant: V,
+    pub tail: V,
+}
+
+impl<V: Vector> Expanded<V> {
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
+    pub(super) fn of([[a, b, c], [d, e, f], [g, h, i]]: [[V; 3]; 3]) -> Self {
+        let minors = [minor(e, i, f, h), minor(f, g, d, i), minor(d, h, e, g)];
+        let ((p0, t0), (p1, t1), (p2, t2)) = (scaled(a, &minors[0]), scaled(b, &minors[1]), scaled(c, &minors[2]));
+        let (s, s_error) = two_sum(p0, p1);
+        let (s, last_error) = two_sum(s, p2);
+        let tail = (s_error + last_error) + ((t0 + t1) + t2);
+        let determinant = s + tail;
+        Self { minors, determinant, tail: tail - (determinant - s) }
+    }
+}
+
+/// The cofactor `hi + lo` over the determinant, `own_size` and `size` the magnitudes of their products: an approximation,
+/// its error term, and a bound of the distance of both from the quotient. `size` is at most 1e12 determinants.
+///
+/// Against the exact quotient the error term misses at most `23 u^2 own_size / det` by the four roundings of `rest`,
+/// `26 u^2 own_size / det` by those of the reciprocal and of its product (`|rest| <= 8.3 u own_size`), and
+/// `(4 u^2 own_size + 25 u^2 q size) / det` by the errors of the cofactor and of the determinant. The bound takes 256 u^2
+/// for the largest sum, 54 u^2, so that it holds its own roundings as well.
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
+pub(super) fn divided<V: Vector>((hi, lo): (V, V), own_size: V, (determinant, tail): (V, V), size: V) -> [V; 3] {
+    let reciprocal = V::splat(1.0) / determinant;
+    let quotient = hi * reciprocal;
+    // hi - p is exact, since the quotient is right within 3 u.
+    let (p, p_error) = two_product(quotient, determinant);
+    let rest = (((hi - p) - p_error) + lo) - quotient * tail;
+    let error = V::splat(f64::from_bits((1023 - 98) << 52)) * ((own_size + quotient.abs() * size) * reciprocal.abs());
+    [quotient, rest * reciprocal, error]
 }
 
 /// The enclosures of the entries, by lane.
@@ -120,26 +162,13 @@ pub(super) fn vertex_entries<V: Vector>(lo: &Square, hi: &Square, chosen: &Verti
                 *entry = falls.choose(V::load(&upper[l][from..]), V::load(&lower[l][from..]));
             }
         }
-        let [[a, b, c], [d, e, f], [g, h, i]] = m;
-        let (first, second, third) = (minor(e, i, f, h), minor(f, g, d, i), minor(d, h, e, g));
-        let ((p0, t0), (p1, t1), (p2, t2)) = (scaled(a, first), scaled(b, second), scaled(c, third));
-        let (s, s_error) = two_sum(p0, p1);
-        let (s, last_error) = two_sum(s, p2);
-        let tail = (s_error + last_error) + ((t0 + t1) + t2);
-        let det = s + tail;
-        let det_low = tail - (det - s);
-        // The determinant is right within 64 u^2 of this.
+        let [[a, b, c], _, _] = m;
+        let Expanded { minors: [first, second, third], determinant, tail } = Expanded::of(m);
         let size = a.abs() * first.size + b.abs() * second.size + c.abs() * third.size;
         let (is_first, is_second) = (V::load(&ROWS[0][start..]), V::load(&ROWS[1][start..]));
-        let value = is_first.choose(first.hi, is_second.choose(second.hi, third.hi));
-        let low = is_first.choose(first.lo, is_second.choose(second.lo, third.lo));
-        let own_size = is_first.choose(first.size, is_second.choose(second.size, third.size));
-        let q1 = value / det;
-        let (p, p_error) = two_product(q1, det);
-        let rest = (((value - p) - p_error) + low) - q1 * det_low;
-        let q2 = rest / det;
-        // 64 u^2 = 2^-100; four times that holds the rounding of the quotient and of this bound as well.
-        let error = V::splat(f64::from_bits((1023 - 98) << 52)) * ((own_size + q1.abs() * size) / det.abs());
+        let own = |of: fn(&Minor<V>) -> V| is_first.choose(of(&first), is_second.choose(of(&second), of(&third)));
+        let (value, own_size) = ((own(|m| m.hi), own(|m| m.lo)), own(|m| m.size));
+        let [q1, q2, error] = divided(value, own_size, (determinant, tail), size);
         let mirror = V::load(&MIRROR[start..]);
         let (q1, q2) = (q1 * mirror, q2 * mirror);
         let (low, low_error) = two_sum(q1, q2 - error);
@@ -148,8 +177,8 @@ pub(super) fn vertex_entries<V: Vector>(lo: &Square, hi: &Square, chosen: &Verti
         low_error.store(&mut sums[1][start..]);
         high.store(&mut sums[2][start..]);
         high_error.store(&mut sums[3][start..]);
-        // NaN, which the later operand passes on, is not far from zero.
-        nearest = nearest.least(det.abs() * V::splat(1e12) - size);
+        // Entries are below 2^150 in size: no determinant is NaN.
+        nearest = nearest.least(determinant.abs() * V::splat(1e12) - size);
         start += V::N;
     }
     for q in 0..PADDED {

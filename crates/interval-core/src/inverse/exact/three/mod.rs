@@ -13,22 +13,28 @@
 //!    rounded outward, and is the tightest bound where the error cannot change the rounding. Elsewhere the end is a double
 //!    or close to one: the sign of `cofactor - bound determinant`, without error, tells on which side it lies ([`residual`]).
 
+mod contraction;
 mod entries;
 mod extremes;
+mod group;
 mod residual;
 mod ties;
 
-use crate::lanes::{Vector, backends};
+use crate::lanes::{One, Vector, backends};
 use crate::rounding::slices::Backend;
+use contraction::{Contraction, product};
 use entries::{Ends, Vertices, vertex_entries};
 
 /// Bounds by row.
 pub(super) type Square = [f64; 9];
 
-/// 2^-200: entries below it in size are left to the general method, so that nothing underflows here.
-const SMALLEST: f64 = f64::from_bits((1023 - 200) << 52);
-/// 2^200: entries above it in size are left to the general method, so that nothing overflows here.
-const LARGEST: f64 = f64::from_bits((1023 + 200) << 52);
+/// 2^-150: entries below it in size are left to the general method, so that nothing underflows here: bounds of errors are
+/// at least 2^-98 2^-300 / 2^453.
+const SMALLEST: f64 = f64::from_bits((1023 - 150) << 52);
+/// 2^150: entries above it in size are left to the general method, so that nothing overflows here.
+const LARGEST: f64 = f64::from_bits((1023 + 150) << 52);
+/// The largest norm of `G` that is taken: near 1 the bounds that follow from it say nothing.
+const LARGEST_NORM: f64 = 0.9;
 /// The unit roundoff of a double, 2^-53.
 const UNIT: f64 = f64::EPSILON / 2.0;
 
@@ -41,6 +47,12 @@ pub(super) fn hull(lo: &Square, hi: &Square) -> Option<Hull> {
     // Ties are looked for only after the first try, whose code knows nothing of them: they cost ordinary matrices no time.
     let found = hull_on(Backend::chosen(), lo, hi);
     if found.is_some() { found } else { ties::hull(lo, hi) }
+}
+
+/// The hulls of matrices that follow each other, row-major, where those of several are found side by side: `solved` tells
+/// for each whether its hull was written.
+pub(super) fn hulls(lo: &[f64], hi: &[f64], lower: &mut [f64], upper: &mut [f64], solved: &mut [bool]) {
+    group::hulls_on(Backend::chosen(), lo, hi, lower, upper, solved);
 }
 
 backends!(fn hull_on(lo: &Square, hi: &Square) -> Option<Hull> = hull_lanes);
@@ -82,39 +94,23 @@ impl Regular {
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
     fn prove(lo: &Square, hi: &Square) -> Option<Self> {
-        let mut middle = [0.0; 9];
-        let mut spread = [0.0; 9];
         let mut moderate = true;
         for at in 0..9 {
             let (l, h) = (lo[at], hi[at]);
             let (x, y) = (l.abs(), h.abs());
             moderate &= x <= LARGEST && y <= LARGEST && l <= h;
             moderate &= (x >= SMALLEST || l == 0.0) && (y >= SMALLEST || h == 0.0);
-            let m = 0.5 * (l + h);
-            middle[at] = m;
-            // The radius, and what the rounding of a product with the midpoint may add.
-            spread[at] = (h - m).max(m - l) * (1.0 + 4.0 * UNIT) + 6.0 * UNIT * m.abs();
         }
         if !moderate {
             return None;
         }
-        let r = adjugate_over_determinant(&middle)?;
-        let mut g = [0.0; 9];
-        let mut beta = 0.0_f64;
-        for i in 0..3 {
-            for j in 0..3 {
-                let delta = if i == j { 1.0 } else { 0.0 };
-                let (x, y, z) = (r[3 * i], r[3 * i + 1], r[3 * i + 2]);
-                let error = delta - (x * middle[j] + y * middle[3 + j] + z * middle[6 + j]);
-                let reach = x.abs() * spread[j] + y.abs() * spread[3 + j] + z.abs() * spread[6 + j];
-                g[3 * i + j] = (error.abs() + 6.0 * UNIT * delta + reach) * (1.0 + 16.0 * UNIT);
-            }
-            beta = beta.max((g[3 * i] + g[3 * i + 1] + g[3 * i + 2]) * (1.0 + 4.0 * UNIT));
-        }
-        if beta.is_nan() || beta >= 0.9 {
+        let Contraction { r, g, sums } = Contraction::of(&lo.map(One), &hi.map(One));
+        // Each sum by itself: NaN must not hide behind a larger one.
+        if !sums.iter().all(|sum| sum.0 < LARGEST_NORM) {
             return None;
         }
-        let size = r.map(f64::abs);
+        let beta = sums.iter().fold(0.0, |most: f64, sum| most.max(sum.0));
+        let size = r.map(Vector::abs);
         let first = product(&g, &size);
         let growth = 1.0 + 64.0 * UNIT;
         // G^2 |R| is at most beta^2 max |R| by columns, and entry by entry where that does not do.
@@ -128,50 +124,18 @@ impl Regular {
                 if zero[at] {
                     continue;
                 }
-                let largest = size[j].max(size[3 + j]).max(size[6 + j]);
+                let largest = size[j].0.max(size[3 + j].0).max(size[6 + j].0);
                 // Comparisons that NaN fails: it must not pass for a sign.
-                let clear = size[at] > (first[at] + quick * largest) * growth;
+                let clear = size[at].0 > (first[at].0 + quick * largest) * growth;
                 if !clear {
                     let second = second.get_or_insert_with(|| product(&g, &first));
-                    fixed &= size[at] > (first[at] + second[at] + tail * largest) * growth;
+                    fixed &= size[at].0 > (first[at].0 + second[at].0 + tail * largest) * growth;
                 }
-                signs[at] = r[at].signum();
+                signs[at] = r[at].0.signum();
             }
         }
-        Some(Self { r, zero, signs: fixed.then_some(signs) })
+        Some(Self { r: r.map(|x| x.0), zero, signs: fixed.then_some(signs) })
     }
-}
-
-#[inline(always)]
-#[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
-fn product(a: &Square, b: &Square) -> Square {
-    let mut c = [0.0; 9];
-    for i in 0..3 {
-        for j in 0..3 {
-            c[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
-        }
-    }
-    c
-}
-
-/// The inverse in plain floats.
-#[inline(always)]
-#[expect(clippy::inline_always, reason = "compiled inside functions with wider instruction sets")]
-fn adjugate_over_determinant(m: &Square) -> Option<Square> {
-    let c = [
-        m[4] * m[8] - m[5] * m[7],
-        m[2] * m[7] - m[1] * m[8],
-        m[1] * m[5] - m[2] * m[4],
-        m[5] * m[6] - m[3] * m[8],
-        m[0] * m[8] - m[2] * m[6],
-        m[2] * m[3] - m[0] * m[5],
-        m[3] * m[7] - m[4] * m[6],
-        m[1] * m[6] - m[0] * m[7],
-        m[0] * m[4] - m[1] * m[3],
-    ];
-    let reciprocal = 1.0 / (m[0] * c[0] + m[1] * c[3] + m[2] * c[6]);
-    let r = c.map(|x| x * reciprocal);
-    r.iter().all(|x| x.is_finite()).then_some(r)
 }
 
 /// True if the cofactor of `a_kl` is zero for every member: each of its two products has a factor that is.

@@ -5,8 +5,8 @@ use super::entries::{Ends, Vertices};
 use crate::doubles::Neighbours;
 use crate::lanes::{One, two_product, two_sum};
 
-/// Bounds of this size are multiples of 2^-252 as entries are, so that a product of four of them, below 2^800, is one of
-/// 2^-1008: neither it nor its error leaves the range of doubles.
+/// Bounds of this size are multiples of 2^-202 as entries are, so that a product of four of them, below 2^600, is one of
+/// 2^-808: neither it nor its error leaves the range of doubles.
 const RANGE: std::ops::Range<f64> = super::SMALLEST..super::LARGEST;
 /// Parts of a residual: 48 of the determinant's 24 times a bound, 4 of the cofactor.
 const PARTS: usize = 52;

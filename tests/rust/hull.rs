@@ -10,7 +10,7 @@ use interval_core::inverse::{
     Certificate, Outcome, batch, exact, exact_batch, exact_by_vertices, hansen_bliek_rohn, kuttler, partitioned,
 };
 use interval_core::regularity::Witness;
-use interval_core::{Error, IntervalMatrix, Status};
+use interval_core::{Error, Interval, IntervalMatrix, Status, systems};
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
@@ -335,6 +335,35 @@ fn a_batch_is_one_after_the_other() {
     bad[22] = f64::NAN;
     assert_eq!(exact_batch(n, &lo, &bad), Err(Error::NotANumber { index: 22 }));
     assert!(exact_batch(n, &lo[1..], &hi[1..]).is_err());
+}
+
+/// One column at a time takes the general form; the inverse of order 3 at once has one of its own.
+#[test]
+fn hansen_bliek_rohn_of_order_3_has_the_bits_of_its_columns() {
+    let mut random = Random(5);
+    let usual = (0..2000).map(|k| {
+        let centre: Vec<f64> = (0..9).map(|at| 2.0 * random.unit() + if at % 4 == 0 { 4.0 } else { 0.0 }).collect();
+        matrix(3, &centre, &relative(&centre, 10_f64.powi(-(k % 17))))
+    });
+    let drawn = (0..60).flat_map(|seed| families(3, seed)).map(|(_, a)| a);
+    let ties = (0..400).map(|kind| three_with_ties(kind, &mut Random(kind)));
+    let mut enclosed = 0;
+    for a in usual.collect::<Vec<_>>().into_iter().chain(drawn).chain(ties) {
+        let whole = hansen_bliek_rohn(&a).expect("square");
+        for j in 0..3 {
+            let unit: Vec<Interval> = (0..3).map(|i| if i == j { Interval::ONE } else { Interval::ZERO }).collect();
+            let column = systems::hansen_bliek_rohn(&a, &unit).expect("it fits");
+            assert_eq!(whole.status, column.status, "{a:?}");
+            let (Some(x), Some(y)) = (whole.enclosure(), column.enclosure()) else { continue };
+            for i in 0..3 {
+                let (x, y) = (x.get(i, j), y.get(i, 0));
+                assert_eq!((x.lo().to_bits(), x.hi().to_bits()), (y.lo().to_bits(), y.hi().to_bits()), "{a:?}");
+            }
+        }
+        assert!(whole.certificate.is_none_or(|proof| proof.verify(&a)), "{a:?}");
+        enclosed += usize::from(whole.status == Status::Enclosed);
+    }
+    assert!(enclosed > 2500, "{enclosed}");
 }
 
 /// Matrices of order 3 whose ends are doubles, tie between vertices or are zero: diagonal, symmetric, in blocks, with

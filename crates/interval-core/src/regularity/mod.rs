@@ -8,7 +8,9 @@ mod singular;
 pub use crate::status::Verdict;
 pub use crate::witness::{Cell, SingularMember, Witness};
 pub(crate) use cells::{halves, largest_smear};
-pub(crate) use preconditioned::{Preconditioned, contracted_vector, interval_residual, slack, split, times};
+pub(crate) use preconditioned::{
+    Accuracy, Preconditioned, contracted_vector, interval_residual, row_growth, slack, split, times,
+};
 pub(crate) use singular::null_vector;
 
 use crate::error::Error;

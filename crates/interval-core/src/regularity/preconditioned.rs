@@ -61,25 +61,42 @@ pub(crate) fn split(a: &IntervalMatrix) -> (Vec<f64>, Vec<f64>) {
 /// its error bound saves time beyond.
 const ACCURATE: usize = 64;
 
+/// The numbers by which bounds of `|I - R A|` are above what was computed.
+pub(crate) struct Accuracy {
+    /// Of the magnitudes of the summands.
+    pub square: f64,
+    /// Of the whole sum.
+    pub growth: f64,
+    /// What underflow may lose.
+    pub tiny: f64,
+}
+
+impl Accuracy {
+    #[expect(clippy::cast_precision_loss, reason = "an order, far below 2^53")]
+    pub(crate) fn of(n: usize) -> Self {
+        let terms = n as f64 + 2.0;
+        let gamma = 2.0 * terms * UNIT;
+        // Without cancellation the compensated sum of the radii is right to the last bit but for gamma^2.
+        let terms = if n <= ACCURATE { 2.0 } else { terms };
+        // The relative error of the product of radii, two additions, this multiplication and the rounding of its factor.
+        let growth = 1.0 + (terms + 4.0) * UNIT;
+        Self { square: gamma * gamma, growth, tiny: 64.0 * (n as f64 + 4.0) * SMALLEST }
+    }
+}
+
 /// Upper bounds of `|I - R A|` for every member.
-#[expect(clippy::cast_precision_loss, reason = "an order, far below 2^53")]
 pub(crate) fn deviation(r: &[f64], middle: &[f64], spread: &[f64], n: usize) -> Vec<f64> {
     let size: Vec<f64> = r.iter().map(|x| x.abs()).collect();
     let (mut rest, mut magnitude) = (vec![0.0; n * n], vec![0.0; n * n]);
     accurate_product(Backend::chosen(), r, middle, -1.0, &mut rest, &mut magnitude);
-    let terms = n as f64 + 2.0;
-    let gamma = 2.0 * terms * UNIT;
-    let (reach, terms) = if n <= ACCURATE {
+    let Accuracy { square, growth, tiny } = Accuracy::of(n);
+    let reach = if n <= ACCURATE {
         let (mut reach, mut sums) = (vec![0.0; n * n], vec![0.0; n * n]);
         accurate_product(Backend::chosen(), &size, spread, 0.0, &mut reach, &mut sums);
-        // Without cancellation the compensated sum is right to the last bit but for gamma^2.
-        (reach, 2.0)
+        reach
     } else {
-        (approximate::product(&size, spread, n, n, n), terms)
+        approximate::product(&size, spread, n, n, n)
     };
-    // The relative error of the product of radii, two additions, this multiplication and the rounding of its factor.
-    let growth = 1.0 + (terms + 4.0) * UNIT;
-    let tiny = 64.0 * (n as f64 + 4.0) * SMALLEST;
     let bound = |at: usize| {
         // Zeros that are structural stay zeros, and with them those of the inverse.
         if rest[at] == 0.0 && magnitude[at] == 0.0 && reach[at] == 0.0 {
@@ -89,7 +106,7 @@ pub(crate) fn deviation(r: &[f64], middle: &[f64], spread: &[f64], n: usize) -> 
                 return 0.0;
             }
         }
-        (rest[at].abs() + gamma * gamma * magnitude[at] + reach[at]) * growth + tiny
+        (rest[at].abs() + square * magnitude[at] + reach[at]) * growth + tiny
     };
     (0..n * n).map(bound).collect()
 }
@@ -138,11 +155,15 @@ fn entries<V: Vector>(row: &[f64], m: &[f64], diagonal: f64, i: usize, j: usize)
 
 /// Upper bounds of `G v` for non-negative operands.
 pub(crate) fn times(g: &[f64], v: &[f64]) -> Vec<f64> {
-    #[expect(clippy::cast_precision_loss, reason = "an order, far below 2^53")]
-    let terms = v.len() as f64;
-    let growth = 1.0 + 2.0 * (terms + 4.0) * UNIT;
-    let sum = |row: &[f64]| row.iter().zip(v).map(|(x, y)| x * y).sum::<f64>() * growth + 2.0 * terms * SMALLEST;
+    let sum = |row: &[f64]| row_growth(row.iter().zip(v).map(|(x, y)| x * y).sum::<f64>(), v.len());
     g.chunks_exact(v.len()).map(sum).collect()
+}
+
+/// An upper bound of a sum of `n` products of non-negative numbers from its value in floats.
+#[expect(clippy::cast_precision_loss, reason = "an order, far below 2^53")]
+pub(crate) fn row_growth(sum: f64, n: usize) -> f64 {
+    let terms = n as f64;
+    sum * (1.0 + 2.0 * (terms + 4.0) * UNIT) + 2.0 * terms * SMALLEST
 }
 
 /// Lower bounds of `v - G v`, all positive. The value is `None` if one is not.

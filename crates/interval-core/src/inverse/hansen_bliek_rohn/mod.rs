@@ -12,6 +12,8 @@
 //! the enclosure. `V` is bounded from both sides by the residual of an approximation:
 //! `|V - W| <= v max_i |G + G W - W|_i / (v - G v)_i` in each column.
 
+mod three;
+
 use super::rows::Row;
 use super::{Certificate, Outcome, UNBOUNDED};
 use crate::approximate;
@@ -38,6 +40,13 @@ pub(crate) fn enclose(a: &IntervalMatrix, b: Option<&IntervalMatrix>) -> Outcome
         return Outcome::not_applicable(UNBOUNDED);
     }
     let n = a.rows();
+    let of_three = if n == 3 && b.is_none() { three::enclose(a) } else { None };
+    if let Some((lo, hi, r)) = of_three
+        && let Ok(value) = IntervalMatrix::new(3, 3, lo.to_vec(), hi.to_vec())
+    {
+        let witness = Witness::ScaledContraction { approximate_inverse: r.to_vec(), vector: vec![1.0; 3] };
+        return Outcome::enclosed(value, Certificate::Regular(witness));
+    }
     let Some(preconditioned) = Preconditioned::new(a) else {
         return Outcome::not_applicable("the midpoint matrix has no usable approximate inverse");
     };

@@ -14,10 +14,15 @@ pub fn refusal(error: &Error) -> PyErr {
 /// Two rows without values, for lower and upper bounds that fill them. One block of memory comes back from the
 /// allocator where two would be returned to the system and faulted in again.
 pub fn results(py: Python<'_>, n: usize) -> Bound<'_, PyArray2<f64>> {
+    rows(py, 2, n)
+}
+
+/// Some rows without values.
+pub fn rows(py: Python<'_>, count: usize, n: usize) -> Bound<'_, PyArray2<f64>> {
     // SAFETY: any bits are a double, and the operations write every entry before Python sees the arrays.
     #[expect(unsafe_code, reason = "zeroing what is overwritten costs as much as the operation")]
     unsafe {
-        PyArray2::new(py, [2, n], false)
+        PyArray2::new(py, [count, n], false)
     }
 }
 

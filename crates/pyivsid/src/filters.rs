@@ -34,7 +34,7 @@ pub fn respond<'py>(
     let x = inputs.iter().map(PyReadonlyArray1::as_slice).collect::<Result<Vec<_>, _>>().map_err(|_| misfit())?;
     let b = numerators.as_slice().map_err(|_| misfit())?;
     let a = denominators.as_slice().map_err(|_| misfit())?;
-    let found = PyArray2::zeros(py, [rows, n], false);
+    let found = crate::arrays::rows(py, rows, n);
     {
         let mut out = found.readwrite();
         let out = out.as_slice_mut()?;

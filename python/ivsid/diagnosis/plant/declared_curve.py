@@ -67,6 +67,8 @@ class ThrustAt:
     def __init__(self, curve: DeclaredCurve, demand: Array, *, kept: bool) -> None:
         self.demand, self.kept = demand, kept
         self._curve = curve
+        # Hypotheses that are compared differ in effects, and seldom in these sizes.
+        self._last: tuple[tuple[float, ...], Array] | None = None
 
     @cached_property
     def thrust(self) -> Array:
@@ -82,4 +84,9 @@ class ThrustAt:
         """Thrust with declared errors of given sizes [N], shape (n,)."""
         if not any(sizes):
             return self.thrust
-        return self.thrust + np.asarray(sizes) @ self.errors if self.kept else self._curve.thrust(self.demand, sizes)
+        if not self.kept:
+            return self._curve.thrust(self.demand, sizes)
+        key = tuple(sizes)
+        if self._last is None or self._last[0] != key:
+            self._last = key, self.thrust + np.asarray(sizes) @ self.errors
+        return self._last[1]

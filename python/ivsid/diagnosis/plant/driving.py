@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -20,6 +21,16 @@ Array = NDArray[np.float64]
 # Hypotheses whose thrusts are kept: those that a fit compares, so that most of its steps work none out.
 # Source: resource: memory of thrusts, of shape (thrusters, 2 n) each
 KEPT: Final = 4
+
+
+@dataclass
+class _Pushes:
+    """Thrusts and their sum at no speed; first the thrusts over the parts of steps, then the moment that is made of them when it is asked for."""
+
+    thrusts: Array
+    force: Array
+    parts: Array | None
+    early: Array | None = None
 
 
 class Driving:
@@ -47,21 +58,29 @@ class Driving:
         self.swing = np.cos(self.turned), np.sin(self.turned)
         self._turns = any(t.steering == "azimuth" for t in vehicle.thrusters)
         self._at_samples = self.swing[0][:, : log.n], self.swing[1][:, : log.n]
-        self._known: dict[object, tuple[Array, Array, Array | None]] = {}
+        self._known: dict[object, _Pushes] = {}
 
     def thrusts(self, h: Hypothesis) -> Array:
         """Thrusts of a hypothesis at samples and over steps [N], shape (thrusters, 2 n)."""
-        return self.whole(h)[0]
+        return self._worked(h).thrusts
 
     def force(self, h: Hypothesis) -> tuple[Array, Array]:
         """The thrusts, and their sum at no speed: X, Y [N], N [N m], shape (3, 2 n)."""
-        return self.whole(h)[:2]
+        pushes = self._worked(h)
+        return pushes.thrusts, pushes.force
 
     def whole(self, h: Hypothesis) -> tuple[Array, Array, Array | None]:
         """The thrusts, their sum at no speed, and its first moment over each step, shape (3, n), or None.
 
         The moment is positive for a force that comes early in its step; it exists if demands come faster than the clock.
         """
+        pushes = self._worked(h)
+        if pushes.parts is not None:
+            pushes.early, pushes.parts = self._early(pushes.parts), None
+        return pushes.thrusts, pushes.force, pushes.early
+
+    def _worked(self, h: Hypothesis) -> _Pushes:
+        """The thrusts of a hypothesis, those of a call before if they are the same."""
         sizes = [self._sizes(h, k) for k in range(len(self.vehicle.thrusters))]
         acting = of_kind(h.given, Thrust, Response)
         key = (tuple((g.effect.id, g.values, g.thruster) for g in acting), tuple(map(tuple, sizes)))
@@ -69,18 +88,18 @@ class Driving:
         if found is None:
             made = self.propulsion.thrusts(h.given, sizes)
             thrusts = np.concatenate([made.now, made.mean], axis=1)
-            found = thrusts, bollard_force(self.vehicle, thrusts, self.swing, self.sent), self._early(made.parts)
+            force = bollard_force(self.vehicle, thrusts, self.swing, self.sent)
+            found = _Pushes(thrusts, force, None if self.log.between is None else made.parts)
             # A dictionary keeps the order of its keys: the oldest go.
             for old in list(self._known)[: 1 - KEPT]:
                 self._known.pop(old, None)
             self._known[key] = found
         return found
 
-    def _early(self, parts: Array | None) -> Array | None:
+    def _early(self, parts: Array) -> Array:
         """First moment of the force of thrusts that change inside the steps, shape (3, n)."""
         between = self.log.between
-        if parts is None or between is None:
-            return None
+        assert between is not None
         if not self._turns:
             # A force that keeps its direction has its moment where its thrust has it.
             return bollard_force(self.vehicle, parts @ between.lean, self._at_samples, np.zeros((3, self.log.n)))

@@ -83,6 +83,7 @@ class Propulsion:
         self._samples = [self._at(k, d, kept=True) for k, d in enumerate(self.demands)]
         # Every hypothesis asks for the thrusts of the same demands between samples: they are worked out once.
         self._between: dict[int, ThrustAt] = {}
+        self._clocks: dict[int, tuple[Array, Array | None]] = {}
         # The last thrusts of the log's own demands, with what they were worked out under: lags and delays are tried on the same ones.
         self._static: dict[int, tuple[object, Array]] = {}
 
@@ -130,8 +131,7 @@ class Propulsion:
 
         With errors of its curve the slopes with each of them, with the errors as a further axis in front.
         """
-        h, n = self.log.h, self.log.n
-        thruster = self.vehicle.thrusters[k]
+        h, thruster = self.log.h, self.vehicle.thrusters[k]
         changes = acting(with_stated(given, Thrust, thruster), Thrust)
         late: dict[str, float] = {
             r.kind: numbers[0] for r, numbers in acting(for_thruster(given, Response, thruster.name), Response)
@@ -142,9 +142,7 @@ class Propulsion:
         def changed(thrust: Array, d: Array) -> Array:
             if not changes:
                 return thrust
-            parts = d.size // n
-            time = self.log.t if parts == 1 else (self.log.t[:, None] + np.arange(parts) * (h / parts)).ravel()
-            voltage = self.log.voltage if parts == 1 or self.log.voltage is None else np.repeat(self.log.voltage, parts)
+            time, voltage = self._clock(d.size // self.log.n)
             drive = Drive(d, time, k, thruster.position[1], self.curves[k].largest, voltage)
             for change, numbers in changes:
                 thrust = change.function(thrust, drive, numbers)
@@ -187,6 +185,16 @@ class Propulsion:
         if lag > SHORTEST_LAG:
             now, mean, _ = _behind(now, mean, lag, h)
         return now, mean, None
+
+    def _clock(self, parts: int) -> tuple[Array, Array | None]:
+        """Times [s] and voltages at equal parts of the steps, shape (n parts,)."""
+        log = self.log
+        if parts == 1:
+            return log.t, log.voltage
+        if parts not in self._clocks:
+            voltage = None if log.voltage is None else np.repeat(log.voltage, parts)
+            self._clocks[parts] = (log.t[:, None] + np.arange(parts) * (log.h / parts)).ravel(), voltage
+        return self._clocks[parts]
 
     def static(self, k: int, demand: Array, error: Array | None = None, given: Sequence[Given] = ()) -> Array:
         """Thrusts of one thruster [N] without lag or delay, at the time zero, shape of the demand.

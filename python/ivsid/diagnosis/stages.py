@@ -21,7 +21,7 @@ from ivsid.diagnosis.null.looks import Looks
 from ivsid.diagnosis.null.thresholds import calibrate
 from ivsid.diagnosis.null.visibility import Visibility, visibility
 from ivsid.diagnosis.prediction.innovations import Predictor
-from ivsid.diagnosis.selection.adequacy import adequacy
+from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy
 from ivsid.diagnosis.selection.confirmation import NULL_LOGS, confirmed, confirmed_structure
 from ivsid.diagnosis.selection.parallel import one_blas_thread
 from ivsid.diagnosis.selection.rules import full_refused
@@ -35,7 +35,7 @@ from ivsid.diagnosis.statements.findings import findings_of, shallow, unknown, v
 from ivsid.diagnosis.statements.hints import hints
 from ivsid.diagnosis.statements.motion import motion_of, sentences
 from ivsid.diagnosis.statements.not_tested import left_out_note, not_tested
-from ivsid.diagnosis.statements.proved import lasting, proof_of, proved_findings
+from ivsid.diagnosis.statements.proved import Proof, lasting, proof_of, proved_findings
 from ivsid.diagnosis.statements.residuals import before_and_after, unexplained
 from ivsid.diagnosis.statements.shallow_water import change
 from ivsid.diagnosis.statements.trial import Trial
@@ -43,6 +43,7 @@ from ivsid.errors import IvsidError
 from ivsid.intervals.apart import Apart
 from ivsid.log import GivenLog, Log, log_of
 from ivsid.setup import SetupFinding, examined
+from ivsid.tubes.reached import TubeCheck
 from ivsid.vehicle import GivenVehicle, Vehicle, vehicle_of
 
 # Times above this are seconds since 1970 and are counted from the log's first sample [s].
@@ -85,17 +86,14 @@ def diagnose(
     train, test = log_of(train, vehicle.log), log_of(test, vehicle.log)
     log, other, fit, doubts = _fitted(vehicle, train, test, progress)
     visible = visibility(fit)
-    # The limits are asked for last. All others are asked for next, and none of them by another.
+    # What is said of the model as it was is asked for where its causes are known, and the limits last.
     calibrating, judging = (
         Apart(partial(calibrate, fit, frozenset(i for i, v in visible.items() if v.tested), NAMES, seed)),
-        Apart(partial(adequacy, fit)),
+        Apart(partial(_judged, fit, vehicle, train, test)),
     )
-    proving, limits = Apart(partial(proof_of, vehicle, train)), Apart(partial(detection_limits, fit), late=True)
-    scored = score(fit)
-    calibration, before, proof = calibrating.result(), judging.result(), proving.result()
-    # An adequate model is asked by its rows alone; of another one the tubes are followed while its causes are looked for.
-    moving = None if before.quiet else Apart(partial(motion_of, proof, train, test))
-    test_of, looks = Threshold(calibration, visible), Looks(seed, null_logs, cache, progress)
+    limits = Apart(partial(detection_limits, fit), late=True)
+    scored, looks = score(fit), Looks(seed, null_logs, cache, progress)
+    test_of = Threshold(calibrating.result(), visible)
     progress("looking for causes")
     selection = select(fit, scored, test_of, progress)
     passed = (*selection.found, *selection.imitating)
@@ -103,6 +101,7 @@ def diagnose(
     if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in passed):
         progress("looking again, at the threshold of the null logs")
         selection = select(fit, scored, confirmation.test, progress)
+    proof, before, motion = judging.result()
     # Most findings stand, so their model is tried while they are examined.
     trial = Trial(Predictor(vehicle, other, selection.last.noise.predictor.ambient), selection, seed, tried)
     moved = Apart(partial(change, vehicle, selection.last, other))
@@ -116,7 +115,7 @@ def diagnose(
     residuals = before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
     findings, withdrawn = findings_of(selection, residuals, after, complete=complete)
     trial = trial.of({f.effect for f in findings})
-    moving = Apart(partial(motion_of, proof, train, test)) if moving is None and findings else moving
+    moving = Apart(partial(motion_of, proof, train, test)) if motion is None and findings else None
     proved, extended = proved_findings(findings, vehicle, train, trial.model) if complete else (findings, None)
     progress("trying both models on the other log")
     (gain, shown), water = trial.result(), moved.result()
@@ -139,7 +138,8 @@ def diagnose(
     )
     if water is not None and water.factor is not None:
         findings = (*findings, shallow(water))
-    visible, motion = _limited(visible, limits.result()), () if moving is None else moving.result()
+    visible = _limited(visible, limits.result())
+    motion = (() if moving is None else moving.result()) if motion is None else motion
     findings = weighed(findings, shown)
     verdict = verdict_of(findings)
     said = [
@@ -176,6 +176,12 @@ def diagnose(
         water,
         doubts,
     )
+
+
+def _judged(fit: Fit, vehicle: Vehicle, train: Log, test: Log) -> tuple[Proof, Adequacy, tuple[TubeCheck, ...] | None]:
+    """What is proved of the model as it was, its adequacy, and the motion that it allows, or None: an adequate model is asked by its rows alone."""
+    proof, before = proof_of(vehicle, train), adequacy(fit)
+    return proof, before, None if before.quiet else motion_of(proof, train, test)
 
 
 def _fitted(

@@ -103,7 +103,7 @@ def test_what_is_left_of_much_structure_is_not_little_on_a_straight_run():
     assert Left(REST, before, 1).little and not Left(REST, before, 1, straight=True).little
     assert not Left(REST, before, 0).little
     # A cause that one force of no cause explains as well decides where it explains as much as would not be little.
-    share = 0.02 * before.unexplained
+    share = 0.025 * before.unexplained
     for fall, little in ((0.9 * share, True), (1.1 * share, False)):
         left = Left(REST, before, 1, imitated=(fall,))
         assert left.little is little and (OF_FORCES.refuses(left) is None) is little

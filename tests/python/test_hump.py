@@ -11,7 +11,7 @@ from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.selection.rivals import MARGIN, Rival
-from ivsid.diagnosis.selection.rules import BENT, BETTER_CURVE, OUTLINE, Curve, Remainder
+from ivsid.diagnosis.selection.rules import BENT, BETTER_CURVE, OUTLINE, Curve, Remainder, compared
 from ivsid.effects import EFFECTS, State
 
 HUMP = EFFECTS["drag.surge.hump"]
@@ -75,6 +75,21 @@ def test_a_drag_of_a_known_shape_comes_before_a_hump_that_is_not_told_from_it():
     assert max(hump, linear, key=lambda r: r.place) is linear
     clear = Rival(HUMP.id, None, 0.0, 1, 200.0 + MARGIN + 1.0)
     assert max(clear, linear, key=lambda r: r.place) is clear
+
+
+def test_two_causes_that_differ_by_the_errors_of_the_equations_are_rivals():
+    """A delay of 12.5 ms was behind a lag of 12 ms by 39.5 of 17,533 in chi-squared, and the lag was named alone; one per cent is no such error."""
+
+    def alone(whole, behind):
+        lag, delay = (
+            Rival(i, None, 0.0, 1, f) for i, f in (("thruster.lag", whole), ("thruster.delay", whole - behind))
+        )
+        return [r.id for r in compared(lag, [lag, delay], [])[0]]
+
+    assert alone(17_533.0, 39.5) == ["thruster.lag", "thruster.delay"]
+    assert alone(17_533.0, 175.0) == ["thruster.lag"]
+    # Three standard deviations tell weak causes apart.
+    assert alone(400.0, 8.9) == ["thruster.lag", "thruster.delay"] and alone(400.0, 9.1) == ["thruster.lag"]
 
 
 def test_a_curve_has_to_beat_all_causes_over_its_velocity():

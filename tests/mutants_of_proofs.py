@@ -99,8 +99,8 @@ PROOFS = (
     python(
         "level of the calibration 10 %",
         "diagnosis/stages.py",
-        "partial(calibrate, fit, seen, NAMES, seed)",
-        "partial(calibrate, fit, seen, 0.10, seed)",
+        "if v.tested), NAMES, seed)",
+        "if v.tested), 0.10, seed)",
         "test_diagnosis.py",
     ),
     python(

@@ -70,6 +70,22 @@ class Between:
         count = self.demands.shape[2]
         return np.asarray(2 * (count - np.arange(count) - 0.5) / count**2 - 1 / count)
 
+    @cached_property
+    def around(self) -> tuple[Array, Array]:
+        """Weights of the parts of the step after a sample and of the step before it in the mean of its readings, in steps, shape (parts,) each.
+
+        A constant acceleration moves the readings before and after a sample apart and leaves their mean; one that changes moves it.
+        """
+        count = self.demands.shape[2]
+        part, read = np.arange(count), np.array(self.read)[:, None]
+        share = 1 / (len(self.read) * count)
+        return share * (part < read).sum(axis=0), -share * (part >= count + read).sum(axis=0)
+
+    @cached_property
+    def spread(self) -> float:
+        """Mean square of the times from a sample to its readings, in steps squared."""
+        return float(np.mean(np.square(self.read)) / self.demands.shape[2] ** 2)
+
 
 @dataclass(frozen=True)
 class Channels:

@@ -85,8 +85,8 @@ def paced(log: Log, *, inside: bool) -> tuple[Log, float, int, list[str]]:
         notes.append(f"the clock is that of the slowest velocity: {1 / h:.3g} samples a second")
     count, turning = 1, float(np.nanquantile(np.abs(log.columns["r"]), USUAL))
     if inside and slowest <= RARE * h and 1 / h > HIGHEST_MEAN_RATE * CLOCK_TOLERANCE:
-        most = int(LARGEST_MEAN_TURN / (turning * h)) if turning > 0 else 1
-        count = max(1, min(int(np.ceil(1 / h / HIGHEST_MEAN_RATE)), most))
+        most = LARGEST_MEAN_TURN / max(turning * h, 1e-300)
+        count = max(1, int(min(np.ceil(1 / h / HIGHEST_MEAN_RATE), most)))
     if count > 1:
         h *= count
         notes.append(f"means of {count} readings are used: {1 / h:.3g} a second are enough for the motion of a hull")

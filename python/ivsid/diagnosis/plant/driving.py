@@ -31,6 +31,7 @@ class _Pushes:
     force: Array
     parts: Array | None
     early: Array | None = None
+    around: Array | None = None
 
 
 class Driving:
@@ -74,10 +75,34 @@ class Driving:
 
         The moment is positive for a force that comes early in its step; it exists if demands come faster than the clock.
         """
+        pushes = self._moments(h)
+        return pushes.thrusts, pushes.force, pushes.early
+
+    def around(self, h: Hypothesis) -> Array | None:
+        """Impulse of the thrusts from each sample to its readings, the mean over them, beyond ``bend`` of a force that changes evenly [N s, N m s].
+
+        It has shape (3, n), and exists if readings are averaged.
+        """
+        return self._moments(h).around
+
+    def bend(self, rate: Array) -> Array:
+        """The mean of averaged readings less the value at their sample, of a quantity whose rate changes evenly from one step to the next.
+
+        Half of the second derivative times the mean square of the readings' times, by Taylor's series.
+
+        Args:
+            rate: over each step, shape (..., n).
+        """
+        between = self.log.between
+        size = 0.0 if between is None else 0.5 * between.spread * self.log.h
+        return size * np.diff(rate, axis=-1, prepend=rate[..., :1])
+
+    def _moments(self, h: Hypothesis) -> _Pushes:
         pushes = self._worked(h)
         if pushes.parts is not None:
-            pushes.early, pushes.parts = self._early(pushes.parts), None
-        return pushes.thrusts, pushes.force, pushes.early
+            parts, pushes.parts = pushes.parts, None
+            pushes.early, pushes.around = self._early(parts), self._around(parts, pushes.force)
+        return pushes
 
     def _worked(self, h: Hypothesis) -> _Pushes:
         """The thrusts of a hypothesis, those of a call before if they are the same."""
@@ -108,6 +133,20 @@ class Driving:
         none = np.zeros((3, pushes.shape[1]))
         total = bollard_force(self.vehicle, pushes, (np.cos(angles), np.sin(angles)), none)
         return np.asarray(total.reshape(3, self.log.n, -1).sum(axis=2))
+
+    def _around(self, parts: Array, force: Array) -> Array | None:
+        """Impulse of thrusts from each sample to its readings beyond that of an even change, shape (3, n), or None."""
+        between = self.log.between
+        assert between is not None
+        if len(between.read) == 1:
+            return None
+        after, before = between.around
+        impulse = parts @ after
+        # Before the first sample the first demand was in force.
+        impulse[:, 0] += parts[:, 0, 0] * before.sum()
+        impulse[:, 1:] += parts[:, :-1] @ before
+        whole = bollard_force(self.vehicle, impulse, self._at_samples, np.zeros((3, self.log.n)))
+        return self.log.h * whole - self.bend(force[:, self.log.n :])
 
     def _sizes(self, h: Hypothesis, k: int) -> list[float]:
         names = self.propulsion.errors[k].names(self.vehicle.thrusters[k].name)

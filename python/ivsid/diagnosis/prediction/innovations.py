@@ -93,15 +93,19 @@ class Predictor(StateFilter):
         mass = mass or self.mass(states)
         added = added_force(self.vehicle, h, states.points, other, points)
         process = acceleration(self.vehicle, other, points) - states.nudot if added is None else mass.solve(added)
-        if not of_kind((*h.given, *other.given), Reading):
-            return self.answer(process)
-        reading = self.sensed(other.given, states)
-        if of_kind(h.given, Reading):
-            before = self.sensed(h.given, states)
-            reading = {k: x - before[k] for k, x in reading.items()}
-        if not any(np.any(x) for x in reading.values()):
-            return self.answer(process)
-        return self.misread(states, reading, process, mass)
+        reading: dict[str, Array] = {}
+        if of_kind((*h.given, *other.given), Reading):
+            reading = self.sensed(other.given, states)
+            if of_kind(h.given, Reading):
+                before = self.sensed(h.given, states)
+                reading = {k: x - before[k] for k, x in reading.items()}
+        if any(np.any(x) for x in reading.values()):
+            return self.misread(states, reading, process, mass)
+        if moved and (there := self.driving.around(other)) is not None and (here := self.driving.around(h)) is not None:
+            # Other thrusts move the means of readings apart from the velocities at their samples.
+            moved_by = mass.solve(there - here) + self.driving.bend(process[:, self.log.n :])
+            reading = dict(zip(("u", "v", "r"), moved_by, strict=True))
+        return self.answer(process, reading=reading)
 
     def misread(
         self,

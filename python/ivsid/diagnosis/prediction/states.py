@@ -221,6 +221,8 @@ class StateFilter:
             log.nu[k] - wrong[q] - (scale * states.points.nu[k, : log.n] if k < 2 else self._bias(h, "r"))
             for k, q in enumerate(("u", "v", "r"))
         ]
+        if (apart := self.from_samples(states)) is not None:
+            nu = [x - apart[k] for k, x in enumerate(nu)]
         out: list[dict[str, Array]] = []
         for k in range(3):
             here = {"velocity": nu[k]}
@@ -231,6 +233,17 @@ class StateFilter:
         if log.psi is not None:
             out[2]["position"] = log.psi
         return out
+
+    def from_samples(self, states: FilteredStates) -> Array | None:
+        """Means of averaged readings of the velocity less the velocity at their samples, shape (3, n); None where no readings are averaged.
+
+        Thrusts jump between the readings; what else accelerates the hull changes evenly from one step to the next.
+        """
+        impulse = self.driving.around(states.h)
+        if impulse is None:
+            return None
+        mass = self.constant_mass(states.h) or Mass(self.vehicle, states.h.terms, changed(states.h, states.points.t))
+        return mass.solve(impulse) + self.driving.bend(states.nudot[:, self.log.n :])
 
     def _bias(self, h: Hypothesis, name: str) -> Array | float:
         """The slow bias of a channel that the hypothesis holds, shape (n,)."""

@@ -22,8 +22,8 @@ from ivsid.log import read_log
 from ivsid.vehicle import read_vehicle
 
 
-def diagnosed(seed, folder, **given):
-    folder = seal(case(seed, duration=300.0, **given), folder, folder / "answers")
+def diagnosed(seed, folder, duration=300.0, **given):
+    folder = seal(case(seed, duration=duration, **given), folder, folder / "answers")
     vehicle = read_vehicle(folder / "vehicle.toml")
     return diagnose(vehicle, *(read_log(folder / f"{k}.csv", vehicle.log) for k in (1, 2)))
 
@@ -41,6 +41,13 @@ def test_the_force_of_a_tide_that_is_found_does_not_stay_in_the_ambient_one(tmp_
 def test_a_scale_of_the_velocity_leaves_a_drag_its_name(tmp_path):
     said = diagnosed(86247, tmp_path, what="two")
     assert [f.effect for f in said.findings] == ["sensor.velocity.scale", "drag.surge.linear"]
+
+
+@pytest.mark.nightly
+def test_a_shaft_lag_whose_score_says_a_twentieth_is_not_taken_for_a_lag(tmp_path):
+    """From the masses of the model without it, which its 0.14 s have driven to their limits, chi-squared has other minima."""
+    said = diagnosed(165015, tmp_path, None, what="one", effect="thruster.shaft_lag", size=0.5, rate=20.0)
+    assert [f.effect for f in said.findings] == ["thruster.shaft_lag"]
 
 
 def test_the_slope_of_a_declared_scale_is_the_same_beside_the_effect():

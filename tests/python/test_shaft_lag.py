@@ -6,6 +6,7 @@ import pytest
 from diagnosis_logs import TABLE, TWIN, logs_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis import isolability
+from ivsid.diagnosis.candidates.profile import SHARES, bracketed
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.effects import EFFECTS, Given
@@ -101,3 +102,22 @@ def test_the_typical_limit_of_a_thrust_is_that_of_the_file():
         result = isolability(vehicle, logs_of(vehicle, duration=70.0)[0])
         (sizes[factor],) = result.visible["thruster.saturation"].typical.values()
     assert sizes[1.0] == pytest.approx(40.0 * 2 / 3) and sizes[3.0] == pytest.approx(120.0 * 2 / 3)
+
+
+def test_a_value_ten_times_the_first_is_reached_from_the_shares():
+    """The score of a short lag says little of a long one: values are followed outward while chi-squared falls, either way, and no further."""
+    asked = []
+
+    def chi2(value, least):
+        asked.append(value)
+        return np.log(value / least) ** 2
+
+    for least in (0.14, 2e-4):
+        tried = {0.008 * share: chi2(0.008 * share, least) for share in SHARES}
+        asked.clear()
+        found = bracketed(lambda x: chi2(x, least), tried)  # noqa: B023 - called at once
+        assert found == pytest.approx(least, rel=0.1)
+        assert len(asked) <= np.ceil(abs(np.log(least / 0.008)) / np.log(SHARES[1] / SHARES[0]))
+    inside = {0.1: 2.0, 0.2: 1.0, 0.4: 3.0}
+    asked.clear()
+    assert bracketed(lambda x: chi2(x, 1.0), inside) == 0.2 and not asked

@@ -37,6 +37,12 @@ LEAST_EXTENT: Final = 1.0
 # Shares of the first value that are tried before it is refined: its score came from a column of another value.
 # Source: resource: sixteen fits over a factor of twelve, in steps of 18 %
 SHARES: Final = tuple(np.geomspace(0.2, 2.5, 16).tolist())
+# Factor from the last share to the value beyond it, while that is the best.
+# Source: geometry: the factor between two shares
+OUTWARD_FACTOR: Final = SHARES[1] / SHARES[0]
+# Most values beyond the shares.
+# Source: resource: reaches a hundred times the first value
+OUTWARD: Final = 22
 # Bisections of an end of an interval.
 # Source: geometry: the end is known to a 128th of the last step
 HALVINGS: Final = 7
@@ -194,7 +200,7 @@ def refined(problem: Problem, states: FilteredStates, given: Given, *, wide: boo
         tried = {best: chi2(best)}
         if wide and given.effect.form.bends:
             tried |= {best * share: chi2(best * share) for share in SHARES}
-            best = min(tried, key=lambda q: tried[q])
+            best = bracketed(chi2, tried)
         if in_time:
             tried |= {start: chi2(start) for start in proposed_starts(problem, states, given, j) if start > 0}
             best = min(tried, key=lambda q: tried[q])
@@ -210,6 +216,20 @@ def refined(problem: Problem, states: FilteredStates, given: Given, *, wide: boo
         states = states.under(moved(states.h, problem.fixed, given, values))
         given = replace(given, values=tuple(values))
     return states
+
+
+def bracketed(chi2: Callable[[float], float], tried: dict[float, float]) -> float:
+    """The value of least chi-squared, followed outward while it is the last that was tried; ``tried`` gets all that are asked.
+
+    A score's column of a short lag is proportional to those of all shorter ones, and tells little of one that is ten times as long.
+    """
+    for _ in range(OUTWARD):
+        best = min(tried, key=lambda q: tried[q])
+        beyond = {max(tried): best * OUTWARD_FACTOR, min(tried): best / OUTWARD_FACTOR}.get(best)
+        if beyond is None:
+            break
+        tried[beyond] = chi2(beyond)
+    return min(tried, key=lambda q: tried[q])
 
 
 def _moored(problem: Problem, states: FilteredStates, given: Given) -> FilteredStates:

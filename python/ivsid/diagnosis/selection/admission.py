@@ -28,6 +28,7 @@ from ivsid.diagnosis.selection.rivals import (
     Rival,
     contenders,
     fitted,
+    in_place_of,
     possible,
 )
 from ivsid.diagnosis.selection.rules import FINALIST, NUMBERS, Place, compared, full_refused, refused_by
@@ -86,6 +87,10 @@ def admit(
     waiting = {i: r for i, r in ranked.items() if r is not None}
     refused: dict[str, Refusal] = {}
     tried = side_by_side([partial(fitted, fit.problem, fit, s) for s in finalists])
+    if any(r is not None for r in tried):
+        leader = max((r for r in tried if r is not None), key=lambda r: r.place)
+        pairs = zip(finalists, tried, strict=True)
+        tried = side_by_side([partial(in_place_of, fit.problem, fit, s, r, leader) for s, r in pairs])
     rivals = [r for r in tried if r is not None and r.fall > 0]
     for s, r in zip(finalists, tried, strict=True):
         refusal = refused_by(NUMBERS, beside) if r is None else full_refused(test, s, min(r.fall, 0.0), beside)

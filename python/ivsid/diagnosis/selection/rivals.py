@@ -115,16 +115,18 @@ def contenders(scored: Sequence[Scored], best: float) -> list[Scored]:
     return [s for s in scored if best - s.merit <= max(FAR, FAR_SHARE * best) and s.fall > WEAK]
 
 
-def fitted(problem: Problem, fit: Fit, s: Scored) -> Rival | None:
+def fitted(problem: Problem, fit: Fit, s: Scored, start: FilteredStates | None = None) -> Rival | None:
     """A cause fitted in full by Gauss-Newton steps from the values of its score; None if the fit fails or its numbers are not possible.
 
     Args:
         problem: the log.
         fit: of the model without the cause.
         s: the cause with its score.
+        start: states of another hypothesis without it, from whose masses and drags the steps start; those of ``fit`` by default.
     """
     base, predictor = fit.projection.chi2, problem.noise.predictor
-    states = fit.states.under(adopted(fit.h, s, fit))
+    states = start or fit.states
+    states = states.under(adopted(states.h, s, fit))
     try:
         states = predictor.settle(states)
         for turn in range(2):
@@ -144,6 +146,25 @@ def fitted(problem: Problem, fit: Fit, s: Scored) -> Rival | None:
     if not np.isfinite(chi2) or not possible(states.h, s.id, predictor):
         return None
     return Rival(s.id, states, chi2, s.count, base - chi2)
+
+
+def in_place_of(problem: Problem, fit: Fit, s: Scored, own: Rival | None, best: Rival) -> Rival | None:
+    """A cause fitted once more from the masses and drags of the best one, where both have a number that bends the errors; its better fit.
+
+    Two lags of a thrust hide in the same masses and drags, far from those of the model without either, where chi-squared has other minima.
+
+    Args:
+        problem: the log.
+        fit: of the model without the causes.
+        s: the cause with its score.
+        own: its fit.
+        best: the best cause.
+    """
+    bent = all(i in EFFECTS and EFFECTS[i].form.bends for i in (s.id, best.id))
+    if s.id == best.id or not bent or (own is not None and best.merit - own.merit < MARGIN):
+        return own
+    again = fitted(problem, fit, s, best.states.under(best.states.h.without(best.id, fit.h)))
+    return max((r for r in (own, again) if r is not None), key=lambda r: r.merit, default=None)
 
 
 def possible(h: Hypothesis, id_: str, predictor: Predictor) -> bool:

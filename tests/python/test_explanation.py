@@ -235,17 +235,19 @@ def test_figures_are_drawn_while_the_tables_are_made_and_are_the_same(result, se
         return figures.Drawing(name, "", str(os.getpid()), b"", b"")
 
     names = ("net_force", "gain", "force_residual")
-    monkeypatch.setattr(gain_figures, "DRAWN", tuple(partial(drawn, name=name) for name in names))
+    assert [[f.__name__ for f in group] for group in gain_figures.DRAWN] == [list(names[:2]), [names[2]]]
+    first, second, third = (partial(drawn, name=name) for name in names)
+    monkeypatch.setattr(gain_figures, "DRAWN", ((first, second), (third,)))
     monkeypatch.setattr(apart, "processors", lambda: 2)
     drawers = [d.caption for d in diagnosis_report(result).drawings if d.name != "signature_1"]
     here = str(os.getpid())
     assert drawers[0] == drawers[1] != here and drawers[2] == here
-    # Beside a diagnosis each has a process of its own; a second gain is drawn in place of the first.
+    # Beside a diagnosis none is drawn by this process; a second gain is drawn in place of the first.
     early = GainFigures()
     early(copy(result.gain))
     early(result.gain)
     drawers = [d.caption for d in diagnosis_report(result, early).drawings if d.name != "signature_1"]
-    assert len({*drawers, here}) == 4
+    assert drawers[0] == drawers[1] and len({*drawers, here}) == 3
     # A gain that nobody told of is drawn when it is asked for, where nothing can be forked as well.
     monkeypatch.setattr(apart, "processors", lambda: 1)
     assert [d.caption for d in GainFigures().of(result.gain)] == [here] * 3

@@ -84,12 +84,17 @@ def diagnose(
     """
     vehicle = vehicle_of(vehicle)
     train, test = log_of(train, vehicle.log), log_of(test, vehicle.log)
-    log, other, fit, doubts = _fitted(vehicle, train, test, progress)
+    proving = Apart(partial(proof_of, vehicle, train))
+    try:
+        log, other, fit, doubts = _fitted(vehicle, train, test, progress)
+        proof = proving.result()
+    finally:
+        proving.end()
     visible = visibility(fit)
     # What is said of the model as it was is asked for where its causes are known, and the limits last.
     calibrating, judging = (
         Apart(partial(calibrate, fit, frozenset(i for i, v in visible.items() if v.tested), NAMES, seed)),
-        Apart(partial(_judged, fit, vehicle, train, test)),
+        Apart(partial(_judged, fit, proof, train, test)),
     )
     limits = Apart(partial(detection_limits, fit), late=True)
     scored, looks = score(fit), Looks(seed, null_logs, cache, progress)
@@ -101,7 +106,7 @@ def diagnose(
     if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in passed):
         progress("looking again, at the threshold of the null logs")
         selection = select(fit, scored, confirmation.test, progress)
-    proof, before, motion = judging.result()
+    before, motion = judging.result()
     # Most findings stand, so their model is tried while they are examined.
     trial = Trial(Predictor(vehicle, other, selection.last.noise.predictor.ambient), selection, seed, tried)
     moved = Apart(partial(change, vehicle, selection.last, other))
@@ -178,10 +183,10 @@ def diagnose(
     )
 
 
-def _judged(fit: Fit, vehicle: Vehicle, train: Log, test: Log) -> tuple[Proof, Adequacy, tuple[TubeCheck, ...] | None]:
-    """What is proved of the model as it was, its adequacy, and the motion that it allows, or None: an adequate model is asked by its rows alone."""
-    proof, before = proof_of(vehicle, train), adequacy(fit)
-    return proof, before, None if before.quiet else motion_of(proof, train, test)
+def _judged(fit: Fit, proof: Proof, train: Log, test: Log) -> tuple[Adequacy, tuple[TubeCheck, ...] | None]:
+    """Adequacy of the model as it was, and the motion that it allows, or None: an adequate model is asked by its rows alone."""
+    before = adequacy(fit)
+    return before, None if before.quiet else motion_of(proof, train, test)
 
 
 def _fitted(

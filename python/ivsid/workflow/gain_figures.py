@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
+from itertools import chain
 from typing import Final
 
 from ivsid.diagnosis.statements.comparison import Gain
@@ -10,11 +12,10 @@ from ivsid.intervals.apart import Apart, Prepared
 from ivsid.report import figures
 from ivsid.report.figures import Drawing
 
-# What is drawn of a gain, in the order of the report.
-DRAWN: Final[tuple[Callable[[Gain], Drawing], ...]] = (
-    figures.net_force,
-    figures.gain,
-    figures.force_residual,
+# What is drawn of a gain, in the order of the report, by process: each loads the fonts anew, and the statements need a processor as well.
+DRAWN: Final[tuple[tuple[Callable[[Gain], Drawing], ...], ...]] = (
+    (figures.net_force, figures.gain),
+    (figures.force_residual,),
 )
 
 
@@ -26,13 +27,13 @@ class GainFigures:
 
     def __init__(self) -> None:
         self._gain: Gain | None = None
-        self._drawers: list[Prepared[Gain, Drawing]] = [Prepared(draw, figures.warm) for draw in DRAWN]
+        self._drawers = [Prepared(partial(_all, draws), figures.warm) for draws in DRAWN]
 
     def __call__(self, gain: Gain) -> None:
         """Begins to draw a gain, while this process goes on; what was drawn of another one is lost."""
         if self._gain is not None:
             self.end()
-            self._drawers = [Prepared(draw, tuple) for draw in DRAWN]
+            self._drawers = [Prepared(partial(_all, draws), tuple) for draws in DRAWN]
         self._gain = gain
         for drawer in self._drawers:
             drawer.begin(gain)
@@ -41,7 +42,7 @@ class GainFigures:
         """The figures of a gain."""
         if self._gain is not gain:
             self(gain)
-        return tuple(drawer.result() for drawer in self._drawers)
+        return tuple(chain.from_iterable(drawer.result() for drawer in self._drawers))
 
     def end(self) -> None:
         """Ends what is still drawn."""
@@ -50,11 +51,15 @@ class GainFigures:
 
 
 def drawn_beside(gain: Gain) -> Callable[[], tuple[Drawing, ...]]:
-    """Begins to draw a gain: all figures but the last in another process, and the last one where they are asked for."""
-    beside = Apart(lambda: [draw(gain) for draw in DRAWN[:-1]])
+    """Begins to draw a gain: the last figures where they are asked for, and all others in another process."""
+    beside = Apart(lambda: [_all(draws, gain) for draws in DRAWN[:-1]])
 
     def drawn() -> tuple[Drawing, ...]:
-        last = DRAWN[-1](gain)
-        return *beside.result(), last
+        last = _all(DRAWN[-1], gain)
+        return *chain.from_iterable(beside.result()), *last
 
     return drawn
+
+
+def _all(draws: Sequence[Callable[[Gain], Drawing]], gain: Gain) -> tuple[Drawing, ...]:
+    return tuple(draw(gain) for draw in draws)

@@ -11,6 +11,8 @@ from matplotlib.figure import Figure
 
 # Blue, orange, green, vermilion, purple, black of Okabe and Ito: told apart by colour-blind readers.
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#000000")
+# Left, right, upper and lower margin of panels over one axis of time [in]: a label beside seven digits, and a row of names above.
+MARGINS = (0.95, 0.1, 0.3, 0.5)
 FORCE_LABEL = {"surge": "force X [N]", "sway": "force Y [N]", "yaw": "moment N [N m]"}
 
 
@@ -52,6 +54,16 @@ def warm() -> Drawing:
     axes.set_xlabel("XYNmrads[]/")
     figure.legend(fontsize=8, loc="outside upper left", frameon=False)
     return finish("", "", "", figure)
+
+
+def fixed(figure: Figure) -> Figure:
+    """The figure with panels at fixed margins and labels: to measure every label takes as long as to draw it."""
+    (width, height), (left, right, top, bottom) = figure.get_size_inches(), MARGINS
+    figure.subplots_adjust(left / width, bottom / height, 1.0 - right / width, 1.0 - top / height, hspace=0.1)
+    for axes in figure.axes:
+        axes.yaxis.set_label_coords(0.3 / width, float(axes.get_position().intervaly.mean()), figure.transFigure)
+    figure.axes[-1].xaxis.set_label_coords(0.5, 0.22 / height, figure.transFigure)
+    return figure
 
 
 def thin(n: int, most: int = 3000) -> slice:

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ivsid.report.figures.canvas import COLOURS, Drawing, finish, thin
+from ivsid.report.figures.canvas import COLOURS, Drawing, finish, fixed, thin
 from ivsid.report.scaling import robust_range
 
 if TYPE_CHECKING:
@@ -78,8 +78,9 @@ MISSING = {"surge": "missing force X", "sway": "missing force Y", "yaw": "missin
 
 def signature(e: Evidence, name: str) -> Drawing:
     """The force missing without a finding, the force of the finding, and the rest: in time, and against the quantity that orders it."""
-    figure = Figure(figsize=(9.5, 4.0), layout="constrained")
+    figure = Figure(figsize=(9.5, 4.0))
     left, right = figure.subplots(1, 2, width_ratios=(1.5, 1))
+    figure.subplots_adjust(left=0.09, right=0.99, bottom=0.13, top=0.92, wspace=0.15)
     first, end = e.window
     s = slice(first, end, max(1, (end - first) // 1500))
     unknown = e.effect == "unknown"
@@ -105,7 +106,7 @@ def signature(e: Evidence, name: str) -> Drawing:
     left.set_xlabel("time [s]")
     left.set_ylabel(f"{MISSING[e.channel]} [{e.unit}]")
     right.set_xlabel(QUANTITY[e.quantity])
-    figure.legend(fontsize=8, loc="outside upper left", ncols=3, frameon=False)
+    figure.legend(fontsize=8, loc="upper left", ncols=3, frameon=False)
     before, after, _ = e.rms
     what = (
         f"Nothing in the catalogue explains it. Rms: {after:.3g} {e.unit}."
@@ -147,7 +148,7 @@ def ratios(f: Finding, name: str = "ratios") -> Drawing:
 
 def net_force(gain: Gain, name: str = "net_force") -> Drawing:
     """Mass times acceleration on the other log: measured, of the plain model, and of the extended model."""
-    figure = Figure(figsize=(8.5, 5.8), layout="constrained")
+    figure = Figure(figsize=(8.5, 5.8))
     s = stretch(gain)
     for k, (label, axes) in enumerate(
         zip(("X [N]", "Y [N]", "N [N m]"), figure.subplots(3, 1, sharex=True), strict=True)
@@ -158,12 +159,12 @@ def net_force(gain: Gain, name: str = "net_force") -> Drawing:
         axes.grid(True, alpha=0.3)
     axes.set_xlabel("time [s]")
     handles = figure.axes[0].get_legend_handles_labels()
-    figure.legend(*handles, fontsize=8, loc="outside upper left", ncols=3, frameon=False)
+    figure.legend(*handles, fontsize=8, loc="upper left", ncols=3, frameon=False)
     return finish(
         name,
         f"Force on {gain.log}",
         "Mass times measured acceleration, and what each model says of it at the measured states, low-passed at 0.35 Hz; the minute in which the two models differ most.",
-        figure,
+        fixed(figure),
     )
 
 
@@ -187,14 +188,14 @@ def stretch(gain: Gain, seconds: float = 60.0) -> slice:
 
 def force_residual(gain: Gain, name: str = "force_residual") -> Drawing:
     """Missing force on the other log, before and after, low-passed."""
-    figure = Figure(figsize=RESIDUAL_SIZE, layout="constrained")
+    figure = Figure(figsize=RESIDUAL_SIZE)
     draw_residual(figure, gain)
     text = "; ".join(f"{q} {b:.3g} before, {a:.3g} after" for q, (b, a) in gain.force_rms.items())
     return finish(
         name,
         f"Force residuals on {gain.log}",
         f"Low-passed at 0.35 Hz without a shift in time; a triangle marks what the axis cuts off. Rms: {text}.",
-        figure,
+        fixed(figure),
     )
 
 
@@ -226,7 +227,7 @@ def _cut(axes: Axes, time: NDArray[np.float64], rows: NDArray[np.float64]) -> No
 
 def gain(gain: Gain, name: str = "gain") -> Drawing:
     """Velocities on the other log: measured, simulated by the plain model, and by the extended model."""
-    figure = Figure(figsize=(8.5, 5.8), layout="constrained")
+    figure = Figure(figsize=(8.5, 5.8))
     s = stretch(gain, 120.0)
     for k, (label, axes) in enumerate(
         zip(("u [m/s]", "v [m/s]", "r [rad/s]"), figure.subplots(3, 1, sharex=True), strict=True)
@@ -238,13 +239,13 @@ def gain(gain: Gain, name: str = "gain") -> Drawing:
         axes.grid(True, alpha=0.3)
     axes.set_xlabel("time [s]")
     handles = figure.axes[0].get_legend_handles_labels()
-    figure.legend(*handles, fontsize=8, loc="outside upper left", ncols=3, frameon=False)
+    figure.legend(*handles, fontsize=8, loc="upper left", ncols=3, frameon=False)
     text = "; ".join(f"{q} {b:.3g} before, {a:.3g} after" for q, (b, a) in gain.simulation_rms.items())
     return finish(
         name,
         f"Simulated motion on {gain.log}",
         f"Each model restarts from the measured state every 10 s; the two minutes in which they differ most. Medians of the rms over the whole log: {text}.",
-        figure,
+        fixed(figure),
     )
 
 

@@ -9,10 +9,11 @@ from diagnosis_logs import TRUTH, logs_of, train_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis import extended_vehicle
 from ivsid.diagnosis.candidates.families import everything, score
-from ivsid.diagnosis.candidates.intervals import intervals
+from ivsid.diagnosis.candidates.intervals import intervals, possible
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.statements.claims import claims
 from ivsid.diagnosis.statements.extended import extended_text, stated
 from ivsid.diagnosis.statements.proved import extended_proof
 from ivsid.effects import EFFECTS, PLAIN_TERMS, Given
@@ -53,6 +54,34 @@ def test_a_wrong_claim_stands_far_from_the_log_and_bends_the_others():
     for id_, c in record.items():
         assert c["contradicted"] == (id_ in named)
         assert set(c) == {"parameter", "value", "unit", "contradicted", "z", "interval", "without_claims"}
+
+
+def test_what_is_unknown_may_push_along_a_claims_signature_as_much_as_beside_it():
+    """The oracle is a force along the drag's own column, of the energy of the structure: it moves the number by less than the room that is left."""
+    vehicle = vehicle_of(extra='[model]\nvalues = { "drag.surge.quadratic" = 28.0 }\n')
+    fit = plain_fit(vehicle, channels(train_of(vehicle, duration=120.0), vehicle), everything)
+    (plain,), (wide,) = (claims(fit, (), (), unknown=True, structure=x) for x in (0.0, 400.0))
+    k = fit.gram.index["drag.surge.quadratic"]
+    base = [*fit.base, k]
+    # Chi-squared of this force is 400 at most, and less beside what is fitted with it.
+    shift = np.linalg.solve(fit.gram.total[np.ix_(base, base)], fit.gram.total[np.ix_(base, [k])] * 20.0)[-1, 0]
+    room = abs(shift) / fit.gram.unit[k]
+    assert (
+        wide.beside.upper >= plain.beside.upper + 0.999 * room
+        and wide.beside.lower <= plain.beside.lower - 0.999 * room
+    )
+    assert wide.beside.within == plain.beside.within and wide.z == plain.z
+    # Without anything unknown no room is left.
+    (known,) = claims(fit, (), (), unknown=False, structure=400.0)
+    assert known.beside == plain.beside
+
+
+def test_no_interval_holds_a_negative_mass_or_drag():
+    drag, centre = (EFFECTS[i].parameters[0] for i in ("drag.surge.linear", "coupling.cg_x"))
+    assert possible(-3.0, 5.0, drag) == (0.0, 5.0) and possible(1.0, 5.0, drag) == (1.0, 5.0)
+    assert possible(-3.0, 5.0, centre) == (-3.0, 5.0)
+    # A log whose own number is impossible says so.
+    assert possible(-3.0, -1.0, drag) == (-3.0, -1.0)
 
 
 def test_a_start_that_the_log_hardly_shows_lies_in_the_log():

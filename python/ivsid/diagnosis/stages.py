@@ -84,12 +84,7 @@ def diagnose(
     """
     vehicle = vehicle_of(vehicle)
     train, test = log_of(train, vehicle.log), log_of(test, vehicle.log)
-    proving = Apart(partial(proof_of, vehicle, train))
-    try:
-        log, other, fit, doubts = _fitted(vehicle, train, test, progress)
-        proof = proving.result()
-    finally:
-        proving.end()
+    log, other, fit, proof, doubts = _fitted(vehicle, train, test, progress)
     visible = visibility(fit)
     # What is said of the model as it was is asked for where its causes are known, and the limits last.
     calibrating, judging = (
@@ -139,7 +134,11 @@ def diagnose(
             else (*findings, unknown(after, trial.out, proved=proof.sentence("unknown") if rest.sufficient else ""))
         )
     claimed = claims(
-        selection.last, selection.leftover, findings, unknown=not after.quiet or complete != rest.sufficient
+        selection.last,
+        selection.leftover,
+        findings,
+        unknown=not after.quiet or complete != rest.sufficient,
+        structure=after.unexplained,
     )
     if water is not None and water.factor is not None:
         findings = (*findings, shallow(water))
@@ -191,13 +190,14 @@ def _judged(fit: Fit, proof: Proof, train: Log, test: Log) -> tuple[Adequacy, tu
 
 def _fitted(
     vehicle: Vehicle, train: Log, test: Log, progress: Callable[[str], None]
-) -> tuple[Channels, Channels, Fit, tuple[SetupFinding, ...]]:
-    """Both logs on their clocks, the vehicle file's model fitted to the first, and doubts of the set-up, which is examined beside the first fit.
+) -> tuple[Channels, Channels, Fit, Proof, tuple[SetupFinding, ...]]:
+    """Both logs on their clocks, the vehicle file's model fitted to the first, and beside the fit what is proved of it, and doubts of the set-up.
 
     Raises:
         IvsidError: a wrong set-up that is beyond doubt, which comes before all other reasons and before any fit, or a log that no numbers follow.
     """
     examining = Apart(partial(examined, vehicle, (train, test)))
+    proving = Apart(partial(proof_of, vehicle, train))
     doubts: list[SetupFinding] = []
 
     def looked_for(fit: Fit) -> Fit:
@@ -209,6 +209,7 @@ def _fitted(
     try:
         log, other = _on_one_origin(train, test, vehicle)
         fit = plain_fit(vehicle, log, looked_for)
+        proof = proving.result()
     except IvsidError:
         # Its sentence comes before one that follows from it.
         if not doubts:
@@ -216,9 +217,10 @@ def _fitted(
         raise
     finally:
         examining.end()
+        proving.end()
     for one in doubts:
         progress(f"set-up: {one.sentence}")
-    return log, other, fit, tuple(doubts)
+    return log, other, fit, proof, tuple(doubts)
 
 
 def _on_one_origin(train: Log, test: Log, vehicle: Vehicle) -> tuple[Channels, Channels]:

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from ivsid.diagnosis.candidates.intervals import Bound, intervals
+from ivsid.diagnosis.candidates.intervals import Bound, intervals, possible
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
@@ -58,17 +58,20 @@ class Claim:
         return {**out, "reason": self.reason} if self.reason else out
 
 
-def claims(last: Fit, left: Sequence[Scored], findings: Sequence[Finding], *, unknown: bool) -> tuple[Claim, ...]:
+def claims(
+    last: Fit, left: Sequence[Scored], findings: Sequence[Finding], *, unknown: bool, structure: float = 0.0
+) -> tuple[Claim, ...]:
     """Claims of the vehicle file against the log of a fit.
 
     Each claim is fitted, by itself and with all others, in a linear step from the last model. Both intervals are statistical and allow for
-    causes that were not found.
+    causes that were not found. What an unknown cause does along a number's own signature cannot be seen: it may be as much as shows beside it.
 
     Args:
         last: fit of the model with all causes that were found.
         left: scores of the other causes beside them.
         findings: of the diagnosis.
         unknown: whether unexplained structure is left, in which a cause may hide.
+        structure: chi-squared of that structure beyond its degrees of freedom.
     """
     values = last.noise.predictor.vehicle.model.values
     wrong = {f.effect for f in findings}
@@ -84,9 +87,23 @@ def claims(last: Fit, left: Sequence[Scored], findings: Sequence[Finding], *, un
         if id_ not in shown:
             out.append(replace(made, reason="nothing in this log shows it"))
             continue
-        beside, alone = (intervals(fit, id_, hidden, unknown=unknown)[id_] for fit in (_freed(last, [id_]), without))
+        beside, alone = (
+            _beside_structure(
+                intervals(fit, id_, hidden, unknown=unknown)[id_], fit, id_, structure if unknown else 0.0
+            )
+            for fit in (_freed(last, [id_]), without)
+        )
         out.append(replace(made, z=_away(last, id_), beside=beside, alone=alone))
     return tuple(out)
+
+
+def _beside_structure(bound: Bound, fit: Fit, id_: str, structure: float) -> Bound:
+    """An interval with room for a force along the number's signature as large as the structure that is left, both in standard deviations."""
+    k = fit.base.index(fit.gram.index[id_])
+    sigma = float(np.sqrt(fit.projection.covariance[k, k])) / float(fit.gram.unit[fit.gram.index[id_]])
+    room = float(np.sqrt(structure)) * sigma
+    lower, upper = possible(bound.lower - room, bound.upper + room, EFFECTS[id_].parameters[0])
+    return replace(bound, lower=lower, upper=upper)
 
 
 def _acts(fit: Fit, id_: str) -> bool:

@@ -10,7 +10,9 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import setting
 from tests.exam.readings import log as noisy
 
+from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.noise import declared_ambient
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor
@@ -54,3 +56,17 @@ def test_the_middle_of_a_step_holds_the_push_of_the_sea():
     lag = -q.exact["mass.surge"] * np.polyfit(push[50:], off[50:, 0], 1)[0] / h
     # The share of a step by which the push is late: a half without it, and what the filter has not yet learnt with it.
     assert abs(lag) < 0.15
+
+
+def test_the_ambient_moment_is_that_on_the_inertia_that_turns():
+    """The water turns with the hull: with the hull's inertia alone the sea was taken for three times as rough in yaw, and what was learnt kept to it.
+
+    Then the fit trusted the sensors' noise too much where the sea is slow, and a sound vessel on a circle got a cubic drag at ten standard deviations.
+    """
+    q = setting(160251, duration=300.0, rate=10.0)
+    sailed, streams = q.sailed({}, 0)
+    columns = noisy(sailed.vessel, sailed.motion, sailed.clean, q.noise, streams[2])
+    vehicle = parse_vehicle(q.text, "v.toml")
+    fit = plain_fit(vehicle, channels(Log("1.csv", "0" * 64, sailed.motion.t, columns), vehicle), everything)
+    true = vehicle.ambient.moment / q.exact["inertia.yaw"]
+    assert 0.7 * true < fit.noise.predictor.ambient.deviation[2] < 1.4 * true

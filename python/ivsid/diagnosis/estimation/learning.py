@@ -137,7 +137,7 @@ def plain_fit(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
 def _plain(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
     claimed = dict(vehicle.model.values)
     h = with_fitted(vehicle, first_values(vehicle, log, terms_of(vehicle), claimed))
-    predictor = Predictor(vehicle, log, declared_ambient(vehicle))
+    predictor = Predictor(vehicle, log, declared_ambient(vehicle, h.values))
     left_out = axes_left_out(predictor)
     if left_out:
         predictor = Predictor(vehicle, log, predictor.ambient, driving=predictor.driving, turning=False)

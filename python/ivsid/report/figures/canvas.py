@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 # Blue, orange, green, vermilion, purple, black of Okabe and Ito: told apart by colour-blind readers.
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#000000")
 # Left, right, upper and lower margin of panels over one axis of time [in]: a label beside seven digits, and a row of names above.
+# Source: geometry: seven digits of 10 points and the name of a quantity are 0.9 in wide
 MARGINS = (0.95, 0.1, 0.3, 0.5)
 FORCE_LABEL = {"surge": "force X [N]", "sway": "force Y [N]", "yaw": "moment N [N m]"}
 

@@ -27,6 +27,7 @@ from ivsid.diagnosis.estimation.roughness import roughness
 from ivsid.diagnosis.estimation.whitening import plain_scale, whiten
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.usual_hull import usual_numbers
+from ivsid.diagnosis.prediction.axes import Ambient
 from ivsid.diagnosis.prediction.innovations import Predictor, replaced
 from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import terms_of
@@ -137,7 +138,7 @@ def plain_fit(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
 def _plain(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
     claimed = dict(vehicle.model.values)
     h = with_fitted(vehicle, first_values(vehicle, log, terms_of(vehicle), claimed))
-    predictor = Predictor(vehicle, log, declared_ambient(vehicle, h.values))
+    predictor = Predictor(vehicle, log, declared_ambient(vehicle))
     left_out = axes_left_out(predictor)
     if left_out:
         predictor = Predictor(vehicle, log, predictor.ambient, driving=predictor.driving, turning=False)
@@ -145,9 +146,20 @@ def _plain(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
         usual = usual_numbers(vehicle)
         fixed = {i: x for i, x in usual.items() if i == INERTIA_YAW.id and i in h.values and i not in claimed}
         h, claimed = replaced(h, fixed), {**claimed, **fixed}
+    else:
+        predictor = predictor.adopt(_expected(predictor.ambient, declared_ambient(vehicle, h.values)))
     predictor = quick_enough(predictor, predictor.slopes(predictor.start(h)))
     noise, states = learn(predictor, predictor.settle(predictor.start(h), 2), search, claimed, left_out)
     return survey(noise, improve(Problem.at(noise, claimed, states), states), claimed)
+
+
+def _expected(dry: Ambient, wet: Ambient) -> Ambient:
+    """The declared ambient acceleration of the dry hull, or of the hull with the water that moves along, whichever is less by axis.
+
+    A first regression may give a mass or an inertia that is too small, and none is below the hull's.
+    """
+    x, y, n = (min(a, b) for a, b in zip(dry.deviation, wet.deviation, strict=True))
+    return Ambient((x, y, n), dry.time)
 
 
 def determined(fit: Fit) -> Hypothesis:

@@ -9,11 +9,11 @@ from diagnosis_logs import TRUTH, logs_of, train_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis import extended_vehicle
 from ivsid.diagnosis.candidates.families import everything, score
-from ivsid.diagnosis.candidates.intervals import intervals, possible
+from ivsid.diagnosis.candidates.intervals import intervals
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.statements.claims import claims
+from ivsid.diagnosis.statements.claims import claims, possible
 from ivsid.diagnosis.statements.extended import extended_text, stated
 from ivsid.diagnosis.statements.proved import extended_proof
 from ivsid.effects import EFFECTS, PLAIN_TERMS, Given
@@ -76,12 +76,21 @@ def test_what_is_unknown_may_push_along_a_claims_signature_as_much_as_beside_it(
     assert known.beside == plain.beside
 
 
-def test_no_interval_holds_a_negative_mass_or_drag():
+def test_no_interval_of_a_claim_holds_a_negative_mass_or_drag():
     drag, centre = (EFFECTS[i].parameters[0] for i in ("drag.surge.linear", "coupling.cg_x"))
     assert possible(-3.0, 5.0, drag) == (0.0, 5.0) and possible(1.0, 5.0, drag) == (1.0, 5.0)
     assert possible(-3.0, 5.0, centre) == (-3.0, 5.0)
     # A log whose own number is impossible says so.
     assert possible(-3.0, -1.0, drag) == (-3.0, -1.0)
+
+
+def test_parts_of_a_cause_have_either_sign():
+    """Winds from north and from south are alike: the intervals of a log without any hold both. They were cut at zero, as those of drags are."""
+    names = ", ".join(f'"{t.id}"' for t in PLAIN_TERMS)
+    vehicle = vehicle_of(extra=f'[model]\nterms = [{names}, "wind.steady"]\n')
+    fit = plain_fit(vehicle, channels(train_of(vehicle_of(), duration=120.0), vehicle), everything)
+    bounds = intervals(fit, "wind.steady")
+    assert len(bounds) == 2 and all(b.lower < 0.0 < b.upper for b in bounds.values())
 
 
 def test_a_start_that_the_log_hardly_shows_lies_in_the_log():

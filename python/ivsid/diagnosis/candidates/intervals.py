@@ -131,9 +131,10 @@ def intervals(
         worse = max(worse, robust[i] / variance[i])
         unit = float(g.unit[k])
         low, high = (moved[:, i] / unit).tolist()
-        within = possible(value - reach + low, value + reach + high, parameter)
+        least = -np.inf if parameter.lowest is None else parameter.lowest
+        within = (max(value - reach + low, least), value + reach + high)
         low, high = (hidden[:, i] / unit).tolist()
-        lower, upper = possible(value - wide + low, value + wide + high, parameter)
+        lower, upper = max(value - wide + low, least), value + wide + high
         out[name] = Bound(lower, upper, parameter.unit, parameter.symbol, within=within)
     _canonical(out, id_)
     for given in fit.h.given:
@@ -162,17 +163,6 @@ def intervals(
                 lower, upper = max(lower - error, 0.0), upper + error
             out[given.effect.parts[j]] = Bound(lower, upper, parameter.unit, parameter.symbol)
     return out
-
-
-def possible(lower: float, upper: float, parameter: Parameter) -> tuple[float, float]:
-    """Ends of an interval without the numbers that its physics excludes: below a limit, and negative masses and drags.
-
-    An interval that holds no other numbers keeps its ends: the log contradicts the physics, and says by how much.
-    """
-    least = parameter.lowest
-    if least is None:
-        least = -np.inf if parameter.signed or parameter.inverse else 0.0
-    return (max(lower, least), upper) if upper > least else (lower, upper)
 
 
 def _places(fit: Fit, given: Given, worse: float, out: dict[str, Bound]) -> None:

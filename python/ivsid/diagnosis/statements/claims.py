@@ -8,12 +8,12 @@ from typing import Final
 
 import numpy as np
 
-from ivsid.diagnosis.candidates.intervals import Bound, intervals, possible
+from ivsid.diagnosis.candidates.intervals import Bound, intervals
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.statements.findings import Finding
-from ivsid.effects import EFFECTS
+from ivsid.effects import EFFECTS, Parameter
 
 # A column of less than this length has no signature: its axis is left out.
 # Source: definition: columns of zeros get the length 1e-150
@@ -104,6 +104,15 @@ def _beside_structure(bound: Bound, fit: Fit, id_: str, structure: float) -> Bou
     room = float(np.sqrt(structure)) * sigma
     lower, upper = possible(bound.lower - room, bound.upper + room, EFFECTS[id_].parameters[0])
     return replace(bound, lower=lower, upper=upper)
+
+
+def possible(lower: float, upper: float, parameter: Parameter) -> tuple[float, float]:
+    """Ends of an interval of a claim without negative masses and drags.
+
+    Only a claim is asked: it is the single number of its effect, whereas a wind or an anchor has parts of either sign, whatever the sign of its size.
+    An interval that holds no other numbers keeps its ends: the log contradicts the physics, and says by how much.
+    """
+    return (lower, upper) if parameter.signed or upper <= 0.0 else (max(lower, 0.0), upper)
 
 
 def _acts(fit: Fit, id_: str) -> bool:

@@ -58,9 +58,12 @@ def warm() -> Drawing:
 
 
 def fixed(figure: Figure) -> Figure:
-    """The figure with panels at fixed margins and labels: to measure every label takes as long as to draw it."""
+    """The figure with panels at fixed margins and labels: to measure every label takes as long as to draw it.
+
+    Its legend stands right of the place above a panel where a power of ten may stand.
+    """
     (width, height), (left, right, top, bottom) = figure.get_size_inches(), MARGINS
-    figure.subplots_adjust(left / width, bottom / height, 1.0 - right / width, 1.0 - top / height, hspace=0.1)
+    figure.subplots_adjust(left / width, bottom / height, 1.0 - right / width, 1.0 - top / height, hspace=0.2)
     for axes in figure.axes:
         axes.yaxis.set_label_coords(0.3 / width, float(axes.get_position().intervaly.mean()), figure.transFigure)
     figure.axes[-1].xaxis.set_label_coords(0.5, 0.22 / height, figure.transFigure)

@@ -106,7 +106,7 @@ def signature(e: Evidence, name: str) -> Drawing:
     left.set_xlabel("time [s]")
     left.set_ylabel(f"{MISSING[e.channel]} [{e.unit}]")
     right.set_xlabel(QUANTITY[e.quantity])
-    figure.legend(fontsize=8, loc="upper left", ncols=3, frameon=False)
+    figure.legend(fontsize=8, loc="upper left", bbox_to_anchor=(0.13, 1.0), ncols=3, frameon=False)
     before, after, _ = e.rms
     what = (
         f"Nothing in the catalogue explains it. Rms: {after:.3g} {e.unit}."
@@ -159,7 +159,7 @@ def net_force(gain: Gain, name: str = "net_force") -> Drawing:
         axes.grid(True, alpha=0.3)
     axes.set_xlabel("time [s]")
     handles = figure.axes[0].get_legend_handles_labels()
-    figure.legend(*handles, fontsize=8, loc="upper left", ncols=3, frameon=False)
+    figure.legend(*handles, fontsize=8, loc="upper left", bbox_to_anchor=(0.17, 1.0), ncols=3, frameon=False)
     return finish(
         name,
         f"Force on {gain.log}",
@@ -211,7 +211,7 @@ def draw_residual(figure: Figure, gain: Gain) -> None:
         axes.set_ylabel(f"missing {label}")
         axes.grid(True, alpha=0.3)
     axes.set_xlabel("time [s]")
-    figure.axes[0].legend(fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
+    figure.axes[0].legend(fontsize=8, loc="lower left", bbox_to_anchor=(0.06, 1.0), ncols=2, frameon=False)
 
 
 def _cut(axes: Axes, time: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
@@ -239,7 +239,7 @@ def gain(gain: Gain, name: str = "gain") -> Drawing:
         axes.grid(True, alpha=0.3)
     axes.set_xlabel("time [s]")
     handles = figure.axes[0].get_legend_handles_labels()
-    figure.legend(*handles, fontsize=8, loc="upper left", ncols=3, frameon=False)
+    figure.legend(*handles, fontsize=8, loc="upper left", bbox_to_anchor=(0.17, 1.0), ncols=3, frameon=False)
     text = "; ".join(f"{q} {b:.3g} before, {a:.3g} after" for q, (b, a) in gain.simulation_rms.items())
     return finish(
         name,

@@ -3,6 +3,8 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out/demo
+# An environment may forbid Python to keep what it compiles. Every process would then compile all that it imports, which takes 5 s.
+unexport PYTHONDONTWRITEBYTECODE
 RUST_SOURCES := $(shell find crates -name '*.rs' -o -name 'Cargo.toml') Cargo.toml Cargo.lock
 
 # Cargo's profile of the gate (Cargo.toml). Tests, wheel, clippy and rustdoc name the same crates, so that they ask the
@@ -311,13 +313,18 @@ $(VENV)/.ready: requirements/lock.txt
 		|| $(BIN)/pip install --quiet --disable-pip-version-check --no-compile --requirement requirements/lock.txt
 	touch $@
 
+# What the commands import, compiled once and kept for whoever starts them.
+COMPILED = $(BIN)/python -c 'import ivsid.cli, ivsid.workflow.diagnosis, ivsid.workflow.identification'
+
 $(VENV)/.built: $(VENV)/.ready $(RUST_SOURCES) pyproject.toml
 	VIRTUAL_ENV=$(abspath $(VENV)) $(BIN)/maturin develop $(GATE) --quiet
+	$(COMPILED)
 	rm -f $(VENV)/.release
 	touch $@
 
 $(VENV)/.release: $(VENV)/.ready $(RUST_SOURCES) pyproject.toml
 	VIRTUAL_ENV=$(abspath $(VENV)) $(BIN)/maturin develop --release --locked --quiet
+	$(COMPILED)
 	touch $(VENV)/.built $@
 
 clean:

@@ -94,6 +94,7 @@ def intervals(
     *,
     unknown: bool = False,
     curves: Mapping[str, Reach] | None = None,
+    swapped: Mapping[str, tuple[float, float]] | None = None,
 ) -> dict[str, Bound]:
     """Intervals of an effect's numbers, by name.
 
@@ -108,8 +109,9 @@ def intervals(
         unknown: whether something unknown is left; then each of these causes may hide in it, at up to ``HIDDEN`` standard deviations beyond
             its score.
         curves: what any thrust curve inside its accuracy makes of each number, by column.
+        swapped: shifts down and up of each number where other causes act in the place of those that were found beside this one, by name.
     """
-    curves = curves or {}
+    curves, swapped = curves or {}, swapped or {}
     p, g = fit.projection, fit.gram
     variance, robust = np.diag(p.covariance), scatter(p)
     out: dict[str, Bound] = {}
@@ -132,9 +134,10 @@ def intervals(
         unit = float(g.unit[k])
         low, high = (moved[:, i] / unit).tolist()
         least = -np.inf if parameter.lowest is None else parameter.lowest
+        down, up = swapped.get(name, (0.0, 0.0))
         within = (max(value - reach + low, least), value + reach + high)
         low, high = (hidden[:, i] / unit).tolist()
-        lower, upper = max(value - wide + low, least), value + wide + high
+        lower, upper = max(value - wide + low + down, least), value + wide + high + up
         out[name] = Bound(lower, upper, parameter.unit, parameter.symbol, within=within)
     _canonical(out, id_)
     for given in fit.h.given:
@@ -149,7 +152,8 @@ def intervals(
             chi2 = profile(fit.problem, fit.states, given, j)
             lower, upper = ends(chi2, given.values[j], first_step(fit.problem, given, j), rise(given, j, SIGMAS, worse))
             around = slack(fit.problem, given, j) + curves.get(given.effect.parts[j], Reach(0.0, 0.0)).worst
-            lower, upper = max(lower - around, 0.0), upper + around
+            down, up = swapped.get(given.effect.parts[j], (0.0, 0.0))
+            lower, upper = max(lower - around + down, 0.0), upper + around + up
             parameter = given.effect.parameters[j]
             if parameter.draw == "time":
                 # What starts outside the log acts in all of it or in none.

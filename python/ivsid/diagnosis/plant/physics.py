@@ -56,6 +56,11 @@ class Hypothesis:
         others = tuple(g for g in self.given if (g.effect.id, g.thruster) != (given.effect.id, given.thruster))
         return replace(self, given=(*others, given))
 
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The numbers of terms and effects, by name."""
+        return {**self.values, **{name: x for g in self.given for name, x in g.named.items()}}
+
     def without(self, id_: str, plain: Hypothesis) -> Hypothesis:
         """Without a cause: a claim that was given up stands again, and every term of ``plain`` stays.
 

@@ -105,6 +105,29 @@ class Found:
     first: Scored
 
 
+def swapped(found: Sequence[Found], id_: str = "") -> dict[str, tuple[float, float]]:
+    """Largest shifts down and up of each number if a cause that the log does not tell from one that was found acts in its place, by name.
+
+    A gain of all thrusts in the place of a wrong claim moves every force by its factor.
+
+    Args:
+        found: the causes with their rivals beside all others.
+        id_: of a cause that stays.
+    """
+    span: dict[str, tuple[float, float]] = {}
+    for one in found:
+        mine = next((r for r in one.rivals if r.id == one.id), None)
+        if mine is None or one.id == id_:
+            continue
+        here = mine.states.h.numbers
+        for r in one.rivals:
+            for name, there in r.states.h.numbers.items():
+                shift = there - here.get(name, there)
+                down, up = span.get(name, (0.0, 0.0))
+                span[name] = min(down, shift), max(up, shift)
+    return span
+
+
 def contenders(scored: Sequence[Scored], best: float) -> list[Scored]:
     """Scored causes that a full fit may bring up to the best, in the given order.
 

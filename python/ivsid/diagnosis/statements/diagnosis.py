@@ -12,6 +12,7 @@ from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.null.visibility import Visibility
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.selection.adequacy import Adequacy
+from ivsid.diagnosis.selection.rivals import swapped
 from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.claims import Claim
 from ivsid.diagnosis.statements.comparison import Gain
@@ -173,10 +174,11 @@ def _bounds(result: Diagnosis) -> dict[str, Bound]:
     """Intervals of the extended model's numbers by parameter: of the findings, and of the plain terms beside all that was found."""
     last, left = result.selection.last, result.selection.leftover
     bounds: dict[str, Bound] = {}
+    swaps = swapped(result.selection.found)
     plain = result.selection.plain.h
     ids = [t.id if t.id in EFFECTS else t.id.rpartition(".")[0] for t in plain.terms]
     for id_ in dict.fromkeys((*ids, *(g.effect.id for g in plain.given))):
-        bounds |= intervals(last, id_, left, unknown=result.verdict == "unknown")
+        bounds |= intervals(last, id_, left, unknown=result.verdict == "unknown", swapped=swaps)
     for finding in result.findings:
         bounds |= finding.parameters
     return bounds

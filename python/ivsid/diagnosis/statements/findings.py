@@ -19,7 +19,7 @@ from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
 from ivsid.diagnosis.selection.adequacy import ROUGHER, Adequacy, energy_of
-from ivsid.diagnosis.selection.rivals import Found
+from ivsid.diagnosis.selection.rivals import Found, swapped
 from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.probability import COUNTS, Alike, alike
 from ivsid.diagnosis.statements.residuals import FindingEvidence
@@ -113,7 +113,7 @@ def findings_of(
     curves = AnyCurve(last).reach() if selection.found else {}
     # The weakest first: what a cause takes that is none stays unexplained beside the stronger ones.
     for found in sorted(selection.found, key=lambda f: f.fall):
-        one = finding(found, last, selection.leftover, evidence, rest, curves)
+        one = finding(found, last, selection.leftover, evidence, rest, curves, swapped(selection.found, found.id))
         left = nothing + (rest.beside(last, own_columns(last, found.id)) if complete else rest.unexplained)
         effect = EFFECTS[found.id]
         parts = any(t.id == effect.shares and t in PAPER_TERMS for t in selection.plain.h.terms)
@@ -136,6 +136,7 @@ def finding(
     evidence: Mapping[str, FindingEvidence],
     rest: Adequacy,
     curves: Mapping[str, Reach],
+    swaps: Mapping[str, tuple[float, float]],
 ) -> Finding:
     """Finding that is made of one cause.
 
@@ -146,6 +147,7 @@ def finding(
         evidence: residuals before and after, by channel.
         rest: adequacy of the extended model.
         curves: what any thrust curve inside its accuracy makes of each number, by column.
+        swaps: shifts of each number where causes that could be taken for the others act in their place, by name.
     """
     channel = _channel(last, found.id)
     weights = np.array([np.exp(-0.5 * (found.rivals[0].merit - r.merit)) for r in found.rivals])
@@ -162,7 +164,7 @@ def finding(
         confidence,
         alternatives,
         effect.separate if alternatives else "",
-        intervals(last, found.id, left, unknown=not rest.quiet, curves=curves),
+        intervals(last, found.id, left, unknown=not rest.quiet, curves=curves, swapped=swaps),
         {
             "channel": channel,
             **evidence.get(channel, {}),

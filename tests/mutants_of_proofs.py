@@ -133,14 +133,14 @@ PROOFS = (
         "files/owned.py",
         "        raise\n    except OSError:",
         "        pass\n    except OSError:",
-        "test_faults_files.py",
+        "test_faults_kills.py",
     ),
     python(
         "abandoned changes dropped",
         "files/whole.py",
         "(_forward if state == COMMIT else _back)(folder, place)",
         "None",
-        "test_faults_files.py",
+        "test_faults_kills.py",
     ),
     python(
         "parents unwatched", "intervals/apart.py", "and os.getppid() == parent", "and True", "test_faults_processes.py"

@@ -1,5 +1,6 @@
 """One motion in the names, units and axes of other programs: writers apart from the package, which know what each program means."""
 
+import re
 import struct
 from pathlib import Path
 
@@ -351,3 +352,15 @@ def opposed(m: Motion, folder: Path) -> Path:
         }
     ).write_csv(path)
     return path
+
+
+MOTION = Motion()
+
+
+def filled(text: str) -> str:
+    """A proposed file with its marked keys filled in, as a user does it by hand: two screws aft."""
+    text = re.sub(r'^mass = "TODO"', "mass = 80.0\nlength = 2.0\ncentre_of_gravity = [0.153125, 0.0]", text, flags=re.M)
+    sides = iter(("-0.395", "0.395"))
+    text = re.sub(r'^position = "TODO"', lambda _: f"position = [0.0, {next(sides)}]", text, flags=re.M)
+    curve = 'quadratic = { forward = 0.01108, reverse = 0.006445 }\ntime_constant = 0.1\nlag = "demand"'
+    return re.sub(r'^quadratic = "TODO"', curve, text, flags=re.M)

@@ -129,6 +129,7 @@ def test_every_paragraph_is_made_of_the_numbers(result, seen):
     # A set is taken for the finding, and the manoeuvre that would decide stands there.
     made = explain(_with_alternatives(result), seen)[0]
     assert "does not tell it from friction.coulomb" in made[3] and "coast" in made[4] and "coast" in made[5]
+    assert "that of the first name without the others" in made[3]
 
 
 def _with_alternatives(result):

@@ -71,14 +71,14 @@ def test_numbers_shift_with_the_cause_that_acts_in_the_place_of_another():
 
     claim = found(rival("a", a=2.0, drag=3.0, pull=30.0), rival("b", b=1.0, drag=3.3, pull=33.0))
     pull = found(rival("pull", a=2.0, drag=3.0, pull=30.0), rival("wind", a=1.5, drag=2.0, wind=4.0))
-    nothing = (0.0, 0.0)
 
     def shifts(id_=""):
-        return {k: (round(down, 9), round(up, 9)) for k, (down, up) in swapped([claim, pull], id_).items()}
+        shift = swapped([claim, pull], id_).items()
+        return {name: (round(down, 9), round(up, 9)) for name, (down, up) in shift if (down, up) != (0.0, 0.0)}
 
-    assert shifts("pull") == {"a": nothing, "b": nothing, "drag": (0.0, 0.3), "pull": (0.0, 3.0)}
-    assert shifts("a") == {"a": (-0.5, 0.0), "wind": nothing, "drag": (-1.0, 0.0), "pull": nothing}
-    assert shifts()["drag"] == (-1.0, 0.3)
+    assert shifts("pull") == {"drag": (0.0, 0.3), "pull": (0.0, 3.0)}
+    assert shifts("a") == {"a": (-0.5, 0.0), "drag": (-1.0, 0.0)}
+    assert shifts() == {"a": (-0.5, 0.0), "drag": (-1.0, 0.3), "pull": (0.0, 3.0)}
     assert swapped([]) == {}
 
 

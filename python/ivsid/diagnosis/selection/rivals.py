@@ -116,11 +116,11 @@ def swapped(found: Sequence[Found], id_: str = "") -> dict[str, tuple[float, flo
     """
     span: dict[str, tuple[float, float]] = {}
     for one in found:
-        mine = next((r for r in one.rivals if r.id == one.id), None)
-        if mine is None or one.id == id_:
+        others = [r for r in one.rivals if r.id != one.id]
+        if one.id == id_ or not others:
             continue
-        here = mine.states.h.numbers
-        for r in one.rivals:
+        here = next(r for r in one.rivals if r.id == one.id).states.h.numbers
+        for r in others:
             for name, there in r.states.h.numbers.items():
                 shift = there - here.get(name, there)
                 down, up = span.get(name, (0.0, 0.0))

@@ -30,7 +30,6 @@ LATE = ("thruster.lag", "thruster.shaft_lag", "thruster.delay")
 MISSED = {}
 EARLY = {
     "drag.sway.linear": "named where z is 2.5 on this seed: 9 of a fall of 35 stand beside errors by the speed of the water",
-    "drag.lift.sway": "named in one set with drag.sway.linear, in the noise of the same log",
 }
 
 

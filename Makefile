@@ -3,7 +3,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out/demo
-# An environment may forbid Python to keep what it compiles. Every process would then compile all that it imports, which takes 5 s.
+# An environment may forbid Python to keep what it compiles. Every process would then compile all that it imports, which takes seconds.
 unexport PYTHONDONTWRITEBYTECODE
 RUST_SOURCES := $(shell find crates -name '*.rs' -o -name 'Cargo.toml') Cargo.toml Cargo.lock
 

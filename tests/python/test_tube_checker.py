@@ -7,7 +7,6 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from conftest import as_log
 from ivsid import IvsidError
 from ivsid.log import Log
 from ivsid.tubes import tube
@@ -19,27 +18,7 @@ from ivsid.verification.claims import part_of, start_box
 from ivsid.verification.covered import covers
 from ivsid.verification.rational import Range
 from ivsid.verification.tubes import TubeChecker
-from tube_runs import SWAN, escapes, examined, fit_of, twin_of, wide
-
-
-@pytest.fixture(scope="module")
-def fit(once):
-    return fit_of(once)
-
-
-@pytest.fixture(scope="module")
-def twin(once):
-    return twin_of(once)
-
-
-@pytest.fixture(scope="module")
-def test_log(twin):
-    return as_log(twin)
-
-
-@pytest.fixture(scope="module")
-def course(test_log):
-    return course_of(SWAN, test_log)
+from tube_runs import SWAN, course_of_log, escapes, examined, fit_of, log_of, twin_of, wide  # noqa: F401 - fixtures
 
 
 @pytest.mark.parametrize("channels", ["all", "straight"])

@@ -17,22 +17,7 @@ from ivsid.tubes import tube
 from ivsid.tubes.parameters import blocks_of
 from ivsid.vehicle import parse_vehicle
 from ivsid.workflow.trajectories import _followed
-from tube_runs import SWAN, fit_of, twin_of
-
-
-@pytest.fixture(scope="module")
-def fit(once):
-    return fit_of(once)
-
-
-@pytest.fixture(scope="module")
-def twin(once):
-    return twin_of(once)
-
-
-@pytest.fixture(scope="module")
-def test_log(twin):
-    return as_log(twin)
+from tube_runs import SWAN, course_of_log, fit_of, log_of, twin_of  # noqa: F401 - fixtures
 
 
 def test_long_windows_are_searched_by_halves(fit, monkeypatch):

@@ -19,27 +19,21 @@ from ivsid.tubes.horizons import start_of, window
 from ivsid.tubes.inputs import course_of
 from ivsid.vehicle import parse_vehicle
 from tube_oracle import integrate, shapes
-from tube_runs import REACH, SWAN, escapes, examined, fit_of, followed, members, starts, thrusts, twin_of, wide
-
-
-@pytest.fixture(scope="module")
-def fit(once):
-    return fit_of(once)
-
-
-@pytest.fixture(scope="module")
-def twin(once):
-    return twin_of(once)
-
-
-@pytest.fixture(scope="module")
-def test_log(twin):
-    return as_log(twin)
-
-
-@pytest.fixture(scope="module")
-def course(test_log):
-    return course_of(SWAN, test_log)
+from tube_runs import (  # noqa: F401 - fixtures
+    REACH,
+    SWAN,
+    course_of_log,
+    escapes,
+    examined,
+    fit_of,
+    followed,
+    log_of,
+    members,
+    starts,
+    thrusts,
+    twin_of,
+    wide,
+)
 
 
 @pytest.mark.parametrize("first", [0, 310, 640])

@@ -1,6 +1,7 @@
 """Runs for the tests of tubes: a fit, a twin of its vehicle, and trajectories of members of the fit."""
 
 import numpy as np
+import pytest
 
 from conftest import as_log, embedded
 from ivsid import identify
@@ -11,6 +12,7 @@ from ivsid.simulation import simulate
 from ivsid.tubes.equations import equations_of
 from ivsid.tubes.given import straight
 from ivsid.tubes.horizons import start_of
+from ivsid.tubes.inputs import course_of
 from ivsid.tubes.parameters import blocks_of
 from ivsid.vehicle import parse_vehicle
 from tube_oracle import integrate, shapes
@@ -19,6 +21,7 @@ SWAN = parse_vehicle(embedded("swan.toml"), "swan.toml")
 REACH = 0.5
 
 
+@pytest.fixture(scope="module", name="fit")
 def fit_of(once):
     """A fit of SWAN to a minute and a half of its shipped trial."""
 
@@ -30,6 +33,7 @@ def fit_of(once):
     return once("tube-fit", make)
 
 
+@pytest.fixture(scope="module", name="twin")
 def twin_of(once):
     """Another minute of the same vehicle."""
 
@@ -38,6 +42,18 @@ def twin_of(once):
         return simulate(SWAN, parse_scenario(text, "test"))
 
     return once("tube-twin", make)
+
+
+@pytest.fixture(scope="module", name="test_log")
+def log_of(twin):
+    """The twin's log."""
+    return as_log(twin)
+
+
+@pytest.fixture(scope="module", name="course")
+def course_of_log(test_log):
+    """Inputs and readings of the twin's log."""
+    return course_of(SWAN, test_log)
 
 
 def thrusts(log, rows):

@@ -147,7 +147,7 @@ def intervals(
             if parameter.draw == "thruster":
                 out[name] = Bound(value, value, parameter.unit, parameter.symbol)
         if given.effect.form.place:
-            _places(fit, given, worse, out)
+            _places(fit, given, worse, out, swapped)
         for j in bent(given):
             chi2 = profile(fit.problem, fit.states, given, j)
             lower, upper = ends(chi2, given.values[j], first_step(fit.problem, given, j), rise(given, j, SIGMAS, worse))
@@ -169,7 +169,9 @@ def intervals(
     return out
 
 
-def _places(fit: Fit, given: Given, worse: float, out: dict[str, Bound]) -> None:
+def _places(
+    fit: Fit, given: Given, worse: float, out: dict[str, Bound], swapped: Mapping[str, tuple[float, float]]
+) -> None:
     """Widens the intervals of an anchor to those of all places that the log allows.
 
     Args:
@@ -177,6 +179,7 @@ def _places(fit: Fit, given: Given, worse: float, out: dict[str, Bound]) -> None
         given: the effect.
         worse: variance by the scatter of half-minutes over the variance by the noise model.
         out: intervals by name.
+        swapped: as of ``intervals``.
     """
     north, east = given.effect.form.place
     names = [given.effect.parts[j] for j in (north, east)]
@@ -187,7 +190,8 @@ def _places(fit: Fit, given: Given, worse: float, out: dict[str, Bound]) -> None
     reach = [0.5 * (out[n].upper - out[n].lower) for n in names]
     found = region(chi2, best, (reach[0], reach[1]), rise(given, north, SIGMAS, worse))
     for n, (lower, upper) in zip(names, found, strict=True):
-        out[n] = replace(out[n], lower=min(lower, out[n].lower), upper=max(upper, out[n].upper))
+        down, up = swapped.get(n, (0.0, 0.0))
+        out[n] = replace(out[n], lower=min(lower + down, out[n].lower), upper=max(upper + up, out[n].upper))
 
 
 def _canonical(out: dict[str, Bound], id_: str) -> None:

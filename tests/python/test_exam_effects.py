@@ -25,12 +25,9 @@ VESSEL = {"kind": "vectored", "style": "rich", "ambient": 1.0, "duration": 300.0
 FOUND, NOT_NAMED = 1.5, 1 / 3
 # Effects whose limit is a sample of the log [s].
 LATE = ("thruster.lag", "thruster.shaft_lag", "thruster.delay")
-# Effects that the diagnosis does not find, or names too early: a repair shows, because these tests may not pass. Its own z is that of a
-# log of the same seed without an effect.
+# Effects that the diagnosis does not find, or names too early: a repair shows, because these tests may not pass.
 MISSED = {}
-EARLY = {
-    "drag.sway.linear": "named where z is 2.5 on this seed: 9 of a fall of 35 stand beside errors by the speed of the water",
-}
+EARLY = {}
 
 
 def marked(ids, failing):

@@ -4,10 +4,13 @@ from types import SimpleNamespace
 
 import pytest
 
+from diagnosis_logs import logs_of, vehicle_of
+from ivsid import diagnose
 from ivsid.diagnosis.candidates.intervals import Bound
 from ivsid.diagnosis.selection.adequacy import Adequacy
 from ivsid.diagnosis.statements import findings
 from ivsid.diagnosis.statements.findings import findings_of
+from ivsid.diagnosis.statements.rules import EXCLUDES, Held
 from ivsid.effects import EFFECTS, PAPER_TERMS, PLAIN_TERMS
 
 IDS = ("coupling.cg_y", "thruster.asymmetry", "drag.lift.yaw", "sensor.yaw_rate.scale")
@@ -63,3 +66,33 @@ def test_a_number_of_two_axes_is_not_parted_beside_structure():
         # With little structure left, and in a model that shares no number, it is a cause as any other.
         assert named([1e6], 100.0, ids=[id_], terms=PAPER_TERMS, complete=True) == [id_]
         assert named([1e6], 100.0, ids=[id_], terms=PLAIN_TERMS) == [id_]
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "within", "quiet", "named"),
+    [
+        (0.1, 2.1, None, True, True),
+        (-0.1, 2.1, None, True, False),
+        # What is known of the thrust counts where nothing unknown is left.
+        (-0.1, 2.1, (1.9, 2.1), True, False),
+        # What is unknown widens all intervals, and the cause is asked beside it.
+        (-0.1, 2.1, (1.9, 2.1), False, True),
+        (-0.1, 2.1, (-0.1, 2.1), False, False),
+    ],
+)
+def test_a_number_that_may_be_none_names_nothing(lower, upper, within, quiet, named):
+    effect = EFFECTS["drag.yaw.linear"]
+    bounds = {effect.id: Bound(lower, upper, "1", "", within=within)}
+    assert (EXCLUDES.refuses(Held(effect, 40.0, 0.0, bounds, True, quiet)) is None) == named
+
+
+def test_a_model_without_its_refused_cause_is_not_called_adequate(monkeypatch):
+    """The verdict is on the model that is handed out: what a refused cause took is left in it."""
+    monkeypatch.undo()
+    vehicle = vehicle_of()
+    train, test = logs_of(vehicle, {"drag.yaw.linear": 2.5})
+    monkeypatch.setattr(Held, "distance", -1.0)
+    result = diagnose(vehicle, train, test, null_logs=0)
+    assert result.withdrawn["drag.yaw.linear"].rule == EXCLUDES.name
+    assert result.verdict == "unknown" and "drag.yaw.linear" in result.findings[-1].description
+    assert not result.adequacy[1].quiet and result.adequacy[1].fall == pytest.approx(result.adequacy[0].fall)

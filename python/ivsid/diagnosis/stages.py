@@ -39,6 +39,7 @@ from ivsid.diagnosis.statements.proved import Proof, lasting, proof_of, proved_f
 from ivsid.diagnosis.statements.residuals import before_and_after, unexplained
 from ivsid.diagnosis.statements.shallow_water import change
 from ivsid.diagnosis.statements.trial import Trial
+from ivsid.diagnosis.statements.without import handed_out
 from ivsid.errors import IvsidError
 from ivsid.intervals.apart import Apart
 from ivsid.log import GivenLog, Log, log_of
@@ -110,11 +111,16 @@ def diagnose(
     structure = confirmed_structure(selection.last, test_of.visible, rest, looks)
     before, after = (replace(a, risk=structure.risk) for a in (before, after))
     rest = replace(rest, after=after, before=before, imitated=tuple(f.fall for f in selection.imitating))
-    complete = rest.sufficient and replace(rest, wider=lasting(proof, vehicle, train)).sufficient
+    complete = _complete(rest, proof, vehicle, train)
     trial.look()
     residuals = before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
     findings, withdrawn = findings_of(selection, residuals, after, complete=complete)
     trial = trial.of({f.effect for f in findings})
+    if complete and trial.out:
+        # The verdict is on the model that is handed out, which leaves what the others took.
+        after = replace(adequacy(handed_out(fit, selection.last, trial.out)), risk=structure.risk)
+        rest = replace(rest, after=after, findings=len(findings))
+        complete = _complete(rest, proof, vehicle, train)
     moving = Apart(partial(motion_of, proof, train, test)) if motion is None and findings else None
     proved, extended = proved_findings(findings, vehicle, train, trial.model) if complete else (findings, None)
     progress("trying both models on the other log")
@@ -186,6 +192,11 @@ def _judged(fit: Fit, proof: Proof, train: Log, test: Log) -> tuple[Adequacy, tu
     """Adequacy of the model as it was, and the motion that it allows, or None: an adequate model is asked by its rows alone."""
     before = adequacy(fit)
     return before, None if before.quiet else motion_of(proof, train, test)
+
+
+def _complete(left: Left, proof: Proof, vehicle: Vehicle, train: Log) -> bool:
+    """Whether little enough structure is left for a verdict, by the statistics and by what the rows of the log prove."""
+    return left.sufficient and replace(left, wider=lasting(proof, vehicle, train)).sufficient
 
 
 def _fitted(

@@ -51,7 +51,9 @@ class Held:
         parameters, bounds = self.effect.parameters, list(self.parameters.values())
         if not len(parameters) == len(bounds) == 1:
             return float("inf")
-        lower, upper = bounds[0].within or (bounds[0].lower, bounds[0].upper)
+        said = bounds[0].lower, bounds[0].upper
+        # What is unknown widens every interval; here it is asked whether the cause is there beside it.
+        lower, upper = said if self.quiet else bounds[0].within or said
         outside = max(lower - parameters[0].none, parameters[0].none - upper)
         return outside / max(0.5 * (upper - lower), 1e-300)
 
@@ -69,14 +71,13 @@ DOMINANT_RULE: Final = Rule[Held](
 )
 EXCLUDES: Final = Rule[Held](
     "excludes no effect",
-    "distance of the value without effect from the interval, in half-widths, where structure is left",
+    "distance of the value without effect from the interval of an only number, in half-widths",
     "above 0",
-    "A number that may be none, with unexplained structure beside it, names nothing.",
+    "A number that may be none names nothing. Where structure is left, the interval is the one beside it, without what hides in it.",
     "definition",
     lambda c: c.distance,
     lambda _: 5e-324,
-    "with what stays unexplained, its interval holds the value without effect",
-    lambda c: not c.quiet,
+    "its interval holds the value without effect",
 )
 UNNAMED: Final = Rule[int](
     "alternative",

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.fit import Fit, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.plant.physics import Hypothesis
@@ -45,3 +45,15 @@ def without(plain: Fit, last: Fit, ids: Collection[str]) -> FilteredStates:
     except np.linalg.LinAlgError:
         # The numbers as they were without the causes are a model still.
         return start
+
+
+def handed_out(plain: Fit, last: Fit, ids: Collection[str]) -> Fit:
+    """Fit on TRAIN of the extended model without some causes; that of the plain model if no cause is left.
+
+    Args:
+        plain: fit of the model without causes.
+        last: fit of the extended model.
+        ids: of the causes that are taken out.
+    """
+    states = without(plain, last, ids)
+    return plain if states is plain.states else survey(last.noise, states, last.fixed)

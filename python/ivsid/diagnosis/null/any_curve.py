@@ -23,7 +23,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
-from scipy.optimize import lsq_linear
 
 from ivsid.diagnosis.candidates.intervals import Reach
 from ivsid.diagnosis.estimation.cross_products import Gram
@@ -32,6 +31,7 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.signatures import Signatures
+from ivsid.diagnosis.null.box_least_squares import inside_box
 from ivsid.diagnosis.plant.thrust_errors import BOUNDED, bound_of, upward
 from ivsid.vehicle import Thruster
 
@@ -231,8 +231,9 @@ class Boxed:
             kept = values > DETERMINED * max(float(values.max()), 1e-300)
             root = np.sqrt(values[kept])
             left = vectors[:, kept].T @ (turn.T @ r) / root
-            solved = lsq_linear((vectors[:, kept] * root).T, left, bounds=(-OVERSHOOT, OVERSHOOT))
-            found.append((2.0 * float(solved.cost), int(kept.sum())))
+            shape = (vectors[:, kept] * root).T
+            rest = shape @ inside_box(shape, left, np.full(len(r), OVERSHOOT)) - left
+            found.append((float(rest @ rest), int(kept.sum())))
         return max(fall for fall, _ in found), max(count for _, count in found)
 
 

@@ -13,10 +13,10 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import lsq_linear
 
 from ivsid.diagnosis.estimation.cross_products import RIDGE
 from ivsid.diagnosis.null.any_curve import DETERMINED, LEAST, AnyCurve
+from ivsid.diagnosis.null.box_least_squares import inside_box
 
 Array = NDArray[np.float64]
 # Shares of the bounds that errors by the demand have beside those by the inflow, where a cause at its size is held against errors inside the box.
@@ -57,7 +57,7 @@ def beyond_box(free: AnyCurve, total: Array, prior: Array, size: Array) -> Array
         target = -(vectors[:, kept].T @ (left @ size)) / np.sqrt(values[kept])
         free_of_bounds = vectors[:, kept] @ (target / np.sqrt(values[kept]))
         D = np.zeros(len(prior))
-        D[inside] = lsq_linear(root.T, target, bounds=(-bound, bound)).x - free_of_bounds
+        D[inside] = inside_box(root.T, target, bound) - free_of_bounds
         D[others] = -solved @ D
         length = float(np.sqrt(max(float(D @ total @ D), 0.0)))
         if length <= NO_DIRECTION:

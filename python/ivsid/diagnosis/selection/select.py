@@ -10,11 +10,13 @@ from dataclasses import dataclass, field, replace
 from typing import Final
 
 from ivsid.diagnosis.candidates.families import score
+from ivsid.diagnosis.candidates.intervals import Reach
 from ivsid.diagnosis.estimation.fit import Fit, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.noise import Noise
 from ivsid.diagnosis.estimation.problem import Problem
+from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.null.family_wise import Screened, Threshold
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
 from ivsid.diagnosis.selection.adequacy import adequacy
@@ -41,6 +43,7 @@ class Selection:
         screened: scores of the first round, the best first.
         leftover: scores beside all causes, the best first.
         refused: for each cause that was not found, the refusal by the first rule that it did not keep, by id.
+        curves: what any thrust curve inside its accuracy makes of each number of the last fit, by column; empty where nothing was found.
         imitating: causes that passed every test but that one force explains as well, or better: the log holds something that the model lacks.
     """
 
@@ -51,6 +54,7 @@ class Selection:
     leftover: tuple[Scored, ...] = field(default=())
     refused: Mapping[str, Refusal] = field(default_factory=dict)
     imitating: tuple[Found, ...] = ()
+    curves: Mapping[str, Reach] = field(default_factory=dict)
 
 
 def select(
@@ -106,13 +110,18 @@ def select(
         fit, scored = score(survey(noise, review.states, plain.fixed))
         now = frozenset(f.id for f in found)
         if now in tops:
-            last = passes(fit, scored, tuple(now))
+            screened = passes(fit, scored, tuple(now))
             back = refused_by(SETTLED, tuple(now))
-            refused = {**dict.fromkeys((q.id for q in last.passed), back), **last.refused, **refused}
+            refused = {**dict.fromkeys((q.id for q in screened.passed), back), **screened.refused, **refused}
             break
         tops.add(now)
     chosen = Selection(plain, fit, tuple(found), every, tuple(scored), {**waiting, **refused})
-    return _without_one_force(chosen)
+    alone = _without_one_force(chosen)
+    if not alone.found:
+        return alone
+    # The last screening has made the curves of its fit.
+    curve = screened.round.curve if alone is chosen else None
+    return replace(alone, curves=(curve or AnyCurve(alone.last)).reach())
 
 
 def _without_one_force(s: Selection) -> Selection:

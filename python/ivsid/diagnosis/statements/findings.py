@@ -16,7 +16,6 @@ import numpy as np
 from ivsid.diagnosis.candidates.intervals import Bound, Reach, intervals
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
-from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
 from ivsid.diagnosis.selection.adequacy import ROUGHER, Adequacy, energy_of
 from ivsid.diagnosis.selection.rivals import Found, swapped
@@ -110,14 +109,14 @@ def findings_of(
     made: dict[str, Finding] = {}
     withdrawn: dict[str, Refusal] = {}
     nothing = 0.0
-    curves = AnyCurve(last).reach() if selection.found else {}
     # The weakest first: what a cause takes that is none stays unexplained beside the stronger ones.
     for found in sorted(selection.found, key=lambda f: f.fall):
-        one = finding(found, last, selection.leftover, evidence, rest, curves, swapped(selection.found, found.id))
+        one = finding(found, last, selection.leftover, evidence, rest, selection.curves, swapped(selection.found, found.id))
         left = nothing + (rest.beside(last, own_columns(last, found.id)) if complete else rest.unexplained)
         effect = EFFECTS[found.id]
         parts = any(t.id == effect.shares and t in PAPER_TERMS for t in selection.plain.h.terms)
-        case = Held(effect, found.fall, left, one.parameters, complete, rest.quiet, len(rest.hulls), parts)
+        boxed = found.first.boxed > found.fall
+        case = Held(effect, found.fall, left, one.parameters, complete, rest.quiet, len(rest.hulls), parts, boxed)
         refusal = first_refusal(HELD, case, [f.id for f in selection.found if f is not found])
         if refusal is None:
             made[found.id] = one

@@ -34,6 +34,7 @@ class Held:
         quiet: whether no structure is left.
         hulls: numbers that the extended model would need and no hull has.
         parts: whether it parts a number that the model has for two axes.
+        boxed: whether its evidence is that declared errors would have to leave their bounds, of which its interval knows nothing.
     """
 
     effect: Effect
@@ -44,6 +45,7 @@ class Held:
     quiet: bool
     hulls: int = 0
     parts: bool = False
+    boxed: bool = False
 
     @property
     def distance(self) -> float:
@@ -73,11 +75,13 @@ EXCLUDES: Final = Rule[Held](
     "excludes no effect",
     "distance of the value without effect from the interval of an only number, in half-widths",
     "above 0",
-    "A number that may be none names nothing. Where structure is left, the interval is the one beside it, without what hides in it.",
+    "A number that may be none names nothing. Where structure is left, the interval is the one beside it, without what hides in it. A cause that stands "
+    "out of declared errors inside their bounds, and not out of their priors, has its interval from the priors alone, and is not asked.",
     "definition",
     lambda c: c.distance,
     lambda _: 5e-324,
     "its interval holds the value without effect",
+    lambda c: not (c.quiet and c.boxed),
 )
 UNNAMED: Final = Rule[int](
     "alternative",

@@ -20,7 +20,7 @@ from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.noise import declared_ambient
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.null.any_curve import AnyCurve, beyond
+from ivsid.diagnosis.null.any_curve import AnyCurve, beyond, is_declared
 from ivsid.diagnosis.null.directions import as_rare, distance, left_beside
 from ivsid.diagnosis.null.inside_cells import FINER, inside_cells
 from ivsid.diagnosis.null.screening import FAINT, Round
@@ -183,9 +183,9 @@ def test_a_scale_beyond_its_bound_is_held_against_the_bound():
     fit, found = scored(132096)
     s = found["sensor.velocity.scale"]
     here = Round(fit, tuple(found.values()), 1e-4, {})
-    assert here.curve.is_declared(s) and s.fall < FAINT and here.in_box(s).boxed > 3.0 * FAINT
+    assert is_declared(here.fit, s) and s.fall < FAINT and here.in_box(s).boxed > 3.0 * FAINT
     others = [q for q in found.values() if not q.candidate.effect.acts.at_thruster and q.id != s.id]
-    assert not any(here.curve.is_declared(q) for q in others)
+    assert not any(is_declared(here.fit, q) for q in others)
     # A bound that holds the scale leaves nothing of it.
     wide = AnyCurve(fit)
     wide.box = np.where([wide.g.names[k].startswith("~scale.") for k in wide.projection.base], 2.0, 1.0) * wide.box

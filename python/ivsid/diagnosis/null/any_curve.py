@@ -61,6 +61,9 @@ LEAST: Final = 1e-300
 # Eigenvalues of the information on thrust errors below this share of the largest belong to directions that nothing determines.
 # Source: geometry: seven digits above the rounding of a double
 DETERMINED: Final = 1e-9
+# Probability of the errors at the knots from which on all curves inside their accuracy are asked.
+# Source: resource: such curves cost half a second
+DOUBT: Final = 0.05
 
 
 class AnyCurve:
@@ -146,11 +149,6 @@ class AnyCurve:
             out[inflow if by[demand].sum() >= by[inflow].sum() else demand] = 0.0
         return np.asarray(out)
 
-    def is_declared(self, s: Scored) -> bool:
-        """Whether a family is itself an error of the base that has a bound: its prior takes of the cause what the bound does not."""
-        g, bounded = self.fit.gram, [k for k, b in zip(self.fit.base, self.box, strict=False) if b > 0]
-        return bool(bounded) and float(np.abs(g.total[np.ix_(s.columns, bounded)]).max()) > SAME
-
     def beside(self, s: Scored) -> tuple[Gram, list[int]]:
         """The cross-products with the columns of a family, and the indices of these."""
         g = self.fit.gram
@@ -162,6 +160,13 @@ class AnyCurve:
         first = len(self.g.names)
         wide = self.g.joined([f"{s.id}@{k}" for k in s.columns], x.reshape(len(x), *self.g.y.shape), unit)
         return wide, list(range(first, len(wide.names)))
+
+
+def is_declared(fit: Fit, s: Scored) -> bool:
+    """Whether a family is itself an error of the base that has a bound: its prior takes of the cause what the bound does not."""
+    g = fit.gram
+    bounded = [k for k in fit.base if g.names[k].startswith(tuple(_SHARES))]
+    return bool(bounded) and float(np.abs(g.total[np.ix_(s.columns, bounded)]).max()) > SAME
 
 
 def _thrusters(fit: Fit) -> Sequence[Thruster]:

@@ -62,4 +62,4 @@ class Families:
         here = Round(fit, scored, self.test.calibration.chance, self.test.seen)
         chances = [s.chance if s.chance > here.chance else replace(s, fall=here.left(s)).chance for s in real]
         strength = -float(np.log(max(min(chances, default=1.0), 1e-300)))
-        return strength, bool(self.test(fit, scored).passed)
+        return strength, bool(self.test.screened(here).passed)

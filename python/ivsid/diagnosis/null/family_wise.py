@@ -64,9 +64,17 @@ class Threshold:
             scored: causes with their scores.
             beside: causes that the model holds already.
         """
-        here = Round(fit, scored, self.calibration.chance, self.seen)
+        return self.screened(Round(fit, scored, self.calibration.chance, self.seen), beside)
+
+    def screened(self, here: Round, beside: Iterable[str] = ()) -> Screened:
+        """The screening of a round.
+
+        Args:
+            here: fit and scores.
+            beside: causes that the model holds already.
+        """
         passed, refused, stands = [], {}, tuple(beside)
-        for s in map(here.in_box, scored):
+        for s in map(here.in_box, here.scored):
             case = Case(here, s)
             refusal = first_refusal(SCREENING, case, stands)
             if refusal is None:

@@ -8,7 +8,7 @@ Source: docs/theory.md, "Diagnosis"; the table docs/rules.md is made of these ob
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Final
 
@@ -18,7 +18,7 @@ from scipy.special import chdtrc
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.null.any_curve import AnyCurve, Boxed, lost
+from ivsid.diagnosis.null.any_curve import DOUBT, AnyCurve, Boxed, is_declared, lost
 from ivsid.diagnosis.null.directions import left_beside
 from ivsid.diagnosis.null.inside_cells import FINER, inside_cells
 from ivsid.diagnosis.null.reached import Reached
@@ -71,6 +71,7 @@ class Round:
     scored: Sequence[Scored]
     chance: float
     seen: Mapping[str, Visibility]
+    _left: dict[tuple[tuple[object, ...], tuple[float, ...]], float] = field(default_factory=dict, repr=False, compare=False)
 
     @cached_property
     def curve(self) -> AnyCurve | None:
@@ -92,10 +93,18 @@ class Round:
         """What curves inside their accuracy reach of the errors at the knots."""
         return Reached(self.curve or AnyCurve(self.fit))
 
+    @cached_property
+    def _kept(self) -> float:
+        """Probability of the log if the errors at the knots keep their bounds."""
+        return float(chdtrc(max(self.boxed.knots, 1), self.boxed.leaving))
+
     def left(self, s: Scored) -> float:
         """Fall of chi-squared of a family that no declared error inside its bound can make."""
-        curve = self.finer if inside_cells(self.fit, s) else self.curve
-        return s.fall if curve is None else left_beside(curve, s)
+        asked = (s.id, *s.columns), s.theta
+        if asked not in self._left:
+            curve = self.finer if inside_cells(self.fit, s) else self.curve
+            self._left[asked] = s.fall if curve is None else left_beside(curve, s)
+        return self._left[asked]
 
     def lost(self, s: Scored) -> float:
         """Standard deviations of a score that declared errors inside their bounds may make.
@@ -105,7 +114,7 @@ class Round:
         if self.curve is None:
             return 0.0
         left = max(min(self.left(s), s.fall), s.boxed)
-        if chdtrc(max(self.boxed.knots, 1), self.boxed.leaving) <= self.chance:
+        if self._kept <= self.chance:
             left = max(left, min(self.reached.of(s), s.fall))
         return lost(s.shown, left)
 
@@ -114,14 +123,15 @@ class Round:
 
         Asked are causes that are a declared error beyond its bound, and those at a thruster where the log leaves these errors no curve.
         """
-        if not s.physical or s.fall < ASKED or self.curve is None:
+        if not s.physical or s.fall < ASKED or not self.fit.noise.predictor.vehicle.thrusters:
             return s
-        if self.curve.is_declared(s):
+        if is_declared(self.fit, s):
             return replace(s, boxed=self.left(s))
-        r = self.reached
-        if not s.candidate.effect.acts.at_thruster or chdtrc(max(r.knots, 1), r.leaving) > self.chance:
+        # Values at the knots that keep their bounds leave the log a curve.
+        if not s.candidate.effect.acts.at_thruster or self._kept > DOUBT:
             return s
-        return replace(s, boxed=r.of(s))
+        r = self.reached
+        return s if chdtrc(max(r.knots, 1), r.leaving) > self.chance else replace(s, boxed=r.of(s))
 
     def blind(self, id_: str) -> bool:
         """Whether a cause's signature is mostly made of the errors of the filtered states."""

@@ -15,7 +15,7 @@ from scipy.special import chdtrc
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.null.any_curve import AnyCurve, Boxed, beyond, outside
+from ivsid.diagnosis.null.any_curve import DOUBT, AnyCurve, Boxed, beyond, outside
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.selection.dictionary import regressors
 from ivsid.diagnosis.selection.hulls import Asked, asked_of_hulls
@@ -37,9 +37,6 @@ ROUGHER: Final = 2.0
 # Eigenvalues of the correlation matrix below this belong to directions that other regressors explain to one per cent of their length.
 # Source: measured: make constants
 DEPENDENT: Final = 1e-4
-# Probability of the errors at the knots from which on all curves inside their accuracy are asked.
-# Source: resource: such curves cost half a second
-DOUBT: Final = 0.05
 
 
 @dataclass(frozen=True)

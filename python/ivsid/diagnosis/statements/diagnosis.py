@@ -131,7 +131,7 @@ class Diagnosis(Result):
         """Sentences on why the extended model is not handed out as a vehicle file; none where it is."""
         return against(self.vehicle, self.model, self.selection.last.states.points, self.gain)
 
-    @property
+    @cached_property
     def allowed(self) -> dict[str, Bound]:
         """Intervals of causes that are no findings, each alone beside the extended model, by parameter."""
         # Claims have intervals of their own.

@@ -18,9 +18,10 @@ from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.selection import speed_curves as speed_curves_module
 from ivsid.diagnosis.selection.one_force import curve_in_their_place
 from ivsid.diagnosis.selection.rules import BETTER_CURVE, Curve
-from ivsid.diagnosis.selection.speed_curves import speed_curves
+from ivsid.diagnosis.selection.speed_curves import SPEEDS, speed_curves
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 from test_one_force import CAUSES, FORCES, MODEL, gram_of, least
@@ -117,6 +118,38 @@ def test_a_force_of_one_velocity_that_the_catalogue_lacks_is_no_drag(seed, witho
 )
 def test_a_drag_of_the_catalogue_keeps_its_name(seed, effect):
     assert [f.effect for f in said(seed, effect, "one").findings] == [effect]
+
+
+def test_no_function_follows_the_error_of_a_velocity():
+    """Straight stretches between turns: quantiles of the sway velocity lie within its error there, and most of the turns have none."""
+    rng = np.random.default_rng(5)
+    straight, turns = 1e-3 * rng.standard_normal(9000), rng.uniform(0.1, 0.4, 3000)
+    velocity = np.r_[straight, turns]
+    quantiles = np.quantile(velocity, np.linspace(0.0, 1.0, SPEEDS))
+    assert np.diff(quantiles).min() < 6 * 1e-3
+    for apart in (6e-3, 0.05):
+        places = speed_curves_module._places(velocity, apart)
+        assert np.diff(places).min() > max(apart, 0.5 * np.ptp(velocity) / (SPEEDS - 1))
+        # Every quantile is a value or lies close above one, and the first is one.
+        assert places[0] == velocity.min() and {*places} <= {*quantiles}
+        below = places[np.searchsorted(places, quantiles, side="right") - 1]
+        assert (quantiles - below).max() <= max(apart, 0.5 * np.ptp(velocity) / (SPEEDS - 1))
+    # Velocities as far apart as even ones all stay.
+    even = np.linspace(-1.0, 1.0, 17)
+    np.testing.assert_allclose(speed_curves_module._places(even, 1e-3), np.quantile(even, np.linspace(0, 1, SPEEDS)))
+
+
+# Nightly: a whole diagnosis.
+@pytest.mark.nightly
+def test_a_drag_keeps_its_name_where_the_vessel_mostly_keeps_straight(monkeypatch):
+    """A steered vessel with a cubic drag of 26 standard deviations, which a function between values 1 mm/s apart beat by 54."""
+    c = case(174040)
+    vehicle = parse_vehicle(c.text, "vehicle.toml")
+    logs = [Log(f"{k}.csv", "0" * 64, q["t"], {i: x for i, x in q.items() if i != "t"}) for k, q in enumerate(c.logs)]
+    assert [f.effect for f in diagnose(vehicle, *logs).findings] == ["drag.sway.cubic"]
+    monkeypatch.setattr(speed_curves_module, "APART", 0.0)
+    monkeypatch.setattr(speed_curves_module, "EVENLY", 0.0)
+    assert [f.effect for f in diagnose(vehicle, *logs).findings] == ["unknown"]
 
 
 # Nightly: a whole diagnosis; the gate has one that finds a curve, and one that finds none.

@@ -22,10 +22,10 @@ from ivsid.diagnosis.null.thresholds import calibrate
 from ivsid.diagnosis.null.visibility import Visibility, visibility
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy
-from ivsid.diagnosis.selection.confirmation import NULL_LOGS, confirmed, confirmed_structure
+from ivsid.diagnosis.selection.confirmation import NULL_LOGS, StructureConfirmation, confirmed, confirmed_structure
 from ivsid.diagnosis.selection.parallel import one_blas_thread
 from ivsid.diagnosis.selection.rules import full_refused
-from ivsid.diagnosis.selection.select import select
+from ivsid.diagnosis.selection.select import Selection, select
 from ivsid.diagnosis.selection.verdict import Left
 from ivsid.diagnosis.statements.carried import failure, in_their_place
 from ivsid.diagnosis.statements.claims import claims
@@ -106,20 +106,16 @@ def diagnose(
     # Most findings stand, so their model is tried while they are examined.
     trial = Trial(Predictor(vehicle, other, selection.last.noise.predictor.ambient), selection, seed, tried)
     moved = Apart(partial(change, vehicle, selection.last, other))
-    after = adequacy(selection.last) if selection.found else before
-    rest = Left(after, before, len(selection.found), bool(fit.noise.left_out))
-    structure = confirmed_structure(selection.last, test_of.visible, rest, looks)
-    before, after = (replace(a, risk=structure.risk) for a in (before, after))
-    rest = replace(rest, after=after, before=before, imitated=tuple(f.fall for f in selection.imitating))
+    rest, structure = _left(selection, before, test_of.visible, looks)
     complete = _complete(rest, proof, vehicle, train)
     trial.look()
     residuals = before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
-    findings, withdrawn = findings_of(selection, residuals, after, complete=complete)
+    findings, withdrawn = findings_of(selection, residuals, rest.after, complete=complete)
     trial = trial.of({f.effect for f in findings})
     if complete and trial.out:
         # The verdict is on the model that is handed out, which leaves what the others took.
-        after = replace(adequacy(handed_out(fit, selection.last, trial.out)), risk=structure.risk)
-        rest = replace(rest, after=after, findings=len(findings))
+        after = adequacy(handed_out(fit, selection.last, trial.out))
+        rest = replace(rest, after=replace(after, risk=structure.risk), findings=len(findings))
         complete = _complete(rest, proof, vehicle, train)
     moving = Apart(partial(motion_of, proof, train, test)) if motion is None and findings else None
     proved, extended = proved_findings(findings, vehicle, train, trial.model) if complete else (findings, None)
@@ -130,21 +126,24 @@ def diagnose(
     if not shoal and (refusal := failure(gain, findings, complete=complete)) is not None:
         withdrawn = {**withdrawn, **{i: refusal for f in findings for i in (f.effect, *f.alternatives)}}
         extended = None
-        findings = (in_their_place(gain, findings, after, [f.id for f in selection.found], complete=complete),)
+        findings = (in_their_place(gain, findings, rest.after, [f.id for f in selection.found], complete=complete),)
         trial = trial.of(())
         gain, shown = trial.result()
     else:
         findings = (
             proved
             if complete
-            else (*findings, unknown(after, trial.out, proved=proof.sentence("unknown") if rest.sufficient else ""))
+            else (
+                *findings,
+                unknown(rest.after, trial.out, proved=proof.sentence("unknown") if rest.sufficient else ""),
+            )
         )
     claimed = claims(
         selection.last,
         selection.leftover,
         findings,
-        unknown=not after.quiet or complete != rest.sufficient,
-        structure=after.unexplained,
+        unknown=not rest.after.quiet or complete != rest.sufficient,
+        structure=rest.after.unexplained,
     )
     if water is not None and water.factor is not None:
         findings = (*findings, shallow(water))
@@ -172,7 +171,7 @@ def diagnose(
         {**confirmation.record(), "structure": structure.record()},
         unexplained(selection.last),
         gain,
-        (before, after),
+        (rest.before, rest.after),
         selection,
         trial.model,
         vehicle,
@@ -186,6 +185,25 @@ def diagnose(
         water,
         doubts,
     )
+
+
+def _left(
+    selection: Selection, before: Adequacy, visible: frozenset[str], looks: Looks
+) -> tuple[Left, StructureConfirmation]:
+    """What the model with all causes leaves, with the risk that null logs confirm, and their confirmation.
+
+    Args:
+        selection: with the causes.
+        before: adequacy of the plain model.
+        visible: ids of the effects that the log can show.
+        looks: null logs that may be looked at.
+    """
+    after = adequacy(selection.last) if selection.found else before
+    rest = Left(after, before, len(selection.found), bool(selection.plain.noise.left_out))
+    structure = confirmed_structure(selection.last, visible, rest, looks)
+    before, after = (replace(a, risk=structure.risk) for a in (before, after))
+    imitated = tuple(f.fall for f in selection.imitating)
+    return replace(rest, after=after, before=before, imitated=imitated), structure
 
 
 def _judged(fit: Fit, proof: Proof, train: Log, test: Log) -> tuple[Adequacy, tuple[TubeCheck, ...] | None]:

@@ -71,7 +71,9 @@ class Round:
     scored: Sequence[Scored]
     chance: float
     seen: Mapping[str, Visibility]
-    _left: dict[tuple[tuple[object, ...], tuple[float, ...]], float] = field(default_factory=dict, repr=False, compare=False)
+    _left: dict[tuple[tuple[object, ...], tuple[float, ...]], float] = field(
+        default_factory=dict, repr=False, compare=False
+    )
 
     @cached_property
     def curve(self) -> AnyCurve | None:

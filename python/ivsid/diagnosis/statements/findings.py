@@ -111,7 +111,9 @@ def findings_of(
     nothing = 0.0
     # The weakest first: what a cause takes that is none stays unexplained beside the stronger ones.
     for found in sorted(selection.found, key=lambda f: f.fall):
-        one = finding(found, last, selection.leftover, evidence, rest, selection.curves, swapped(selection.found, found.id))
+        one = finding(
+            found, last, selection.leftover, evidence, rest, selection.curves, swapped(selection.found, found.id)
+        )
         left = nothing + (rest.beside(last, own_columns(last, found.id)) if complete else rest.unexplained)
         effect = EFFECTS[found.id]
         parts = any(t.id == effect.shares and t in PAPER_TERMS for t in selection.plain.h.terms)

@@ -126,12 +126,19 @@ def test_a_fall_beside_errors_that_keep_their_bounds_is_tested_where_it_is_the_l
 # Nightly: whole diagnoses of logs of 300 s.
 @pytest.mark.nightly
 @pytest.mark.parametrize(
-    ("seed", "id_"), [(96090, "thruster.gain"), (96090, "thruster.asymmetry"), (89036, "thruster.asymmetry")]
+    ("seed", "drawn"),
+    [
+        (96090, {}),
+        # The catalogue has grown since three further seeds drew a gain and two asymmetries: these are drawn by name.
+        (96090, {"effect": "thruster.gain", "z": 15.0}),
+        (96090, {"effect": "thruster.asymmetry", "z": 15.0}),
+        (89036, {"effect": "thruster.asymmetry", "z": 15.0}),
+    ],
 )
-def test_a_gain_and_an_asymmetry_little_beyond_the_accuracy_are_named(seed, id_):
-    """Each was `adequate` or `unknown` while the errors had soft priors alone; the accuracy is 2 %, and the examiner's z is 15."""
-    c = cases.case(seed, duration=300.0, effect=id_, z=15.0)
+def test_a_gain_and_an_asymmetry_little_beyond_the_accuracy_are_named(seed, drawn):
+    """Each was `adequate` or `unknown` while the errors had soft priors alone; the accuracy is 2 %, and the examiner's z is 10 to 24."""
+    c = cases.case(seed, duration=300.0, **drawn)
     vehicle = parse_vehicle(c.text, "vehicle.toml")
     logs = [Log(f"{k}.csv", "0" * 64, q["t"], {i: x for i, x in q.items() if i != "t"}) for k, q in enumerate(c.logs)]
     (found,) = diagnose(vehicle, *logs).findings
-    assert id_ in {found.effect, *found.alternatives}
+    assert {*c.z} <= {found.effect, *found.alternatives}

@@ -237,7 +237,7 @@ class Boxed:
             root = np.sqrt(values[kept])
             left = vectors[:, kept].T @ (turn.T @ r) / root
             shape = (vectors[:, kept] * root).T
-            rest = shape @ inside_box(shape, left, np.full(len(r), OVERSHOOT)) - left
+            rest = shape @ inside_box(shape, left, np.full(shape.shape[1], OVERSHOOT)) - left
             found.append((float(rest @ rest), int(kept.sum())))
         return max(fall for fall, _ in found), max(count for _, count in found)
 

@@ -18,7 +18,7 @@ from scipy.special import chdtrc
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.null.any_curve import DOUBT, AnyCurve, Boxed, is_declared, lost
+from ivsid.diagnosis.null.any_curve import AnyCurve, Boxed, is_declared, lost
 from ivsid.diagnosis.null.directions import left_beside
 from ivsid.diagnosis.null.inside_cells import FINER, inside_cells
 from ivsid.diagnosis.null.reached import Reached
@@ -129,8 +129,8 @@ class Round:
             return s
         if is_declared(self.fit, s):
             return replace(s, boxed=self.left(s))
-        # Values at the knots that keep their bounds leave the log a curve.
-        if not s.candidate.effect.acts.at_thruster or self._kept > DOUBT:
+        # Values at the knots have room for overshoots, so that they may keep their bounds where no curve does.
+        if not s.candidate.effect.acts.at_thruster:
             return s
         r = self.reached
         return s if chdtrc(max(r.knots, 1), r.leaving) > self.chance else replace(s, boxed=r.of(s))

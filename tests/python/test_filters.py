@@ -28,7 +28,7 @@ from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.parallel import side_by_side
 from ivsid.diagnosis.statements.windows import windows
 from ivsid.effects import EFFECTS, Given, Reading, terms_of
-from ivsid.intervals.apart import Apart, Prepared
+from ivsid.intervals.apart import Apart, Prepared, in_turn
 from ivsid.linear.filters import decaying, respond, table_thrust, whiten
 from ivsid.log import Log
 from ivsid.memory.pieces import processors
@@ -277,6 +277,25 @@ def test_a_task_apart_keeps_its_result_and_its_fault():
         with pytest.raises(ZeroDivisionError):
             broken.result()
     # The processes of the other two end by themselves.
+    for process in multiprocessing.active_children():
+        process.join(30)
+    assert not multiprocessing.active_children()
+
+
+def test_tasks_in_turn_share_a_process_and_wait_for_nobody(monkeypatch):
+    """A long result that nobody takes, and a task that fails, hold up no later task."""
+    monkeypatch.setattr("ivsid.intervals.apart.processors", lambda: 2)
+    long, broken, last = (
+        Apart(task, late=late, begun=False)
+        for task, late in ((lambda: bytes(1 << 22), False), (lambda: 1 // 0, False), (os.getpid, True))
+    )
+    in_turn(long, broken, last)
+    apart = last._worker is broken._worker if hasattr(last, "_worker") else False
+    where = last.result()
+    assert (where != os.getpid()) == apart
+    with pytest.raises(ZeroDivisionError):
+        broken.result()
+    long.drop()
     for process in multiprocessing.active_children():
         process.join(30)
     assert not multiprocessing.active_children()

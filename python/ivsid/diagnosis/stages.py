@@ -18,9 +18,8 @@ from ivsid.diagnosis.null.detection import detection_limits
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.levels import NAMES
 from ivsid.diagnosis.null.looks import Looks
-from ivsid.diagnosis.null.thresholds import calibrate
+from ivsid.diagnosis.null.thresholds import Calibration, calibrate
 from ivsid.diagnosis.null.visibility import Visibility, visibility
-from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy
 from ivsid.diagnosis.selection.confirmation import NULL_LOGS, StructureConfirmation, confirmed, confirmed_structure
 from ivsid.diagnosis.selection.parallel import one_blas_thread
@@ -38,10 +37,10 @@ from ivsid.diagnosis.statements.not_tested import left_out_note, not_tested
 from ivsid.diagnosis.statements.proved import Proof, lasting, proof_of, proved_findings
 from ivsid.diagnosis.statements.residuals import before_and_after, unexplained
 from ivsid.diagnosis.statements.shallow_water import change
-from ivsid.diagnosis.statements.trial import Trial
+from ivsid.diagnosis.statements.trial import Trial, unchanged
 from ivsid.diagnosis.statements.without import handed_out
 from ivsid.errors import IvsidError
-from ivsid.intervals.apart import Apart
+from ivsid.intervals.apart import Apart, in_turn
 from ivsid.log import GivenLog, Log, log_of
 from ivsid.setup import SetupFinding, examined
 from ivsid.tubes.reached import TubeCheck
@@ -87,12 +86,7 @@ def diagnose(
     train, test = log_of(train, vehicle.log), log_of(test, vehicle.log)
     log, other, fit, proof, doubts = _fitted(vehicle, train, test, progress)
     visible = visibility(fit)
-    # What is said of the model as it was is asked for where its causes are known, and the limits last.
-    calibrating, judging = (
-        Apart(partial(calibrate, fit, frozenset(i for i, v in visible.items() if v.tested), NAMES, seed)),
-        Apart(partial(_judged, fit, proof, train, test)),
-    )
-    limits = Apart(partial(detection_limits, fit), late=True)
+    calibrating, nothing, judging, limits = _asked_of(fit, visible, (train, test), other, proof, seed)
     scored, looks = score(fit), Looks(seed, null_logs, cache, progress)
     test_of = Threshold(calibrating.result(), visible)
     progress("looking for causes")
@@ -102,10 +96,10 @@ def diagnose(
     if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in passed):
         progress("looking again, at the threshold of the null logs")
         selection = select(fit, scored, confirmation.test, progress)
-    before, motion = judging.result()
     # Most findings stand, so their model is tried while they are examined.
-    trial = Trial(Predictor(vehicle, other, selection.last.noise.predictor.ambient), selection, seed, tried)
-    moved = Apart(partial(change, vehicle, selection.last, other))
+    trial = Trial(other, selection, seed, tried, nothing)
+    trial.look()
+    before, motion = judging.result()
     rest, structure = _left(selection, before, test_of.visible, looks)
     complete = _complete(rest, proof, vehicle, train)
     trial.look()
@@ -120,7 +114,8 @@ def diagnose(
     moving = Apart(partial(motion_of, proof, train, test)) if motion is None and findings else None
     proved, extended = proved_findings(findings, vehicle, train, trial.model) if complete else (findings, None)
     progress("trying both models on the other log")
-    (gain, shown), water = trial.result(), moved.result()
+    water = change(vehicle, selection.last, other)
+    gain, shown = trial.result()
     shoal = water is not None and water.factor is not None
     # Masses that differ between the logs are a reason to fail on the other one.
     if not shoal and (refusal := failure(gain, findings, complete=complete)) is not None:
@@ -187,6 +182,30 @@ def diagnose(
     )
 
 
+def _asked_of(
+    fit: Fit, visible: Mapping[str, Visibility], logs: tuple[Log, Log], other: Channels, proof: Proof, seed: int
+) -> tuple[
+    Apart[Calibration],
+    Apart[Gain],
+    Apart[tuple[Adequacy, tuple[TubeCheck, ...] | None]],
+    Apart[dict[str, Mapping[str, float]]],
+]:
+    """What is asked of the plain model, in a process beside the search for causes, in the order in which it is asked for.
+
+    Returns:
+        The test's calibration, the gain if no cause is found, what is said of the model as it was, and the limits of detection.
+    """
+    tested = frozenset(i for i, v in visible.items() if v.tested)
+    tasks = (
+        Apart(partial(calibrate, fit, tested, NAMES, seed), begun=False),
+        Apart(partial(unchanged, other, fit, seed), begun=False),
+        Apart(partial(_judged, fit, proof, *logs), begun=False),
+        Apart(partial(detection_limits, fit), late=True, begun=False),
+    )
+    in_turn(*tasks)
+    return tasks
+
+
 def _left(
     selection: Selection, before: Adequacy, visible: frozenset[str], looks: Looks
 ) -> tuple[Left, StructureConfirmation]:
@@ -225,8 +244,9 @@ def _fitted(
     Raises:
         IvsidError: a wrong set-up that is beyond doubt, which comes before all other reasons and before any fit, or a log that no numbers follow.
     """
-    examining = Apart(partial(examined, vehicle, (train, test)))
-    proving = Apart(partial(proof_of, vehicle, train))
+    examining = Apart(partial(examined, vehicle, (train, test)), begun=False)
+    proving = Apart(partial(proof_of, vehicle, train), begun=False)
+    in_turn(examining, proving)
     doubts: list[SetupFinding] = []
 
     def looked_for(fit: Fit) -> Fit:

@@ -5,15 +5,18 @@ from __future__ import annotations
 import gc
 import multiprocessing
 import os
-from collections.abc import Callable
+import pickle
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
 from threading import Thread
 from typing import Final, Generic, TypeVar
 
 from ivsid.memory.pieces import processors
 
 _T = TypeVar("_T")
+_T_co = TypeVar("_T_co", covariant=True)
 _X = TypeVar("_X")
 # Steps by which a task whose result is asked for late gives way to others (POSIX ``nice``).
 # Source: resource: it takes what time of the processors the others leave, a tenth of theirs where they leave none
@@ -23,57 +26,80 @@ GIVES_WAY: Final = 10
 LOOK: Final = 0.5
 
 
-class Apart(Generic[_T]):
+class Apart(Generic[_T_co]):
     """A task in a forked process: many operations on short arrays, which hold the interpreter.
 
     Where no process can be forked, the task is done when its result is asked for.
 
     Args:
         task: what is done.
-        late: whether its result is asked for late, so that the task gives way to others.
+        late: whether its result is asked for late, so that the task gives way to others, and all that its process does after it.
+        begun: whether its process starts at once; ``in_turn`` starts it otherwise.
     """
 
-    def __init__(self, task: Callable[[], _T], *, late: bool = False) -> None:
-        self._task = task
+    def __init__(self, task: Callable[[], _T_co], *, late: bool = False, begun: bool = True) -> None:
+        self._task, self._late = task, late
         self._reader: Connection | None = None
-        if not _forks():
-            return
-        context = multiprocessing.get_context("fork")
-        self._reader, writer = context.Pipe(duplex=False)
-        self._worker = context.Process(target=_sent, args=(task, writer, late), daemon=True)
-        self._worker.start()
-        writer.close()
+        if begun:
+            in_turn(self)
 
     @property
     def done(self) -> bool:
         """Whether a process has a result or a fault that was not asked for yet."""
         return self._reader is not None and self._reader.poll()
 
-    def result(self) -> _T:
+    def result(self) -> _T_co:
         """The result; a task that failed is done again here, and raises what it raises."""
         if self._reader is None:
             return self._task()
         try:
-            found: _T = self._reader.recv()
+            found: _T_co = self._reader.recv()
         except EOFError:
-            self.end()
+            self._close()
             return self._task()
         except BaseException:
             self.end()
             raise
-        # The process has nothing left to do but to give its memory back, which takes as long as many a task: nobody waits for that. The next process
-        # that is started, or the end of the program, takes its exit code.
-        self._reader.close()
-        self._reader = None
+        # The process may have other tasks, or nothing left to do but to give its memory back, which takes as long as many a task: nobody waits for that.
+        # The next process that is started, or the end of the program, takes its exit code.
+        self._close()
         return found
 
     def end(self) -> None:
-        """Ends the process, whether or not its task is done."""
+        """Ends the process, whether or not its task is done; tasks that it had beside are done where their results are asked for."""
         if self._reader is not None:
             self._worker.terminate()
             self._worker.join()
+            self._close()
+
+    def drop(self) -> None:
+        """Says that nobody will ask for the result; the process goes on with the tasks that it has beside."""
+        self._close()
+
+    def _begin(self, worker: BaseProcess, reader: Connection) -> None:
+        self._worker, self._reader = worker, reader
+
+    def _close(self) -> None:
+        if self._reader is not None:
             self._reader.close()
             self._reader = None
+
+
+def in_turn(*tasks: Apart[object]) -> None:
+    """Starts one process for several tasks, in the order in which their results are asked for.
+
+    A process is a copy: what either side changes later is copied page by page, which costs as much as a short task.
+    """
+    if not _forks():
+        return
+    context = multiprocessing.get_context("fork")
+    pipes = [context.Pipe(duplex=False) for _ in tasks]
+    jobs = [(t._task, *pipe, t._late) for t, pipe in zip(tasks, pipes, strict=True)]
+    worker = context.Process(target=_sent, args=(jobs,), daemon=True)
+    worker.start()
+    for task, (reader, writer) in zip(tasks, pipes, strict=True):
+        writer.close()
+        task._begin(worker, reader)
 
 
 class Prepared(Generic[_X, _T]):
@@ -157,17 +183,33 @@ def _forks() -> bool:
     )
 
 
-def _sent(task: Callable[[], _T], writer: Connection, late: bool) -> None:
+def _sent(jobs: Sequence[tuple[Callable[[], object], Connection, Connection, bool]]) -> None:
     """Work of the process; nothing is sent of a task that fails."""
-    if late:
-        os.nice(GIVES_WAY)
     # A collection would write to every object of the parent, and so copy all of its memory.
     gc.freeze()
     end_with_parent()
-    try:
-        writer.send(task())
-    except Exception:
-        writer.close()
+    for _, reader, _, _ in jobs:
+        # The end of the parent alone says whether somebody asks for a result.
+        reader.close()
+    given_way = False
+    for task, _, writer, late in jobs:
+        if late and not given_way:
+            os.nice(GIVES_WAY)
+            given_way = True
+        try:
+            found = pickle.dumps(task(), pickle.HIGHEST_PROTOCOL)
+        except Exception:
+            # An end that closes without a result says that the task failed.
+            writer.close()
+        else:
+            # What is long waits in its pipe until it is asked for, and the next task does not wait for that.
+            Thread(target=_delivered, args=(writer, found)).start()
+
+
+def _delivered(writer: Connection, found: bytes) -> None:
+    # Nobody may ask for it.
+    with suppress(OSError), writer:
+        writer.send_bytes(found)
 
 
 def end_with_parent() -> None:

@@ -6,6 +6,8 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
+from ivsid.diagnosis.data.channels import Channels
+from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.learning import determined, undetermined
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor, replaced
@@ -14,6 +16,29 @@ from ivsid.diagnosis.statements.comparison import Gain, compare
 from ivsid.diagnosis.statements.share import Share, shares
 from ivsid.diagnosis.statements.without import same_causes, without
 from ivsid.intervals.apart import Apart
+
+
+def unchanged(other: Channels, plain: Fit, seed: int) -> Gain:
+    """The comparison where no cause is found: the plain model with itself.
+
+    Args:
+        other: the other log on its clock.
+        plain: fit of the model without causes.
+        seed: of the bootstrap.
+    """
+    before = _as_it_was(plain)
+    return compare(_on(other, plain), before, before, seed)
+
+
+def _as_it_was(plain: Fit) -> Hypothesis:
+    """The plain model without errors of TRAIN's sensors and thrusters, which are no part of it: TEST has its own."""
+    return replace(determined(plain), declared_errors={})
+
+
+def _on(other: Channels, fit: Fit) -> Predictor:
+    """Predictions of the other log beside the ambient force of a fit."""
+    here = fit.noise.predictor
+    return Predictor(here.vehicle, other, here.ambient)
 
 
 class Trial:
@@ -29,38 +54,44 @@ class Trial:
 
     def __init__(
         self,
-        predictor: Predictor,
+        other: Channels,
         selection: Selection,
         seed: int,
-        tried: Callable[[Gain], None] = lambda _: None,
+        tried: Callable[[Gain], None],
+        nothing: Apart[Gain],
         out: Sequence[str] = (),
     ) -> None:
         """Starts the comparisons.
 
         Args:
-            predictor: of the other log.
+            other: the other log on its clock.
             selection: the causes with their fits.
             seed: of the bootstrap.
             tried: told of the gain once, as soon as it is asked for after it is known.
+            nothing: the comparison where no cause was found, begun before any was looked for; its process goes on with other tasks.
             out: causes that were found and are no findings.
         """
         self.out = tuple(out)
-        self._given = (predictor, selection, seed, tried)
+        self._given = (other, selection, seed, tried, nothing)
         self._known: Gain | None = None
         plain, last = selection.plain, selection.last
         extended = without(plain, last, out).h
-        # Errors of TRAIN's sensors and thrusters are no part of the model: TEST has its own.
-        before = replace(determined(plain), declared_errors={})
+        before = _as_it_was(plain)
         known = replaced(extended, undetermined(last))
         # Numbers that were fitted anew beside the same causes are no other model.
         self.model = before if same_causes(extended, plain.h) else replace(known, declared_errors={})
-        self._gain = Apart(partial(compare, predictor, before, self.model, seed))
         causes = [f.id for f in selection.found]
-        self._shares = Apart(partial(shares, predictor, plain, last, causes, out)) if causes else None
+        self._shares: Apart[Mapping[str, Share]] | None = None
+        self._gain = nothing
+        if causes:
+            nothing.drop()
+            predictor = _on(other, last)
+            self._gain = Apart(partial(compare, predictor, before, self.model, seed))
+            self._shares = Apart(partial(shares, predictor, plain, last, causes, out))
 
     def of(self, names: Collection[str]) -> Trial:
         """The trial of the model with these findings; this one, if it has no other causes."""
-        _, selection, _, _ = self._given
+        selection = self._given[1]
         out = tuple(f.id for f in selection.found if f.id not in names)
         if out == self.out:
             return self
@@ -77,7 +108,7 @@ class Trial:
     def _told(self) -> Gain:
         if self._known is None:
             self._known = self._gain.result()
-            self._given[-1](self._known)
+            self._given[3](self._known)
         return self._known
 
     def result(self) -> tuple[Gain, Mapping[str, Share]]:

@@ -3,7 +3,7 @@
 Keys: ``out`` (a file for the rows), ``table`` (one for the table of the documentation), ``workers``, ``folders`` (a folder of cases by
 another simulator, which replace the drawn ones; tests/exam/seal.py), and what is not to be drawn: ``what``, ``effect`` (``each`` takes
 all in turn), ``size`` (a multiple of the typical one) or ``z`` (how far it shall stand out), ``style``, ``kind``, ``ambient``, ``duration``, ``rate``, ``noise``,
-``thrust`` (the family of the thrust errors, ``inflow`` for errors by the speed of the water, or ``none``) and ``share`` (of the accuracy that they fill; tests/exam/cases.py).
+``thrust`` (the family of the thrust errors, ``inflow`` for errors by the speed of the water, or ``none``) ``share`` (of the accuracy that they fill) and ``sea`` (the spectrum of the ambient force; tests/exam/seas.py).
 
 The run fails if the counts contradict a demanded rate (tests/exam/criteria.py).
 """

@@ -42,7 +42,7 @@ def table(rows, first: int, count: int) -> str:
     out.append(f"| processor time, median and largest | 3 s | {times(done)} | | |")
     out += ["", *lines(done), "", "![Share of right findings against the probability that was said](reliability.svg)"]
     out += ["", "| stratum | nulls not adequate | singles with z >= 8 named or in a set |", "|---|---|---|"]
-    for key in ("kind", "style", "ambient", "rate", "duration", "family"):
+    for key in ("kind", "style", "ambient", "rate", "duration", "family", "sea"):
         for value in sorted({r["stratum"][key] for r in done}, key=str):
             a = [r for r in nulls if r["stratum"][key] == value]
             b = [r for r in singles if r["stratum"][key] == value]

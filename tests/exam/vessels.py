@@ -43,6 +43,7 @@ class Conditions:
         noise: of the sensors.
         thrust: family of the thrust errors (tests/exam/thrust_errors.py), or ``none``.
         share: of the accuracy that these errors fill.
+        sea: spectrum of the ambient force (tests/exam/seas.py).
     """
 
     style: str | None = None
@@ -53,6 +54,7 @@ class Conditions:
     noise: str = "gaussian"
     thrust: str | None = None
     share: float | None = None
+    sea: str | None = None
 
 
 def vehicle_of(kind: str, rng: np.random.Generator) -> tuple[str, dict[str, float], float]:

@@ -20,6 +20,7 @@ from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import AnyCurve, Boxed, is_declared, lost
 from ivsid.diagnosis.null.directions import left_beside
+from ivsid.diagnosis.null.frequencies import strength
 from ivsid.diagnosis.null.inside_cells import FINER, inside_cells
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.null.rule import Rule
@@ -291,6 +292,18 @@ OPINION: Final = Rule[Case](
     lambda c: c.doubtful,
     least=False,
 )
+FREQUENCIES: Final = Rule[Case](
+    "own frequencies",
+    "chance of the fall of chi² over the strength of the noise at the frequencies of the cause",
+    "at most the calibrated threshold of this log",
+    "An ambient force may have any spectrum: a band of a swell, or gusts that last longer than the filters expect. What the log holds beside the "
+    "cause at the same frequencies makes such falls by itself.",
+    "make exam",
+    lambda c: chance(replace(c.s, fall=c.s.shown / strength(c.round.fit, c.s), boxed=0.0)),
+    lambda c: c.round.chance,
+    "the log holds as much at the same frequencies without it: beside that its fall of chi² has probability {value:.1g}, and {limit:.1g} is the limit",
+    least=False,
+)
 ANY_CURVE: Final = Rule[Case](
     "any curve",
     "chance of the fall of chi² that no declared error inside its bound can make",
@@ -314,5 +327,6 @@ SCREENING: Final = (
     POSSIBLE,
     BESIDE_BLIND,
     OPINION,
+    FREQUENCIES,
     ANY_CURVE,
 )

@@ -1,0 +1,52 @@
+"""Ambient forces of several spectra, all of them with the rms of the vehicle file: random ones, long gusts, bands of a swell, and single gusts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from tests.exam.simulator import gauss_markov
+
+# Correlation time of long gusts, in that of the vehicle file.
+LONGER = 4.0
+# Components of a swell, and its band in cycles per correlation time.
+COMPONENTS, BAND = 200, (0.03, 0.5)
+# Width of a single gust, and the mean time between two of them, in correlation times.
+GUST, BETWEEN = 1.0, 6.0
+
+
+def _slow(n: int, h: float, deviation: float, time: float, rng: np.random.Generator) -> np.ndarray:
+    return gauss_markov(n, h, deviation, LONGER * time, rng)
+
+
+def _band(n: int, h: float, deviation: float, time: float, rng: np.random.Generator) -> np.ndarray:
+    """A flat spectrum between two frequencies, and nothing beside it, shape (n,)."""
+    t = h * np.arange(n)
+    low, high = BAND
+    found = np.zeros(n)
+    for w, phase in zip(rng.uniform(low, high, COMPONENTS), rng.uniform(0.0, 2 * math.pi, COMPONENTS), strict=True):
+        found += np.sin(2 * math.pi * w / time * t + phase)
+    return deviation * math.sqrt(2 / COMPONENTS) * found
+
+
+def _gusts(n: int, h: float, deviation: float, time: float, rng: np.random.Generator) -> np.ndarray:
+    """Bumps of random height at random times, shape (n,)."""
+    t, found = h * np.arange(n), np.zeros(n)
+    for at in rng.uniform(0.0, n * h, max(round(n * h / (BETWEEN * time)), 1)):
+        found += rng.standard_normal() * np.exp(-(((t - at) / (GUST * time)) ** 2))
+    # A bump has the energy sqrt(pi / 2) of its width.
+    return deviation * found / math.sqrt(math.sqrt(math.pi / 2) * GUST / BETWEEN)
+
+
+SEAS: Mapping[str, Callable[[int, float, float, float, np.random.Generator], np.ndarray]] = {
+    "markov": gauss_markov,
+    "slow": _slow,
+    "band": _band,
+    "gusts": _gusts,
+}
+
+
+def drawn_sea(seed: int) -> str:
+    """The sea of a seed, each as often as the others."""
+    return str(np.random.default_rng([seed, 6]).choice(list(SEAS)))

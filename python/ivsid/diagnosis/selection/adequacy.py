@@ -16,6 +16,7 @@ from scipy.special import chdtrc
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import DOUBT, AnyCurve, Boxed, beyond, outside
+from ivsid.diagnosis.null.frequencies import excess, spectrum
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.selection.dictionary import regressors
 from ivsid.diagnosis.selection.hulls import Asked, asked_of_hulls
@@ -149,7 +150,13 @@ def adequacy(fit: Fit) -> Adequacy:
     g = fit.gram.only(fit.base)
     first = len(g.names)
     wide = g.joined(names, x, unit)
-    found = _structure(Projection(wide, range(first)), range(first, len(wide.names)), names, _none)
+    own, at = Projection(wide, range(first)), range(first, len(wide.names))
+    found = _structure(own, at, names, _none)
+    above: Array | None = None
+    if not found.white:
+        # An ambient force of another spectrum than the whitening knows scatters the scores as well.
+        above = spectrum(fit, wide)
+        found = _structure(own, at, names, _none, excess(fit, own, at, above))
     found = replace(found, alone=found.chance_of_one <= ALONE)
     boxed = Boxed(fit)
     left, knots = boxed.leaving, boxed.knots
@@ -169,7 +176,10 @@ def adequacy(fit: Fit) -> Adequacy:
     free = free or AnyCurve(fit)
     first = len(free.g.names)
     wide = free.g.joined(names, x.reshape(len(x), *free.g.y.shape), unit)
-    beside = _structure(Projection(wide, free.projection.base), range(first, len(wide.names)), names, free.worst)
+    own, at = Projection(wide, free.projection.base), range(first, len(wide.names))
+    beside = _structure(
+        own, at, names, free.worst, excess(fit, own, at, spectrum(fit, wide) if above is None else above)
+    )
     alone = found.alone and beside.chance_of_one <= ALONE
     return replace(
         beside, leaving=left, knots=knots, pushed=found.pushed, outside=far, hulls=hulls, rougher=rougher, alone=alone
@@ -191,7 +201,13 @@ def _none(moved: Array) -> Array:
     return np.zeros(moved.shape[1:])
 
 
-def _structure(p: Projection, at: Sequence[int], names: Sequence[str], most: Callable[[Array], Array]) -> Adequacy:
+def _structure(
+    p: Projection,
+    at: Sequence[int],
+    names: Sequence[str],
+    most: Callable[[Array], Array],
+    more: Array | None = None,
+) -> Adequacy:
     """Structure that regressors find beside a base.
 
     Args:
@@ -199,11 +215,14 @@ def _structure(p: Projection, at: Sequence[int], names: Sequence[str], most: Cal
         at: indices of the regressors.
         names: theirs, ``channel|function``.
         most: what declared errors move sums by at most, from what a unit of each moves them by.
+        more: covariance of the scores beyond that of white noise, shape (regressors, regressors).
     """
     columns = list(at)
     H = p.information(columns)
-    d = np.sqrt(np.maximum(np.diag(H), 1e-300))
     real = np.diag(H) > EXPLAINED
+    if more is not None:
+        H = H + more
+    d = np.sqrt(np.maximum(np.diag(H), 1e-300))
     scores = np.where(real, p.left_score[columns] / d, 0.0)
     # How far each error inside the box moves the score of each regressor, and of a sum of them.
     moved = p.held_back(columns) / d

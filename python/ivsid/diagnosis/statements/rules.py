@@ -49,14 +49,17 @@ class Held:
 
     @property
     def distance(self) -> float:
-        """Distance of "no effect" from the interval of an only parameter, in half-widths beyond its end; infinite for several."""
-        parameters, bounds = self.effect.parameters, list(self.parameters.values())
-        if not len(parameters) == len(bounds) == 1:
+        """Distance of "no effect" from the interval of the only size, in half-widths beyond its end; infinite for several, one of which may do."""
+        numbers = list(zip(self.effect.parts, self.effect.parameters, strict=True))
+        sizes = numbers if len(numbers) == 1 else [(name, p) for name, p in numbers if p.draw == "size"]
+        if len(sizes) != 1 or sizes[0][0] not in self.parameters:
             return float("inf")
-        said = bounds[0].lower, bounds[0].upper
+        ((name, parameter),) = sizes
+        bound = self.parameters[name]
+        said = bound.lower, bound.upper
         # What is unknown widens every interval; here it is asked whether the cause is there beside it.
-        lower, upper = said if self.quiet else bounds[0].within or said
-        outside = max(lower - parameters[0].none, parameters[0].none - upper)
+        lower, upper = said if self.quiet else bound.within or said
+        outside = max(lower - parameter.none, parameter.none - upper)
         return outside / max(0.5 * (upper - lower), 1e-300)
 
 
@@ -73,9 +76,9 @@ DOMINANT_RULE: Final = Rule[Held](
 )
 EXCLUDES: Final = Rule[Held](
     "excludes no effect",
-    "distance of the value without effect from the interval of an only number, in half-widths",
+    "distance of the value without effect from the interval of the only size, in half-widths",
     "above 0",
-    "A number that may be none names nothing. Where structure is left, the interval is the one beside it, without what hides in it. A cause that stands "
+    "A size that may be none names nothing, whatever else is said of the cause. Where structure is left, the interval is the one beside it, without what hides in it. A cause that stands "
     "out of declared errors inside their bounds, and not out of their priors, has its interval from the priors alone, and is not asked.",
     "definition",
     lambda c: c.distance,

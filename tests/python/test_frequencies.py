@@ -1,35 +1,94 @@
-"""The strength of the noise at a cause's frequencies: 1 in white noise, that of the spectrum in any other, and no more for a cause that is there."""
+"""Strength of the noise at a direction's frequencies: the mean fall of chi-squared in noise of any spectrum, and no more for a cause that is there."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_logs import boat, train_of
+from scipy.signal import lfilter
 
-from ivsid.diagnosis.candidates.families import everything, score
-from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.null.frequencies import strength
-from tests.exam.cases import case
-from tests.exam.seas import SEAS
+from diagnosis_logs import screened, train_of, vehicle_of
+from ivsid.diagnosis.null.frequencies import excess, spectrum, strength
 
-from ivsid.diagnosis import diagnose
+DRAWS = 40
+# Numerators and denominators of recursions: white, long gusts, and a band about a sixth of the highest frequency.
+NOISES = {
+    "white": ([1.0], [1.0]),
+    "gusts": ([1.0], [1.0, -0.9]),
+    "band": ([1.0, 0.0, -1.0], [1.0, -1.56, 0.81]),
+}
 
 
 @pytest.fixture(scope="module")
-def fit():
-    vehicle = boat()
-    return score(plain_fit(vehicle, channels(train_of(vehicle, duration=300.0), vehicle), everything))
+def logged():
+    vehicle = vehicle_of()
+    return screened(vehicle, train_of(vehicle))
 
 
-def with_errors(fit, row):
-    """The fit to whitened errors that are drawn: the same in every row."""
+def with_errors(fit, rows):
+    """The fit to whitened errors that are drawn, shape (rows, n)."""
     g = fit.gram
+    y = rows.reshape(len(rows), len(g.y), g.length).transpose(1, 0, 2).reshape(g.y.shape)
+    score = np.concatenate([np.einsum("cbi,bi->bc", part, y) for part in g.parts], axis=1)
+    # No errors but these: the priors of declared errors have none.
+    made = replace(g, y=y, score=score, energy=(y**2).sum(axis=1), centre=np.zeros_like(g.centre))
+    return replace(fit, gram=made)
+
+
+def noises(fit, kind, seed):
+    """Whitened errors of variance 1 with a spectrum, shape (rows, n)."""
+    rng, (top, below) = np.random.default_rng(seed), NOISES[kind]
     rows = len(fit.noise.predictor.labels)
-    y = np.stack([row] * rows).reshape(rows, len(g.y), g.length).transpose(1, 0, 2).reshape(g.y.shape)
-    scores = np.concatenate([(p.transpose(1, 0, 2) @ y[:, :, None])[:, :, 0] for p in g.parts], axis=1)
-    return replace(fit, gram=replace(g, y=y, score=scores, energy=(y**2).sum(axis=1)))
+    drawn = lfilter(top, below, rng.standard_normal((rows, fit.gram.y.size // rows + 200)), axis=1)[:, 200:]
+    return drawn / np.sqrt(np.mean(lfilter(top, below, np.random.default_rng(1).standard_normal(200000)) ** 2))
 
 
-def one(scored, id_):
-    return next(s for s in scored if s.id == id_)
+def linear(logged):
+    """Scores with one column over the whole log, of as many kinds as there are."""
+    return [s for s in logged.scores if len(s.columns) == 1 and not s.candidate.starts]
+
+
+@pytest.mark.parametrize("kind", NOISES)
+def test_the_strength_is_the_mean_fall_in_noise_of_any_spectrum(logged, kind):
+    """The oracle is the mean over draws, which knows of no frequencies."""
+    falls, said = [], []
+    some = linear(logged)[::4]
+    for seed in range(DRAWS):
+        fit = with_errors(logged.fit, noises(logged.fit, kind, seed))
+        falls.append([fit.projection.solve(s.columns)[1] for s in some])
+        if seed < 5:
+            said.append([strength(fit, s) for s in some])
+    mean, said = np.mean(falls, axis=0), np.mean(said, axis=0)
+    spread = np.maximum(mean, 1.0) * np.sqrt(2 / DRAWS)
+    # No strength is below 1, and the draws have no declared errors, which the priors expect.
+    assert np.all(said > mean - 3.5 * spread)
+    assert np.mean(said <= np.maximum(mean, 1.0) + 3.5 * spread) > 0.9
+    # Regressors have little at the frequencies of the band.
+    assert (said.max() > 5.0) == (kind == "gusts")
+
+
+def test_a_cause_that_is_there_is_not_weakened(logged):
+    fit = logged.fit
+    for s in linear(logged)[::5]:
+        (k,) = s.columns
+        rows = len(fit.noise.predictor.labels)
+        own = fit.gram.columns([k])[0].reshape(-1, rows, fit.gram.length).transpose(1, 0, 2).reshape(rows, -1)
+        there = with_errors(fit, noises(fit, "white", 3) + 100.0 * own)
+        assert strength(there, s) < 1.5
+
+
+def test_the_spectrum_adds_nothing_in_white_noise_and_the_scatter_of_scores_in_any_other(logged):
+    """Covariance of scores of regressors: that of draws, and no less than that of white noise."""
+    at = sorted({k for s in linear(logged)[::4] for k in s.columns})
+    for kind in ("white", "gusts"):
+        drawn = []
+        for seed in range(DRAWS):
+            fit = with_errors(logged.fit, noises(logged.fit, kind, seed))
+            drawn.append(fit.projection.left_score[at])
+        p = fit.projection
+        more = excess(fit, p, at, spectrum(fit, fit.gram.only([*p.base, *at])))
+        own = np.diag(p.information(at))
+        ratio = (np.diag(more) + own) / own
+        found = np.var(drawn, axis=0) / own
+        assert np.all(np.linalg.eigvalsh(more) > -1e-9 * np.trace(own * np.eye(len(at))))
+        assert np.median(ratio / found) < 1.6
+        assert np.median(ratio / found) > (0.8 if kind == "gusts" else 0.9)

@@ -53,9 +53,12 @@ def strength(fit: Fit, s: Scored) -> float:
     theta = np.linalg.lstsq(H, score, rcond=None)[0]
     own = np.tensordot(theta, x, axes=1) - g.explained(p.base, solved @ theta)
     left = g.y - g.explained(p.base, p.coefficients) - own
-    weight = _power(_transformed(fit, own[None])[0])
-    whole = float(weight.sum())
-    return max(float((weight * _smooth(fit, left)).sum()) / whole, 1.0) if whole > 0 else 1.0
+    weight, fall = _power(_transformed(fit, own[None])[0]), float(theta @ H @ theta)
+    if not (fall > 0 and weight.sum() > 0):
+        return 1.0
+    # What priors hold back of the cause is no part of its direction, and scatters by the priors.
+    share = float((own * own).sum()) / fall
+    return max(1.0 + share * (float((weight * _smooth(fit, left)).sum()) / float(weight.sum()) - 1.0), 1.0)
 
 
 def spectrum(fit: Fit, g: Gram) -> Array:

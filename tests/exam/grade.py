@@ -10,6 +10,11 @@ from tests.exam.criteria import hit, judged, passed, seen, spurious
 from tests.exam.worth import worth
 
 
+def inside(lower: float | None, x: float, upper: float | None) -> bool:
+    """Whether a value lies in an interval; an end that is null is open."""
+    return (lower is None or lower <= x) and (upper is None or x <= upper)
+
+
 def grade(folder: Path, said: dict, truth: dict) -> dict:
     """One case."""
     truth = renamed(truth)
@@ -23,7 +28,7 @@ def grade(folder: Path, said: dict, truth: dict) -> dict:
         ways = [w for w in same(truth["truth"]) if set(f["parameters"]) & set(w)]
         scored = [
             {
-                k: [bool(b["lower"] <= w[k] <= b["upper"]), w[k], b["lower"], b["upper"], bool(b["guaranteed"])]
+                k: [inside(b["lower"], w[k], b["upper"]), w[k], b["lower"], b["upper"], bool(b["guaranteed"])]
                 for k, b in f["parameters"].items()
                 if k in w
             }

@@ -1,9 +1,14 @@
 """The region of anchors that a log allows: a bent strip, whose slopes at the best place show its width alone."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from ivsid.diagnosis.candidates import intervals
+from ivsid.diagnosis.candidates.intervals import Bound
 from ivsid.diagnosis.candidates.profile import region
+from ivsid.effects import EFFECTS, Given
 
 
 def strip(north, east):
@@ -30,3 +35,19 @@ def test_a_round_region_is_no_wider_than_its_slopes_say():
 def test_an_anchor_at_any_distance_has_a_wide_region():
     (low, high), _ = region(lambda a, b: 100.0 * b**2, (0.0, 0.0), (1.0, 1.0), 10.0)
     assert high > 50.0 and low < -50.0
+
+
+@pytest.mark.parametrize(("end", "open_"), [(900.0, False), (4e10, True)])
+def test_an_anchor_far_beyond_the_track_has_no_bound(monkeypatch, end, open_):
+    """A pull from there has a direction and no place: a coordinate of 4e10 m says nothing."""
+    monkeypatch.setattr(intervals, "profile", lambda *_: None)
+    monkeypatch.setattr(intervals, "rise", lambda *_: 1.0)
+    monkeypatch.setattr(intervals, "region", lambda *_: ((-5.0, end), (2.0, 3.0)))
+    track = np.array([[0.0, 10.0], [0.0, 4.0]])
+    fit = SimpleNamespace(problem=None, states=SimpleNamespace(points=SimpleNamespace(place=track)))
+    given = Given(EFFECTS["tether.tension"], (10.0, 1.0, 2.5, 0.0))
+    out = {f"tether.tension.anchor_{k}": Bound(1.0, 2.0, "m", "") for k in ("north", "east")}
+    intervals._places(fit, given, 1.0, out, {})
+    north, east = out.values()
+    assert (north.lower, north.upper) == (-5.0, np.inf if open_ else end)
+    assert (east.lower, east.upper) == (1.0, 3.0)

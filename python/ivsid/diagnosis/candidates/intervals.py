@@ -32,6 +32,9 @@ SAME: Final = 1e-3
 # Blocks that are summed for the scatter of coefficients.
 # Source: geometry: half a minute, longer than the ambient force and the memory of the filters last
 TOGETHER: Final = 3
+# Distance of an anchor, in the reach of the track, from which on an end of its interval is open.
+# Source: geometry: a pull from there turns by half a degree over the whole track
+FAR: Final = 100.0
 
 
 @dataclass(frozen=True)
@@ -189,9 +192,18 @@ def _places(
     best = given.values[north], given.values[east]
     reach = [0.5 * (out[n].upper - out[n].lower) for n in names]
     found = region(chi2, best, (reach[0], reach[1]), rise(given, north, SIGMAS, worse))
-    for n, (lower, upper) in zip(names, found, strict=True):
+    track = fit.states.points.place
+    for n, (low, high), along in zip(names, found, track, strict=True):
         down, up = swapped.get(n, (0.0, 0.0))
-        out[n] = replace(out[n], lower=min(lower + down, out[n].lower), upper=max(upper + up, out[n].upper))
+        lower, upper = min(low + down, out[n].lower), max(high + up, out[n].upper)
+        # From farther away a pull has a direction, and no place.
+        far = FAR * max(float(np.ptp(track, axis=1).max()), 1.0)
+        middle = 0.5 * float(along.min() + along.max())
+        out[n] = replace(
+            out[n],
+            lower=lower if lower > middle - far else -np.inf,
+            upper=upper if upper < middle + far else np.inf,
+        )
 
 
 def _canonical(out: dict[str, Bound], id_: str) -> None:

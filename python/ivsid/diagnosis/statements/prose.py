@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from typing import Final
@@ -79,9 +80,15 @@ def _sizes(result: Diagnosis, f: Finding, effect: Effect) -> list[str]:
         unit = "" if b.unit == "1" else f" {b.unit}"
         size = f"; {typical[name]:.3g}{unit} is usual for a vehicle of this mass" if name in typical else ""
         kind = "proved" if b.guaranteed else "statistical, not proved"
-        words.append(
-            f"{name} lies between {_outward(b.lower, ROUND_FLOOR)} and {_outward(b.upper, ROUND_CEILING)}{unit} ({kind}{size})."
-        )
+        least, most = _outward(b.lower, ROUND_FLOOR), _outward(b.upper, ROUND_CEILING)
+        if not (math.isfinite(b.lower) or math.isfinite(b.upper)):
+            words.append(f"{name} has no bound in this log ({kind}{size}).")
+        elif not math.isfinite(b.upper):
+            words.append(f"{name} is at least {least}{unit} ({kind}{size}).")
+        elif not math.isfinite(b.lower):
+            words.append(f"{name} is at most {most}{unit} ({kind}{size}).")
+        else:
+            words.append(f"{name} lies between {least} and {most}{unit} ({kind}{size}).")
     return words
 
 

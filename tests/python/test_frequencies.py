@@ -1,13 +1,23 @@
 """Strength of the noise at a direction's frequencies: the mean fall of chi-squared in noise of any spectrum, and no more for a cause that is there."""
 
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+sys.path.insert(0, str(Path(__file__).parents[2]))
+from tests.exam.cases import case
+
 from diagnosis_logs import screened, train_of, vehicle_of
+from ivsid.diagnosis.null import family_wise
 from ivsid.diagnosis.null.frequencies import excess, spectrum, strength
+from ivsid.diagnosis.null.screening import FREQUENCIES
+from ivsid.diagnosis.selection import adequacy
+from ivsid.log import Log
+from ivsid.vehicle import parse_vehicle
 
 DRAWS = 40
 # Numerators and denominators of recursions: white, long gusts, and a band about a sixth of the highest frequency.
@@ -92,3 +102,20 @@ def test_the_spectrum_adds_nothing_in_white_noise_and_the_scatter_of_scores_in_a
         assert np.all(np.linalg.eigvalsh(more) > -1e-9 * np.trace(own * np.eye(len(at))))
         assert np.median(ratio / found) < 1.6
         assert np.median(ratio / found) > (0.8 if kind == "gusts" else 0.9)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(("seed", "sea", "hidden"), [(508, "band", "wave.force"), (502, "slow", "structure")])
+def test_an_ambient_force_of_another_spectrum_is_no_finding(seed, sea, hidden, monkeypatch):
+    """The examiner's sea has the declared size; without the spectrum of the log it is a wave, or structure that nothing explains."""
+    c = case(seed, what="none", sea=sea)
+    vehicle = parse_vehicle(c.text, "v.toml")
+    train = Log("1.csv", "0" * 64, c.logs[0]["t"], {k: x for k, x in c.logs[0].items() if k != "t"})
+    found = screened(vehicle, train)
+    assert found.passed == [] and found.quiet
+    if hidden == "wave.force":
+        monkeypatch.setattr(family_wise, "SCREENING", tuple(r for r in family_wise.SCREENING if r is not FREQUENCIES))
+        assert screened(vehicle, train).passed == [hidden]
+    else:
+        monkeypatch.setattr(adequacy, "excess", lambda fit, p, at, above: np.zeros((len(at), len(at))))
+        assert not adequacy.adequacy(found.fit).quiet

@@ -99,8 +99,8 @@ PROOFS = (
     python(
         "level of the calibration 10 %",
         "diagnosis/stages.py",
-        "if v.tested), NAMES, seed)",
-        "if v.tested), 0.10, seed)",
+        "calibrate, fit, tested, NAMES, seed)",
+        "calibrate, fit, tested, 0.10, seed)",
         "test_diagnosis.py",
     ),
     python(

@@ -5,11 +5,11 @@ from __future__ import annotations
 import gc
 import multiprocessing
 import os
-import pickle
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
+from multiprocessing.reduction import ForkingPickler
 from threading import Thread
 from typing import Final, Generic, TypeVar
 
@@ -197,7 +197,7 @@ def _sent(jobs: Sequence[tuple[Callable[[], object], Connection, Connection, boo
             os.nice(GIVES_WAY)
             given_way = True
         try:
-            found = pickle.dumps(task(), pickle.HIGHEST_PROTOCOL)
+            found = ForkingPickler.dumps(task())
         except Exception:
             # An end that closes without a result says that the task failed.
             writer.close()
@@ -206,7 +206,7 @@ def _sent(jobs: Sequence[tuple[Callable[[], object], Connection, Connection, boo
             Thread(target=_delivered, args=(writer, found)).start()
 
 
-def _delivered(writer: Connection, found: bytes) -> None:
+def _delivered(writer: Connection, found: memoryview) -> None:
     # Nobody may ask for it.
     with suppress(OSError), writer:
         writer.send_bytes(found)

@@ -76,6 +76,17 @@ def test_the_strength_is_the_mean_fall_in_noise_of_any_spectrum(logged, kind):
     assert (said.max() > 5.0) == (kind == "gusts")
 
 
+def test_rows_that_do_not_count_make_no_noise_of_the_others(logged):
+    """Axes that are left out are zeros, as where a vehicle hardly turns."""
+    drawn = noises(logged.fit, "white", 5)
+    drawn[1::2] = 0.0
+    fit = with_errors(logged.fit, drawn)
+    kept = spectrum(fit, fit.gram.only(fit.base))
+    assert np.median(kept[::2]) < 1.2 and np.all(kept[1::2] == 1.0)
+    # Half of the counted samples for all rows would make twice the noise of half of the rows.
+    assert np.median([strength(fit, s) for s in linear(logged)]) < 1.2
+
+
 def test_a_cause_that_is_there_is_not_weakened(logged):
     fit = logged.fit
     for s in linear(logged)[::5]:

@@ -54,7 +54,8 @@ class Apart(Generic[_T_co]):
             return self._task()
         try:
             found: _T_co = self._reader.recv()
-        except EOFError:
+        except (EOFError, OSError):
+            # A process that is ended while it sends leaves a part of its result.
             self._close()
             return self._task()
         except BaseException:

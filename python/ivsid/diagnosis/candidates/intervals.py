@@ -197,7 +197,7 @@ def _places(
         down, up = swapped.get(n, (0.0, 0.0))
         lower, upper = min(low + down, out[n].lower), max(high + up, out[n].upper)
         # From farther away a pull has a direction, and no place.
-        far = FAR * max(float(np.ptp(track, axis=1).max()), 1.0)
+        far = FAR * float(np.ptp(track, axis=1).max())
         middle = 0.5 * float(along.min() + along.max())
         out[n] = replace(
             out[n],

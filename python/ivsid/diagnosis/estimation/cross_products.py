@@ -91,16 +91,16 @@ class Gram:
         return np.stack([rows[k] for k in at]) if at else np.zeros((0, *self.y.shape))
 
     def explained(self, at: Sequence[int], theta: Array) -> Array:
-        """The sum of columns with these coefficients, shape (blocks, numbers)."""
-        weight = np.zeros(len(self.names))
+        """Sums of columns with coefficients of shape (columns, ...), shape (..., blocks, numbers)."""
+        weight = np.zeros((len(self.names), *theta.shape[1:]))
         weight[list(at)] = theta
-        out = np.zeros_like(self.y)
+        out = np.zeros((*theta.shape[1:], *self.y.shape))
         first = 0
         for part in self.parts:
             here = weight[first : first + len(part)]
             first += len(part)
             if here.any():
-                out += (here @ part.reshape(len(part), part.shape[1] * part.shape[2])).reshape(out.shape)
+                out += (here.T @ part.reshape(len(part), part.shape[1] * part.shape[2])).reshape(out.shape)
         return out
 
     def of(self, errors: Array) -> Gram:

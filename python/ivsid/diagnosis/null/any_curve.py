@@ -151,15 +151,25 @@ class AnyCurve:
 
     def beside(self, s: Scored) -> tuple[Gram, list[int]]:
         """The cross-products with the columns of a family, and the indices of these."""
-        g = self.fit.gram
-        x, unit = g.columns(s.columns), g.unit[list(s.columns)]
-        if s.candidate.starts:
-            x[:, : s.first_block(g, self.fit.noise.predictor.log)] = 0.0
-            unit = np.sqrt(np.maximum(np.einsum("cbi,cbi->c", x, x), 1e-300))
-            x = x / unit[:, None, None]
-        first = len(self.g.names)
-        wide = self.g.joined([f"{s.id}@{k}" for k in s.columns], x.reshape(len(x), *self.g.y.shape), unit)
-        return wide, list(range(first, len(wide.names)))
+        return with_family(self.g, self.fit, s)
+
+
+def with_family(g: Gram, fit: Fit, s: Scored) -> tuple[Gram, list[int]]:
+    """Cross-products with the columns of a family, those of a step in time from its start on, and the indices of these.
+
+    Args:
+        g: the cross-products that they join.
+        fit: in which the family was scored.
+        s: the family.
+    """
+    x, unit = fit.gram.columns(s.columns), fit.gram.unit[list(s.columns)]
+    if s.candidate.starts:
+        x[:, : s.first_block(fit.gram, fit.noise.predictor.log)] = 0.0
+        unit = np.sqrt(np.maximum(np.einsum("cbi,cbi->c", x, x), 1e-300))
+        x = x / unit[:, None, None]
+    first = len(g.names)
+    wide = g.joined([f"{s.id}@{k}" for k in s.columns], x.reshape(len(x), *g.y.shape), unit)
+    return wide, list(range(first, len(wide.names)))
 
 
 def is_declared(fit: Fit, s: Scored) -> bool:

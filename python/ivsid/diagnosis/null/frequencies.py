@@ -22,6 +22,7 @@ from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.null.any_curve import with_family
 
 Array = NDArray[np.float64]
 # Frequencies of the log over which its spectrum is a mean: half of them on either side.
@@ -33,6 +34,9 @@ LOWEST: Final = 400
 # Least share of the noise that columns leave, as far as the spectrum counts on it.
 # Source: geometry: what is left of a smaller share is a mean of two values or less
 LEFT: Final = 0.15
+# Columns that are transformed together.
+# Source: resource: the transforms of all columns of a long log would need its memory a second time
+TOGETHER: Final = 16
 
 
 def strength(fit: Fit, s: Scored) -> float:
@@ -42,22 +46,17 @@ def strength(fit: Fit, s: Scored) -> float:
         fit: of the model without the cause.
         s: the cause with its score.
     """
-    p, g = fit.projection, fit.gram
-    at, first = list(s.columns), s.first_block(g, fit.noise.predictor.log)
-    x = g.columns(at)
-    x[:, :first] = 0.0
-    cross = g.blocks[first:, at][:, :, p.base].sum(axis=0)
-    solved = np.linalg.solve(p.normal, cross.T)
-    H = g.blocks[first:, at][:, :, at].sum(axis=0) - cross @ solved
-    score = g.score[first:, at].sum(axis=0) - cross @ p.coefficients
-    theta = np.linalg.lstsq(H, score, rcond=None)[0]
-    own = np.tensordot(theta, x, axes=1) - g.explained(p.base, solved @ theta)
-    left = g.y - g.explained(p.base, p.coefficients) - own
-    weight, fall = _power(_transformed(fit, own[None])[0]), float(theta @ H @ theta)
+    g, at = with_family(fit.gram.only(fit.base), fit, s)
+    base = range(len(fit.base))
+    p = Projection(g, base)
+    theta, fall = p.solve(at)
+    own = g.explained(at, theta) - g.explained(base, g.regression(at, base) @ theta)
+    weight = _power(_transformed(fit, own[None]))[0]
     if not (fall > 0 and weight.sum() > 0):
         return 1.0
     # What priors hold back of the cause is no part of its direction, and scatters by the priors.
     share = float((own * own).sum()) / fall
+    left = g.y - g.explained(base, p.coefficients) - own
     return max(1.0 + share * (float((weight * _smooth(fit, left)).sum()) / float(weight.sum()) - 1.0), 1.0)
 
 
@@ -70,18 +69,17 @@ def spectrum(fit: Fit, g: Gram) -> Array:
     """
     every = range(len(g.names))
     p = Projection(g, every)
-    x = g.columns(every).reshape(len(every), *fit.gram.y.shape)
-    # The share of each frequency that the columns take: the squared size of their projections there.
-    low = _transformed(fit, x)[..., :LOWEST]
-    flat = low.reshape(len(low), -1)
-    taken = np.zeros((low.shape[1], fit.gram.y.size // low.shape[1] // 2 + 1))
-    taken[:, :LOWEST] = np.einsum("kf,kf->f", flat.conj(), cho_solve(cho_factor(p.normal), flat)).real.reshape(
-        low.shape[1:]
-    )
     left = g.y - g.explained(every, p.coefficients)
-    count = _count(fit, left)
-    share = np.maximum(1.0 - uniform_filter1d(taken, WIDTH, axis=1, mode="mirror") / count, LEFT)
-    return np.asarray(np.maximum(_smooth(fit, left) / share, 1.0))
+    found = _smooth(fit, left)
+    # The share of each frequency that the columns take: the squared size of their projections there.
+    lowest = np.arange(found.shape[1]) < LOWEST
+    low = np.concatenate([_kept(fit, part, np.broadcast_to(lowest, found.shape)) for part in g.parts])
+    taken = np.zeros_like(found)
+    taken[:, lowest] = np.einsum("kf,kf->f", low.conj(), cho_solve(cho_factor(p.normal), low)).real.reshape(
+        len(found), -1
+    )
+    share = 1.0 - uniform_filter1d(taken, WIDTH, axis=1, mode="mirror") / _count(fit, left)
+    return np.asarray(np.maximum(found / np.maximum(share, LEFT), 1.0))
 
 
 def excess(fit: Fit, p: Projection, columns: Sequence[int], above: Array) -> Array:
@@ -94,14 +92,23 @@ def excess(fit: Fit, p: Projection, columns: Sequence[int], above: Array) -> Arr
         above: spectrum of the noise, shape (rows, frequencies).
     """
     g, at = p.g, list(columns)
-    x = g.columns(at).reshape(len(at), -1)
-    x -= g.regression(at, p.base).T @ g.columns(p.base).reshape(len(p.base), -1)
-    found = _transformed(fit, x.reshape(len(at), *fit.gram.y.shape)) * np.sqrt(above - 1.0)
-    rows, n = found.shape[1], fit.gram.y.size
+    x = g.columns(at)
+    x -= g.explained(p.base, g.regression(at, p.base))
+    samples = x[0].size // len(above)
+    weight = (above - 1.0) / samples
     # A frequency between none and the highest stands for itself and its negative.
-    found[..., 1 : (n // rows + 1) // 2] *= np.sqrt(2.0)
-    flat = found.reshape(len(at), -1)
-    return np.asarray((flat.conj() @ flat.T).real / (n // rows), dtype=np.float64)
+    weight[:, 1 : (samples + 1) // 2] *= 2.0
+    kept = weight > 0
+    found = _kept(fit, x, kept) * np.sqrt(weight[kept])
+    return np.asarray((found.conj() @ found.T).real, dtype=np.float64)
+
+
+def _kept(fit: Fit, x: Array, keep: NDArray[np.bool_]) -> NDArray[np.complex128]:
+    """Some frequencies of quantities of blocks, shape (quantities, kept); a few quantities are transformed at a time."""
+    found = np.empty((len(x), int(keep.sum())), dtype=np.complex128)
+    for first in range(0, len(x), TOGETHER):
+        found[first : first + TOGETHER] = _transformed(fit, x[first : first + TOGETHER])[:, keep]
+    return found
 
 
 def _transformed(fit: Fit, x: Array) -> NDArray[np.complex128]:
@@ -115,12 +122,14 @@ def _power(x: NDArray[np.complex128]) -> Array:
     return np.asarray(x.real**2 + x.imag**2)
 
 
-def _count(fit: Fit, left: Array) -> float:
-    """Samples of a row that count: gaps are zeros."""
-    return max(float((left != 0).sum()) / len(fit.noise.predictor.labels), 1.0)
+def _count(fit: Fit, left: Array) -> Array:
+    """Samples of each row that count, at least 1, shape (rows, 1): gaps are zeros, and so are axes that are left out."""
+    rows, length = len(fit.noise.predictor.labels), fit.gram.length
+    counts = (left != 0).reshape(-1, rows, length).sum(axis=(0, 2))
+    return np.asarray(np.maximum(counts, 1)[:, None], dtype=np.float64)
 
 
 def _smooth(fit: Fit, left: Array) -> Array:
     """Spectrum of what is left of the log over that of white noise, shape (rows, frequencies)."""
-    power = _power(_transformed(fit, left.reshape(1, *fit.gram.y.shape))[0])
+    power = _power(_transformed(fit, left[None])[0])
     return np.asarray(uniform_filter1d(power, WIDTH, axis=1, mode="mirror") / _count(fit, left), dtype=np.float64)

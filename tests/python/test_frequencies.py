@@ -12,6 +12,9 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import case
 
 from diagnosis_logs import screened, train_of, vehicle_of
+from ivsid.diagnosis.candidates.families import everything
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null import family_wise
 from ivsid.diagnosis.null.frequencies import excess, spectrum, strength
 from ivsid.diagnosis.null.screening import FREQUENCIES
@@ -19,6 +22,14 @@ from ivsid.diagnosis.selection import adequacy
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 
+STRAIGHT = """
+[[segments]]
+manoeuvre = "steps"
+demand = [60.0, 30.0, 75.0, 45.0]
+period = 8.0
+yaw_gain = 20.0
+duration = 32.0
+"""
 DRAWS = 40
 # Numerators and denominators of recursions: white, long gusts, and a band about a sixth of the highest frequency.
 NOISES = {
@@ -76,15 +87,20 @@ def test_the_strength_is_the_mean_fall_in_noise_of_any_spectrum(logged, kind):
     assert (said.max() > 5.0) == (kind == "gusts")
 
 
-def test_rows_that_do_not_count_make_no_noise_of_the_others(logged):
-    """Axes that are left out are zeros, as where a vehicle hardly turns."""
-    drawn = noises(logged.fit, "white", 5)
-    drawn[1::2] = 0.0
-    fit = with_errors(logged.fit, drawn)
-    kept = spectrum(fit, fit.gram.only(fit.base))
-    assert np.median(kept[::2]) < 1.2 and np.all(kept[1::2] == 1.0)
-    # Half of the counted samples for all rows would make twice the noise of half of the rows.
-    assert np.median([strength(fit, s) for s in linear(logged)]) < 1.2
+def test_axes_that_are_left_out_make_no_noise_of_the_others():
+    """Yaw is zero where a vehicle hardly turns: samples of all rows for those of some would make the noise of these larger."""
+    vehicle = vehicle_of()
+    log = channels(train_of(vehicle, segments=STRAIGHT, duration=120.0), vehicle)
+    fit = plain_fit(vehicle, log, everything)
+    assert fit.noise.left_out
+    drawn, ahead = noises(fit, "white", 5), [k == 0 for k, _ in fit.noise.predictor.labels]
+    silent = [k in fit.noise.left_out for k, _ in fit.noise.predictor.labels]
+    drawn[silent] = 0.0
+    fit = with_errors(fit, drawn)
+    found = spectrum(fit, fit.gram.only(fit.base))
+    assert np.all(found[silent] == 1.0)
+    # The mean of what is 1 or more, by a periodogram of which thirteen values are summed.
+    assert 1.0 < found[ahead].mean() < 1.2
 
 
 def test_a_cause_that_is_there_is_not_weakened(logged):

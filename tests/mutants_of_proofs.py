@@ -104,6 +104,27 @@ PROOFS = (
         "test_diagnosis.py",
     ),
     python(
+        "noise that is white at every frequency",
+        "diagnosis/null/frequencies.py",
+        "return max(1.0 + share * (",
+        "return max(1.0 + 0.0 * share * (",
+        "test_frequencies.py",
+    ),
+    python(
+        "samples of all rows for those of each",
+        "diagnosis/null/frequencies.py",
+        ".sum(axis=(0, 2))",
+        ".sum(axis=(0, 2)).mean(keepdims=True).repeat(rows)",
+        "test_frequencies.py",
+    ),
+    python(
+        "sizes that may be none",
+        "diagnosis/statements/rules.py",
+        'if p.draw == "size"]',
+        'if p.draw == "none"]',
+        "test_findings.py",
+    ),
+    python(
         "null logs at ten times the level",
         "diagnosis/null/tail.py",
         "slope * np.log(share / self.level)",

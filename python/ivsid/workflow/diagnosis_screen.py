@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import Final
 
@@ -51,7 +52,9 @@ def best_gain(result: Diagnosis) -> str:
 
 
 def size(b: Bound) -> str:
-    """An interval in words, its ends rounded outward."""
+    """An interval in words, its ends rounded outward; one without ends has none."""
+    if not (math.isfinite(b.lower) or math.isfinite(b.upper)):
+        return "no bound"
     low, high = shown(b.lower, b.upper, DIGITS)[1:-1].split(", ")
     unit = "" if b.unit == "1" else f" {b.unit}"
     return f"{low} to {high}{unit} ({'proved' if b.guaranteed else 'statistical'})"

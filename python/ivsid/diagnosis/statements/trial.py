@@ -72,7 +72,8 @@ class Trial:
             out: causes that were found and are no findings.
         """
         self.out = tuple(out)
-        self._given = (other, selection, seed, tried, nothing)
+        self._selection, self._tried = selection, tried
+        self._again = partial(Trial, other, selection, seed, tried, nothing)
         self._known: Gain | None = None
         plain, last = selection.plain, selection.last
         extended = without(plain, last, out).h
@@ -91,14 +92,13 @@ class Trial:
 
     def of(self, names: Collection[str]) -> Trial:
         """The trial of the model with these findings; this one, if it has no other causes."""
-        selection = self._given[1]
-        out = tuple(f.id for f in selection.found if f.id not in names)
+        out = tuple(f.id for f in self._selection.found if f.id not in names)
         if out == self.out:
             return self
         self._gain.end()
         if self._shares is not None:
             self._shares.end()
-        return Trial(*self._given, out)
+        return self._again(out)
 
     def look(self) -> None:
         """Tells of the gain if it is known by now."""
@@ -108,7 +108,7 @@ class Trial:
     def _told(self) -> Gain:
         if self._known is None:
             self._known = self._gain.result()
-            self._given[3](self._known)
+            self._tried(self._known)
         return self._known
 
     def result(self) -> tuple[Gain, Mapping[str, Share]]:

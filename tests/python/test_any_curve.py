@@ -1,8 +1,6 @@
 """Any thrust curve inside its accuracy: its worst against whole problems, detection limits, intervals, and what is left of a cause."""
 
 import itertools
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,8 +9,6 @@ from hypothesis import strategies as st
 from scipy.linalg import block_diag
 from scipy.optimize import lsq_linear, minimize
 from scipy.stats import chi2
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.draw import case
 
 from diagnosis_logs import screened, train_of, vehicle_of

@@ -1,15 +1,11 @@
 """Causes at thrusters beside errors that keep their bounds: the direction beyond the box, its level, and causes that soft priors hide."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 from scipy.stats import binom, chi2
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam import cases
 
 from diagnosis_logs import screened

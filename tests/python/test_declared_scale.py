@@ -1,13 +1,9 @@
 """The declared scale of velocities: anywhere inside its bound it makes no finding, and its hint states the bound."""
 
 import re
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import setting
 
 from ivsid import diagnose

@@ -3,13 +3,8 @@
 Whole diagnoses of long sails run nightly; the gate asks test_diagnosis_stages.py which causes pass the screening of the same cases.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.draw import case
 
 from diagnosis_logs import names, with_columns

@@ -3,15 +3,11 @@
 Whole diagnoses of the same logs run in `make nightly`; here stands what each of them rests on first.
 """
 
-import sys
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.draw import case
 
 import test_diagnosis_truth as otter

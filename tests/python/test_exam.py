@@ -2,7 +2,6 @@
 
 import json
 import os
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,8 +9,6 @@ import numpy as np
 import polars as pl
 import pytest
 from scipy.stats import binom, binomtest
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import case, setting
 from tests.exam.catalogue import EFFECTS, JOINED, OUTSIDE, SINCE, UNTIL, drawn_by, outside_by
 from tests.exam.criteria import CRITERIA, clopper_pearson, judged, passed

@@ -5,13 +5,9 @@ and drags and any thrust curve inside its accuracy. One vessel, one sea and one 
 short its delay, it misses the reading of the moment at which its demand jumps. Its limit is a sample of the log.
 """
 
-import sys
 from functools import cache
-from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import setting, sized
 from tests.exam.catalogue import CLAIMED, EFFECTS
 from tests.exam.criteria import LARGEST_SET, VISIBLE

@@ -1,12 +1,9 @@
 """The examiner's own simulator beside the package's: two programs of one definition, so that neither drifts."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import setting
 from tests.exam.catalogue import EFFECTS as HIDDEN
 from tests.exam.catalogue import ON_TEST_ALONE, OUTSIDE

@@ -2,17 +2,13 @@
 
 import multiprocessing
 import os
-import sys
 import time
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.signal import lfilter
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import case
 
 from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS

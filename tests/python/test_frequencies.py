@@ -1,14 +1,10 @@
 """Strength of the noise at a direction's frequencies: the mean fall of chi-squared in noise of any spectrum, and no more for a cause that is there."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.signal import lfilter
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import case
 
 from diagnosis_logs import screened, train_of, vehicle_of

@@ -1,12 +1,7 @@
 """A turning hull in a heavy sea: the ambient force carries the states over half a step, too."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import setting
 from tests.exam.readings import log as noisy
 

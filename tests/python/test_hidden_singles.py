@@ -1,7 +1,6 @@
 """Hidden effects that the examiner reckons visible and the scores lost: the ambient force on the fitted masses, anchors beside a track, directions
 of a cause beside any thrust curve, cells that are fine enough, and values between those of a grid."""
 
-import sys
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -10,8 +9,6 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 from scipy.stats import chi2
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import case
 from tests.exam.seal import seal
 

@@ -1,13 +1,9 @@
 """Fits stay physical: masses, inertias and drags are those of a hull, and a log that asks for others is told."""
 
 import re
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.draw import case
 
 from ivsid import diagnose

@@ -1,9 +1,5 @@
 """The lines that ``make mutants`` edits stand in the tree: a mutant whose line has moved kills nothing and says so only at night."""
 
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.mutants import MUTANTS, ROOT
 
 

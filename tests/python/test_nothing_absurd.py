@@ -2,15 +2,11 @@
 
 import json
 import re
-import sys
 import tomllib
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import case
 
 from diagnosis_logs import TRUTH, logs_of, vehicle_of

@@ -1,15 +1,11 @@
 """Causes that add up to one force of no cause: the falls in their place against dense least squares, the rule, and whole logs."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import case
 from tests.exam.seal import seal
 

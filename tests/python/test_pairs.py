@@ -1,13 +1,9 @@
 """Two causes in one log: a strong one leaves the weaker one its name."""
 
-import sys
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import case
 from tests.exam.seal import seal
 

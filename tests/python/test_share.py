@@ -1,12 +1,7 @@
 """Share of the error in position that a cause explains: free runs of a minute, with the interval that the log allows."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.draw import case
 
 from ivsid import diagnose

@@ -1,15 +1,11 @@
 """Causes that imitate a force of another shape: a curve in their place against dense least squares, the rule, and whole logs."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import case
 
 from diagnosis_logs import TWIN, train_of, vehicle_of

@@ -1,12 +1,9 @@
 """The start of a cause, where demands change so often that its chi-squared has a valley one sample wide."""
 
-import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.cases import case
 from tests.exam.seal import seal
 

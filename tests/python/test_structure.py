@@ -1,16 +1,12 @@
 """The threshold of structure that no cause explains: theory alone where it is far, null logs of the last model where it is close."""
 
-import sys
 from dataclasses import replace
 from itertools import chain
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.stats import binom, chi2
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.draw import case
 
 from ivsid import diagnose

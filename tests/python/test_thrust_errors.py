@@ -1,14 +1,10 @@
 """Declared thrust errors as what they are: any curve inside the stated accuracy makes no finding, and one that leaves it is told."""
 
 import os
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.draw import case
 from tests.exam.thrust_errors import SHAPES, with_errors
 

@@ -1,17 +1,13 @@
 """Shallow water beside thrust errors that are the same in both logs: the joint estimate, its worst case, and whole logs."""
 
 import os
-import sys
 from dataclasses import replace
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.exam.draw import case
 from tests.exam.thrust_errors import SHAPES
 

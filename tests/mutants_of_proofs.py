@@ -120,8 +120,8 @@ PROOFS = (
     python(
         "sizes that may be none",
         "diagnosis/statements/rules.py",
-        'if p.draw == "size"]',
-        'if p.draw == "none"]',
+        'p.draw in ("size", "fixed")]',
+        'p.draw == "none"]',
         "test_findings.py",
     ),
     python(

@@ -139,8 +139,8 @@ def setting(seed: int, claims: tuple[str, ...] = (), **given) -> Setting:
     part = part if q.share is None else q.share
     stratum = {"kind": k, "style": st, "ambient": a, "duration": d, "rate": f, "family": family, "share": part}
     family = None if family == "none" else family
-    sea = q.sea or "markov"
-    return Setting(seed, text, exact, programmes, scale, family, part, alike, q.noise, sea, {**stratum, "sea": sea})
+    stratum["sea"] = q.sea
+    return Setting(seed, text, exact, programmes, scale, family, part, alike, q.noise, q.sea, stratum)
 
 
 def case(
@@ -163,9 +163,9 @@ def case(
     """
     rng = np.random.default_rng([seed, 1078])
     w = what or str(rng.choice(["none", "one", "two", "outside"], p=[0.34, 0.46, 0.1, 0.1]))
-    if w == "none" and given.get("sea") is None:
-        # The examiner's z counts on the sea of the vehicle file, which hides nothing where nothing is hidden.
-        given["sea"] = drawn_sea(seed)
+    if given.get("sea") == "any":
+        # The examiner's z counts on the sea of the vehicle file.
+        given["sea"] = drawn_sea(seed) if w == "none" else "markov"
     probe = setting(seed, **given)
     sides = tuple(t["position"][1] for t in probe.vessel.thrusters)
     able = [i for i in drawn_by(seed) if possible(i, sides)]

@@ -43,7 +43,7 @@ class Conditions:
         noise: of the sensors.
         thrust: family of the thrust errors (tests/exam/thrust_errors.py), or ``none``.
         share: of the accuracy that these errors fill.
-        sea: spectrum of the ambient force (tests/exam/seas.py).
+        sea: spectrum of the ambient force (tests/exam/seas.py); ``any`` draws one where nothing is hidden.
     """
 
     style: str | None = None
@@ -54,7 +54,7 @@ class Conditions:
     noise: str = "gaussian"
     thrust: str | None = None
     share: float | None = None
-    sea: str | None = None
+    sea: str = "markov"
 
 
 def vehicle_of(kind: str, rng: np.random.Generator) -> tuple[str, dict[str, float], float]:

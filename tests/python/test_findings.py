@@ -95,8 +95,9 @@ def test_a_number_that_may_be_none_names_nothing(lower, upper, within, quiet, na
 @pytest.mark.parametrize(
     ("id_", "bounds", "named"),
     [
-        # Of a hump and of a step in mass the size says whether they are there, and no speed or time does.
-        ("drag.surge.hump", {"height": (0.0, 209.0), "speed": (0.5, 0.6), "width": (0.1, 0.2)}, False),
+        # A hump whose speed is told is there, although its height goes with its width and with the drag below it.
+        ("drag.surge.hump", {"height": (0.0, 39.4), "speed": (1.09, 1.40), "width": (0.26, 0.57)}, True),
+        ("drag.surge.hump", {"height": (0.0, 209.0), "speed": (0.0, 2.8), "width": (0.0, 3.0)}, False),
         ("drag.surge.hump", {"height": (4.0, 20.0), "speed": (0.0, 2.8), "width": (0.0, 3.0)}, True),
         ("payload.step", {"mass": (-51900.0, 10200.0), "time": (20.0, 30.0)}, False),
         # Of two components one alone may be told, or a sum of both.
@@ -104,7 +105,7 @@ def test_a_number_that_may_be_none_names_nothing(lower, upper, within, quiet, na
         ("sensor.velocity.lever_arm", {"x": (-0.1, 0.2), "y": (-0.2, 0.1)}, True),
     ],
 )
-def test_a_size_that_may_be_none_names_nothing_whatever_else_is_said(id_, bounds, named):
+def test_numbers_that_may_all_be_none_name_nothing(id_, bounds, named):
     held = Held(EFFECTS[id_], 40.0, 0.0, {f"{id_}.{k}": Bound(*b, "1", "") for k, b in bounds.items()}, True, True)
     assert (EXCLUDES.refuses(held) is None) == named
 

@@ -49,18 +49,23 @@ class Held:
 
     @property
     def distance(self) -> float:
-        """Distance of "no effect" from the interval of the only size, in half-widths beyond its end; infinite for several, one of which may do."""
+        """Largest distance of "no effect" from the intervals of the only size and of the shape beside it, in half-widths beyond their ends.
+
+        It is infinite for several sizes, a sum of which may be told where none of them is.
+        """
         numbers = list(zip(self.effect.parts, self.effect.parameters, strict=True))
-        sizes = numbers if len(numbers) == 1 else [(name, p) for name, p in numbers if p.draw == "size"]
-        if len(sizes) != 1 or sizes[0][0] not in self.parameters:
+        # A time alone is no sign: a step of any size has one.
+        asked = numbers if len(numbers) == 1 else [(n, p) for n, p in numbers if p.draw in ("size", "fixed")]
+        sizes = sum(p.draw == "size" for _, p in asked)
+        if (len(numbers) > 1 and sizes != 1) or any(name not in self.parameters for name, _ in asked):
             return float("inf")
-        ((name, parameter),) = sizes
-        bound = self.parameters[name]
+        return max(self._beyond(self.parameters[name], p.none) for name, p in asked)
+
+    def _beyond(self, bound: Bound, none: float) -> float:
         said = bound.lower, bound.upper
         # What is unknown widens every interval; here it is asked whether the cause is there beside it.
         lower, upper = said if self.quiet else bound.within or said
-        outside = max(lower - parameter.none, parameter.none - upper)
-        return outside / max(0.5 * (upper - lower), 1e-300)
+        return max(lower - none, none - upper) / max(0.5 * (upper - lower), 1e-300)
 
 
 DOMINANT_RULE: Final = Rule[Held](
@@ -76,9 +81,9 @@ DOMINANT_RULE: Final = Rule[Held](
 )
 EXCLUDES: Final = Rule[Held](
     "excludes no effect",
-    "distance of the value without effect from the interval of the only size, in half-widths",
+    "distance of the value without effect from the intervals of the only size and of the shape beside it, in half-widths, the largest",
     "above 0",
-    "A size that may be none names nothing, whatever else is said of the cause. Where structure is left, the interval is the one beside it, without what hides in it. A cause that stands "
+    "Numbers that may all be none name nothing. A size that may be none with a shape that is told, as of a hump at a certain speed, does. Where structure is left, the interval is the one beside it, without what hides in it. A cause that stands "
     "out of declared errors inside their bounds, and not out of their priors, has its interval from the priors alone, and is not asked.",
     "definition",
     lambda c: c.distance,

@@ -11,6 +11,7 @@ from tests.exam.catalogue import CLAIMED, EFFECTS, ON_TEST_ALONE, OUTSIDE, drawn
 from tests.exam.readings import exact as clean_readings
 from tests.exam.readings import log as noisy
 from tests.exam.seas import SEAS, drawn_sea
+from tests.exam.sensor_errors import drawn_sensors, mounting, slow_errors, stated
 from tests.exam.shown import Sailed, shown
 from tests.exam.simulator import Vessel, grouped, sail
 from tests.exam.thrust_curves import Curve, by_inflow, errors
@@ -63,6 +64,7 @@ class Setting:
     alike: bool
     noise: str
     sea: str
+    sensors: str
     stratum: dict[str, object]
 
     @property
@@ -89,6 +91,9 @@ class Setting:
         own = errors(self.family, len(vessel.thrusters), self.alike, np.random.default_rng([self.seed, 3]))
         curves = [Curve(t, e, self.share) for t, e in zip(vessel.thrusters, own, strict=True)]
         motion = sail(vessel, scenario, effects, curves, 0.0 * ambient if calm else ambient, streams[1])
+        if self.sensors == "mounted":
+            # A sensor is mounted once for both logs.
+            effects = effects | mounting(vessel.body.length, np.random.default_rng([self.seed, 8]))
         return Sailed(vessel, motion, clean_readings(motion, effects), tuple(curves)), streams
 
     def logs(self, truth: Mapping[str, float]) -> tuple[dict[str, np.ndarray], ...]:
@@ -96,7 +101,11 @@ class Setting:
         out = []
         for k in range(2):
             q, streams = self.sailed(truth, k)
-            out.append({"t": q.motion.t, **noisy(q.vessel, q.motion, q.clean, self.noise, streams[2])})
+            slow = (0.0, {})
+            if self.sensors == "slow":
+                own = np.random.default_rng([self.seed, 9, k])
+                slow = slow_errors(q.vessel.table["sensors"], q.motion.t.size, own)
+            out.append({"t": q.motion.t, **noisy(q.vessel, q.motion, q.clean, self.noise, streams[2], slow)})
         return tuple(out)
 
     def z(self, truth: Mapping[str, float]) -> float:
@@ -139,8 +148,9 @@ def setting(seed: int, claims: tuple[str, ...] = (), **given) -> Setting:
     part = part if q.share is None else q.share
     stratum = {"kind": k, "style": st, "ambient": a, "duration": d, "rate": f, "family": family, "share": part}
     family = None if family == "none" else family
-    stratum["sea"] = q.sea
-    return Setting(seed, text, exact, programmes, scale, family, part, alike, q.noise, q.sea, stratum)
+    stratum |= {"sea": q.sea, "sensors": q.sensors}
+    here = Setting(seed, text, exact, programmes, scale, family, part, alike, q.noise, q.sea, q.sensors, stratum)
+    return here if q.sensors != "mounted" else replace(here, text=stated(text, here.vessel.body.length))
 
 
 def case(
@@ -163,9 +173,10 @@ def case(
     """
     rng = np.random.default_rng([seed, 1078])
     w = what or str(rng.choice(["none", "one", "two", "outside"], p=[0.34, 0.46, 0.1, 0.1]))
-    if given.get("sea") == "any":
-        # The examiner's z counts on the sea of the vehicle file.
-        given["sea"] = drawn_sea(seed) if w == "none" else "markov"
+    for name, draw, usual in (("sea", drawn_sea, "markov"), ("sensors", drawn_sensors, "white")):
+        if given.get(name) == "any":
+            # The examiner's z counts on the sea of the vehicle file, and on sensors with noise alone.
+            given[name] = draw(seed) if w == "none" else usual
     probe = setting(seed, **given)
     sides = tuple(t["position"][1] for t in probe.vessel.thrusters)
     able = [i for i in drawn_by(seed) if possible(i, sides)]

@@ -69,17 +69,25 @@ def inertial(sensor: Mapping[str, float], n: int, h: float, noise: str, rng: np.
 
 
 def log(
-    vessel: Vessel, motion: Motion, clean: Mapping[str, np.ndarray], noise: str, rng: np.random.Generator
+    vessel: Vessel,
+    motion: Motion,
+    clean: Mapping[str, np.ndarray],
+    noise: str,
+    rng: np.random.Generator,
+    slow: tuple[float, Mapping[str, np.ndarray]] = (0.0, {}),
 ) -> dict[str, np.ndarray]:
-    """The columns of a log."""
+    """The columns of a log; slow errors leave the noise the rest of each accuracy (tests/exam/sensor_errors.py)."""
     sensors, n, h = vessel.table["sensors"], motion.t.size, motion.t[1] - motion.t[0]
     reach = sensors["velocity"].get("scale_factor_error", 0.0)
     scale = 0.0 if noise == "none" else rng.uniform(-reach, reach)
-    columns = {k: (1 + scale) * clean[k] + within(sensors["velocity"]["accuracy"], n, noise, rng) for k in ("u", "v")}
+    share, off = slow
+    left = {s: (1 - share) * sensors[s]["accuracy"] for s in ("velocity", "heading", "position")}
+    columns = {k: (1 + scale) * clean[k] + within(left["velocity"], n, noise, rng) for k in ("u", "v")}
     columns["r"] = clean["r"] + inertial(sensors["yaw_rate"], n, h, noise, rng)
     columns |= {k: clean[k] + inertial(sensors["acceleration"], n, h, noise, rng) for k in ("ax", "ay")}
-    columns["psi"] = clean["psi"] + within(sensors["heading"]["accuracy"], n, noise, rng)
-    columns |= {k: clean[k] + within(sensors["position"]["accuracy"], n, noise, rng) for k in ("x", "y")}
+    columns["psi"] = clean["psi"] + within(left["heading"], n, noise, rng)
+    columns |= {k: clean[k] + within(left["position"], n, noise, rng) for k in ("x", "y")}
+    columns |= {k: columns[k] + x for k, x in off.items()}
     for k, t in enumerate(vessel.thrusters):
         columns[f"demand_{t['name']}"] = motion.demands[:, k]
         if "rudder" in t or t.get("steering") == "azimuth":

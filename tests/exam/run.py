@@ -4,7 +4,8 @@ Keys: ``out`` (a file for the rows), ``table`` (one for the table of the documen
 another simulator, which replace the drawn ones; tests/exam/seal.py), and what is not to be drawn: ``what``, ``effect`` (``each`` takes
 all in turn), ``size`` (a multiple of the typical one) or ``z`` (how far it shall stand out), ``style``, ``kind``, ``ambient``, ``duration``, ``rate``, ``noise``,
 ``thrust`` (the family of the thrust errors, ``inflow`` for errors by the speed of the water, or ``none``), ``share`` (of the accuracy that they fill) and
-``sea`` (the spectrum of the ambient force; by default ``any`` of tests/exam/seas.py where nothing is hidden).
+``sea`` (the spectrum of the ambient force) and ``sensors`` (errors of sensors beside their noise), by default ``any`` of tests/exam/seas.py and
+tests/exam/sensor_errors.py where nothing is hidden.
 
 The run fails if the counts contradict a demanded rate (tests/exam/criteria.py).
 """
@@ -86,7 +87,7 @@ def main() -> int:
     path, page, workers = given.pop("out", None), given.pop("table", None), int(given.pop("workers", 2))
     folders = given.pop("folders", None)
     jobs = range(first, first + count) if folders is None else sorted(q for q in Path(folders).iterdir() if q.is_dir())
-    options = {"sea": "any", **{k: float(v) if k in NUMBERS else v for k, v in given.items()}}
+    options = {"sea": "any", "sensors": "any", **{k: float(v) if k in NUMBERS else v for k, v in given.items()}}
     rows = []
     for row in examination(jobs, options, workers):
         rows.append(row)

@@ -44,6 +44,7 @@ class Conditions:
         thrust: family of the thrust errors (tests/exam/thrust_errors.py), or ``none``.
         share: of the accuracy that these errors fill.
         sea: spectrum of the ambient force (tests/exam/seas.py); ``any`` draws one where nothing is hidden.
+        sensors: errors of sensors beside their noise (tests/exam/sensor_errors.py); ``any`` draws them where nothing is hidden.
     """
 
     style: str | None = None
@@ -55,6 +56,7 @@ class Conditions:
     thrust: str | None = None
     share: float | None = None
     sea: str = "markov"
+    sensors: str = "white"
 
 
 def vehicle_of(kind: str, rng: np.random.Generator) -> tuple[str, dict[str, float], float]:

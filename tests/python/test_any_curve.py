@@ -15,7 +15,8 @@ from diagnosis_logs import screened, train_of, vehicle_of
 from ivsid.diagnosis.candidates.intervals import intervals
 from ivsid.diagnosis.estimation.declared_errors import through_water, thrust_answers
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.null.any_curve import OVERSHOOT, AnyCurve, Boxed, _places, beyond, lost
+from ivsid.diagnosis.null.any_curve import AnyCurve, _places, beyond, lost
+from ivsid.diagnosis.null.boxed import OVERSHOOT, Boxed
 from ivsid.diagnosis.null.detection import detection_limits
 from ivsid.diagnosis.null.directions import left_beside
 from ivsid.diagnosis.null.reached import Reached
@@ -96,7 +97,7 @@ def test_the_distance_from_all_curves_is_the_least_of_any_curve(wrong):
         np.zeros(len(cells)),
         jac=True,
         bounds=[(-1, 1)] * len(cells),
-        options={"maxiter": 20_000, "maxfun": 20_000},
+        options={"maxiter": 20_000, "maxfun": 20_000, "maxcor": 60, "ftol": 1e-13, "gtol": 1e-9},
     )
     assert reached.leaving == pytest.approx(found.fun, rel=2e-3, abs=0.1)
     assert reached.leaving <= gained(np.zeros(len(cells)))[0]

@@ -18,7 +18,7 @@ from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.noise import CONTRACTION, declared_ambient, quick_enough
 from ivsid.diagnosis.estimation.whitening import Whitening
 from ivsid.diagnosis.plant.physics import Hypothesis, acceleration, added_force
-from ivsid.diagnosis.plant.readings import added_readings
+from ivsid.diagnosis.plant.readings import added_readings, exact_readings
 from ivsid.diagnosis.plant.thruster_forces import bollard_force, thruster_force
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.parallel import side_by_side
@@ -207,7 +207,8 @@ def test_a_late_velocity_is_the_one_that_the_motion_had(delay):
     at = np.r_[t, t + h / 2]
     points = SimpleNamespace(nu=velocity(at), thrusts=np.zeros((1, at.size)))
     late = (Given(EFFECTS["sensor.velocity.delay"], (delay,)),)
-    added = added_readings(late, points, acceleration(at), np.zeros((3, t.size)), 0.0, h)
+    exact = exact_readings(points, acceleration(at), np.zeros((3, t.size)), 0.0)
+    added = added_readings(late, points, acceleration(at), exact, h)
     truth = velocity(t - delay) - velocity(t)
     for name, change in zip("uv", truth, strict=False):
         # The first steps have no past. A constant acceleration over the step would be off by one to two per cent.

@@ -10,21 +10,18 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.columns import Columns
 from ivsid.diagnosis.estimation.signatures import Signatures
+from ivsid.diagnosis.plant.declared_readings import FIXED, SCALE, deviations, unit
 from ivsid.diagnosis.plant.physics import water
 from ivsid.diagnosis.plant.thrust_errors import BOUNDED
 from ivsid.diagnosis.plant.thruster_forces import blade_force
-from ivsid.effects.sensing import VELOCITY_SCALE
 
 Array = NDArray[np.float64]
-# Standard deviation of the scale of the velocity, in units of its bound.
-# Source: theorem: 3.29 of them, half an interval of 99.9 %, hold the bound; a scale at its bound costs 9 in chi-squared, of the 25 that count
-SCALE: Final = 1 / 3
 # Difference of a thrust error from which its effect on a rudder is taken, in units of its bound.
 # Source: geometry: a rudder's force is nearly linear in the stream's speed over this much of a thrust error
 BLADE_STEP: Final = 0.05
-# Difference of a yaw rate from which the signature of its bias is taken [rad/s].
-# Source: geometry: below the noise of a gyro; the model is smooth over it
-YAW_RATE_STEP: Final = 1e-3
+# Difference of an error of a reading from which its signature is taken, in its standard deviation.
+# Source: geometry: below the noise of the sensor; the model is smooth over it
+READING_STEP: Final = 0.1
 
 
 def nuisances(s: Signatures) -> Columns:
@@ -38,14 +35,14 @@ def nuisances(s: Signatures) -> Columns:
 
 
 def drawn_size(name: str, prior: float, rng: np.random.Generator) -> float:
-    """A declared error of a null log: a scale is anywhere inside its bound, which its standard deviation is far below; others are normal.
+    """A declared error of a null log: one with a bound of its own is anywhere inside it, which its standard deviation is far below; others are normal.
 
     Args:
         name: of the declared error.
         prior: its standard deviation.
         rng: draws it.
     """
-    return prior * float(rng.uniform(-1 / SCALE, 1 / SCALE) if name.startswith("~scale.") else rng.standard_normal())
+    return prior * float(rng.uniform(-1 / SCALE, 1 / SCALE) if name.startswith(FIXED) else rng.standard_normal())
 
 
 def through_water(s: Signatures) -> tuple[Array, Array, Array]:
@@ -56,27 +53,21 @@ def through_water(s: Signatures) -> tuple[Array, Array, Array]:
 
 
 def _sensors(s: Signatures, out: Columns) -> None:
-    """Slow biases of accelerometer and gyro, and the scale of the velocity."""
+    """Errors of readings, by the model's answer to a wrong reading."""
     predictor, log = s.predictor, s.predictor.log
-    sensors = predictor.vehicle.sensors
-    none = np.zeros_like(s.states.nudot)
-    if sensors.acceleration is not None:
-        for k, name in enumerate(("ax", "ay")):
-            size = sensors.acceleration.axis(k)[0] + BOUNDED * sensors.acceleration.accuracy
-            if log.acceleration[k] is not None and size:
-                for j, wave in enumerate(predictor.slow):
-                    out.add(f"~bias.{name}.{j}", predictor.answer(none, reading={name: wave}), size)
-    if sensors.yaw_rate is not None and log.psi is not None:
-        size = sensors.yaw_rate.axis(0)[0] + BOUNDED * sensors.yaw_rate.accuracy
-        if size:
-            for j, wave in enumerate(predictor.slow):
-                out.add(
-                    f"~bias.r.{j}",
-                    predictor.misread(s.states, {"r": wave * YAW_RATE_STEP}, mass=s.mass) / YAW_RATE_STEP,
-                    size,
-                )
-    if sensors.velocity is not None and sensors.velocity.scale_factor_error:
-        out.add("~scale.velocity", s.reading(VELOCITY_SCALE)[0], SCALE * sensors.velocity.scale_factor_error)
+    measured = {q for q, a in zip(("ax", "ay"), log.acceleration, strict=False) if a is not None} | {"u", "v"}
+    # Without a heading nothing holds the yaw rate against its gyro.
+    measured |= {"r", "psi"} if log.psi is not None else set()
+    measured |= {"x", "y"} if len(predictor.axes) > 3 else set()
+    exact = predictor.exact(s.states)
+    for name, size in deviations(predictor.vehicle):
+        added = {q: x for q, x in unit(name, exact, predictor.slow).items() if q in measured}
+        if added:
+            step = READING_STEP * size
+            wrong = predictor.misread(s.states, {q: step * x for q, x in added.items()}, mass=s.mass)
+            # A constant heading is nothing where no force is fixed to the earth.
+            if np.any(wrong):
+                out.add(name, wrong / step, size)
 
 
 def _blades(s: Signatures, out: Columns, relative: tuple[Array, Array, Array]) -> None:

@@ -8,7 +8,7 @@ Let s = w'y be the score of a direction beside the base, with y = A e + n, decla
 errors move s by at most W = sum_i |(A'w)_i| b_i, the support function of the box. If F is the fall of chi-squared along the direction that
 was found, the noise alone has a fall of at least ((F - W) / sqrt(F))^2.
 
-``Boxed`` asks whether values at the knots leave their bounds. Where they do, ``null.reached`` asks what all curves inside their accuracy reach.
+``null.boxed`` asks whether values at the knots leave their bounds. Where they do, ``null.reached`` asks what all curves inside their accuracy reach.
 
 Source: docs/theory.md, "Any thrust curve inside its accuracy"; Rockafellar, *Convex Analysis*, 1970, section 13 (support functions).
 """
@@ -22,16 +22,15 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag
 
 from ivsid.diagnosis.candidates.intervals import Reach
 from ivsid.diagnosis.estimation.cross_products import Gram
-from ivsid.diagnosis.estimation.declared_errors import SCALE, through_water, thrust_answers
+from ivsid.diagnosis.estimation.declared_errors import through_water, thrust_answers
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.signatures import Signatures
-from ivsid.diagnosis.null.box_least_squares import inside_box
+from ivsid.diagnosis.plant.declared_readings import FIXED, SCALE
 from ivsid.diagnosis.plant.thrust_errors import BOUNDED, bound_of, upward
 from ivsid.vehicle import Thruster
 
@@ -48,10 +47,7 @@ INFLOWS: Final = 8
 # What the errors of a thrust follow.
 KINDS: Final = ("cell", "inflow")
 # Share of a bound that the prior of a declared error stands for, by the first words of its name.
-_SHARES: Final = {"~rudder.": BOUNDED, "~scale.": SCALE}
-# Values at the knots, in bounds, up to which an error may lie inside its bound: a straight line beside a jump overshoots.
-# Source: geometry: least squares of a saw's teeth by straight pieces of a third of their length, which exceeds them by a quarter
-OVERSHOOT: Final = 1.3
+_SHARES: Final = {"~rudder.": BOUNDED, **dict.fromkeys(FIXED, SCALE)}
 # Correlation of two signatures from which on they are one.
 # Source: geometry: directions that differ by a thousandth of their length
 SAME: Final = 1.0 - 1e-6
@@ -196,74 +192,6 @@ def beyond(fall: float, worst: float) -> float:
 def lost(fall: float, left: float) -> float:
     """Standard deviations of a score that are lost where of a fall of chi-squared another is left."""
     return max(float(np.sqrt(max(fall, 0.0)) - np.sqrt(left)), 0.0)
-
-
-class Boxed:
-    """Chi-squared of a fit with the thrust errors at the knots inside their bounds.
-
-    Chi-squared is minimised over all other columns of the base, with the errors at the knots inside the box or free of it. If the true errors
-    lie inside, then the truth is one of the points of the box, and the minimum lies below it by chi-squared with as many degrees of freedom as
-    there are knots, at most. A hysteresis parts the errors of rising demands from those of falling ones: each branch has a box, with that of the
-    hysteresis beside it, and the larger of the two falls is less than that from a box of both branches.
-
-    Attributes:
-        leaving: fall of chi-squared where the errors may leave their bounds.
-        knots: number of knots that may leave their bounds; 0 if no accuracy is declared.
-    """
-
-    def __init__(self, fit: Fit) -> None:
-        g, p = fit.gram, fit.projection
-        predictor = fit.noise.predictor
-        errors = [
-            (e.names(t.name), e)
-            for t, e in zip(predictor.vehicle.thrusters, predictor.propulsion.errors, strict=True)
-            if e.knots.size
-        ]
-        self.g = g
-        self.at = g.at([name for names, _ in errors for name in names])
-        self.others = [k for k in p.base if k not in self.at]
-        # Errors of the log without the part that the hypothesis holds of these: the box is that of the whole errors.
-        self.score = (
-            p.score
-            + g.total[:, self.at] @ g.centre[self.at]
-            + np.where(np.isin(np.arange(len(g.names)), self.at), g.prior * g.centre, 0.0)
-        )
-        # From sizes of the functions in unit lengths to the values at the knots, of either branch and of the hysteresis.
-        self.turns = [
-            block_diag(*(e.sizes(side) for _, e in errors)) * g.unit[self.at][:, None] for side in (1.0, -1.0)
-        ]
-        self.leaving, self.knots = self._leaving() if self.at else (0.0, 0)
-
-    def _leaving(self) -> tuple[float, int]:
-        """Fall of chi-squared from errors inside the box to free ones, and the number of knots."""
-        at, others, total = self.at, self.others, self.g.total
-        cross = self.g.regression(at, others)
-        S = total[np.ix_(at, at)] - total[np.ix_(at, others)] @ cross
-        r = self.score[at] - cross.T @ self.score[others]
-        found = []
-        for turn in self.turns:
-            values, vectors = np.linalg.eigh(turn.T @ S @ turn)
-            kept = values > DETERMINED * max(float(values.max()), 1e-300)
-            root = np.sqrt(values[kept])
-            left = vectors[:, kept].T @ (turn.T @ r) / root
-            shape = (vectors[:, kept] * root).T
-            rest = shape @ inside_box(shape, left, np.full(shape.shape[1], OVERSHOOT)) - left
-            found.append((float(rest @ rest), int(kept.sum())))
-        return max(fall for fall, _ in found), max(count for _, count in found)
-
-
-def outside(fit: Fit) -> tuple[tuple[str, float], ...]:
-    """Thrusters whose error in the hypothesis, which a soft prior holds, has left its bound, with its largest value in bounds."""
-    found = []
-    predictor = fit.noise.predictor
-    for thruster, errors in zip(predictor.vehicle.thrusters, predictor.propulsion.errors, strict=True):
-        held = np.array([fit.h.declared_errors.get(name, 0.0) for name in errors.names(thruster.name)])
-        curve, half = np.split(held, [len(errors.places)])
-        apart = np.interp(errors.places, errors.turns, errors.branches @ half) if half.size else 0.0
-        largest = float((np.abs(errors.knots @ curve) + np.abs(apart)).max(initial=0.0))
-        if largest > 1.0:
-            found.append((thruster.name, largest))
-    return tuple(found)
 
 
 def cells(fit: Fit, over: Sequence[Array] | None = None, finer: int = 1) -> Iterator[tuple[str, Array]]:

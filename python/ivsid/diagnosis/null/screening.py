@@ -18,7 +18,8 @@ from scipy.special import chdtrc
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.null.any_curve import AnyCurve, Boxed, is_declared, lost
+from ivsid.diagnosis.null.any_curve import AnyCurve, is_declared, lost
+from ivsid.diagnosis.null.boxed import Boxed
 from ivsid.diagnosis.null.directions import left_beside
 from ivsid.diagnosis.null.frequencies import strength
 from ivsid.diagnosis.null.inside_cells import FINER, inside_cells

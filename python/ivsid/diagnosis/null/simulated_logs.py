@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.data.channels import Between, Channels
 from ivsid.diagnosis.estimation.declared_errors import drawn_size
 from ivsid.diagnosis.null.closed_loop import GRID_MARGIN, RATIO_ROUNDING, TABLE, Programme, ends, simulated
+from ivsid.diagnosis.plant.declared_readings import declared, slow_shapes
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.diagnosis.plant.thrust_errors import bound_of
@@ -241,27 +242,26 @@ def _ambient(ambient: Ambient, n: int, h: float, rng: np.random.Generator) -> Ar
 def _readings(log: Channels, x: Array, nudot: Array, noise: dict[str, Array], drawn: dict[str, float]) -> Channels:
     """Readings of a simulated motion by the log's sensors, with their noise and their drawn errors."""
     n = log.n
-    t = (np.arange(n) + 0.5) / n
     u, v, r = x[:3]
 
-    def bias(name: str) -> Array | float:
-        return sum(drawn.get(f"~bias.{name}.{j}", 0.0) * np.cos(np.pi * j * t) for j in range(3))
-
-    scale = 1.0 + drawn.get("~scale.velocity", 0.0)
     specific = np.stack([nudot[0] - v * r, nudot[1] + u * r, nudot[2]])
     if log.averaged:
         # Means over the step before the row: the change of velocity, and Coriolis' part at its middle.
         cross = np.stack([-v * r, u * r, 0.0 * r])
         mean = np.diff(x[:3], axis=1) / log.h + 0.5 * (cross[:, 1:] + cross[:, :-1])
         specific = np.concatenate([specific[:, :1], mean], axis=1)
+    exact = {"u": u, "v": v, "r": r, "ax": specific[0], "ay": specific[1], "rdot": nudot[2]}
+    off = declared(drawn, exact, slow_shapes(n))
     a = tuple(
-        None if log.acceleration[k] is None else specific[k] + bias(name) + noise[name]
+        None if log.acceleration[k] is None else specific[k] + off.get(name, 0.0) + noise[name]
         for k, name in enumerate(("ax", "ay", "rdot"))
     )
     return replace(
         log,
-        nu=np.stack([scale * u + noise["u"], scale * v + noise["v"], r + bias("r") + noise["r"]]),
+        nu=np.stack([x + off.get(q, 0.0) + noise[q] for q, x in zip(("u", "v", "r"), (u, v, r), strict=True)]),
         acceleration=(a[0], a[1], a[2]),
-        psi=None if log.psi is None else x[3] + noise["psi"],
-        place=None if log.place is None else np.stack([x[4] + noise["x"], x[5] + noise["y"]]),
+        psi=None if log.psi is None else x[3] + off.get("psi", 0.0) + noise["psi"],
+        place=None
+        if log.place is None
+        else np.stack([x[4 + k] + off.get(q, 0.0) + noise[q] for k, q in enumerate("xy")]),
     )

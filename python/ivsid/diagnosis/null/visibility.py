@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.columns import Columns
 from ivsid.diagnosis.estimation.fit import Fit
-from ivsid.diagnosis.estimation.projection import NOTHING_LEFT
+from ivsid.diagnosis.estimation.projection import NOTHING_LEFT, Projection
 from ivsid.diagnosis.estimation.signatures import Signatures
+from ivsid.diagnosis.plant.declared_readings import FIXED
 from ivsid.diagnosis.plant.physics import acceleration
 from ivsid.linear.filters import decaying
 
@@ -86,8 +87,10 @@ def excitation(fit: Fit, seed: int = 0) -> dict[str, float]:
         return {}
     g, at = fit.gram, fit.gram.at(names)
     own, model = _change(fit, there.fitted(fit.fixed))
-    part = fit.projection.taken(g.at(own), at)
-    signal = np.diag(fit.projection.information(at)) * g.unit[at] ** 2
+    # A declared error of a reading may be the cause itself, and takes of its error what it takes of its signature.
+    p = Projection(g, [k for k in fit.base if not g.names[k].startswith(FIXED)])
+    part = p.taken(g.at(own), at)
+    signal = np.diag(p.information(at)) * g.unit[at] ** 2
     alone, beside = (np.einsum("cbi,cbi->c", e, e) for e in (d, d - np.tensordot(part.T, model, 1)))
     # Where nothing is left of a signature, nothing is left of its error either.
     some = signal > NOTHING_LEFT * g.unit[at] ** 2

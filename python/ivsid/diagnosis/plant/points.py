@@ -76,9 +76,10 @@ class Points:
         if self.heading.psi is not self.psi:
             object.__setattr__(self, "heading", Heading(self.psi))
 
-    def moved(self, shift: Array) -> Points:
-        """At other velocities."""
-        return replace(self, nu=self.nu + shift)
+    def moved(self, shift: Array, turn: Array | None = None) -> Points:
+        """At other velocities, and on other headings if ``turn`` is given."""
+        moved = replace(self, nu=self.nu + shift)
+        return moved if turn is None else replace(moved, psi=self.psi + turn)
 
     def under(self, thrusts: Array, bollard: Array | None = None) -> Points:
         """With other thrusts, and their sum at no speed."""

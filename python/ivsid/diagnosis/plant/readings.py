@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -16,8 +16,21 @@ Array = NDArray[np.float64]
 NAMES: Final = ("u", "v", "r", "ax", "ay", "rdot")
 
 
+def exact_readings(points: Points, nudot: Array, specific: Array, ambient: Array | float) -> dict[str, Array]:
+    """Readings u, v [m/s], r [rad/s], ax, ay [m/s^2] and rdot [rad/s^2] of exact sensors at the origin, shape (n,) each, by name.
+
+    Args:
+        points: states at samples, then over steps, of length 2 n.
+        nudot: the model's accelerations there, shape (3, 2 n).
+        specific: reading of an accelerometer at the origin, and rdot, shape (3, n).
+        ambient: rdot of the ambient moment at samples, shape (n,).
+    """
+    n = nudot.shape[1] // 2
+    return dict(zip(NAMES, (*points.nu[:, :n], specific[0], specific[1], nudot[2, :n] + ambient), strict=True))
+
+
 def added_readings(
-    given: Sequence[Given], points: Points, nudot: Array, specific: Array, ambient: Array | float, h: float
+    given: Sequence[Given], points: Points, nudot: Array, exact: Mapping[str, Array], h: float
 ) -> dict[str, Array]:
     """The numbers that effects of sensors add to u, v [m/s], r [rad/s], ax, ay [m/s^2] and rdot [rad/s^2], shape (n,) each, by name.
 
@@ -25,8 +38,7 @@ def added_readings(
         given: effects of a hypothesis, of which those of sensors act here.
         points: states at samples, then over steps, of length 2 n.
         nudot: the model's accelerations there, shape (3, 2 n).
-        specific: reading of an accelerometer at the origin, and rdot, shape (3, n).
-        ambient: rdot of the ambient moment at samples, shape (n,).
+        exact: readings of exact sensors at the origin, shape (n,) each, by name.
         h: step [s].
     """
     n = nudot.shape[1] // 2
@@ -34,7 +46,6 @@ def added_readings(
     if not readings:
         return {q: np.zeros(n) for q in NAMES}
     nu = points.nu[:, :n]
-    exact = dict(zip(NAMES, (*nu, specific[0], specific[1], nudot[2, :n] + ambient), strict=True))
     c: dict[str, Any] = dict(exact)
     c |= {"r_v": nu[2], "r_true": nu[2], "thrust": points.thrusts[:, :n].sum(axis=0)}
     c["at"] = lambda delay: _earlier(nu, nudot, delay, h)

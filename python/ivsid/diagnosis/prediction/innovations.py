@@ -45,7 +45,7 @@ class Predictor(StateFilter):
         Args:
             process: acceleration of the cause at samples and over steps [m/s^2, rad/s^2], shape (3, 2 n).
             specific: the same as an accelerometer reads it, by default ``process`` itself.
-            reading: its additions to the readings u, v, r, ax, ay, rdot, shape (n,) each.
+            reading: its additions to the readings u, v, r, ax, ay, rdot, psi, x, y, shape (n,) each.
             track: its addition to the velocity over ground over steps [m/s], shape (2, n).
         """
         n = self.log.n
@@ -60,6 +60,12 @@ class Predictor(StateFilter):
                 inputs[k, "acceleration"] = seen[k] + added[name] if name in added else seen[k]
             if (x := added.get(("u", "v", "r")[k])) is not None:
                 inputs[k, "velocity"] = x
+        # Heading and position count from their first readings.
+        if (x := added.get("psi")) is not None and self.rate is None:
+            inputs[2, "position"] = x - x[0]
+        inputs |= {
+            (k, "velocity"): x - x[0] for k in range(3, len(self.axes)) if (x := added.get("xy"[k - 3])) is not None
+        }
         if track is not None:
             inputs |= {(k, "process"): -track[k - 3] for k in range(3, len(self.axes))}
         return self.filters.errors(inputs)
@@ -132,13 +138,15 @@ class Predictor(StateFilter):
             g[2] = 0.0
         specific = process
         track = None
-        if np.any(g):
-            shifted = states.points.moved(g)
+        turn = None if "psi" not in reading else np.concatenate([reading["psi"], reading["psi"]])
+        if np.any(g) or turn is not None:
+            shifted = states.points.moved(g, turn)
             there = self.dynamics(states.h, mass).acceleration(shifted)
             believed = there - states.nudot
             process = process - believed
             specific = specific - (specific_force(shifted.nu, there) - states.specific)
-            track = -(over_ground(shifted, states.turn) - states.over)
+            rotated = states.turn if turn is None else (shifted.heading.cos()[n:], shifted.heading.sin()[n:])
+            track = -(over_ground(shifted, rotated) - states.over)
         if np.isscalar(process):
             process = np.zeros_like(states.nudot)
         if np.isscalar(specific):

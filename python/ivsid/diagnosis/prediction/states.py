@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.channels import Channels
+from ivsid.diagnosis.plant.declared_readings import declared, slow_shapes
 from ivsid.diagnosis.plant.driving import Driving
 from ivsid.diagnosis.plant.physics import Dynamics, Hypothesis, Mass, acceleration, changed
 from ivsid.diagnosis.plant.points import Points
-from ivsid.diagnosis.plant.readings import added_readings
+from ivsid.diagnosis.plant.readings import added_readings, exact_readings
 from ivsid.diagnosis.prediction.axes import AXES, Ambient, labels_of, motion_axes, track_axes
 from ivsid.diagnosis.prediction.kalman import Axis, Filters, apart
 from ivsid.diagnosis.prediction.yaw_rate import YawRate, yaw_rate
@@ -22,9 +23,6 @@ from ivsid.effects import Change, Given, of_kind
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
-# Shapes in time of a slow sensor bias: a constant, and cosines of half a period and of one over the log.
-# Source: measured: make constants
-SLOW_WAVES: Final = 3
 # Farthest distance of a state beyond the readings, in ranges of the readings: a hypothesis that goes further runs away.
 # Source: measured: make constants
 REACH: Final = 1.0
@@ -103,8 +101,7 @@ class StateFilter:
         self.vehicle, self.log, self.ambient = vehicle, log, ambient
         self.driving = driving or Driving(vehicle, log)
         self.propulsion = self.driving.propulsion
-        t = (np.arange(log.n) + 0.5) / log.n
-        self.slow = [np.cos(np.pi * j * t) for j in range(SLOW_WAVES)]
+        self.slow = slow_shapes(log.n)
         low, high = log.nu.min(axis=1), log.nu.max(axis=1)
         margin = REACH * (high - low)
         self.reach = ((low - margin)[:, None], (high + margin)[:, None])
@@ -216,11 +213,8 @@ class StateFilter:
         """The readings without the hypothesis's sensor effects and declared sensor errors, shape (n,) each, by axis and output."""
         log, h = self.log, states.h
         wrong = self.sensed(h.given, states)
-        scale = h.declared_errors.get("~scale.velocity", 0.0)
-        nu = [
-            log.nu[k] - wrong[q] - (scale * states.points.nu[k, : log.n] if k < 2 else self._bias(h, "r"))
-            for k, q in enumerate(("u", "v", "r"))
-        ]
+        off = declared(h.declared_errors, self.exact(states), self.slow)
+        nu = [log.nu[k] - wrong[q] - off.get(q, 0.0) for k, q in enumerate(("u", "v", "r"))]
         if (apart := self.from_samples(states)) is not None:
             nu = [x - apart[k] for k, x in enumerate(nu)]
         out: list[dict[str, Array]] = []
@@ -228,10 +222,12 @@ class StateFilter:
             here = {"velocity": nu[k]}
             if (a := log.acceleration[k]) is not None:
                 name = ("ax", "ay", "rdot")[k]
-                here["acceleration"] = a - wrong[name] - self._bias(h, name)
+                here["acceleration"] = a - wrong[name] - off.get(name, 0.0)
             out.append(here)
         if log.psi is not None:
-            out[2]["position"] = log.psi
+            out[2]["position"] = log.psi - off.get("psi", 0.0)
+        if len(self.axes) > 3 and log.place is not None:
+            out += [{"position": x - off.get(q, 0.0)} for q, x in zip("xy", log.place, strict=True)]
         return out
 
     def from_samples(self, states: FilteredStates) -> Array | None:
@@ -245,11 +241,6 @@ class StateFilter:
         mass = self.constant_mass(states.h) or Mass(self.vehicle, states.h.terms, changed(states.h, states.points.t))
         return mass.solve(impulse) + self.driving.bend(states.nudot[:, self.log.n :])
 
-    def _bias(self, h: Hypothesis, name: str) -> Array | float:
-        """The slow bias of a channel that the hypothesis holds, shape (n,)."""
-        parts = [h.declared_errors.get(f"~bias.{name}.{j}", 0.0) * wave for j, wave in enumerate(self.slow)]
-        return sum(parts)
-
     def _errors(self, readings: list[dict[str, Array]], states: FilteredStates) -> Array:
         """Prediction errors of readings at these states, shape (rows, n)."""
         log, n = self.log, self.log.n
@@ -259,8 +250,9 @@ class StateFilter:
             here = readings[k]
             if k == 2 and self.rate is not None:
                 inputs[k, "velocity"] = here["velocity"] - self.rate.rate
-                if "position" in here and self.rate.heading is not None:
-                    inputs[k, "position"] = here["position"] - self.rate.heading
+                if log.psi is not None and self.rate.heading is not None:
+                    # Both move along with an error of the heading.
+                    inputs[k, "position"] = log.psi - self.rate.heading
                 continue
             first = here["velocity"][0]
             inputs[k, "velocity"] = here["velocity"] - first
@@ -269,11 +261,9 @@ class StateFilter:
                 inputs[k, "position"] = here["position"] - here["position"][0] - first * (np.arange(n) * log.h)
             if "acceleration" in self.axes[k].outputs:
                 inputs[k, "acceleration"] = here["acceleration"] - self.at_samples(specific[k])
-        if len(self.axes) > 3 and log.place is not None:
-            over = states.over
-            for k in range(2):
-                x = log.place[k]
-                inputs[3 + k, "velocity"], inputs[3 + k, "process"] = x - x[0], over[k]
+        for k in range(3, len(self.axes)):
+            x = readings[k]["position"]
+            inputs[k, "velocity"], inputs[k, "process"] = x - x[0], states.over[k - 3]
         return self.filters.errors(inputs)
 
     def errors(self, states: FilteredStates) -> Array:
@@ -290,10 +280,13 @@ class StateFilter:
             return x[..., :n]
         return np.concatenate([x[..., :1], x[..., n:-1]], axis=-1)
 
+    def exact(self, states: FilteredStates) -> dict[str, Array]:
+        """Readings of exact sensors at the origin at these states, shape (n,) each, by channel."""
+        return exact_readings(states.points, states.nudot, self.at_samples(states.specific), states.ambient)
+
     def sensed(self, given: tuple[Given, ...], states: FilteredStates) -> dict[str, Array]:
         """The numbers that sensor effects add to the readings at these states, shape (n,) each, by channel."""
-        specific = self.at_samples(states.specific)
-        return added_readings(given, states.points, states.nudot, specific, states.ambient, self.log.h)
+        return added_readings(given, states.points, states.nudot, self.exact(states), self.log.h)
 
 
 def twice(x: Array) -> Array:

@@ -15,7 +15,8 @@ from scipy.special import chdtrc
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.null.any_curve import DOUBT, AnyCurve, Boxed, beyond, outside
+from ivsid.diagnosis.null.any_curve import DOUBT, AnyCurve, beyond
+from ivsid.diagnosis.null.boxed import Boxed, Leaving, outside, readings
 from ivsid.diagnosis.null.frequencies import excess, spectrum
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.selection.dictionary import regressors
@@ -55,6 +56,7 @@ class Adequacy:
         knots: number of values of these errors that may.
         pushed: channel in which the thruster pushes whose error is farthest outside of its bound.
         outside: names of the thrusters whose fitted error leaves its bound, with its largest value in bounds.
+        misread: the error of readings that leaves its bound most, by name, with what it gains and the probability of that over all such errors.
         hulls: numbers that the log asks for and that no hull has.
         rougher: ambient acceleration that the log shows at the least, over the declared one, by axis.
         risk: probability below which structure is more than chance.
@@ -71,6 +73,7 @@ class Adequacy:
     knots: int = 0
     pushed: str = ""
     outside: tuple[tuple[str, float], ...] = ()
+    misread: tuple[str, Leaving, float] | None = None
     hulls: tuple[Asked, ...] = ()
     rougher: tuple[float, float, float] = (0.0, 0.0, 0.0)
     risk: float = RISK
@@ -88,13 +91,19 @@ class Adequacy:
 
     @property
     def unexplained(self) -> float:
-        """Falls of chi-squared by the dictionary and by thrust errors that leave their bounds, beyond their degrees of freedom."""
-        return max(self.fall - self.freedom, 0.0) + max(self.leaving - self.knots, 0.0)
+        """Falls of chi-squared by the dictionary and by declared errors that leave their bounds, beyond their degrees of freedom."""
+        more = 0.0 if self.misread is None else max(self.misread[1].fall - self.misread[1].freedom, 0.0)
+        return max(self.fall - self.freedom, 0.0) + max(self.leaving - self.knots, 0.0) + more
 
     @property
     def probability(self) -> float:
-        """Probability of the structure: of the regressors or of the thrust errors, whichever is smaller."""
-        return min(self.of_regressors, self.inside)
+        """Probability of the structure: of the regressors or of the declared errors, whichever is smaller."""
+        return min(self.of_regressors, self.inside, self.read)
+
+    @property
+    def read(self) -> float:
+        """Probability of the log if every error of its readings lies inside its bound, at most."""
+        return 1.0 if self.misread is None else self.misread[2]
 
     @property
     def of_regressors(self) -> float:
@@ -117,9 +126,14 @@ class Adequacy:
         return self.inside >= self.risk
 
     @property
+    def sensed(self) -> bool:
+        """Whether the log allows every error of its readings inside its bound."""
+        return self.read >= self.risk
+
+    @property
     def quiet(self) -> bool:
-        """Whether the innovations hold no more structure than chance, with every thrust error and the ambient force inside its bound and every number one of hulls."""
-        return self.white and self.bounded and not self.hulls and max(self.rougher) <= ROUGHER
+        """Whether the innovations hold no more structure than chance, with every declared error and the ambient force inside its bound and every number one of hulls."""
+        return self.white and self.bounded and self.sensed and not self.hulls and max(self.rougher) <= ROUGHER
 
     def beside(self, fit: Fit, columns: Sequence[int]) -> float:
         """Excess in the channels where a cause acts, weighted by the energy of its signature in each.
@@ -165,11 +179,23 @@ def adequacy(fit: Fit) -> Adequacy:
         # Curves that jump between knots reach more than values at the knots do.
         free = AnyCurve(fit)
         left = min(left, Reached(free).leaving)
+    misread = _misread(fit, None)
+    if misread is not None and misread[2] <= DOUBT and fit.noise.predictor.vehicle.thrusters:
+        # A thrust curve may have moved the readings.
+        free = free or AnyCurve(fit)
+        misread = _misread(fit, free)
     far = outside(fit)
     hulls = asked_of_hulls(fit)
     rougher = fit.noise.rougher
     found = replace(
-        found, leaving=left, knots=knots, pushed=_pushed(fit, far), outside=far, hulls=hulls, rougher=rougher
+        found,
+        leaving=left,
+        knots=knots,
+        pushed=_pushed(fit, far),
+        outside=far,
+        misread=misread,
+        hulls=hulls,
+        rougher=rougher,
     )
     if found.white or not fit.noise.predictor.vehicle.thrusters:
         return found
@@ -182,8 +208,25 @@ def adequacy(fit: Fit) -> Adequacy:
     )
     alone = found.alone and beside.chance_of_one <= ALONE
     return replace(
-        beside, leaving=left, knots=knots, pushed=found.pushed, outside=far, hulls=hulls, rougher=rougher, alone=alone
+        beside,
+        leaving=left,
+        knots=knots,
+        pushed=found.pushed,
+        outside=far,
+        misread=misread,
+        hulls=hulls,
+        rougher=rougher,
+        alone=alone,
     )
+
+
+def _misread(fit: Fit, free: AnyCurve | None) -> tuple[str, Leaving, float] | None:
+    """The error of readings that leaves its bound most, beside a base with any thrust curve if one is given."""
+    found = list(readings(fit, free))
+    if not found:
+        return None
+    name, worst = min(found, key=lambda q: q[1].chance)
+    return name, worst, min(1.0, worst.chance * len(found))
 
 
 def _pushed(fit: Fit, far: Sequence[tuple[str, float]]) -> str:

@@ -142,7 +142,7 @@ class StructureTest:
     def __call__(self, fit: Fit) -> tuple[float, bool]:
         """The strength of the structure, and whether it is more than chance by theory."""
         left = adequacy(fit)
-        return left.strength, not (left.white and left.bounded)
+        return left.strength, not (left.white and left.bounded and left.sensed)
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.probability import COUNTS, Alike, alike
 from ivsid.diagnosis.statements.residuals import FindingEvidence
 from ivsid.diagnosis.statements.rules import ALTERNATIVES, HELD, UNNAMED, Held
+from ivsid.diagnosis.statements.sensor_words import WORDS
 from ivsid.diagnosis.statements.shallow_water import Change
 from ivsid.diagnosis.statements.share import Share
 from ivsid.effects import CHANNELS, EFFECTS, PAPER_TERMS
@@ -222,13 +223,24 @@ def unknown(left: Adequacy, near: Sequence[str], *, proved: str = "") -> Finding
             f"{f' of {where}' if where else ''} differs from its curve by more than the stated accuracy, or a force that the model lacks goes with the demands; "
             "all masses and drags may be wrong with it; a bollard test of the thrust tells the two apart"
         )
+    if not left.sensed and left.misread is not None:
+        name, most, _ = left.misread
+        said = WORDS[name]
+        wrong = (
+            f"the {said.name} would have to be {most.largest:.2g} times what the vehicle file allows for: the sensor is worse than it states, or "
+            "a cause that the catalogue lacks looks like it; all masses and drags may be wrong with it"
+        )
+        if left.white and left.bounded:
+            channel, z, text = said.channel, float(np.sqrt(most.fall)), wrong
+        else:
+            text += f"; {wrong}"
     if max(left.rougher) > ROUGHER:
         k = int(np.argmax(left.rougher))
         rough = (
             f"{'the moment' if k == 2 else 'the force'} in {CHANNELS[k]} that nothing explains is at least {left.rougher[k]:.2g} times what [ambient] and "
             "the thrusters' accuracy allow: the sea was rougher than the vehicle file declares, or a cause that the catalogue lacks acts there"
         )
-        if left.white and left.bounded:
+        if left.white and left.bounded and left.sensed:
             channel, z, text = CHANNELS[k], 0.0, rough
         else:
             text += f"; {rough}"

@@ -7,7 +7,9 @@ from typing import Final
 import numpy as np
 
 from ivsid.diagnosis.estimation.fit import Fit
-from ivsid.diagnosis.null.any_curve import OVERSHOOT, outside
+from ivsid.diagnosis.null.boxed import OVERSHOOT, outside
+from ivsid.diagnosis.plant.declared_readings import assumed, bounded
+from ivsid.diagnosis.statements.sensor_words import WORDS
 
 # A declared error is mentioned if its size exceeds this multiple of the standard deviation of its estimate.
 # Source: definition: 6e-7 of normal errors lie beyond
@@ -15,17 +17,16 @@ SHOWN: Final = 5.0
 # An ambient force is mentioned if its rms exceeds this multiple of the declared force.
 # Source: measured: make constants
 STRONGER: Final = 2.0
-_BIAS: Final = {
-    "ax": ("accelerometer's bias in x", "m/s^2"),
-    "ay": ("accelerometer's bias in y", "m/s^2"),
-    "r": ("gyro's bias", "rad/s"),
-}
+# Standard deviations of a bias without a bound up to which it is said to be inside its specification.
+# Source: definition: its stated instability is one standard deviation, of which 99.7 % lie within three
+SPECIFIED: Final = 3.0
 
 
 def hints(fit: Fit) -> tuple[str, ...]:
     """Sentences on biases, scale factors and thrust errors that the log shows inside their bounds, and on a strong ambient force."""
     g, p = fit.gram, fit.projection
     out: list[str] = []
+    bounds = {name: float(np.abs(turn[0]).sum()) for name, _, turn in bounded(fit.noise.predictor.vehicle)}
     for i, k in enumerate(p.base):
         name = g.names[k]
         if not name.startswith("~") or name.startswith(("~thrust", "~hysteresis", "~rudder")):
@@ -40,9 +41,11 @@ def hints(fit: Fit) -> tuple[str, ...]:
             out.append(
                 f"velocities read {100 * size:+.2f} % of their value too much; the vehicle file allows for {bound:.3g} %"
             )
-        elif name.endswith(".0"):
-            words, unit = _BIAS[name.split(".")[1]]
-            out.append(f"the {words} is about {size:.3g} {unit}, inside its specification")
+        elif (whole := name.removesuffix(".0")) in WORDS and not assumed(fit.noise.predictor.vehicle, whole):
+            said = WORDS[whole]
+            inside = abs(size) <= bounds.get(whole, SPECIFIED / float(np.sqrt(g.prior[k])) / float(g.unit[k]))
+            where = "inside its specification" if inside else "more than its specification allows for"
+            out.append(f"the {said.name} is about {size:.3g} {said.unit}, {where}")
     far = dict(outside(fit))
     for thruster in fit.noise.predictor.vehicle.thrusters:
         own = [i for i, k in enumerate(p.base) if g.names[k].startswith(f"~thrust.{thruster.name}.")]

@@ -1,7 +1,7 @@
 """Changes of parameters between two logs of the same thrusters, whose declared errors are the same in both.
 
 Let a and b be the parameters of the two logs and e the declared errors: of each thrust curve (at its knots, and in the cells of
-``null.any_curve`` beside them) and of each rudder, which both logs share, and of the velocity's scale, of which each log has its own. Chi-squared of each log, with all other numbers eliminated, is a quadratic form of (a, e) and of (b, e). Their sum with one prior of e
+``null.any_curve`` beside them) and of each rudder, which both logs share, and of the velocity's scale and the sensors' mounting, of which each log has its own. Chi-squared of each log, with all other numbers eliminated, is a quadratic form of (a, e) and of (b, e). Their sum with one prior of e
 has the normal matrix N. An error e* moves the estimate by -N^-1 P e*, of the prior's precision P, so that the errors inside their box |e_i| <= b_i
 move a sum w'(b - a) by at most the support function of the box.
 
@@ -18,12 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.cross_products import RIDGE, Gram
+from ivsid.diagnosis.plant.declared_readings import FIXED
 
 Array = NDArray[np.float64]
 # Declared errors that two logs of one vehicle share, by the first words of their names: those of thrust curves and blades, which are static.
 SHARED: Final = ("~thrust.", "~hysteresis.", "~cell.", "~rudder.")
-# Declared errors with a bound of which each log has its own: the speed of sound in the water scales a velocity.
-OWN: Final = ("~scale.",)
+# Declared errors with a bound of which each log has its own: the speed of sound in the water scales a velocity, and a sensor is mounted again.
+OWN: Final = FIXED
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,190 @@
+"""Errors of readings inside what a vehicle file declares make no finding, those beyond it do, and their signatures are those of wrong readings."""
+
+import re
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from tests.exam.cases import setting
+from tests.exam.sensor_errors import POSITION, ROTATION
+
+from ivsid import diagnose
+from ivsid.diagnosis.candidates.families import everything
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.declared_errors import drawn_size, nuisances
+from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.plant.declared_readings import deviations, unit
+from ivsid.log import Log
+from ivsid.vehicle import parse_vehicle
+
+VESSEL = {"ambient": 1.0, "duration": 300.0, "rate": 10.0, "share": 0.5}
+# Readings of a channel are moved by this much of their accuracy, which the examiner's noise fills already.
+MOVED = 0.5
+
+
+def scaled(reading, accuracy, t):
+    return 0.004 * reading
+
+
+def constant(reading, accuracy, t):
+    return MOVED * accuracy + 0 * t
+
+
+def wandering(reading, accuracy, t):
+    return MOVED * accuracy * np.sin(2 * np.pi * 1.7 * t / t[-1] + 0.9)
+
+
+def logs_of(here, truth, moves):
+    """Both logs of a setting, some of whose channels are moved: by channel, the accuracy and a function of the reading, the accuracy and the time."""
+    out = []
+    for k, q in enumerate(here.logs(truth), 1):
+        read = {name: x for name, x in q.items() if name != "t"}
+        read |= {name: read[name] + move(read[name], accuracy, q["t"]) for name, (accuracy, move) in moves.items()}
+        out.append(Log(f"{k}.csv", "0" * 64, q["t"], read))
+    return out
+
+
+def diagnosed(here, truth=None, moves=None):
+    return diagnose(parse_vehicle(here.text, "vehicle.toml"), *logs_of(here, truth or {}, moves or {}))
+
+
+SEEDS = range(92100, 92108)
+VELOCITIES = {
+    "scale": {"u": (0.006, scaled), "v": (0.006, scaled)},
+    "constant": {"u": (0.006, constant), "v": (-0.006, constant)},
+    "wandering": {"u": (0.006, wandering), "v": (0.006, constant)},
+}
+PLACES = {"heading": {"psi": (0.015, constant)}, "position": {"x": (0.5, wandering), "y": (0.5, wandering)}}
+ERRORS = {**VELOCITIES, **PLACES}
+NIGHT = [pytest.param(seed, name, marks=pytest.mark.nightly) for seed in SEEDS for name in ERRORS]
+
+
+@pytest.mark.parametrize(
+    ("seed", "name"), [(42, "constant"), (45, "wandering"), (40, "heading"), (49, "position"), *NIGHT]
+)
+def test_an_error_of_readings_inside_its_accuracy_makes_no_finding(seed, name):
+    here = setting(seed, **VESSEL)
+    # The examiner draws a scale of its own.
+    text = here.text.replace("scale_factor_error = 0.004", "scale_factor_error = 0.0")
+    moves = ERRORS[name]
+    if name == "scale":
+        logs = logs_of(replace(here, text=text), {}, moves)
+        result = diagnose(parse_vehicle(here.text, "vehicle.toml"), *logs)
+    else:
+        result = diagnosed(here, moves=moves)
+    assert (result.verdict, result.findings) == ("adequate", ())
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_hint_says_the_scale_of_the_velocity_with_its_bound(side):
+    # A position that may be off by half a metre shows a scale of 0.4 % after some hundred metres.
+    here = setting(40, **{**VESSEL, "duration": 600.0})
+    true = replace(here, text=here.text.replace("scale_factor_error = 0.004", "scale_factor_error = 0.0"))
+    assert true.text != here.text
+    moves = {q: (0.0, lambda x, accuracy, t: side * scaled(x, accuracy, t)) for q in "uv"}
+    result = diagnose(parse_vehicle(here.text, "vehicle.toml"), *logs_of(true, {}, moves))
+    assert (result.verdict, result.findings) == ("adequate", ())
+    said = [h for h in result.hints if h.startswith("velocities")]
+    assert all(h.endswith("allows for 0.4 %") for h in said)
+    assert said and re.search(r"([+-][\d.]+) %", said[0])[1].startswith("+" if side > 0 else "-")
+
+
+def test_a_hint_says_the_bias_of_a_velocity():
+    result = diagnosed(setting(42, **VESSEL), moves=VELOCITIES["constant"])
+    said = {h.split(" is about ")[0]: float(h.split()[-5]) for h in result.hints if " is about " in h}
+    assert said["the bias of the velocity ahead"] == pytest.approx(0.003, abs=0.0015)
+    assert said["the bias of the velocity to starboard"] == pytest.approx(-0.003, abs=0.0015)
+
+
+MOUNTED = {"sensor.velocity.lever_arm": POSITION, "sensor.velocity.misalignment": ROTATION}
+
+
+def mounted(seed, id_, size):
+    """A setting whose vehicle file leaves room for the mounting, and an effect at a multiple of that room."""
+    here = setting(seed, sensors="mounted", **VESSEL)
+    bound = MOUNTED[id_] * (here.vessel.body.length if id_.endswith("arm") else 1.0)
+    names = [f"{id_}.x", f"{id_}.y"] if id_.endswith("arm") else [id_]
+    # The examiner's own errors of the mounting stand aside.
+    return replace(here, sensors="white"), dict.fromkeys(names, size * bound)
+
+
+@pytest.mark.parametrize(
+    ("seed", "id_"),
+    [
+        (44, "sensor.velocity.lever_arm"),
+        (42, "sensor.velocity.misalignment"),
+        *[pytest.param(seed, id_, marks=pytest.mark.nightly) for seed in SEEDS for id_ in MOUNTED],
+    ],
+)
+def test_a_sensor_that_stands_inside_its_bounds_makes_no_finding_and_one_beyond_them_does(seed, id_):
+    """Arms of 27 mm were named beside a stated 30 mm, and turns of 9 mrad beside 10."""
+    here, inside = mounted(seed, id_, 0.9)
+    result = diagnosed(here, inside)
+    assert (result.verdict, result.findings) == ("adequate", ())
+    here, beyond = mounted(seed, id_, 6.0)
+    (finding, *_) = diagnosed(here, beyond).findings
+    assert id_ in (finding.effect, *finding.alternatives)
+
+
+@cache
+def sensed(seed=44):
+    here = setting(seed, sensors="mounted", **VESSEL)
+    vehicle = parse_vehicle(here.text, "vehicle.toml")
+    (log, _) = logs_of(here, {}, {})
+    return plain_fit(vehicle, channels(log, vehicle), everything), log
+
+
+def test_a_signature_is_what_a_wrong_reading_leaves_in_the_errors():
+    """The filters run again over readings that an error has moved; signatures leave out what that changes of the states."""
+    fit, _ = sensed()
+    s = fit.signatures
+    columns, predictor = nuisances(s), s.predictor
+    exact, waves = predictor.exact(s.states), predictor.slow
+    before = predictor.errors(predictor.settle(s.states, 4))
+    names = [name for name, _ in deviations(predictor.vehicle) if name in columns.names]
+    assert len(names) > 40 and {n.split(".")[0] for n in names} == {"~bias", "~scale", "~arm", "~turn"}
+    for name in names:
+        size = columns.prior[name]
+        log = moved(predictor.log, {q: size * x for q, x in unit(name, exact, waves).items()})
+        again = type(predictor)(predictor.vehicle, log, predictor.ambient, axes=predictor.axes)
+        left = (again.errors(again.settle(again.start(s.h), 6)) - before) / size
+        column = columns.arrays[columns.names.index(name)]
+        one, other = (
+            fit.noise.whitening.blocks([x], fit.gram.good, fit.gram.length, unit=False)[0].ravel()
+            for x in (left, column)
+        )
+        like = float(one @ other) / float(np.linalg.norm(one) * np.linalg.norm(other))
+        assert like > 0.95, (name, like)
+        assert 0.85 < float(np.linalg.norm(one) / np.linalg.norm(other)) < 1.1, name
+
+
+def moved(log, added):
+    """Channels with additions to some readings."""
+    nu = np.stack([x + added.get(q, 0.0) for q, x in zip("uvr", log.nu, strict=True)])
+    acceleration = tuple(
+        None if a is None else a + added.get(q, 0.0)
+        for q, a in zip(("ax", "ay", "rdot"), log.acceleration, strict=True)
+    )
+    place = np.stack([x + added.get(q, 0.0) for q, x in zip("xy", log.place, strict=True)])
+    return replace(log, nu=nu, acceleration=acceleration, psi=log.psi + added.get("psi", 0.0), place=place)
+
+
+def test_null_logs_draw_errors_with_a_bound_of_their_own_inside_it():
+    rng = np.random.default_rng(3)
+    drawn = np.array([[drawn_size(name, 1.0, rng) for name in ("~turn.velocity", "~bias.u.0")] for _ in range(4000)])
+    assert np.abs(drawn[:, 0]).max() <= 3.0 and drawn[:, 0].std() == pytest.approx(3**0.5, rel=0.05)
+    assert np.abs(drawn[:, 1]).max() > 3.0 and drawn[:, 1].std() == pytest.approx(1.0, rel=0.05)
+
+
+@pytest.mark.parametrize(("name", "times", "said"), [("u", 3.0, "velocity ahead"), ("psi", 4.0, "bias of the heading")])
+def test_an_error_of_readings_beyond_its_bound_is_unknown_and_its_size_is_said(name, times, said):
+    """Soft priors took a velocity that reads ten times its accuracy too much, and the verdict was adequate."""
+    accuracy = {"u": 0.006, "psi": 0.015}[name]
+    moves = {name: (accuracy, lambda x, bound, t: times * bound)}
+    result = diagnosed(setting(41, **VESSEL), moves=moves)
+    (finding,) = result.findings
+    assert result.verdict == finding.effect == "unknown" and said in finding.description
+    stated = float(re.search(r"to be ([\d.]+) times", finding.description)[1])
+    assert stated == pytest.approx(times, abs=1.0)
+    assert any(said in h and h.endswith("more than its specification allows for") for h in result.hints)

@@ -125,6 +125,27 @@ PROOFS = (
         "test_findings.py",
     ),
     python(
+        "accuracies that are noise alone",
+        "diagnosis/plant/declared_readings.py",
+        'dict.fromkeys(("u", "v"), velocity.accuracy)',
+        'dict.fromkeys(("u", "v"), 0.0)',
+        "test_declared_readings.py",
+    ),
+    python(
+        "readings that leave their bounds",
+        "diagnosis/selection/adequacy.py",
+        "return self.read >= self.risk",
+        "return True",
+        "test_declared_readings.py",
+    ),
+    python(
+        "mountings that are exact",
+        "diagnosis/plant/declared_readings.py",
+        "SCALE * max(mount.rotation_accuracy, LEAST_TURN)",
+        "SCALE * 1e-9",
+        "test_declared_readings.py",
+    ),
+    python(
         "null logs at ten times the level",
         "diagnosis/null/tail.py",
         "slope * np.log(share / self.level)",

@@ -98,9 +98,12 @@ def test_a_fall_far_beyond_the_smallest_chance_stays_as_large():
 
 # Nightly: the same projection stands in the distance from all errors, above, and beside teeth, below.
 @pytest.mark.nightly
-@pytest.mark.parametrize(("seed", "id_"), [(85160, "current.oscillating"), (83161, "thruster.reverse_loss")])
+@pytest.mark.parametrize(("seed", "id_"), [(83161, "thruster.reverse_loss")])
 def test_a_cause_stands_by_the_direction_that_shows_it(seed, id_):
-    """In the one direction of the prior the worst errors took these causes of 12 and 18 standard deviations whole."""
+    """In the one direction of the prior the worst errors took this cause of 18 standard deviations whole.
+
+    A current of 8 mm/s to and fro stood here as well, until a velocity might be wrong by its accuracy of 6 mm/s: nothing is left of it now.
+    """
     fit, found = scored(seed)
     free, s = AnyCurve(fit), found[id_]
     g, columns = free.beside(s)
@@ -137,10 +140,15 @@ def test_a_failure_inside_the_accuracy_stands_beside_any_curve():
 # Nightly: the gate holds teeth against usual cells, above.
 @pytest.mark.nightly
 def test_a_failure_beyond_the_accuracy_stands_beside_usual_cells():
-    """On a straight run the cells of a demand that hardly changes would take it: 9 of 192 were left."""
-    fit, found = scored(85286)
+    """On a straight run the finer cells of a demand that hardly changes would take it.
+
+    The loss is 7 % of the thrust. One of 5 % is estimated below twice the accuracy of 2 %, and is held against these finer cells by that rule.
+    """
+    fit, found = scored(85286, size=0.6)
     failure = found["thruster.failure"]
-    assert not inside_cells(fit, failure) and Round(fit, tuple(found.values()), 1e-4, {}).left(failure) > 40.0
+    left = Round(fit, tuple(found.values()), 1e-4, {}).left(failure)
+    assert not inside_cells(fit, failure) and left > 40.0
+    assert left > 2.0 * left_beside(AnyCurve(fit, finer=FINER), failure)
 
 
 # Nightly: one of the causes that an examination missed; the gate keeps some of them.

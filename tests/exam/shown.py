@@ -18,8 +18,8 @@ Each frequency's rows are whitened by the Cholesky factor of that covariance (Wh
 
     z^2 = min over theta of |W (d - J theta)|^2
 
-over the masses and drags, which are free, the velocity's scale error inside its bound, and for each thruster an error inside its
-accuracy: a part that is piecewise linear over 33 demands, of demands that have risen and of those that have fallen apart, because the
+over the masses and drags, which are free, the velocity's scale error inside its bound, slow errors of velocity, heading and place inside
+their accuracy, piecewise linear between 7 times, and for each thruster an error inside its accuracy: a part that is piecewise linear over 33 demands, of demands that have risen and of those that have fallen apart, because the
 errors of the examination jump and remember; and a part that is piecewise linear over 9 speeds of the water along the thruster. The
 bound is split between the two in one of three ways, the same for all thrusters, and the smallest z counts. The error that a true
 curve has already counts: what a curve may differ from it is what is left to the bound on either side. z is the least distance, in standard deviations, between the log with its effects and any log that
@@ -44,6 +44,8 @@ NODES = 33
 # Speeds of the water along a thruster at which the other part of its error is free, and shares of the bound that the first part has.
 SPEEDS = 9
 SPLITS = (1.0, 0.5, 0.0)
+# Times at which a slow error of a sensor is free.
+TIMES = 7
 # Least width of a box.
 NARROW = 1e-9
 ROUNDS = 4
@@ -100,7 +102,7 @@ def shown(logs: list[Sailed], claimed: tuple[str, ...] = ()) -> float:
             moved = _with(body, id_, _value(body, id_) * (1 + SMALL))
             rows = [w((discrepancy(q, moved) - d) / SMALL) for w, q, d in zip(whiteners, logs, base, strict=True)]
             columns.append(np.concatenate(rows))
-        # Errors of thrust and of the velocity's scale belong to one log.
+        # Errors of thrust and of sensors belong to one log.
         for j, (w, q, d) in enumerate(zip(whiteners, logs, base, strict=True)):
             for column, *ends in _nuisance(q, body, d):
                 rows = [np.zeros(_rows(p)) for p in logs]
@@ -196,6 +198,14 @@ def _nuisance(q: Sailed, body: Body, base: np.ndarray):
     if e := sensors["velocity"].get("scale_factor_error"):
         clean = q.clean | {k: q.clean[k] * (1 + SMALL * e) for k in ("u", "v")}
         yield (discrepancy(replace(q, clean=clean), body) - base) / SMALL, -1.0, 1.0, 0.0, 0.0
+    t = q.motion.t
+    knots = np.linspace(t[0], t[-1], TIMES)
+    for sensor, channels in (("velocity", "u v"), ("heading", "psi"), ("position", "x y")):
+        accuracy = sensors[sensor]["accuracy"]
+        for channel in channels.split() if accuracy else []:
+            for hat in np.eye(TIMES):
+                clean = q.clean | {channel: q.clean[channel] + SMALL * accuracy * np.interp(t, knots, hat)}
+                yield (discrepancy(replace(q, clean=clean), body) - base) / SMALL, -1.0, 1.0, 0.0, 0.0
     u, v, r = (q.clean[k] for k in ("u", "v", "r"))
     for k, curve in enumerate(q.curves):
         demand = q.motion.demands[:, k]

@@ -250,6 +250,17 @@ def test_z_counts_no_error_by_the_speed_of_the_water_inside_its_bound():
         assert z < 2.0 if explained else z > 8.0, (share, z)
 
 
+@pytest.mark.parametrize(("channel", "sensor"), [("u", "velocity"), ("psi", "heading")])
+def test_z_counts_no_slow_error_of_a_sensor_inside_its_accuracy(channel, sensor):
+    """A velocity that wanders inside its accuracy is one of the same file, unless it leaves its bound."""
+    one, _ = setting(44, kind="twin", style="rich", ambient=1.0, duration=60.0, rate=10.0).sailed({}, 0)
+    accuracy = one.vessel.table["sensors"][sensor]["accuracy"]
+    wanders = accuracy * np.cos(2 * np.pi * one.motion.t / one.motion.t[-1])
+    for times, explained in ((0.9, True), (20.0, False)):
+        z = stands_out([replace(one, clean=one.clean | {channel: one.clean[channel] + times * wanders})])
+        assert z < 2.0 if explained else z > 8.0, (times, z)
+
+
 def test_folders_say_nothing_and_answers_map_them(tmp_path):
     here = setting(3, kind="twin", duration=20.0, rate=10.0, style="rich")
     case = type("Case", (), {})()

@@ -111,15 +111,18 @@ def admit(
             again.append(replace(r, states=states, chi2=chi2, fall=base - chi2))
         else:
             refused[r.id] = refused_by(NUMBERS, beside)
+    # Falls under one noise are no measure of those under another.
     far = [r for r in rivals if r not in asked]
+    behind = {r.id: r.fall for r in far}
+    refused |= compared(best, far, beside)[1]
     if not again:
-        return Admission(compared(best, far, beside)[1] | refused, waiting)
+        return Admission(refused, waiting)
     again.sort(key=lambda r: -r.place)
     best = again[0]
-    others = [*again, *far]
-    close, worse = compared(best, others, beside)
+    close, worse = compared(best, again, beside)
+    behind |= {r.id: r.fall for r in again if r not in close}
     first = screened.measured(next(s for s in scored if s.id == best.id))
-    found = Found(best.id, close, {r.id: r.fall for r in others if r not in close}, best.fall, first.chance, first)
+    found = Found(best.id, close, behind, best.fall, first.chance, first)
     return Admission(worse | refused, waiting, found, best, problem.noise)
 
 

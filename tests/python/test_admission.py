@@ -1,0 +1,47 @@
+"""The set of a cause holds rivals by their falls under one noise."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from ivsid.diagnosis.selection import admission
+from ivsid.diagnosis.selection.rivals import Rival
+
+BASE = 10_000.0
+# Falls of chi-squared under the noise that holds the causes, and under the one that is learnt beside the best of them.
+FIRST = {"thruster.saturation": 5000.0, "thruster.deadband": 4998.0, "thruster.curve": 2000.0}
+LEARNT = {"thruster.saturation": 900.0, "thruster.deadband": 895.0, "thruster.curve": 850.0}
+
+
+@pytest.fixture
+def admitted(monkeypatch):
+    scored = [
+        SimpleNamespace(id=i, merit=fall, fall=fall, physical=True, count=1, chance=1e-30) for i, fall in FIRST.items()
+    ]
+    problem = SimpleNamespace(noise=SimpleNamespace(predictor=None))
+    fit = SimpleNamespace(problem=problem, states="", fixed={})
+    screened = SimpleNamespace(round=SimpleNamespace(scored=scored), measured=lambda s: s)
+    fakes = {
+        "side_by_side": lambda tasks: [task() for task in tasks],
+        "fitted": lambda problem, fit, s: Rival(s.id, SimpleNamespace(h=s.id), BASE - s.fall, 1, s.fall),
+        "in_place_of": lambda problem, fit, s, own, best: own,
+        "_learnt": lambda fit, states: problem.noise,
+        "_exact": lambda problem, states, id_: (states, BASE - LEARNT.get(id_, 0.0)),
+        "possible": lambda h, id_, predictor: True,
+        "contenders": lambda scored, best: list(scored),
+        "full_refused": lambda *_: None,
+        "Problem": SimpleNamespace(at=lambda *_: problem),
+    }
+    for name, fake in fakes.items():
+        monkeypatch.setattr(admission, name, fake)
+    return admission.admit(fit, screened, scored, SimpleNamespace(eligible=lambda s: True))
+
+
+def test_a_cause_far_behind_is_no_rival_by_its_fall_under_another_noise(admitted):
+    """A curve that was left behind under the first noise had 2,000 against 900 under the second, and the named limit a weight of 3e-12."""
+    found = admitted.found
+    assert [r.id for r in found.rivals] == ["thruster.saturation", "thruster.deadband"]
+    assert found.rivals[0].merit == max(r.merit for r in found.rivals) == LEARNT["thruster.saturation"]
+    assert (
+        admitted.refused["thruster.curve"].rule == "rival" and found.tried["thruster.curve"] == FIRST["thruster.curve"]
+    )

@@ -125,6 +125,13 @@ PROOFS = (
         "test_findings.py",
     ),
     python(
+        "angles that hold",
+        "diagnosis/plant/driving.py",
+        "held = log.held and not log.running",
+        "held = log.held",
+        "test_angles.py",
+    ),
+    python(
         "accuracies that are noise alone",
         "diagnosis/plant/declared_readings.py",
         'dict.fromkeys(("u", "v"), velocity.accuracy)',

@@ -251,7 +251,7 @@ def _fitted(
 
     def looked_for(fit: Fit) -> Fit:
         # A wrong set-up that is beyond doubt ends the work before any cause is looked for.
-        doubts.extend(examining.result())
+        doubts[:] = examining.result()
         return everything(fit)
 
     progress("fitting the model")
@@ -269,7 +269,8 @@ def _fitted(
         proving.end()
     for one in doubts:
         progress(f"set-up: {one.sentence}")
-    return log, other, fit, proof, tuple(doubts)
+    log = fit.noise.predictor.log
+    return log, replace(other, running=log.running), fit, proof, tuple(doubts)
 
 
 def _on_one_origin(train: Log, test: Log, vehicle: Vehicle) -> tuple[Channels, Channels]:

@@ -112,6 +112,7 @@ class Channels:
         good: samples at which every channel was measured, shape (n,).
         noise: standard deviation of each sensor's white noise by channel: nu (3), acceleration (3), psi, place.
         notes: sentences on the samples and channels that are not used.
+        running: whether angles run from a sample to the next where demands hold.
     """
 
     name: str
@@ -134,6 +135,7 @@ class Channels:
     good: NDArray[np.bool_]
     noise: dict[str, float]
     notes: tuple[str, ...] = ()
+    running: bool = False
 
     @property
     def n(self) -> int:

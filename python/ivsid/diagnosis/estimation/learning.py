@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.channels import Channels
+from ivsid.diagnosis.estimation.angles import RUNS, run
 from ivsid.diagnosis.estimation.first_values import first_values, with_fitted
 from ivsid.diagnosis.estimation.fit import Fit, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
@@ -125,7 +126,10 @@ def plain_fit(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
     """
     try:
         with np.errstate(over="ignore", invalid="ignore"):
-            return _plain(vehicle, log, search)
+            fit = _plain(vehicle, log, search)
+            if not run(fit):
+                return fit
+            return _plain(vehicle, replace(log, running=True, notes=(*log.notes, RUNS)), search)
     except (np.linalg.LinAlgError, ValueError, FloatingPointError) as error:
         if isinstance(error, IvsidError):
             raise

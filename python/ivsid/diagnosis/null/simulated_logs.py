@@ -154,7 +154,7 @@ def null_logs(programme: Programme, seed: int, numbers: Sequence[int]) -> list[t
                 log.between.angles + (angles - log.angles)[:, :, None],
                 log.between.rudders + (rudders - log.rudders)[:, :, None],
             )
-        read = replace(read, demands=demands, rudders=rudders, angles=angles, between=between)
+        read = replace(read, demands=demands, rudders=rudders, angles=angles, between=between, running=False)
         made.append((read, replace(programme.h, declared_errors=_at(drawn, j))))
     return made
 

@@ -53,7 +53,11 @@ class Driving:
     def __init__(self, vehicle: Vehicle, log: Channels, errors: Sequence[ThrustErrors] | None = None) -> None:
         self.vehicle, self.log = vehicle, log
         self.propulsion = Propulsion(vehicle, log, errors)
-        self.turned, self.steered, self.sent = (_over(x, held=log.held) for x in (log.angles, log.rudders, log.force))
+        held = log.held and not log.running
+        # An angle that runs takes the shorter way.
+        angles = np.unwrap(log.angles, axis=1) if log.running else log.angles
+        self.turned, self.steered = (_over(x, held=held) for x in (angles, log.rudders))
+        self.sent = _over(log.force, held=log.held)
         if log.between is not None:
             self.turned, self.steered = (_between(log.between, x) for x in (log.between.angles, log.between.rudders))
         self.swing = np.cos(self.turned), np.sin(self.turned)

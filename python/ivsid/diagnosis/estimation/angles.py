@@ -1,0 +1,59 @@
+"""Whether the angles of thrusters and rudders run from one sample to the next, or hold.
+
+A demand holds until the next one comes. An angle that is measured cannot jump, and one that is commanded does: a log tells the two apart, where
+samples are slow beside the turning.
+
+Source: docs/theory.md, "Angles between samples".
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.gauss_newton import improve
+from ivsid.diagnosis.estimation.noise import Noise
+from ivsid.diagnosis.estimation.problem import Problem
+from ivsid.diagnosis.prediction.innovations import Predictor
+
+# Fall of chi-squared from which on angles are taken to run.
+# Source: definition: the fall that counts for a cause
+COUNTS: Final = 25.0
+# What is said where they do.
+RUNS: Final = (
+    "angles of thrusters and rudders are taken to run from one row to the next: the log shows that they do not hold"
+)
+# Passes of the filters under other angles.
+# Source: resource: filtered states forget their start within some rounds
+PASSES: Final = 4
+
+
+def run(fit: Fit) -> bool:
+    """Whether a log whose angles hold is followed better by angles that run on straight lines.
+
+    Args:
+        fit: of the model to the log, with angles that hold.
+    """
+    predictor, noise = fit.noise.predictor, fit.noise
+    log = predictor.log
+    moves = bool(np.any(np.diff(log.angles)) or np.any(np.diff(log.rudders)))
+    if not (log.held and moves and log.between is None) or log.running:
+        return False
+    other = Predictor(
+        predictor.vehicle,
+        replace(log, running=True),
+        predictor.ambient,
+        axes=None if predictor.rate is not None else predictor.axes,
+        turning=predictor.rate is None,
+    )
+    there = Noise(other, noise.whitening, noise.good, noise.left_out)
+    states = other.settle(other.start(fit.h), PASSES)
+    try:
+        states = improve(Problem.at(there, fit.fixed, states), states)
+        gained = fit.problem.chi2(fit.states) - Problem.at(there, fit.fixed, states).chi2(states)
+    except np.linalg.LinAlgError:
+        return False
+    return bool(gained > COUNTS)

@@ -21,7 +21,7 @@ def table(rows, first: int, count: int) -> str:
         "# The examination",
         "",
         f"`make exam SEED={first} EXAM={count}`: {len(done)} cases, {crashes} crashes, {len(rows) - len(done) - crashes} that could not be drawn. Every case is a folder with a random name; the "
-        "examined process is not given the truth. Logs are written by the examiner's own simulator (tests/exam/simulator.py), with thrust errors of seven families at any share of their accuracy, and where nothing is hidden with four kinds of sea (tests/exam/seas.py). z is "
+        "examined process is not given the truth. Logs are written by the examiner's own simulator (tests/exam/simulator.py), with thrust errors of seven families at any share of their accuracy, and where nothing is hidden with four kinds of sea (tests/exam/seas.py) and with three kinds of sensors (tests/exam/sensor_errors.py). z is "
         "how far an effect stands out by the examiner's own reckoning (tests/exam/shown.py). A rate fails if the counts contradict it at 95 %, and is shown if they exclude its opposite (exact limits, "
         "tests/exam/criteria.py).",
         "",
@@ -42,7 +42,7 @@ def table(rows, first: int, count: int) -> str:
     out.append(f"| processor time, median and largest | 3 s | {times(done)} | | |")
     out += ["", *lines(done), "", "![Share of right findings against the probability that was said](reliability.svg)"]
     out += ["", "| stratum | nulls not adequate | singles with z >= 8 named or in a set |", "|---|---|---|"]
-    for key in ("kind", "style", "ambient", "rate", "duration", "family", "sea"):
+    for key in ("kind", "style", "ambient", "rate", "duration", "family", "sea", "sensors"):
         for value in sorted({r["stratum"][key] for r in done}, key=str):
             a = [r for r in nulls if r["stratum"][key] == value]
             b = [r for r in singles if r["stratum"][key] == value]

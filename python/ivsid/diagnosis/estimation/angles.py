@@ -50,10 +50,11 @@ def run(fit: Fit) -> bool:
         turning=predictor.rate is None,
     )
     there = Noise(other, noise.whitening, noise.good, noise.left_out)
-    states = other.settle(other.start(fit.h), PASSES)
     try:
+        states = other.settle(other.start(fit.h), PASSES)
         states = improve(Problem.at(there, fit.fixed, states), states)
         gained = fit.problem.chi2(fit.states) - Problem.at(there, fit.fixed, states).chi2(states)
-    except np.linalg.LinAlgError:
+    except (np.linalg.LinAlgError, ValueError, FloatingPointError):
+        # Numbers that follow the log with angles that hold stand.
         return False
     return bool(gained > COUNTS)

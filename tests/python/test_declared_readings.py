@@ -102,7 +102,8 @@ MOUNTED = {"sensor.velocity.lever_arm": POSITION, "sensor.velocity.misalignment"
 
 def mounted(seed, id_, size):
     """A setting whose vehicle file leaves room for the mounting, and an effect at a multiple of that room."""
-    here = setting(seed, sensors="mounted", **VESSEL)
+    # On a straight line nothing shows an arm.
+    here = setting(seed, sensors="mounted", style="rich", **VESSEL)
     bound = MOUNTED[id_] * (here.vessel.body.length if id_.endswith("arm") else 1.0)
     names = [f"{id_}.x", f"{id_}.y"] if id_.endswith("arm") else [id_]
     # The examiner's own errors of the mounting stand aside.

@@ -60,6 +60,14 @@ TRUTH = {
     "drag.surge.quadratic": 28.0,
     "drag.sway.quadratic": 150.0,
 }
+STRAIGHT = """
+[[segments]]
+manoeuvre = "steps"
+demand = [60.0, 30.0, 75.0, 45.0]
+period = 8.0
+yaw_gain = 20.0
+duration = 32.0
+"""
 ZIGZAGS = """
 [[segments]]
 manoeuvre = "steps"

@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import lfilter
 from tests.exam.cases import case
 
-from diagnosis_logs import screened, train_of, vehicle_of
+from diagnosis_logs import STRAIGHT, screened, train_of, vehicle_of
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
@@ -18,14 +18,6 @@ from ivsid.diagnosis.selection import adequacy
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 
-STRAIGHT = """
-[[segments]]
-manoeuvre = "steps"
-demand = [60.0, 30.0, 75.0, 45.0]
-period = 8.0
-yaw_gain = 20.0
-duration = 32.0
-"""
 DRAWS = 40
 # Numerators and denominators of recursions: white, long gusts, and a band about a sixth of the highest frequency.
 NOISES = {

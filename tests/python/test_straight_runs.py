@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis_logs import SENSORS, TRUTH, TWIN
+from diagnosis_logs import SENSORS, STRAIGHT, TRUTH, TWIN
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import determined, plain_fit, undetermined
@@ -19,14 +19,6 @@ from ivsid.programme.scenario import parse_scenario
 from ivsid.simulation import simulate
 from ivsid.vehicle import parse_vehicle
 
-STRAIGHT = """
-[[segments]]
-manoeuvre = "steps"
-demand = [60.0, 30.0, 75.0, 45.0]
-period = 8.0
-yaw_gain = 20.0
-duration = 32.0
-"""
 VEHICLE = parse_vehicle(TWIN + SENSORS, "twin.toml")
 # A mean over 5 s at 10 Hz.
 SPAN = 50

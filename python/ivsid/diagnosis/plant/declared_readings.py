@@ -33,8 +33,6 @@ WANDERING: Final = 7
 LEAST_ARM: Final = 1e-3
 LEAST_TURN: Final = 1e-3
 BIAS: Final = "~bias."
-# Channels whose sensors have an accuracy, which bounds the whole error.
-_ACCURATE: Final = ("u", "v", "psi", "x", "y")
 # First words of the names of errors with a bound of their own.
 FIXED: Final = ("~scale.", "~arm.", "~turn.")
 # What a unit of each adds to the readings.
@@ -55,38 +53,56 @@ def slow_shapes(n: int) -> list[Array]:
     return [np.cos(np.pi * j * t) for j in range(max(SLOW_WAVES, WANDERING))]
 
 
+def _accuracies(vehicle: Vehicle) -> dict[str, float]:
+    """Bound of the whole error of a reading, by channel."""
+    sensors = vehicle.sensors
+    of = {"u v": sensors.velocity, "psi": sensors.heading, "x y": sensors.position}
+    return {q: s.accuracy for channels, s in of.items() if s is not None for q in channels.split()}
+
+
+def _instabilities(vehicle: Vehicle) -> dict[str, float]:
+    """Standard deviation of a bias, by channel."""
+    acceleration, gyro = vehicle.sensors.acceleration, vehicle.sensors.yaw_rate
+    found: dict[str, float] = {}
+    if acceleration is not None:
+        found |= {q: acceleration.axis(k)[0] + BOUNDED * acceleration.accuracy for k, q in enumerate(("ax", "ay"))}
+    if gyro is not None:
+        found["r"] = gyro.axis(0)[0] + BOUNDED * gyro.accuracy
+    return found
+
+
+def _mounts(vehicle: Vehicle) -> dict[str, Mounted]:
+    """Sensors that may stand elsewhere, by name."""
+    of = {"velocity": vehicle.sensors.velocity, "acceleration": vehicle.sensors.acceleration}
+    return {name: mount for name, mount in of.items() if mount is not None}
+
+
+def _bounds(vehicle: Vehicle) -> dict[str, float]:
+    """Bound of each error of ``FIXED``, by name."""
+    velocity = vehicle.sensors.velocity
+    found = {} if velocity is None else {"~scale.velocity": velocity.scale_factor_error}
+    for name, mount in _mounts(vehicle).items():
+        arm = max(mount.position_accuracy, LEAST_ARM * (vehicle.hull.length or 0.0))
+        found |= {f"~arm.{name}.x": arm, f"~arm.{name}.y": arm}
+        found[f"~turn.{name}"] = max(mount.rotation_accuracy, LEAST_TURN)
+    return found
+
+
 def deviations(vehicle: Vehicle) -> Iterator[tuple[str, float]]:
     """Name and standard deviation of each declared error of a reading that is not nothing."""
-    sensors = vehicle.sensors
-    velocity, acceleration, gyro = sensors.velocity, sensors.acceleration, sensors.yaw_rate
-    slow: dict[str, float] = {}
-    bounds: dict[str, float] = {}
-    if velocity is not None:
-        bounds |= dict.fromkeys(("u", "v"), velocity.accuracy)
-    if acceleration is not None:
-        slow |= {q: acceleration.axis(k)[0] + BOUNDED * acceleration.accuracy for k, q in enumerate(("ax", "ay"))}
-    if gyro is not None:
-        slow["r"] = gyro.axis(0)[0] + BOUNDED * gyro.accuracy
-    if sensors.heading is not None:
-        bounds["psi"] = sensors.heading.accuracy
-    if sensors.position is not None:
-        bounds |= dict.fromkeys(("x", "y"), sensors.position.accuracy)
-    found = {f"{BIAS}{q}.{j}": size for q, size in slow.items() for j in range(SLOW_WAVES)}
-    found |= {f"{BIAS}{q}.{j}": BOUNDED * size for q, size in bounds.items() for j in range(WANDERING)}
-    if velocity is not None:
-        found["~scale.velocity"] = SCALE * velocity.scale_factor_error
-    for name, mount in (("velocity", velocity), ("acceleration", acceleration)):
-        found |= _mounting(name, mount, vehicle.hull.length)
+    found = {f"{BIAS}{q}.{j}": size for q, size in _instabilities(vehicle).items() for j in range(SLOW_WAVES)}
+    found |= {f"{BIAS}{q}.{j}": BOUNDED * a for q, a in _accuracies(vehicle).items() for j in range(WANDERING)}
+    found |= {name: SCALE * bound for name, bound in _bounds(vehicle).items()}
     return ((name, size) for name, size in found.items() if size)
 
 
 def assumed(vehicle: Vehicle, name: str) -> bool:
     """Whether an error of a mounting is there by its least accuracy alone."""
-    if not name.startswith(("~arm.", "~turn.")):
+    kind, sensor, *_ = name.removeprefix("~").split(".")
+    mount = _mounts(vehicle).get(sensor)
+    if mount is None or kind not in ("arm", "turn"):
         return False
-    sensor = name.split(".")[1]
-    mount = vehicle.sensors.velocity if sensor == "velocity" else vehicle.sensors.acceleration
-    return mount is None or not (mount.position_accuracy if name.startswith("~arm.") else mount.rotation_accuracy)
+    return not (mount.position_accuracy if kind == "arm" else mount.rotation_accuracy)
 
 
 def bounded(vehicle: Vehicle) -> Iterator[tuple[str, tuple[str, ...], Array]]:
@@ -96,22 +112,12 @@ def bounded(vehicle: Vehicle) -> Iterator[tuple[str, tuple[str, ...], Array]]:
     """
     at = (np.arange(WANDERING) + 0.5) / WANDERING
     shapes = np.linalg.inv(np.cos(np.pi * np.outer(at, np.arange(WANDERING))))
-    for name, size in deviations(vehicle):
-        whole, _, wave = name.rpartition(".")
-        if name.startswith(FIXED):
-            yield name, (name,), np.array([[size / SCALE]])
-        elif wave == "0" and whole.removeprefix(BIAS) in _ACCURATE:
-            # Positions count from the first one, whose error is as large.
-            bound = size / BOUNDED * (2.0 if whole[-1] in "xy" else 1.0)
-            yield whole, tuple(f"{whole}.{j}" for j in range(WANDERING)), bound * shapes
-
-
-def _mounting(name: str, mount: Mounted | None, length: float | None) -> dict[str, float]:
-    if mount is None:
-        return {}
-    arm = max(mount.position_accuracy, LEAST_ARM * (length or 0.0))
-    arms = dict.fromkeys((f"~arm.{name}.x", f"~arm.{name}.y"), SCALE * arm)
-    return {**arms, f"~turn.{name}": SCALE * max(mount.rotation_accuracy, LEAST_TURN)}
+    for q, accuracy in _accuracies(vehicle).items():
+        # Positions count from the first one, whose error is as large.
+        bound = 2.0 * accuracy if q in ("x", "y") else accuracy
+        yield f"{BIAS}{q}", tuple(f"{BIAS}{q}.{j}" for j in range(WANDERING)), bound * shapes
+    for name, bound in _bounds(vehicle).items():
+        yield name, (name,), np.array([[bound]])
 
 
 def unit(name: str, c: Mapping[str, Array], slow: Sequence[Array]) -> dict[str, Array]:

@@ -125,6 +125,13 @@ PROOFS = (
         "test_findings.py",
     ),
     python(
+        "proofs from angles that hold",
+        "diagnosis/statements/proved.py",
+        "    if not held:\n        return proof\n",
+        "    return proof\n",
+        "test_angles.py",
+    ),
+    python(
         "angles that hold",
         "diagnosis/plant/driving.py",
         "held = log.held and not log.running",
@@ -134,8 +141,8 @@ PROOFS = (
     python(
         "accuracies that are noise alone",
         "diagnosis/plant/declared_readings.py",
-        'dict.fromkeys(("u", "v"), velocity.accuracy)',
-        'dict.fromkeys(("u", "v"), 0.0)',
+        "{q: s.accuracy for",
+        "{q: 0.0 * s.accuracy for",
         "test_declared_readings.py",
     ),
     python(
@@ -148,8 +155,8 @@ PROOFS = (
     python(
         "mountings that are exact",
         "diagnosis/plant/declared_readings.py",
-        "SCALE * max(mount.rotation_accuracy, LEAST_TURN)",
-        "SCALE * 1e-9",
+        "max(mount.rotation_accuracy, LEAST_TURN)",
+        "1e-9",
         "test_declared_readings.py",
     ),
     python(

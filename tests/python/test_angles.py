@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import polars as pl
 import pytest
 from scipy.integrate import solve_ivp
 from tests.exam.cases import case
@@ -12,7 +13,8 @@ from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.angles import RUNS
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.plant.driving import Driving
-from ivsid.log import Log
+from ivsid.diagnosis.statements.proved import proof_of, upheld
+from ivsid.log import Log, read_log
 from ivsid.vehicle import parse_vehicle
 
 BOAT = """
@@ -112,6 +114,20 @@ def test_an_angle_that_runs_takes_the_shorter_way_and_demands_hold():
     run, held = (Driving(vehicle, replace(log, angles=turned, running=q)).turned[0, log.n :] for q in (True, False))
     assert held[:3] == pytest.approx([3.1, -3.1, 3.0])
     assert np.cos(run[:2]) == pytest.approx(np.cos([np.pi, np.pi - 0.05]), abs=5e-3)
+
+
+def test_nothing_is_proved_from_held_angles_where_the_log_shows_that_they_run(tmp_path):
+    """Short of a stated rate the rows of a proof hold each angle for a step."""
+    log, text = sailed(angle), BOAT + "[sensors.limits]\nacceleration = 1.0\nyaw_acceleration = 1.0\n"
+    proof = proof_of(parse_vehicle(text, "vehicle.toml"), log)
+    assert proof.status != "not_applicable" and any("azimuth_pod holds" in a for a in proof.identification.assumes)
+    assert upheld(proof, running=False) is proof
+    gone = upheld(proof, running=True)
+    assert gone.status == "not_applicable" and "azimuth_pod holds" in gone.reason and "rates" in gone.record()["reason"]
+    stated = parse_vehicle(text + "[log.rates]\nazimuth_pod = 1.2\n", "vehicle.toml")
+    pl.DataFrame({"t": log.t, **log.columns}).write_csv(tmp_path / "1.csv")
+    by_rate = proof_of(stated, read_log(tmp_path / "1.csv", stated.log))
+    assert by_rate.status != "not_applicable" and upheld(by_rate, running=True) is by_rate
 
 
 def test_a_held_angle_of_the_examination_stays_held():

@@ -34,7 +34,7 @@ from ivsid.diagnosis.statements.findings import findings_of, shallow, unknown, v
 from ivsid.diagnosis.statements.hints import hints
 from ivsid.diagnosis.statements.motion import motion_of, sentences
 from ivsid.diagnosis.statements.not_tested import left_out_note, not_tested
-from ivsid.diagnosis.statements.proved import Proof, lasting, proof_of, proved_findings
+from ivsid.diagnosis.statements.proved import Proof, lasting, proof_of, proved_findings, upheld
 from ivsid.diagnosis.statements.residuals import before_and_after, unexplained
 from ivsid.diagnosis.statements.shallow_water import change
 from ivsid.diagnosis.statements.trial import Trial, unchanged
@@ -112,7 +112,9 @@ def diagnose(
         rest = replace(rest, after=replace(after, risk=structure.risk), findings=len(findings))
         complete = _complete(rest, proof, vehicle, train)
     moving = Apart(partial(motion_of, proof, train, test)) if motion is None and findings else None
-    proved, extended = proved_findings(findings, vehicle, train, trial.model) if complete else (findings, None)
+    proved, extended = (
+        proved_findings(findings, vehicle, train, trial.model, running=log.running) if complete else (findings, None)
+    )
     progress("trying both models on the other log")
     water = change(vehicle, selection.last, other)
     gain, shown = trial.result()
@@ -258,7 +260,7 @@ def _fitted(
     try:
         log, other = _on_one_origin(train, test, vehicle)
         fit = plain_fit(vehicle, log, looked_for)
-        proof = proving.result()
+        proof = upheld(proving.result(), running=fit.noise.predictor.log.running)
     except IvsidError:
         # Its sentence comes before one that follows from it.
         if not doubts:

@@ -40,13 +40,13 @@ def run(fit: Fit) -> bool:
     predictor, noise = fit.noise.predictor, fit.noise
     log = predictor.log
     moves = bool(np.any(np.diff(log.angles)) or np.any(np.diff(log.rudders)))
-    if not (log.held and moves and log.between is None) or log.running:
+    if not (log.held and moves and log.between is None):
         return False
     other = Predictor(
         predictor.vehicle,
         replace(log, running=True),
         predictor.ambient,
-        axes=None if predictor.rate is not None else predictor.axes,
+        axes=predictor.axes,
         turning=predictor.rate is None,
     )
     there = Noise(other, noise.whitening, noise.good, noise.left_out)

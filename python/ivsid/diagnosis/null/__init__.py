@@ -4,7 +4,7 @@
 2. ``thresholds``: Gaussian draws of all scores at once, from the Gram matrix of this log.
 3. ``family_wise``: the test of all families against one threshold, by the rules in ``screening`` (a ``rule`` is an object), among them a
    ``second_opinion`` from half-minutes of the log and ``any_curve``, the worst of all thrust errors inside their bounds;
-   ``reached``: what curves inside their bounds reach of the errors at knots.
+   ``reached``: what curves inside their bounds reach of the errors at knots; ``boxed``: errors of thrusts and readings that leave their bounds.
 4. ``detection``: the size at which each cause stands out beside the worst declared errors.
 5. ``feedback``: the feedback behind the logged demands.
 6. ``simulated_logs``, with the motion in ``closed_loop``: logs of the same programme and feedback without an effect.

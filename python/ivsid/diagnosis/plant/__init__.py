@@ -8,7 +8,7 @@ answers three questions about it, for whole logs at once:
   ``driving`` keeps the thrusts of the hypotheses that are compared, with angles and known forces beside them.
 - ``physics``: the accelerations at given states (``points``) by Fossen's equations in three degrees of freedom, and how they change with a
   term or an effect; ``thruster_forces`` are the thrusters' part of them.
-- ``readings``: the numbers that an effect of a sensor adds to its readings.
+- ``readings``: the numbers that an effect of a sensor adds to its readings; ``declared_readings``: those that the vehicle file allows for.
 
 ``usual_hull`` gives a length and plain numbers to a hull that states none.
 

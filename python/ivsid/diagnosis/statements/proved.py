@@ -8,6 +8,7 @@ Source: docs/theory.md, "The feasible set".
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
@@ -36,6 +37,8 @@ ROUNDS: Final = 3
 SPREAD: Final = 0.5
 # Columns that sensors measure.
 MEASURED: Final = frozenset({"u", "v", "r", "ax", "ay", "udot", "vdot", "rdot", "psi", "x", "y"})
+# What rows assume of an angle without a stated rate.
+HOLDS: Final = re.compile(r"(azimuth|rudder)_.* holds from ")
 REFUTED: Final = "falsified.json"
 GUARANTEED: Final = "guaranteed.json"
 
@@ -143,6 +146,22 @@ def proof_of(vehicle: Vehicle, log: Log) -> Proof:
         return Proof(None, str(error))
 
 
+def upheld(proof: Proof, *, running: bool) -> Proof:
+    """A proof, unless its rows assume that angles hold from row to row and the log shows that they run.
+
+    Args:
+        proof: on a model and a log.
+        running: whether the log shows that (``estimation.angles``).
+    """
+    fit = proof.identification
+    held = [] if fit is None or not running else [a for a in fit.assumes if HOLDS.match(a)]
+    if not held:
+        return proof
+    return Proof(
+        None, f"it would assume that {held[0]}, and the log shows that angles run: state their rates under [log] rates"
+    )
+
+
 def lasting(proof: Proof, vehicle: Vehicle, log: Log) -> float:
     """Factor on all declared bounds from which on some numbers explain a log without the readings that refute them first; 0 without a proof.
 
@@ -206,7 +225,7 @@ def guaranteed(
 
 
 def proved_findings(
-    findings: tuple[Finding, ...], vehicle: Vehicle, log: Log, h: Hypothesis
+    findings: tuple[Finding, ...], vehicle: Vehicle, log: Log, h: Hypothesis, *, running: bool = False
 ) -> tuple[tuple[Finding, ...], Proof | None]:
     """Findings with proved intervals, and the proof on the extended model.
 
@@ -217,11 +236,12 @@ def proved_findings(
         vehicle: of the file.
         log: TRAIN.
         h: the extended model.
+        running: whether the log shows that angles run from row to row.
 
     Returns:
         The findings, with proved intervals if there is a proof, and the proof or None.
     """
     if not findings or any(f.alternatives for f in findings):
         return findings, None
-    proof = extended_proof(vehicle, log, h)
+    proof = upheld(extended_proof(vehicle, log, h), running=running)
     return tuple(replace(f, parameters=guaranteed(f.parameters, proof, vehicle.model.values)) for f in findings), proof

@@ -1,9 +1,12 @@
 """A vehicle, its simulated logs and what can happen to a log, for the tests of the diagnosis."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+import pytest
 
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
@@ -13,6 +16,7 @@ from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.thresholds import calibrate
 from ivsid.diagnosis.null.visibility import visibility
+from ivsid.diagnosis.plant import declared_readings
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.effects import EFFECTS
 from ivsid.log import Log
@@ -43,6 +47,17 @@ moment = 0.03
 time = 2.0
 """
 SHIPPED = frozenset(EFFECTS)
+
+
+@contextmanager
+def white_sensors() -> Iterator[None]:
+    """Velocities, headings and positions with noise and a scale alone, and sensors that stand where they are said to."""
+    with pytest.MonkeyPatch.context() as only:
+        for name in ("WANDERING", "LEAST_ARM", "LEAST_TURN"):
+            only.setattr(declared_readings, name, 0)
+        yield
+
+
 HULL = 'name = "boat"\n[hull]\nmass = 50\nlength = 1.2\n'
 TWIN = HULL + "".join(
     f'[[thrusters]]\nname = "{name}"\nposition = [-0.35, {y}]\n{TABLE}\naccuracy = {{ absolute = 0.1, relative = 0.02 }}\n'

@@ -27,6 +27,10 @@ def scaled(reading, accuracy, t):
     return 0.004 * reading
 
 
+def lessened(reading, accuracy, t):
+    return -scaled(reading, accuracy, t)
+
+
 def constant(reading, accuracy, t):
     return MOVED * accuracy + 0 * t
 
@@ -52,6 +56,7 @@ def diagnosed(here, truth=None, moves=None):
 SEEDS = range(92100, 92108)
 VELOCITIES = {
     "scale": {"u": (0.006, scaled), "v": (0.006, scaled)},
+    "less": {"u": (0.006, lessened), "v": (0.006, lessened)},
     "constant": {"u": (0.006, constant), "v": (-0.006, constant)},
     "wandering": {"u": (0.006, wandering), "v": (0.006, constant)},
 }
@@ -68,7 +73,7 @@ def test_an_error_of_readings_inside_its_accuracy_makes_no_finding(seed, name):
     # The examiner draws a scale of its own.
     text = here.text.replace("scale_factor_error = 0.004", "scale_factor_error = 0.0")
     moves = ERRORS[name]
-    if name == "scale":
+    if name in ("scale", "less"):
         logs = logs_of(replace(here, text=text), {}, moves)
         result = diagnose(parse_vehicle(here.text, "vehicle.toml"), *logs)
     else:

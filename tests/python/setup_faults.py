@@ -8,6 +8,7 @@ import json
 import re
 import sys
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,13 @@ Columns = dict[str, np.ndarray]
 DEGREES = 57.29577951308232
 KNOTS = 3600.0 / 1852.0
 BARE = ("u", "v", "r", "demand_", "azimuth_", "rudder_")
+
+
+@cache
+def drawn(seed, what="none", style="rich"):
+    made = case(seed, what=what, style=style, duration=200.0, rate=10.0)
+    columns = dict(made.logs[0])
+    return made.text, columns.pop("t"), columns
 
 
 def times(**factors: float) -> Callable[[Columns], Columns]:

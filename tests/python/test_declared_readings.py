@@ -17,6 +17,7 @@ from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.plant.declared_readings import deviations, unit
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
+from ivsid.workflow.diagnosis import diagnosis_report
 
 VESSEL = {"ambient": 1.0, "duration": 300.0, "rate": 10.0, "share": 0.5}
 # Readings of a channel are moved by this much of their accuracy, which the examiner's noise fills already.
@@ -193,4 +194,5 @@ def test_an_error_of_readings_beyond_its_bound_is_unknown_and_its_size_is_said(n
     assert result.verdict == finding.effect == "unknown" and said in finding.description
     stated = float(re.search(r"to be ([\d.]+) times", finding.description)[1])
     assert stated == pytest.approx(times, abs=1.0)
+    assert f"    {finding.description}" in diagnosis_report(result).lines
     assert any(said in h and h.endswith("more than its specification allows for") for h in result.hints)

@@ -253,6 +253,8 @@ def _lines(result: Diagnosis) -> list[str]:
             f"    {k:<32} {shown(b.lower, b.upper):>32} {b.unit}{' (guaranteed)' if b.guaranteed else ''}"
             for k, b in f.parameters.items()
         ]
+        if f.description:
+            lines.append(f"    {f.description}")
         if f.separate_by:
             lines.append(f"    to separate them: {f.separate_by}")
     if result.findings:

@@ -132,7 +132,12 @@ def diagnose(
             if complete
             else (
                 *findings,
-                unknown(rest.after, trial.out, proved=proof.sentence("unknown") if rest.sufficient else ""),
+                unknown(
+                    rest.after,
+                    trial.out,
+                    proved=proof.sentence("unknown") if rest.sufficient else "",
+                    imitated=[f"{f.id}: {selection.refused[f.id].sentence}" for f in selection.imitating],
+                ),
             )
         )
     claimed = claims(

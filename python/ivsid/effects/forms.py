@@ -71,6 +71,15 @@ class Form:
         """
         return True
 
+    def over_declared(self, _numbers: Mapping[str, float], _ambient: float) -> float:
+        """Size of an effect in the declared ambient force, where it is a part of that by its nature; infinite where it is none.
+
+        Args:
+            numbers: of the effect, by part.
+            ambient: declared rms of the ambient force ahead, and that sideways [N]; 0 where none is declared.
+        """
+        return math.inf
+
     def canonical(self, ends: Ends) -> Ends:
         """One of several equal descriptions of an effect, by the ends of its numbers' intervals."""
         return ends
@@ -152,6 +161,13 @@ class Harmonic(Form):
     def shown(self, numbers: Mapping[str, float], duration: float, _fastest: float) -> bool:
         """A period of a few lengths of the log."""
         return numbers["period"] <= PERIODS * duration
+
+    def over_declared(self, numbers: Mapping[str, float], ambient: float) -> float:
+        """The rms of a swell over that of the ambient force, both over two axes."""
+        if self.of != "force" or not ambient:
+            return math.inf
+        amplitude = numbers.get("amplitude") or math.hypot(numbers.get("north", 0.0), numbers.get("east", 0.0))
+        return abs(amplitude) / (2.0 * ambient)
 
     def asks(self, _draws: Sequence[str], parts: Sequence[str]) -> str | None:
         """The parts of a sine."""

@@ -18,6 +18,7 @@ from scipy.special import chdtrc
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.estimation.roughness import ERRORS
 from ivsid.diagnosis.null.any_curve import AnyCurve, is_declared, lost
 from ivsid.diagnosis.null.boxed import Boxed
 from ivsid.diagnosis.null.directions import left_beside
@@ -158,6 +159,13 @@ class Case:
     def lost(self) -> float:
         """Standard deviations of the score that declared errors inside their bounds may make."""
         return self.round.lost(self.s)
+
+    @property
+    def over_declared(self) -> float:
+        """Size of the cause in the declared ambient force, where it is a part of that by its nature; infinite where it is none."""
+        effect, ambient = self.s.candidate.effect, self.round.fit.noise.predictor.vehicle.ambient
+        numbers = dict(zip((p.part for p in effect.parameters), self.s.values, strict=True))
+        return effect.form.over_declared(numbers, 0.0 if ambient is None else ambient.force)
 
     @property
     def least_beside_blind(self) -> float:
@@ -305,6 +313,17 @@ FREQUENCIES: Final = Rule[Case](
     "the log holds as much at the same frequencies without it: beside that its fall of chi² has probability {value:.1g}, and {limit:.1g} is the limit",
     least=False,
 )
+DECLARED_SEA: Final = Rule[Case](
+    "declared sea",
+    "rms of a swell, at the least, over the declared ambient force",
+    "at least 1",
+    "An ambient force may have any spectrum, that of a single line as well: a regular force inside [ambient] is what the vehicle file declares.",
+    "definition: 0.13 % of normal estimates lie three standard errors or more above the truth",
+    lambda c: c.over_declared * (1.0 - ERRORS / float(np.sqrt(c.s.shown))),
+    lambda _: 1.0,
+    "its rms is at least {value:.2g} of the ambient force that the vehicle file declares, and below {limit:g} it is a part of that",
+    lambda c: c.over_declared < float("inf"),
+)
 ANY_CURVE: Final = Rule[Case](
     "any curve",
     "chance of the fall of chi² that no declared error inside its bound can make",
@@ -329,5 +348,6 @@ SCREENING: Final = (
     BESIDE_BLIND,
     OPINION,
     FREQUENCIES,
+    DECLARED_SEA,
     ANY_CURVE,
 )

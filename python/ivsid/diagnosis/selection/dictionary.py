@@ -81,6 +81,8 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
     if predictor.log.psi is not None:
         cosine, sine = np.cos(p.psi), np.sin(p.psi)
         functions |= {"cos psi": cosine, "sin psi": sine, "u cos psi": a * cosine, "u sin psi": a * sine}
+        # Loads of wind and waves on a hull repeat after half a turn as well.
+        functions |= {"cos 2 psi": np.cos(2 * p.psi), "sin 2 psi": np.sin(2 * p.psi)}
     if predictor.log.place is not None:
         x, y = (q - q.mean() for q in p.place)
         reach = max(float(np.abs(x).max()), float(np.abs(y).max()), 1e-9)

@@ -193,7 +193,8 @@ def in_place_of(problem: Problem, fit: Fit, s: Scored, own: Rival | None, best: 
 def possible(h: Hypothesis, id_: str, predictor: Predictor) -> bool:
     """Whether the fitted numbers of a cause are ones that it can have.
 
-    A drag that drives, a delay of zero, a tide whose period exceeds several logs and a hump that no flank shows are not possible.
+    A drag that drives, a delay of zero, a tide whose period exceeds several logs, a hump that no flank shows and a swell inside the declared ambient
+    force are not possible.
 
     Args:
         h: the fitted hypothesis.
@@ -210,6 +211,9 @@ def possible(h: Hypothesis, id_: str, predictor: Predictor) -> bool:
             said = {p.part: value for p, value in zip(g.effect.parameters, g.values, strict=True)}
             log = predictor.log
             if not g.effect.form.shown(said, log.n * log.h, float(np.abs(log.nu[0]).max())):
+                return False
+            ambient = predictor.vehicle.ambient
+            if ambient is not None and g.effect.form.over_declared(said, ambient.force) <= 1.0:
                 return False
             for p, value in zip(g.effect.parameters, g.values, strict=True):
                 if (

@@ -160,7 +160,7 @@ NUMBERS: Final = Rule[bool](
     "possible numbers",
     "whether the fitted numbers are ones that the cause can have (1 or 0)",
     "1",
-    "A drag that drives, a delay of zero, a tide longer than several logs and a hump of which no flank was sailed stand for another cause.",
+    "A drag that drives, a delay of zero, a tide longer than several logs, a swell inside the declared ambient force and a hump of which no flank was sailed stand for another cause.",
     "definition",
     float,
     lambda _: 1.0,

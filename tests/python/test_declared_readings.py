@@ -12,9 +12,9 @@ from tests.exam.sensor_errors import POSITION, ROTATION
 from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.declared_errors import drawn_size, nuisances
+from ivsid.diagnosis.estimation.declared_errors import nuisances
 from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.plant.declared_readings import deviations, unit
+from ivsid.diagnosis.plant.declared_readings import deviations, drawn_inside, unit
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 from ivsid.workflow.diagnosis import diagnosis_report
@@ -177,11 +177,19 @@ def moved(log, added):
     return replace(log, nu=nu, acceleration=acceleration, psi=log.psi + added.get("psi", 0.0), place=place)
 
 
-def test_null_logs_draw_errors_with_a_bound_of_their_own_inside_it():
-    rng = np.random.default_rng(3)
-    drawn = np.array([[drawn_size(name, 1.0, rng) for name in ("~turn.velocity", "~bias.u.0")] for _ in range(4000)])
-    assert np.abs(drawn[:, 0]).max() <= 3.0 and drawn[:, 0].std() == pytest.approx(3**0.5, rel=0.05)
-    assert np.abs(drawn[:, 1]).max() > 3.0 and drawn[:, 1].std() == pytest.approx(1.0, rel=0.05)
+def test_null_logs_draw_errors_of_readings_inside_their_bounds():
+    """Normal errors of the same scatter left their bounds, and three of four null logs had more structure than chance."""
+    vehicle = parse_vehicle(setting(44, sensors="mounted", **VESSEL).text, "vehicle.toml")
+    rng, n = np.random.default_rng(3), 700
+    t = (np.arange(n) + 0.5) / n
+    middle = [slice(50 + 100 * k, 51 + 100 * k) for k in range(7)]
+    drawn = [drawn_inside(vehicle, rng) for _ in range(400)]
+    for channel, accuracy in (("u", 0.006), ("psi", 0.015), ("x", 0.5)):
+        errors = [sum(x[f"~bias.{channel}.{j}"] * np.cos(np.pi * j * t) for j in range(7)) for x in drawn]
+        there = np.array([[e[k].mean() for k in middle] for e in errors]) / accuracy
+        assert np.abs(there).max() <= 1.02 and there.std() == pytest.approx(3**-0.5, rel=0.05)
+    turns = np.array([x["~turn.velocity"] for x in drawn]) / ROTATION
+    assert np.abs(turns).max() <= 1.0 and turns.std() == pytest.approx(3**-0.5, rel=0.1)
 
 
 @pytest.mark.parametrize(("name", "times", "said"), [("u", 3.0, "velocity ahead"), ("psi", 4.0, "bias of the heading")])

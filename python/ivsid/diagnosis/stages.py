@@ -21,8 +21,15 @@ from ivsid.diagnosis.null.looks import Looks
 from ivsid.diagnosis.null.thresholds import Calibration, calibrate
 from ivsid.diagnosis.null.visibility import Visibility, visibility
 from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy
-from ivsid.diagnosis.selection.confirmation import NULL_LOGS, StructureConfirmation, confirmed, confirmed_structure
+from ivsid.diagnosis.selection.confirmation import (
+    NULL_LOGS,
+    StructureConfirmation,
+    beyond_doubt,
+    confirmed,
+    confirmed_structure,
+)
 from ivsid.diagnosis.selection.parallel import one_blas_thread
+from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.rules import full_refused
 from ivsid.diagnosis.selection.select import Selection, select
 from ivsid.diagnosis.selection.verdict import Left
@@ -91,7 +98,7 @@ def diagnose(
     test_of = Threshold(calibrating.result(), visible)
     progress("looking for causes")
     selection = select(fit, scored, test_of, progress)
-    passed = (*selection.found, *selection.imitating)
+    passed = _undecided(selection, judging)
     confirmation = confirmed(fit, test_of, passed, looks, selection.last)
     if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in passed):
         progress("looking again, at the threshold of the null logs")
@@ -213,6 +220,23 @@ def _asked_of(
     return tasks
 
 
+def _rest(selection: Selection, before: Adequacy) -> Left:
+    """What the model with all causes leaves beside what the plain one does."""
+    after = adequacy(selection.last) if selection.found else before
+    return Left(after, before, len(selection.found), bool(selection.plain.noise.left_out))
+
+
+def _undecided(
+    selection: Selection, judging: Apart[tuple[Adequacy, tuple[TubeCheck, ...] | None]]
+) -> tuple[Found, ...]:
+    """Causes that passed and on which the verdict depends: beside structure beyond doubt it is unknown, and only strong ones keep their name."""
+    passed = (*selection.found, *selection.imitating)
+    if not passed or not beyond_doubt(rest := _rest(selection, judging.result()[0])):
+        return passed
+    kept, _ = findings_of(selection, {}, rest.after, complete=False)
+    return tuple(f for f in selection.found if f.id in {q.effect for q in kept})
+
+
 def _left(
     selection: Selection, before: Adequacy, visible: frozenset[str], looks: Looks
 ) -> tuple[Left, StructureConfirmation]:
@@ -224,10 +248,9 @@ def _left(
         visible: ids of the effects that the log can show.
         looks: null logs that may be looked at.
     """
-    after = adequacy(selection.last) if selection.found else before
-    rest = Left(after, before, len(selection.found), bool(selection.plain.noise.left_out))
+    rest = _rest(selection, before)
     structure = confirmed_structure(selection.last, visible, rest, looks)
-    before, after = (replace(a, risk=structure.risk) for a in (before, after))
+    before, after = (replace(a, risk=structure.risk) for a in (before, rest.after))
     imitated = tuple(f.fall for f in selection.imitating)
     return replace(rest, after=after, before=before, imitated=imitated), structure
 

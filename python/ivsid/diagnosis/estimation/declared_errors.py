@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.columns import Columns
 from ivsid.diagnosis.estimation.signatures import Signatures
-from ivsid.diagnosis.plant.declared_readings import FIXED, SCALE, deviations, unit
+from ivsid.diagnosis.plant.declared_readings import deviations, unit
 from ivsid.diagnosis.plant.physics import water
 from ivsid.diagnosis.plant.thrust_errors import BOUNDED
 from ivsid.diagnosis.plant.thruster_forces import blade_force
@@ -32,17 +32,6 @@ def nuisances(s: Signatures) -> Columns:
     _blades(s, out, relative)
     _thrusts(s, out, relative)
     return out
-
-
-def drawn_size(name: str, prior: float, rng: np.random.Generator) -> float:
-    """A declared error of a null log: one with a bound of its own is anywhere inside it, which its standard deviation is far below; others are normal.
-
-    Args:
-        name: of the declared error.
-        prior: its standard deviation.
-        rng: draws it.
-    """
-    return prior * float(rng.uniform(-1 / SCALE, 1 / SCALE) if name.startswith(FIXED) else rng.standard_normal())
 
 
 def through_water(s: Signatures) -> tuple[Array, Array, Array]:

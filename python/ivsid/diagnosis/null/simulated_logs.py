@@ -17,9 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.channels import Between, Channels
-from ivsid.diagnosis.estimation.declared_errors import drawn_size
 from ivsid.diagnosis.null.closed_loop import GRID_MARGIN, RATIO_ROUNDING, TABLE, Programme, ends, simulated
-from ivsid.diagnosis.plant.declared_readings import declared, slow_shapes
+from ivsid.diagnosis.plant.declared_readings import declared, drawn_inside, slow_shapes
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.diagnosis.plant.thrust_errors import bound_of
@@ -164,13 +163,17 @@ def _declared_errors(
 ) -> tuple[dict[str, Array], list[Array | None]]:
     """Declared errors of every null log.
 
-    A thrust error is a wave, a broken line, a few steps or teeth inside its bound, and the model of declared errors is fitted to it.
+    Errors of readings are anywhere inside their bound. A thrust error is a wave, a broken line, a few steps or teeth inside its bound, and the model of declared errors is fitted to it.
 
     Returns:
         Sizes by name, each of shape (count,), and thrust errors by thruster, each of shape (count, TABLE) or None.
     """
+    inside = [drawn_inside(programme.vehicle, rng) for rng in rngs]
+    # An error without a bound of its own is normal.
     drawn = {
-        name: np.array([drawn_size(name, prior, rng) for rng in rngs])
+        name: np.array(
+            [x[name] if name in x else prior * rng.standard_normal() for x, rng in zip(inside, rngs, strict=True)]
+        )
         for name, prior in programme.declared_errors.items()
     }
     propulsion = Propulsion(programme.vehicle, programme.log)

@@ -110,14 +110,32 @@ def bounded(vehicle: Vehicle) -> Iterator[tuple[str, tuple[str, ...], Array]]:
 
     The values of a slow error are those at as many moments as it has shapes, at which the shapes are orthogonal (discrete cosine transform).
     """
+    for name, parts, sizes in _inside(vehicle):
+        # Positions count from the first one, whose error is as large.
+        yield name, parts, 2.0 * sizes if name in (f"{BIAS}x", f"{BIAS}y") else sizes
+
+
+def _inside(vehicle: Vehicle) -> Iterator[tuple[str, tuple[str, ...], Array]]:
+    """The same for the readings as they are."""
     at = (np.arange(WANDERING) + 0.5) / WANDERING
     shapes = np.linalg.inv(np.cos(np.pi * np.outer(at, np.arange(WANDERING))))
     for q, accuracy in _accuracies(vehicle).items():
-        # Positions count from the first one, whose error is as large.
-        bound = 2.0 * accuracy if q in ("x", "y") else accuracy
-        yield f"{BIAS}{q}", tuple(f"{BIAS}{q}.{j}" for j in range(WANDERING)), bound * shapes
+        yield f"{BIAS}{q}", tuple(f"{BIAS}{q}.{j}" for j in range(WANDERING)), accuracy * shapes
     for name, bound in _bounds(vehicle).items():
         yield name, (name,), np.array([[bound]])
+
+
+def drawn_inside(vehicle: Vehicle, rng: np.random.Generator) -> dict[str, float]:
+    """Sizes of all errors of readings inside a bound, anywhere in it, by name of the part.
+
+    Args:
+        vehicle: whose sensors they are.
+        rng: draws them.
+    """
+    found: dict[str, float] = {}
+    for _, parts, sizes in _inside(vehicle):
+        found |= dict(zip(parts, (sizes @ rng.uniform(-1.0, 1.0, sizes.shape[1])).tolist(), strict=True))
+    return found
 
 
 def unit(name: str, c: Mapping[str, Array], slow: Sequence[Array]) -> dict[str, Array]:

@@ -27,7 +27,7 @@ from ivsid.diagnosis.null.looks import Looks
 from ivsid.diagnosis.null.tail import NullTest
 from ivsid.diagnosis.selection.adequacy import RISK, adequacy
 from ivsid.diagnosis.selection.rivals import Found
-from ivsid.diagnosis.selection.verdict import Left
+from ivsid.diagnosis.selection.verdict import STRUCTURE_RULE, VERDICT, Left
 
 # Null logs at most, by default: two of them exceed a threshold of 0.5 %.
 # Source: resource: a minute on two processors
@@ -166,6 +166,17 @@ class StructureConfirmation:
         return {**out, **said, "theory": RISK, "threshold": self.risk}
 
 
+def beyond_doubt(left: Left) -> bool:
+    """Whether what a model leaves makes it insufficient, whatever null logs say of structure or of causes.
+
+    Args:
+        left: the structure before and after.
+    """
+    if any(rule.refuses(left) for rule in VERDICT if rule is not STRUCTURE_RULE):
+        return True
+    return STRUCTURE_RULE.refuses(left) is not None and left.after.strength >= -CLOSE * np.log(RISK)
+
+
 def confirmed_structure(last: Fit, library: frozenset[str], left: Left, looks: Looks) -> StructureConfirmation:
     """Confirms structure that is close to its threshold and would make the verdict ``unknown``.
 
@@ -175,9 +186,7 @@ def confirmed_structure(last: Fit, library: frozenset[str], left: Left, looks: L
         left: the structure before and after.
         looks: null logs that may be looked at.
     """
-    strength_left = left.after.strength
-    # Numbers of no hull make the model inadequate whatever the structure.
-    if looks.most <= 0 or left.sufficient or left.after.hulls or strength_left >= -CLOSE * np.log(RISK):
+    if looks.most <= 0 or left.sufficient or beyond_doubt(left):
         return StructureConfirmation()
     if causes := not_followed(last.h):
         return StructureConfirmation(
@@ -188,7 +197,7 @@ def confirmed_structure(last: Fit, library: frozenset[str], left: Left, looks: L
         lambda: trial_of(last, library, StructureTest()),
         lambda: key_of(predictor.vehicle, predictor.log, looks.seed, STRUCTURE, library, RISK, last.h),
         NullTest(np.zeros(0), np.zeros(0, dtype=bool), STRUCTURE, first=RISK),
-        [strength_left],
+        [left.after.strength],
     )
     if not used.usable:
         return StructureConfirmation(

@@ -137,6 +137,11 @@ def shear(p: Mapping[str, float], t, u, psi, x, y):
     return p[""] * 0.02 * y * u, 0.0, 0.0
 
 
+def windage(p: Mapping[str, float], t, u, psi, x, y):
+    """The yaw moment of a wind from the north on a hull that is as long fore as aft: it vanishes ahead, abeam and astern."""
+    return 0.0, 0.0, p[""] * math.sin(2 * psi)
+
+
 # Forces that depend on time, heading and place, by the effect's numbers.
 PLACE: dict[str, Callable] = {
     "wind.steady": wind,
@@ -144,6 +149,7 @@ PLACE: dict[str, Callable] = {
     "tether.tension": tether,
     "drag.surge.hump": hump,
     "x.shear": shear,
+    "x.windage": windage,
 }
 
 

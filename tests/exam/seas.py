@@ -1,4 +1,4 @@
-"""Ambient forces of several spectra, all of them with the rms of the vehicle file: random ones, long gusts, bands of a swell, and single gusts."""
+"""Ambient forces of several spectra, all of them with the rms of the vehicle file: random ones, long gusts, bands and lines of a swell, and single gusts."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from tests.exam.simulator import gauss_markov
 LONGER = 4.0
 # Components of a swell, and its band in cycles per correlation time.
 COMPONENTS, BAND = 200, (0.03, 0.5)
+# Lines of a regular swell, at least and below, and their periods in correlation times.
+LINES, PERIODS = (2, 13), (1.5, 8.0)
 # Width of a single gust, and the mean time between two of them, in correlation times.
 GUST, BETWEEN = 1.0, 6.0
 
@@ -30,6 +32,16 @@ def _band(n: int, h: float, deviation: float, time: float, rng: np.random.Genera
     return deviation * math.sqrt(2 / COMPONENTS) * found
 
 
+def _lines(n: int, h: float, deviation: float, time: float, rng: np.random.Generator) -> np.ndarray:
+    """A few sines of random periods and equal height, shape (n,)."""
+    t, count = h * np.arange(n), int(rng.integers(*LINES))
+    waves = [
+        np.sin(2 * math.pi * t / (time * period) + phase)
+        for period, phase in zip(rng.uniform(*PERIODS, count), rng.uniform(0.0, 2 * math.pi, count), strict=True)
+    ]
+    return deviation * math.sqrt(2 / count) * np.sum(waves, axis=0)
+
+
 def _gusts(n: int, h: float, deviation: float, time: float, rng: np.random.Generator) -> np.ndarray:
     """Bumps of random height at random times, shape (n,)."""
     t, found = h * np.arange(n), np.zeros(n)
@@ -44,9 +56,13 @@ SEAS: Mapping[str, Callable[[int, float, float, float, np.random.Generator], np.
     "slow": _slow,
     "band": _band,
     "gusts": _gusts,
+    "lines": _lines,
 }
+# Seed from which on a sea of lines is drawn: cases of earlier seeds, which pages name, stay what they were.
+LINES_SINCE = 181000
 
 
 def drawn_sea(seed: int) -> str:
     """The sea of a seed, each as often as the others."""
-    return str(np.random.default_rng([seed, 6]).choice(list(SEAS)))
+    known = [name for name in SEAS if name != "lines" or seed >= LINES_SINCE]
+    return str(np.random.default_rng([seed, 6]).choice(known))

@@ -1,7 +1,7 @@
 """Every effect of the catalogue, hidden by the examiner: found at 1.5 times its detection limit, and nothing named at a third of it.
 
 The limit is the size at which the effect stands out by z = 8 of the examiner's own reckoning (tests/exam/shown.py): beside any masses
-and drags and any thrust curve inside its accuracy. One vessel, one sea and one programme serve all effects. A late thrust has no such limit: however
+and drags and any thrust curve inside its accuracy; that of a swell is no less than the declared ambient force. One vessel, one sea and one programme serve all effects. A late thrust has no such limit: however
 short its delay, it misses the reading of the moment at which its demand jumps. Its limit is a sample of the log.
 """
 
@@ -29,7 +29,12 @@ def hidden(id_):
     here = setting(SEED, claims=CLAIMED.get(id_, ()), **VESSEL)
     if id_ in LATE:
         return here, 1 / VESSEL["rate"] / here.draw(id_, 1.0)[id_]
-    return here, sized(here, id_, VISIBLE)
+    limit = sized(here, id_, VISIBLE)
+    if id_ == "wave.force":
+        # A swell inside the declared ambient force, ahead and sideways, is declared.
+        least = 2.0 * parse_vehicle(here.text, "vehicle.toml").ambient.force
+        limit = max(limit, least / here.draw(id_, 1.0)["wave.force.amplitude"])
+    return here, limit
 
 
 def said(id_, times):

@@ -1,0 +1,74 @@
+"""An ambient force of any spectrum inside [ambient] is declared, a single line as well; what repeats after half a turn is not."""
+
+import math
+from types import SimpleNamespace
+
+import pytest
+from tests.exam.cases import setting
+
+from ivsid import diagnose
+from ivsid.diagnosis.null.screening import DECLARED_SEA, Case
+from ivsid.diagnosis.selection.rivals import possible
+from ivsid.effects import EFFECTS, Given
+from ivsid.log import Log
+from ivsid.vehicle import parse_vehicle
+
+VESSEL = {"kind": "vectored", "style": "rich", "ambient": 1.0, "duration": 300.0, "rate": 10.0, "share": 0.5}
+FORCE = 10.0
+
+
+def diagnosed(seed, hidden=None, **more):
+    here = setting(seed, **VESSEL, **more)
+    truth = {} if hidden is None else here.draw(*hidden)
+    logs = [Log(f"{k}.csv", "0" * 64, q.pop("t"), q) for k, q in enumerate(here.logs(truth), 1)]
+    return diagnose(parse_vehicle(here.text, "vehicle.toml"), *logs)
+
+
+def swell(amplitude, shown, force=FORCE):
+    """A swell of 5 s with this fall of chi-squared, where this ambient force is declared."""
+    effect = EFFECTS["wave.force"]
+    ambient = None if force is None else SimpleNamespace(force=force)
+    predictor = SimpleNamespace(vehicle=SimpleNamespace(ambient=ambient))
+    numbers = {"amplitude": amplitude, "period": 5.0, "phase": 0.3, "direction": 0.7}
+    s = SimpleNamespace(
+        candidate=SimpleNamespace(effect=effect), values=tuple(numbers[p.part] for p in effect.parameters), shown=shown
+    )
+    return Case(SimpleNamespace(fit=SimpleNamespace(noise=SimpleNamespace(predictor=predictor))), s)
+
+
+def test_a_swell_counts_from_the_rms_of_the_declared_force_on():
+    """A sine along one direction has the rms of 10 N ahead and 10 N sideways at an amplitude of 20 N."""
+    rms = math.hypot(FORCE, FORCE)
+    known = 1e8
+    assert DECLARED_SEA.refuses(swell(0.999 * rms * math.sqrt(2), known)) is not None
+    assert DECLARED_SEA.refuses(swell(1.001 * rms * math.sqrt(2), known)) is None
+    # With a tenth of its size as standard error it has to lie three of them above.
+    assert DECLARED_SEA.refuses(swell(1.4 * rms * math.sqrt(2), 100.0)) is not None
+    assert DECLARED_SEA.refuses(swell(1.45 * rms * math.sqrt(2), 100.0)) is None
+    assert DECLARED_SEA.refuses(swell(1e-3, 30.0, force=None)) is None
+
+
+@pytest.mark.parametrize(("amplitude", "can"), [(19.0, False), (21.0, True)])
+def test_a_swell_inside_the_declared_force_stands_in_no_set(amplitude, can):
+    """A weak pod of a catamaran was taken for a swell of a tenth of the declared force."""
+    effect = EFFECTS["wave.force"]
+    numbers = {"amplitude": amplitude, "period": 5.0, "phase": 0.3, "direction": 0.7}
+    given = Given(effect, tuple(numbers[p.part] for p in effect.parameters))
+    predictor = SimpleNamespace(
+        vehicle=SimpleNamespace(ambient=SimpleNamespace(force=FORCE)),
+        log=SimpleNamespace(n=1000, h=0.1, nu=[[1.0, -1.0]]),
+    )
+    assert possible(SimpleNamespace(terms=(), given=(given,), freed=()), effect.id, predictor) == can
+
+
+@pytest.mark.parametrize("seed", [43, 48, *[pytest.param(k, marks=pytest.mark.nightly) for k in range(182100, 182112)]])
+def test_a_sea_of_a_few_lines_makes_no_finding(seed):
+    result = diagnosed(seed, sea="lines")
+    assert (result.verdict, result.findings) == ("adequate", ())
+
+
+def test_a_force_that_repeats_after_half_a_turn_is_unknown():
+    """One nine times as large as the declared ambient force was adequate: the dictionary had no function of twice the heading."""
+    result = diagnosed(40, ("x.windage", 1.0))
+    (finding,) = result.findings
+    assert result.verdict == finding.effect == "unknown" and "sin 2 psi in yaw" in finding.description

@@ -101,7 +101,7 @@ def diagnosis_report(result: Diagnosis, drawn: GainFigures | None = None) -> Rep
     signatures |= {f.effect: figures.ratios(f) for f in result.findings if "ratio" in f.evidence}
     sections = [
         Section("Findings", tuple(_findings(result, seen))),
-        Section("Hints: inside the declared errors", (page.bullets(result.hints),) if result.hints else ()),
+        Section("Hints: what the log shows of declared errors", (page.bullets(result.hints),) if result.hints else ()),
         Section("The log in time", (train_series(result, seen),)),
         Section(
             "Gain of the extended model",
@@ -260,6 +260,7 @@ def _lines(result: Diagnosis) -> list[str]:
     if result.findings:
         for what, unit, before, after, _, said in diagnosis.worth(result.gain)[:4]:
             lines.append(f"  {what} on {result.gain.log}: {before:.4g} {unit} before, {after:.4g} after: {said}")
+    lines += [f"  hint: {h}" for h in result.hints]
     lines.append(f"  {_model(result)}")
     if result.claims:
         wrong = [c.parameter for c in result.claims if c.contradicted]

@@ -13,7 +13,7 @@ from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null import family_wise
 from ivsid.diagnosis.null.frequencies import excess, spectrum, strength
-from ivsid.diagnosis.null.screening import FREQUENCIES
+from ivsid.diagnosis.null.screening import DECLARED_SEA, FREQUENCIES
 from ivsid.diagnosis.selection import adequacy
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
@@ -132,7 +132,9 @@ def test_an_ambient_force_of_another_spectrum_is_no_finding(seed, sea, hidden, m
     found = screened(vehicle, train)
     assert found.passed == [] and found.quiet
     if hidden == "wave.force":
-        monkeypatch.setattr(family_wise, "SCREENING", tuple(r for r in family_wise.SCREENING if r is not FREQUENCIES))
+        # A swell below the declared force is refused for that as well.
+        kept = tuple(r for r in family_wise.SCREENING if r not in (FREQUENCIES, DECLARED_SEA))
+        monkeypatch.setattr(family_wise, "SCREENING", kept)
         assert screened(vehicle, train).passed == [hidden]
     else:
         monkeypatch.setattr(adequacy, "excess", lambda fit, p, at, above: np.zeros((len(at), len(at))))

@@ -143,7 +143,7 @@ def diagnose(
                     rest.after,
                     trial.out,
                     proved=proof.sentence("unknown") if rest.sufficient else "",
-                    imitated=[f"{f.id}: {selection.refused[f.id].sentence}" for f in selection.imitating],
+                    imitated={f"{f.id}: {selection.refused[f.id].sentence}": f.fall for f in selection.imitating},
                 ),
             )
         )

@@ -199,14 +199,16 @@ def shallow(moved: Change) -> Finding:
     return Finding(id_, 0.5, (ONE_FACTOR.id,), separate, {id_: bound}, evidence)
 
 
-def unknown(left: Adequacy, near: Sequence[str], *, proved: str = "", imitated: Sequence[str] = ()) -> Finding:
+def unknown(
+    left: Adequacy, near: Sequence[str], *, proved: str = "", imitated: Mapping[str, float] | None = None
+) -> Finding:
     """Finding ``unknown``: structure that no cause of the catalogue explains.
 
     Args:
         left: adequacy of the extended model.
         near: causes that the fit holds and that are no findings.
         proved: what the rows of the log prove, in a sentence, where statistics alone would leave the model adequate.
-        imitated: why causes that passed every test are a force of no cause, a clause each that begins with the cause.
+        imitated: why causes that passed every test are a force of no cause, a clause each that begins with the cause, with their falls of chi-squared.
     """
     likely = ", ".join(f"{name} in {channel} ({np.sqrt(fall):.0f} sigma)" for name, channel, fall in left.strongest)
     channel = left.strongest[0][1]
@@ -256,7 +258,7 @@ def unknown(left: Adequacy, near: Sequence[str], *, proved: str = "", imitated: 
         z = max(z, left.hulls[0].deviations)
     if imitated:
         force = f"a force that the catalogue lacks acts on the hull, or a sensor is worse than it states: {'; '.join(imitated)}"
-        text = force if left.quiet else f"{text}; {force}"
+        z, text = (float(np.sqrt(max(imitated.values()))), force) if left.quiet else (z, f"{text}; {force}")
     if proved:
         z, text = 0.0, f"{proved}; the statistics see no structure that the model lacks"
     if near:

@@ -2,7 +2,7 @@
 
 The noise is whitened by a few coefficients, and an ambient force may have any spectrum: a swell in a narrow band, or gusts that last longer than the
 filters expect. What a score sums of it is its spectrum weighted by that of the direction. Scores of directions d_i beside the base have the covariances
-sum_f D_i(f)* D_j(f) S(f), where white noise gives sum_f D_i(f)* D_j(f).
+sum_f D_i(f)* D_j(f) S(f), where white noise gives sum_f D_i(f)* D_j(f). S is an estimate, the better the more frequencies make it.
 
 Source: Priestley, *Spectral Analysis and Time Series*, 1981, section 6.2.3 (smoothed periodogram); Grenander and Rosenblatt, *Statistical Analysis of
 Stationary Time Series*, 1957, chapter 7 (regression beside noise of any spectrum).
@@ -11,12 +11,14 @@ Stationary Time Series*, 1957, chapter 7 (regression beside noise of any spectru
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.ndimage import uniform_filter1d
+from scipy.special import chdtri, fdtrc
 
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
@@ -34,13 +36,83 @@ LOWEST: Final = 400
 # Least share of the noise that columns leave, as far as the spectrum counts on it.
 # Source: geometry: what is left of a smaller share is a mean of two values or less
 LEFT: Final = 0.15
+# Least chance, and least square of a mean, that counts.
+# Source: geometry: the smallest doubles, below which a fall is infinite
+NOTHING: Final = 1e-300
 # Columns that are transformed together.
 # Source: resource: the transforms of all columns of a long log would need its memory a second time
 TOGETHER: Final = 16
 
 
-def strength(fit: Fit, s: Scored) -> float:
-    """Variance of a cause's score over that beside white noise; 1 or more.
+@dataclass(frozen=True)
+class Spectrum:
+    """Spectrum of the noise of a log, from what columns leave of it.
+
+    Attributes:
+        found: over that of white noise, shape (rows, frequencies).
+        free: share of the noise at each frequency that the columns leave, shape (rows, frequencies).
+    """
+
+    found: Array
+    free: Array
+
+    @property
+    def above(self) -> Array:
+        """The spectrum, 1 or more, shape (rows, frequencies)."""
+        return np.maximum(self.found, 1.0)
+
+    def freedom(self, weight: Array) -> Array:
+        """Degrees of freedom of means of the spectrum: twice the number of frequencies that make one, where they make it alike.
+
+        Source: Satterthwaite, *Biometrics Bulletin* 2, 1946.
+
+        Args:
+            weight: of each frequency, shape (means, rows, frequencies).
+        """
+        # What the columns leave of the two squares of each frequency enters by the weights of all that are near.
+        each = uniform_filter1d(weight / self.free, WIDTH, axis=2, mode="mirror") * self.found * self.free
+        squares = (each * each / self.free).sum(axis=(1, 2))
+        means = each.sum(axis=(1, 2))
+        return np.where(squares > 0, 2.0 * means**2 / np.maximum(squares, NOTHING), np.inf)
+
+
+@dataclass(frozen=True)
+class Strength:
+    """Strength of the noise at a cause's frequencies.
+
+    Attributes:
+        value: variance of the cause's score over that beside white noise; 1 or more.
+        freedom: degrees of freedom of the estimate.
+    """
+
+    value: float
+    freedom: float
+
+    def beside(self, fall: float, count: int) -> float:
+        """Fall of chi-squared that is as rare beside white noise as a fall beside this noise.
+
+        Args:
+            fall: of the cause.
+            count: of its numbers.
+        """
+        return float(as_rare(np.array(fall / self.value), count, np.array(self.freedom)))
+
+
+def as_rare(fall: Array, count: int, freedom: Array) -> Array:
+    """Falls of chi-squared that are as rare in known noise as falls in noise whose strength is estimated: the ratio of both is Snedecor's F.
+
+    Args:
+        fall: over the estimated strength.
+        count: degrees of freedom of each fall.
+        freedom: degrees of freedom of each estimate; infinite for a known one.
+    """
+    known = ~np.isfinite(freedom)
+    chance = np.maximum(fdtrc(count, np.where(known, 1.0, freedom), fall / count), NOTHING)
+    return np.where(known, fall, np.minimum(chdtri(count, chance), fall))
+
+
+def strength(fit: Fit, s: Scored) -> Strength:
+    """Strength of the noise at a cause's frequencies.
 
     Args:
         fit: of the model without the cause.
@@ -51,17 +123,19 @@ def strength(fit: Fit, s: Scored) -> float:
     p = Projection(g, base)
     theta, fall = p.solve(at)
     own = g.explained(at, theta) - g.explained(base, g.regression(at, base) @ theta)
-    weight = _power(_transformed(fit, own[None]))[0]
+    weight = _power(_transformed(fit, own[None]))
     if not (fall > 0 and weight.sum() > 0):
-        return 1.0
+        return Strength(1.0, np.inf)
+    left = g.y - g.explained(base, p.coefficients) - own
+    found = _spectrum(fit, Projection(g, range(len(g.names))), left)
+    mean = float((weight * found.found).sum() / weight.sum())
     # What priors hold back of the cause is no part of its direction, and scatters by the priors.
     share = float((own * own).sum()) / fall
-    left = g.y - g.explained(base, p.coefficients) - own
-    return max(1.0 + share * (float((weight * _smooth(fit, left)).sum()) / float(weight.sum()) - 1.0), 1.0)
+    return Strength(max(1.0 + share * (mean - 1.0), 1.0), float(found.freedom(weight)[0]))
 
 
-def spectrum(fit: Fit, g: Gram) -> Array:
-    """Spectrum of the noise that no column takes, over that of white noise and 1 or more, shape (rows, frequencies).
+def spectrum(fit: Fit, g: Gram) -> Spectrum:
+    """Spectrum of the noise that no column takes.
 
     Args:
         fit: of the model.
@@ -69,38 +143,61 @@ def spectrum(fit: Fit, g: Gram) -> Array:
     """
     every = range(len(g.names))
     p = Projection(g, every)
-    left = g.y - g.explained(every, p.coefficients)
-    found = _smooth(fit, left)
-    # The share of each frequency that the columns take: the squared size of their projections there.
-    lowest = np.arange(found.shape[1]) < LOWEST
-    low = np.concatenate([_kept(fit, part, np.broadcast_to(lowest, found.shape)) for part in g.parts])
-    taken = np.zeros_like(found)
-    taken[:, lowest] = np.einsum("kf,kf->f", low.conj(), cho_solve(cho_factor(p.normal), low)).real.reshape(
-        len(found), -1
-    )
-    share = 1.0 - uniform_filter1d(taken, WIDTH, axis=1, mode="mirror") / _count(fit, left)
-    return np.asarray(np.maximum(found / np.maximum(share, LEFT), 1.0))
+    return _spectrum(fit, p, g.y - g.explained(every, p.coefficients))
 
 
-def excess(fit: Fit, p: Projection, columns: Sequence[int], above: Array) -> Array:
-    """Covariance of the scores of columns that a spectrum adds to that of white noise, shape (columns, columns).
+@dataclass(frozen=True)
+class Scatter:
+    """How scores scatter beyond what they do in white noise.
+
+    Attributes:
+        more: covariance that a spectrum adds to that of white noise, shape (columns, columns).
+        freedom: degrees of freedom of the estimate of each column's scatter, shape (columns,).
+    """
+
+    more: Array
+    freedom: Array
+
+
+def excess(fit: Fit, p: Projection, columns: Sequence[int], noise: Spectrum) -> Scatter:
+    """How a spectrum scatters the scores of columns.
 
     Args:
         fit: of the model.
         p: least squares beside which they are scored.
         columns: indices.
-        above: spectrum of the noise, shape (rows, frequencies).
+        noise: spectrum of the noise.
     """
     g, at = p.g, list(columns)
     x = g.columns(at)
     x -= g.explained(p.base, g.regression(at, p.base))
+    above = noise.above
     samples = x[0].size // len(above)
     weight = (above - 1.0) / samples
     # A frequency between none and the highest stands for itself and its negative.
     weight[:, 1 : (samples + 1) // 2] *= 2.0
     kept = weight > 0
-    found = _kept(fit, x, kept) * np.sqrt(weight[kept])
-    return np.asarray((found.conj() @ found.T).real, dtype=np.float64)
+    found, freedom = np.empty((len(x), int(kept.sum())), dtype=np.complex128), np.empty(len(x))
+    for first in range(0, len(x), TOGETHER):
+        some = slice(first, first + TOGETHER)
+        parts = _transformed(fit, x[some])
+        found[some], freedom[some] = parts[:, kept] * np.sqrt(weight[kept]), noise.freedom(_power(parts))
+    return Scatter(np.asarray((found.conj() @ found.T).real, dtype=np.float64), freedom)
+
+
+def _spectrum(fit: Fit, p: Projection, left: Array) -> Spectrum:
+    """Spectrum of the noise from what the columns of a projection leave, shape (blocks, numbers)."""
+    found = _smooth(fit, left)
+    lowest = np.arange(found.shape[1]) < LOWEST
+    low = np.concatenate([_kept(fit, part, np.broadcast_to(lowest, found.shape)) for part in p.g.parts])
+    taken = np.zeros_like(found)
+    # The share of each frequency that the columns take: the squared size of their projections there.
+    taken[:, lowest] = np.einsum("kf,kf->f", low.conj(), cho_solve(cho_factor(p.normal), low)).real.reshape(
+        len(found), -1
+    )
+    share = 1.0 - uniform_filter1d(taken, WIDTH, axis=1, mode="mirror") / _count(fit, left)
+    free = np.maximum(share, LEFT)
+    return Spectrum(found / free, free)
 
 
 def _kept(fit: Fit, x: Array, keep: NDArray[np.bool_]) -> NDArray[np.complex128]:

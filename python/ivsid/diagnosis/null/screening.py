@@ -303,12 +303,12 @@ OPINION: Final = Rule[Case](
 )
 FREQUENCIES: Final = Rule[Case](
     "own frequencies",
-    "chance of the fall of chi² over the strength of the noise at the frequencies of the cause",
+    "chance of the fall of chi² over the strength of the noise at the frequencies of the cause, as an estimate",
     "at most the calibrated threshold of this log",
     "An ambient force may have any spectrum: a band of a swell, or gusts that last longer than the filters expect. What the log holds beside the "
-    "cause at the same frequencies makes such falls by itself.",
+    "cause at the same frequencies makes such falls by itself, and a few frequencies tell little of it.",
     "make exam",
-    lambda c: chance(replace(c.s, fall=c.s.shown / strength(c.round.fit, c.s), boxed=0.0)),
+    lambda c: chance(replace(c.s, fall=strength(c.round.fit, c.s).beside(c.s.shown, c.s.count), boxed=0.0)),
     lambda c: c.round.chance,
     "the log holds as much at the same frequencies without it: beside that its fall of chi² has probability {value:.1g}, and {limit:.1g} is the limit",
     least=False,

@@ -17,7 +17,7 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import DOUBT, AnyCurve, beyond
 from ivsid.diagnosis.null.boxed import Boxed, Leaving, outside, readings
-from ivsid.diagnosis.null.frequencies import excess, spectrum
+from ivsid.diagnosis.null.frequencies import Scatter, Spectrum, as_rare, excess, spectrum
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.selection.dictionary import regressors
 from ivsid.diagnosis.selection.hulls import Asked, asked_of_hulls
@@ -166,11 +166,11 @@ def adequacy(fit: Fit) -> Adequacy:
     wide = g.joined(names, x, unit)
     own, at = Projection(wide, range(first)), range(first, len(wide.names))
     found = _structure(own, at, names, _none)
-    above: Array | None = None
+    noise: Spectrum | None = None
     if not found.white:
         # An ambient force of another spectrum than the whitening knows scatters the scores as well.
-        above = spectrum(fit, wide)
-        found = _structure(own, at, names, _none, excess(fit, own, at, above))
+        noise = spectrum(fit, wide)
+        found = _structure(own, at, names, _none, excess(fit, own, at, noise))
     found = replace(found, alone=found.chance_of_one <= ALONE)
     boxed = Boxed(fit)
     left, knots = boxed.leaving, boxed.knots
@@ -204,7 +204,7 @@ def adequacy(fit: Fit) -> Adequacy:
     wide = free.g.joined(names, x.reshape(len(x), *free.g.y.shape), unit)
     own, at = Projection(wide, free.projection.base), range(first, len(wide.names))
     beside = _structure(
-        own, at, names, free.worst, excess(fit, own, at, spectrum(fit, wide) if above is None else above)
+        own, at, names, free.worst, excess(fit, own, at, spectrum(fit, wide) if noise is None else noise)
     )
     alone = found.alone and beside.chance_of_one <= ALONE
     return replace(
@@ -249,7 +249,7 @@ def _structure(
     at: Sequence[int],
     names: Sequence[str],
     most: Callable[[Array], Array],
-    more: Array | None = None,
+    more: Scatter | None = None,
 ) -> Adequacy:
     """Structure that regressors find beside a base.
 
@@ -258,19 +258,21 @@ def _structure(
         at: indices of the regressors.
         names: theirs, ``channel|function``.
         most: what declared errors move sums by at most, from what a unit of each moves them by.
-        more: covariance of the scores beyond that of white noise, shape (regressors, regressors).
+        more: how the scores scatter beyond what they do in white noise.
     """
     columns = list(at)
     H = p.information(columns)
     real = np.diag(H) > EXPLAINED
     if more is not None:
-        H = H + more
+        H = H + more.more
     d = np.sqrt(np.maximum(np.diag(H), 1e-300))
     scores = np.where(real, p.left_score[columns] / d, 0.0)
     # How far each error inside the box moves the score of each regressor, and of a sum of them.
     moved = p.held_back(columns) / d
     worst = most(moved)
     single = np.array([beyond(float(s * s), float(abs(s) * w)) for s, w in zip(scores, worst, strict=True)])
+    if more is not None:
+        single = as_rare(single, 1, more.freedom)
 
     def gained(which: NDArray[np.bool_]) -> tuple[float, int]:
         values, vectors = np.linalg.eigh(H[np.ix_(which, which)] / np.outer(d[which], d[which]))

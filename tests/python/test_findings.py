@@ -10,7 +10,7 @@ from ivsid import diagnose
 from ivsid.diagnosis.candidates.intervals import Bound
 from ivsid.diagnosis.selection.adequacy import Adequacy
 from ivsid.diagnosis.statements import findings
-from ivsid.diagnosis.statements.findings import findings_of
+from ivsid.diagnosis.statements.findings import Finding, findings_of
 from ivsid.diagnosis.statements.rules import EXCLUDES, Held
 from ivsid.effects import EFFECTS, PAPER_TERMS, PLAIN_TERMS
 
@@ -31,7 +31,9 @@ def _made(monkeypatch):
 def named(falls, left, *, complete=False, ids=IDS, terms=(), rule="dominant"):
     """Names of causes with these falls, where a dictionary of 100 columns finds ``left`` more than chance."""
     found = [
-        SimpleNamespace(id=i, fall=f, rivals=[SimpleNamespace(id=i)], first=SimpleNamespace(boxed=0.0))
+        SimpleNamespace(
+            id=i, fall=f, rivals=[SimpleNamespace(id=i)], first=SimpleNamespace(boxed=0.0, shown=f, lost=f**0.5)
+        )
         for i, f in zip(ids, falls, strict=False)
     ]
     plain = SimpleNamespace(h=SimpleNamespace(terms=terms))
@@ -110,12 +112,35 @@ def test_numbers_that_may_all_be_none_name_nothing(id_, bounds, named):
     assert (EXCLUDES.refuses(held) is None) == named
 
 
+@pytest.mark.parametrize(
+    ("id_", "parts", "beside", "quiet", "named"),
+    [
+        ("drag.yaw.quadratic", [""], 5.1, True, True),
+        ("drag.yaw.quadratic", [""], 4.9, True, False),
+        ("drag.yaw.quadratic", [""], 5.1, False, False),
+        ("drag.surge.hump", ["height", "speed", "width"], 5.1, True, False),
+    ],
+)
+def test_a_cause_that_no_declared_errors_make_is_there_whatever_its_interval(id_, parts, beside, quiet, named):
+    bounds = {".".join([id_, *filter(None, [k])]): Bound(-1.0, 200.0, "1", "") for k in parts}
+    held = Held(EFFECTS[id_], 700.0, 0.0, bounds, True, quiet, beside=beside)
+    assert (EXCLUDES.refuses(held) is None) == named
+
+
+@pytest.mark.parametrize(("lower", "upper", "cut"), [(-56.0, 3693.0, (0.0, 3693.0)), (-90.0, 20.0, (-90.0, 0.0))])
+def test_the_number_of_a_cause_that_is_there_lies_on_one_side_of_none(lower, upper, cut):
+    f = Finding("drag.yaw.quadratic", 1.0, (), "", {"drag.yaw.quadratic": Bound(lower, upper, "kg m^2", "")}, {})
+    bound = findings.one_sided(f, 0.0).parameters["drag.yaw.quadratic"]
+    assert (bound.lower, bound.upper) == cut
+
+
 def test_a_model_without_its_refused_cause_is_not_called_adequate(monkeypatch):
     """The verdict is on the model that is handed out: what a refused cause took is left in it."""
     monkeypatch.undo()
     vehicle = vehicle_of()
     train, test = logs_of(vehicle, {"drag.yaw.linear": 2.5})
     monkeypatch.setattr(Held, "distance", -1.0)
+    monkeypatch.setattr(Held, "there", False)
     result = diagnose(vehicle, train, test, null_logs=0)
     assert result.withdrawn["drag.yaw.linear"].rule == EXCLUDES.name
     assert result.verdict == "unknown" and "drag.yaw.linear" in result.findings[-1].description

@@ -119,16 +119,28 @@ def findings_of(
         effect = EFFECTS[found.id]
         parts = any(t.id == effect.shares and t in PAPER_TERMS for t in selection.plain.h.terms)
         boxed = found.first.boxed > found.fall
-        case = Held(effect, found.fall, left, one.parameters, complete, rest.quiet, len(rest.hulls), parts, boxed)
+        beside = float(np.sqrt(max(min(found.first.shown, found.fall), 0.0))) - found.first.lost
+        case = Held(
+            effect, found.fall, left, one.parameters, complete, rest.quiet, len(rest.hulls), parts, boxed, beside
+        )
         refusal = first_refusal(HELD, case, [f.id for f in selection.found if f is not found])
         if refusal is None:
-            made[found.id] = one
+            made[found.id] = one_sided(one, effect.parameters[0].none) if case.quiet and case.there else one
         else:
             nothing += found.fall
         for rank, rival in enumerate(found.rivals):
             if (said := refusal or UNNAMED.refuses(rank, [found.id])) is not None:
                 withdrawn[rival.id] = said
     return tuple(made[f.id] for f in selection.found if f.id in made), withdrawn
+
+
+def one_sided(f: Finding, none: float) -> Finding:
+    """The finding of a cause that is there: its only number lies on one side of none, since chi-squared is convex in it."""
+    cut = {}
+    for name, b in f.parameters.items():
+        above = b.lower + b.upper > 2.0 * none
+        cut[name] = replace(b, lower=max(b.lower, none)) if above else replace(b, upper=min(b.upper, none))
+    return replace(f, parameters=cut)
 
 
 def finding(

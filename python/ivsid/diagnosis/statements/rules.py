@@ -19,6 +19,9 @@ DOMINANT: Final = 9.0
 # Alternatives that a finding names.
 # Source: resource: the length of a list in the report
 ALTERNATIVES: Final = 4
+# Standard deviations beyond the worst declared errors inside their bounds from which on a cause is there, whatever its interval.
+# Source: definition: five, as without declared errors
+TOLD: Final = 5.0
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,7 @@ class Held:
         hulls: numbers that the extended model would need and no hull has.
         parts: whether it parts a number that the model has for two axes.
         boxed: whether its evidence is that declared errors would have to leave their bounds, of which its interval knows nothing.
+        beside: standard deviations by which its score stands out of the worst declared errors inside their bounds.
     """
 
     effect: Effect
@@ -46,6 +50,15 @@ class Held:
     hulls: int = 0
     parts: bool = False
     boxed: bool = False
+    beside: float = 0.0
+
+    @property
+    def there(self) -> bool:
+        """Whether its only number is none beside no declared errors inside their bounds.
+
+        Chi-squared is minimised over all of them together there. The interval takes the worst of them for the number and not for the log, and is wider.
+        """
+        return len(self.effect.parameters) == 1 and self.beside >= TOLD
 
     @property
     def distance(self) -> float:
@@ -84,12 +97,13 @@ EXCLUDES: Final = Rule[Held](
     "distance of the value without effect from the intervals of the only size and of the shape beside it, in half-widths, the largest",
     "above 0",
     "Numbers that may all be none name nothing. A size that may be none with a shape that is told, as of a hump at a certain speed, does. Where structure is left, the interval is the one beside it, without what hides in it. A cause that stands "
-    "out of declared errors inside their bounds, and not out of their priors, has its interval from the priors alone, and is not asked.",
+    "out of declared errors inside their bounds, and not out of their priors, has its interval from the priors alone, and is not asked. Nor is one with a single number that "
+    f"stands {TOLD:g} standard deviations out of the worst of them: its interval takes those that move the number most, whether the log allows them or not.",
     "definition",
     lambda c: c.distance,
     lambda _: 5e-324,
     "its interval holds the value without effect",
-    lambda c: not (c.quiet and c.boxed),
+    lambda c: not (c.quiet and (c.boxed or c.there)),
 )
 UNNAMED: Final = Rule[int](
     "alternative",

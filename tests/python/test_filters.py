@@ -15,11 +15,18 @@ from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.estimation.noise import CONTRACTION, declared_ambient, quick_enough
+from ivsid.diagnosis.estimation.noise import (
+    CONTRACTION,
+    MOST_QUICKENINGS,
+    QUICKENING,
+    declared_ambient,
+    quick_enough,
+)
 from ivsid.diagnosis.estimation.whitening import Whitening
 from ivsid.diagnosis.plant.physics import Hypothesis, acceleration, added_force
 from ivsid.diagnosis.plant.readings import added_readings, exact_readings
 from ivsid.diagnosis.plant.thruster_forces import bollard_force, thruster_force
+from ivsid.diagnosis.prediction.axes import Ambient
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.parallel import side_by_side
 from ivsid.diagnosis.statements.windows import windows
@@ -229,7 +236,24 @@ def test_passes_settle_however_the_axes_act_on_one_another(predictor, plain):
     assert quick_enough(predictor, np.full_like(coupled, np.nan)) is predictor
     # A push that is strong in half of the log counts.
     coupled[1, 2, ::2] = 0.0
-    assert all(a.memory > m for a, m in zip(quick_enough(predictor, coupled).axes, memory, strict=False))
+    slower = [a.memory for a in quick_enough(predictor, coupled).axes[:3]]
+    # Filters with an accelerometer are as quick as their velocities allow in both cases.
+    assert slower[0] >= memory[0] and slower[1] >= memory[1] and slower[2] > memory[2]
+
+
+def test_a_filter_is_made_no_quicker_than_shortens_its_memory(predictor):
+    """Its accelerometer tells the ambient acceleration at once: what else is expected of that is noise of its readings."""
+    fast = np.broadcast_to(np.diag([-6.0, -6.0, -0.1])[..., None], (3, 3, 50))
+    quicker = quick_enough(predictor, fast)
+    for k in (0, 1):
+        d, first = quicker.ambient.deviation[k], predictor.ambient.deviation[k]
+        assert first < d < first * QUICKENING ** (MOST_QUICKENINGS - 1)
+        more = [d * QUICKENING**j if i == k else x for j in (1, 2) for i, x in enumerate(quicker.ambient.deviation)]
+        after = [quicker.adopt(Ambient(tuple(more[i : i + 3]), quicker.ambient.time)).axes[k].memory for i in (0, 3)]
+        assert after[0] > 0.95 * quicker.axes[k].memory
+        # No shorter memory was passed over.
+        assert after[1] > 0.9 * quicker.axes[k].memory
+    assert quicker.ambient.deviation[2] == predictor.ambient.deviation[2]
 
 
 # Nightly: the gate has the spectral radius.

@@ -270,7 +270,7 @@ def test_a_faster_log_is_thinned_and_its_noise_with_it():
 
 
 def test_a_thinned_clock_adds_no_error_to_a_null_log(zigzags):
-    """Without noise the errors of the true model stay far below the noise; by Runge-Kutta's method they were a tenth of it and more."""
+    """Without noise the errors of the true model stay far below the noise, on the log's clock too: predictions by the middles of its steps left a tenth."""
     programme = zigzags[2].programme
     assert programme.thinned
     quiet = replace(
@@ -286,7 +286,7 @@ def test_a_thinned_clock_adds_no_error_to_a_null_log(zigzags):
         errors = predictor.errors(predictor.settle(predictor.start(true), 6))[:, 40:]
         size = [programme.log.noise[name] for _, name in predictor.labels]
         worst.append(float(np.max(np.sqrt(np.mean(errors**2, axis=1)) / size)))
-    assert worst[0] < 0.02 and worst[0] < 0.2 * worst[1]
+    assert max(worst) < 0.015
 
 
 def test_a_demand_beyond_the_means_of_the_programme_is_no_saturation(zigzags):

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.problem import Problem
-from ivsid.diagnosis.prediction.states import FilteredStates
+from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.effects import Given
 
 # Starts that are proposed, each more than a second from the others.

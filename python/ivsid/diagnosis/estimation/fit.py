@@ -15,7 +15,7 @@ from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.signatures import Signatures
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.states import FilteredStates
+from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.signatures import free_parameters
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.usual_hull import hull_limits
+from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.prediction.innovations import Predictor, replaced
-from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import Parameter
 
 # Most steps of a fit.

@@ -29,8 +29,8 @@ from ivsid.diagnosis.estimation.whitening import plain_scale, whiten
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.usual_hull import usual_numbers
 from ivsid.diagnosis.prediction.axes import Ambient
+from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.prediction.innovations import Predictor, replaced
-from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import terms_of
 from ivsid.effects.inertia import INERTIA_YAW
 from ivsid.errors import IvsidError

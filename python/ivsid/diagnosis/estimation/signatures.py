@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.columns import Columns
 from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration, term_column
+from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.prediction.innovations import Predictor
-from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import (
     CATALOGUE,
     PAPER_TERMS,

@@ -1,8 +1,7 @@
 """Motion of null logs in closed loop: the fitted model under demands that answer to its own motion, all logs at once.
 
-The equations of motion are integrated in true states: by the Runge-Kutta method of fourth order on the log's own clock, and by the implicit
-midpoint rule on a thinned one. The midpoint rule is what predictions follow over a step, so a clock that is slower than the log's adds no error
-that the log does not have.
+The equations of motion are integrated in true states by the Runge-Kutta method of fourth order. On a thinned clock the thrusts have their means over
+each step, which is what predictions take there, so a clock that is slower than the log's adds no error that the log does not have.
 
 Source: Hairer, Norsett and Wanner, *Solving Ordinary Differential Equations I*, 1993, sections II.1 and II.7.
 """
@@ -28,10 +27,6 @@ Array = NDArray[np.float64]
 # Longest step of the integration [s]: a slower clock is integrated as finely as the fastest clock of null logs.
 # Source: definition: one step at 10 Hz
 LONGEST: Final = 0.1
-# Rounds of the midpoint rule after the rate at the start of a step.
-# Source: geometry: a round leaves half a step times the rate of an axis of an error, a tenth at 1/s; what three leave is below the noise of any
-# sensor
-ROUNDS: Final = 3
 # Entries of a thrust curve over the range of the demands.
 # Source: resource: 32 kB for each thruster and null log
 TABLE: Final = 4001
@@ -260,10 +255,10 @@ class _Force:
         return self.motion.rates(x, self.push[moment], self.bollard[:, moment], self.known) + self.ahead
 
     def mean(self) -> _Force:
-        """With the means of the thrusts over the part, by Simpson's rule, in place of those in its middle."""
-        push, bollard = self.push.copy(), self.bollard.copy()
-        push[1] = (push[0] + 4 * push[1] + push[2]) / 6
-        bollard[:, 1] = (bollard[:, 0] + 4 * bollard[:, 1] + bollard[:, 2]) / 6
+        """With the means of the thrusts over the part, by Simpson's rule, all along it."""
+        push, bollard = np.empty_like(self.push), np.empty_like(self.bollard)
+        push[:] = (self.push[0] + 4 * self.push[1] + self.push[2]) / 6
+        bollard[:] = ((self.bollard[:, 0] + 4 * self.bollard[:, 1] + self.bollard[:, 2]) / 6)[:, None]
         return _Force(self.motion, push, bollard, self.known, self.ahead)
 
 
@@ -276,15 +271,10 @@ def _runge_kutta(force: _Force, x: Array, step: float) -> tuple[Array, Array]:
     return k1, x + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
 
-def _midpoint(force: _Force, x: Array, step: float) -> tuple[Array, Array]:
-    """Rates at the start of a step, and the states at its end, by the implicit midpoint rule at the heading to which the first rate leads."""
-    first = rate = force.at(x, 0)
-    mean = force.mean()
-    for _ in range(ROUNDS):
-        middle = x + 0.5 * step * rate
-        middle[3] = x[3] + 0.5 * step * x[2]
-        rate = mean.at(middle, 1)
-    return first, x + step * rate
+def _with_mean_thrusts(force: _Force, x: Array, step: float) -> tuple[Array, Array]:
+    """Rates at the start of a step under its first thrusts, and the states at its end under their means."""
+    first = force.at(x, 0)
+    return first, _runge_kutta(force.mean(), x, step)[1]
 
 
 def simulated(
@@ -308,7 +298,7 @@ def simulated(
     whole = 1 if log.between is None else log.between.demands.shape[2]
     parts = 1 if programme.thinned else whole * max(1, int(np.ceil(log.h / (whole * LONGEST) - RATIO_ROUNDING)))
     step = log.h / parts
-    integrate = _midpoint if programme.thinned else _runge_kutta
+    integrate = _with_mean_thrusts if programme.thinned else _runge_kutta
     x = motion.start(programme.start)
     states, rates = np.empty((6, n, count)), np.empty((3, n, count))
     sent = np.empty((len(controller.logged), n, count))

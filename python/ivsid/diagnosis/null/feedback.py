@@ -19,7 +19,7 @@ from scipy.ndimage import uniform_filter1d
 from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.data.sensor_noise import NORMAL_MEDIAN
 from ivsid.diagnosis.estimation.cross_products import RIDGE
-from ivsid.diagnosis.prediction.states import FilteredStates
+from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 
 Array = NDArray[np.float64]
 # Time over which increments are taken [s].

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration, added_force, changed
 from ivsid.diagnosis.prediction.axes import Ambient, motion_axes
-from ivsid.diagnosis.prediction.states import FilteredStates, StateFilter, over_ground, specific_force
+from ivsid.diagnosis.prediction.filtered_states import FilteredStates, over_ground, specific_force
+from ivsid.diagnosis.prediction.states import StateFilter
 from ivsid.effects import Reading, Response, Thrust, of_kind
 
 Array = NDArray[np.float64]

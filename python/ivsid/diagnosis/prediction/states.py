@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -17,6 +16,8 @@ from ivsid.diagnosis.plant.physics import Dynamics, Hypothesis, Mass, accelerati
 from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.readings import added_readings, exact_readings
 from ivsid.diagnosis.prediction.axes import AXES, Ambient, labels_of, motion_axes, track_axes
+from ivsid.diagnosis.prediction.filtered_states import Carried, FilteredStates, twice
+from ivsid.diagnosis.prediction.inside_steps import PLACES, InsideSteps, doubled
 from ivsid.diagnosis.prediction.kalman import Axis, Filters, apart
 from ivsid.diagnosis.prediction.yaw_rate import YawRate, yaw_rate
 from ivsid.effects import Change, Given, of_kind
@@ -26,45 +27,9 @@ Array = NDArray[np.float64]
 # Farthest distance of a state beyond the readings, in ranges of the readings: a hypothesis that goes further runs away.
 # Source: measured: make constants
 REACH: Final = 1.0
-
-
-@dataclass(frozen=True)
-class FilteredStates:
-    """The states at which a hypothesis is evaluated: first at each sample, then in the middle of each step, of length 2 n.
-
-    Each depends on the past alone: a state at a sample is predicted without its readings, a state in a step is filtered with them.
-
-    Attributes:
-        h: the hypothesis under which they are filtered.
-        points: the states.
-        nudot: the model's accelerations there, shape (3, 2 n).
-        ambient: rdot of the ambient moment that the past lets expect at each sample [rad/s^2], shape (n,); a sensor off the origin reads it.
-    """
-
-    h: Hypothesis
-    points: Points
-    nudot: Array
-    ambient: Array | float = 0.0
-
-    @cached_property
-    def turn(self) -> tuple[Array, Array]:
-        """Cosine and sine of the heading over the steps, shape (n,) each; every signature is made at one heading."""
-        psi = self.points.psi[self.points.psi.size // 2 :]
-        return np.cos(psi), np.sin(psi)
-
-    @cached_property
-    def specific(self) -> Array:
-        """Specific forces [m/s^2] and rdot [rad/s^2] there, shape (3, 2 n)."""
-        return specific_force(self.points.nu, self.nudot)
-
-    @cached_property
-    def over(self) -> Array:
-        """Velocity north and east over the steps [m/s], shape (2, n)."""
-        return over_ground(self.points, self.turn)
-
-    def under(self, h: Hypothesis) -> FilteredStates:
-        """The same states as a start for another hypothesis."""
-        return replace(self, h=h)
+# Error of the middle of a step for its mean, in the filtered velocity's error, from which on accelerations are taken inside the steps.
+# Source: definition: ten thousand samples with it have a chi-squared of one
+COARSE: Final = 0.01
 
 
 class StateFilter:
@@ -86,6 +51,7 @@ class StateFilter:
         labels: axis and channel of each row of errors.
         filters: all filters together.
         rate: the yaw rate by its sensors alone, or None.
+        fine: whether steps are so long that their middles do not stand for them; None until states have settled once.
     """
 
     def __init__(
@@ -111,6 +77,7 @@ class StateFilter:
             self.axes[2] = apart(self.axes[2].outputs, self.rate.spread)
         self.labels: list[tuple[int, str]] = labels_of(self.axes)
         self.filters = Filters(self.axes)
+        self.fine: bool | None = None
         self._mass: tuple[object, object, Mass] | None = None
         self._dynamics: tuple[Hypothesis, Mass | None, Dynamics] | None = None
 
@@ -166,7 +133,7 @@ class StateFilter:
                 if "position" in here.outputs:
                     psi = readings[k]["position"] - e[0] + here.kalman_gain[0] @ e
                 ambient, pushed[k] = here.ambient(e)
-            states = replace(self._evaluated(states.h, nu, psi, states.nudot, before, pushed), ambient=ambient)
+            states = replace(self._evaluated(states.h, nu, psi, states, before, pushed), ambient=ambient)
         return states
 
     def _evaluated(
@@ -174,26 +141,22 @@ class StateFilter:
         h: Hypothesis,
         nu: Array,
         psi: Array,
-        nudot: Array | None,
+        last: FilteredStates | None,
         before: Array | None = None,
         pushed: Array | float = 0.0,
     ) -> FilteredStates:
         log, n = self.log, self.log.n
         half = 0.5 * log.h
-        # The ambient force carries the states over half a step as the model does: without it, a turning hull at sea has too little u r there.
-        rate = pushed + (np.zeros((3, n)) if nudot is None else nudot[:, n:])
         # A hypothesis is evaluated near measured states alone: elsewhere its states would run away.
         nu = np.clip(nu, *self.reach)
         before = None if before is None else np.clip(before, *self.reach)
         place = np.zeros((2, n)) if log.place is None else log.place
         thrusts, bollard, early = self.driving.whole(h)
-        if early is not None and nudot is not None:
+        if early is not None and last is not None:
             # The mean velocity of a step counts: an early push carries it further than a late one.
-            rate = rate + Mass(self.vehicle, h.terms, changed(h, np.asarray(log.t))).solve(early)
-        later = np.clip(nu + half * rate, *self.reach)
-        if self.rate is not None:
-            r = self.rate.rate
-            later[2] = 0.5 * (r + np.r_[r[1:], r[-1]])
+            early = Mass(self.vehicle, h.terms, changed(h, np.asarray(log.t))).solve(early)
+        carried = Carried(nu, psi, pushed, last, early if last is not None else None, log.h)
+        later = self._inside_reach(carried.velocity(0.5), 0.5)
         points = Points(
             np.concatenate([nu if before is None else before, later], axis=1),
             np.r_[psi, psi + half * nu[2]],
@@ -207,7 +170,39 @@ class StateFilter:
             bollard,
             self.driving.swing,
         )
-        return FilteredStates(h, points, acceleration(self.vehicle, h, points, self.constant_mass(h)))
+        nudot = acceleration(self.vehicle, h, points, self.constant_mass(h))
+        if last is None or before is None or self.fine is False:
+            return FilteredStates(h, points, nudot)
+        inside = self._inside(h, points, carried)
+        if self.fine is None:
+            self.fine = self._coarse(inside, nudot[:, n:])
+        return FilteredStates(h, points, nudot, inside=inside if self.fine else None)
+
+    def _coarse(self, inside: InsideSteps, middle: Array) -> bool:
+        """Whether the middles of the steps are wrong by more than a share of what the sensors tell of the velocities or of the heading."""
+        good, h = self.log.good, self.log.h
+        velocity = h * np.sqrt(np.mean((inside.mean - middle)[:, good] ** 2, axis=1))
+        turned = h**2 * float(np.sqrt(np.mean(inside.moment[2, good] ** 2)))
+        told = self.log.noise.get("psi", np.inf) if self.log.psi is not None else np.inf
+        return turned > COARSE * told or any(x > COARSE * k.spread for x, k in zip(velocity, self.axes, strict=False))
+
+    def _inside_reach(self, nu: Array, place: float) -> Array:
+        """Velocities at a place in the steps, near measured ones, with the yaw rate of the sensors where that is the vehicle's."""
+        out = np.clip(nu, *self.reach)
+        if self.rate is not None:
+            r = self.rate.rate
+            out[2] = (1.0 - place) * r + place * np.r_[r[1:], r[-1]]
+        return out
+
+    def _inside(self, h: Hypothesis, points: Points, carried: Carried) -> InsideSteps:
+        """Accelerations inside the steps, by those of the pass before."""
+        states = [self._inside_reach(carried.velocity(c), c) for c in PLACES]
+        psi = np.concatenate([carried.heading(c) for c in PLACES])
+        t = np.concatenate([np.asarray(self.log.t) + c * self.log.h for c in PLACES])
+        p = doubled(points, np.concatenate(states, axis=1), psi, t)
+        found = acceleration(self.vehicle, h, p, self.constant_mass(h))
+        first, second = np.split(found, 2, axis=1)
+        return InsideSteps(first, second, 0.0 if carried.early is None else carried.early)
 
     def readings(self, states: FilteredStates) -> list[dict[str, Array]]:
         """The readings without the hypothesis's sensor effects and declared sensor errors, shape (n,) each, by axis and output."""
@@ -226,6 +221,9 @@ class StateFilter:
             out.append(here)
         if log.psi is not None:
             out[2]["position"] = log.psi - off.get("psi", 0.0)
+            if apart is not None and states.inside is not None:
+                # What turns inside a step counts in both or in none of the heading and of its mean.
+                out[2]["position"] = out[2]["position"] - self.driving.bend(states.points.nu[2, log.n :])
         if len(self.axes) > 3 and log.place is not None:
             out += [{"position": x - off.get(q, 0.0)} for q, x in zip("xy", log.place, strict=True)]
         return out
@@ -245,7 +243,7 @@ class StateFilter:
         """Prediction errors of readings at these states, shape (rows, n)."""
         log, n = self.log, self.log.n
         inputs: dict[tuple[int, str], Array] = {}
-        specific = states.specific
+        specific, over_steps = states.specific, states.over_steps
         for k in range(3):
             here = readings[k]
             if k == 2 and self.rate is not None:
@@ -256,9 +254,13 @@ class StateFilter:
                 continue
             first = here["velocity"][0]
             inputs[k, "velocity"] = here["velocity"] - first
-            inputs[k, "process"] = states.nudot[k, n:]
+            inputs[k, "process"] = over_steps[k]
             if "position" in self.axes[k].outputs:
-                inputs[k, "position"] = here["position"] - here["position"][0] - first * (np.arange(n) * log.h)
+                turned = here["position"] - here["position"][0] - first * (np.arange(n) * log.h)
+                if states.inside is not None:
+                    # A filter takes accelerations as even over a step: those that come early turn the hull further.
+                    turned -= log.h**2 * np.r_[0.0, np.cumsum(states.inside.moment[k, :-1])]
+                inputs[k, "position"] = turned
             if "acceleration" in self.axes[k].outputs:
                 inputs[k, "acceleration"] = here["acceleration"] - self.at_samples(specific[k])
         for k in range(3, len(self.axes)):
@@ -287,25 +289,3 @@ class StateFilter:
     def sensed(self, given: tuple[Given, ...], states: FilteredStates) -> dict[str, Array]:
         """The numbers that sensor effects add to the readings at these states, shape (n,) each, by channel."""
         return added_readings(given, states.points, states.nudot, self.exact(states), self.log.h)
-
-
-def twice(x: Array) -> Array:
-    """The same at samples and over steps."""
-    return np.concatenate([x, x], axis=-1)
-
-
-def specific_force(nu: Array, nudot: Array) -> Array:
-    """Specific forces udot - v r, vdot + u r [m/s^2] as an accelerometer at the origin reads them, and rdot [rad/s^2], shape (3, n)."""
-    out = np.empty(nudot.shape)
-    np.subtract(nudot[0], nu[1] * nu[2], out=out[0])
-    np.add(nudot[1], nu[0] * nu[2], out=out[1])
-    out[2] = nudot[2]
-    return out
-
-
-def over_ground(p: Points, turn: tuple[Array, Array]) -> Array:
-    """Velocity north and east over the steps [m/s], shape (2, n)."""
-    n = p.psi.size // 2
-    u, v = p.nu[0, n:], p.nu[1, n:]
-    c, s = turn
-    return np.stack([u * c - v * s, u * s + v * c])

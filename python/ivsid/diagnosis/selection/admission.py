@@ -17,7 +17,7 @@ from ivsid.diagnosis.estimation.noise import Noise, quick_enough
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.family_wise import Screened, Threshold
 from ivsid.diagnosis.null.rule import Refusal
-from ivsid.diagnosis.prediction.states import FilteredStates
+from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.selection.parallel import side_by_side
 from ivsid.diagnosis.selection.rivals import (
     FAR,

@@ -19,7 +19,7 @@ from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.states import FilteredStates
+from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.selection.parallel import side_by_side
 from ivsid.diagnosis.selection.rivals import FINALISTS, Found, Rival, contenders, fitted, possible
 from ivsid.diagnosis.selection.rules import NUMBERS, compared, full_refused, refused_by

@@ -20,8 +20,8 @@ from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.kinds.candidate import PRICE, Scored
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.prediction.innovations import Predictor
-from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.effects import EFFECTS
 
 # Price of the less simple of two causes that fit exactly alike.

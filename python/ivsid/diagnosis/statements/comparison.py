@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
 from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.prediction.innovations import Predictor
-from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.diagnosis.statements.losses import gains, losses
 from ivsid.diagnosis.statements.windows import RUNAWAY, windows
 from ivsid.effects import CHANNELS

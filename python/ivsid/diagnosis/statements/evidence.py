@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.plant.physics import acceleration
+from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.prediction.innovations import Predictor
-from ivsid.diagnosis.prediction.states import FilteredStates
 from ivsid.diagnosis.statements.binning import Binned, binned, ordered_by
 from ivsid.diagnosis.statements.comparison import low, missing
 from ivsid.diagnosis.statements.diagnosis import Diagnosis

@@ -17,8 +17,8 @@ from scipy.ndimage import uniform_filter1d
 from ivsid.diagnosis.plant.physics import Dynamics
 from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.usual_hull import hull_length
+from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.prediction.innovations import Predictor
-from ivsid.diagnosis.prediction.states import FilteredStates
 
 Array = NDArray[np.float64]
 # Error that a simulation which runs away is given [m/s, rad/s, m].

@@ -11,7 +11,7 @@ from ivsid.diagnosis.estimation.fit import Fit, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.prediction.states import FilteredStates
+from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.selection.rivals import FULL_STEPS
 
 

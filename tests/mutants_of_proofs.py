@@ -106,9 +106,23 @@ PROOFS = (
     python(
         "noise that is white at every frequency",
         "diagnosis/null/frequencies.py",
-        "return max(1.0 + share * (",
-        "return max(1.0 + 0.0 * share * (",
+        "Strength(max(1.0 + share * (",
+        "Strength(max(1.0 + 0.0 * share * (",
         "test_frequencies.py",
+    ),
+    python(
+        "a strength of a few frequencies as a known one",
+        "diagnosis/null/frequencies.py",
+        "known = ~np.isfinite(freedom)",
+        "known = freedom > 0",
+        "test_frequencies.py",
+    ),
+    python(
+        "middles of steps that stand for them",
+        "diagnosis/prediction/states.py",
+        "COARSE: Final = 0.01",
+        "COARSE: Final = 10.0",
+        "test_inside_steps.py",
     ),
     python(
         "samples of all rows for those of each",

@@ -30,24 +30,36 @@ def gain(diverges=(None, None), **growth):
     )
 
 
+def fails():
+    """A gain of a model that fails with the thrust errors as well."""
+    return gain(X=3.0)
+
+
 @pytest.mark.parametrize(("factor", "complete", "kept"), [(1.9, True, True), (2.1, True, False), (1.3, False, False)])
 def test_a_model_that_fails_on_the_other_log_names_nothing(factor, complete, kept):
-    assert (failure(gain(X=factor), [CAUSE], complete=complete) is None) == kept
+    assert (failure(gain(X=factor), [CAUSE], fails, complete=complete) is None) == kept
     # A quantity that is not worse by more than chance says nothing, whatever its ratio, and nothing is withdrawn where nothing is named.
     by_chance = gain(X=factor)
     by_chance.losses = {}
-    assert failure(by_chance, [CAUSE], complete=complete) is None
-    assert failure(gain(X=factor), [], complete=complete) is None
+    assert failure(by_chance, [CAUSE], fails, complete=complete) is None
+    assert failure(gain(X=factor), [], fails, complete=complete) is None
+
+
+def test_a_model_fails_with_the_thrust_errors_that_the_first_log_shows_or_not_at_all():
+    """Drags of the plain model may have taken what thrusters are off by: without the errors the right model loses more."""
+    assert failure(gain(X=2.8), [CAUSE], lambda: gain(X=1.9), complete=True) is None
+    assert failure(gain(X=2.8), [CAUSE], lambda: gain(u=2.1), complete=True) is not None
+    assert failure(gain(X=2.8), [CAUSE], lambda: gain((None, 40.0)), complete=True) is not None
 
 
 def test_a_model_that_diverges_names_nothing_and_has_no_factor():
     away = gain((None, 31.5), X=3.0)
-    refusal = failure(away, [CAUSE], complete=True)
+    refusal = failure(away, [CAUSE], gain, complete=True)
     assert refusal is not None and "diverges from t = 31.5 s" in refusal.sentence and "factor" not in refusal.sentence
     words = in_their_place(away, [CAUSE], REST, [], complete=True).description
     assert "it diverges from t = 31.5 s" in words and "factor" not in words
     # The plain model alone may diverge: what a cause explains is then all the better.
-    assert failure(gain((12.0, None)), [CAUSE], complete=True) is None
+    assert failure(gain((12.0, None)), [CAUSE], fails, complete=True) is None
 
 
 def test_an_unknown_says_both_readings():

@@ -11,7 +11,7 @@ from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.noise import declared_ambient
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor
-from ivsid.diagnosis.prediction.inside_steps import PLACES, InsideSteps
+from ivsid.diagnosis.prediction.inside_steps import GAUSS, InsideSteps, Places
 from ivsid.effects import terms_of
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
@@ -120,11 +120,12 @@ def test_a_quick_vessel_leaves_nothing_of_its_steps():
     assert max(found.values()) < 0.03
 
 
-def test_demands_inside_a_step_leave_little():
-    """Two readings make one of the clock, and a demand may come between them."""
-    coarse, found = wrong(0.05, middle=True)[0], wrong(0.05)[0]
+@pytest.mark.parametrize("rate", [20.0, 50.0])
+def test_demands_inside_a_step_leave_little(rate):
+    """A few readings make one of the clock, and a demand may come between them."""
+    coarse, found = wrong(1 / rate, middle=True)[0], wrong(1 / rate)[0]
     for name in ("u", "v", "r", "psi"):
-        assert found[name] < min(0.15, 0.6 * coarse[name])
+        assert found[name] < min(0.05, 0.4 * coarse[name])
 
 
 def test_a_heavy_vessel_needs_no_more_than_the_middles():
@@ -136,11 +137,21 @@ def test_a_heavy_vessel_needs_no_more_than_the_middles():
     assert np.array_equal(states.over_steps, states.nudot[:, log.n :])
 
 
+def test_parts_hold_what_is_found_in_them():
+    """Oracle: a broken line, its mean and the mean of what is behind it by hand."""
+    places = Places((0.125, 0.375, 0.625, 0.875), held=True)
+    found = InsideSteps(np.array([8.0, 0.0, 0.0, 0.0])[:, None, None], places)
+    assert found.mean == pytest.approx(2.0)
+    # 8 over a quarter of the step, with seven eighths of it to come on average; 2 all along has a half.
+    assert found.moment == pytest.approx(8 * 0.25 * 0.875 - 2.0 * 0.5)
+    assert [found.until(c).item() for c in (0.0, 0.1, 0.25, 0.6, 1.0)] == pytest.approx([0.0, 0.8, 2.0, 2.0, 2.0])
+
+
 @pytest.mark.parametrize("degree", range(4))
 def test_two_points_integrate_what_they_are_said_to(degree):
     """Oracle: powers of time by their integrals."""
-    first, second = (np.full((3, 1), c**degree) for c in PLACES)
-    inside = InsideSteps(first, second)
+    first, second = (np.full((3, 1), c**degree) for c in GAUSS)
+    inside = InsideSteps(np.stack([first, second]), Places.of(None))
     assert inside.mean == pytest.approx(1 / (degree + 1))
     # The rest of the step times what is beyond the mean.
     moment = 1 / (degree + 1) - 1 / (degree + 2) - 0.5 / (degree + 1)

@@ -127,7 +127,7 @@ def diagnose(
     gain, shown = trial.result()
     shoal = water is not None and water.factor is not None
     # Masses that differ between the logs are a reason to fail on the other one.
-    if not shoal and (refusal := failure(gain, findings, complete=complete)) is not None:
+    if not shoal and (refusal := failure(gain, findings, trial.with_thrusts, complete=complete)) is not None:
         withdrawn = {**withdrawn, **{i: refusal for f in findings for i in (f.effect, *f.alternatives)}}
         extended = None
         findings = (in_their_place(gain, findings, rest.after, [f.id for f in selection.found], complete=complete),)

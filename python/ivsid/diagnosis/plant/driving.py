@@ -25,13 +25,32 @@ KEPT: Final = 4
 
 @dataclass
 class _Pushes:
-    """Thrusts and their sum at no speed; first the thrusts over the parts of steps, then the moment that is made of them when it is asked for."""
+    """Thrusts and their sum at no speed, the thrusts over the parts of steps, and the moments that are made of them when they are asked for."""
 
     thrusts: Array
     force: Array
     parts: Array | None
     early: Array | None = None
     around: Array | None = None
+
+
+@dataclass(frozen=True)
+class Inside:
+    """Thrusts and angles over the parts of steps: all of the first part of each step, then all of the next.
+
+    Attributes:
+        thrusts: at no speed [N], shape (thrusters, parts n).
+        angles: of azimuth thrusters [rad], shape (thrusters, parts n).
+        rudders: angles of rudders [rad], shape (thrusters, parts n).
+        bollard: X, Y [N], N [N m] of the thrusts and of the known force, shape (3, parts n).
+        swing: cosines and sines of the angles.
+    """
+
+    thrusts: Array
+    angles: Array
+    rudders: Array
+    bollard: Array
+    swing: tuple[Array, Array]
 
 
 class Driving:
@@ -103,10 +122,19 @@ class Driving:
 
     def _moments(self, h: Hypothesis) -> _Pushes:
         pushes = self._worked(h)
-        if pushes.parts is not None:
-            parts, pushes.parts = pushes.parts, None
-            pushes.early, pushes.around = self._early(parts), self._around(parts, pushes.force)
+        if pushes.parts is not None and pushes.early is None:
+            pushes.early, pushes.around = self._early(pushes.parts), self._around(pushes.parts, pushes.force)
         return pushes
+
+    def inside(self, h: Hypothesis) -> Inside | None:
+        """The thrusts over the parts of steps, if demands come faster than the clock."""
+        between, parts = self.log.between, self._worked(h).parts
+        if between is None or parts is None:
+            return None
+        thrusts, angles, rudders = (_by_part(x) for x in (parts, between.angles, between.rudders))
+        swing = np.cos(angles), np.sin(angles)
+        sent = np.tile(self.sent[:, self.log.n :], parts.shape[2])
+        return Inside(thrusts, angles, rudders, bollard_force(self.vehicle, thrusts, swing, sent), swing)
 
     def _worked(self, h: Hypothesis) -> _Pushes:
         """The thrusts of a hypothesis, those of a call before if they are the same."""
@@ -165,6 +193,11 @@ class Driving:
             beside: the errors [N], shape (errors, m), of m demands from neutral in the order of time; the declared ones by default.
         """
         return self.propulsion.slopes(k, h.given, self._sizes(h, k), beside)
+
+
+def _by_part(x: Array) -> Array:
+    """Numbers of parts of steps, shape (rows, n, parts), with all of one part side by side, shape (rows, parts n)."""
+    return np.ascontiguousarray(np.moveaxis(x, 2, 1)).reshape(len(x), -1)
 
 
 def _between(between: Between, x: Array) -> Array:

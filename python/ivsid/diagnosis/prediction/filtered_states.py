@@ -82,18 +82,22 @@ class Carried:
     h: float
 
     def velocity(self, place: float) -> Array:
-        """Velocities at a point of Gauss, or in the middle that stands for a step, shape (3, n).
+        """Velocities at a place in the steps, shape (3, n).
 
         The ambient force carries them as the model does: without it, a turning hull at sea has too little u r there.
         """
         by = np.zeros(self.nu.shape)
         if self.last is not None:
-            inside = self.last.inside
-            by += place * self.last.over_steps if inside is None else inside.until(place)
-        if self.early is not None:
-            # The mean over a step, which a parabola that is none at both ends has at the points of Gauss.
-            by += 0.5 * self.early
+            within = self.last.inside
+            by += place * self.last.over_steps if within is None else within.until(place)
         return np.asarray(self.nu + self.h * (by + place * self.pushed))
+
+    def mean(self) -> Array:
+        """Mean velocities over the steps, which stand for all of each, shape (3, n): an early push carries a hull further than a late one."""
+        found = self.velocity(0.5)
+        if self.last is not None and self.last.inside is not None:
+            return np.asarray(self.nu + self.h * (0.5 * (self.last.over_steps + self.pushed) + self.last.inside.moment))
+        return found if self.early is None else np.asarray(found + 0.5 * self.h * self.early)
 
     def heading(self, place: float) -> Array:
         """Headings at a place in the steps, shape (n,)."""

@@ -17,7 +17,7 @@ from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.readings import added_readings, exact_readings
 from ivsid.diagnosis.prediction.axes import AXES, Ambient, labels_of, motion_axes, track_axes
 from ivsid.diagnosis.prediction.filtered_states import Carried, FilteredStates, twice
-from ivsid.diagnosis.prediction.inside_steps import PLACES, InsideSteps, doubled
+from ivsid.diagnosis.prediction.inside_steps import InsideSteps, Places, inside
 from ivsid.diagnosis.prediction.kalman import Axis, Filters, apart
 from ivsid.diagnosis.prediction.yaw_rate import YawRate, yaw_rate
 from ivsid.effects import Change, Given, of_kind
@@ -156,7 +156,7 @@ class StateFilter:
             # The mean velocity of a step counts: an early push carries it further than a late one.
             early = Mass(self.vehicle, h.terms, changed(h, np.asarray(log.t))).solve(early)
         carried = Carried(nu, psi, pushed, last, early if last is not None else None, log.h)
-        later = self._inside_reach(carried.velocity(0.5), 0.5)
+        later = self._inside_reach(carried.mean(), 0.5)
         points = Points(
             np.concatenate([nu if before is None else before, later], axis=1),
             np.r_[psi, psi + half * nu[2]],
@@ -173,16 +173,16 @@ class StateFilter:
         nudot = acceleration(self.vehicle, h, points, self.constant_mass(h))
         if last is None or before is None or self.fine is False:
             return FilteredStates(h, points, nudot)
-        inside = self._inside(h, points, carried)
+        within = self._inside(h, points, carried)
         if self.fine is None:
-            self.fine = self._coarse(inside, nudot[:, n:])
-        return FilteredStates(h, points, nudot, inside=inside if self.fine else None)
+            self.fine = self._coarse(within, nudot[:, n:])
+        return FilteredStates(h, points, nudot, inside=within if self.fine else None)
 
-    def _coarse(self, inside: InsideSteps, middle: Array) -> bool:
+    def _coarse(self, within: InsideSteps, middle: Array) -> bool:
         """Whether the middles of the steps are wrong by more than a share of what the sensors tell of the velocities or of the heading."""
         good, h = self.log.good, self.log.h
-        velocity = h * np.sqrt(np.mean((inside.mean - middle)[:, good] ** 2, axis=1))
-        turned = h**2 * float(np.sqrt(np.mean(inside.moment[2, good] ** 2)))
+        velocity = h * np.sqrt(np.mean((within.mean - middle)[:, good] ** 2, axis=1))
+        turned = h**2 * float(np.sqrt(np.mean(within.moment[2, good] ** 2)))
         told = self.log.noise.get("psi", np.inf) if self.log.psi is not None else np.inf
         return turned > COARSE * told or any(x > COARSE * k.spread for x, k in zip(velocity, self.axes, strict=False))
 
@@ -196,13 +196,12 @@ class StateFilter:
 
     def _inside(self, h: Hypothesis, points: Points, carried: Carried) -> InsideSteps:
         """Accelerations inside the steps, by those of the pass before."""
-        states = [self._inside_reach(carried.velocity(c), c) for c in PLACES]
-        psi = np.concatenate([carried.heading(c) for c in PLACES])
-        t = np.concatenate([np.asarray(self.log.t) + c * self.log.h for c in PLACES])
-        p = doubled(points, np.concatenate(states, axis=1), psi, t)
-        found = acceleration(self.vehicle, h, p, self.constant_mass(h))
-        first, second = np.split(found, 2, axis=1)
-        return InsideSteps(first, second, 0.0 if carried.early is None else carried.early)
+        places, driven = Places.of(self.log.between), self.driving.inside(h)
+        nu = np.concatenate([self._inside_reach(carried.velocity(c), c) for c in places.at], axis=1)
+        psi = np.concatenate([carried.heading(c) for c in places.at])
+        t = np.concatenate([np.asarray(self.log.t) + c * self.log.h for c in places.at])
+        found = acceleration(self.vehicle, h, inside(points, nu, psi, t, driven), self.constant_mass(h))
+        return InsideSteps(np.stack(np.split(found, len(places.at), axis=1)), places)
 
     def readings(self, states: FilteredStates) -> list[dict[str, Array]]:
         """The readings without the hypothesis's sensor effects and declared sensor errors, shape (n,) each, by axis and output."""
@@ -221,9 +220,10 @@ class StateFilter:
             out.append(here)
         if log.psi is not None:
             out[2]["position"] = log.psi - off.get("psi", 0.0)
-            if apart is not None and states.inside is not None:
+            if log.between is not None and states.inside is not None:
                 # What turns inside a step counts in both or in none of the heading and of its mean.
-                out[2]["position"] = out[2]["position"] - self.driving.bend(states.points.nu[2, log.n :])
+                turned = states.inside.turned(log.between, states.points.nu[2, log.n :], log.h)
+                out[2]["position"] = out[2]["position"] - turned
         if len(self.axes) > 3 and log.place is not None:
             out += [{"position": x - off.get(q, 0.0)} for q, x in zip("xy", log.place, strict=True)]
         return out
@@ -236,6 +236,8 @@ class StateFilter:
         impulse = self.driving.around(states.h)
         if impulse is None:
             return None
+        if states.inside is not None and self.log.between is not None:
+            return self.log.h * states.inside.apart(self.log.between)
         mass = self.constant_mass(states.h) or Mass(self.vehicle, states.h.terms, changed(states.h, states.points.t))
         return mass.solve(impulse) + self.driving.bend(states.nudot[:, self.log.n :])
 

@@ -6,7 +6,7 @@ current, a load or a damage. One log cannot tell the two apart, so that ``unknow
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -62,7 +62,8 @@ CARRIES: Final = Rule[Carried](
     "carries over",
     "factor by which the extended model makes an error on TEST grow, at the least with 95 %, in a quantity that is worse by more than chance",
     f"at most {GROSS:g}, or {BESIDE_STRUCTURE:g} where structure is left",
-    "A wrong cause takes its numbers from what it imitates, and fails where the imitation ends.",
+    "A wrong cause takes its numbers from what it imitates, and fails where the imitation ends. Both models are asked again with the thrust errors that TRAIN shows "
+    "of them: drags of a model without the cause may have taken these.",
     "make exam",
     lambda c: max(c.growth.values(), default=0.0),
     lambda c: GROSS if c.complete else BESIDE_STRUCTURE,
@@ -71,9 +72,21 @@ CARRIES: Final = Rule[Carried](
 )
 
 
-def failure(gain: Gain, findings: Sequence[Finding], *, complete: bool) -> Refusal | None:
-    """The refusal of all named causes where their model fails on TEST, or None."""
-    return first_refusal((STAYS, CARRIES), Carried(gain, complete)) if findings else None
+def failure(
+    gain: Gain, findings: Sequence[Finding], with_thrusts: Callable[[], Gain], *, complete: bool
+) -> Refusal | None:
+    """The refusal of all named causes where their model fails on TEST, also with the thrust errors that TRAIN shows, or None.
+
+    Args:
+        gain: on TEST.
+        findings: the named causes.
+        with_thrusts: gain on TEST where both models keep the thrust errors that TRAIN shows.
+        complete: whether little enough structure is left in TRAIN for a verdict.
+    """
+    refusal = first_refusal((STAYS, CARRIES), Carried(gain, complete)) if findings else None
+    if refusal is None or refusal.rule != CARRIES.name:
+        return refusal
+    return refusal if first_refusal((STAYS, CARRIES), Carried(with_thrusts(), complete)) is not None else None
 
 
 def in_their_place(

@@ -14,6 +14,7 @@ from ivsid.diagnosis.prediction.innovations import Predictor, replaced
 from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.comparison import Gain, compare
 from ivsid.diagnosis.statements.share import Share, shares
+from ivsid.diagnosis.statements.two_logs import SHARED
 from ivsid.diagnosis.statements.without import same_causes, without
 from ivsid.intervals.apart import Apart
 
@@ -33,6 +34,11 @@ def unchanged(other: Channels, plain: Fit, seed: int) -> Gain:
 def _as_it_was(plain: Fit) -> Hypothesis:
     """The plain model without errors of TRAIN's sensors and thrusters, which are no part of it: TEST has its own."""
     return replace(determined(plain), declared_errors={})
+
+
+def _with(h: Hypothesis, errors: Mapping[str, float]) -> Hypothesis:
+    """A hypothesis with those declared errors that are the vehicle's and no log's."""
+    return replace(h, declared_errors={k: x for k, x in errors.items() if k.startswith(SHARED)})
 
 
 def _on(other: Channels, fit: Fit) -> Predictor:
@@ -72,7 +78,8 @@ class Trial:
             out: causes that were found and are no findings.
         """
         self.out = tuple(out)
-        self._selection, self._tried = selection, tried
+        self._selection, self._tried, self._seed = selection, tried, seed
+        self._predictor = _on(other, selection.last)
         self._again = partial(Trial, other, selection, seed, tried, nothing)
         self._known: Gain | None = None
         plain, last = selection.plain, selection.last
@@ -86,9 +93,8 @@ class Trial:
         self._gain = nothing
         if causes:
             nothing.drop()
-            predictor = _on(other, last)
-            self._gain = Apart(partial(compare, predictor, before, self.model, seed))
-            self._shares = Apart(partial(shares, predictor, plain, last, causes, out))
+            self._gain = Apart(partial(compare, self._predictor, before, self.model, seed))
+            self._shares = Apart(partial(shares, self._predictor, plain, last, causes, out))
 
     def of(self, names: Collection[str]) -> Trial:
         """The trial of the model with these findings; this one, if it has no other causes."""
@@ -99,6 +105,16 @@ class Trial:
         if self._shares is not None:
             self._shares.end()
         return self._again(out)
+
+    def with_thrusts(self) -> Gain:
+        """The comparison in which both models keep the thrust errors that TRAIN shows of them: the thrusters are the same on the other log.
+
+        A model without a cause lets drags take such errors, too, and loses less without them than the right model does.
+        """
+        plain, last = self._selection.plain, self._selection.last
+        shown = without(plain, last, self.out).h.declared_errors
+        before, model = _with(_as_it_was(plain), plain.h.declared_errors), _with(self.model, shown)
+        return compare(self._predictor, before, model, self._seed)
 
     def look(self) -> None:
         """Tells of the gain if it is known by now."""

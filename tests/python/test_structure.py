@@ -9,6 +9,7 @@ import pytest
 from scipy.stats import binom, chi2
 from tests.exam.draw import case
 
+from diagnosis_logs import train_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
@@ -21,9 +22,10 @@ from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.selection import confirmation
 from ivsid.diagnosis.selection.adequacy import RISK, Adequacy
 from ivsid.diagnosis.selection.confirmation import CLOSE, StructureTest, confirmed_structure
+from ivsid.diagnosis.selection.dictionary import regressors
 from ivsid.diagnosis.selection.hulls import Asked
 from ivsid.diagnosis.selection.verdict import Left
-from ivsid.effects import EFFECTS, Given
+from ivsid.effects import CHANNELS, EFFECTS, Given
 from ivsid.log import Log
 
 
@@ -204,3 +206,18 @@ def test_a_small_force_outside_the_catalogue_stays_unknown(size, close):
     assert found.verdict == "unknown" and -np.log(RISK) < found.adequacy[1].strength
     assert (found.adequacy[1].strength < -CLOSE * np.log(RISK)) == close
     assert (found.calibration["structure"]["logs"] >= 20) == close
+
+
+@pytest.mark.parametrize("name", ["u v^2", "u r^2", "v|r|", "r|v|"])
+def test_products_of_manoeuvring_models_stand_in_the_dictionary(name):
+    """Oracle: products of the states by their names; a drag of u r^2 on a torpedo was a sideslip drag and a cubic one."""
+    vehicle = vehicle_of()
+    fit = plain_fit(vehicle, channels(train_of(vehicle), vehicle), everything)
+    names, x, _ = regressors(fit)
+    u, v, r = fit.states.points.nu
+    product = {"u v^2": u * v**2, "u r^2": u * r**2, "v|r|": v * np.abs(r), "r|v|": r * np.abs(v)}[name]
+    for k, channel in enumerate(CHANNELS):
+        process = np.zeros((3, product.size))
+        process[k] = product
+        whitened, _ = fit.gram.white.blocks([fit.noise.predictor.answer(process)], fit.gram.good, fit.gram.length)
+        assert whitened[0].ravel() @ x[names.index(f"{channel}|{name}")].ravel() == pytest.approx(1.0, abs=1e-9)

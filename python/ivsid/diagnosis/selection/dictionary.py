@@ -1,6 +1,7 @@
 """A generic dictionary of regressors: powers and products of velocities, thrusts, heading, place and time in every channel.
 
-Source: docs/theory.md, "Diagnosis".
+Source: docs/theory.md, "Diagnosis"; Abkowitz, *Lectures on Ship Hydrodynamics*, 1964 (products of the third order); Fedyaevsky and Sobolev 1963 and
+Norrbin 1970 (moduli).
 """
 
 from __future__ import annotations
@@ -60,6 +61,11 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
         "r^3": c**3,
         "u^2 r": a * a * c,
         "u^2 v": a * a * b,
+        # Of the third order in surge, and the moduli in sway and yaw, of manoeuvring models.
+        "u v^2": a * b * b,
+        "u r^2": a * c * c,
+        "v|r|": b * np.abs(c),
+        "r|v|": c * np.abs(b),
         "t": t,
         "t^2": t * t,
         "t u|u|": t * a * np.abs(a),

@@ -10,6 +10,7 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.null.boxed import OVERSHOOT, outside
 from ivsid.diagnosis.plant.declared_readings import assumed, bounded
 from ivsid.diagnosis.statements.sensor_words import WORDS
+from ivsid.effects import CHANNELS
 
 # A declared error is mentioned if its size exceeds this multiple of the standard deviation of its estimate.
 # Source: definition: 6e-7 of normal errors lie beyond
@@ -59,9 +60,13 @@ def hints(fit: Fit) -> tuple[str, ...]:
     vehicle, ambient = fit.noise.predictor.vehicle, fit.noise.predictor.ambient
     if vehicle.ambient is not None and vehicle.ambient.force:
         mass = np.linalg.inv(fit.signatures.mass.inverse[0])
-        force = [ambient.deviation[k] * mass[k, k] for k in range(2)]
-        if min(force) > STRONGER * vehicle.ambient.force:
+        force = [ambient.deviation[k] * mass[k, k] for k in range(2) if k not in fit.noise.left_out]
+        strong = [k for k, x in enumerate(force) if x > STRONGER * vehicle.ambient.force]
+        # Both axes feel one sea; a force in one of them alone may be another one.
+        where = f" in {CHANNELS[strong[0]]}" if len(strong) == 1 else ""
+        if strong:
             out.append(
-                f"the ambient force looks like {min(force):.2g} N rms, more than the {vehicle.ambient.force:g} N of the vehicle file"
+                f"the ambient force{where} looks like {min(force[k] for k in strong):.2g} N rms, more than the {vehicle.ambient.force:g} N of the vehicle file"
+                f"{': thrusts that are off inside their accuracies, or a force that the model lacks, may be part of it' if where else ''}"
             )
     return tuple(out)

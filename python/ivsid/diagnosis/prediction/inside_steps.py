@@ -21,6 +21,7 @@ from ivsid.diagnosis.plant.points import Points
 
 Array = NDArray[np.float64]
 # Places of the two points of Gauss, in steps.
+# Source: theorem: zeros of Legendre's polynomial of degree two (Hairer, Nørsett, Wanner 1993, II.7)
 GAUSS: Final = (0.5 - 3.0**0.5 / 6.0, 0.5 + 3.0**0.5 / 6.0)
 
 

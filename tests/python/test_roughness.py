@@ -1,5 +1,9 @@
 """The declared ambient force as a bound: a force that no cause explains may not pass for it."""
 
+import re
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from diagnosis_logs import logs_of, vehicle_of
@@ -7,7 +11,7 @@ from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.selection.adequacy import ROUGHER
+from ivsid.diagnosis.selection.adequacy import ROUGHER, adequacy
 from ivsid.vehicle import parse_vehicle
 
 DECLARED = "force = 0.15\nmoment = 0.03\ntime = 2.0"
@@ -43,3 +47,27 @@ def test_a_sea_rougher_than_declared_is_not_adequate_and_is_said(null_logs):
     assert max(made.adequacy[1].rougher) > ROUGHER
     said = made.findings[0].description
     assert "times what [ambient] and the thrusters' accuracy allow" in said
+
+
+@pytest.mark.parametrize(("factor", "rough"), [(1.0, False), (8.0, True)])
+def test_a_sea_that_hides_in_the_accuracy_of_the_thrusts_is_not_adequate(factor, rough):
+    """Two thrusters that may be off by ten times the declared ambient force make no force of the time."""
+    text = vehicle_of().text
+    loose = parse_vehicle(re.sub(r"absolute = [0-9.]+", "absolute = 1.5", text), "loose.toml")
+    fit = plain_fit(loose, channels(sea(factor)[0], loose), everything)
+    # Both push ahead alone: nothing hides in sway.
+    assert fit.noise.rougher[0] < ROUGHER
+    fit = replace(fit, noise=replace(fit.noise, rougher=(fit.noise.rougher[0], 0.0, 0.0)))
+    found = adequacy(fit)
+    assert (found.rougher[0] > ROUGHER) == rough
+    assert found.quiet == (not rough)
+    assert found.rougher[0] < factor
+
+
+def test_whitened_errors_are_taken_back():
+    """Oracle: the whitening itself, forwards."""
+    vehicle = vehicle_of()
+    fit = plain_fit(vehicle, channels(sea(1.0)[0], vehicle), everything)
+    errors = np.random.default_rng(1).standard_normal((len(fit.noise.predictor.labels), 500))
+    white = fit.noise.whitening
+    assert np.allclose(white.undone(white(errors)), errors, rtol=0, atol=1e-9 * np.abs(errors).max())

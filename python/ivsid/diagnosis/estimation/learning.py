@@ -90,8 +90,9 @@ def learn(
         # The ambient force alone is learnt before the last round, from slopes over seconds: the whitening takes out what a search would find.
         left = remaining(search(every) if last else every)
         if last:
-            a, b, c = roughness(predictor, left, good, left_out).tolist()
-            return replace(noise, whitening=whiten(predictor, left, good, left_out), rougher=(a, b, c)), states
+            rougher, alone = (tuple(x.tolist()) for x in roughness(predictor, left, good, left_out))
+            white = whiten(predictor, left, good, left_out)
+            return replace(noise, whitening=white, rougher=rougher, alone=alone), states
         predictor = predictor.adopt(ambient_of(predictor, left, good, states.h.values))
         predictor = quick_enough(predictor, predictor.slopes(states))
         states = predictor.settle(states)

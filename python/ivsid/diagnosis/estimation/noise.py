@@ -96,14 +96,16 @@ class Noise:
         whitening: of its prediction errors.
         good: samples that count, shape (n,).
         left_out: indices of the axes that are left out of the fit.
-        rougher: ambient acceleration at the least over the declared one, by axis.
+        rougher: ambient acceleration at the least over the declared one and that of thrust errors, by axis.
+        alone: the same over the declared one alone.
     """
 
     predictor: Predictor
     whitening: Whitening
     good: NDArray[np.bool_]
     left_out: frozenset[int] = frozenset()
-    rougher: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rougher: tuple[float, ...] = (0.0, 0.0, 0.0)
+    alone: tuple[float, ...] = (0.0, 0.0, 0.0)
 
 
 def declared_ambient(vehicle: Vehicle, masses: Mapping[str, float] | None = None) -> Ambient:

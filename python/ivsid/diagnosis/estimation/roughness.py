@@ -31,8 +31,10 @@ FEWEST: Final = 4
 ERRORS: Final = 3.0
 
 
-def roughness(predictor: Predictor, residual: Array, rows: NDArray[np.bool_], left_out: frozenset[int]) -> Array:
-    """Ambient acceleration at the least over what is declared, by axis, shape (3,); 0 where an axis is left out, a rudder pushes or nothing is declared.
+def roughness(
+    predictor: Predictor, residual: Array, rows: NDArray[np.bool_], left_out: frozenset[int]
+) -> tuple[Array, Array]:
+    """Ambient acceleration at the least over what is declared, by axis, and over the declared ambient force alone, shape (3,) each.
 
     Args:
         predictor: whose filters made the errors.
@@ -40,11 +42,27 @@ def roughness(predictor: Predictor, residual: Array, rows: NDArray[np.bool_], le
         rows: samples that count, shape (n,).
         left_out: indices of the axes that are left out of a fit.
     """
-    out = np.zeros(3)
     if predictor.vehicle.ambient is None:
-        return out
+        return np.zeros(3), np.zeros(3)
     said = declared_ambient(predictor.vehicle)
-    allowed = np.hypot(said.deviation, _of_thrusts(predictor))
+    found, declared = least_ambient(predictor, residual, rows, left_out), np.array(said.deviation)
+    # An ambient force that forgets at the declared rate keeps this share of its deviation.
+    kept = np.exp(-0.5 * LAGS[0] / np.array(said.time))
+    return found / kept / np.hypot(declared, _of_thrusts(predictor)), found / declared
+
+
+def least_ambient(predictor: Predictor, residual: Array, rows: NDArray[np.bool_], left_out: frozenset[int]) -> Array:
+    """Ambient acceleration of each axis at the least [m/s^2, rad/s^2], shape (3,); 0 where an axis is left out or a rudder pushes.
+
+    It is what lasts for two seconds: no force of any spectrum is less.
+
+    Args:
+        predictor: whose filters made the errors.
+        residual: prediction errors without all that is explained, shape (rows, n).
+        rows: samples that count, shape (n,).
+        left_out: indices of the axes that are left out of a fit.
+    """
+    out = np.zeros(3)
     lag, block = round(LAGS[0] / predictor.log.h), round(BLOCK / predictor.log.h)
     # The error of a rudder's force has no bound in newtons, and it pushes sideways.
     steered = any(t.rudder is not None for t in predictor.vehicle.thrusters)
@@ -60,8 +78,7 @@ def roughness(predictor: Predictor, residual: Array, rows: NDArray[np.bool_], le
             continue
         each = np.add.reduceat(x[lag:] * x[:-lag], edges)[whole] / count[whole]
         least = each.mean() - ERRORS * each.std(ddof=1) / np.sqrt(each.size)
-        # The ambient force forgets at the declared rate, so that the correlation at a lag is a share of its variance.
-        out[k] = np.sqrt(max(least, 0.0) * np.exp(LAGS[0] / said.time[k])) / allowed[k]
+        out[k] = np.sqrt(max(least, 0.0))
     return out
 
 

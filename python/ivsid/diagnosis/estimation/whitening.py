@@ -68,6 +68,23 @@ class Whitening:
         flat = list(x.reshape(-1, *x.shape[-2:]))
         return whitened(flat, self.groups, self.taps, n)[0].reshape(x.shape) if flat and n else np.zeros_like(x)
 
+    def undone(self, x: Array) -> Array:
+        """Errors that whitened ones stand for, shape (rows, n); none of rows whose means count alone, and of those that do not count."""
+        out = np.zeros_like(x)
+        for rows, taps in zip(self.groups, self.taps, strict=True):
+            if set(rows) & set(self.slow) or not taps.any():
+                continue
+            at, lags = list(rows), len(taps) - 1
+            root = np.linalg.inv(taps[0])
+            # The newest of the past errors first, as the coefficients stand.
+            before = np.concatenate([-root @ t for t in taps[1:]], axis=1) if lags else np.zeros((len(at), 0))
+            now, past = (root @ x[at]).T, np.zeros(before.shape[1])
+            for i, new in enumerate(now):
+                error = new + before @ past
+                past = np.concatenate([error, past[: past.size - error.size]]) if lags else past
+                out[at, i] = error
+        return out
+
     def blocks(
         self, columns: Sequence[Array], good: NDArray[np.bool_], length: int, *, unit: bool = True
     ) -> tuple[Array, Array]:

@@ -16,6 +16,7 @@ from scipy.special import chdtrc
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import DOUBT, AnyCurve, beyond
+from ivsid.diagnosis.null.beyond_curves import rougher_beyond
 from ivsid.diagnosis.null.boxed import Boxed, Leaving, outside, readings
 from ivsid.diagnosis.null.frequencies import Scatter, Spectrum, as_rare, excess, spectrum
 from ivsid.diagnosis.null.reached import Reached
@@ -58,7 +59,7 @@ class Adequacy:
         outside: names of the thrusters whose fitted error leaves its bound, with its largest value in bounds.
         misread: the error of readings that leaves its bound most, by name, with what it gains and the probability of that over all such errors.
         hulls: numbers that the log asks for and that no hull has.
-        rougher: ambient acceleration that the log shows at the least, over the declared one, by axis.
+        rougher: ambient acceleration that the log shows at the least, over the declared one with that of thrust errors, or alone beyond any of them, by axis.
         risk: probability below which structure is more than chance.
         alone: whether the best single fall is so rare that no second statistic is asked.
     """
@@ -75,7 +76,7 @@ class Adequacy:
     outside: tuple[tuple[str, float], ...] = ()
     misread: tuple[str, Leaving, float] | None = None
     hulls: tuple[Asked, ...] = ()
-    rougher: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rougher: tuple[float, ...] = (0.0, 0.0, 0.0)
     risk: float = RISK
     alone: bool = False
 
@@ -187,6 +188,10 @@ def adequacy(fit: Fit) -> Adequacy:
     far = outside(fit)
     hulls = asked_of_hulls(fit)
     rougher = fit.noise.rougher
+    if max(rougher) <= ROUGHER < max(fit.noise.alone):
+        # What thrust errors allow may hide a force of the time, which no thrust curve makes.
+        free = free or AnyCurve(fit)
+        rougher = tuple(np.maximum(rougher, rougher_beyond(free)).tolist())
     found = replace(
         found,
         leaving=left,

@@ -6,10 +6,12 @@ from tests.exam.cases import case
 
 import ivsid
 import setup_faults
+from diagnosis_logs import vehicle_of
 from ivsid import IvsidError, setup_findings, workflow
 from ivsid.log import Log, read_log
 from ivsid.propulsion.thrust import ThrustCurve
 from ivsid.report import page
+from ivsid.setup.motion import motion
 from ivsid.vehicle import parse_vehicle
 from setup_faults import MOTION, drawn, named, pulses, thruster_faults
 
@@ -89,6 +91,23 @@ def test_a_thruster_that_failed_is_not_a_reversed_one():
     half = {**columns, "demand_port": np.where(t > t[-1] / 2, -columns["demand_port"], columns["demand_port"])}
     # Reversed half of the time, it pushes nothing on average: it is neither sound nor reversed.
     assert "setup.thruster.reversed" not in named(weak, t, half)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_two_sides_of_noise_contradict_nothing(seed):
+    """A run of 250 m on one heading: its ways to starboard are 0.2 m, and a position is known to 0.5. A heading of other units gave both sides 5 m."""
+    vehicle, rng = vehicle_of(), np.random.default_rng(seed)
+    t = np.arange(0.0, 300.0, 0.1)
+    r = sum(rng.normal(0, 0.004) * np.sin(2 * np.pi * t / k + rng.uniform(0, 6)) for k in (7.0, 13.0, 31.0))
+    psi, u = np.cumsum(r) * 0.1, 0.8 + 0.2 * np.sin(t / 20)
+    v = 0.003 * np.sin(t / 3)
+    x = np.cumsum(u * np.cos(psi) - v * np.sin(psi)) * 0.1 + rng.normal(0, 0.15, t.size)
+    y = np.cumsum(u * np.sin(psi) + v * np.cos(psi)) * 0.1 + rng.normal(0, 0.15, t.size)
+    psi = psi + rng.normal(0, 0.0045, t.size)
+    log = Log(
+        "a.csv", "0" * 64, t, {"u": u, "v": v, "r": r + rng.normal(0, 0.0055, t.size), "psi": psi, "x": x, "y": y}
+    )
+    assert motion(vehicle, log).findings == ()
 
 
 def test_one_fault_after_the_other():

@@ -56,6 +56,11 @@ class Identity:
         return min(_rms(self.left), _rms(self.right)) >= self.least
 
     @property
+    def told(self) -> bool:
+        """Whether a side stands above the errors of the readings: of two that do not, the difference is these errors alone."""
+        return max(_rms(self.left), _rms(self.right)) >= self.least
+
+    @property
     def holds(self) -> bool:
         """Whether both sides agree, well above the errors of the readings."""
         return self.excited and self.misfit <= HOLDS

@@ -83,7 +83,7 @@ def motion(vehicle: Vehicle, log: Log) -> Checked:
 
 
 def _fails(i: Identity) -> bool:
-    return i.misfit >= FAILS
+    return i.told and i.misfit >= FAILS
 
 
 def _mended(suspect: Suspect, log: Log, now: Found, vehicle: Vehicle) -> Mended | None:
@@ -100,6 +100,7 @@ def _mended(suspect: Suspect, log: Log, now: Found, vehicle: Vehicle) -> Mended 
         for k, after in then.items()
         if after.holds
         and (before := now.get(k)) is not None
+        and before.told
         and before.misfit >= max(FAILS, FALL * after.misfit)
         and after.says not in held
     ]

@@ -1,5 +1,6 @@
 """Findings of a selection: which causes are named where structure is left, by falls of chi-squared alone."""
 
+import math
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -127,10 +128,22 @@ def test_a_cause_that_no_declared_errors_make_is_there_whatever_its_interval(id_
     assert (EXCLUDES.refuses(held) is None) == named
 
 
-@pytest.mark.parametrize(("lower", "upper", "cut"), [(-56.0, 3693.0, (0.0, 3693.0)), (-90.0, 20.0, (-90.0, 0.0))])
-def test_the_number_of_a_cause_that_is_there_lies_on_one_side_of_none(lower, upper, cut):
-    f = Finding("drag.yaw.quadratic", 1.0, (), "", {"drag.yaw.quadratic": Bound(lower, upper, "kg m^2", "")}, {})
-    bound = findings.one_sided(f, 0.0).parameters["drag.yaw.quadratic"]
+@pytest.mark.parametrize(
+    ("lower", "upper", "fitted", "cut"),
+    [
+        (-56.0, 3693.0, 700.0, (0.0, 3693.0)),
+        (-90.0, 20.0, -40.0, (-90.0, 0.0)),
+        # The estimate decides, and not the middle: the worst errors move it farther to one side.
+        (-300.0, 200.0, 50.0, (0.0, 200.0)),
+        (-math.inf, 200.0, 50.0, (0.0, 200.0)),
+        (-math.inf, math.inf, -1.0, (-math.inf, 0.0)),
+    ],
+)
+def test_the_number_of_a_cause_that_is_there_lies_on_its_side_of_none(lower, upper, fitted, cut):
+    name = "drag.yaw.quadratic"
+    f = Finding(name, 1.0, (), "", {name: Bound(lower, upper, "kg m^2", "")}, {})
+    h = SimpleNamespace(given=(), values={name: fitted})
+    bound = findings.one_sided(f, h).parameters[name]
     assert (bound.lower, bound.upper) == cut
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from diagnosis_logs import TRUTH, train_of, vehicle_of
+from diagnosis_logs import SENSORS, TRUTH, train_of, vehicle_of
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.noise import declared_ambient
 from ivsid.diagnosis.plant.physics import Hypothesis
@@ -17,46 +17,17 @@ from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 
 # A craft of 12 kg that forgets a fifth of its yaw rate in a tenth of a second.
-LIGHT = """
-name = "light"
-[hull]
-mass = 12.0
-length = 0.5
-[[thrusters]]
-name = "port"
-position = [-0.15, -0.11]
-azimuth = 0.0
-quadratic = { forward = 0.0012, reverse = 0.0012 }
-demand_range = [-100.0, 100.0]
-accuracy = { absolute = 0.1, relative = 0.01 }
-[[thrusters]]
-name = "starboard"
-position = [-0.15, 0.11]
-azimuth = 0.0
-quadratic = { forward = 0.0012, reverse = 0.0012 }
-demand_range = [-100.0, 100.0]
-accuracy = { absolute = 0.1, relative = 0.01 }
-[sensors]
-confidence = 0.999
-[sensors.velocity]
-accuracy = 0.004
-[sensors.acceleration]
-random_walk = 0.002
-bias_instability = 3.0e-4
-[sensors.yaw_rate]
-random_walk = 5e-4
-bias_instability = 1e-4
-[sensors.heading]
-accuracy = 0.01
-[sensors.position]
-accuracy = 0.2
-[ambient]
-force = 0.1
-moment = 0.01
-time = 2.0
-[model]
-terms = ["mass.surge", "mass.sway", "inertia.yaw", "drag.surge.quadratic", "drag.sway.quadratic", "drag.yaw.linear", "drag.yaw.quadratic"]
-"""
+LIGHT = (
+    "name = 'light'\n[hull]\nmass = 12.0\nlength = 0.5\n"
+    + "".join(
+        f"[[thrusters]]\nname = '{name}'\nposition = [-0.15, {y}]\nquadratic = {{ forward = 0.0012, reverse = 0.0012 }}\n"
+        "demand_range = [-100.0, 100.0]\naccuracy = { absolute = 0.1, relative = 0.01 }\n"
+        for name, y in (("port", -0.11), ("starboard", 0.11))
+    )
+    + SENSORS
+    + "[model]\nterms = ['mass.surge', 'mass.sway', 'inertia.yaw', 'drag.surge.quadratic', 'drag.sway.quadratic', 'drag.yaw.linear', "
+    "'drag.yaw.quadratic']\n"
+)
 TRUE = {
     "mass.surge": 15.0,
     "mass.sway": 19.0,

@@ -12,6 +12,7 @@ from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.selection.adequacy import ROUGHER, adequacy
+from ivsid.diagnosis.statements.unknown import unknown
 from ivsid.vehicle import parse_vehicle
 
 DECLARED = "force = 0.15\nmoment = 0.03\ntime = 2.0"
@@ -59,9 +60,10 @@ def test_a_sea_that_hides_in_the_accuracy_of_the_thrusts_is_not_adequate(factor,
     assert fit.noise.rougher[0] < ROUGHER
     fit = replace(fit, noise=replace(fit.noise, rougher=(fit.noise.rougher[0], 0.0, 0.0)))
     found = adequacy(fit)
-    assert (found.rougher[0] > ROUGHER) == rough
+    assert (found.beyond_curves[0] > ROUGHER) == rough
     assert found.quiet == (not rough)
-    assert found.rougher[0] < factor
+    assert found.beyond_curves[0] < factor
+    assert not rough or "whatever thrust curve inside its accuracy" in unknown(found, []).description
 
 
 def test_whitened_errors_are_taken_back():

@@ -37,7 +37,7 @@ from ivsid.diagnosis.statements.carried import failure, in_their_place
 from ivsid.diagnosis.statements.claims import claims
 from ivsid.diagnosis.statements.comparison import Gain
 from ivsid.diagnosis.statements.diagnosis import Diagnosis, inputs_of
-from ivsid.diagnosis.statements.findings import findings_of, shallow, unknown, verdict_of, weighed
+from ivsid.diagnosis.statements.findings import findings_of, shallow, verdict_of, weighed
 from ivsid.diagnosis.statements.hints import hints
 from ivsid.diagnosis.statements.motion import motion_of, sentences
 from ivsid.diagnosis.statements.not_tested import left_out_note, not_tested
@@ -45,6 +45,7 @@ from ivsid.diagnosis.statements.proved import Proof, lasting, proof_of, proved_f
 from ivsid.diagnosis.statements.residuals import before_and_after, unexplained
 from ivsid.diagnosis.statements.shallow_water import change
 from ivsid.diagnosis.statements.trial import Trial, unchanged
+from ivsid.diagnosis.statements.unknown import unknown
 from ivsid.diagnosis.statements.without import handed_out
 from ivsid.errors import IvsidError
 from ivsid.intervals.apart import Apart, in_turn

@@ -10,17 +10,14 @@ Source: docs/theory.md, "Noise" and "Any thrust curve inside its accuracy".
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.noise import declared_ambient
 from ivsid.diagnosis.estimation.roughness import least_ambient
 from ivsid.diagnosis.null.any_curve import AnyCurve
 
-Array = NDArray[np.float64]
 
-
-def rougher_beyond(curve: AnyCurve) -> Array:
-    """Ambient acceleration at the least over the declared one, beyond any thrust curve inside its accuracy, by axis, shape (3,); 0 where none is declared.
+def rougher_beyond(curve: AnyCurve) -> tuple[float, float, float]:
+    """Ambient acceleration at the least over the declared one, beyond any thrust curve inside its accuracy, by axis; 0 where none is declared.
 
     Args:
         curve: the base of a fit beside any curve.
@@ -28,7 +25,7 @@ def rougher_beyond(curve: AnyCurve) -> Array:
     fit = curve.fit
     predictor, g = fit.noise.predictor, curve.g
     if predictor.vehicle.ambient is None:
-        return np.zeros(3)
+        return 0.0, 0.0, 0.0
     every = range(len(g.names))
     rows = len(predictor.labels)
     left = (g.y - g.explained(every, curve.projection.coefficients)).reshape(-1, rows, fit.gram.length)
@@ -36,4 +33,5 @@ def rougher_beyond(curve: AnyCurve) -> Array:
     errors = np.zeros((rows, fit.noise.good.size))
     errors[:, : whole.shape[1]] = fit.noise.whitening.undone(whole)
     found = least_ambient(predictor, errors, fit.noise.good, fit.noise.left_out)
-    return np.asarray(found / np.array(declared_ambient(predictor.vehicle).deviation))
+    x, y, n = (found / np.array(declared_ambient(predictor.vehicle).deviation)).tolist()
+    return x, y, n

@@ -256,15 +256,17 @@ class _Force:
 
     def mean(self) -> _Force:
         """With the means of the thrusts over the part, by Simpson's rule, all along it."""
-        push, bollard = np.empty_like(self.push), np.empty_like(self.bollard)
-        push[:] = (self.push[0] + 4 * self.push[1] + self.push[2]) / 6
-        bollard[:] = ((self.bollard[:, 0] + 4 * self.bollard[:, 1] + self.bollard[:, 2]) / 6)[:, None]
+        if np.array_equal(self.push[0], self.push[1]) and np.array_equal(self.push[0], self.push[2]):
+            return self
+        push = (self.push[0] + 4 * self.push[1] + self.push[2]) / 6
+        bollard = (self.bollard[:, :1] + 4 * self.bollard[:, 1:2] + self.bollard[:, 2:]) / 6
+        push, bollard = np.broadcast_to(push, self.push.shape), np.broadcast_to(bollard, self.bollard.shape)
         return _Force(self.motion, push, bollard, self.known, self.ahead)
 
 
-def _runge_kutta(force: _Force, x: Array, step: float) -> tuple[Array, Array]:
-    """Rates at the start of a step, and the states at its end, by the method of fourth order."""
-    k1 = force.at(x, 0)
+def _runge_kutta(force: _Force, x: Array, step: float, first: Array | None = None) -> tuple[Array, Array]:
+    """Rates at the start of a step, worked out if they are not known, and the states at its end, by the method of fourth order."""
+    k1 = force.at(x, 0) if first is None else first
     k2 = force.at(x + 0.5 * step * k1, 1)
     k3 = force.at(x + 0.5 * step * k2, 1)
     k4 = force.at(x + step * k3, 2)
@@ -273,8 +275,8 @@ def _runge_kutta(force: _Force, x: Array, step: float) -> tuple[Array, Array]:
 
 def _with_mean_thrusts(force: _Force, x: Array, step: float) -> tuple[Array, Array]:
     """Rates at the start of a step under its first thrusts, and the states at its end under their means."""
-    first = force.at(x, 0)
-    return first, _runge_kutta(force.mean(), x, step)[1]
+    first, mean = force.at(x, 0), force.mean()
+    return first, _runge_kutta(mean, x, step, first if mean is force else None)[1]
 
 
 def simulated(

@@ -97,7 +97,9 @@ class Carried:
         found = self.velocity(0.5)
         if self.last is not None and self.last.inside is not None:
             return np.asarray(self.nu + self.h * (0.5 * (self.last.over_steps + self.pushed) + self.last.inside.moment))
-        return found if self.early is None else np.asarray(found + 0.5 * self.h * self.early)
+        if self.last is None or self.early is None:
+            return found
+        return np.asarray(found + 0.5 * self.h * self.early)
 
     def heading(self, place: float) -> Array:
         """Headings at a place in the steps, shape (n,)."""

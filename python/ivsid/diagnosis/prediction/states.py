@@ -152,10 +152,9 @@ class StateFilter:
         before = None if before is None else np.clip(before, *self.reach)
         place = np.zeros((2, n)) if log.place is None else log.place
         thrusts, bollard, early = self.driving.whole(h)
-        if early is not None and last is not None:
-            # The mean velocity of a step counts: an early push carries it further than a late one.
+        if early is not None:
             early = Mass(self.vehicle, h.terms, changed(h, np.asarray(log.t))).solve(early)
-        carried = Carried(nu, psi, pushed, last, early if last is not None else None, log.h)
+        carried = Carried(nu, psi, pushed, last, early, log.h)
         later = self._inside_reach(carried.mean(), 0.5)
         points = Points(
             np.concatenate([nu if before is None else before, later], axis=1),

@@ -59,7 +59,8 @@ class Adequacy:
         outside: names of the thrusters whose fitted error leaves its bound, with its largest value in bounds.
         misread: the error of readings that leaves its bound most, by name, with what it gains and the probability of that over all such errors.
         hulls: numbers that the log asks for and that no hull has.
-        rougher: ambient acceleration that the log shows at the least, over the declared one with that of thrust errors, or alone beyond any of them, by axis.
+        rougher: ambient acceleration that the log shows at the least, over the declared one with that of thrust errors, by axis.
+        beyond_curves: the same beyond any thrust curve inside its accuracy, over the declared one alone; 0 where the log asks for none.
         risk: probability below which structure is more than chance.
         alone: whether the best single fall is so rare that no second statistic is asked.
     """
@@ -77,6 +78,7 @@ class Adequacy:
     misread: tuple[str, Leaving, float] | None = None
     hulls: tuple[Asked, ...] = ()
     rougher: tuple[float, ...] = (0.0, 0.0, 0.0)
+    beyond_curves: tuple[float, ...] = (0.0, 0.0, 0.0)
     risk: float = RISK
     alone: bool = False
 
@@ -132,9 +134,14 @@ class Adequacy:
         return self.read >= self.risk
 
     @property
+    def roughest(self) -> float:
+        """How much rougher the worst axis is than declared."""
+        return max(*self.rougher, *self.beyond_curves)
+
+    @property
     def quiet(self) -> bool:
         """Whether the innovations hold no more structure than chance, with every declared error and the ambient force inside its bound and every number one of hulls."""
-        return self.white and self.bounded and self.sensed and not self.hulls and max(self.rougher) <= ROUGHER
+        return self.white and self.bounded and self.sensed and not self.hulls and self.roughest <= ROUGHER
 
     def beside(self, fit: Fit, columns: Sequence[int]) -> float:
         """Excess in the channels where a cause acts, weighted by the energy of its signature in each.
@@ -187,11 +194,11 @@ def adequacy(fit: Fit) -> Adequacy:
         misread = _misread(fit, free)
     far = outside(fit)
     hulls = asked_of_hulls(fit)
-    rougher = fit.noise.rougher
+    rougher, beyond_curves = fit.noise.rougher, (0.0, 0.0, 0.0)
     if max(rougher) <= ROUGHER < max(fit.noise.alone):
         # What thrust errors allow may hide a force of the time, which no thrust curve makes.
         free = free or AnyCurve(fit)
-        rougher = tuple(np.maximum(rougher, rougher_beyond(free)).tolist())
+        beyond_curves = rougher_beyond(free)
     found = replace(
         found,
         leaving=left,
@@ -201,6 +208,7 @@ def adequacy(fit: Fit) -> Adequacy:
         misread=misread,
         hulls=hulls,
         rougher=rougher,
+        beyond_curves=beyond_curves,
     )
     if found.white or not fit.noise.predictor.vehicle.thrusters:
         return found
@@ -221,6 +229,7 @@ def adequacy(fit: Fit) -> Adequacy:
         misread=misread,
         hulls=hulls,
         rougher=rougher,
+        beyond_curves=beyond_curves,
         alone=alone,
     )
 

@@ -81,7 +81,7 @@ OF_THE_SEA: Final = Rule[Left](
     f"at most {ROUGHER:g}",
     "The noise is learnt from the log, so that a force outside the catalogue may pass for ambient force, and would hide itself.",
     "make exam",
-    lambda c: max(c.after.rougher),
+    lambda c: c.after.roughest,
     lambda _: ROUGHER,
     "the log shows at least {value:.2g} times the declared ambient force, and {limit:g} times are none",
     least=False,

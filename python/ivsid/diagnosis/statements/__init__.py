@@ -2,7 +2,8 @@
 
 About the causes:
 
-- ``findings``: causes that are named, with intervals and alternatives, and ``unknown`` for structure that no cause explains.
+- ``findings``: causes that are named, with intervals and alternatives.
+- ``unknown``: the finding for structure that no cause explains.
 - ``rules``: what a cause that the extended model holds has to keep to be named.
 - ``probability``: how often findings like these were right in the examination.
 - ``rejected``: candidates that are no findings, each with the rule that refused it.

@@ -13,7 +13,8 @@ from typing import Final
 from ivsid.diagnosis.null.rule import Refusal, Rule, first_refusal
 from ivsid.diagnosis.selection.adequacy import Adequacy
 from ivsid.diagnosis.statements.comparison import Gain
-from ivsid.diagnosis.statements.findings import Finding, unknown
+from ivsid.diagnosis.statements.findings import Finding
+from ivsid.diagnosis.statements.unknown import unknown
 
 # Factor by which an error on TEST grows, at the least, where a model fails there.
 # Source: measured: the examination; right causes reached 1.3, and wrong ones 5 to 8

@@ -17,16 +17,16 @@ from ivsid.diagnosis.candidates.intervals import Bound, Reach, intervals
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
-from ivsid.diagnosis.selection.adequacy import ROUGHER, Adequacy, energy_of
+from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.selection.adequacy import Adequacy, energy_of
 from ivsid.diagnosis.selection.rivals import Found, swapped
 from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.probability import COUNTS, Alike, alike
 from ivsid.diagnosis.statements.residuals import FindingEvidence
 from ivsid.diagnosis.statements.rules import ALTERNATIVES, HELD, UNNAMED, Held
-from ivsid.diagnosis.statements.sensor_words import WORDS
 from ivsid.diagnosis.statements.shallow_water import Change
 from ivsid.diagnosis.statements.share import Share
-from ivsid.effects import CHANNELS, EFFECTS, PAPER_TERMS
+from ivsid.effects import EFFECTS, PAPER_TERMS
 from ivsid.effects.environment import SHALLOW_WATER
 from ivsid.effects.thrusters import ONE_FACTOR
 
@@ -125,7 +125,7 @@ def findings_of(
         )
         refusal = first_refusal(HELD, case, [f.id for f in selection.found if f is not found])
         if refusal is None:
-            made[found.id] = one_sided(one, effect.parameters[0].none) if case.quiet and case.there else one
+            made[found.id] = one_sided(one, last.h) if case.quiet and case.there else one
         else:
             nothing += found.fall
         for rank, rival in enumerate(found.rivals):
@@ -134,13 +134,20 @@ def findings_of(
     return tuple(made[f.id] for f in selection.found if f.id in made), withdrawn
 
 
-def one_sided(f: Finding, none: float) -> Finding:
-    """The finding of a cause that is there: its only number lies on one side of none, since chi-squared is convex in it."""
-    cut = {}
-    for name, b in f.parameters.items():
-        above = b.lower + b.upper > 2.0 * none
-        cut[name] = replace(b, lower=max(b.lower, none)) if above else replace(b, upper=min(b.upper, none))
-    return replace(f, parameters=cut)
+def one_sided(f: Finding, h: Hypothesis) -> Finding:
+    """The finding of a cause that is there: its only number lies on the estimate's side of none, since chi-squared is convex in it.
+
+    Args:
+        f: the finding.
+        h: the extended model.
+    """
+    none = EFFECTS[f.effect].parameters[0].none
+    fitted = [g.values[0] for g in h.given if g.effect.id == f.effect] or [h.values[f.effect]]
+    if len(f.parameters) != 1 or len(fitted) != 1:
+        return f
+    ((name, b),) = f.parameters.items()
+    cut = replace(b, lower=max(b.lower, none)) if fitted[0] > none else replace(b, upper=min(b.upper, none))
+    return replace(f, parameters={name: cut})
 
 
 def finding(
@@ -209,79 +216,6 @@ def shallow(moved: Change) -> Finding:
     # Two explanations of equal merit.
     separate = f"{SHALLOW_WATER.separate}; or {ONE_FACTOR.separate} between the runs"
     return Finding(id_, 0.5, (ONE_FACTOR.id,), separate, {id_: bound}, evidence)
-
-
-def unknown(
-    left: Adequacy, near: Sequence[str], *, proved: str = "", imitated: Mapping[str, float] | None = None
-) -> Finding:
-    """Finding ``unknown``: structure that no cause of the catalogue explains.
-
-    Args:
-        left: adequacy of the extended model.
-        near: causes that the fit holds and that are no findings.
-        proved: what the rows of the log prove, in a sentence, where statistics alone would leave the model adequate.
-        imitated: why causes that passed every test are a force of no cause, a clause each that begins with the cause, with their falls of chi-squared.
-    """
-    likely = ", ".join(f"{name} in {channel} ({np.sqrt(fall):.0f} sigma)" for name, channel, fall in left.strongest)
-    channel = left.strongest[0][1]
-    text = (
-        f"the errors that the model leaves still follow the motion (dictionary statistic {left.statistic:.2f}, about 1 where nothing is "
-        f"left), strongest with {likely}; no cause of the catalogue explains it"
-    )
-    z = float(np.sqrt(left.strongest[0][2]))
-    if not left.bounded:
-        if left.pushed and left.leaving > left.strongest[0][2]:
-            channel, z = left.pushed, float(np.sqrt(left.leaving))
-        where = " and of ".join(f"{name} (fitted at {most:.1f} times its accuracy)" for name, most in left.outside)
-        text = (
-            "the errors that the model leaves follow the motion, and no thrust curve inside the stated accuracy takes them: either the thrust"
-            f"{f' of {where}' if where else ''} differs from its curve by more than the stated accuracy, or a force that the model lacks goes with the demands; "
-            "all masses and drags may be wrong with it; a bollard test of the thrust tells the two apart"
-        )
-    if not left.sensed and left.misread is not None:
-        name, most, _ = left.misread
-        said = WORDS[name]
-        wrong = (
-            f"the {said.name} would have to be {most.largest:.2g} times what the vehicle file allows for: the sensor is worse than it states, or "
-            "a cause that the catalogue lacks looks like it; all masses and drags may be wrong with it"
-        )
-        if left.white and left.bounded:
-            channel, z, text = said.channel, float(np.sqrt(most.fall)), wrong
-        else:
-            text += f"; {wrong}"
-    if max(left.rougher) > ROUGHER:
-        k = int(np.argmax(left.rougher))
-        rough = (
-            f"{'the moment' if k == 2 else 'the force'} in {CHANNELS[k]} that nothing explains is at least {left.rougher[k]:.2g} times what [ambient] and "
-            "the thrusters' accuracy allow: the sea was rougher than the vehicle file declares, or a cause that the catalogue lacks acts there"
-        )
-        if left.white and left.bounded and left.sensed:
-            channel, z, text = CHANNELS[k], 0.0, rough
-        else:
-            text += f"; {rough}"
-    if left.hulls:
-        numbers = " and ".join(
-            f"{a.id} {'above' if a.estimate > a.limit else 'below'} {a.limit:.3g}" for a in left.hulls
-        )
-        text += (
-            f"; the log asks for {numbers}, which no hull of this mass and length has: masses, thrust curves, units or signs in the vehicle "
-            "file may be wrong, and the fit stops at the limit"
-        )
-        z = max(z, left.hulls[0].deviations)
-    if imitated:
-        force = f"a force that the catalogue lacks acts on the hull, or a sensor is worse than it states: {'; '.join(imitated)}"
-        z, text = (float(np.sqrt(max(imitated.values()))), force) if left.quiet else (z, f"{text}; {force}")
-    if proved:
-        z, text = 0.0, f"{proved}; the statistics see no structure that the model lacks"
-    if near:
-        text += f"; the nearest are {' and '.join(near)}, which the fit holds and nothing proves, so that the extended model leaves them out"
-    evidence: FindingEvidence = {
-        "channel": channel,
-        "z": z,
-        "statistic": left.statistic,
-        "chance": left.chance,
-    }
-    return Finding("unknown", 1.0, (), "", {}, evidence, text)
 
 
 def weighed(findings: Sequence[Finding], shares: Mapping[str, Share]) -> tuple[Finding, ...]:

@@ -60,7 +60,7 @@ def hints(fit: Fit) -> tuple[str, ...]:
     vehicle, ambient = fit.noise.predictor.vehicle, fit.noise.predictor.ambient
     if vehicle.ambient is not None and vehicle.ambient.force:
         mass = np.linalg.inv(fit.signatures.mass.inverse[0])
-        force = [ambient.deviation[k] * mass[k, k] for k in range(2) if k not in fit.noise.left_out]
+        force = [ambient.deviation[k] * mass[k, k] for k in range(2)]
         strong = [k for k, x in enumerate(force) if x > STRONGER * vehicle.ambient.force]
         # Both axes feel one sea; a force in one of them alone may be another one.
         where = f" in {CHANNELS[strong[0]]}" if len(strong) == 1 else ""

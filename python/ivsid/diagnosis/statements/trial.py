@@ -78,8 +78,7 @@ class Trial:
             out: causes that were found and are no findings.
         """
         self.out = tuple(out)
-        self._selection, self._tried, self._seed = selection, tried, seed
-        self._predictor = _on(other, selection.last)
+        self._other, self._selection, self._tried, self._seed = other, selection, tried, seed
         self._again = partial(Trial, other, selection, seed, tried, nothing)
         self._known: Gain | None = None
         plain, last = selection.plain, selection.last
@@ -93,8 +92,9 @@ class Trial:
         self._gain = nothing
         if causes:
             nothing.drop()
-            self._gain = Apart(partial(compare, self._predictor, before, self.model, seed))
-            self._shares = Apart(partial(shares, self._predictor, plain, last, causes, out))
+            predictor = _on(other, last)
+            self._gain = Apart(partial(compare, predictor, before, self.model, seed))
+            self._shares = Apart(partial(shares, predictor, plain, last, causes, out))
 
     def of(self, names: Collection[str]) -> Trial:
         """The trial of the model with these findings; this one, if it has no other causes."""
@@ -114,7 +114,7 @@ class Trial:
         plain, last = self._selection.plain, self._selection.last
         shown = without(plain, last, self.out).h.declared_errors
         before, model = _with(_as_it_was(plain), plain.h.declared_errors), _with(self.model, shown)
-        return compare(self._predictor, before, model, self._seed)
+        return compare(_on(self._other, last), before, model, self._seed)
 
     def look(self) -> None:
         """Tells of the gain if it is known by now."""

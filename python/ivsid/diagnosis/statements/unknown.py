@@ -1,0 +1,92 @@
+"""Finding ``unknown``: structure that no cause of the catalogue explains, in a sentence that says what is seen and what would tell more."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ivsid.diagnosis.selection.adequacy import ROUGHER, Adequacy
+from ivsid.diagnosis.statements.findings import Finding
+from ivsid.diagnosis.statements.residuals import FindingEvidence
+from ivsid.diagnosis.statements.sensor_words import WORDS
+from ivsid.effects import CHANNELS
+
+
+def unknown(
+    left: Adequacy, near: Sequence[str], *, proved: str = "", imitated: Mapping[str, float] | None = None
+) -> Finding:
+    """Finding ``unknown``: structure that no cause of the catalogue explains.
+
+    Args:
+        left: adequacy of the extended model.
+        near: causes that the fit holds and that are no findings.
+        proved: what the rows of the log prove, in a sentence, where statistics alone would leave the model adequate.
+        imitated: why causes that passed every test are a force of no cause, a clause each that begins with the cause, with their falls of chi-squared.
+    """
+    likely = ", ".join(f"{name} in {channel} ({np.sqrt(fall):.0f} sigma)" for name, channel, fall in left.strongest)
+    channel = left.strongest[0][1]
+    text = (
+        f"the errors that the model leaves still follow the motion (dictionary statistic {left.statistic:.2f}, about 1 where nothing is "
+        f"left), strongest with {likely}; no cause of the catalogue explains it"
+    )
+    z = float(np.sqrt(left.strongest[0][2]))
+    if not left.bounded:
+        if left.pushed and left.leaving > left.strongest[0][2]:
+            channel, z = left.pushed, float(np.sqrt(left.leaving))
+        where = " and of ".join(f"{name} (fitted at {most:.1f} times its accuracy)" for name, most in left.outside)
+        text = (
+            "the errors that the model leaves follow the motion, and no thrust curve inside the stated accuracy takes them: either the thrust"
+            f"{f' of {where}' if where else ''} differs from its curve by more than the stated accuracy, or a force that the model lacks goes with the demands; "
+            "all masses and drags may be wrong with it; a bollard test of the thrust tells the two apart"
+        )
+    if not left.sensed and left.misread is not None:
+        name, most, _ = left.misread
+        said = WORDS[name]
+        wrong = (
+            f"the {said.name} would have to be {most.largest:.2g} times what the vehicle file allows for: the sensor is worse than it states, or "
+            "a cause that the catalogue lacks looks like it; all masses and drags may be wrong with it"
+        )
+        if left.white and left.bounded:
+            channel, z, text = said.channel, float(np.sqrt(most.fall)), wrong
+        else:
+            text += f"; {wrong}"
+    if left.roughest > ROUGHER:
+        declared = max(left.rougher) > ROUGHER
+        times, allowed = (
+            (left.rougher, "what [ambient] and the thrusters' accuracy allow")
+            if declared
+            else (left.beyond_curves, "what [ambient] allows, whatever thrust curve inside its accuracy acts beside it")
+        )
+        k = int(np.argmax(times))
+        rough = (
+            f"{'the moment' if k == 2 else 'the force'} in {CHANNELS[k]} that nothing explains is at least {times[k]:.2g} times {allowed}: the sea was "
+            "rougher than the vehicle file declares, or a cause that the catalogue lacks acts there"
+        )
+        if left.white and left.bounded and left.sensed:
+            channel, z, text = CHANNELS[k], 0.0, rough
+        else:
+            text += f"; {rough}"
+    if left.hulls:
+        numbers = " and ".join(
+            f"{a.id} {'above' if a.estimate > a.limit else 'below'} {a.limit:.3g}" for a in left.hulls
+        )
+        text += (
+            f"; the log asks for {numbers}, which no hull of this mass and length has: masses, thrust curves, units or signs in the vehicle "
+            "file may be wrong, and the fit stops at the limit"
+        )
+        z = max(z, left.hulls[0].deviations)
+    if imitated:
+        force = f"a force that the catalogue lacks acts on the hull, or a sensor is worse than it states: {'; '.join(imitated)}"
+        z, text = (float(np.sqrt(max(imitated.values()))), force) if left.quiet else (z, f"{text}; {force}")
+    if proved:
+        z, text = 0.0, f"{proved}; the statistics see no structure that the model lacks"
+    if near:
+        text += f"; the nearest are {' and '.join(near)}, which the fit holds and nothing proves, so that the extended model leaves them out"
+    evidence: FindingEvidence = {
+        "channel": channel,
+        "z": z,
+        "statistic": left.statistic,
+        "chance": left.chance,
+    }
+    return Finding("unknown", 1.0, (), "", {}, evidence, text)

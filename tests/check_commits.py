@@ -12,6 +12,8 @@ import sys
 # The rule began after this commit; older subjects stay as they are.
 FIRST = "56bc4c5021b1377abfa27aa616742174866385fd"
 LONGEST = 72
+# Subjects that reached the shared history before the rule saw them: what others hold is not rewritten. The rule stands for every other.
+LANDED = {"29b312fac94e": "76 characters"}
 
 
 def faults(subject: str) -> list[str]:
@@ -32,15 +34,16 @@ def git(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 def main(first: str) -> int:
-    """Prints each fault; the number of commits that have one."""
+    """Prints each fault; the number of commits that have one and are not among ``LANDED``."""
     if git("cat-file", "-e", f"{first}^{{commit}}").returncode:
         print(f"commits: nothing checked, this history does not hold {first[:9]}")
         return 0
-    listed = git("log", "--no-merges", "--format=%h%x09%s", f"{first}..HEAD").stdout.splitlines()
+    listed = git("log", "--no-merges", "--format=%H%x09%s", f"{first}..HEAD").stdout.splitlines()
     bad = 0
     for line in listed:
-        commit, _, subject = line.partition("\t")
-        found = faults(subject)
+        whole, _, subject = line.partition("\t")
+        commit = whole[:12]
+        found = [] if commit in LANDED else faults(subject)
         bad += bool(found)
         for fault in found:
             print(f"commit {commit} '{subject[:LONGEST]}': {fault}")

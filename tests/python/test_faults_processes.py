@@ -176,3 +176,18 @@ def test_a_diagnosis_that_is_killed_leaves_no_process(tmp_path):
     one.wait()
     time.sleep(PATIENCE)
     assert not any(map(alive, family))
+
+
+def test_a_result_that_is_asked_for_again_is_not_worked_out_again(tmp_path):
+    """Two stages ask for what is said of the plain model; a task of seconds is not done a second time by the one who asks."""
+
+    def task():
+        (tmp_path / f"{len(list(tmp_path.iterdir()))}").touch()
+        return os.getpid()
+
+    one = Apart(task)
+    assert one.result() == one.result()
+    assert len(list(tmp_path.iterdir())) == 1
+    here = Apart(task, begun=False)
+    assert here.result() == here.result() == os.getpid()
+    assert len(list(tmp_path.iterdir())) == 2

@@ -40,6 +40,7 @@ class Apart(Generic[_T_co]):
     def __init__(self, task: Callable[[], _T_co], *, late: bool = False, begun: bool = True) -> None:
         self._task, self._late = task, late
         self._reader: Connection | None = None
+        self._found: tuple[()] | tuple[_T_co] = ()
         if begun:
             in_turn(self)
 
@@ -49,7 +50,12 @@ class Apart(Generic[_T_co]):
         return self._reader is not None and self._reader.poll()
 
     def result(self) -> _T_co:
-        """The result; a task that failed is done again here, and raises what it raises."""
+        """The result, the same one however often it is asked for; a task that failed is done again here, and raises what it raises."""
+        if not self._found:
+            self._found = (self._received(),)
+        return self._found[0]
+
+    def _received(self) -> _T_co:
         if self._reader is None:
             return self._task()
         try:

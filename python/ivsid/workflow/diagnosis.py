@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from ivsid import diagnosis
-from ivsid.diagnosis import GUARANTEED, NULL_LOGS, REFUTED, Diagnosis, Evidence, cache_folder
+from ivsid.diagnosis import GUARANTEED, NULL_LOGS, REFUTED, Diagnosis, Evidence, Finding, cache_folder
 from ivsid.intervals import shown
+from ivsid.intervals.apart import Apart
 from ivsid.log import Log, read_log
 from ivsid.report import figures, page
+from ivsid.report.figures import Drawing
 from ivsid.report.page import Part, Report, Section
 from ivsid.vehicle import Vehicle, read_vehicle
 from ivsid.workflow.diagnosis_screen import best_gain, first_screen, size, worse
@@ -96,9 +98,9 @@ def diagnosis_report(result: Diagnosis, drawn: GainFigures | None = None) -> Rep
     """
     figures_of_gain = drawn_beside(result.gain) if drawn is None else partial(drawn.of, result.gain)
     seen = diagnosis.evidence(result)
-    signatures = {e.effect: figures.signature(e, f"signature_{k}") for k, e in enumerate(seen, start=1)}
-    # A cause found between the two logs has no signature in one of them.
-    signatures |= {f.effect: figures.ratios(f) for f in result.findings if "ratio" in f.evidence}
+    signatures = partial(_signatures, seen, result.findings)
+    # Another process draws while this one makes the tables.
+    drawn_signatures = Apart(signatures).result if seen else signatures
     sections = [
         Section("Findings", tuple(_findings(result, seen))),
         Section("Hints: what the log shows of declared errors", (page.bullets(result.hints),) if result.hints else ()),
@@ -127,12 +129,20 @@ def diagnosis_report(result: Diagnosis, drawn: GainFigures | None = None) -> Rep
         _summary(result),
         record,
         tuple(s for s in sections if s.parts),
-        (*signatures.values(), *figures_of_gain()),
+        (*drawn_signatures(), *figures_of_gain()),
         files,
         tuple(_lines(result)),
         first_screen(result),
     )
     return with_setup(report, result.setup)
+
+
+def _signatures(seen: Sequence[Evidence], findings: Sequence[Finding]) -> tuple[Drawing, ...]:
+    """Figures of the causes: of each that one log shows, and of those that were found between the two logs."""
+    return (
+        *(figures.signature(e, f"signature_{k}") for k, e in enumerate(seen, start=1)),
+        *(figures.ratios(f) for f in findings if "ratio" in f.evidence),
+    )
 
 
 def _model(result: Diagnosis) -> str:

@@ -15,7 +15,7 @@ from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null import family_wise, frequencies
-from ivsid.diagnosis.null.frequencies import Scatter, as_rare, excess, spectrum, strength
+from ivsid.diagnosis.null.frequencies import Frequencies, Scatter, as_rare, excess, spectrum
 from ivsid.diagnosis.null.screening import DECLARED_SEA, FREQUENCIES
 from ivsid.diagnosis.selection import adequacy
 from ivsid.log import Log
@@ -86,7 +86,7 @@ def test_the_strength_is_the_mean_fall_in_noise_of_any_spectrum(logged, kind):
         fit = with_errors(logged.fit, noises(logged.fit, kind, seed), seed)
         falls.append([fit.projection.solve(s.columns)[1] for s in some])
         if seed < 5:
-            said.append([strength(fit, s).value for s in some])
+            said.append([Frequencies(fit).strength(s).value for s in some])
     mean, said = np.mean(falls, axis=0), np.mean(said, axis=0)
     true = np.array([exact(logged.fit, s, kind) for s in some])
     assert np.all(np.abs(mean - true) < 4.0 * np.sqrt(2 / len(falls)) * true)
@@ -104,7 +104,7 @@ def test_few_frequencies_make_no_rare_falls_common(logged, kind):
     for seed in range(DRAWS):
         fit = with_errors(logged.fit, noises(logged.fit, kind, seed), seed)
         for s in some:
-            fall, found = fit.projection.solve(s.columns)[1], strength(fit, s)
+            fall, found = fit.projection.solve(s.columns)[1], Frequencies(fit).strength(s)
             assert found.beside(fall, 1) <= fall / found.value
             chances.append(chdtrc(1, found.beside(fall, 1)))
             without.append(chdtrc(1, fall))
@@ -148,7 +148,7 @@ def test_a_cause_that_is_there_is_not_weakened(logged):
         rows = len(fit.noise.predictor.labels)
         own = fit.gram.columns([k])[0].reshape(-1, rows, fit.gram.length).transpose(1, 0, 2).reshape(rows, -1)
         there = with_errors(fit, noises(fit, "white", 3) + 100.0 * own, 3)
-        assert strength(there, s).value < 1.5
+        assert Frequencies(there).strength(s).value < 1.5
 
 
 def test_the_spectrum_adds_nothing_in_white_noise_and_the_scatter_of_scores_in_any_other(logged):

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -111,27 +112,43 @@ def as_rare(fall: Array, count: int, freedom: Array) -> Array:
     return np.where(known, fall, np.minimum(chdtri(count, chance), fall))
 
 
-def strength(fit: Fit, s: Scored) -> Strength:
-    """Strength of the noise at a cause's frequencies.
+class Frequencies:
+    """The base of a fit at the frequencies of its log, which all causes share.
 
     Args:
-        fit: of the model without the cause.
-        s: the cause with its score.
+        fit: of the model without causes.
     """
-    g, at = with_family(fit.gram.only(fit.base), fit, s)
-    base = range(len(fit.base))
-    p = Projection(g, base)
-    theta, fall = p.solve(at)
-    own = g.explained(at, theta) - g.explained(base, g.regression(at, base) @ theta)
-    weight = _power(_transformed(fit, own[None]))
-    if not (fall > 0 and weight.sum() > 0):
-        return Strength(1.0, np.inf)
-    left = g.y - g.explained(base, p.coefficients) - own
-    found = _spectrum(fit, Projection(g, range(len(g.names))), left)
-    mean = float((weight * found.found).sum() / weight.sum())
-    # What priors hold back of the cause is no part of its direction, and scatters by the priors.
-    share = float((own * own).sum()) / fall
-    return Strength(max(1.0 + share * (mean - 1.0), 1.0), float(found.freedom(weight)[0]))
+
+    def __init__(self, fit: Fit) -> None:
+        self.fit = fit
+        self._base = fit.gram.only(fit.base)
+
+    @cached_property
+    def _low(self) -> NDArray[np.complex128]:
+        return _lowest(self.fit, self._base.parts)
+
+    def strength(self, s: Scored) -> Strength:
+        """Strength of the noise at a cause's frequencies.
+
+        Args:
+            s: the cause with its score.
+        """
+        fit = self.fit
+        g, at = with_family(self._base, fit, s)
+        base = range(len(fit.base))
+        p = Projection(g, base)
+        theta, fall = p.solve(at)
+        own = g.explained(at, theta) - g.explained(base, g.regression(at, base) @ theta)
+        weight = _power(_transformed(fit, own[None]))
+        if not (fall > 0 and weight.sum() > 0):
+            return Strength(1.0, np.inf)
+        left = g.y - g.explained(base, p.coefficients) - own
+        low = np.concatenate([self._low, _lowest(fit, g.parts[len(self._base.parts) :])])
+        found = _spectrum(fit, Projection(g, range(len(g.names))), left, low)
+        mean = float((weight * found.found).sum() / weight.sum())
+        # What priors hold back of the cause is no part of its direction, and scatters by the priors.
+        share = float((own * own).sum()) / fall
+        return Strength(max(1.0 + share * (mean - 1.0), 1.0), float(found.freedom(weight)[0]))
 
 
 def spectrum(fit: Fit, g: Gram) -> Spectrum:
@@ -143,7 +160,7 @@ def spectrum(fit: Fit, g: Gram) -> Spectrum:
     """
     every = range(len(g.names))
     p = Projection(g, every)
-    return _spectrum(fit, p, g.y - g.explained(every, p.coefficients))
+    return _spectrum(fit, p, g.y - g.explained(every, p.coefficients), _lowest(fit, g.parts))
 
 
 @dataclass(frozen=True)
@@ -185,14 +202,19 @@ def excess(fit: Fit, p: Projection, columns: Sequence[int], noise: Spectrum) -> 
     return Scatter(np.asarray((found.conj() @ found.T).real, dtype=np.float64), freedom)
 
 
-def _spectrum(fit: Fit, p: Projection, left: Array) -> Spectrum:
-    """Spectrum of the noise from what the columns of a projection leave, shape (blocks, numbers)."""
+def _spectrum(fit: Fit, p: Projection, left: Array, low: NDArray[np.complex128]) -> Spectrum:
+    """Spectrum of the noise from what the columns of a projection leave, shape (blocks, numbers).
+
+    Args:
+        fit: of the model.
+        p: least squares on all columns.
+        left: what they leave.
+        low: lowest frequencies of the columns.
+    """
     found = _smooth(fit, left)
-    lowest = np.arange(found.shape[1]) < LOWEST
-    low = np.concatenate([_kept(fit, part, np.broadcast_to(lowest, found.shape)) for part in p.g.parts])
     taken = np.zeros_like(found)
     # The share of each frequency that the columns take: the squared size of their projections there.
-    taken[:, lowest] = np.einsum("kf,kf->f", low.conj(), cho_solve(cho_factor(p.normal), low)).real.reshape(
+    taken[:, :LOWEST] = np.einsum("kf,kf->f", low.conj(), cho_solve(cho_factor(p.normal), low)).real.reshape(
         len(found), -1
     )
     share = 1.0 - uniform_filter1d(taken, WIDTH, axis=1, mode="mirror") / _count(fit, left)
@@ -200,12 +222,14 @@ def _spectrum(fit: Fit, p: Projection, left: Array) -> Spectrum:
     return Spectrum(found / free, free)
 
 
-def _kept(fit: Fit, x: Array, keep: NDArray[np.bool_]) -> NDArray[np.complex128]:
-    """Some frequencies of quantities of blocks, shape (quantities, kept); a few quantities are transformed at a time."""
-    found = np.empty((len(x), int(keep.sum())), dtype=np.complex128)
-    for first in range(0, len(x), TOGETHER):
-        found[first : first + TOGETHER] = _transformed(fit, x[first : first + TOGETHER])[:, keep]
-    return found
+def _lowest(fit: Fit, parts: Sequence[Array]) -> NDArray[np.complex128]:
+    """Lowest frequencies of quantities of blocks, shape (quantities, rows x frequencies); a few quantities are transformed at a time."""
+    found = [
+        _transformed(fit, x[first : first + TOGETHER])[:, :, :LOWEST].reshape(len(x[first : first + TOGETHER]), -1)
+        for x in parts
+        for first in range(0, len(x), TOGETHER)
+    ]
+    return np.concatenate(found)
 
 
 def _transformed(fit: Fit, x: Array) -> NDArray[np.complex128]:

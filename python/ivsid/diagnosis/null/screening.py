@@ -22,7 +22,7 @@ from ivsid.diagnosis.estimation.roughness import ERRORS
 from ivsid.diagnosis.null.any_curve import AnyCurve, is_declared, lost
 from ivsid.diagnosis.null.boxed import Boxed
 from ivsid.diagnosis.null.directions import left_beside
-from ivsid.diagnosis.null.frequencies import strength
+from ivsid.diagnosis.null.frequencies import Frequencies
 from ivsid.diagnosis.null.inside_cells import FINER, inside_cells
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.null.rule import Rule
@@ -87,6 +87,11 @@ class Round:
     def finer(self) -> AnyCurve | None:
         """The same with more cells."""
         return AnyCurve(self.fit, finer=FINER) if self.curve is not None else None
+
+    @cached_property
+    def frequencies(self) -> Frequencies:
+        """The base at the frequencies of the log."""
+        return Frequencies(self.fit)
 
     @cached_property
     def boxed(self) -> Boxed:
@@ -308,7 +313,7 @@ FREQUENCIES: Final = Rule[Case](
     "An ambient force may have any spectrum: a band of a swell, or gusts that last longer than the filters expect. What the log holds beside the "
     "cause at the same frequencies makes such falls by itself, and a few frequencies tell little of it.",
     "make exam",
-    lambda c: chance(replace(c.s, fall=strength(c.round.fit, c.s).beside(c.s.shown, c.s.count), boxed=0.0)),
+    lambda c: chance(replace(c.s, fall=c.round.frequencies.strength(c.s).beside(c.s.shown, c.s.count), boxed=0.0)),
     lambda c: c.round.chance,
     "the log holds as much at the same frequencies without it: beside that its fall of chi² has probability {value:.1g}, and {limit:.1g} is the limit",
     least=False,

@@ -261,7 +261,10 @@ def scatter(p: Projection) -> Array:
         p: least squares on the base.
     """
     g = p.g
-    score = g.score[:, p.base] - g.blocks[:, p.base][:, :, p.base] @ p.coefficients
+    coefficients = np.zeros(len(g.names))
+    coefficients[p.base] = p.coefficients
+    # The blocks of some columns alone would be two copies of all.
+    score = (g.score - g.blocks @ coefficients)[:, p.base]
     blocks = score.shape[0] // TOGETHER * TOGETHER
     side = score[:blocks].reshape(-1, TOGETHER, score.shape[1]).sum(axis=1)
     n = side.shape[0]

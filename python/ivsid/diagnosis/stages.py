@@ -104,27 +104,32 @@ def diagnose(
     if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in passed):
         progress("looking again, at the threshold of the null logs")
         selection = select(fit, scored, confirmation.test, progress)
-    # Most findings stand, so their model is tried while they are examined.
+    # Most findings stand, so their model is tried while they are examined, and the other log is asked of its water.
     trial = Trial(other, selection, seed, tried, nothing)
+    shoaling = Apart(partial(change, vehicle, selection.last, other))
     trial.look()
     before, motion = judging.result()
     rest, structure = _left(selection, before, test_of.visible, looks)
     complete = _complete(rest, proof, vehicle, train)
-    trial.look()
-    residuals = before_and_after(vehicle, train, fit, selection.last) if selection.found else {}
-    findings, withdrawn = findings_of(selection, residuals, rest.after, complete=complete)
+    findings, withdrawn = findings_of(
+        selection,
+        before_and_after(vehicle, train, fit, selection.last) if selection.found else {},
+        rest.after,
+        complete=complete,
+    )
     trial = trial.of({f.effect for f in findings})
     if complete and trial.out:
         # The verdict is on the model that is handed out, which leaves what the others took.
         after = adequacy(handed_out(fit, selection.last, trial.out))
         rest = replace(rest, after=replace(after, risk=structure.risk), findings=len(findings))
         complete = _complete(rest, proof, vehicle, train)
+    trial.look()
     moving = Apart(partial(motion_of, proof, train, test)) if motion is None and findings else None
     proved, extended = (
         proved_findings(findings, vehicle, train, trial.model, running=log.running) if complete else (findings, None)
     )
     progress("trying both models on the other log")
-    water = change(vehicle, selection.last, other)
+    water = shoaling.result()
     gain, shown = trial.result()
     shoal = water is not None and water.factor is not None
     # Masses that differ between the logs are a reason to fail on the other one.

@@ -147,10 +147,11 @@ class Driving:
             thrusts = np.concatenate([made.now, made.mean], axis=1)
             force = bollard_force(self.vehicle, thrusts, self.swing, self.sent)
             found = _Pushes(thrusts, force, None if self.log.between is None else made.parts)
-            # A dictionary keeps the order of its keys: the oldest go.
             for old in list(self._known)[: 1 - KEPT]:
                 self._known.pop(old, None)
-            self._known[key] = found
+        # A dictionary keeps the order of its keys: those that were asked for least lately go, and every candidate asks for the model without it.
+        self._known.pop(key, None)
+        self._known[key] = found
         return found
 
     def _early(self, parts: Array) -> Array:

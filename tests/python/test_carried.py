@@ -52,6 +52,15 @@ def test_a_model_fails_with_the_thrust_errors_that_the_first_log_shows_or_not_at
     assert failure(gain(X=2.8), [CAUSE], lambda: gain((None, 40.0)), complete=True) is not None
 
 
+def test_a_finding_that_stands_by_the_thrust_errors_says_so_where_it_says_that_it_is_worse():
+    worse = lost(gain(X=2.8))
+    assert "missing force X" in worse and "stand" not in worse
+    said = lost(gain(X=2.8), gain(u=1.3))
+    assert said.startswith(worse) and "The findings stand" in said and "simulated u" in said and "1.3 or more" in said
+    assert "worse in nothing" in lost(gain(X=2.8), gain())
+    assert not lost(gain(), gain(u=1.3))
+
+
 def test_a_model_that_diverges_names_nothing_and_has_no_factor():
     away = gain((None, 31.5), X=3.0)
     refusal = failure(away, [CAUSE], gain, complete=True)

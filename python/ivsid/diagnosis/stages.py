@@ -199,6 +199,7 @@ def diagnose(
         withdrawn,
         water,
         doubts,
+        trial.beside,
     )
 
 

@@ -35,7 +35,7 @@ def first_screen(result: Diagnosis) -> First:
 
 def worse(result: Diagnosis) -> list[str]:
     """What is worse on the other log, or diverges: it stands first."""
-    return [words for words in (diagnosis.diverging(result.gain), diagnosis.lost(result.gain)) if words]
+    return [words for words in (diagnosis.diverging(result.gain), diagnosis.lost(result.gain, result.beside)) if words]
 
 
 def best_gain(result: Diagnosis) -> str:

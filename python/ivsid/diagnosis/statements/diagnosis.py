@@ -64,6 +64,7 @@ class Diagnosis(Result):
         withdrawn: refusals of causes that the fit holds and that are no findings, by id.
         change: masses and drags of TEST over those of TRAIN; None where the logs do not tell.
         setup: faults of the set-up that the vehicle file accepts, or that are not beyond doubt.
+        beside: the gain where both models keep the thrust errors that TRAIN shows, if the findings stand by it; None otherwise.
     """
 
     verdict: str
@@ -87,6 +88,7 @@ class Diagnosis(Result):
     withdrawn: Mapping[str, Refusal] = field(default_factory=dict)
     change: Change | None = None
     setup: tuple[SetupFinding, ...] = ()
+    beside: Gain | None = None
 
     def _heading(self) -> str:
         logs = " and ".join(name for name, _ in self.inputs[1:])

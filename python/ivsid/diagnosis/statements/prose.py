@@ -242,14 +242,28 @@ def diverging(gain: Gain) -> str:
     return f"The simulation of {gain.log} diverges: {' and '.join(told)}. What diverges has no error, so no factor is told."
 
 
-def lost(gain: Gain) -> str:
-    """Sentence on the quantities in which the extended model is worse on the other log, by more than chance; empty if there are none."""
+def lost(gain: Gain, beside: Gain | None = None) -> str:
+    """Sentences on the quantities in which the extended model is worse on the other log, by more than chance; empty if there are none.
+
+    Args:
+        gain: of the extended model on the other log.
+        beside: the same where both models keep the thrust errors that the first log shows, if the findings stand by it.
+    """
     if not gain.losses:
         return ""
-    return (
+    said = (
         f"On {gain.log} the extended model is worse than the one before it in {', '.join(_WHAT[k][0] for k in gain.losses)}, by more than chance "
         f"({100 * LEVEL:g} % over all quantities): what the first log taught does not carry over to this motion, so trust it for motion "
         "like the first log's alone, and identify on both logs before you use it elsewhere."
+    )
+    if beside is None:
+        return said
+    still = ", ".join(
+        f"{_WHAT[k][0]} (by a factor of {1.0 / max(beside.interval[k][1], 1e-12):.2g} or more)" for k in beside.losses
+    )
+    return (
+        f"{said} The findings stand all the same: with the thrust errors that the first log shows in both models, the extended one is "
+        f"{f'worse in {still} alone, which two logs may differ by' if still else 'worse in nothing'}. The drags of the model before it may hold such errors."
     )
 
 

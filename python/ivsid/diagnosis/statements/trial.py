@@ -53,10 +53,12 @@ class Trial:
     Attributes:
         model: the extended hypothesis, with the findings and nothing else.
         out: causes that were found and are no findings.
+        beside: the comparison with the thrust errors that TRAIN shows, where it was asked for.
     """
 
     model: Hypothesis
     out: tuple[str, ...]
+    beside: Gain | None
 
     def __init__(
         self,
@@ -77,7 +79,7 @@ class Trial:
             nothing: the comparison where no cause was found, begun before any was looked for; its process goes on with other tasks.
             out: causes that were found and are no findings.
         """
-        self.out = tuple(out)
+        self.out, self.beside = tuple(out), None
         self._other, self._selection, self._tried, self._seed = other, selection, tried, seed
         self._again = partial(Trial, other, selection, seed, tried, nothing)
         self._known: Gain | None = None
@@ -114,7 +116,8 @@ class Trial:
         plain, last = self._selection.plain, self._selection.last
         shown = without(plain, last, self.out).h.declared_errors
         before, model = _with(_as_it_was(plain), plain.h.declared_errors), _with(self.model, shown)
-        return compare(_on(self._other, last), before, model, self._seed)
+        self.beside = compare(_on(self._other, last), before, model, self._seed)
+        return self.beside
 
     def look(self) -> None:
         """Tells of the gain if it is known by now."""

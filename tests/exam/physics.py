@@ -142,6 +142,11 @@ def windage(p: Mapping[str, float], t, u, psi, x, y):
     return 0.0, 0.0, p[""] * math.sin(2 * psi)
 
 
+def house(p: Mapping[str, float], t, u, psi, x, y):
+    """The bend that a deck house leaves in the wind's force ahead, beyond what a cosine of the heading holds."""
+    return p[""] * math.cos(3 * psi), 0.0, 0.0
+
+
 # Forces that depend on time, heading and place, by the effect's numbers.
 PLACE: dict[str, Callable] = {
     "wind.steady": wind,
@@ -150,6 +155,7 @@ PLACE: dict[str, Callable] = {
     "drag.surge.hump": hump,
     "x.shear": shear,
     "x.windage": windage,
+    "x.house": house,
 }
 
 

@@ -1,4 +1,4 @@
-"""An ambient force of any spectrum inside [ambient] is declared, a single line as well; what repeats after half a turn is not."""
+"""An ambient force of any spectrum inside [ambient] is declared, a single line as well; what repeats within a turn is not."""
 
 import math
 from types import SimpleNamespace
@@ -67,8 +67,9 @@ def test_a_sea_of_a_few_lines_makes_no_finding(seed):
     assert (result.verdict, result.findings) == ("adequate", ())
 
 
-def test_a_force_that_repeats_after_half_a_turn_is_unknown():
-    """One nine times as large as the declared ambient force was adequate: the dictionary had no function of twice the heading."""
-    result = diagnosed(40, ("x.windage", 1.0))
+@pytest.mark.parametrize(("hidden", "function"), [("x.windage", "sin 2 psi in yaw"), ("x.house", "cos 3 psi in surge")])
+def test_a_force_that_repeats_within_a_turn_is_unknown(hidden, function):
+    """Forces of four and of nine times the declared ambient force were adequate: the dictionary had no harmonics of the heading."""
+    result = diagnosed(40, (hidden, 1.0))
     (finding,) = result.findings
-    assert result.verdict == finding.effect == "unknown" and "sin 2 psi in yaw" in finding.description
+    assert result.verdict == finding.effect == "unknown" and function in finding.description

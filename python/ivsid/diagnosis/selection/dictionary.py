@@ -20,6 +20,9 @@ SYMBOLS: Final = re.compile(r"[a-z]+")
 # Thrusters that have regressors of their own.
 # Source: resource: each adds three columns
 THRUSTERS: Final = 4
+# Harmonics of the heading: loads of wind and waves on a hull have a series of them.
+# Source: physics: coefficients of wind loads bend as a third and a fourth harmonic do (Blendermann, *J. Wind Eng. Ind. Aerodyn.* 51, 1994)
+HARMONICS: Final = 4
 # Least ambient acceleration by which regressors are scaled [m/s^2, rad/s^2].
 # Source: definition: keeps the columns from zero where the ambient force is zero
 LEAST_AMBIENT: Final = 1e-6
@@ -87,8 +90,8 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
     if predictor.log.psi is not None:
         cosine, sine = np.cos(p.psi), np.sin(p.psi)
         functions |= {"cos psi": cosine, "sin psi": sine, "u cos psi": a * cosine, "u sin psi": a * sine}
-        # Loads of wind and waves on a hull repeat after half a turn as well.
-        functions |= {"cos 2 psi": np.cos(2 * p.psi), "sin 2 psi": np.sin(2 * p.psi)}
+        for k in range(2, HARMONICS + 1):
+            functions |= {f"cos {k} psi": np.cos(k * p.psi), f"sin {k} psi": np.sin(k * p.psi)}
     if predictor.log.place is not None:
         x, y = (q - q.mean() for q in p.place)
         reach = max(float(np.abs(x).max()), float(np.abs(y).max()), 1e-9)

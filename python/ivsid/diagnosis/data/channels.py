@@ -113,6 +113,7 @@ class Channels:
         noise: standard deviation of each sensor's white noise by channel: nu (3), acceleration (3), psi, place.
         notes: sentences on the samples and channels that are not used.
         running: whether angles run from a sample to the next where demands hold.
+        turned: whether the heading alone tells the yaw rate, which is no reading then.
     """
 
     name: str
@@ -136,6 +137,7 @@ class Channels:
     noise: dict[str, float]
     notes: tuple[str, ...] = ()
     running: bool = False
+    turned: bool = False
 
     @property
     def n(self) -> int:
@@ -191,9 +193,7 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
         ax = udot - nu[1] * nu[2]
     if ay is None and (vdot := resample.optional("vdot", since=averaged)) is not None:
         ay = vdot + nu[0] * nu[2]
-    psi = None
-    if "psi" in log.columns and "r" not in log.derived:
-        psi = resample("psi", unwrap=True)
+    psi = resample("psi", unwrap=True) if "psi" in log.columns else None
     place = np.stack([resample("x"), resample("y")]) if {"x", "y"} <= set(log.columns) else None
     demands, angles, rudders = _sent(vehicle, resample, held=held)
     between = None
@@ -234,6 +234,7 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
         resample.good,
         sensor_noise(readings, vehicle.sensors, float(h)),
         tuple(notes),
+        turned="r" in log.derived,
     )
 
 

@@ -1,7 +1,9 @@
-"""Velocities of a log that has a pose alone: differences of the pose over short steps, each at the middle of its step.
+"""Velocities that a log has by its pose alone: differences over short steps, each at the middle of its step.
 
 A smoother looks ahead and leaves errors with a long memory. A difference does neither beyond its own step. Two neighbouring differences
 share the pose between them, and the whitening takes out the noise that they share.
+
+A yaw rate that is a difference of headings says nothing beside them: it is a start for the filter of yaw, which the heading alone corrects.
 """
 
 from __future__ import annotations
@@ -25,18 +27,24 @@ SIDE: Final = 0.25
 # Source: measured: make constants
 CLOSE: Final = 0.1
 POSE: Final = ("x", "y", "psi")
+# Headings from which a yaw rate is told.
+# Source: definition: a difference needs two
+FEWEST: Final = 2
 
 
 def differenced(log: Log) -> Log:
-    """The log with u, v [m/s] and r [rad/s] from its pose.
+    """The log with u, v [m/s] and r [rad/s] from its pose, where it lacks all of them, or with r where it lacks that alone.
 
-    The position leaves the log: the velocities hold all that it says. A log that has a velocity, or lacks a part of the pose, comes back
-    as it is.
+    With u and v the position leaves the log: the velocities hold all that it says. Another log comes back as it is.
 
     Args:
-        log: with x, y [m] and psi [rad].
+        log: with psi [rad], and x, y [m] if it lacks all velocities.
     """
-    if set(POSE) - set(log.columns) or {"u", "v", "r"} & set(log.columns):
+    if "psi" not in log.columns or "r" in log.columns:
+        return log
+    if {"u", "v"} <= set(log.columns):
+        return _turning(log)
+    if set(POSE) - set(log.columns) or {"u", "v"} & set(log.columns):
         return log
     h = max(STEP, log.period)
     t = log.t[0] + h * np.arange(int((log.t[-1] - log.t[0]) / h) + 1)
@@ -55,7 +63,23 @@ def differenced(log: Log) -> Log:
             columns[name] = _spread(every, log.t, values)
     columns |= {name: _spread(every, at, values) for name, values in made.items()}
     note = f"velocities are differences of the pose over {h:.3g} s, each at the middle of its step"
-    return replace(log, t=every, columns=columns, notes=(*log.notes, note))
+    return replace(log, t=every, columns=columns, derived={**log.derived, "r": ("psi",)}, notes=(*log.notes, note))
+
+
+def _turning(log: Log) -> Log:
+    """The log with a yaw rate at its rows: differences of the heading over two steps of ``STEP`` or of the log, whichever are longer."""
+    there = np.isfinite(log.columns["psi"])
+    if there.sum() < FEWEST:
+        return log
+    t, psi, half = log.t[there], np.unwrap(log.columns["psi"][there]), max(STEP, log.period)
+    first, last = (np.clip(log.t + x, t[0], t[-1]) for x in (-half, half))
+    r = (np.interp(last, t, psi) - np.interp(first, t, psi)) / np.maximum(last - first, half)
+    return replace(
+        log,
+        columns={**log.columns, "r": r},
+        derived={**log.derived, "r": ("psi",)},
+        notes=(*log.notes, "the heading alone tells the yaw rate: no gyro is logged"),
+    )
 
 
 def _mean(log: Log, name: str, t: Array, h: float) -> Array:

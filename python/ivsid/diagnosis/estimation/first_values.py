@@ -23,6 +23,12 @@ Array = NDArray[np.float64]
 # Length of the windows [s]: long enough to average the noise of accelerations, shorter than a manoeuvre.
 # Source: measured: make constants
 WINDOW: Final = 1.0
+# Factors by which windows are longer where the noise of the velocities asks for it, the shortest first.
+# Source: geometry: the noise of a mean acceleration falls with the length, and a hull that turns in a second is seen in the shortest
+LONGER: Final = (1, 2, 4, 8)
+# Largest share of the noise in the variance of an axis's mean accelerations, by which the noise makes its mass too small.
+# Source: definition: Gauss-Newton steps start from masses within a tenth
+NOISY: Final = 0.05
 # Least share of good samples in a window.
 # Source: geometry: all of them, up to rounding of a mean
 ALL_GOOD: Final = 0.999
@@ -65,21 +71,24 @@ def first_values(vehicle: Vehicle, log: Channels, terms: Sequence[Term], claimed
                 force[CHANNELS.index(channel)] -= claimed[term.id] * column
             else:
                 design[free.index(term), CHANNELS.index(channel)] = column
-    good = np.flatnonzero(_mean(log.good.astype(float)[None], q)[0] > ALL_GOOD)[::q]
-    A = _mean(design.reshape(-1, log.n), q).reshape(len(free), 3, log.n)[:, :, good]
-    y = _mean(force, q)[:, good]
+    A, y = [], []
+    for k in range(3):
+        longer = _length(log, k, rate[k], q)
+        good = np.flatnonzero(_mean(log.good.astype(float)[None], longer)[0] > ALL_GOOD)[::longer]
+        A.append(_mean(design[:, k], longer)[:, good])
+        y.append(_mean(force[k], longer)[good])
     weights = _weights(y)
     found = np.zeros(len(free))
     for _ in range(ROUNDS):
-        rows = (A * weights[:, None]).reshape(len(free), -1).T
+        rows = np.concatenate([a * w for a, w in zip(A, weights, strict=True)], axis=1).T
         scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-30)
-        right = (y * weights[:, None]).ravel()
+        right = np.concatenate([x * w for x, w in zip(y, weights, strict=True)])
         found = np.linalg.lstsq(rows / scale, right, rcond=RCOND)[0] / scale
         if any(_drives(term, value) for term, value in zip(free, found, strict=True)):
             # A drag that drives lets the states run away before the first step.
             least = np.array([-np.inf if _signed(term) else 0.0 for term in free])
             found = lsq_linear(rows / scale, right, (least, np.inf)).x / scale
-        weights = _weights(y - np.einsum("j,jcn->cn", found, A))
+        weights = _weights([x - found @ a for x, a in zip(y, A, strict=True)])
     values = dict(claimed)
     for term, value in zip(free, found, strict=True):
         values[term.id] = float(value)
@@ -114,12 +123,29 @@ def _drives(term: Term, value: float) -> bool:
     return not _signed(term) and value < 0
 
 
-def _weights(x: Array) -> Array:
+def _length(log: Channels, k: int, rate: Array, q: int) -> int:
+    """Samples in the windows of an axis: the shortest in which the noise is a small share of its mean accelerations.
+
+    Args:
+        log: on its clock.
+        k: index of the axis.
+        rate: its acceleration, of velocities that are means over half of a shortest window, shape (n,).
+        q: samples in a shortest window.
+    """
+    variance = 2.0 * log.noise["uvr"[k]] ** 2 / max(2, q // 2)
+    for longer in LONGER:
+        seen = float(np.var(_mean(rate, longer * q)[log.good])) if log.good.any() else 0.0
+        if variance / (longer * q * log.h) ** 2 <= NOISY * seen:
+            break
+    return longer * q
+
+
+def _weights(x: Sequence[Array]) -> Array:
     """Weights of the three equations, shape (3,): one for both forces.
 
     Without a thrust to the side the sway equation by itself has the solution of no mass at all.
     """
-    force = max(float(np.sqrt(np.mean(x[:2] ** 2))), 1e-9)
+    force = max(float(np.sqrt(np.mean(np.concatenate([x[0], x[1]]) ** 2))), 1e-9)
     return np.array([1 / force, 1 / force, 1 / max(float(np.sqrt(np.mean(x[2] ** 2))), 1e-9)])
 
 

@@ -14,6 +14,7 @@ from ivsid.diagnosis.estimation.whitening import Whitening
 from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.diagnosis.prediction.axes import Ambient
 from ivsid.diagnosis.prediction.innovations import Predictor
+from ivsid.diagnosis.prediction.kalman import Axis
 from ivsid.effects.inertia import INERTIA_YAW, MASS_SURGE, MASS_SWAY
 from ivsid.vehicle import Vehicle
 
@@ -197,6 +198,8 @@ def _data_of(predictor: Predictor, k: int, errors: Array) -> Array:
     here = predictor.axes[k]
     h = predictor.log.h
     decay = float(np.exp(-h / predictor.ambient.time[k]))
+    if k == 2 and predictor.log.turned:
+        return _slope_of_heading(here, errors, decay, h)
     at = here.outputs.index("velocity")
     K = here.kalman_gain
     # Velocity and ambient acceleration alone: the position does not act on them.
@@ -213,6 +216,20 @@ def _data_of(predictor: Predictor, k: int, errors: Array) -> Array:
         velocity += h * wind
         wind *= decay
     return out
+
+
+def _slope_of_heading(here: Axis, errors: Array, decay: float, h: float) -> Array:
+    """The slopes of the heading's readings that would give these errors without a model [rad/s], shape (n,)."""
+    out = np.empty(errors.shape[1])
+    w0, w1, w2 = (here.kalman_gain @ errors).tolist()
+    heading, velocity, wind = 0.0, 0.0, 0.0
+    for i, e in enumerate(errors[here.outputs.index("position")].tolist()):
+        out[i] = heading + e
+        heading, velocity, wind = heading + w0[i], velocity + w1[i], wind + w2[i]
+        heading += h * velocity + 0.5 * h * h * wind
+        velocity += h * wind
+        wind *= decay
+    return np.gradient(out, h)
 
 
 def axes_left_out(predictor: Predictor) -> frozenset[int]:

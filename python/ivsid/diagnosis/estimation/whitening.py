@@ -186,12 +186,15 @@ def _of_means(white: Whitening, residual: Array, good: NDArray[np.bool_]) -> Whi
 
 
 def _counting(predictor: Predictor, left_out: frozenset[int]) -> tuple[dict[int, list[int]], list[int]]:
-    """Rows that count by axis, and those that do not: of an axis that is left out only its gyro beside a heading does."""
+    """Rows that count by axis, and those that do not.
+
+    Of an axis that is left out only its gyro beside a heading counts, and a yaw rate that is made of the heading does nowhere.
+    """
     rows_of: dict[int, list[int]] = {}
     silent = []
     for i, (k, channel) in enumerate(predictor.labels):
         known = predictor.rate is not None and predictor.rate.heading is not None and channel == "r"
-        if k in left_out and not known:
+        if (k in left_out and not known) or (channel == "r" and predictor.log.turned):
             silent.append(i)
         else:
             rows_of.setdefault(k, []).append(i)

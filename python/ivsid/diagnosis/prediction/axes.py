@@ -15,6 +15,9 @@ TRACK: Final = 2e-3
 # Correlation time of that error [s].
 # Source: measured: make constants
 TRACK_TIME: Final = 20.0
+# Noise of a yaw rate that differences of the heading give, over its scatter: the heading alone corrects the filter.
+# Source: definition: such a reading changes the filtered rate by less than a millionth
+UNREAD: Final = 1e3
 # The channel of each output of the filters of surge, sway and yaw.
 MEASURED: Final[tuple[dict[str, str], ...]] = (
     {"velocity": "u", "acceleration": "ax"},
@@ -41,7 +44,11 @@ def motion_axes(log: Channels, ambient: Ambient) -> list[Axis]:
     return [
         axis(
             log.h,
-            {kind: log.noise[name] for kind, name in names.items() if name in log.noise},
+            {
+                kind: log.noise[name] * (UNREAD if name == "r" and log.turned else 1.0)
+                for kind, name in names.items()
+                if name in log.noise
+            },
             ambient.deviation[k],
             ambient.time[k],
         )

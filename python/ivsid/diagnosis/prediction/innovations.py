@@ -134,7 +134,10 @@ class Predictor(StateFilter):
         for k, q in enumerate(("u", "v", "r")):
             if q in reading:
                 g[k, :n] = g[k, n:] = reading[q]
-        if self.rate is not None and self.rate.heading is not None:
+        if self.log.turned:
+            # No gyro is read, and an error of the heading turns the hull as it changes.
+            g[2] = np.tile(np.gradient(reading["psi"], self.log.h), 2) if "psi" in reading else 0.0
+        elif self.rate is not None and self.rate.heading is not None:
             # The heading holds the yaw rate, whatever the gyro reads.
             g[2] = 0.0
         specific = process

@@ -25,6 +25,9 @@ MOST_PARTS: Final = 50
 # Rounding of a number of steps that is rounded to a whole one.
 # Source: geometry: far above the rounding of a quotient of times, far below a step
 WHOLE: Final = 1e-6
+# Noise of a yaw rate that differences of the heading give, over its scatter: it corrects no filter.
+# Source: definition: such a reading changes a filtered rate by less than a millionth
+UNREAD: Final = 1e3
 
 
 @dataclass(frozen=True)
@@ -143,6 +146,11 @@ class Channels:
     def n(self) -> int:
         """Number of samples."""
         return int(self.t.size)
+
+    @property
+    def rate_noise(self) -> float:
+        """Standard deviation of the yaw rate's white noise [rad/s], beyond all that counts where the heading alone tells it."""
+        return self.noise["r"] * (UNREAD if self.turned else 1.0)
 
     def has(self, need: str) -> bool:
         """Whether the log has a channel that an effect of the catalogue needs, ``a`` or ``a|b``."""

@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.diagnosis.data.sensor_noise import scatter
 from ivsid.log import Log
 
 Array = NDArray[np.float64]
@@ -27,9 +28,15 @@ SIDE: Final = 0.25
 # Source: measured: make constants
 CLOSE: Final = 0.1
 POSE: Final = ("x", "y", "psi")
-# Headings from which a yaw rate is told.
-# Source: definition: a difference needs two
-FEWEST: Final = 2
+# Headings from which a yaw rate and their noise are told.
+# Source: definition: a third difference needs four
+FEWEST: Final = 4
+# Factors by which differences of the heading are longer where its noise asks for it, the shortest first.
+# Source: geometry: the noise of a difference falls with its length, and hulls turn in half a second to half a minute
+LONGER: Final = (1, 2, 4, 8)
+# Largest share of the heading's noise in the variance of its differences.
+# Source: definition: the standard deviation of such a yaw rate is off by half a per cent
+NOISY: Final = 0.01
 
 
 def differenced(log: Log) -> Log:
@@ -67,13 +74,18 @@ def differenced(log: Log) -> Log:
 
 
 def _turning(log: Log) -> Log:
-    """The log with a yaw rate at its rows: differences of the heading over two steps of ``STEP`` or of the log, whichever are longer."""
+    """The log with a yaw rate at its rows: differences of the heading over the shortest time in which its noise is small."""
     there = np.isfinite(log.columns["psi"])
     if there.sum() < FEWEST:
         return log
-    t, psi, half = log.t[there], np.unwrap(log.columns["psi"][there]), max(STEP, log.period)
-    first, last = (np.clip(log.t + x, t[0], t[-1]) for x in (-half, half))
-    r = (np.interp(last, t, psi) - np.interp(first, t, psi)) / np.maximum(last - first, half)
+    t, psi = log.t[there], np.unwrap(log.columns["psi"][there])
+    noise = scatter(psi, 3)
+    for longer in LONGER:
+        half = longer * max(STEP, log.period)
+        first, last = (np.clip(log.t + x, t[0], t[-1]) for x in (-half, half))
+        r = (np.interp(last, t, psi) - np.interp(first, t, psi)) / np.maximum(last - first, half)
+        if 2.0 * (noise / (2.0 * half)) ** 2 <= NOISY * float(np.var(r)):
+            break
     return replace(
         log,
         columns={**log.columns, "r": r},

@@ -56,10 +56,19 @@ def sensor_noise(readings: Mapping[str, Array | None], sensors: Sensors, h: floa
         if x is None:
             continue
         order = 1 if name in _ACCELERATIONS else 3
-        variance = DIFFERENCE_VARIANCE[order]
-        scatter = float(np.median(np.abs(np.diff(x, order))) / NORMAL_MEDIAN / np.sqrt(variance))
+        size = scatter(x, order)
         guess = specified.get(name)
         if guess:
-            scatter = float(np.clip(scatter, guess / FROM_SPECIFICATION, guess * FROM_SPECIFICATION))
-        found[name] = max(scatter, LEAST_SHARE * float(np.std(x)), LEAST)
+            size = float(np.clip(size, guess / FROM_SPECIFICATION, guess * FROM_SPECIFICATION))
+        found[name] = max(size, LEAST_SHARE * float(np.std(x)), LEAST)
     return found
+
+
+def scatter(x: Array, order: int) -> float:
+    """Standard deviation of the white noise of readings, by the median of their differences.
+
+    Args:
+        x: shape (n,).
+        order: of the differences.
+    """
+    return float(np.median(np.abs(np.diff(x, order))) / NORMAL_MEDIAN / np.sqrt(DIFFERENCE_VARIANCE[order]))

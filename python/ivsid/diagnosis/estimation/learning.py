@@ -15,6 +15,7 @@ from ivsid.diagnosis.estimation.first_values import first_values, with_fitted
 from ivsid.diagnosis.estimation.fit import Fit, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.noise import (
+    YAW,
     Noise,
     ambient_of,
     axes_left_out,
@@ -140,11 +141,11 @@ def plain_fit(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
         ) from None
 
 
-def _plain(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
+def _plain(vehicle: Vehicle, log: Channels, search: Search, *, unseen: bool = False) -> Fit:
     claimed = dict(vehicle.model.values)
     h = with_fitted(vehicle, first_values(vehicle, log, terms_of(vehicle), claimed))
     predictor = Predictor(vehicle, log, declared_ambient(vehicle))
-    left_out = axes_left_out(predictor)
+    left_out = YAW if unseen else axes_left_out(predictor)
     if left_out:
         predictor = Predictor(vehicle, log, predictor.ambient, driving=predictor.driving, turning=False)
         # Yaw is left out, so that nothing determines the inertia.
@@ -155,6 +156,9 @@ def _plain(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
         predictor = predictor.adopt(_expected(predictor.ambient, declared_ambient(vehicle, h.values)))
     predictor = quick_enough(predictor, predictor.slopes(predictor.start(h)))
     noise, states = learn(predictor, predictor.settle(predictor.start(h), 2), search, claimed, left_out)
+    if log.turned and not left_out and axes_left_out(noise.predictor):
+        # A filter that forgets as quickly as the hull damps follows the noise of a heading alone.
+        return _plain(vehicle, log, search, unseen=True)
     return survey(noise, improve(Problem.at(noise, claimed, states), states), claimed)
 
 

@@ -86,6 +86,9 @@ MOVING: Final = 20.0
 # Least standard deviation of the yaw rate of a hull of 1 m that turns [rad/s]; longer hulls turn more slowly, after Froude.
 # Source: measured: make constants
 TURNING: Final = 0.015
+# The axis that is left out where a vehicle hardly turns.
+# Source: definition: the third of surge, sway and yaw
+YAW: Final = frozenset({2})
 
 
 @dataclass(frozen=True)
@@ -242,7 +245,7 @@ def axes_left_out(predictor: Predictor) -> frozenset[int]:
     turning = float(uniform_filter1d(predictor.log.nu[2], max(2, round(HALF / predictor.log.h))).std())
     # Sway follows from u r, so that it is not known without a yaw rate either.
     least = TURNING / np.sqrt(hull_length(predictor.vehicle))
-    return frozenset() if turning >= max(MOVING * predictor.axes[2].spread, least) else frozenset({2})
+    return frozenset() if turning >= max(MOVING * predictor.axes[2].spread, least) else YAW
 
 
 def usable_rows(predictor: Predictor) -> NDArray[np.bool_]:

@@ -15,9 +15,6 @@ TRACK: Final = 2e-3
 # Correlation time of that error [s].
 # Source: measured: make constants
 TRACK_TIME: Final = 20.0
-# Noise of a yaw rate that differences of the heading give, over its scatter: the heading alone corrects the filter.
-# Source: definition: such a reading changes the filtered rate by less than a millionth
-UNREAD: Final = 1e3
 # The channel of each output of the filters of surge, sway and yaw.
 MEASURED: Final[tuple[dict[str, str], ...]] = (
     {"velocity": "u", "acceleration": "ax"},
@@ -45,7 +42,7 @@ def motion_axes(log: Channels, ambient: Ambient) -> list[Axis]:
         axis(
             log.h,
             {
-                kind: log.noise[name] * (UNREAD if name == "r" and log.turned else 1.0)
+                kind: log.rate_noise if name == "r" else log.noise[name]
                 for kind, name in names.items()
                 if name in log.noise
             },

@@ -80,7 +80,7 @@ def yaw_rate(log: Channels) -> YawRate:
     def mirrored(x: Array, first: float = 0.0, last: float = 0.0, sign: float = 1.0) -> Array:
         return np.concatenate([2 * first + sign * x[pad:0:-1], x, 2 * last + sign * x[-2 : -pad - 2 : -1]])
 
-    gyro = log.noise["r"] ** 2
+    gyro = log.rate_noise**2
     weighted, weight = np.fft.rfft(mirrored(log.nu[2])) / gyro, np.full(w.size, 1 / gyro)
     if log.psi is not None:
         # A slope is taken over two steps: it sees less of fast turning, and its noise has the spectrum of a difference.

@@ -8,6 +8,7 @@ A yaw rate that is a difference of headings says nothing beside them: it is a st
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.sensor_noise import scatter
+from ivsid.errors import IvsidError
 from ivsid.log import Log
 
 Array = NDArray[np.float64]
@@ -27,6 +29,9 @@ SIDE: Final = 0.25
 # Farthest distance of a single sample that stands for the pose at an end of a step, as a share of the step.
 # Source: measured: make constants
 CLOSE: Final = 0.1
+# Largest share of the noise in the variance of velocities that a pose alone gives.
+# Source: geometry: regressors with more of it give masses and drags that are off by as much
+DROWNED: Final = 0.1
 POSE: Final = ("x", "y", "psi")
 # Headings from which a yaw rate and their noise are told.
 # Source: definition: a third difference needs four
@@ -46,6 +51,9 @@ def differenced(log: Log) -> Log:
 
     Args:
         log: with psi [rad], and x, y [m] if it lacks all velocities.
+
+    Raises:
+        IvsidError: velocities of a pose alone would be mostly noise.
     """
     if "psi" not in log.columns or "r" in log.columns:
         return log
@@ -62,6 +70,12 @@ def differenced(log: Log) -> Log:
     c, s = np.cos(middle), np.sin(middle)
     made = {"u": north * c + east * s, "v": east * c - north * s, "r": np.diff(psi) / h, "psi": middle}
     at = 0.5 * (t[1:] + t[:-1])
+    share = _share(made)
+    if share > DROWNED:
+        raise IvsidError(
+            f"{log.name} has a pose alone, whose noise is {100 * share:.0f} % of the variance of the velocities that it gives, and a diagnosis follows "
+            f"{100 * DROWNED:.0f} %; log u, v and r, or a pose with less noise"
+        )
     # The other channels keep their own times, and the velocities get rows of their own.
     every = np.union1d(log.t, at)
     columns = {}
@@ -70,7 +84,7 @@ def differenced(log: Log) -> Log:
             columns[name] = _spread(every, log.t, values)
     columns |= {name: _spread(every, at, values) for name, values in made.items()}
     note = f"velocities are differences of the pose over {h:.3g} s, each at the middle of its step"
-    return replace(log, t=every, columns=columns, derived={**log.derived, "r": ("psi",)}, notes=(*log.notes, note))
+    return replace(log, t=every, columns=columns, notes=(*log.notes, note))
 
 
 def _turning(log: Log) -> Log:
@@ -92,6 +106,14 @@ def _turning(log: Log) -> Log:
         derived={**log.derived, "r": ("psi",)},
         notes=(*log.notes, "the heading alone tells the yaw rate: no gyro is logged"),
     )
+
+
+def _share(made: Mapping[str, Array]) -> float:
+    """Share of the noise in the variance of u and v."""
+    known = [made[q][np.isfinite(made[q])] for q in ("u", "v")]
+    if min(x.size for x in known) < FEWEST:
+        return 0.0
+    return sum(scatter(x, 3) ** 2 for x in known) / max(sum(float(np.var(x)) for x in known), 1e-300)
 
 
 def _mean(log: Log, name: str, t: Array, h: float) -> Array:

@@ -36,7 +36,7 @@ from ivsid.diagnosis.statements.claims import Claim
 from ivsid.diagnosis.statements.diagnosis import Diagnosis, extended_vehicle, model_files
 from ivsid.diagnosis.statements.evidence import Evidence, evidence
 from ivsid.diagnosis.statements.findings import Finding
-from ivsid.diagnosis.statements.prose import diverging, explain, lost, worth
+from ivsid.diagnosis.statements.prose import diverging, explain, grown, lost, worth
 from ivsid.diagnosis.statements.proved import GUARANTEED, REFUTED, Proof
 
 __all__ = [
@@ -59,6 +59,7 @@ __all__ = [
     "evidence",
     "explain",
     "extended_vehicle",
+    "grown",
     "isolability",
     "lost",
     "model_files",

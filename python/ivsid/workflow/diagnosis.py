@@ -260,7 +260,7 @@ def _lines(result: Diagnosis) -> list[str]:
         also = f", weight {f.confidence:.2f}; could also be {', '.join(f.alternatives)}" if f.alternatives else ""
         lines.append(f"  {f.effect} (probability {0.0 if f.like is None else f.like.probability:.2f}{also})")
         lines += [
-            f"    {k:<32} {shown(b.lower, b.upper):>32} {b.unit}{' (guaranteed)' if b.guaranteed else ''}"
+            f"    {k:<32} {b.stands_for or shown(b.lower, b.upper):>32} {'' if b.stands_for else b.unit}{' (guaranteed)' if b.guaranteed else ''}".rstrip()
             for k, b in f.parameters.items()
         ]
         if f.description:

@@ -35,11 +35,14 @@ def first_screen(result: Diagnosis) -> First:
 
 def worse(result: Diagnosis) -> list[str]:
     """What is worse on the other log, or diverges: it stands first."""
-    return [words for words in (diagnosis.diverging(result.gain), diagnosis.lost(result.gain, result.beside)) if words]
+    gain = result.gain
+    return [w for w in (diagnosis.diverging(gain), diagnosis.lost(gain, result.beside), diagnosis.grown(gain)) if w]
 
 
 def best_gain(result: Diagnosis) -> str:
-    """The clearest gain on the other log in a sentence; empty without one."""
+    """The clearest gain on the other log in a sentence; empty without one, and where another error grows by a quarter."""
+    if result.gain.grown:
+        return ""
     rows = [q for q in diagnosis.worth(result.gain) if q[4] is not None and q[4][0] > 1.0]
     if not rows:
         return ""
@@ -52,7 +55,9 @@ def best_gain(result: Diagnosis) -> str:
 
 
 def size(b: Bound) -> str:
-    """An interval in words, its ends rounded outward; one without ends has none."""
+    """An interval in words, its ends rounded outward, or the thruster that an index stands for; an interval without ends has no bound."""
+    if b.stands_for:
+        return b.stands_for
     if not (math.isfinite(b.lower) or math.isfinite(b.upper)):
         return "no bound"
     low, high = shown(b.lower, b.upper, DIGITS)[1:-1].split(", ")

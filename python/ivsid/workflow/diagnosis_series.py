@@ -92,7 +92,7 @@ def finding_parts(f: Finding, e: Evidence | None) -> list[Part]:
     numbers = [
         _bars(name, b.unit, [("the log", b.lower, b.upper, size(b), b.guaranteed)], [("no effect", 0.0)])
         for name, b in f.parameters.items()
-        if "ratio" not in f.evidence
+        if "ratio" not in f.evidence and not b.stands_for
     ]
     if numbers:
         parts.append(drawn.bars("Intervals of its numbers.", numbers))

@@ -50,6 +50,7 @@ class Bound:
         statistical: the statistical interval beside a proved one.
         proved: the proved interval beside a statistical one.
         within: the interval as it would be if nothing unknown were left.
+        stands_for: the name of the thruster whose index the number is; empty for another number.
     """
 
     lower: float
@@ -60,6 +61,7 @@ class Bound:
     statistical: tuple[float, float] | None = None
     proved: tuple[float, float] | None = None
     within: tuple[float, float] | None = None
+    stands_for: str = ""
 
     def record(self) -> dict[str, object]:
         """As in result.json."""
@@ -148,7 +150,8 @@ def intervals(
             continue
         for name, parameter, value in zip(given.effect.parts, given.effect.parameters, given.values, strict=True):
             if parameter.draw == "thruster":
-                out[name] = Bound(value, value, parameter.unit, parameter.symbol)
+                thruster = fit.noise.predictor.vehicle.thrusters[int(value)].name
+                out[name] = Bound(value, value, parameter.unit, parameter.symbol, stands_for=thruster)
         if given.effect.form.place:
             _places(fit, given, worse, out, swapped)
         for j in bent(given):

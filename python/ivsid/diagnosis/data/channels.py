@@ -182,12 +182,14 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     Raises:
         IvsidError: the log lacks velocities or demands, is shorter than a minute, or turns faster than its clock can follow.
     """
+    known = len(log.notes)
     log, _ = with_velocities(differenced(log), vehicle.sensors)
     check_usable(log)
     log = at_origin(log, vehicle.sensors)
     held = vehicle.log.demand == "hold"
     # Only a force that keeps its direction is linear in its thrust, so that the mean of one gives that of the other.
     fixed = all(t.steering == "fixed" and t.rudder is None for t in vehicle.thrusters)
+    made = log.notes[known:]
     log, h, count, notes = paced(log, inside=held and fixed and bool(vehicle.thrusters))
     # The first time has as many of its step's readings before it as after it.
     start = log.t[0] + 0.5 * (count - 1) * (h / count)
@@ -241,7 +243,7 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
         resample.optional("depth"),
         resample.good,
         sensor_noise(readings, vehicle.sensors, float(h)),
-        tuple(notes),
+        (*made, *notes),
         turned="r" in log.derived,
     )
 

@@ -154,9 +154,11 @@ def _plain(vehicle: Vehicle, log: Channels, search: Search, *, unseen: bool = Fa
         h, claimed = replaced(h, fixed), {**claimed, **fixed}
     else:
         predictor = predictor.adopt(_expected(predictor.ambient, declared_ambient(vehicle, h.values)))
-    predictor = quick_enough(predictor, predictor.slopes(predictor.start(h)))
+    slopes = predictor.slopes(predictor.start(h))
+    quicker = quick_enough(predictor, slopes)
+    damped, predictor = quicker is not predictor, quicker
     noise, states = learn(predictor, predictor.settle(predictor.start(h), 2), search, claimed, left_out)
-    if log.turned and not left_out and axes_left_out(noise.predictor):
+    if log.turned and damped and not left_out and axes_left_out(noise.predictor):
         # A filter that forgets as quickly as the hull damps follows the noise of a heading alone.
         return _plain(vehicle, log, search, unseen=True)
     return survey(noise, improve(Problem.at(noise, claimed, states), states), claimed)

@@ -47,6 +47,10 @@ FORCES: Final = ("X", "Y", "N")
 # Source: definition: equal tails of 2.5 %
 ENDS: Final = (0.025, 0.975)
 
+# Factor by which an error on the other log is larger where the model file is not handed out, whatever chance does.
+# Source: definition: a quarter, as docs/guide.md says
+GROWN: Final = 1.25
+
 
 @dataclass(frozen=True)
 class Gain:
@@ -91,6 +95,19 @@ class Gain:
     def factors(self) -> dict[str, tuple[float, float]]:
         """The intervals that may be said: none where a model diverges."""
         return {} if any(t is not None for t in self.diverges) else self.interval
+
+    @property
+    def errors(self) -> dict[str, tuple[float, float]]:
+        """Errors before and after, by quantity: those of the simulation, then the missing forces."""
+        place = {} if self.position_rms is None else {"position": self.position_rms}
+        return {**self.simulation_rms, **place, **self.force_rms}
+
+    @property
+    def grown(self) -> tuple[str, ...]:
+        """Quantities whose error is larger by ``GROWN`` with the model after, whether or not the log tells it from chance."""
+        if any(t is not None for t in self.diverges):
+            return ()
+        return tuple(k for k, (before, after) in self.errors.items() if after > GROWN * before)
 
     def record(self) -> dict[str, object]:
         """The entry ``gain`` of result.json."""

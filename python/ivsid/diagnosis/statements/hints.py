@@ -55,7 +55,11 @@ def hints(fit: Fit) -> tuple[str, ...]:
         sizes = np.array([fit.h.declared_errors.get(g.names[p.base[i]], 0.0) * g.unit[p.base[i]] for i in own])
         if float(sizes @ np.linalg.solve(p.covariance[np.ix_(own, own)], sizes)) > SHOWN**2 + len(own):
             most = far.get(thruster.name, 0.0)
-            where = f"by up to {most:.1f} times its accuracy" if most > OVERSHOOT else "inside its accuracy"
+            where = (
+                f"by an estimate of up to {most:.1f} times its accuracy, which may be inside it unless a finding says otherwise"
+                if most > OVERSHOOT
+                else "inside its accuracy"
+            )
             out.append(f"the thrust of {thruster.name} differs from its curve, {where}")
     vehicle, ambient = fit.noise.predictor.vehicle, fit.noise.predictor.ambient
     if vehicle.ambient is not None and vehicle.ambient.force:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from typing import Final
 
@@ -77,6 +77,9 @@ def _sizes(result: Diagnosis, f: Finding, effect: Effect) -> list[str]:
     }
     words = []
     for name, b in f.parameters.items():
+        if b.stands_for:
+            words.append(f"{name} is {b.stands_for}.")
+            continue
         unit = "" if b.unit == "1" else f" {b.unit}"
         size = f"; {typical[name]:.3g}{unit} is usual for a vehicle of this mass" if name in typical else ""
         kind = "proved" if b.guaranteed else "statistical, not proved"
@@ -219,14 +222,9 @@ def worth(gain: Gain) -> list[tuple[str, str, float, float, tuple[float, float] 
     Returns:
         Quantity, unit, error before, error after, 95 % interval of before over after (None without one), and the change in words.
     """
-    pairs: Mapping[str, tuple[float, float]] = {
-        **gain.simulation_rms,
-        **({} if gain.position_rms is None else {"position": gain.position_rms}),
-        **gain.force_rms,
-    }
     return [
         (*_WHAT[name], before, after, gain.factors.get(name), _change(gain, name, before, after))
-        for name, (before, after) in pairs.items()
+        for name, (before, after) in gain.errors.items()
     ]
 
 
@@ -264,6 +262,21 @@ def lost(gain: Gain, beside: Gain | None = None) -> str:
     return (
         f"{said} The findings stand all the same: with the thrust errors that the first log shows in both models, the extended one is "
         f"{f'worse in {still} alone, which two logs may differ by' if still else 'worse in nothing'}. The drags of the model before it may hold such errors."
+    )
+
+
+def grown(gain: Gain) -> str:
+    """Sentence on errors on the other log that are larger by a quarter with the extended model and no more than chance may make; empty without one."""
+    found = [
+        f"{_WHAT[k][0]} ({gain.errors[k][0]:.3g} {_WHAT[k][1]} before, {gain.errors[k][1]:.3g} after)"
+        for k in gain.grown
+        if k not in gain.losses
+    ]
+    if not found:
+        return ""
+    return (
+        f"On {gain.log} the error with the extended model is larger by a quarter or more in {', '.join(found)}; its windows differ too much to tell that "
+        "from chance, so compare both models on another log before you use it."
     )
 
 

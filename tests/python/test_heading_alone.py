@@ -11,6 +11,8 @@ from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.data.from_pose import differenced
 from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.estimation.noise import axes_left_out, declared_ambient
+from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 
@@ -68,10 +70,19 @@ def test_a_cause_is_named_without_a_gyro():
 
 
 def test_a_coarse_compass_leaves_yaw_out():
-    """A filter that forgets as quickly as the hull damps would follow the noise of the heading."""
     vehicle = compass(0.3)
     train, _ = blind(vehicle, noise=0.1)
     assert plain_fit(vehicle, channels(train, vehicle), everything).noise.left_out == {2}
+
+
+def test_a_hull_that_damps_within_a_second_leaves_yaw_out_beside_a_compass():
+    """The vessel turns enough, and a filter that forgets as quickly as it damps follows the noise of the heading."""
+    terms = ["mass.surge", "mass.sway", "inertia.yaw", "drag.surge.quadratic", "drag.sway.quadratic", "drag.yaw.linear"]
+    vehicle = parse_vehicle(f"{compass(0.03).text}\n[model]\nterms = {terms}\n", "damped.toml")
+    train, _ = blind(vehicle, {"drag.yaw.linear": 12.0}, noise=0.008)
+    log = channels(train, vehicle)
+    assert not axes_left_out(Predictor(vehicle, log, declared_ambient(vehicle)))
+    assert plain_fit(vehicle, log, everything).noise.left_out == {2}
 
 
 def test_a_log_with_a_gyro_keeps_it():

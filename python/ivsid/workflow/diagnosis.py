@@ -269,7 +269,11 @@ def _lines(result: Diagnosis) -> list[str]:
             lines.append(f"    to separate them: {f.separate_by}")
     if result.findings:
         for what, unit, before, after, _, said in diagnosis.worth(result.gain)[:4]:
-            lines.append(f"  {what} on {result.gain.log}: {before:.4g} {unit} before, {after:.4g} after: {said}")
+            # One model has one error.
+            change = (
+                f" before, {after:.4g} after: {said}" if before != after else "" if said == "unchanged" else f": {said}"
+            )
+            lines.append(f"  {what} on {result.gain.log}: {before:.4g} {unit}{change}")
     lines += [f"  hint: {h}" for h in result.hints]
     lines.append(f"  {_model(result)}")
     if result.claims:

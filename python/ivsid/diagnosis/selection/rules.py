@@ -233,8 +233,8 @@ ONE_FORCE: Final = Rule[Together](
     "definition: 0.3 % of normal errors lie beyond",
     lambda c: c.fall - PRICE * (c.numbers - 1) - c.alone,
     lambda _: MARGIN,
-    "{case.words} explain {case.fall:.0f} in chi² together, and one force, {case.force}, explains {case.alone:.0f} in their place; they would "
-    "have to be {limit:.0f} better",
+    "{case.words} explain {case.fall:.0f} in chi² together, and one force, {case.force}, explains {case.alone:.0f} in their place: causes "
+    "of their own would together explain {limit:.0f} more than it",
     lambda c: c.alone > c.one + max(MARGIN, BENT * c.one),
 )
 BETTER_FORCE: Final = Rule[Together](
@@ -246,7 +246,8 @@ BETTER_FORCE: Final = Rule[Together](
     "definition: 0.3 % of normal errors lie beyond",
     lambda c: c.alone - (c.fall - PRICE * (c.numbers - 1)),
     lambda c: max(MARGIN, MORE * c.fall),
-    "it explains {case.fall:.0f} in chi², and one force, {case.force}, explains {case.alone:.0f} in its place; {limit:.0f} more are too many",
+    "one force, {case.force}, explains {case.alone:.0f} in chi² in its place, where it explains {case.fall:.0f}: by more than {limit:.0f} the force is one "
+    "that the catalogue lacks",
     least=False,
 )
 BETTER_CURVE: Final = Rule[Curve](
@@ -258,7 +259,8 @@ BETTER_CURVE: Final = Rule[Curve](
     "theorem: chi-squared of the further numbers",
     lambda c: c.alone - c.fall,
     lambda c: max(float(chdtri(max(c.directions - c.numbers, 1), SHAPES)), BENT * max(c.fall, c.whole)),
-    "it explains {case.fall:.0f} in chi², and {case.force} explains {case.alone:.0f} in its place; {limit:.0f} more are too many",
+    "{case.force} explains {case.alone:.0f} in chi² in its place, where it explains {case.fall:.0f}: by more than {limit:.0f} the shape is one that the "
+    "catalogue lacks",
     least=False,
 )
 

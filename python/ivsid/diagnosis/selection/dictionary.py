@@ -1,7 +1,7 @@
 """A generic dictionary of regressors: powers and products of velocities, thrusts, heading, place and time in every channel.
 
 Source: docs/theory.md, "Diagnosis"; Abkowitz, *Lectures on Ship Hydrodynamics*, 1964 (products of the third order); Fedyaevsky and Sobolev 1963 and
-Norrbin 1970 (moduli); Cummins, "The impulse response function and ship motions", Schiffstechnik 9, 1962 (memory of the water).
+Norrbin 1970 (moduli).
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.effects import CHANNELS
-from ivsid.linear.filters import decaying
 
 Array = NDArray[np.float64]
 SYMBOLS: Final = re.compile(r"[a-z]+")
@@ -24,9 +23,6 @@ THRUSTERS: Final = 4
 # Harmonics of the heading: loads of wind and waves on a hull have a series of them.
 # Source: physics: coefficients of wind loads bend as a third and a fourth harmonic do (Blendermann, *J. Wind Eng. Ind. Aerodyn.* 51, 1994)
 HARMONICS: Final = 4
-# Time in which the water forgets a motion [s].
-# Source: physics: waves that a hull radiates and vortices that it sheds act on it for seconds to half a minute (Cummins 1962)
-MEMORY: Final = 10.0
 # Least ambient acceleration by which regressors are scaled [m/s^2, rad/s^2].
 # Source: definition: keeps the columns from zero where the ambient force is zero
 LEAST_AMBIENT: Final = 1e-6
@@ -73,10 +69,6 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
         "u r^2": a * c * c,
         "v|r|": b * np.abs(c),
         "r|v|": c * np.abs(b),
-        # Forces of the water that a motion leaves behind.
-        "past u": _past(a, predictor.log.h),
-        "past v": _past(b, predictor.log.h),
-        "past r": _past(c, predictor.log.h),
         "t": t,
         "t^2": t * t,
         "t u|u|": t * a * np.abs(a),
@@ -116,9 +108,3 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
             names.append(f"{axis}|{name}")
             arrays.append(process)
     return names, arrays
-
-
-def _past(x: Array, h: float) -> Array:
-    """A velocity behind a first-order lag of ``MEMORY``, at samples and over steps, shape (2 n,)."""
-    decay = float(np.exp(-h / MEMORY))
-    return np.concatenate([decaying((1.0 - decay) * part, decay) for part in np.split(x, 2)])

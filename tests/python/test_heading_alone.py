@@ -85,6 +85,15 @@ def test_a_hull_that_damps_within_a_second_leaves_yaw_out_beside_a_compass():
     assert plain_fit(vehicle, log, everything).noise.left_out == {2}
 
 
+def test_a_compass_that_is_read_rarely_sets_the_clock():
+    """Rates between its readings had made the heading too rare to be used, so that nothing told the yaw."""
+    vehicle = compass()
+    train, _ = blind(vehicle)
+    psi = np.where(np.arange(train.t.size) % 5 == 0, train.columns["psi"], np.nan)
+    log = channels(Log(train.name, train.sha256, train.t, {**train.columns, "psi": psi}), vehicle)
+    assert log.turned and log.psi is not None and log.h == pytest.approx(0.5)
+
+
 def test_a_log_with_a_gyro_keeps_it():
     log = train_of(vehicle_of())
     assert differenced(log) is log and not channels(log, vehicle_of()).turned

@@ -95,14 +95,15 @@ def _turning(log: Log) -> Log:
     t, psi = log.t[there], np.unwrap(log.columns["psi"][there])
     noise = scatter(psi, 3)
     for longer in LONGER:
-        half = longer * max(STEP, log.period)
+        half = longer * max(STEP, float(np.median(np.diff(t))))
         first, last = (np.clip(log.t + x, t[0], t[-1]) for x in (-half, half))
         r = (np.interp(last, t, psi) - np.interp(first, t, psi)) / np.maximum(last - first, half)
         if 2.0 * (noise / (2.0 * half)) ** 2 <= NOISY * float(np.var(r)):
             break
     return replace(
         log,
-        columns={**log.columns, "r": r},
+        # A compass that is read more rarely than the log's rows sets the clock, as a rare velocity does.
+        columns={**log.columns, "r": np.where(there, r, np.nan)},
         derived={**log.derived, "r": ("psi",)},
         notes=(*log.notes, "the heading alone tells the yaw rate: no gyro is logged"),
     )

@@ -56,7 +56,7 @@ def hints(fit: Fit) -> tuple[str, ...]:
         if float(sizes @ np.linalg.solve(p.covariance[np.ix_(own, own)], sizes)) > SHOWN**2 + len(own):
             most = far.get(thruster.name, 0.0)
             where = (
-                f"by an estimate of up to {most:.1f} times its accuracy, which may be inside it unless a finding says otherwise"
+                f"as estimated by up to {most:.1f} times its accuracy, and a curve inside it fits as well unless a finding says otherwise"
                 if most > OVERSHOOT
                 else "inside its accuracy"
             )

@@ -14,14 +14,16 @@ import pytest
 
 from diagnosis_logs import logs_of, train_of, vehicle_of
 from ivsid import diagnose
-from ivsid.diagnosis import evidence, explain, worth
+from ivsid.diagnosis import evidence, explain, grown, worth
 from ivsid.diagnosis.candidates.families import everything
+from ivsid.diagnosis.candidates.intervals import Bound
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.plant.physics import acceleration
 from ivsid.diagnosis.statements import comparison
 from ivsid.diagnosis.statements.binning import binned, ordered_by
 from ivsid.diagnosis.statements.evidence import own_force
+from ivsid.diagnosis.statements.model_file import against
 from ivsid.diagnosis.statements.prose import _verdict
 from ivsid.effects import EFFECTS, Given
 from ivsid.files.records import to_json
@@ -30,6 +32,7 @@ from ivsid.report import figures
 from ivsid.report.page import html
 from ivsid.workflow import gain_figures
 from ivsid.workflow.diagnosis import diagnosis_report
+from ivsid.workflow.diagnosis_screen import best_gain, size
 from ivsid.workflow.gain_figures import GainFigures
 from pages import Page, faults
 
@@ -161,6 +164,28 @@ def test_every_candidate_is_found_in_a_set_or_rejected_with_a_reason(result):
     # The nearest neighbour explains a great deal by itself and nothing beside the finding.
     near = rejected.get("friction.coulomb") or rejected["thruster.advance_loss"]
     assert near["gain"] > 25 and near["beside_findings"] < 0.2 * near["gain"]
+
+
+def test_a_model_whose_error_grows_by_a_quarter_is_handed_out_nowhere(result):
+    """One that put the position five times as far off was written: its windows differed so much that no loss was told."""
+    gain = result.gain
+    assert gain.grown == () and grown(gain) == "" and best_gain(result)
+    before, _ = gain.position_rms
+    for factor, counts in ((1.24, False), (1.26, True)):
+        other = replace(gain, position_rms=(before, factor * before), losses={})
+        worse = replace(result, gain=other)
+        assert (other.grown == ("position",)) == counts
+        assert ("simulated position" in grown(other)) == counts == (not best_gain(worse))
+        reasons = "; ".join(against(worse.vehicle, worse.model, worse.selection.last.states.points, other))
+        assert ("grows by a quarter" in reasons) == counts
+    # What diverges has no error that could grow, and a loss that is told stands elsewhere.
+    assert replace(gain, position_rms=(before, 9 * before), diverges=(None, 3.0)).grown == ()
+    assert grown(replace(gain, position_rms=(before, 9 * before), losses={"position": 1e-6})) == ""
+
+
+def test_a_thruster_is_named_and_not_numbered():
+    bound = Bound(1.0, 1.0, "1", "", stands_for="starboard")
+    assert size(bound) == "starboard" and size(replace(bound, stands_for="")) != "starboard"
 
 
 def test_gains_have_intervals_and_losses_are_said(result):

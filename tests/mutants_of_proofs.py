@@ -118,6 +118,13 @@ PROOFS = (
         "test_frequencies.py",
     ),
     python(
+        "past errors that nobody asks",
+        "diagnosis/null/own_past.py",
+        "TWICE: Final = 2",
+        "TWICE: Final = 0",
+        "test_own_past.py",
+    ),
+    python(
         "middles of steps that stand for them",
         "diagnosis/prediction/states.py",
         "COARSE: Final = 0.01",

@@ -24,6 +24,7 @@ from ivsid.diagnosis.null.boxed import Boxed
 from ivsid.diagnosis.null.directions import left_beside
 from ivsid.diagnosis.null.frequencies import Frequencies
 from ivsid.diagnosis.null.inside_cells import FINER, inside_cells
+from ivsid.diagnosis.null.own_past import OwnPast
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.null.rule import Rule
 from ivsid.diagnosis.null.second_opinion import second_opinion
@@ -92,6 +93,11 @@ class Round:
     def frequencies(self) -> Frequencies:
         """The base at the frequencies of the log."""
         return Frequencies(self.fit)
+
+    @cached_property
+    def past(self) -> OwnPast:
+        """The base beside the log's own past errors."""
+        return OwnPast(self.fit)
 
     @cached_property
     def boxed(self) -> Boxed:
@@ -164,6 +170,12 @@ class Case:
     def lost(self) -> float:
         """Standard deviations of the score that declared errors inside their bounds may make."""
         return self.round.lost(self.s)
+
+    @property
+    def beside_past(self) -> float:
+        """Fall of chi-squared beside the log's own past errors, where it is less: a cause at a thruster keeps the share that its score does."""
+        s = self.s
+        return s.shown * min(self.round.past.fall(s) / s.fall, 1.0) if s.fall > 0 else 0.0
 
     @property
     def over_declared(self) -> float:
@@ -318,6 +330,18 @@ FREQUENCIES: Final = Rule[Case](
     "the log holds as much at the same frequencies without it: beside that its fall of chi² has probability {value:.1g}, and {limit:.1g} is the limit",
     least=False,
 )
+OWN_PAST: Final = Rule[Case](
+    "own past",
+    "chance of the fall of chi² beside the log's own past errors",
+    "at most the calibrated threshold of this log",
+    "States answer to past errors, so that the signature of a delay, a lag or a drag is partly a filter of them. Where the noise has a colour that the "
+    "whitening leaves, such a cause stands for it.",
+    "make exam",
+    lambda c: chance(replace(c.s, fall=c.beside_past, boxed=0.0)),
+    lambda c: c.round.chance,
+    "past errors of the log explain it as well: beside them its fall of chi² has probability {value:.1g}, and {limit:.1g} is the limit",
+    least=False,
+)
 DECLARED_SEA: Final = Rule[Case](
     "declared sea",
     "rms of a swell, at the least, over the declared ambient force",
@@ -353,6 +377,7 @@ SCREENING: Final = (
     BESIDE_BLIND,
     OPINION,
     FREQUENCIES,
+    OWN_PAST,
     DECLARED_SEA,
     ANY_CURVE,
 )

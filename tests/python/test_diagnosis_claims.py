@@ -13,8 +13,10 @@ from ivsid.diagnosis.candidates.intervals import intervals
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.selection.adequacy import Adequacy
 from ivsid.diagnosis.statements.claims import claims, possible
 from ivsid.diagnosis.statements.extended import extended_text, stated
+from ivsid.diagnosis.statements.power import largest_drag
 from ivsid.diagnosis.statements.proved import extended_proof
 from ivsid.effects import EFFECTS, PLAIN_TERMS, Given
 from ivsid.vehicle import parse_vehicle
@@ -56,15 +58,20 @@ def test_a_wrong_claim_stands_far_from_the_log_and_bends_the_others():
         assert set(c) == {"parameter", "value", "unit", "contradicted", "z", "interval", "without_claims"}
 
 
+def structure(beyond):
+    """What regressors find, beyond as many degrees of freedom."""
+    return Adequacy(100.0 + beyond, 100, 0.0, (), 0.0, {})
+
+
 def test_what_is_unknown_may_push_along_a_claims_signature_as_much_as_beside_it():
     """The oracle is a force along the drag's own column, of the energy of the structure: it moves the number by less than the room that is left."""
     vehicle = vehicle_of(extra='[model]\nvalues = { "drag.surge.quadratic" = 28.0 }\n')
     fit = plain_fit(vehicle, channels(train_of(vehicle, duration=120.0), vehicle), everything)
-    (plain,), (wide,) = (claims(fit, (), (), unknown=True, structure=x) for x in (0.0, 400.0))
+    (plain,), (wide,) = (claims(fit, (), (), unknown=structure(x)) for x in (0.0, 100.0))
     k = fit.gram.index["drag.surge.quadratic"]
     base = [*fit.base, k]
-    # Chi-squared of this force is 400 at most, and less beside what is fitted with it.
-    shift = np.linalg.solve(fit.gram.total[np.ix_(base, base)], fit.gram.total[np.ix_(base, [k])] * 20.0)[-1, 0]
+    # Chi-squared of this force is 100 at most, and less beside what is fitted with it.
+    shift = np.linalg.solve(fit.gram.total[np.ix_(base, base)], fit.gram.total[np.ix_(base, [k])] * 10.0)[-1, 0]
     room = abs(shift) / fit.gram.unit[k]
     assert (
         wide.beside.upper >= plain.beside.upper + 0.999 * room
@@ -72,8 +79,21 @@ def test_what_is_unknown_may_push_along_a_claims_signature_as_much_as_beside_it(
     )
     assert wide.beside.within == plain.beside.within and wide.z == plain.z
     # Without anything unknown no room is left.
-    (known,) = claims(fit, (), (), unknown=False, structure=400.0)
+    (known,) = claims(fit, (), ())
     assert known.beside == plain.beside
+
+
+def test_no_room_holds_masses_of_no_hull_or_drags_that_take_more_than_drives():
+    """Beside an unknown without bounds the drag ends at the power of the thrusters, and the mass at twice to five times the hull's."""
+    vehicle = vehicle_of(extra='[model]\nvalues = { "drag.surge.quadratic" = 28.0, "mass.surge" = 58.0 }\n')
+    fit = plain_fit(vehicle, channels(train_of(vehicle, duration=120.0), vehicle), everything)
+    drag, mass = (
+        next(c for c in claims(fit, (), (), unknown=structure(1e8)) if c.parameter == i) for i in vehicle.model.values
+    )
+    (term,) = (t for t in fit.h.terms if t.id == drag.parameter)
+    assert drag.beside.lower == 0.0 and drag.beside.upper == pytest.approx(largest_drag(fit, term, 1.0))
+    assert 28.0 < drag.beside.upper < 500.0
+    assert 0.0 < mass.beside.lower < 50.0 and 100.0 < mass.beside.upper < 250.0
 
 
 def test_no_interval_of_a_claim_holds_a_negative_mass_or_drag():

@@ -157,8 +157,7 @@ def diagnose(
         selection.last,
         selection.leftover,
         findings,
-        unknown=not rest.after.quiet or complete != rest.sufficient,
-        structure=rest.after.unexplained,
+        unknown=rest.after if not rest.after.quiet or complete != rest.sufficient else None,
     )
     if water is not None and water.factor is not None:
         findings = (*findings, shallow(water))

@@ -12,8 +12,11 @@ from ivsid.diagnosis.candidates.intervals import Bound, intervals
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.plant.usual_hull import hull_limits
+from ivsid.diagnosis.selection.adequacy import Adequacy
 from ivsid.diagnosis.statements.findings import Finding
-from ivsid.effects import EFFECTS, Parameter
+from ivsid.diagnosis.statements.power import largest_drag
+from ivsid.effects import EFFECTS, Parameter, Term
 
 # A column of less than this length has no signature: its axis is left out.
 # Source: definition: columns of zeros get the length 1e-150
@@ -59,19 +62,19 @@ class Claim:
 
 
 def claims(
-    last: Fit, left: Sequence[Scored], findings: Sequence[Finding], *, unknown: bool, structure: float = 0.0
+    last: Fit, left: Sequence[Scored], findings: Sequence[Finding], *, unknown: Adequacy | None = None
 ) -> tuple[Claim, ...]:
     """Claims of the vehicle file against the log of a fit.
 
     Each claim is fitted, by itself and with all others, in a linear step from the last model. Both intervals are statistical and allow for
-    causes that were not found. What an unknown cause does along a number's own signature cannot be seen: it may be as much as shows beside it.
+    causes that were not found. What an unknown cause does along a number's own signature cannot be seen: it may be as much as shows beside it, in
+    numbers that hulls have, and no drag takes more than drives.
 
     Args:
         last: fit of the model with all causes that were found.
         left: scores of the other causes beside them.
         findings: of the diagnosis.
-        unknown: whether unexplained structure is left, in which a cause may hide.
-        structure: chi-squared of that structure beyond its degrees of freedom.
+        unknown: unexplained structure that is left, in which a cause may hide.
     """
     values = last.noise.predictor.vehicle.model.values
     wrong = {f.effect for f in findings}
@@ -88,21 +91,28 @@ def claims(
             out.append(replace(made, reason="nothing in this log shows it"))
             continue
         beside, alone = (
-            _beside_structure(
-                intervals(fit, id_, hidden, unknown=unknown)[id_], fit, id_, structure if unknown else 0.0
-            )
+            _beside(unknown, intervals(fit, id_, hidden, unknown=unknown is not None)[id_], fit, term)
             for fit in (_freed(last, [id_]), without)
         )
         out.append(replace(made, z=_away(last, id_), beside=beside, alone=alone))
     return tuple(out)
 
 
-def _beside_structure(bound: Bound, fit: Fit, id_: str, structure: float) -> Bound:
+def _beside(unknown: Adequacy | None, bound: Bound, fit: Fit, term: Term) -> Bound:
     """An interval with room for a force along the number's signature as large as the structure that is left, both in standard deviations."""
-    k = fit.base.index(fit.gram.index[id_])
-    sigma = float(np.sqrt(fit.projection.covariance[k, k])) / float(fit.gram.unit[fit.gram.index[id_]])
-    room = float(np.sqrt(structure)) * sigma
-    lower, upper = possible(bound.lower - room, bound.upper + room, EFFECTS[id_].parameters[0])
+    if unknown is None:
+        return bound
+    k = fit.base.index(fit.gram.index[term.id])
+    sigma = float(np.sqrt(fit.projection.covariance[k, k])) / float(fit.gram.unit[fit.gram.index[term.id]])
+    room = float(np.sqrt(unknown.unexplained)) * sigma
+    # The room is for numbers that hulls have, and above a drag for a force that drives along the motion.
+    least, most = hull_limits(fit.noise.predictor.vehicle, [term]).get(term.id, (-np.inf, np.inf))
+    most = min(most, largest_drag(fit, term, max([1.0, *(size for _, size in unknown.outside)])))
+    lower, upper = possible(
+        min(max(bound.lower - room, least), bound.lower),
+        max(min(bound.upper + room, most), bound.upper),
+        EFFECTS[term.id].parameters[0],
+    )
     return replace(bound, lower=lower, upper=upper)
 
 

@@ -251,10 +251,10 @@ def test_what_the_tugs_run_says_of_its_drag_is_no_name(real, tmp_path):
     # Linear drag that fits the towing tank's forces at the run's own speeds.
     u = channels(run, vehicle).nu[0]
     tank = float(u @ (0.137 * u + 3.088 * u * np.abs(u)) / (u @ u))
-    # The fit's own interval excludes the tank's drag. What is unknown may push along the drag's signature as much as beside it: with room for that
-    # the claim's interval holds the tank's, and no number that a drag cannot have.
+    # The fit's own interval began above the tank's drag, at 0.8 and more, before predictions followed the demands inside the steps (0.42 since). What
+    # is unknown may push along the drag's signature as much as beside it: with room for that the claim's interval holds no number that a drag cannot have.
     low, high = drag.beside.within
-    assert 0.6 < tank < 0.8 < low and high > 3 * tank and not drag.contradicted
+    assert 0.6 < tank < 0.8 and low < tank and high > 3 * tank and not drag.contradicted
     assert 0.0 <= drag.beside.lower < tank < drag.beside.upper < 10 * high and drag.z > 7
     before, after = result.gain.simulation_rms["u"]
     # A model with the lag simulates the other run 1.5 times worse; the extended model holds findings only.

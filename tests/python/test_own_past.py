@@ -1,5 +1,6 @@
 """Falls of chi-squared beside the log's own past errors: least squares with all of them, and no cause that is a filter of coloured noise."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -62,46 +63,45 @@ def linear(logged):
     return [s for s in logged.scores if len(s.columns) == 1 and not s.candidate.starts]
 
 
-def test_the_fall_is_that_of_least_squares_with_every_past_error(logged):
+def test_the_falls_are_those_of_least_squares_with_every_past_error(logged):
     """The oracle solves the whole log in one dense problem, priors as rows, without any cross-product."""
     fit = logged.fit
     g, rows = fit.gram, len(fit.noise.predictor.labels)
-    base = by_row(fit, g.columns(fit.base))
-    y = by_row(fit, g.y)
+    base, y = by_row(fit, g.columns(fit.base)), by_row(fit, g.y)
     prior = np.sqrt(g.prior[list(fit.base)])
-    said, known = np.diag(prior), prior * g.centre[list(fit.base)]
-    theta = lstsq(np.vstack([base.reshape(len(base), -1).T, said]), np.r_[y.ravel(), -known])[0]
-    left = y - np.tensordot(theta, base, 1)
-    past = []
-    for group, taps in zip(fit.noise.whitening.groups, fit.noise.whitening.taps, strict=True):
-        for i in group:
-            for j in group:
-                for lag in range(1, 2 * (len(taps) - 1) + 1):
-                    x = np.zeros((rows, y.shape[1]))
-                    x[i, lag:] = left[j, :-lag]
-                    x[i, left[i] == 0.0] = 0.0
-                    past.append(x.ravel())
-    past = np.array(past)
+    known = prior * g.centre[list(fit.base)]
+
+    def solved(columns, priors, known, past=()):
+        A = np.concatenate([columns, past]) if len(past) else columns
+        A = A.reshape(len(A), -1).T
+        soft = np.zeros((len(priors), A.shape[1]))
+        soft[:, : len(priors)] = np.diag(priors)
+        A, right = np.vstack([A, soft]), np.r_[y.ravel(), -known]
+        x = lstsq(A, right)[0]
+        return float(np.sum((right - A @ x) ** 2)), y - np.tensordot(x[: len(columns)], columns, 1)
+
+    def past_of(errors):
+        past = []
+        for group, taps in zip(fit.noise.whitening.groups, fit.noise.whitening.taps, strict=True):
+            for i, j, lag in itertools.product(group, group, range(1, 2 * (len(taps) - 1) + 1)):
+                x = np.zeros((rows, y.shape[1]))
+                x[i, lag:] = errors[j, :-lag]
+                x[i, errors[i] == 0.0] = 0.0
+                past.append(x)
+        return np.array(past)
+
+    plain = base, prior, known
+    without = past_of(solved(*plain)[1])
     # The number of past errors is that of the rows, which are whitened with others or alone.
-    assert len(past) > 4 * rows
+    assert len(without) > 4 * rows
+    least = solved(*plain, without)[0]
     own = OwnPast(fit)
     for s in linear(logged)[::6]:
-        cause = by_row(fit, g.columns(s.columns)).reshape(len(s.columns), -1)
-        priors = np.diag(np.sqrt(g.prior[list(s.columns)]))
-
-        def chi2(more, cause=cause, priors=priors):
-            columns = [base.reshape(len(base), -1).T, past.T, *([cause.T] if more else [])]
-            top = np.hstack(columns)
-            soft = np.zeros((len(base) + len(cause) * more, top.shape[1]))
-            soft[: len(base), : len(base)] = said
-            if more:
-                soft[len(base) :, -len(cause) :] = priors
-            right = np.r_[y.ravel(), -known, np.zeros(len(cause) * more)]
-            A = np.vstack([top, soft])
-            x = lstsq(A, right)[0]
-            return float(np.sum((right - A @ x) ** 2))
-
-        assert own.fall(s) == pytest.approx(chi2(False) - chi2(True), rel=1e-4, abs=1e-3), s.id
+        soft = np.sqrt(g.prior[list(s.columns)])
+        both = np.concatenate([base, by_row(fit, g.columns(s.columns))]), np.r_[prior, soft], np.r_[known, 0.0 * soft]
+        near = {"rel": 1e-4, "abs": 1e-3}
+        assert own.fall(s) == pytest.approx(least - solved(*both, without)[0], **near), s.id
+        assert own.ratio(s) == pytest.approx(least - solved(*both, past_of(solved(*both)[1]))[0], **near), s.id
 
 
 @pytest.mark.parametrize("colour", COLOURS)
@@ -110,7 +110,7 @@ def test_a_filter_of_coloured_errors_explains_nothing_beside_them(logged, colour
     top, below = COLOURS[colour]
     fit, like = logged.fit, linear(logged)[0]
     rows = len(fit.noise.predictor.labels)
-    without, beside = [], []
+    without, beside, ratios = [], [], []
     for seed in range(DRAWS):
         drawn = np.random.default_rng(seed).standard_normal((rows, fit.gram.y.size // rows + 300))
         y = lfilter(top, below, drawn, axis=1)[:, 300:]
@@ -120,11 +120,15 @@ def test_a_filter_of_coloured_errors_explains_nothing_beside_them(logged, colour
         column[0, 2:] = np.diff(lfilter([0.0, 1.0], [1.0, -0.8], y[0]))[1:]
         made, s = with_cause(with_errors(fit, y), like, column)
         without.append(s.fall)
-        beside.append(OwnPast(made).fall(s))
-    without, beside = np.array(without), np.array(beside)
+        own = OwnPast(made)
+        beside.append(own.fall(s))
+        ratios.append(own.ratio(s))
+    without, beside, ratios = np.array(without), np.array(beside), np.array(ratios)
     assert (np.median(without) > 25.0) == (colour == "swell")
     # Chi-squared of one degree of freedom: its mean is 1 and its variance 2.
     assert np.mean(beside) < 1.0 + 4.0 * np.sqrt(2.0 / DRAWS) and beside.max() < 15.0
+    # Neither of two models with pasts of their own holds the other, and white past errors explain by chance.
+    assert np.median(ratios) < 6.0 and ratios.max() < 25.0
 
 
 def test_a_cause_that_is_there_stands_beside_the_past(logged):

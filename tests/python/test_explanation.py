@@ -185,6 +185,7 @@ def test_a_model_whose_error_grows_by_a_quarter_is_handed_out_nowhere(result):
 
 def test_a_thruster_is_named_and_not_numbered():
     bound = Bound(1.0, 1.0, "1", "", stands_for="starboard")
+    assert bound.record()["thruster"] == "starboard" and "thruster" not in Bound(1.0, 1.0, "1", "").record()
     assert size(bound) == "starboard" and size(replace(bound, stands_for="")) != "starboard"
 
 

@@ -69,6 +69,8 @@ class Bound:
         for key, found in (("statistical", self.statistical), ("proved", self.proved)):
             if found is not None:
                 beside[key] = {"lower": Lower(found[0]), "upper": Upper(found[1])}
+        if self.stands_for:
+            beside["thruster"] = self.stands_for
         return {
             "lower": Lower(self.lower),
             "upper": Upper(self.upper),

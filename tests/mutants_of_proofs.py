@@ -118,6 +118,13 @@ PROOFS = (
         "test_frequencies.py",
     ),
     python(
+        "motors that fail as they grow warm",
+        "diagnosis/null/gradual.py",
+        "gradual(fit, s) - s.fall <= most_beyond(s)",
+        "gradual(fit, s) - s.fall <= np.inf",
+        "test_gradual.py",
+    ),
+    python(
         "past errors that nobody asks",
         "diagnosis/null/own_past.py",
         "TWICE: Final = 2",

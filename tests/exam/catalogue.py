@@ -93,7 +93,7 @@ EFFECTS: dict[str, Parts] = {
 # Causes of no list: a drag with the cube of speed, one that depends on the place, a moment and a side force with speed, and a drag
 # ahead that grows with the square of the yaw rate (X_rru of Abkowitz 1964), a hump of the wave resistance (Havelock 1909), and a bent
 # skeg, which turns to one side whichever way the hull drifts, and a wind's moment, which repeats after half a turn, or
-# its force ahead past a deck house, which repeats after a third of one.
+# its force ahead past a deck house, which repeats after a third of one, and a motor that loses thrust as it grows warm.
 OUTSIDE: dict[str, Parts] = {
     "x.cubic": one(12.0, 3),
     "x.shear": one(8.0, 3),
@@ -104,6 +104,7 @@ OUTSIDE: dict[str, Parts] = {
     "x.skeg": one(6.0, 3),
     "x.windage": one(0.5, 4),
     "x.house": one(2.0, 4),
+    "x.heat": {"thruster": (0.0, 0, "thruster"), "loss": (0.2, 0, "share"), "pace": (60.0, 0.5, "about")},
 }
 # Claims without which an effect is the same as other masses and drags: docs/theory.md, "Equivalent effects".
 CLAIMED = {"thruster.gain": ("mass.surge",)}
@@ -115,6 +116,7 @@ SINCE = {
     **dict.fromkeys(("drag.surge.hump", "x.skeg"), 148000),
     "x.windage": 181000,
     "x.house": 195000,
+    "x.heat": 201000,
 }
 # Causes outside of the catalogue that joined it, with their names in it, and the seeds before which they are drawn as outside.
 # The hump was drawn in another shape than that of the catalogue, so that the numbers of the two are not compared.

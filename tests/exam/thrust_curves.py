@@ -88,6 +88,8 @@ def changed_thrust(effects, name: str, index: int, arm: float, demand: float, th
         thrust *= 1 - math.copysign(q, arm)
     if (p := effects.get("thruster.failure")) and index == p["thruster"] and t >= p["time"]:
         thrust *= 1 - p["loss"]
+    if (p := effects.get("x.heat")) and index == p["thruster"]:
+        thrust *= 1 + p["loss"] * math.expm1(-t / p["pace"])
     if (q := number("thruster.deadband")) is not None and abs(demand) < q:
         thrust = 0.0
     if (q := number("thruster.saturation")) is not None:

@@ -220,10 +220,10 @@ def _asked_of(
         Apart(partial(calibrate, fit, tested, NAMES, seed), begun=False),
         Apart(partial(unchanged, other, fit, seed), begun=False),
         Apart(partial(_judged, fit, proof, *logs), begun=False),
-        Apart(partial(detection_limits, fit), late=True, begun=False),
     )
     in_turn(*tasks)
-    return tasks
+    # The limits are asked for last and by nothing else: they fill what the other processes leave of the processors from now on.
+    return (*tasks, Apart(partial(detection_limits, fit), late=True))
 
 
 def _rest(selection: Selection, before: Adequacy) -> Left:

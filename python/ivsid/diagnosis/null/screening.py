@@ -23,6 +23,7 @@ from ivsid.diagnosis.null.any_curve import AnyCurve, is_declared, lost
 from ivsid.diagnosis.null.boxed import Boxed
 from ivsid.diagnosis.null.directions import left_beside
 from ivsid.diagnosis.null.frequencies import Frequencies
+from ivsid.diagnosis.null.gradual import BETTER, CURVED, gradual, most_beyond
 from ivsid.diagnosis.null.inside_cells import FINER, inside_cells
 from ivsid.diagnosis.null.own_past import OwnPast
 from ivsid.diagnosis.null.reached import Reached
@@ -293,6 +294,18 @@ NEGLIGIBLE_RULE: Final = Rule[Case](
     "its size is {value:.2g} of the usual one, and below {limit:g} it is no more than an error of the equations",
     lambda c: c.s.shown < BEYOND_DOUBT,
 )
+ABRUPT: Final = Rule[Case](
+    "abrupt",
+    "fall of chi² by the same force where it comes gradually, beyond that of a start at a time",
+    f"at most {BETTER:g}, or {CURVED:.0%} of the fall where that is more",
+    "A motor that grows warm, a battery or a growing load changes a force over minutes, and a start at a time somewhere in such a change explains most of it.",
+    "definition: 0.3 % of normal errors lie beyond three standard deviations",
+    lambda c: gradual(c.round.fit, c.s) - c.s.fall,
+    lambda c: most_beyond(c.s),
+    "the same force explains {value:.0f} more in chi² where it comes gradually and not at a time, and by more than {limit:.0f} it is no cause that starts",
+    lambda c: c.s.candidate.starts,
+    least=False,
+)
 POSSIBLE: Final = Rule[Case](
     "possible size",
     "size over the typical size",
@@ -381,6 +394,7 @@ SCREENING: Final = (
     FAINT_RULE,
     CHANCE,
     NEGLIGIBLE_RULE,
+    ABRUPT,
     POSSIBLE,
     BESIDE_BLIND,
     OPINION,

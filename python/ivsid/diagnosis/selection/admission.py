@@ -16,6 +16,7 @@ from ivsid.diagnosis.estimation.learning import learn
 from ivsid.diagnosis.estimation.noise import Noise, quick_enough
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.family_wise import Screened, Threshold
+from ivsid.diagnosis.null.gradual import abrupt
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.selection.parallel import side_by_side
@@ -77,10 +78,11 @@ def admit(
         beside: causes that the model holds already.
     """
     scored = screened.round.scored
-    # A cause that does not pass by its score may do as well in a full fit.
+    # A cause that does not pass by its score may do as well in a full fit, but a change over minutes has no start in any.
     near = contenders(scored, passed[0].merit)
     every = sorted(
-        {s.id: s for s in (*near, *passed) if s.physical and test.eligible(s)}.values(), key=lambda s: -s.merit
+        {s.id: s for s in (*near, *passed) if s.physical and test.eligible(s) and abrupt(fit, s)}.values(),
+        key=lambda s: -s.merit,
     )
     finalists = every[:FINALISTS]
     ranked = {s.id: FINALIST.refuses(Place(every[0].id, k + 1), beside) for k, s in enumerate(every)}

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import NOTHING_LEFT, Projection
+from ivsid.diagnosis.null.gradual import gradual_forces
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.selection.dictionary import regressors
 from ivsid.diagnosis.selection.rivals import Found
@@ -69,7 +70,8 @@ class _Asked:
         own: columns of each cause among those of the model, by id.
         held: coefficients of the model's columns that the errors no longer hold, in unit lengths, shape (model,).
         wide: cross-products of the model's columns, the forces and the curves, in this order.
-        forces: names.
+        forces: in words.
+        gradual: number of the forces that come gradually, the last ones.
         curves: names of the columns of all curves.
         groups: columns of each curve, among those of all.
     """
@@ -78,6 +80,7 @@ class _Asked:
     held: Array
     wide: Gram
     forces: Sequence[str]
+    gradual: int
     curves: Sequence[str]
     groups: Sequence[range]
 
@@ -90,14 +93,18 @@ class _Asked:
         own = {id_: at for id_, at in own.items() if at}
         if not own:
             return None
-        forces, x, unit = regressors(fit)
+        known, x, unit = regressors(fit)
         g = fit.gram.only(fit.base)
         held = np.array([numbers.get(n, 0.0) for n in names]) * g.unit
+        forces = [f"{function} in {channel}" for channel, function in (n.split("|", 1) for n in known)]
         wide = g.joined(forces, x, unit)
+        slow, x, unit = gradual_forces(fit)
+        if slow:
+            forces, wide = [*forces, *slow], wide.joined(slow, x, unit)
         curves, lines, lengths, groups = speed_curves(fit)
         if groups:
             wide = wide.joined(curves, lines, lengths)
-        return cls(own, held, wide, forces, curves, groups)
+        return cls(own, held, wide, forces, len(slow), curves, groups)
 
     def _without(self, ids: Iterable[str]) -> tuple[Projection, list[int], Array]:
         """Least squares on the model without some causes, with their columns and what the errors no longer hold of them."""
@@ -121,9 +128,16 @@ class _Asked:
         # A force beside which the causes explain what they did is another part of the errors.
         alone = np.where(kept <= REPLACED * fall, alone, 0.0)
         best = int(np.argmax(alone))
-        channel, function = self.forces[best].split("|", 1)
         one = in_their_place(p, at, held, at)[1]
-        case = Together(tuple(ids), fall, len(at), f"{function} in {channel}", float(alone[best]), float(one.max()))
+        case = Together(
+            tuple(ids),
+            fall,
+            len(at),
+            self.forces[best],
+            float(alone[best]),
+            float(one.max()),
+            best >= len(self.forces) - self.gradual,
+        )
         refusal = (ONE_FORCE if len(ids) > 1 else BETTER_FORCE).refuses(case, others)
         for group in self.groups:
             if refusal is not None:

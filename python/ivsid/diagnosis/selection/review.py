@@ -17,7 +17,9 @@ from ivsid.diagnosis.estimation.fit import survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.family_wise import Threshold
+from ivsid.diagnosis.null.gradual import abrupt
 from ivsid.diagnosis.null.rule import Refusal
+from ivsid.diagnosis.null.screening import ABRUPT, Case, Round
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.selection.parallel import side_by_side
@@ -73,6 +75,9 @@ def reviewed(problem: Problem, last: Reviewed, asked: int, passes: Threshold, pl
         if refusal is not None and again is not None:
             # What declared errors may take of a cause is less where other causes leave it fewer directions.
             refusal = full_refused(passes, passes(bare, [again], others).measured(again), mine.fall, others)
+        if refusal is None and again is not None:
+            # Beside the later causes it may come gradually.
+            refusal = ABRUPT.refuses(Case(Round(bare, scored, passes.level, passes.seen), again), others)
         if refusal is None and not possible(states.h, one.id, problem.noise.predictor):
             # Beside the later causes it has numbers that make another cause of it, which the next round finds.
             refusal = refused_by(NUMBERS, others)
@@ -80,6 +85,7 @@ def reviewed(problem: Problem, last: Reviewed, asked: int, passes: Threshold, pl
             return Reviewed(True, [f for f in found if f is not one], without, refused | {one.id: refusal})
         near = contenders(scored, mine.merit)
         near = [s for s in near if s.id not in others and s.id != one.id and s.physical and passes.eligible(s)]
+        near = [s for s in near if abrupt(bare, s)]
         near = near[: FINALISTS - 1]
         tried = side_by_side([partial(fitted, problem, bare, s) for s in near])
         rivals = sorted(

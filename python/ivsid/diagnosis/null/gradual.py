@@ -1,0 +1,96 @@
+"""Fall of chi-squared of a force that comes gradually, in the place of one that starts at a time.
+
+A battery, a motor or a growing load changes a force over minutes. A step in time explains most of such a change, with a start somewhere in it. Weights of
+the blocks of the log make the gradual force of the column of the step: they change little within a block.
+
+Source: docs/theory.md, "Test"; the shapes are a first-order approach and a ramp.
+"""
+
+from __future__ import annotations
+
+import itertools
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
+
+Array = NDArray[np.float64]
+# Least square of the length of a column.
+# Source: definition: that of the core's whitening
+NOTHING: Final = 1e-300
+# Time constants of an approach from the start of the log, as shares of its length.
+# Source: geometry: from six blocks of a log of ten minutes to a straight line
+APPROACHES: Final = (0.1, 0.2, 0.4, 0.8, 10.0)
+# Ends of ramps, as shares of the log: a ramp lasts two of these parts at least.
+# Source: geometry: a fifth of the log is several blocks, which a step is told from
+ENDS: Final = tuple(k / 10 for k in range(11))
+# Fall of chi-squared by which the gradual force has to be better to stand in the place of the step.
+# Source: definition: 0.3 % of normal errors lie beyond
+BETTER: Final = 9.0
+# The same as a share of the step's fall: equations that are linear in a large step are off by a part of it.
+# Source: measured: the examination; steps of payloads and failures were up to 2.4 % behind a gradual force, motors that grow warm at least 15 %
+CURVED: Final = 0.06
+# A column has to keep this share of its squared length beside the base.
+# Source: geometry: as for a step, above the rounding of cross-products
+LEFT: Final = 1e-6
+
+
+def most_beyond(s: Scored) -> float:
+    """Largest fall of chi-squared of the gradual force beyond that of a cause that starts at a time."""
+    return max(BETTER, CURVED * s.fall)
+
+
+def abrupt(fit: Fit, s: Scored) -> bool:
+    """Whether a cause, if it is one that starts at a time, does.
+
+    Args:
+        fit: of the model without it.
+        s: the cause with its score.
+    """
+    return not s.candidate.starts or gradual(fit, s) - s.fall <= most_beyond(s)
+
+
+def approaches(blocks: int) -> Array:
+    """Sizes of a force in each block that approaches its last one from the start of the log on, shape (approaches, blocks)."""
+    t = (np.arange(blocks) + 0.5) / blocks
+    return np.stack([-np.expm1(-t / tau) for tau in APPROACHES])
+
+
+def shapes(blocks: int) -> Array:
+    """Sizes of a gradual force in each block, from none to all of it, shape (shapes, blocks)."""
+    t = (np.arange(blocks) + 0.5) / blocks
+    ramps = [np.clip((t - a) / (b - a), 0.0, 1.0) for a, b in itertools.combinations(ENDS, 2) if b - a > 1.5 * ENDS[1]]
+    return np.stack([*approaches(blocks), *ramps])
+
+
+def gradual_forces(fit: Fit) -> tuple[list[str], Array, Array]:
+    """What causes that start at a time would do gradually: names, whitened columns in unit length, (forces, blocks, numbers), and their lengths."""
+    g = fit.gram
+    known = [c.variants[0][0] for c in fit.candidates if c.starts]
+    weight, length = approaches(len(g.blocks)), len(g.blocks) * g.length * fit.noise.predictor.log.h
+    names = [f"a gradual {n} over {min(tau, 1.0) * length:.0f} s" for n in known for tau in APPROACHES]
+    x = (g.columns(g.at(known))[:, None] * weight[None, :, :, None]).reshape(-1, *g.y.shape)
+    unit = np.sqrt(np.maximum(np.einsum("kbi,kbi->k", x, x), NOTHING))
+    return names, x / unit[:, None, None], unit
+
+
+def gradual(fit: Fit, s: Scored) -> float:
+    """Largest fall of chi-squared of the force of a step where it comes gradually.
+
+    Args:
+        fit: of the model without it.
+        s: the step with its score.
+    """
+    g, p, (j,) = fit.gram, fit.projection, s.columns
+    weight = shapes(len(g.blocks))
+    cross = weight @ g.blocks[:, j][:, p.base]
+    own = weight**2 @ g.blocks[:, j, j]
+    information = own - np.einsum("ki,ik->k", cross, np.linalg.solve(p.normal, cross.T))
+    found = weight @ g.score[:, j] - cross @ p.coefficients
+    usable = information > LEFT * np.maximum(own, 1e-300)
+    if not s.candidate.effect.parameters[s.candidate.effect.draws.index("size")].signed:
+        usable &= found > 0.0
+    return float(np.where(usable, found**2 / np.where(usable, information, 1.0), 0.0).max())

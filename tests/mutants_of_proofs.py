@@ -127,8 +127,8 @@ PROOFS = (
     python(
         "past errors that nobody asks",
         "diagnosis/null/own_past.py",
-        "TWICE: Final = 2",
-        "TWICE: Final = 0",
+        "LAGS: Final = 24",
+        "LAGS: Final = 1",
         "test_own_past.py",
     ),
     python(

@@ -9,7 +9,10 @@ from scipy.linalg import lstsq
 from scipy.signal import lfilter
 from tests.exam.cases import case
 
-from diagnosis_logs import screened, train_of, vehicle_of
+from diagnosis_logs import STRAIGHT, screened, train_of, vehicle_of
+from ivsid.diagnosis.candidates.families import everything, score
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null import family_wise
 from ivsid.diagnosis.null.own_past import OwnPast
 from ivsid.diagnosis.null.screening import OWN_PAST
@@ -82,8 +85,8 @@ def test_the_falls_are_those_of_least_squares_with_every_past_error(logged):
 
     def past_of(errors):
         past = []
-        for group, taps in zip(fit.noise.whitening.groups, fit.noise.whitening.taps, strict=True):
-            for i, j, lag in itertools.product(group, group, range(1, 2 * (len(taps) - 1) + 1)):
+        for group in fit.noise.whitening.groups:
+            for i, j, lag in itertools.product(group, group, range(1, 25)):
                 x = np.zeros((rows, y.shape[1]))
                 x[i, lag:] = errors[j, :-lag]
                 x[i, errors[i] == 0.0] = 0.0
@@ -93,15 +96,13 @@ def test_the_falls_are_those_of_least_squares_with_every_past_error(logged):
     plain = base, prior, known
     without = past_of(solved(*plain)[1])
     # The number of past errors is that of the rows, which are whitened with others or alone.
-    assert len(without) > 4 * rows
+    assert len(without) >= 24 * rows
     least = solved(*plain, without)[0]
     own = OwnPast(fit)
     for s in linear(logged)[::6]:
         soft = np.sqrt(g.prior[list(s.columns)])
         both = np.concatenate([base, by_row(fit, g.columns(s.columns))]), np.r_[prior, soft], np.r_[known, 0.0 * soft]
-        near = {"rel": 1e-4, "abs": 1e-3}
-        assert own.fall(s) == pytest.approx(least - solved(*both, without)[0], **near), s.id
-        assert own.ratio(s) == pytest.approx(least - solved(*both, past_of(solved(*both)[1]))[0], **near), s.id
+        assert own.fall(s) == pytest.approx(least - solved(*both, without)[0], rel=1e-4, abs=1e-3), s.id
 
 
 @pytest.mark.parametrize("colour", COLOURS)
@@ -110,7 +111,7 @@ def test_a_filter_of_coloured_errors_explains_nothing_beside_them(logged, colour
     top, below = COLOURS[colour]
     fit, like = logged.fit, linear(logged)[0]
     rows = len(fit.noise.predictor.labels)
-    without, beside, ratios = [], [], []
+    without, beside = [], []
     for seed in range(DRAWS):
         drawn = np.random.default_rng(seed).standard_normal((rows, fit.gram.y.size // rows + 300))
         y = lfilter(top, below, drawn, axis=1)[:, 300:]
@@ -120,15 +121,11 @@ def test_a_filter_of_coloured_errors_explains_nothing_beside_them(logged, colour
         column[0, 2:] = np.diff(lfilter([0.0, 1.0], [1.0, -0.8], y[0]))[1:]
         made, s = with_cause(with_errors(fit, y), like, column)
         without.append(s.fall)
-        own = OwnPast(made)
-        beside.append(own.fall(s))
-        ratios.append(own.ratio(s))
-    without, beside, ratios = np.array(without), np.array(beside), np.array(ratios)
+        beside.append(OwnPast(made).fall(s))
+    without, beside = np.array(without), np.array(beside)
     assert (np.median(without) > 25.0) == (colour == "swell")
     # Chi-squared of one degree of freedom: its mean is 1 and its variance 2.
     assert np.mean(beside) < 1.0 + 4.0 * np.sqrt(2.0 / DRAWS) and beside.max() < 15.0
-    # Neither of two models with pasts of their own holds the other, and white past errors explain by chance.
-    assert np.median(ratios) < 6.0 and ratios.max() < 25.0
 
 
 def test_a_cause_that_is_there_stands_beside_the_past(logged):
@@ -141,7 +138,25 @@ def test_a_cause_that_is_there_stands_beside_the_past(logged):
         drawn = rng.standard_normal(own.shape)
         fit = with_errors(logged.fit, drawn + 10.0 / np.sqrt(information) * own)
         kept.append(np.sqrt(OwnPast(fit).fall(s) / fit.projection.solve(s.columns)[1]))
-    assert len(kept) > 5 and np.median(kept) > 0.95 and min(kept) > 0.8
+    assert len(kept) > 5 and np.median(kept) > 0.9 and min(kept) > 0.75
+
+
+def test_means_that_count_alone_foretell_nothing():
+    """On a straight course sway counts by its means over seconds, which the rows hold many times: a wind of 64 in chi-squared kept 14."""
+    vehicle = vehicle_of()
+    fit, scored = score(plain_fit(vehicle, channels(train_of(vehicle, segments=STRAIGHT), vehicle), everything))
+    assert fit.noise.whitening.slow
+    rows = by_row(fit, fit.gram.y)
+    drawn = np.random.default_rng(7).standard_normal(rows.shape) * (rows != 0.0)
+    for k in fit.noise.whitening.slow:
+        span = fit.noise.whitening.span
+        held = drawn[k, : drawn.shape[1] // span * span].reshape(-1, span)
+        drawn[k, : held.size] = np.repeat(held[:, 0] / np.sqrt(span), span)
+    wind = next(s for s in scored if s.id == "wind.steady")
+    own = by_row(fit, fit.gram.columns(wind.columns))[0]
+    information = float(fit.projection.information(list(wind.columns))[0, 0])
+    there = with_errors(fit, drawn * (rows != 0.0) + 10.0 / np.sqrt(information) * own)
+    assert OwnPast(there).fall(wind) > 0.8 * there.projection.solve(wind.columns)[1] > 50.0
 
 
 @pytest.mark.nightly

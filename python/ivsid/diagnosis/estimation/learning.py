@@ -75,13 +75,13 @@ def learn(
     Raises:
         IvsidError: the log has too few samples that count.
     """
-    good = usable_rows(predictor)
-    if good.sum() * predictor.log.h < LEAST:
-        raise IvsidError(
-            f"{predictor.log.name}: between its gaps {good.sum() * predictor.log.h:.0f} s can be used, and a diagnosis needs {LEAST:.0f} s; give a "
-            "log with fewer missing samples"
-        )
     for turn in range(rounds):
+        good = usable_rows(predictor)
+        if good.sum() * predictor.log.h < LEAST:
+            raise IvsidError(
+                f"{predictor.log.name}: between its gaps {good.sum() * predictor.log.h:.0f} s can be used, and a diagnosis needs {LEAST:.0f} s; give a "
+                "log with fewer missing samples"
+            )
         noise = Noise(predictor, plain_scale(predictor.errors(states), good, predictor, left_out), good, left_out)
         slow = replace(noise, whitening=noise.whitening.slowed(predictor, left_out))
         states = improve(Problem.at(slow, fixed, states), states)

@@ -22,6 +22,12 @@ Array = NDArray[np.float64]
 # Time after the start of a log and after a gap in which the filters settle, and whose samples do not count [s].
 # Source: geometry: longer than 1 / LEAST_RATE, the longest memory of a filter
 SETTLING: Final = 4.0
+# Memories of the slowest filter in which it forgets how a log began.
+# Source: geometry: exp(-5) of an error is left, a thousandth of its square where noise of a hundredth stands beside it
+FORGOTTEN: Final = 5.0
+# Time constants of a thruster after which it runs as it is told: a log may begin with thrusters at rest or in steady motion, and no reading says which.
+# Source: geometry: exp(-5) of a thrust is left, less than its accuracy
+RUN_UP: Final = 5.0
 # Half the time over which slopes of the velocity are taken [s].
 # Source: measured: make constants
 HALF: Final = 0.5
@@ -248,13 +254,19 @@ def axes_left_out(predictor: Predictor) -> frozenset[int]:
     return frozenset() if turning >= max(MOVING * predictor.axes[2].spread, least) else YAW
 
 
+def settled_after(predictor: Predictor) -> float:
+    """Time after the start of a log [s] in which thrusters run up and the filters forget how it began."""
+    memory = max(axis.memory for axis in predictor.axes[:3])
+    lag = max((t.time_constant or 0.0 for t in predictor.vehicle.thrusters), default=0.0)
+    return max(SETTLING, FORGOTTEN * memory) + RUN_UP * lag
+
+
 def usable_rows(predictor: Predictor) -> NDArray[np.bool_]:
     """Samples whose errors count, shape (n,): neither in a gap, nor while the filter settles after the start or a gap."""
-    good = predictor.log.good.copy()
-    settle = round(SETTLING / predictor.log.h)
-    bad = ~good
-    bad[0] = True
-    reach = np.convolve(bad.astype(float), np.ones(settle))[: good.size] > 0
+    good, h = predictor.log.good.copy(), predictor.log.h
+    settle = round(SETTLING / h)
+    reach = np.convolve((~good).astype(float), np.ones(settle))[: good.size] > 0
+    reach[: round(settled_after(predictor) / h)] = True
     if predictor.rate is not None:
         # A yaw rate that is made of later readings as well settles at both ends.
         reach[good.size - settle :] = True

@@ -19,16 +19,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
-from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import with_family
 
 Array = NDArray[np.float64]
-# Past errors beside which a cause has to stand, in the lags of the whitening.
-# Source: measured: a false delay in a swell kept a fall of 29 of 45 beside as many lags, and 7 beside twice as many; true delays keep theirs
-TWICE: Final = 2
+# Past errors beside which a cause has to stand, in samples: twice as many as the longest whitening has.
+# Source: measured: a false delay in a swell kept a fall of 29 of 45 beside 6 of them and 6 beside 24, a false drag under an autopilot in a swell 58 of 86
+# beside 6 and none beside 24; true causes keep theirs
+LAGS: Final = 24
 # Ridge of the products of past errors, as a share of their mean square.
 # Source: geometry: ten thousand times the rounding of a double; rows without noise foretell each other
 RIDGE: Final = 1e-12
@@ -48,82 +48,50 @@ class OwnPast:
         self._base = fit.gram.only(fit.base)
 
     def fall(self, s: Scored) -> float:
-        """Fall of chi-squared of a cause beside the base and the past errors of the model without it.
+        """Fall of chi-squared of a cause beside the base and the past errors.
 
         Args:
             s: the cause with its score.
         """
         g, at = with_family(self._base, self.fit, s)
-        return Projection(self._beside(g, *self._without), range(len(self.fit.base))).solve(at)[1]
-
-    def ratio(self, s: Scored) -> float:
-        """The same where each model stands beside its own past errors: the likelihood ratio, for which the products with the base are made anew.
-
-        A slow cause stays in the past errors of the model without it, which explain a part of it then. Neither model holds the other, so that the ratio
-        may be negative.
-
-        Args:
-            s: the cause with its score.
-        """
-        g, at = with_family(self._base, self.fit, s)
-        base = range(len(self.fit.base))
-        theta, _ = Projection(g, base).solve(at)
-        left = self._left - g.explained(at, theta) + g.explained(base, g.regression(at, base) @ theta)
-        past = tuple(self._rows(left))
-        without = Projection(self._beside(g, *self._without), base)
-        return without.chi2 - Projection(self._beside(g, past, self._times(past)), [*base, *at]).chi2
-
-    def _beside(self, g: Gram, past: tuple[Past, ...], products: tuple[Array, ...]) -> Gram:
-        """Cross-products of the base and a cause beside past errors.
-
-        Args:
-            g: of the base, with the cause's columns last.
-            past: errors by row.
-            products: of the base with them.
-        """
-        total, score, energy = g.total.copy(), g.score.sum(axis=0), float(g.energy.sum())
+        total, score = g.total.copy(), g.score.sum(axis=0)
         (x,) = g.parts[len(self._base.parts) :]
-        for (row, errors, factor), known in zip(past, products, strict=True):
+        for (row, errors, factor), known in zip(self._past, self._products, strict=True):
             own = np.concatenate([known, self._row(x, row) @ errors.T])
-            now = errors @ self._row(g.y[None], row)[0]
             taken = cho_solve(factor, own.T)
             total -= own @ taken
-            score -= now @ taken
-            energy -= float(now @ cho_solve(factor, now))
-        return replace(g.whole(), blocks=total[None], score=score[None], energy=np.array([energy]))
+            score -= (errors @ self._row(g.y[None], row)[0]) @ taken
+        beside = replace(g.whole(), blocks=total[None], score=score[None])
+        return Projection(beside, range(len(self.fit.base))).solve(at)[1]
 
     @cached_property
-    def _left(self) -> Array:
-        """Errors that the base leaves, shape (blocks, numbers)."""
-        g = self._base
+    def _past(self) -> tuple[Past, ...]:
+        """Past errors of the rows that are whitened together, by row."""
+        return tuple(self._rows())
+
+    def _rows(self) -> Iterator[Past]:
+        g, white = self._base, self.fit.noise.whitening
         every = range(len(g.names))
-        return g.y - g.explained(every, Projection(g, every).coefficients)
-
-    @cached_property
-    def _without(self) -> tuple[tuple[Past, ...], tuple[Array, ...]]:
-        """Past errors of the model without causes, and their products with the base."""
-        past = tuple(self._rows(self._left))
-        return past, self._times(past)
-
-    def _rows(self, left: Array) -> Iterator[Past]:
-        """Past errors of the rows that are whitened together, by row, of errors of shape (blocks, numbers)."""
-        white = self.fit.noise.whitening
-        for rows, taps in zip(white.groups, white.taps, strict=True):
-            lags = TWICE * (len(taps) - 1)
-            errors = np.concatenate([self._row(left[None], i) for i in rows])
-            errors = errors[errors.any(axis=1)]
-            past = np.concatenate([np.zeros((0, errors.shape[1])), *(_late(errors, lag) for lag in range(1, lags + 1))])
-            for i in rows if past.size else ():
+        left = (g.y - g.explained(every, Projection(g, every).coefficients))[None]
+        for group, taps in zip(white.groups, white.taps, strict=True):
+            # Rows of which means count alone hold each mean many times, and rows that do not count have no coefficients of the past.
+            rows = [i for i in group if i not in white.slow and len(taps) > 1]
+            if not rows:
+                continue
+            errors = np.concatenate([self._row(left, i) for i in rows])
+            past = np.concatenate([_late(errors, lag) for lag in range(1, LAGS + 1)])
+            for i, now in zip(rows, errors, strict=True):
                 # Past errors count where the present one does.
-                here = past * (self._row(left[None], i) != 0.0)
+                here = past * (now != 0.0)
                 inner = here @ here.T
                 inner += RIDGE * max(float(np.trace(inner)), 1e-300) * np.eye(len(inner))
                 yield i, here, cho_factor(inner)
 
-    def _times(self, past: tuple[Past, ...]) -> tuple[Array, ...]:
+    @cached_property
+    def _products(self) -> tuple[Array, ...]:
         """Products of the base's columns with the past errors, by row, each of shape (base, past errors)."""
         return tuple(
-            np.concatenate([self._row(x, row) @ errors.T for x in self._base.parts]) for row, errors, _ in past
+            np.concatenate([self._row(x, row) @ errors.T for x in self._base.parts]) for row, errors, _ in self._past
         )
 
     def _row(self, x: Array, row: int) -> Array:

@@ -174,17 +174,9 @@ class Case:
 
     @property
     def beside_past(self) -> float:
-        """Chance of the fall of chi-squared beside the log's own past errors; a cause at a thruster keeps the share of it that its score does.
-
-        Where that of the score is not rare enough the likelihood ratio counts: past errors of the model without a slow cause hold a part of it.
-        """
-        past, s = self.round.past, self.s
-        without = self._of_share(past.fall(s))
-        return without if without <= self.round.chance else min(without, self._of_share(past.ratio(s)))
-
-    def _of_share(self, fall: float) -> float:
-        share = min(max(fall / self.s.fall, 0.0), 1.0) if self.s.fall > 0 else 0.0
-        return chance(replace(self.s, fall=self.s.shown * share, boxed=0.0))
+        """Fall of chi-squared beside the log's own past errors, where it is less: a cause at a thruster keeps the share that its score does."""
+        s = self.s
+        return s.shown * min(self.round.past.fall(s) / s.fall, 1.0) if s.fall > 0 else 0.0
 
     @property
     def over_declared(self) -> float:
@@ -358,7 +350,7 @@ OWN_PAST: Final = Rule[Case](
     "States answer to past errors, so that the signature of a delay, a lag or a drag is partly a filter of them. Where the noise has a colour that the "
     "whitening leaves, such a cause stands for it.",
     "make exam",
-    lambda c: c.beside_past,
+    lambda c: chance(replace(c.s, fall=c.beside_past, boxed=0.0)),
     lambda c: c.round.chance,
     "past errors of the log explain it as well: beside them its fall of chi² has probability {value:.1g}, and {limit:.1g} is the limit",
     least=False,

@@ -47,7 +47,7 @@ def test_thrusters_that_stood_still_are_no_drag(counted, monkeypatch):
     train = train_of(vehicle, duration=240.0)
     if not counted:
         monkeypatch.setattr(noise, "settled_after", lambda predictor: 0.5)
-    fit, scored = score(plain_fit(vehicle, channels(train, vehicle), everything))
+    scored = score(plain_fit(vehicle, channels(train, vehicle), everything))[1]
     best = max(s.fall for s in scored if not s.candidate.searched)
     # Of some forty causes in noise the best has about ten.
     assert best < 20.0 if counted else best > 25.0

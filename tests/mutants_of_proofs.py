@@ -118,6 +118,20 @@ PROOFS = (
         "test_frequencies.py",
     ),
     python(
+        "whole steps of a slow clock",
+        "diagnosis/data/channels.py",
+        "LONG: Final = 0.101",
+        "LONG: Final = 9.0",
+        "test_slow_clock.py",
+    ),
+    python(
+        "logs that begin at once",
+        "diagnosis/estimation/noise.py",
+        "RUN_UP: Final = 5.0",
+        "RUN_UP: Final = 0.0",
+        "test_run_up.py",
+    ),
+    python(
         "motors that fail as they grow warm",
         "diagnosis/null/gradual.py",
         "gradual(fit, s) - s.fall <= most_beyond(s)",

@@ -16,7 +16,10 @@ LEARNT = {"thruster.saturation": 900.0, "thruster.deadband": 895.0, "thruster.cu
 @pytest.fixture
 def admitted(monkeypatch):
     scored = [
-        SimpleNamespace(id=i, merit=fall, fall=fall, physical=True, count=1, chance=1e-30) for i, fall in FIRST.items()
+        SimpleNamespace(
+            id=i, merit=fall, fall=fall, physical=True, count=1, chance=1e-30, candidate=SimpleNamespace(starts=False)
+        )
+        for i, fall in FIRST.items()
     ]
     problem = SimpleNamespace(noise=SimpleNamespace(predictor=None))
     fit = SimpleNamespace(problem=problem, states="", fixed={})

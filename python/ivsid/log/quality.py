@@ -71,7 +71,12 @@ def without_held(name: str, values: Array) -> tuple[Array, int, str | None]:
     if np.median(runs) >= 2:
         note = f"{name} holds each value over {runs.mean():.3g} rows; only the first of each run is a measurement"
     else:
-        note = f"{name} repeats its value in {repeats.size} rows, which are not taken as measurements"
+        which = (
+            "1 row, which is not taken as a measurement"
+            if repeats.size == 1
+            else f"{repeats.size} rows, which are not taken as measurements"
+        )
+        note = f"{name} repeats its value in {which}"
     return kept, int(repeats.size), note
 
 

@@ -68,6 +68,11 @@ class Tried:
     rival: Rival
     best: Rival
 
+    @property
+    def explained(self) -> float:
+        """Fall of chi-squared of the cause; none where its fit is worse than without it."""
+        return max(self.rival.fall, 0.0)
+
 
 @dataclass(frozen=True)
 class Full:
@@ -177,7 +182,7 @@ RIVAL: Final = Rule[Tried](
     "definition: 0.3 % of normal errors lie beyond",
     lambda c: c.best.merit - c.rival.merit,
     lambda c: max(MARGIN, INEXACT * c.best.fall),
-    "fitted in full in the place of {case.best.id} it explains {case.rival.fall:.0f} in chi² against {case.best.fall:.0f}; "
+    "fitted in full in the place of {case.best.id} it explains {case.explained:.0f} in chi² against {case.best.fall:.0f}; "
     "within {limit:.0f} it would be a rival",
     least=False,
 )

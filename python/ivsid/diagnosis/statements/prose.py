@@ -161,8 +161,9 @@ def _else(result: Diagnosis, f: Finding) -> str:
             f"the log does not tell it from {', '.join(f.alternatives)}; among them it has the weight {f.confidence:.2f}. Take the set for the finding, "
             "not its first name: the interval is that of the first name without the others, and causes of one set may share in any parts what the log shows."
         )
-    near = [r for r in result.rejected if r.full is not None and r.full[1] > 0]
-    near = sorted((r for r in near if r.full is not None), key=lambda r: -_share(r.full))[:1]
+    # A fall under the noise of another round is no share of this one's.
+    near = [r for r in result.rejected if r.full is not None and 0.0 < _share(r.full) < 1.0]
+    near = sorted(near, key=lambda r: -_share(r.full))[:1]
     if not near:
         return "no other cause of the catalogue comes near."
     return (

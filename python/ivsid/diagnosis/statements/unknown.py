@@ -82,7 +82,8 @@ def unknown(
     if proved:
         z, text = 0.0, f"{proved}; the statistics see no structure that the model lacks"
     if near:
-        text += f"; the nearest are {' and '.join(near)}, which the fit holds and nothing proves, so that the extended model leaves them out"
+        one = len(near) == 1
+        text += f"; the nearest {'is' if one else 'are'} {' and '.join(near)}, which the fit holds and nothing proves, so that the extended model leaves {'it' if one else 'them'} out"
     evidence: FindingEvidence = {
         "channel": channel,
         "z": z,

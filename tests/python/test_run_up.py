@@ -11,6 +11,7 @@ from ivsid.diagnosis.estimation import noise
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.noise import declared_ambient, settled_after, usable_rows
 from ivsid.diagnosis.prediction.innovations import Predictor
+from ivsid.errors import IvsidError
 from ivsid.vehicle import parse_vehicle
 
 CALM = (("force = 0.15", "force = 0.002"), ("moment = 0.03", "moment = 0.0004"))
@@ -51,3 +52,12 @@ def test_thrusters_that_stood_still_are_no_drag(counted, monkeypatch):
     best = max(s.fall for s in scored if not s.candidate.searched)
     # Of some forty causes in noise the best has about ten.
     assert best < 20.0 if counted else best > 25.0
+
+
+def test_a_log_that_ends_as_thrusters_have_run_up_is_refused_in_a_sentence():
+    vehicle = late(8.0)
+    log = channels(train_of(vehicle, duration=75.0), vehicle)
+    with pytest.raises(
+        IvsidError, match=r"after 4\d s in which its thrusters run up.*3\d s can be used.*give a longer log"
+    ):
+        plain_fit(vehicle, log, everything)

@@ -21,6 +21,7 @@ from ivsid.diagnosis.estimation.noise import (
     axes_left_out,
     declared_ambient,
     quick_enough,
+    settled_after,
     usable_rows,
 )
 from ivsid.diagnosis.estimation.problem import Problem
@@ -79,8 +80,8 @@ def learn(
         good = usable_rows(predictor)
         if good.sum() * predictor.log.h < LEAST:
             raise IvsidError(
-                f"{predictor.log.name}: between its gaps {good.sum() * predictor.log.h:.0f} s can be used, and a diagnosis needs {LEAST:.0f} s; give a "
-                "log with fewer missing samples"
+                f"{predictor.log.name}: after {settled_after(predictor):.0f} s in which its thrusters run up, and between its gaps, "
+                f"{good.sum() * predictor.log.h:.0f} s can be used, and a diagnosis needs {LEAST:.0f} s; give a longer log, or one with fewer missing samples"
             )
         noise = Noise(predictor, plain_scale(predictor.errors(states), good, predictor, left_out), good, left_out)
         slow = replace(noise, whitening=noise.whitening.slowed(predictor, left_out))

@@ -220,7 +220,7 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
         # Times between two samples cut the steps of the log in half.
         parts = min(int(np.ceil(h / log.period - WHOLE)) * (2 - count % 2), MOST_PARTS)
         between = _between(vehicle, resample, parts, _read(parts, count))
-    elif held and h > LONG and any((t.time_constant or 0.0) < EVEN * h for t in vehicle.thrusters):
+    elif held and fixed and h > LONG and any((t.time_constant or 0.0) < EVEN * h for t in vehicle.thrusters):
         between = _between(vehicle, resample, min(int(np.ceil(h / PART - WHOLE)), MOST_PARTS), (0,))
     force = np.zeros((3, clock.size))
     if not vehicle.thrusters:

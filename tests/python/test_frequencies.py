@@ -16,7 +16,7 @@ from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null import family_wise, frequencies
 from ivsid.diagnosis.null.frequencies import Frequencies, Scatter, as_rare, excess, spectrum
-from ivsid.diagnosis.null.screening import DECLARED_SEA, FREQUENCIES
+from ivsid.diagnosis.null.screening import DECLARED_SEA, FREQUENCIES, OWN_PAST
 from ivsid.diagnosis.selection import adequacy
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
@@ -182,8 +182,8 @@ def test_an_ambient_force_of_another_spectrum_is_no_finding(seed, sea, hidden, m
     found = screened(vehicle, train)
     assert found.passed == [] and found.quiet
     if hidden == "wave.force":
-        # A swell below the declared force is refused for that as well.
-        kept = tuple(r for r in family_wise.SCREENING if r not in (FREQUENCIES, DECLARED_SEA))
+        # A swell below the declared force is refused for that as well, and past errors foretell it.
+        kept = tuple(r for r in family_wise.SCREENING if r not in (FREQUENCIES, DECLARED_SEA, OWN_PAST))
         monkeypatch.setattr(family_wise, "SCREENING", kept)
         assert screened(vehicle, train).passed == [hidden]
     elif hidden == "current.steady":

@@ -1,5 +1,7 @@
 """The largest drag that the power of a log allows: a balance of energy by hand, and no drag of a simulated hull beyond it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.statements.power import largest_drag
+from ivsid.effects import EFFECTS, Given
 
 DEMANDS, THRUSTS = (-100, -60, -30, 0, 30, 60, 100), (-30.0, -14.0, -5.0, 0.0, 6.0, 18.0, 40.0)
 
@@ -55,3 +58,18 @@ def test_what_may_drive_has_no_end_by_power():
     vehicle = vehicle_of()
     _, fit = fitted(vehicle, duration=120.0)
     assert largest_drag(fit, term_of(fit, "mass.surge"), 1.0) == np.inf
+
+
+def test_what_was_found_may_drive_as_well():
+    """A pull from one of two far sides goes with the motion, and its work is the drag's; the other side takes nothing from the thrusters."""
+    vehicle = vehicle_of()
+    _, fit = fitted(vehicle, segments=STRAIGHT, duration=120.0)
+    term = term_of(fit, "drag.surge.quadratic")
+    bare = largest_drag(fit, term, 1.0)
+    ends = []
+    for side in (1e4, -1e4):
+        pulled = fit.h.with_effect(Given(EFFECTS["tether.tension"], (5.0, side, 0.0, 0.0)))
+        ends.append(largest_drag(replace(fit, states=fit.states.under(pulled)), term, 1.0))
+    along = float(np.abs(np.mean(fit.states.points.nu[0] * np.cos(fit.states.points.psi))))
+    cubes = float(np.mean(np.abs(fit.states.points.nu[0]) ** 3))
+    assert min(ends) == pytest.approx(bare) and max(ends) == pytest.approx(bare + 5.0 * along / cubes, rel=0.02)

@@ -25,7 +25,7 @@ from ivsid.diagnosis.null.directions import left_beside
 from ivsid.diagnosis.null.frequencies import Frequencies
 from ivsid.diagnosis.null.gradual import BETTER, CURVED, gradual, most_beyond
 from ivsid.diagnosis.null.inside_cells import FINER, inside_cells
-from ivsid.diagnosis.null.own_past import OwnPast
+from ivsid.diagnosis.null.own_past import FORETOLD, OwnPast
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.null.rule import Rule
 from ivsid.diagnosis.null.second_opinion import second_opinion
@@ -53,9 +53,6 @@ ASKED: Final = 9.0
 # fresh logs without an effect reach 19.
 # Source: measured: make null-logs
 FAINT: Final = 25.0
-# A fall of chi-squared from here on is no colour of the noise, and is not asked beside past errors.
-# Source: resource: products of all columns with past errors take a fifth of a second a round; false causes of a colour had falls up to 107
-FORETOLD: Final = 1000.0
 # Below this share of its typical size a cause is smaller than the errors of the equations.
 # Source: measured: make constants
 NEGLIGIBLE: Final = 0.01

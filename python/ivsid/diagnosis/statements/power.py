@@ -8,6 +8,7 @@ Source: docs/theory.md, "Claims"; the energy balance of Fossen 2011, section 6.3
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
@@ -19,7 +20,7 @@ from ivsid.diagnosis.plant.physics import Mass, changed, water
 from ivsid.diagnosis.plant.points import place_of
 from ivsid.diagnosis.plant.thrust_errors import bound_of
 from ivsid.diagnosis.plant.thruster_forces import thruster_force
-from ivsid.effects import CHANNELS, State, Term
+from ivsid.effects import CHANNELS, Force, State, Term, acting
 
 Array = NDArray[np.float64]
 # Standard deviations of the work of the ambient force that count.
@@ -43,8 +44,12 @@ def largest_drag(fit: Fit, term: Term, off: float) -> float:
     u_c, v_c, _, _ = water(h, p)
     nu = np.stack([p.nu[0] - u_c, p.nu[1] - v_c, p.nu[2]])
     u, v, r = nu
-    columns = term.columns(State(u, v, r, 0.0, 0.0, 0.0, place=place_of(p)))
-    taken = np.asarray(sum(nu[CHANNELS.index(c)] * x for c, x in columns.items()), dtype=np.float64)
+    here = State(u, v, r, 0.0, 0.0, 0.0, place=place_of(p))
+
+    def power(forces: Mapping[str, Array | float]) -> Array:
+        return np.asarray(sum(nu[CHANNELS.index(c)] * x for c, x in forces.items()), dtype=np.float64)
+
+    taken = power(term.columns(here))
     if not (taken.ndim and taken.min() >= 0.0 and taken.any()):
         return np.inf
     driven = nu * (thruster_force(vehicle, h.given, p, (u, v, r)) + p.force)
@@ -56,6 +61,9 @@ def largest_drag(fit: Fit, term: Term, off: float) -> float:
         # Samples come before steps.
         bound = np.tile(bound_of(t, curve, demand), 2)
         work += off * float(bound @ np.hypot(u - y * r, v + x * r))
+    # A wind, a pull or a lift that was fitted may drive as well; what they take elsewhere is given to the drag.
+    work += sum(max(-h.values[t.id] * float(power(t.columns(here)).sum()), 0.0) for t in h.terms if t.id != term.id)
+    work += sum(max(float(power(f.function(here, numbers)).sum()), 0.0) for f, numbers in acting(h.given, Force))
     masses = np.linalg.inv(Mass(vehicle, h.terms, changed(h, p.t)).inverse[0])
     # The sum of a Gauss-Markov force over a motion that is slower than it.
     pushed = np.diag(masses) * predictor.ambient.deviation

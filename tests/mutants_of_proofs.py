@@ -146,6 +146,20 @@ PROOFS = (
         "test_own_past.py",
     ),
     python(
+        "readings that leave their bounds beside nothing",
+        "diagnosis/null/leaving.py",
+        "worst()[1].fall < FORETOLD",
+        "worst()[1].fall < 0.0",
+        "test_leaving.py",
+    ),
+    python(
+        "lost null logs that leave a finding alone",
+        "diagnosis/null/tail.py",
+        "if too_many.any() else 0.0",
+        "if too_many.all() else 0.0",
+        "test_structure.py",
+    ),
+    python(
         "middles of steps that stand for them",
         "diagnosis/prediction/states.py",
         "COARSE: Final = 0.01",

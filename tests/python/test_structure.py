@@ -131,6 +131,20 @@ def test_a_note_says_where_null_logs_do_not_follow(nulls):
     assert found.risk == RISK and "leave the motion" in found.note and found.record()["lost"] > 0
 
 
+def test_null_logs_that_stay_in_the_motion_refute_beside_those_that_leave_it(nulls):
+    """Where half of twenty are lost there is no threshold, and some that exceed the structure are more than one in four hundred all the same."""
+    close = left(8.0)
+    nulls(8.0, lost=0.5)
+    found = asked(close)
+    assert not found.nulls.usable and found.risk < np.exp(-8.0) and "beside those that stay" in found.note
+    assert replace(close, after=replace(close.after, risk=found.risk)).sufficient
+    # One that exceeds it is no proof.
+    once = NullTest(np.r_[9.0, np.full(12, 1.0), np.full(7, np.nan)], np.zeros(20, dtype=bool), STRUCTURE)
+    assert once.least < 8.0
+    lost = binom.sf(np.arange(3) - 1, 20, STRUCTURE)
+    assert replace(once, strengths=np.r_[9.5, 9.0, once.strengths[2:]]).least == 9.0 and lost[1] > 0.023 > lost[2]
+
+
 def test_the_parts_of_the_verdict_add_up_to_one_per_cent():
     assert NAMES + STRUCTURE + SHALLOW_WATER == pytest.approx(VERDICT) == pytest.approx(0.01)
     # The chances of theory, of regressors and of thrust errors, lie inside the part of structure.

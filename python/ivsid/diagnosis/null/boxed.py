@@ -19,9 +19,10 @@ from scipy.special import chdtrc
 
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
-from ivsid.diagnosis.null.any_curve import DETERMINED, LEAST, AnyCurve
+from ivsid.diagnosis.null.any_curve import DETERMINED, LEAST
 from ivsid.diagnosis.null.box_least_squares import inside_box
 from ivsid.diagnosis.plant.declared_readings import bounded
+from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 # Values at the knots, in bounds, up to which an error may lie inside its bound: a straight line beside a jump overshoots.
@@ -35,22 +36,27 @@ class Boxed:
     A hysteresis parts the errors of rising demands from those of falling ones: each branch has a box, with that of the
     hysteresis beside it, and the larger of the two falls is less than that from a box of both branches.
 
+    Args:
+        fit: of the model.
+        g: cross-products of its base; those of the fit by default.
+
     Attributes:
         leaving: fall of chi-squared where the errors may leave their bounds.
         knots: number of knots that may leave their bounds; 0 if no accuracy is declared.
     """
 
-    def __init__(self, fit: Fit) -> None:
+    def __init__(self, fit: Fit, g: Gram | None = None) -> None:
+        g, base = (fit.gram, fit.base) if g is None else (g, range(len(g.names)))
         predictor = fit.noise.predictor
         errors = [
             (e.names(t.name), e)
             for t, e in zip(predictor.vehicle.thrusters, predictor.propulsion.errors, strict=True)
             if e.knots.size
         ]
-        at = fit.gram.at([name for names, _ in errors for name in names])
+        at = g.at([name for names, _ in errors for name in names])
         # From values at the knots, of either branch and of the hysteresis, to sizes of the functions.
         turns = [block_diag(*(e.sizes(side) for _, e in errors)) for side in (1.0, -1.0)] if at else []
-        found = [_leaving(fit.gram, fit.base, at, turn) for turn in turns]
+        found = [_leaving(g, base, at, turn) for turn in turns]
         self.leaving = max((q.fall for q in found), default=0.0)
         self.knots = max((q.freedom for q in found), default=0)
 
@@ -103,16 +109,16 @@ def _leaving(g: Gram, base: Sequence[int], at: Sequence[int], turn: Array) -> Le
     return Leaving(float(rest @ rest), int(kept.sum()), float(np.abs(free).max(initial=0.0)))
 
 
-def readings(fit: Fit, free: AnyCurve | None = None) -> Iterator[tuple[str, Leaving]]:
+def readings(vehicle: Vehicle, g: Gram, base: Sequence[int]) -> Iterator[tuple[str, Leaving]]:
     """What the errors of each reading gain where they may leave their bounds, by name of the error.
 
     Args:
-        fit: of the model.
-        free: the base beside any thrust curve, if that shall stand beside them.
+        vehicle: with its sensors.
+        g: cross-products at a fit.
+        base: columns that are fitted.
     """
-    g, base = (fit.gram, fit.base) if free is None else (free.g, free.projection.base)
     known = {g.names[k]: k for k in base}
-    for name, parts, turn in bounded(fit.noise.predictor.vehicle):
+    for name, parts, turn in bounded(vehicle):
         held = [j for j, part in enumerate(parts) if part in known]
         if held:
             yield name, _leaving(g, base, [known[parts[j]] for j in held], turn[held])

@@ -1,4 +1,4 @@
-"""Fall of chi-squared of a cause beside the log's own past errors.
+"""Falls of chi-squared beside the log's own past errors.
 
 States that an ambient force pushes answer to past errors, so the signature of a delay, a lag or a drag is partly a filter of them. The whitening is
 learnt without all that the catalogue explains. Where the noise has a colour that its few coefficients leave, a cause whose signature is such a filter
@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
+from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
@@ -57,15 +58,27 @@ class OwnPast:
             s: the cause with its score.
         """
         g, at = with_family(self._base, self.fit, s)
+        return Projection(self.beside(g), range(len(self.fit.base))).solve(at)[1]
+
+    @cached_property
+    def base(self) -> Gram:
+        """Cross-products of the base over the whole log, of what the past errors leave of it and of the log."""
+        return self.beside(self._base)
+
+    def beside(self, g: Gram) -> Gram:
+        """Cross-products over the whole log, of what the past errors leave of columns and of the log.
+
+        Args:
+            g: cross-products whose first columns are those of the base.
+        """
         total, score = g.total.copy(), g.score.sum(axis=0)
-        (x,) = g.parts[len(self._base.parts) :]
+        further = g.parts[len(self._base.parts) :]
         for (row, errors, factor), known in zip(self._past, self._products, strict=True):
-            own = np.concatenate([known, self._row(x, row) @ errors.T])
+            own = np.concatenate([known, *(self._row(x, row) @ errors.T for x in further)])
             taken = cho_solve(factor, own.T)
             total -= own @ taken
             score -= (errors @ self._row(g.y[None], row)[0]) @ taken
-        beside = replace(g.whole(), blocks=total[None], score=score[None])
-        return Projection(beside, range(len(self.fit.base))).solve(at)[1]
+        return replace(g.whole(), blocks=total[None], score=score[None])
 
     @cached_property
     def _past(self) -> tuple[Past, ...]:

@@ -19,6 +19,7 @@ from scipy.special import chdtrc, chdtri
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.null.any_curve import DETERMINED, LEAST, AnyCurve
+from ivsid.diagnosis.null.own_past import OwnPast
 
 Array = NDArray[np.float64]
 
@@ -26,12 +27,16 @@ Array = NDArray[np.float64]
 class Reached:
     """Distance of a log from all curves inside their accuracy.
 
+    Args:
+        free: the fit's base with free errors beside it.
+        past: the past errors beside which the distance stands, or None.
+
     Attributes:
         leaving: squared distance from them, in standard deviations.
         knots: its degrees of freedom at most; 0 if no accuracy is declared.
     """
 
-    def __init__(self, free: AnyCurve) -> None:
+    def __init__(self, free: AnyCurve, past: OwnPast | None = None) -> None:
         names = free.g.names
         self.free = free
         self.at = [k for k, n in enumerate(names) if n.startswith(("~thrust.", "~hysteresis."))]
@@ -39,7 +44,10 @@ class Reached:
         # Free errors by inflow would take what errors by demand may not.
         inflows = [k for k, n in enumerate(names) if n.startswith("~inflow.")]
         self.others = [k for k in range(len(names)) if k not in {*self.at, *self.cells, *inflows}]
-        self.leaving, self.knots = self._distance(free.g, self.at, self.others) if self.at and self.cells else (0.0, 0)
+        self.leaving, self.knots = (0.0, 0)
+        if self.at and self.cells:
+            g = free.g if past is None else past.beside(free.g)
+            self.leaving, self.knots = self._distance(g, self.at, self.others)
 
     def _distance(self, g: Gram, data: Sequence[int], others: Sequence[int]) -> tuple[float, int]:
         """Least squared distance, over the curves, of the scores of some columns beside others, and its degrees of freedom."""

@@ -83,6 +83,13 @@ class NullTest:
         slope *= 1.0 + sigmas / np.sqrt(max(excess.size, 1))
         return float(start + slope * np.log(share / self.level))
 
+    @property
+    def least(self) -> float:
+        """Strength below which a finding is no rarer than null logs, by the exact binomial probability, if lost ones lie below all others; 0 if there is none."""
+        x = np.sort(self.kept)[::-1]
+        too_many = bdtrc(np.arange(x.size), self.strengths.size, self.level) <= UNSURE
+        return float(x[np.argmax(too_many)]) if too_many.any() else 0.0
+
     def decides(self, strength: float, looks: int) -> bool:
         """Whether these null logs decide about a finding, so that further ones need not be examined.
 

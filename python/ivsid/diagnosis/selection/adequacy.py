@@ -15,11 +15,12 @@ from scipy.special import chdtrc
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.null.any_curve import DOUBT, AnyCurve, beyond
+from ivsid.diagnosis.null.any_curve import beyond
 from ivsid.diagnosis.null.beyond_curves import rougher_beyond
-from ivsid.diagnosis.null.boxed import Boxed, Leaving, outside, readings
+from ivsid.diagnosis.null.boxed import Leaving, outside
 from ivsid.diagnosis.null.frequencies import Scatter, Spectrum, as_rare, excess, spectrum
-from ivsid.diagnosis.null.reached import Reached
+from ivsid.diagnosis.null.leaving import Others, misread_of, thrusts
+from ivsid.diagnosis.null.own_past import FORETOLD
 from ivsid.diagnosis.selection.dictionary import regressors
 from ivsid.diagnosis.selection.hulls import Asked, asked_of_hulls
 from ivsid.effects import CHANNELS
@@ -143,6 +144,23 @@ class Adequacy:
         """Whether the innovations hold no more structure than chance, with every declared error and the ambient force inside its bound and every number one of hulls."""
         return self.white and self.bounded and self.sensed and not self.hulls and self.roughest <= ROUGHER
 
+    def also(self, beside: Adequacy) -> Adequacy:
+        """The same with the structure that stands beside more.
+
+        Args:
+            beside: the regressors beside more than these stood.
+        """
+        return replace(
+            self,
+            fall=beside.fall,
+            freedom=beside.freedom,
+            chance=beside.chance,
+            strongest=beside.strongest,
+            chance_of_one=beside.chance_of_one,
+            excess=beside.excess,
+            alone=self.alone and beside.chance_of_one <= ALONE,
+        )
+
     def beside(self, fit: Fit, columns: Sequence[int]) -> float:
         """Excess in the channels where a cause acts, weighted by the energy of its signature in each.
 
@@ -180,25 +198,15 @@ def adequacy(fit: Fit) -> Adequacy:
         noise = spectrum(fit, wide)
         found = _structure(own, at, names, _none, excess(fit, own, at, noise))
     found = replace(found, alone=found.chance_of_one <= ALONE)
-    boxed = Boxed(fit)
-    left, knots = boxed.leaving, boxed.knots
-    free: AnyCurve | None = None
-    if knots and chdtrc(knots, left) <= DOUBT:
-        # Curves that jump between knots reach more than values at the knots do.
-        free = AnyCurve(fit)
-        left = min(left, Reached(free).leaving)
-    misread = _misread(fit, None)
-    if misread is not None and misread[2] <= DOUBT and fit.noise.predictor.vehicle.thrusters:
-        # A thrust curve may have moved the readings.
-        free = free or AnyCurve(fit)
-        misread = _misread(fit, free)
+    others = Others(fit)
+    left, knots = thrusts(others)
+    misread = misread_of(others)
     far = outside(fit)
     hulls = asked_of_hulls(fit)
     rougher, beyond_curves = fit.noise.rougher, (0.0, 0.0, 0.0)
     if max(rougher) <= ROUGHER < max(fit.noise.alone):
         # What thrust errors allow may hide a force of the time, which no thrust curve makes.
-        free = free or AnyCurve(fit)
-        beyond_curves = rougher_beyond(free)
+        beyond_curves = rougher_beyond(others.curve)
     found = replace(
         found,
         leaving=left,
@@ -210,37 +218,19 @@ def adequacy(fit: Fit) -> Adequacy:
         rougher=rougher,
         beyond_curves=beyond_curves,
     )
-    if found.white or not fit.noise.predictor.vehicle.thrusters:
-        return found
-    free = free or AnyCurve(fit)
-    first = len(free.g.names)
-    wide = free.g.joined(names, x.reshape(len(x), *free.g.y.shape), unit)
-    own, at = Projection(wide, free.projection.base), range(first, len(wide.names))
-    beside = _structure(
-        own, at, names, free.worst, excess(fit, own, at, spectrum(fit, wide) if noise is None else noise)
-    )
-    alone = found.alone and beside.chance_of_one <= ALONE
-    return replace(
-        beside,
-        leaving=left,
-        knots=knots,
-        pushed=found.pushed,
-        outside=far,
-        misread=misread,
-        hulls=hulls,
-        rougher=rougher,
-        beyond_curves=beyond_curves,
-        alone=alone,
-    )
-
-
-def _misread(fit: Fit, free: AnyCurve | None) -> tuple[str, Leaving, float] | None:
-    """The error of readings that leaves its bound most, beside a base with any thrust curve if one is given."""
-    found = list(readings(fit, free))
-    if not found:
-        return None
-    name, worst = min(found, key=lambda q: q[1].chance)
-    return name, worst, min(1.0, worst.chance * len(found))
+    worst = _none
+    if not found.white and fit.noise.predictor.vehicle.thrusters:
+        free = others.curve
+        worst, first = free.worst, len(free.g.names)
+        wide = free.g.joined(names, x.reshape(len(x), *free.g.y.shape), unit)
+        own, at = Projection(wide, free.projection.base), range(first, len(wide.names))
+        scatter = excess(fit, own, at, spectrum(fit, wide) if noise is None else noise)
+        found = found.also(_structure(own, at, names, worst, scatter))
+    if not found.white and found.strongest[0][2] < FORETOLD:
+        # A regressor that stands for coefficients that the whitening lacks has no more to say than past errors do.
+        past = Projection(others.past.beside(wide), own.base)
+        found = max(found, found.also(_structure(past, at, names, worst)), key=lambda q: q.of_regressors)
+    return found
 
 
 def _pushed(fit: Fit, far: Sequence[tuple[str, float]]) -> str:

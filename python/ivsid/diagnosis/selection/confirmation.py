@@ -55,7 +55,7 @@ class Confirmation:
     @property
     def stricter(self) -> bool:
         """Whether null logs made the threshold stricter than the Gaussian draws did."""
-        return self.nulls is not None and self.nulls.usable and self.test.calibration.chance < self.nulls.first
+        return self.nulls is not None and self.test.calibration.chance < self.nulls.first
 
     def record(self) -> dict[str, object]:
         """The entry ``calibration`` of result.json."""
@@ -105,10 +105,20 @@ def confirmed(fit: Fit, test: Threshold, found: Sequence[Found], looks: Looks, l
         NullTest(np.zeros(0), np.zeros(0, dtype=bool), level, first=first),
         list(near.values()),
     )
-    if not used.usable:
-        return Confirmation(test, used, "null logs of this programme leave its motion: the Gaussian draws stand alone")
-    chance = min(first, float(np.exp(-used.threshold())))
-    return Confirmation(replace(test, calibration=replace(test.calibration, chance=chance)), used)
+    chance = min(first, float(np.exp(-(used.threshold() if used.usable else used.least))))
+    note = "" if used.usable else _left_its_motion("the Gaussian draws stand", chance < first)
+    return Confirmation(replace(test, calibration=replace(test.calibration, chance=chance)), used, note)
+
+
+def _left_its_motion(theory: str, refuted: bool) -> str:
+    """The note where too many null logs are lost for a threshold.
+
+    Args:
+        theory: what stands in its place.
+        refuted: whether those that are left exceed it too often.
+    """
+    beside = "beside those that stay in it" if refuted else "alone"
+    return f"null logs of the model leave the motion of the log: {theory} {beside}"
 
 
 def sound(last: Fit, plain: Fit, ids: Iterable[str]) -> Fit:
@@ -199,9 +209,6 @@ def confirmed_structure(last: Fit, library: frozenset[str], left: Left, looks: L
         NullTest(np.zeros(0), np.zeros(0, dtype=bool), STRUCTURE, first=RISK),
         [left.after.strength],
     )
-    if not used.usable:
-        return StructureConfirmation(
-            nulls=used,
-            note="null logs of the model leave the motion of the log: the threshold of structure is that of chi-squared",
-        )
-    return StructureConfirmation(min(RISK, float(np.exp(-used.threshold()))), used)
+    risk = min(RISK, float(np.exp(-(used.threshold() if used.usable else used.least))))
+    note = "" if used.usable else _left_its_motion("the threshold of chi-squared stands", risk < RISK)
+    return StructureConfirmation(risk, used, note)

@@ -1,0 +1,76 @@
+"""Errors of readings, of thrusts and of the dictionary that a swell under an autopilot makes, and those that are there."""
+
+from dataclasses import replace
+
+import pytest
+from tests.exam.cases import case
+
+from diagnosis_logs import train_of, vehicle_of
+from ivsid import diagnose
+from ivsid.diagnosis.candidates.families import everything
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.null import leaving
+from ivsid.diagnosis.null.boxed import readings
+from ivsid.diagnosis.selection import adequacy as selection
+from ivsid.diagnosis.selection.adequacy import RISK, adequacy
+from ivsid.log import Log
+from ivsid.vehicle import parse_vehicle
+
+# A sound ROV of 300 s on a straight course, with a force of a few frequencies inside its bound, whose autopilot answers the heading.
+SWELL = 200469
+
+
+def fitted(vehicle, train):
+    return plain_fit(vehicle, channels(train, vehicle), everything)
+
+
+def logs(seed, **asked):
+    c = case(seed, **asked)
+    columns = [{k: x for k, x in one.items() if k != "t"} for one in c.logs]
+    made = [
+        Log(f"{k + 1}.csv", str(k) * 64, one["t"], x) for k, (one, x) in enumerate(zip(c.logs, columns, strict=True))
+    ]
+    return parse_vehicle(c.text, "v.toml"), *made
+
+
+@pytest.fixture
+def without_the_past(monkeypatch):
+    def forbid():
+        monkeypatch.setattr(leaving, "FORETOLD", 0.0)
+        monkeypatch.setattr(selection, "FORETOLD", 0.0)
+
+    return forbid
+
+
+def test_a_swell_moves_no_sensor(without_the_past):
+    vehicle, train, _ = logs(SWELL, what="none", sea="any", sensors="any")
+    fit = fitted(vehicle, train)
+    alone = dict(readings(vehicle, fit.gram, fit.base))["~arm.velocity.y"]
+    assert alone.chance < 1e-4 and alone.largest > 50.0
+    assert adequacy(fit).quiet
+    without_the_past()
+    assert not adequacy(fit).sensed
+
+
+@pytest.mark.parametrize("metres", [0.0, 0.03])
+def test_a_sensor_that_stands_elsewhere_is_told(metres):
+    """A mount that is not said lies within a thousandth of the length of its place; no cause is asked here."""
+    vehicle = vehicle_of()
+    train = train_of(vehicle)
+    moved = {**train.columns, "v": train.columns["v"] + metres * train.columns["r"]}
+    found = adequacy(fitted(vehicle, replace(train, columns=moved)))
+    assert found.misread is not None and found.sensed == (metres == 0.0)
+    if metres:
+        assert found.misread[0] == "~arm.velocity.x" and found.read < RISK**2
+        assert found.misread[1].largest * 1.2e-3 == pytest.approx(metres, rel=0.3)
+
+
+@pytest.mark.nightly
+def test_a_cause_is_named_where_only_a_colour_is_left_beside_it(without_the_past):
+    """A thruster of four is weak on a straight course; beside it r follows the past errors of yaw."""
+    one = logs(211122)
+    found = diagnose(*one)
+    assert "thruster.asymmetry" in {i for f in found.findings for i in (f.effect, *f.alternatives)}
+    without_the_past()
+    assert found.verdict == "wrong" and diagnose(*one).verdict == "unknown"

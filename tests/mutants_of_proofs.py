@@ -120,7 +120,7 @@ PROOFS = (
     python(
         "whole steps of a slow clock",
         "diagnosis/data/channels.py",
-        "LONG: Final = 0.101",
+        "LONG: Final = 0.03",
         "LONG: Final = 9.0",
         "test_slow_clock.py",
     ),

@@ -23,6 +23,8 @@ from ivsid.programme.scenario import Scenario, parse_scenario
 FAMILIES = (*sorted(SHAPES), "hysteresis")
 # The share of cases in which all thrusters have the same error.
 ALIKE = 0.25
+# Seed from which on a thrust that should be none may be wrong by the absolute accuracy: earlier cases stay what they were.
+AT_REST = 217000
 # Largest multiple of a typical size.
 LARGEST = 64.0
 
@@ -68,6 +70,11 @@ class Setting:
     stratum: dict[str, object]
 
     @property
+    def at_rest(self) -> bool:
+        """Whether thrust errors fill their bounds where there is no thrust, too."""
+        return self.seed >= AT_REST
+
+    @property
     def vessel(self) -> Vessel:
         return Vessel.read(self.text, self.exact)
 
@@ -86,10 +93,11 @@ class Setting:
         if self.family == "inflow":
             own = np.random.default_rng([self.seed, 5])
             length = vessel.body.length
-            vessel = replace(vessel, drift=tuple(by_inflow(t, self.share, length, own) for t in vessel.thrusters))
+            drift = tuple(by_inflow(t, self.share, length, own, at_rest=self.at_rest) for t in vessel.thrusters)
+            vessel = replace(vessel, drift=drift)
         # The curves belong to the vehicle: both logs have the same errors.
         own = errors(self.family, len(vessel.thrusters), self.alike, np.random.default_rng([self.seed, 3]))
-        curves = [Curve(t, e, self.share) for t, e in zip(vessel.thrusters, own, strict=True)]
+        curves = [Curve(t, e, self.share, at_rest=self.at_rest) for t, e in zip(vessel.thrusters, own, strict=True)]
         motion = sail(vessel, scenario, effects, curves, 0.0 * ambient if calm else ambient, streams[1])
         if self.sensors == "mounted":
             # A sensor is mounted once for both logs.

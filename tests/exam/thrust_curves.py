@@ -14,33 +14,36 @@ from tests.exam.thrust_errors import SHAPES
 class Curve:
     """A thrust curve that is wrong by a share of its accuracy; demands come in their order, because one kind of error remembers."""
 
-    def __init__(self, thruster: dict, error=None, share: float = 0.0) -> None:
+    def __init__(self, thruster: dict, error=None, share: float = 0.0, *, at_rest: bool = False) -> None:
         table, accuracy = thruster["table"], thruster["accuracy"]
         self.low, self.high = table["demand"][0], table["demand"][-1]
         self.largest = max(map(abs, table["thrust"]))
         self.nominal = PchipInterpolator(table["demand"], table["thrust"])
         self._knots, self._cubics = table["demand"], self.nominal.c.T.tolist()
         self.absolute, self.relative = accuracy["absolute"], accuracy["relative"]
-        self.error, self.share = error, share
-        self.demand, self.side, self.thrust = 0.0, 1.0, 0.0
+        self.error, self.share, self.at_rest = error, share, at_rest
+        # Before the first demand nothing is known of the thrust at rest.
+        self.demand, self.side, self.thrust = math.nan if at_rest else 0.0, 1.0, 0.0
 
     def bound(self, demand):
-        """Of the error [N]: no thrust has none."""
-        amount = np.abs(self.nominal(demand))
-        return np.minimum(self.absolute + self.relative * amount, amount)
+        """Of the error [N]: no thrust has none, or that of the accuracy at rest."""
+        return self.allowed(np.abs(self.nominal(demand)))
+
+    def allowed(self, amount):
+        """The same at sizes of the thrust [N]."""
+        whole = self.absolute + self.relative * amount
+        return whole if self.at_rest else np.minimum(whole, amount)
 
     def __call__(self, demand: float) -> float:
         if demand == self.demand:
             return self.thrust
-        self.side = math.copysign(1.0, demand - self.demand)
+        self.side = math.copysign(1.0, demand - (0.0 if math.isnan(self.demand) else self.demand))
         i = min(max(bisect_right(self._knots, demand) - 1, 0), len(self._cubics) - 1)
         a, b, c, d = self._cubics[i]
         x = demand - self._knots[i]
         self.demand, self.thrust = demand, ((a * x + b) * x + c) * x + d
         if self.error is not None and self.share:
-            amount = abs(self.thrust)
-            bound = self.share * min(self.absolute + self.relative * amount, amount)
-            self.thrust += bound * self._shape(demand)
+            self.thrust += self.share * float(self.allowed(abs(self.thrust))) * self._shape(demand)
         return self.thrust
 
     def _shape(self, demand: float) -> float:
@@ -51,16 +54,17 @@ class Curve:
         return float(self.error(np.array([(demand - self.low) / width]), -self.low / width)[0])
 
 
-def by_inflow(thruster: dict, share: float, length: float, rng: np.random.Generator) -> Callable:
+def by_inflow(
+    thruster: dict, share: float, length: float, rng: np.random.Generator, *, at_rest: bool = False
+) -> Callable:
     """The error of a thrust [N] by the speed of the water along the thruster: a share of its bound that bends, or turns, over the speeds."""
-    curve = Curve(thruster)
+    curve = Curve(thruster, at_rest=at_rest)
     pace = 0.3 * math.sqrt(9.81 * length)
     turns, phase, side = rng.uniform(1.0, 4.0), rng.uniform(0.0, 2.0 * math.pi), rng.choice([-1, 1])
     bends = rng.uniform() < 0.5
 
     def error(thrust, inflow):
-        amount = np.abs(thrust)
-        bound = share * np.minimum(curve.absolute + curve.relative * amount, amount)
+        bound = share * curve.allowed(np.abs(thrust))
         q = inflow / pace
         return bound * (side * np.tanh(q) if bends else np.sin(turns * q + phase))
 

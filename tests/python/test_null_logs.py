@@ -243,7 +243,7 @@ def test_thrust_errors_of_null_logs_are_of_every_kind_and_inside_their_bound(zig
     thrust = np.abs(
         np.interp(demand, np.linspace(-100, 100, 4001), ThrustCurve(thruster).value(np.linspace(-100, 100, 4001)))
     )
-    bound = np.minimum(thruster.accuracy.absolute + thruster.accuracy.relative * thrust, thrust)
+    bound = thruster.accuracy.absolute + thruster.accuracy.relative * thrust
     assert (np.abs(curves[0]) <= bound * 1.01 + 1e-3).all()
     share = curves[0][:, bound > 0.05] / bound[bound > 0.05]
     jumps = np.abs(np.diff(share, axis=1)).max(axis=1) > 0.05

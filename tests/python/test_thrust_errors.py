@@ -122,6 +122,17 @@ def test_values_at_the_knots_are_the_error_in_units_of_its_bound():
     assert covariance[0, 1] > 0.5 * BOUNDED**2 > covariance[0, -1]
 
 
+def test_a_thrust_that_should_be_none_has_the_absolute_accuracy():
+    """Identification and the vehicle file know no other bound: absolute + relative |T| at every demand."""
+    given = {"name": "a", "position": [0.0, 0.0], "azimuth": 0.0, "gain": 0.5, "dead_band": 4.0}
+    t = Thruster.model_validate({**given, "accuracy": {"absolute": 0.4, "relative": 0.1}})
+    curve, demand = ThrustCurve(t), np.array([-20.0, -5.0, -1.0, 0.0, 2.0, 6.0])
+    interval = curve.interval(demand)
+    half = 0.5 * (interval.upper - interval.lower)
+    np.testing.assert_allclose(bound_of(t, curve, demand), half, rtol=1e-9, atol=1e-9)
+    assert bound_of(t, curve, np.zeros(1))[0] == 0.4
+
+
 def test_the_total_of_errors_is_the_sum_of_each_by_its_size():
     c = case(7, what="none", kind="twin", duration=30.0, style="rich", train_alone=True)
     t = c.vehicle.thrusters[0]

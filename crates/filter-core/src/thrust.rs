@@ -67,7 +67,7 @@ pub fn thrust(demand: &[f64], curve: Curve, error: Option<Error>, threads: usize
                 let side = if risen { 1.0 } else { -1.0 };
                 size += side * branch.value(d, &mut at.1);
             }
-            *place = push + (absolute + relative * push.abs()).min(push.abs()) * size;
+            *place = push + (absolute + relative * push.abs()) * size;
         }
     };
     std::thread::scope(|scope| {

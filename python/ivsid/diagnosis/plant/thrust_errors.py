@@ -43,14 +43,14 @@ BRANCHES: Final = 4
 
 
 def bound_of(thruster: Thruster, curve: ThrustCurve, demand: Array) -> Array:
-    """Bound of the thrust error [N] at demands from neutral: no thrust has no error."""
+    """Bound of the thrust error [N] at demands from neutral; a thrust of none has the absolute accuracy."""
     return bound_at(thruster, np.asarray(curve.value(demand + thruster.neutral), dtype=np.float64))
 
 
 def bound_at(thruster: Thruster, thrust: Array) -> Array:
     """The same at thrusts by the curve [N]."""
-    accuracy, size = thruster.accuracy, np.abs(thrust)
-    return np.asarray(np.minimum(accuracy.absolute + accuracy.relative * size, size), dtype=np.float64)
+    accuracy = thruster.accuracy
+    return np.asarray(accuracy.absolute + accuracy.relative * np.abs(thrust), dtype=np.float64)
 
 
 @dataclass(frozen=True)

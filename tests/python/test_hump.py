@@ -1,18 +1,23 @@
 """Humps of the wave resistance: their force, the search for speed and width, and what their outline leaves."""
 
+import itertools
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.exam.cases import case
 
 from diagnosis_logs import train_of, vehicle_of
+from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.selection.rivals import MARGIN, Rival
 from ivsid.diagnosis.selection.rules import BENT, BETTER_CURVE, OUTLINE, Curve, Remainder, compared
 from ivsid.effects import EFFECTS, State
+from ivsid.log import Log
+from ivsid.vehicle import parse_vehicle
 
 HUMP = EFFECTS["drag.surge.hump"]
 
@@ -37,6 +42,26 @@ def test_the_force_is_a_drag_of_its_height_at_its_speed_and_none_at_rest():
             -force(u, 5.0, 0.8, 0.2)
         )
     assert force(0.0, 5.0, 0.8, 0.2) == 0.0 and force(0.8, 5.0, 0.8, 0.2) == pytest.approx(-5.0, rel=1e-2)
+
+
+def test_a_fit_moves_a_hump_no_farther_than_its_flank_is_sailed():
+    form = HUMP.form
+    for speed, width in itertools.product((0.1, 0.4, 0.9, 1.3, 2.5), (0.05, 0.3, 0.8, 2.0)):
+        height, *inside = form.inside((3.0, speed, width), 1.0)
+        assert height == 3.0 and form.shown({"height": 3.0, "speed": inside[0], "width": inside[1]}, 300.0, 1.0)
+        shown = form.shown({"height": 3.0, "speed": speed, "width": width}, 300.0, 1.0)
+        assert (inside == [speed, width]) is shown
+
+
+def test_a_flank_alone_is_a_cubic_drag_or_a_hump():
+    """A hump beyond the largest speed of the log: its height may be none, a cubic drag stands in its place, and the two are not told apart."""
+    c = case(211125)
+    columns = [{k: x for k, x in one.items() if k != "t"} for one in c.logs]
+    logs = [Log(f"{k}.csv", f"{k}" * 64, one["t"], x) for k, (one, x) in enumerate(zip(c.logs, columns, strict=True))]
+    result = diagnose(parse_vehicle(c.text, "v.toml"), *logs)
+    (one,) = result.findings
+    assert {one.effect, *one.alternatives} == {"drag.surge.cubic", HUMP.id}
+    assert 0.5 < one.confidence < 1.0 and one.separate_by
 
 
 def test_the_search_finds_speed_and_height_and_a_thrust_of_that_shape_is_no_drag():

@@ -13,6 +13,7 @@ import numpy as np
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import Channels, channels
 from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.detection import detection_limits
 from ivsid.diagnosis.null.family_wise import Threshold
@@ -31,13 +32,13 @@ from ivsid.diagnosis.selection.confirmation import (
 from ivsid.diagnosis.selection.parallel import one_blas_thread
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.rules import full_refused
-from ivsid.diagnosis.selection.select import Selection, select
+from ivsid.diagnosis.selection.select import Selection, in_place, select
 from ivsid.diagnosis.selection.verdict import Left
 from ivsid.diagnosis.statements.carried import failure, in_their_place
 from ivsid.diagnosis.statements.claims import claims
 from ivsid.diagnosis.statements.comparison import Gain
 from ivsid.diagnosis.statements.diagnosis import Diagnosis, inputs_of
-from ivsid.diagnosis.statements.findings import findings_of, shallow, verdict_of, weighed
+from ivsid.diagnosis.statements.findings import findings_of, nameless, shallow, verdict_of, weighed
 from ivsid.diagnosis.statements.hints import hints
 from ivsid.diagnosis.statements.motion import motion_of, sentences
 from ivsid.diagnosis.statements.not_tested import left_out_note, not_tested
@@ -98,12 +99,12 @@ def diagnose(
     scored, looks = score(fit), Looks(seed, null_logs, cache, progress)
     test_of = Threshold(calibrating.result(), visible)
     progress("looking for causes")
-    selection = select(fit, scored, test_of, progress)
+    selection = _named(fit, scored, test_of, progress)
     passed = _undecided(selection, judging)
     confirmation = confirmed(fit, test_of, passed, looks, selection.last)
     if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in passed):
         progress("looking again, at the threshold of the null logs")
-        selection = select(fit, scored, confirmation.test, progress)
+        selection = _named(fit, scored, confirmation.test, progress)
     # Most findings stand, so their model is tried while they are examined, and the other log is asked of its water.
     trial = Trial(other, selection, seed, tried, nothing)
     shoaling = Apart(partial(change, vehicle, selection.last, other))
@@ -224,6 +225,17 @@ def _asked_of(
     in_turn(*tasks)
     # The limits are asked for last and by nothing else: they fill what the other processes leave of the processors from now on.
     return (*tasks, Apart(partial(detection_limits, fit), late=True))
+
+
+def _named(fit: Fit, scored: tuple[Fit, list[Scored]], test: Threshold, progress: Callable[[str], None]) -> Selection:
+    """The causes; one whose numbers may all be none, and that others came close to, makes place for them and stands beside."""
+    selection = select(fit, scored, test, progress)
+    barred = nameless(selection)
+    if not barred:
+        return selection
+    progress("looking again, without causes whose numbers may all be none")
+    other = select(fit, scored, replace(test, barred=barred), progress)
+    return in_place(selection, other, frozenset(barred)) if adequacy(other.last).quiet else selection
 
 
 def _rest(selection: Selection, before: Adequacy) -> Left:

@@ -71,6 +71,15 @@ class Form:
         """
         return True
 
+    def inside(self, numbers: tuple[float, ...], _fastest: float) -> tuple[float, ...]:
+        """The nearest numbers that a log can show, where those of a fit move together.
+
+        Args:
+            numbers: of the effect, in the order of its parts.
+            _fastest: largest speed of the log ahead or astern [m/s].
+        """
+        return numbers
+
     def over_declared(self, _numbers: Mapping[str, float], _ambient: float) -> float:
         """Size of an effect in the declared ambient force, where it is a part of that by its nature; infinite where it is none.
 
@@ -221,6 +230,12 @@ class Hump(Form):
     def shown(self, numbers: Mapping[str, float], _duration: float, fastest: float) -> bool:
         """A hump that leaves rest without a force, and of which one flank is sailed."""
         return numbers["width"] <= numbers["speed"] <= fastest + numbers["width"]
+
+    def inside(self, numbers: tuple[float, ...], fastest: float) -> tuple[float, ...]:
+        """A hump whose flank is sailed, as narrow as leaves rest without a force."""
+        height, speed, width = numbers
+        speed = min(speed, fastest + width)
+        return height, speed, min(width, speed)
 
     def held(self, numbers: tuple[float, ...]) -> tuple[float, ...]:
         """The height: it is the only number of which the force is a multiple."""

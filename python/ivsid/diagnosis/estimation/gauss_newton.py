@@ -131,5 +131,6 @@ def stepped(h: Hypothesis, moves: Mapping[str, float], predictor: Predictor) -> 
                 step = float(np.clip(step, -most, most))
             new = numbers[j] + step
             numbers[j] = float(within(new, p))
-        h = h.with_effect(replace(g, values=tuple(numbers)))
+        kept = g.effect.form.inside(tuple(numbers), float(np.abs(predictor.log.nu[0]).max()))
+        h = h.with_effect(replace(g, values=kept))
     return h

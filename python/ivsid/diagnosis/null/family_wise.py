@@ -6,7 +6,7 @@ Source: docs/theory.md, "Diagnosis"; docs/rules.md.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
@@ -46,10 +46,12 @@ class Threshold:
     Attributes:
         calibration: the threshold of this programme.
         seen: visibility by id.
+        barred: causes that are not asked, with the reason, by id.
     """
 
     calibration: Calibration
     seen: Mapping[str, Visibility]
+    barred: Mapping[str, Refusal] = field(default_factory=dict)
 
     @property
     def visible(self) -> frozenset[str]:
@@ -73,8 +75,8 @@ class Threshold:
             here: fit and scores.
             beside: causes that the model holds already.
         """
-        passed, refused, stands = [], {}, tuple(beside)
-        for s in map(here.in_box, here.scored):
+        passed, refused, stands = [], dict(self.barred), tuple(beside)
+        for s in map(here.in_box, (q for q in here.scored if q.id not in self.barred)):
             case = Case(here, s)
             refusal = first_refusal(SCREENING, case, stands)
             if refusal is None:
@@ -84,8 +86,8 @@ class Threshold:
         return Screened(here, tuple(passed), refused)
 
     def eligible(self, s: Scored) -> bool:
-        """Whether a family may stand among alternatives; a blind family may not."""
-        return s.id not in self.seen or not self.seen[s.id].blind
+        """Whether a family may stand among alternatives; a blind family and a barred one may not."""
+        return s.id not in self.barred and (s.id not in self.seen or not self.seen[s.id].blind)
 
     def chance(self, s: Scored, fall: float) -> float:
         """Probability of a family's fall of chi-squared in a full fit.

@@ -88,6 +88,11 @@ class Full:
     chance: float
     level: float
 
+    @property
+    def explained(self) -> float:
+        """Fall of chi-squared, or none where other masses and drags are pushed aside for it."""
+        return max(self.fall, 0.0)
+
 
 # Share of the best cause's fall of chi-squared up to which the errors of the equations decide between two causes.
 # Source: measured: the examination; a delay of 12.5 ms under readings averaged over 0.1 s was behind a lag of 12 ms by 0.23 %
@@ -194,7 +199,7 @@ FULL: Final = Rule[Full](
     "make null-logs",
     lambda c: c.chance,
     lambda c: c.level,
-    "fitted in full its fall of chi² of {case.fall:.1f} has probability {value:.1g}, and {limit:.1g} is the limit",
+    "fitted in full its fall of chi² of {case.explained:.1f} has probability {value:.1g}, and {limit:.1g} is the limit",
     least=False,
 )
 SETTLED: Final = Rule[bool](

@@ -177,3 +177,22 @@ def _late(fit: Fit, screened: Screened, found: tuple[str, ...]) -> tuple[dict[st
     cases = [(s, Late(s, len(found), left.beside(fit, s.columns))) for s in screened.passed]
     said = {s.id: first_refusal(LATE, case, found) for s, case in cases}
     return {i: r for i, r in said.items() if r is not None}, [s for s in screened.passed if said[s.id] is None]
+
+
+def in_place(first: Selection, other: Selection, barred: frozenset[str]) -> Selection:
+    """A selection without some causes, each of which stands as an alternative beside the one that took its place.
+
+    Args:
+        first: with them.
+        other: without them.
+        barred: their ids.
+    """
+    found = []
+    for one in other.found:
+        beside = [f for f in first.found if f.id in barred and one.id in f.tried]
+        rivals = [
+            replace(r, chi2=max(r.chi2, one.rivals[0].chi2), fall=min(r.fall, one.rivals[0].fall))
+            for r in (f.rivals[0] for f in beside)
+        ]
+        found.append(replace(one, rivals=(*one.rivals, *rivals)))
+    return replace(other, found=tuple(found))

@@ -18,12 +18,12 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.selection.adequacy import Adequacy, energy_of
+from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy, energy_of
 from ivsid.diagnosis.selection.rivals import Found, swapped
 from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.probability import COUNTS, Alike, alike
 from ivsid.diagnosis.statements.residuals import FindingEvidence
-from ivsid.diagnosis.statements.rules import ALTERNATIVES, HELD, UNNAMED, Held
+from ivsid.diagnosis.statements.rules import ALTERNATIVES, EXCLUDES, HELD, UNNAMED, Held
 from ivsid.diagnosis.statements.shallow_water import Change
 from ivsid.diagnosis.statements.share import Share
 from ivsid.effects import EFFECTS, PAPER_TERMS
@@ -116,13 +116,7 @@ def findings_of(
             found, last, selection.leftover, evidence, rest, selection.curves, swapped(selection.found, found.id)
         )
         left = nothing + (rest.beside(last, own_columns(last, found.id)) if complete else rest.unexplained)
-        effect = EFFECTS[found.id]
-        parts = any(t.id == effect.shares and t in PAPER_TERMS for t in selection.plain.h.terms)
-        boxed = found.first.boxed > found.fall
-        beside = float(np.sqrt(max(min(found.first.shown, found.fall), 0.0))) - found.first.lost
-        case = Held(
-            effect, found.fall, left, one.parameters, complete, rest.quiet, len(rest.hulls), parts, boxed, beside
-        )
+        case = _held(selection, found, one, rest, left, complete=complete)
         refusal = first_refusal(HELD, case, [f.id for f in selection.found if f is not found])
         if refusal is None:
             made[found.id] = one_sided(one, last.h) if case.quiet and case.there else one
@@ -132,6 +126,30 @@ def findings_of(
             if (said := refusal or UNNAMED.refuses(rank, [found.id])) is not None:
                 withdrawn[rival.id] = said
     return tuple(made[f.id] for f in selection.found if f.id in made), withdrawn
+
+
+def _held(selection: Selection, found: Found, one: Finding, rest: Adequacy, left: float, *, complete: bool) -> Held:
+    """A cause with what the rules of findings ask of it."""
+    effect = EFFECTS[found.id]
+    parts = any(t.id == effect.shares and t in PAPER_TERMS for t in selection.plain.h.terms)
+    boxed = found.first.boxed > found.fall
+    beside = float(np.sqrt(max(min(found.first.shown, found.fall), 0.0))) - found.first.lost
+    return Held(effect, found.fall, left, one.parameters, complete, rest.quiet, len(rest.hulls), parts, boxed, beside)
+
+
+def nameless(selection: Selection) -> dict[str, Refusal]:
+    """Causes of several numbers that may all be none, though they explain more than others in their place, with the refusal of each, by id."""
+    asked = [f for f in selection.found if f.tried and len(EFFECTS[f.id].parameters) > 1]
+    if not asked:
+        return {}
+    rest, out = adequacy(selection.last), {}
+    for found in asked:
+        swaps = swapped(selection.found, found.id)
+        one = finding(found, selection.last, selection.leftover, {}, rest, selection.curves, swaps)
+        case = _held(selection, found, one, rest, 0.0, complete=rest.quiet)
+        if (refusal := first_refusal((EXCLUDES,), case, [f.id for f in selection.found if f is not found])) is not None:
+            out[found.id] = refusal
+    return out
 
 
 def one_sided(f: Finding, h: Hypothesis) -> Finding:

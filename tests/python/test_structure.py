@@ -25,6 +25,7 @@ from ivsid.diagnosis.selection.confirmation import CLOSE, StructureTest, confirm
 from ivsid.diagnosis.selection.dictionary import regressors
 from ivsid.diagnosis.selection.hulls import Asked
 from ivsid.diagnosis.selection.verdict import Left
+from ivsid.diagnosis.statements.unknown import unknown
 from ivsid.effects import CHANNELS, EFFECTS, Given
 from ivsid.log import Log
 
@@ -235,3 +236,24 @@ def test_products_of_manoeuvring_models_stand_in_the_dictionary(name):
         process[k] = product
         whitened, _ = fit.gram.white.blocks([fit.noise.predictor.answer(process)], fit.gram.good, fit.gram.length)
         assert whitened[0].ravel() @ x[names.index(f"{channel}|{name}")].ravel() == pytest.approx(1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("regressor", "words"),
+    [
+        ("t thrust", "grows or fades"),
+        ("t^2", "grows or fades"),
+        ("u sin psi", "with the heading"),
+        ("cos 3 psi", "with the heading"),
+        ("x u", "place to place"),
+        ("change of thrust", "with the thrust"),
+        ("thrust of t psi", "with the thrust"),
+        ("1", "the same all the time"),
+        ("v|r|", "velocities"),
+        ("u v^2", "velocities"),
+    ],
+)
+def test_an_unknown_says_what_its_strongest_regressor_suggests(regressor, words):
+    near = structure(20.0)
+    said = unknown(replace(near, strongest=((regressor, "yaw", 49.0), *near.strongest)), ()).description
+    assert f"strongest with {regressor} in yaw (7 sigma)" in said and words in said

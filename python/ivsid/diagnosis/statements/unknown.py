@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
+from typing import Final
 
 import numpy as np
 
@@ -11,6 +13,25 @@ from ivsid.diagnosis.statements.findings import Finding
 from ivsid.diagnosis.statements.residuals import FindingEvidence
 from ivsid.diagnosis.statements.sensor_words import WORDS
 from ivsid.effects import CHANNELS
+
+# What a regressor of the dictionary suggests, by the first of these words that its name holds.
+_SUGGESTED: Final = {
+    "psi": "it repeats with the heading, as a force does that keeps its direction over ground",
+    "t": "it grows or fades over the log, as a thrust does while a motor warms or a battery runs down",
+    "x": "it differs from place to place, as a current or a depth does",
+    "y": "it differs from place to place, as a current or a depth does",
+    "thrust": "it goes with the thrust, as an interaction of thrusters with the hull or with each other does",
+    "1": "it is the same all the time, as a steady force or an offset of a sensor is",
+}
+_MOTION: Final = "it follows the velocities, as a drag or a coupling does"
+
+
+def _read(regressor: str) -> str:
+    """A clause on what the strongest regressor suggests."""
+    if regressor.startswith("thrust of "):
+        return f"; {_SUGGESTED['thrust']}"
+    words = re.split(r"[ ^|]+", regressor)
+    return f"; {next((said for word, said in _SUGGESTED.items() if word in words), _MOTION)}"
 
 
 def unknown(
@@ -28,7 +49,7 @@ def unknown(
     channel = left.strongest[0][1]
     text = (
         f"the errors that the model leaves still follow the motion (dictionary statistic {left.statistic:.2f}, about 1 where nothing is "
-        f"left), strongest with {likely}; no cause of the catalogue explains it"
+        f"left), strongest with {likely}; no cause of the catalogue explains it{_read(left.strongest[0][0])}"
     )
     z = float(np.sqrt(left.strongest[0][2]))
     if not left.bounded:

@@ -235,12 +235,12 @@ def _named(fit: Fit, scored: tuple[Fit, list[Scored]], test: Threshold, progress
         return selection
     progress("looking again, without causes whose numbers may all be none")
     other = select(fit, scored, replace(test, barred=barred), progress)
-    return in_place(selection, other, frozenset(barred)) if adequacy(other.last).quiet else selection
+    return in_place(selection, other, frozenset(barred)) if other.after.quiet else selection
 
 
 def _rest(selection: Selection, before: Adequacy) -> Left:
     """What the model with all causes leaves beside what the plain one does."""
-    after = adequacy(selection.last) if selection.found else before
+    after = selection.after if selection.found else before
     return Left(after, before, len(selection.found), bool(selection.plain.noise.left_out))
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Final
 
 from ivsid.diagnosis.candidates.families import score
@@ -19,7 +20,7 @@ from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.null.family_wise import Screened, Threshold
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
-from ivsid.diagnosis.selection.adequacy import adequacy
+from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy
 from ivsid.diagnosis.selection.admission import admit
 from ivsid.diagnosis.selection.one_force import imitating
 from ivsid.diagnosis.selection.review import Reviewed, reviewed
@@ -55,6 +56,11 @@ class Selection:
     refused: Mapping[str, Refusal] = field(default_factory=dict)
     imitating: tuple[Found, ...] = ()
     curves: Mapping[str, Reach] = field(default_factory=dict)
+
+    @cached_property
+    def after(self) -> Adequacy:
+        """Structure that the model with every cause leaves."""
+        return adequacy(self.last)
 
 
 def select(

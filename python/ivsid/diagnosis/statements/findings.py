@@ -18,7 +18,7 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy, energy_of
+from ivsid.diagnosis.selection.adequacy import Adequacy, energy_of
 from ivsid.diagnosis.selection.rivals import Found, swapped
 from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.probability import COUNTS, Alike, alike
@@ -142,7 +142,7 @@ def nameless(selection: Selection) -> dict[str, Refusal]:
     asked = [f for f in selection.found if f.tried and len(EFFECTS[f.id].parameters) > 1]
     if not asked:
         return {}
-    rest, out = adequacy(selection.last), {}
+    rest, out = selection.after, {}
     for found in asked:
         swaps = swapped(selection.found, found.id)
         one = finding(found, selection.last, selection.leftover, {}, rest, selection.curves, swaps)

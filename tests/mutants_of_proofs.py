@@ -153,6 +153,13 @@ PROOFS = (
         "test_leaving.py",
     ),
     python(
+        "fitted errors that nobody looks at",
+        "diagnosis/null/leaving.py",
+        "FAR: Final = 2.0",
+        "FAR: Final = 200.0",
+        "test_leaving.py",
+    ),
+    python(
         "lost null logs that leave a finding alone",
         "diagnosis/null/tail.py",
         "if too_many.any() else 0.0",

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from tests.exam.cases import case
 
@@ -64,6 +65,22 @@ def test_a_sensor_that_stands_elsewhere_is_told(metres):
     if metres:
         assert found.misread[0] == "~arm.velocity.x" and found.read < RISK**2
         assert found.misread[1].largest * 1.2e-3 == pytest.approx(metres, rel=0.3)
+
+
+@pytest.mark.parametrize(("seed", "share"), [(221043, None), (225041, 1.0)])
+def test_all_curves_are_asked_where_a_fitted_error_is_far_outside(seed, share, monkeypatch):
+    """A deck house in the wind passed for thrust errors at the knots with their overshoot; errors that fill their bounds are reached."""
+    given = {} if share is None else {"what": "none", "sea": "any", "sensors": "any", "share": share}
+    vehicle, train, _ = logs(seed, **given)
+    fit = fitted(vehicle, train)
+    if share is not None:
+        # One of sixty has a fitted error of twice its bound.
+        monkeypatch.setattr(leaving, "FAR", 1.2)
+    found = adequacy(fit)
+    assert found.knots and found.bounded == (share is not None)
+    if share is None:
+        monkeypatch.setattr(leaving, "FAR", np.inf)
+        assert adequacy(fit).bounded
 
 
 @pytest.mark.nightly

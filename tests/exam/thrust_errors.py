@@ -63,7 +63,13 @@ def hump(rng: np.random.Generator) -> Shape:
     return lambda x, zero: sign * np.exp(-(((x - middle) / width) ** 2))
 
 
-SHAPES = {f.__name__: f for f in (sawtooth, steps, spline, two_waves, offset, hump)}
+def levels(rng: np.random.Generator) -> Shape:
+    """One end of the bound or the other, drawn anew every fortieth of the range."""
+    side = rng.choice([-1.0, 1.0], 41)
+    return lambda x, zero: side[np.clip((41 * x).astype(int), 0, 40)]
+
+
+SHAPES = {f.__name__: f for f in (sawtooth, steps, spline, two_waves, offset, hump, levels)}
 
 
 def with_errors(

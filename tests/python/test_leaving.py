@@ -67,6 +67,15 @@ def test_a_sensor_that_stands_elsewhere_is_told(metres):
         assert found.misread[1].largest * 1.2e-3 == pytest.approx(metres, rel=0.3)
 
 
+@pytest.mark.parametrize("seed", [226003, 226012])
+def test_errors_that_jump_every_fortieth_of_the_range_keep_their_bounds(seed, monkeypatch):
+    vehicle, train, _ = logs(seed, what="none", thrust="levels", share=1.0, sea="markov", sensors="white")
+    fit = fitted(vehicle, train)
+    assert adequacy(fit).bounded
+    monkeypatch.setattr(leaving, "CLOSER", 1)
+    assert not adequacy(fit).bounded
+
+
 @pytest.mark.parametrize(("seed", "share"), [(221043, None), (225041, 1.0)])
 def test_all_curves_are_asked_where_a_fitted_error_is_far_outside(seed, share, monkeypatch):
     """A deck house in the wind passed for thrust errors at the knots with their overshoot; errors that fill their bounds are reached."""

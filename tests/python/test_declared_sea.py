@@ -6,7 +6,11 @@ from types import SimpleNamespace
 import pytest
 from tests.exam.cases import setting
 
+from diagnosis_logs import train_of, vehicle_of
 from ivsid import diagnose
+from ivsid.diagnosis.candidates.families import everything
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.screening import DECLARED_SEA, Case
 from ivsid.diagnosis.selection.rivals import possible
 from ivsid.effects import EFFECTS, Given
@@ -59,6 +63,37 @@ def test_a_swell_inside_the_declared_force_stands_in_no_set(amplitude, can):
         log=SimpleNamespace(n=1000, h=0.1, nu=[[1.0, -1.0]]),
     )
     assert possible(SimpleNamespace(terms=(), given=(given,), freed=()), effect.id, predictor) == can
+
+
+def test_the_force_of_an_effect_is_that_of_its_definition():
+    """A swell of 3 N has an rms of 3 N over the root of two, whatever the hull, and a tide one in proportion to its speed."""
+    vehicle = vehicle_of()
+    fit = plain_fit(vehicle, channels(train_of(vehicle, duration=150.0), vehicle), everything)
+    swell = {"amplitude": 3.0, "period": 5.0, "phase": 0.3, "direction": 0.7}
+    tide = {"north": 0.04, "east": -0.03, "period": 40.0, "phase": 1.0}
+
+    def push(id_, numbers):
+        effect = EFFECTS[id_]
+        return fit.signatures.push(Given(effect, tuple(numbers[p.part] for p in effect.parameters)))
+
+    assert push("wave.force", swell) == pytest.approx(3.0 / math.sqrt(2.0), rel=0.01)
+    slow, fast = (push("current.oscillating", tide | {"north": k * 0.04, "east": -k * 0.03}) for k in (0.1, 0.2))
+    assert fast == pytest.approx(2.0 * slow, rel=0.05)
+    # Inertia alone at the least: the hull's own mass has no part in it, and the added mass in sway is 25 kg of 50.
+    assert slow > 0.005 * (2 * math.pi / 40.0) / math.sqrt(2.0) * 8.0
+
+
+@pytest.mark.parametrize(("metres", "refused"), [(0.001, True), (0.3, False)])
+def test_a_tide_that_pushes_less_than_the_declared_force_is_a_part_of_it(metres, refused):
+    """A narrow swell over ground was a current of 34 s of 0.02 m/s, at a fifth of the declared force of a ferry."""
+    vehicle = vehicle_of()
+    fit = plain_fit(vehicle, channels(train_of(vehicle, duration=150.0), vehicle), everything)
+    effect = EFFECTS["current.oscillating"]
+    numbers = {"north": metres, "east": 0.0, "period": 30.0, "phase": 0.0}
+    s = SimpleNamespace(
+        candidate=SimpleNamespace(effect=effect), values=tuple(numbers[p.part] for p in effect.parameters), shown=1e6
+    )
+    assert (DECLARED_SEA.refuses(Case(SimpleNamespace(fit=fit), s)) is not None) is refused
 
 
 @pytest.mark.parametrize("seed", [43, 48, *[pytest.param(k, marks=pytest.mark.nightly) for k in range(182100, 182112)]])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Final, Literal, TypeAlias
 
@@ -80,12 +80,13 @@ class Form:
         """
         return numbers
 
-    def over_declared(self, _numbers: Mapping[str, float], _ambient: float) -> float:
+    def over_declared(self, _numbers: Mapping[str, float], _ambient: float, _push: Callable[[], float]) -> float:
         """Size of an effect in the declared ambient force, where it is a part of that by its nature; infinite where it is none.
 
         Args:
             numbers: of the effect, by part.
             ambient: declared rms of the ambient force ahead, and that sideways [N]; 0 where none is declared.
+            push: gives the rms of its force on the hull in the plane [N], infinite where that is not known.
         """
         return math.inf
 
@@ -171,10 +172,12 @@ class Harmonic(Form):
         """A period of a few lengths of the log."""
         return numbers["period"] <= PERIODS * duration
 
-    def over_declared(self, numbers: Mapping[str, float], ambient: float) -> float:
-        """The rms of a swell over that of the ambient force, both over two axes."""
-        if self.of != "force" or not ambient:
+    def over_declared(self, numbers: Mapping[str, float], ambient: float, push: Callable[[], float]) -> float:
+        """The rms of a swell, or of what a tide does to the hull, over that of the ambient force, both over two axes."""
+        if not ambient:
             return math.inf
+        if self.of == "flow":
+            return push() / (math.sqrt(2.0) * ambient)
         amplitude = numbers.get("amplitude") or math.hypot(numbers.get("north", 0.0), numbers.get("east", 0.0))
         return abs(amplitude) / (2.0 * ambient)
 

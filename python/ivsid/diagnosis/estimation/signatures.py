@@ -143,6 +143,14 @@ class Signatures:
             found.append(acceleration(self.predictor.vehicle, other, self.states.points) - self.states.nudot)
         return np.stack(found)[:, :, :n] / size
 
+    def push(self, given: Given) -> float:
+        """Force of an effect with these numbers on the hull, in the plane: its rms over the log [N]."""
+        n = self.predictor.log.n
+        other = self.h.with_effect(given)
+        change = (acceleration(self.predictor.vehicle, other, self.states.points) - self.states.nudot)[:, :n]
+        forces = np.linalg.solve(self.mass.inverse[: 1 if len(self.mass.inverse) == 1 else n], change.T[:, :, None])
+        return float(np.sqrt((forces[:, :2] ** 2).sum() / n))
+
     def pull(self, anchor: tuple[float, float]) -> list[Array]:
         """Signatures of a pull of 1 N toward an anchor (north, east [m]), and of its moment on an arm of 1 m."""
         p = self.states.points

@@ -31,6 +31,7 @@ from ivsid.diagnosis.null.rule import Rule
 from ivsid.diagnosis.null.second_opinion import second_opinion
 from ivsid.diagnosis.null.thresholds import HIGH_SIDE
 from ivsid.diagnosis.null.visibility import EXCITED, VISIBLE, Visibility
+from ivsid.effects import Given
 
 # Chance that the second opinion may give: its blocks are few, so it is asked for less than the calibrated test.
 # Source: measured: make constants
@@ -181,9 +182,10 @@ class Case:
     @property
     def over_declared(self) -> float:
         """Size of the cause in the declared ambient force, where it is a part of that by its nature; infinite where it is none."""
-        effect, ambient = self.s.candidate.effect, self.round.fit.noise.predictor.vehicle.ambient
-        numbers = dict(zip((p.part for p in effect.parameters), self.s.values, strict=True))
-        return effect.form.over_declared(numbers, 0.0 if ambient is None else ambient.force)
+        given, fit = Given(self.s.candidate.effect, tuple(self.s.values)), self.round.fit
+        sea, effect = fit.noise.predictor.vehicle.ambient, given.effect
+        numbers = dict(zip((p.part for p in effect.parameters), given.values, strict=True))
+        return effect.form.over_declared(numbers, 0.0 if sea is None else sea.force, lambda: fit.signatures.push(given))
 
     @property
     def least_beside_blind(self) -> float:
@@ -358,13 +360,13 @@ OWN_PAST: Final = Rule[Case](
 )
 DECLARED_SEA: Final = Rule[Case](
     "declared sea",
-    "rms of a swell, at the least, over the declared ambient force",
+    "rms of a swell, or of what a current that moves to and fro does to the hull, at the least, over the declared ambient force",
     "at least 1",
     "An ambient force may have any spectrum, that of a single line as well: a regular force inside [ambient] is what the vehicle file declares.",
     "definition: 0.13 % of normal estimates lie three standard errors or more above the truth",
     lambda c: c.over_declared * (1.0 - ERRORS / float(np.sqrt(c.s.shown))),
     lambda _: 1.0,
-    "its rms is at least {value:.2g} of the ambient force that the vehicle file declares, and below {limit:g} it is a part of that",
+    "the rms of its force is at least {value:.2g} of the ambient force that the vehicle file declares, and below {limit:g} it is a part of that",
     lambda c: c.over_declared < float("inf"),
 )
 ANY_CURVE: Final = Rule[Case](

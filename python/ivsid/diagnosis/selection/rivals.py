@@ -213,7 +213,7 @@ def possible(h: Hypothesis, id_: str, predictor: Predictor) -> bool:
             if not g.effect.form.shown(said, log.n * log.h, float(np.abs(log.nu[0]).max())):
                 return False
             ambient = predictor.vehicle.ambient
-            if ambient is not None and g.effect.form.over_declared(said, ambient.force) <= 1.0:
+            if ambient is not None and g.effect.form.over_declared(said, ambient.force, lambda: np.inf) <= 1.0:
                 return False
             for p, value in zip(g.effect.parameters, g.values, strict=True):
                 if (

@@ -49,7 +49,7 @@ def unknown(
     channel = left.strongest[0][1]
     text = (
         f"the errors that the model leaves still follow the motion (dictionary statistic {left.statistic:.2f}, about 1 where nothing is "
-        f"left), strongest with {likely}; no cause of the catalogue explains it{_read(left.strongest[0][0])}"
+        f"left), strongest with {likely}; no cause of the catalogue that this log tests explains it{_read(left.strongest[0][0])}"
     )
     z = float(np.sqrt(left.strongest[0][2]))
     if not left.bounded:

@@ -120,8 +120,8 @@ PROOFS = (
     python(
         "whole steps of a slow clock",
         "diagnosis/data/channels.py",
-        "LONG: Final = 0.03",
-        "LONG: Final = 9.0",
+        "LONG_BESIDE_LAG: Final = 0.03",
+        "LONG_BESIDE_LAG: Final = 9.0",
         "test_slow_clock.py",
     ),
     python(

@@ -222,7 +222,8 @@ def test_a_dead_band_that_no_demand_enters_shows_nothing():
     band = isolability(vehicle, train).visible["thruster.deadband"]
     (typical,), (least,) = band.typical.values(), band.detectable.values()
     assert used.min() < least < np.quantile(used, 0.7)
-    assert (band.z > 0.0) == (typical > used.min())
+    # Thrusters at rest lie inside any band, which takes their error, of the absolute accuracy, along.
+    assert (band.z > 1.0) == (typical > used.min())
     assert band.tested == (typical >= least)
 
 

@@ -30,8 +30,9 @@ def test_the_least_ambient_force_lies_below_the_true_one_and_not_far(factor):
     vehicle = vehicle_of()
     shown = plain_fit(vehicle, channels(sea(factor)[0], vehicle), everything).noise.rougher
     assert all(x < factor for x in shown[:2])
-    # A log of minutes knows the variance of such a force to a third, the least counts three errors less, and thrust errors count as declared.
-    assert factor == 1.0 or all(x > 0.1 * factor for x in shown[:2])
+    # A log of minutes knows the variance of such a force to a third, the least counts three errors less, and thrust errors count as declared: by the whole
+    # accuracy of thrusters at rest as well, so that 2.7 are left ahead of 30, where 3 were asked when such thrusters had no error.
+    assert factor == 1.0 or all(x > 0.08 * factor for x in shown[:2])
 
 
 def test_nothing_is_rougher_than_what_nobody_declared():

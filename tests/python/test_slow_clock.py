@@ -83,6 +83,7 @@ def test_a_stated_lag_is_none_beside_itself(lag, rate, parted, monkeypatch):
     vehicle = parse_vehicle(CRAFT.replace("{lag}", str(lag)), "craft.toml")
     if not parted:
         monkeypatch.setattr(clock, "LONG", 10.0)
+        monkeypatch.setattr(clock, "LONG_BESIDE_LAG", 10.0)
     log = channels(sailed(240.0, 3, lag, rate), vehicle)
     assert (log.between is not None) == parted
     scored = score(plain_fit(vehicle, log, everything))[1]

@@ -16,15 +16,18 @@ from ivsid.diagnosis.data.sensor_noise import sensor_noise
 from ivsid.log import Log
 from ivsid.sensors.lever_arms import at_origin
 from ivsid.sensors.pose import with_velocities
-from ivsid.vehicle import Vehicle
+from ivsid.vehicle import Thruster, Vehicle
 
 Array = NDArray[np.float64]
 # Most equal parts of a step in which demands are looked up.
 # Source: resource: memory of thrusts, of shape (thrusters, n, parts)
 MOST_PARTS: Final = 50
-# Step above which thrusts that follow a demand late are followed part by part [s].
+# Step above which thrusts are followed part by part, as a lag that the vehicle file does not know would ask for [s].
+# Source: geometry: a lag bends the heading by the square of the step, on 0.1 s by a quarter of what it does on 0.2 s
+LONG: Final = 0.101
+# The same where the vehicle file has a lag [s].
 # Source: geometry: a lag bends the heading by the square of the step, on 0.05 s by a sixteenth of what it does on 0.2 s
-LONG: Final = 0.03
+LONG_BESIDE_LAG: Final = 0.03
 # Length of the parts [s].
 # Source: measured: a sound ROV of 12 kg at 10 Hz with a lag of 0.06 s had a lag of 2,147 in chi-squared by whole steps, 63 by halves and 4 by quarters
 PART: Final = 0.025
@@ -180,6 +183,11 @@ class Channels:
         return any(known.get(name, False) for name in need.split("|"))
 
 
+def _long(t: Thruster) -> float:
+    """Step above which the thrust of a thruster is followed part by part [s]."""
+    return LONG_BESIDE_LAG if t.time_constant else LONG
+
+
 def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channels:
     """A log on a uniform clock: steps 1 to 4 of the chapter.
 
@@ -220,7 +228,7 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
         # Times between two samples cut the steps of the log in half.
         parts = min(int(np.ceil(h / log.period - WHOLE)) * (2 - count % 2), MOST_PARTS)
         between = _between(vehicle, resample, parts, _read(parts, count))
-    elif held and fixed and h > LONG and any((t.time_constant or 0.0) < EVEN * h for t in vehicle.thrusters):
+    elif held and fixed and any(h > _long(t) and (t.time_constant or 0.0) < EVEN * h for t in vehicle.thrusters):
         between = _between(vehicle, resample, min(int(np.ceil(h / PART - WHOLE)), MOST_PARTS), (0,))
     force = np.zeros((3, clock.size))
     if not vehicle.thrusters:

@@ -16,6 +16,7 @@ from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.gradual import CURVED
 from ivsid.diagnosis.null.rule import Refusal, Rule
 from ivsid.diagnosis.selection.rivals import FINALISTS, MARGIN, Rival
+from ivsid.effects import EFFECTS
 
 # From this number of causes on, another one is added only where it explains enough of the rest.
 # Source: measured: make constants
@@ -182,11 +183,11 @@ NUMBERS: Final = Rule[bool](
 RIVAL: Final = Rule[Tried](
     "rival",
     "merit behind the best cause, both fitted in full",
-    f"at most {MARGIN:g}, or {INEXACT:.1%} of the best cause's fall of chi² where that is more",
+    f"at most {MARGIN:g}, or {INEXACT:.1%} of the best cause's fall of chi² where that is more and no outline bends to it",
     "Beyond three standard deviations the log tells the two apart, unless they differ by no more than the errors of the equations, whose steps are finite.",
     "definition: 0.3 % of normal errors lie beyond",
     lambda c: c.best.merit - c.rival.merit,
-    lambda c: max(MARGIN, INEXACT * c.best.fall),
+    lambda c: MARGIN if EFFECTS[c.rival.id].form.rough else max(MARGIN, INEXACT * c.best.fall),
     "fitted in full in the place of {case.best.id} it explains {case.explained:.0f} in chi² against {case.best.fall:.0f}; "
     "within {limit:.0f} it would be a rival",
     least=False,

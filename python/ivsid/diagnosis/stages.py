@@ -235,7 +235,7 @@ def _named(fit: Fit, scored: tuple[Fit, list[Scored]], test: Threshold, progress
         return selection
     progress("looking again, without causes whose numbers may all be none")
     other = select(fit, scored, replace(test, barred=barred), progress)
-    return in_place(selection, other, frozenset(barred)) if other.after.quiet else selection
+    return in_place(selection, other, frozenset(barred))
 
 
 def _rest(selection: Selection, before: Adequacy) -> Left:

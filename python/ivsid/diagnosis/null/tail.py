@@ -90,6 +90,11 @@ class NullTest:
         too_many = bdtrc(np.arange(x.size), self.strengths.size, self.level) <= UNSURE
         return float(x[np.argmax(too_many)]) if too_many.any() else 0.0
 
+    @property
+    def chance(self) -> float:
+        """Threshold of the chance, never looser than that of theory: by the tail of the scores, or by their number where too many logs are lost for a tail."""
+        return min(self.first, float(np.exp(-(self.threshold() if self.usable else self.least))))
+
     def decides(self, strength: float, looks: int) -> bool:
         """Whether these null logs decide about a finding, so that further ones need not be examined.
 

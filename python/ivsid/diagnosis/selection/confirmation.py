@@ -105,19 +105,20 @@ def confirmed(fit: Fit, test: Threshold, found: Sequence[Found], looks: Looks, l
         NullTest(np.zeros(0), np.zeros(0, dtype=bool), level, first=first),
         list(near.values()),
     )
-    chance = min(first, float(np.exp(-(used.threshold() if used.usable else used.least))))
-    note = "" if used.usable else _left_its_motion("the Gaussian draws stand", chance < first)
-    return Confirmation(replace(test, calibration=replace(test.calibration, chance=chance)), used, note)
+    note = _left_its_motion("the Gaussian draws stand", used)
+    return Confirmation(replace(test, calibration=replace(test.calibration, chance=used.chance)), used, note)
 
 
-def _left_its_motion(theory: str, refuted: bool) -> str:
-    """The note where too many null logs are lost for a threshold.
+def _left_its_motion(theory: str, nulls: NullTest) -> str:
+    """The note where too many null logs are lost for a threshold, or an empty string.
 
     Args:
         theory: what stands in its place.
-        refuted: whether those that are left exceed it too often.
+        nulls: their scores.
     """
-    beside = "beside those that stay in it" if refuted else "alone"
+    if nulls.usable:
+        return ""
+    beside = "beside those that stay in it" if nulls.chance < nulls.first else "alone"
     return f"null logs of the model leave the motion of the log: {theory} {beside}"
 
 
@@ -209,6 +210,4 @@ def confirmed_structure(last: Fit, library: frozenset[str], left: Left, looks: L
         NullTest(np.zeros(0), np.zeros(0, dtype=bool), STRUCTURE, first=RISK),
         [left.after.strength],
     )
-    risk = min(RISK, float(np.exp(-(used.threshold() if used.usable else used.least))))
-    note = "" if used.usable else _left_its_motion("the threshold of chi-squared stands", risk < RISK)
-    return StructureConfirmation(risk, used, note)
+    return StructureConfirmation(used.chance, used, _left_its_motion("the threshold of chi-squared stands", used))

@@ -186,16 +186,19 @@ def _late(fit: Fit, screened: Screened, found: tuple[str, ...]) -> tuple[dict[st
 
 
 def in_place(first: Selection, other: Selection, barred: frozenset[str]) -> Selection:
-    """A selection without some causes, each of which stands as an alternative beside the one that took its place.
+    """A selection without some causes, each of which stands as an alternative beside the one that took its place; the first one if none did.
 
     Args:
         first: with them.
         other: without them.
         barred: their ids.
     """
+    left = [f for f in first.found if f.id in barred]
+    if not any(one.id in f.tried for one in other.found for f in left) or not other.after.quiet:
+        return first
     found = []
     for one in other.found:
-        beside = [f for f in first.found if f.id in barred and one.id in f.tried]
+        beside = [f for f in left if one.id in f.tried]
         rivals = [
             replace(r, chi2=max(r.chi2, one.rivals[0].chi2), fall=min(r.fall, one.rivals[0].fall))
             for r in (f.rivals[0] for f in beside)

@@ -146,6 +146,13 @@ PROOFS = (
         "test_own_past.py",
     ),
     python(
+        "whole steps where no lag is stated",
+        "diagnosis/data/channels.py",
+        "LONG: Final = 0.101",
+        "LONG: Final = 9.0",
+        "test_slow_clock.py",
+    ),
+    python(
         "readings that leave their bounds beside nothing",
         "diagnosis/null/leaving.py",
         "worst()[1].fall < FORETOLD",

@@ -1,6 +1,7 @@
 """The diagnosis: effects that are hidden in simulated logs, logs that hide none, and what a result must look like."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -223,8 +224,10 @@ def test_a_dead_band_that_no_demand_enters_shows_nothing():
     (typical,), (least,) = band.typical.values(), band.detectable.values()
     assert used.min() < least < np.quantile(used, 0.7)
     # Thrusters at rest lie inside any band, which takes their error, of the absolute accuracy, along.
-    assert (band.z > 1.0) == (typical > used.min())
+    assert typical < used.min() and 0.0 < band.z < 1.0
     assert band.tested == (typical >= least)
+    sure = parse_vehicle(re.sub(r"absolute = [0-9.]+", "absolute = 0.0", VEHICLE), "sure.toml")
+    assert isolability(sure, train).visible["thruster.deadband"].z == 0.0
 
 
 def test_short_logs_are_refused_in_a_sentence():

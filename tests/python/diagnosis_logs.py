@@ -156,6 +156,13 @@ def train_of(vehicle, effects=None, *, seed=21, **how):
     return _log("train", vehicle, effects, seed=seed, **how)
 
 
+def logs_of_case(c):
+    """TRAIN and TEST of a case of the examination."""
+    return [
+        Log(f"{k}.csv", str(k) * 64, q["t"], {n: x for n, x in q.items() if n != "t"}) for k, q in enumerate(c.logs, 1)
+    ]
+
+
 def _log(name, vehicle, effects, *, seed, segments=ZIGZAGS, duration=240.0, rate=10.0, thrusters=None):
     # A log is simulated once, unless a user's effects are registered: those may change between two tests.
     known = SHIPPED.issuperset(EFFECTS) and vehicle == parse_vehicle(vehicle.text, vehicle.source)

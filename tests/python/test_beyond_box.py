@@ -8,14 +8,13 @@ from scipy.optimize import lsq_linear
 from scipy.stats import binom, chi2
 from tests.exam import cases
 
-from diagnosis_logs import screened, white_sensors
+from diagnosis_logs import logs_of_case, screened, white_sensors
 from ivsid.diagnosis import diagnose
 from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.null.beyond_box import beyond_box
 from ivsid.diagnosis.null.directions import _direction
 from ivsid.diagnosis.null.screening import Round, chance
 from ivsid.diagnosis.null.visibility import visibility
-from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 from test_thrust_errors import calm, log_of
 
@@ -149,6 +148,5 @@ def test_a_gain_and_an_asymmetry_little_beyond_the_accuracy_are_named(seed, draw
     """Each was `adequate` or `unknown` while the errors had soft priors alone; the accuracy is 2 %, and the examiner's z is 10 to 24."""
     c = cases.case(seed, duration=300.0, **drawn)
     vehicle = parse_vehicle(c.text, "vehicle.toml")
-    logs = [Log(f"{k}.csv", "0" * 64, q["t"], {i: x for i, x in q.items() if i != "t"}) for k, q in enumerate(c.logs)]
-    (found,) = diagnose(vehicle, *logs).findings
+    (found,) = diagnose(vehicle, *logs_of_case(c)).findings
     assert {*c.z} <= {found.effect, *found.alternatives}

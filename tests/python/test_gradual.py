@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import lstsq
 from tests.exam.cases import case
 
-from diagnosis_logs import train_of, vehicle_of
+from diagnosis_logs import logs_of_case, train_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
@@ -14,14 +14,12 @@ from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.gradual import abrupt, gradual, gradual_forces, shapes
 from ivsid.diagnosis.null.thresholds import calibrate
 from ivsid.diagnosis.null.visibility import visibility
-from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 
 
-def logs_of_case(seed, **given):
+def drawn(seed, **given):
     c = case(seed, **given)
-    logs = [Log(f"{k}.csv", "0" * 64, q["t"], {n: x for n, x in q.items() if n != "t"}) for k, q in enumerate(c.logs)]
-    return parse_vehicle(c.text, "v.toml"), *logs
+    return parse_vehicle(c.text, "v.toml"), *logs_of_case(c)
 
 
 def test_the_fall_is_that_of_the_best_gradual_force_by_least_squares():
@@ -56,9 +54,7 @@ def test_the_fall_is_that_of_the_best_gradual_force_by_least_squares():
 
 @pytest.mark.parametrize(("what", "effect"), [("outside", "x.heat"), ("one", "thruster.failure")])
 def test_a_motor_that_grows_warm_does_not_fail_at_a_time(what, effect):
-    vehicle, train, _ = logs_of_case(
-        203001, what=what, effect=effect, kind="twin", style="rich", duration=300.0, ambient=1.0
-    )
+    vehicle, train, _ = drawn(203001, what=what, effect=effect, kind="twin", style="rich", duration=300.0, ambient=1.0)
     fit, scored = score(plain_fit(vehicle, channels(train, vehicle), everything))
     shown = visibility(fit)
     tested = frozenset(i for i, v in shown.items() if v.tested)
@@ -75,5 +71,5 @@ def test_a_motor_that_grows_warm_does_not_fail_at_a_time(what, effect):
 @pytest.mark.parametrize("seed", [201002, 201005])
 def test_a_motor_that_grows_warm_is_no_cause_of_the_catalogue(seed):
     """A failing thruster, then an asymmetry with fouling and a battery that runs down stood for it."""
-    result = diagnose(*logs_of_case(seed, what="outside", effect="x.heat", sea="any", sensors="any"))
+    result = diagnose(*drawn(seed, what="outside", effect="x.heat", sea="any", sensors="any"))
     assert [f.effect for f in result.findings] == ["unknown"]

@@ -3,20 +3,21 @@
 import itertools
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from tests.exam.cases import case
 
-from diagnosis_logs import train_of, vehicle_of
+from diagnosis_logs import logs_of_case, train_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.selection.rivals import MARGIN, Rival
+from ivsid.diagnosis.selection.rivals import MARGIN, Found, Rival
 from ivsid.diagnosis.selection.rules import BENT, BETTER_CURVE, OUTLINE, Curve, Remainder, compared
+from ivsid.diagnosis.selection.select import Selection, in_place
 from ivsid.effects import EFFECTS, State
-from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 
 HUMP = EFFECTS["drag.surge.hump"]
@@ -56,9 +57,7 @@ def test_a_fit_moves_a_hump_no_farther_than_its_flank_is_sailed():
 def test_a_flank_alone_is_a_cubic_drag_or_a_hump():
     """A hump beyond the largest speed of the log: its height may be none, a cubic drag stands in its place, and the two are not told apart."""
     c = case(211125)
-    columns = [{k: x for k, x in one.items() if k != "t"} for one in c.logs]
-    logs = [Log(f"{k}.csv", f"{k}" * 64, one["t"], x) for k, (one, x) in enumerate(zip(c.logs, columns, strict=True))]
-    result = diagnose(parse_vehicle(c.text, "v.toml"), *logs)
+    result = diagnose(parse_vehicle(c.text, "v.toml"), *logs_of_case(c))
     (one,) = result.findings
     assert {one.effect, *one.alternatives} == {"drag.surge.cubic", HUMP.id}
     assert 0.5 < one.confidence < 1.0 and one.separate_by
@@ -123,3 +122,22 @@ def test_a_curve_has_to_beat_all_causes_over_its_velocity():
     assert BETTER_CURVE.refuses(alone) is not None
     assert BETTER_CURVE.refuses(replace(alone, whole=2500.0)) is None
     assert BETTER_CURVE.refuses(replace(alone, whole=2500.0, alone=342.0)) is not None
+
+
+def test_a_cause_makes_place_only_for_one_that_came_next_to_it_and_leaves_nothing():
+    def chosen(found, quiet=True):
+        made = Selection(None, None, tuple(found), ())
+        made.__dict__["after"] = SimpleNamespace(quiet=quiet)
+        return made
+
+    def found(id_, fall, tried=()):
+        return Found(id_, (Rival(id_, None, 500.0 - fall, 1, fall),), dict.fromkeys(tried, 1.0), fall, 0.0, None)
+
+    hump, cubic = found(HUMP.id, 126.0, ("drag.surge.cubic",)), found("drag.surge.cubic", 105.0)
+    first = chosen([hump])
+    (one,) = in_place(first, chosen([cubic]), frozenset({HUMP.id})).found
+    assert [r.id for r in one.rivals] == ["drag.surge.cubic", HUMP.id]
+    # It explains no more than the cause that it stands beside.
+    assert one.rivals[1].fall == 105.0 and one.rivals[1].chi2 == one.rivals[0].chi2
+    others = (chosen([]), chosen([cubic], quiet=False), chosen([found("thruster.lag", 90.0)]))
+    assert all(in_place(first, other, frozenset({HUMP.id})) is first for other in others)

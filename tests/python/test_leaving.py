@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.exam.cases import case
 
-from diagnosis_logs import train_of, vehicle_of
+from diagnosis_logs import logs_of_case, train_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
@@ -15,7 +15,6 @@ from ivsid.diagnosis.null import leaving
 from ivsid.diagnosis.null.boxed import readings
 from ivsid.diagnosis.selection import adequacy as selection
 from ivsid.diagnosis.selection.adequacy import RISK, adequacy
-from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 
 # A sound ROV of 300 s on a straight course, with a force of a few frequencies inside its bound, whose autopilot answers the heading.
@@ -28,11 +27,7 @@ def fitted(vehicle, train):
 
 def logs(seed, **asked):
     c = case(seed, **asked)
-    columns = [{k: x for k, x in one.items() if k != "t"} for one in c.logs]
-    made = [
-        Log(f"{k + 1}.csv", str(k) * 64, one["t"], x) for k, (one, x) in enumerate(zip(c.logs, columns, strict=True))
-    ]
-    return parse_vehicle(c.text, "v.toml"), *made
+    return parse_vehicle(c.text, "v.toml"), *logs_of_case(c)
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from tests.exam.cases import case
 
-from diagnosis_logs import TRUTH, logs_of, vehicle_of
+from diagnosis_logs import TRUTH, logs_of, logs_of_case, vehicle_of
 from ivsid import diagnose, identify
 from ivsid.diagnosis import diverging, model_files, worth
 from ivsid.diagnosis.data.channels import channels
@@ -19,7 +19,6 @@ from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.statements.comparison import compare
 from ivsid.effects import CATALOGUE, terms_of
 from ivsid.files.records import to_json
-from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 from ivsid.workflow.diagnosis import _lines, diagnosis_report
 from ivsid.workflow.identification import identification_report
@@ -173,16 +172,10 @@ def assert_nothing_absurd(result, vehicle):
         assert tomllib.loads(report.files["model.toml"])
 
 
-def logs_in(c):
-    return [
-        Log(f"{k}.csv", str(k) * 64, q["t"], {n: x for n, x in q.items() if n != "t"}) for k, q in enumerate(c.logs, 1)
-    ]
-
-
 def check(seed, how, duration):
     c = case(seed, duration=duration, rate=10.0)
     vehicle = parse_vehicle(wrong_file(c.text, how), "v.toml")
-    train, test = logs_in(c)
+    train, test = logs_of_case(c)
     fit = identify(vehicle, train)
     report = identification_report(fit, train)
     hull = vehicle.hull.mass

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.exam.cases import case
 
-from diagnosis_logs import TWIN, train_of, vehicle_of
+from diagnosis_logs import TWIN, logs_of_case, train_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
@@ -18,7 +18,6 @@ from ivsid.diagnosis.selection import speed_curves as speed_curves_module
 from ivsid.diagnosis.selection.one_force import curve_in_their_place
 from ivsid.diagnosis.selection.rules import BETTER_CURVE, Curve
 from ivsid.diagnosis.selection.speed_curves import SPEEDS, speed_curves
-from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 from test_one_force import CAUSES, FORCES, MODEL, gram_of, least
 
@@ -78,10 +77,7 @@ def test_a_sea_without_a_force_leaves_columns_of_unit_length(fit):
 
 def said(seed, effect, what):
     c = case(seed, duration=300.0, what=what, effect=effect)
-    logs = [
-        Log(f"{k}.csv", "0" * 64, q["t"], {n: x for n, x in q.items() if n != "t"}) for k, q in enumerate(c.logs, 1)
-    ]
-    return diagnose(parse_vehicle(c.text, "vehicle.toml"), *logs)
+    return diagnose(parse_vehicle(c.text, "vehicle.toml"), *logs_of_case(c))
 
 
 # Nightly: whole diagnoses; the gate finds a hump of the catalogue's outline in test_hump.py.
@@ -141,7 +137,7 @@ def test_a_drag_keeps_its_name_where_the_vessel_mostly_keeps_straight(monkeypatc
     """A steered vessel with a cubic drag of 26 standard deviations, which a function between values 1 mm/s apart beat by 54."""
     c = case(174040)
     vehicle = parse_vehicle(c.text, "vehicle.toml")
-    logs = [Log(f"{k}.csv", "0" * 64, q["t"], {i: x for i, x in q.items() if i != "t"}) for k, q in enumerate(c.logs)]
+    logs = logs_of_case(c)
     assert [f.effect for f in diagnose(vehicle, *logs).findings] == ["drag.sway.cubic"]
     monkeypatch.setattr(speed_curves_module, "APART", 0.0)
     monkeypatch.setattr(speed_curves_module, "EVENLY", 0.0)

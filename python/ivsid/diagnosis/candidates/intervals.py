@@ -29,9 +29,6 @@ HIDDEN: Final = 2.0
 # A cause is no other than those that were found if their columns leave this share of its signature's squared length.
 # Source: measured: make constants
 SAME: Final = 1e-3
-# Blocks that are summed for the scatter of coefficients.
-# Source: geometry: half a minute, longer than the ambient force and the memory of the filters last
-TOGETHER: Final = 3
 # Distance of an anchor, in the reach of the track, from which on an end of its interval is open.
 # Source: geometry: a pull from there turns by half a degree over the whole track
 FAR: Final = 100.0
@@ -268,10 +265,8 @@ def scatter(p: Projection) -> Array:
     g = p.g
     coefficients = np.zeros(len(g.names))
     coefficients[p.base] = p.coefficients
-    # The blocks of some columns alone would be two copies of all.
-    score = (g.score - g.blocks @ coefficients)[:, p.base]
-    blocks = score.shape[0] // TOGETHER * TOGETHER
-    side = score[:blocks].reshape(-1, TOGETHER, score.shape[1]).sum(axis=1)
+    blocks, score = g.halves
+    side = (score - blocks @ coefficients)[:, p.base]
     n = side.shape[0]
     middle = side.T @ side * n / max(n - 1, 1)
     return np.asarray(np.diag(p.covariance @ middle @ p.covariance))

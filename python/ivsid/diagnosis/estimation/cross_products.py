@@ -23,6 +23,9 @@ Array = NDArray[np.float64]
 # Length of a block [s].
 # Source: geometry: longer than the memory of a filter (3.3 s at most) and of the whitening, so that the errors of two blocks are nearly independent
 BLOCK: Final = 10.0
+# Blocks that are summed for the scatter of coefficients.
+# Source: geometry: half a minute, longer than the ambient force and the memory of the filters last
+HALF_MINUTE: Final = 3
 # Precision that every coefficient of a base has beforehand, in its column's unit length.
 # Source: geometry: a billionth of a column that nothing else explains; keeps the normal matrix regular where columns are dependent
 RIDGE: Final = 1e-9
@@ -72,6 +75,16 @@ class Gram:
         """Cross-products over the whole log, shape (columns, columns)."""
         return np.asarray(self.blocks.sum(axis=0))
 
+    @cached_property
+    def halves(self) -> tuple[Array, Array]:
+        """Cross-products and scores of half-minutes, shapes (half-minutes, columns, columns) and (half-minutes, columns)."""
+        count = len(self.blocks) // HALF_MINUTE
+        blocks, score = self.blocks[: count * HALF_MINUTE], self.score[: count * HALF_MINUTE]
+        return (
+            blocks.reshape(count, HALF_MINUTE, *blocks.shape[1:]).sum(axis=1),
+            score.reshape(count, HALF_MINUTE, -1).sum(axis=1),
+        )
+
     def normal(self, base: Sequence[int]) -> Array:
         """The normal matrix of a base, priors included, shape (base, base)."""
         return np.asarray(self.total[np.ix_(base, base)] + np.diag(self.prior[base] + RIDGE))
@@ -94,14 +107,18 @@ class Gram:
         """Sums of columns with coefficients of shape (columns, ...), shape (..., blocks, numbers)."""
         weight = np.zeros((len(self.names), *theta.shape[1:]))
         weight[list(at)] = theta
-        out = np.zeros((*theta.shape[1:], *self.y.shape))
+        out: Array | None = None
         first = 0
         for part in self.parts:
             here = weight[first : first + len(part)]
             first += len(part)
             if here.any():
-                out += (here.T @ part.reshape(len(part), part.shape[1] * part.shape[2])).reshape(out.shape)
-        return out
+                # A sum of its own would take as much memory again, and longer than its products.
+                more = here.T @ part.reshape(len(part), part.shape[1] * part.shape[2])
+                out = more if out is None else np.add(out, more, out=out)
+        return (
+            np.zeros((*theta.shape[1:], *self.y.shape)) if out is None else out.reshape(*theta.shape[1:], *self.y.shape)
+        )
 
     def of(self, errors: Array) -> Gram:
         """The same columns with other errors, shape (rows, n)."""
@@ -142,14 +159,24 @@ class Gram:
             rows=self.rows.sum(keepdims=True),
         )
 
-    def joined(self, names: Sequence[str], x: Array, unit: Array, *, sums: bool = False) -> Gram:
-        """With further columns that are whitened and in unit length, shape (columns, blocks, numbers)."""
+    def joined(
+        self, names: Sequence[str], x: Array, unit: Array, *, sums: bool = False, known: Array | None = None
+    ) -> Gram:
+        """With further columns that are whitened and in unit length, shape (columns, blocks, numbers).
+
+        Args:
+            names: theirs.
+            x: they.
+            unit: their lengths.
+            sums: whether the columns themselves are not kept.
+            known: their products with the first columns, where these are known, shape (blocks, first columns, columns).
+        """
         old, new = len(self.names), len(names)
         blocks = np.empty((len(self.y), old + new, old + new))
         blocks[:, :old, :old] = self.blocks
         first = 0
         for part in self.parts:
-            cross = _products(part, x)
+            cross = known if known is not None and first == 0 else _products(part, x)
             blocks[:, first : first + len(part), old:] = cross
             blocks[:, old:, first : first + len(part)] = cross.transpose(0, 2, 1)
             first += len(part)

@@ -159,12 +159,16 @@ def with_family(g: Gram, fit: Fit, s: Scored) -> tuple[Gram, list[int]]:
         s: the family.
     """
     x, unit = fit.gram.columns(s.columns), fit.gram.unit[list(s.columns)]
+    known = None
+    if not s.candidate.starts and len(g.blocks) == 1 and len(g.parts[0]) == len(fit.base):
+        # The whole log holds the products of its columns with the base, which comes first.
+        known = fit.gram.total[np.ix_(fit.base, s.columns)][None]
     if s.candidate.starts:
         x[:, : s.first_block(fit.gram, fit.noise.predictor.log)] = 0.0
         unit = np.sqrt(np.maximum(np.einsum("cbi,cbi->c", x, x), 1e-300))
         x = x / unit[:, None, None]
     first = len(g.names)
-    wide = g.joined([f"{s.id}@{k}" for k in s.columns], x.reshape(len(x), *g.y.shape), unit)
+    wide = g.joined([f"{s.id}@{k}" for k in s.columns], x.reshape(len(x), *g.y.shape), unit, known=known)
     return wide, list(range(first, len(wide.names)))
 
 

@@ -17,11 +17,11 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import solve_triangular
 from scipy.ndimage import uniform_filter1d
 from scipy.special import chdtri, fdtrc
 
-from ivsid.diagnosis.estimation.cross_products import Gram
+from ivsid.diagnosis.estimation.cross_products import RIDGE, Gram
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
@@ -42,7 +42,7 @@ LEFT: Final = 0.15
 NOTHING: Final = 1e-300
 # Columns that are transformed together.
 # Source: resource: the transforms of all columns of a long log would need its memory a second time
-TOGETHER: Final = 16
+TOGETHER: Final = 32
 
 
 @dataclass(frozen=True)
@@ -121,11 +121,20 @@ class Frequencies:
 
     def __init__(self, fit: Fit) -> None:
         self.fit = fit
-        self._base = fit.gram.only(fit.base)
+        self._base = fit.gram.only(fit.base).whole()
 
     @cached_property
     def _low(self) -> NDArray[np.complex128]:
         return _lowest(self.fit, self._base.parts)
+
+    @cached_property
+    def _taken(self) -> Array:
+        return _projected(self._base.normal(range(len(self.fit.base))), self._low)
+
+    @cached_property
+    def _left(self) -> Array:
+        base = range(len(self.fit.base))
+        return self._base.y - self._base.explained(base, Projection(self._base, base).coefficients)
 
     def strength(self, s: Scored) -> Strength:
         """Strength of the noise at a cause's frequencies.
@@ -138,13 +147,15 @@ class Frequencies:
         base = range(len(fit.base))
         p = Projection(g, base)
         theta, fall = p.solve(at)
-        own = g.explained(at, theta) - g.explained(base, g.regression(at, base) @ theta)
+        in_base = g.regression(at, base)
+        own = g.explained(at, theta) - g.explained(base, in_base @ theta)
         weight = _power(_transformed(fit, own[None]))
         if not (fall > 0 and weight.sum() > 0):
             return Strength(1.0, np.inf)
-        left = g.y - g.explained(base, p.coefficients) - own
-        low = np.concatenate([self._low, _lowest(fit, g.parts[len(self._base.parts) :])])
-        found = _spectrum(fit, Projection(g, range(len(g.names))), left, low)
+        # What the cause takes beside the base adds to what the base takes.
+        beside = _lowest(fit, g.parts[len(self._base.parts) :]) - in_base.T @ self._low
+        taken = self._taken + _projected(p.information(at) + RIDGE * np.eye(len(at)), beside)
+        found = _spectrum(fit, self._left - own, taken)
         mean = float((weight * found.found).sum() / weight.sum())
         # What priors hold back of the cause is no part of its direction, and scatters by the priors.
         share = float((own * own).sum()) / fall
@@ -160,7 +171,7 @@ def spectrum(fit: Fit, g: Gram) -> Spectrum:
     """
     every = range(len(g.names))
     p = Projection(g, every)
-    return _spectrum(fit, p, g.y - g.explained(every, p.coefficients), _lowest(fit, g.parts))
+    return _spectrum(fit, g.y - g.explained(every, p.coefficients), _projected(p.normal, _lowest(fit, g.parts)))
 
 
 @dataclass(frozen=True)
@@ -186,40 +197,45 @@ def excess(fit: Fit, p: Projection, columns: Sequence[int], noise: Spectrum) -> 
         noise: spectrum of the noise.
     """
     g, at = p.g, list(columns)
-    x = g.columns(at)
-    x -= g.explained(p.base, g.regression(at, p.base))
+    in_base = g.regression(at, p.base)
     above = noise.above
-    samples = x[0].size // len(above)
+    samples = g.y.size // len(above)
     weight = (above - 1.0) / samples
     # A frequency between none and the highest stands for itself and its negative.
     weight[:, 1 : (samples + 1) // 2] *= 2.0
     kept = weight > 0
-    found, freedom = np.empty((len(x), int(kept.sum())), dtype=np.complex128), np.empty(len(x))
-    for first in range(0, len(x), TOGETHER):
+    # Real and imaginary parts side by side: the real part of complex products is half of the work.
+    found, freedom = np.empty((len(at), 2 * int(kept.sum()))), np.empty(len(at))
+    root = np.sqrt(weight[kept])
+    for first in range(0, len(at), TOGETHER):
         some = slice(first, first + TOGETHER)
-        parts = _transformed(fit, x[some])
-        found[some], freedom[some] = parts[:, kept] * np.sqrt(weight[kept]), noise.freedom(_power(parts))
-    return Scatter(np.asarray((found.conj() @ found.T).real, dtype=np.float64), freedom)
+        parts = _transformed(fit, g.columns(at[some]) - g.explained(p.base, in_base[:, some]))
+        here = parts[:, kept]
+        found[some] = np.concatenate([here.real * root, here.imag * root], axis=1)
+        freedom[some] = noise.freedom(_power(parts))
+    return Scatter(found @ found.T, freedom)
 
 
-def _spectrum(fit: Fit, p: Projection, left: Array, low: NDArray[np.complex128]) -> Spectrum:
-    """Spectrum of the noise from what the columns of a projection leave, shape (blocks, numbers).
+def _spectrum(fit: Fit, left: Array, taken: Array) -> Spectrum:
+    """Spectrum of the noise from what columns leave, shape (blocks, numbers).
 
     Args:
         fit: of the model.
-        p: least squares on all columns.
         left: what they leave.
-        low: lowest frequencies of the columns.
+        taken: squared sizes of the lowest frequencies in them, shape (rows x frequencies,).
     """
     found = _smooth(fit, left)
-    taken = np.zeros_like(found)
-    # The share of each frequency that the columns take: the squared size of their projections there.
-    taken[:, :LOWEST] = np.einsum("kf,kf->f", low.conj(), cho_solve(cho_factor(p.normal), low)).real.reshape(
-        len(found), -1
-    )
-    share = 1.0 - uniform_filter1d(taken, WIDTH, axis=1, mode="mirror") / _count(fit, left)
+    every = np.zeros_like(found)
+    every[:, :LOWEST] = taken.reshape(len(found), -1)
+    share = 1.0 - uniform_filter1d(every, WIDTH, axis=1, mode="mirror") / _count(fit, left)
     free = np.maximum(share, LEFT)
     return Spectrum(found / free, free)
+
+
+def _projected(normal: Array, low: NDArray[np.complex128]) -> Array:
+    """Squared sizes of frequencies in columns, from their normal matrix and their lowest frequencies, shape (rows x frequencies,)."""
+    own = solve_triangular(np.linalg.cholesky(normal), np.concatenate([low.real, low.imag], axis=1), lower=True)
+    return np.asarray(np.einsum("kf,kf->f", own, own).reshape(2, -1).sum(axis=0))
 
 
 def _lowest(fit: Fit, parts: Sequence[Array]) -> NDArray[np.complex128]:

@@ -49,7 +49,7 @@ class OwnPast:
 
     def __init__(self, fit: Fit) -> None:
         self.fit = fit
-        self._base = fit.gram.only(fit.base)
+        self._base = fit.gram.only(fit.base).whole()
 
     def fall(self, s: Scored) -> float:
         """Fall of chi-squared of a cause beside the base and the past errors.
@@ -73,11 +73,15 @@ class OwnPast:
         """
         total, score = g.total.copy(), g.score.sum(axis=0)
         further = g.parts[len(self._base.parts) :]
-        for (row, errors, factor), known in zip(self._past, self._products, strict=True):
-            own = np.concatenate([known, *(self._row(x, row) @ errors.T for x in further)])
-            taken = cho_solve(factor, own.T)
-            total -= own @ taken
-            score -= (errors @ self._row(g.y[None], row)[0]) @ taken
+        first = len(self._base.names)
+        for (row, errors, factor), (known, held, taken) in zip(self._past, self._products, strict=True):
+            own = np.concatenate([np.zeros((0, len(errors))), *(self._row(x, row) @ errors.T for x in further)])
+            cross = own @ held
+            total[:first, :first] -= taken
+            total[first:, :first] -= cross
+            total[:first, first:] -= cross.T
+            total[first:, first:] -= own @ cho_solve(factor, own.T)
+            score -= np.concatenate([known, own]) @ cho_solve(factor, errors @ self._row(g.y[None], row)[0])
         return replace(g.whole(), blocks=total[None], score=score[None])
 
     @cached_property
@@ -104,11 +108,14 @@ class OwnPast:
                 yield i, here, cho_factor(inner)
 
     @cached_property
-    def _products(self) -> tuple[Array, ...]:
-        """Products of the base's columns with the past errors, by row, each of shape (base, past errors)."""
-        return tuple(
-            np.concatenate([self._row(x, row) @ errors.T for x in self._base.parts]) for row, errors, _ in self._past
-        )
+    def _products(self) -> tuple[tuple[Array, Array, Array], ...]:
+        """Products of the base's columns with the past errors, by row, their coefficients in these, and what these take of the base."""
+        found = []
+        for row, errors, factor in self._past:
+            known = np.concatenate([self._row(x, row) @ errors.T for x in self._base.parts])
+            held = cho_solve(factor, known.T)
+            found.append((known, held, known @ held))
+        return tuple(found)
 
     def _row(self, x: Array, row: int) -> Array:
         """One row of quantities of blocks, shape (quantities, n)."""

@@ -18,7 +18,7 @@ from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import AnyCurve, _places, beyond, lost
 from ivsid.diagnosis.null.boxed import OVERSHOOT, Boxed
 from ivsid.diagnosis.null.detection import detection_limits
-from ivsid.diagnosis.null.directions import left_beside
+from ivsid.diagnosis.null.directions import Directions
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.plant.thrust_errors import bound_of
@@ -235,13 +235,13 @@ def test_a_cause_that_a_curve_inside_its_accuracy_makes_is_lost_and_a_strong_one
     assert "drag.yaw.linear" in found.passed
     strong = found.of("drag.yaw.linear")
     curves = AnyCurve(found.fit, found.fit.noise.predictor.propulsion.demands)
-    assert left_beside(curves, strong) > 0.3 * strong.fall
+    assert Directions(curves).left(strong) > 0.3 * strong.fall
     # Errors by inflow differ from side to side where the vehicle turns, as a drag in yaw does.
     free = AnyCurve(found.fit)
-    assert left_beside(free, strong) > 0.2 * strong.fall
+    assert Directions(free).left(strong) > 0.2 * strong.fall
     # Without any bound on the errors nothing is left of it.
     free.box = 1e6 * free.box
-    assert left_beside(free, strong) == 0.0
+    assert Directions(free).left(strong) == 0.0
 
 
 @pytest.mark.parametrize("bend", [lambda q: np.tanh(2 * q), lambda q: np.sin(3 * q), lambda q: -np.sign(q)])

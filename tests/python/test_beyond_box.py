@@ -11,8 +11,8 @@ from tests.exam import cases
 from diagnosis_logs import logs_of_case, screened, white_sensors
 from ivsid.diagnosis import diagnose
 from ivsid.diagnosis.null.any_curve import AnyCurve
-from ivsid.diagnosis.null.beyond_box import beyond_box
-from ivsid.diagnosis.null.directions import _direction
+from ivsid.diagnosis.null.beyond_box import BeyondBox
+from ivsid.diagnosis.null.directions import Directions
 from ivsid.diagnosis.null.screening import Round, chance
 from ivsid.diagnosis.null.visibility import visibility
 from ivsid.vehicle import parse_vehicle
@@ -61,7 +61,7 @@ def parts_from_all_errors(fit, name, amount, share):
     total, base = g.total, np.array(free.projection.base)
     size = np.zeros(len(g.names))
     size[-1] = amount
-    D = beyond_box(free, total, g.prior, size)
+    D = BeyondBox(free).of(total, size)
     worst, noise = standing(free, total, g.prior, D)
     shown = (D @ total @ size - worst) / noise
     free_ones = base[(g.prior[base] == 0) & (free.box == 0)]
@@ -79,13 +79,12 @@ def parts_from_all_errors(fit, name, amount, share):
     # It shows nearly all of that, and more than the directions of weighted priors by which a change of a curve is asked for.
     assert shown >= share * np.sqrt(left)
     for weight in (10.0, 1.0):
-        errors = (free.box > 0) | np.array([n.startswith(("~thrust.", "~hysteresis.")) for n in names])
-        other = _direction(free, total, g.prior, [len(g.names) - 1], errors, weight)[:, 0]
+        other = Directions(free).direction(total, [len(g.names) - 1], weight)[:, 0]
         most, deviation = standing(free, total, g.prior, other)
         assert shown > 1.5 * (other @ total @ size - most) / deviation
     # Where no error stands at its bound there is no direction.
     free.box = 1e6 * free.box
-    assert not np.any(beyond_box(free, total, g.prior, size))
+    assert not np.any(BeyondBox(free).of(total, size))
 
 
 @pytest.mark.nightly
@@ -101,7 +100,7 @@ def test_the_worst_errors_stand_beyond_the_box_as_rarely_as_stated(wrong, name):
     first, last = np.zeros(len(g.names)), len(g.names) - 1
     first[last] = 500.0
     ends = np.zeros(len(g.names))
-    ends[base] = free.worst_errors(total[base] @ beyond_box(free, total, g.prior, first))
+    ends[base] = free.worst_errors(total[base] @ BeyondBox(free).of(total, first))
     p = np.r_[base, last]
     normal = total[np.ix_(p, p)] + np.diag(g.prior[p] + 1e-9)
     rng = np.random.default_rng(3)
@@ -110,7 +109,7 @@ def test_the_worst_errors_stand_beyond_the_box_as_rarely_as_stated(wrong, name):
         score = total @ ends + root @ rng.standard_normal(len(values))
         size = np.zeros(len(g.names))
         size[last] = np.linalg.solve(normal, score[p])[-1]
-        D = beyond_box(free, total, g.prior, size)
+        D = BeyondBox(free).of(total, size)
         if not np.any(D):
             continue
         asked += 1

@@ -20,7 +20,7 @@ from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.noise import declared_ambient
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import AnyCurve, beyond, is_declared
-from ivsid.diagnosis.null.directions import as_rare, distance, left_beside
+from ivsid.diagnosis.null.directions import Directions, as_rare, distance
 from ivsid.diagnosis.null.inside_cells import FINER, inside_cells
 from ivsid.diagnosis.null.screening import FAINT, Round
 from ivsid.diagnosis.null.visibility import EXCITED, excitation
@@ -113,10 +113,10 @@ def test_a_cause_stands_by_the_direction_that_shows_it(seed, id_):
     p = Projection(g, free.projection.base)
     theta, fall = p.solve(columns)
     assert beyond(fall, float(free.worst(p.held_back(columns) @ theta))) < 12.0
-    assert left_beside(free, s) > 40.0
+    assert Directions(free).left(s) > 40.0
     # Errors without a bound leave nothing of either.
     free.box = 1e6 * free.box
-    assert left_beside(free, s) == 0.0
+    assert Directions(free).left(s) == 0.0
 
 
 def test_teeth_inside_a_cell_are_no_cause_in_time():
@@ -125,8 +125,8 @@ def test_teeth_inside_a_cell_are_no_cause_in_time():
     here = Round(fit, tuple(found.values()), 1e-4, {})
     for id_ in ("fouling.drift", "thruster.failure"):
         assert inside_cells(fit, found[id_]) and here.left(found[id_]) < 1.0
-        assert left_beside(AnyCurve(fit), found[id_]) > 30.0
-    count = [sum(n.startswith("~cell.") for n in free.g.names) for free in (here.curve, here.finer)]
+        assert Directions(AnyCurve(fit)).left(found[id_]) > 30.0
+    count = [sum(n.startswith("~cell.") for n in free.g.names) for free in (here.curve, here.finer_directions.free)]
     assert count[0] < count[1] <= FINER * count[0]
     assert not inside_cells(fit, found["drag.surge.linear"])
 
@@ -151,7 +151,7 @@ def test_a_failure_beyond_the_accuracy_stands_beside_usual_cells():
     failure = found["thruster.failure"]
     left = Round(fit, tuple(found.values()), 1e-4, {}).left(failure)
     assert not inside_cells(fit, failure) and left > 40.0
-    assert left > 2.0 * left_beside(AnyCurve(fit, finer=FINER), failure)
+    assert left > 2.0 * Directions(AnyCurve(fit, finer=FINER)).left(failure)
 
 
 # Nightly: one of the causes that an examination missed; the gate keeps some of them.
@@ -205,4 +205,4 @@ def test_a_scale_beyond_its_bound_is_held_against_the_bound():
     # A bound that holds the scale leaves nothing of it.
     wide = AnyCurve(fit)
     wide.box = np.where([wide.g.names[k].startswith("~scale.") for k in wide.projection.base], 5.0, 1.0) * wide.box
-    assert left_beside(wide, s) < 4.0
+    assert Directions(wide).left(s) < 4.0

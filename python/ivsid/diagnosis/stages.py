@@ -220,7 +220,7 @@ def _asked_of(
     tasks = (
         Apart(partial(calibrate, fit, tested, NAMES, seed), begun=False),
         Apart(partial(unchanged, other, fit, seed), begun=False),
-        Apart(partial(_judged, fit, proof, *logs), begun=False),
+        Apart(partial(_judged, fit, proof, *logs), begun=False, late=True),
     )
     in_turn(*tasks)
     # The limits are asked for last and by nothing else: they fill what the other processes leave of the processors from now on.

@@ -21,13 +21,14 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import nnls
 from scipy.special import chdtrc, chdtri
 
 from ivsid.diagnosis.estimation.cross_products import RIDGE
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.null.any_curve import LEAST, AnyCurve
-from ivsid.diagnosis.null.beyond_box import beyond_box
+from ivsid.diagnosis.null.beyond_box import BeyondBox
 
 Array = NDArray[np.float64]
 # Weights of the priors of the thrust errors: sets of directions, of which each is taken together and the best counts.
@@ -52,46 +53,74 @@ WHOLE: Final = 1e3
 NO_SHARE: Final = 1e-12
 
 
-def left_beside(free: AnyCurve, s: Scored) -> float:
-    """Fall of chi-squared of a family by its own numbers alone that is as rare as what no declared error inside its bound makes of its scores.
-
-    It may exceed the whole fall: a soft prior takes of a cause what the bound of the same error does not.
+class Directions:
+    """Directions of causes beside any thrust curve.
 
     Args:
-        free: the base beside any thrust curve.
-        s: the family.
+        free: the base beside it.
     """
-    g, columns = free.beside(s)
-    physics = s.candidate.effect.acts
-    curve = physics.at_thruster and not (physics.late or physics.in_time)
-    sets = ALONE if curve else TOGETHER
-    base = free.projection.base
-    bounded = free.box > 0
-    # Errors at the knots have no bound here: the cells alone make any curve.
-    errors = bounded | np.array([g.names[k].startswith(("~thrust.", "~hysteresis.")) for k in base])
-    soft = ~errors & (g.prior[base] > 0)
-    # Errors of the log without the part that the hypothesis holds: the bounds are those of the whole errors.
-    score = g.score.sum(axis=0) + g.total @ g.centre
-    left = []
-    made = [
-        np.concatenate([_direction(free, g.total, g.prior, columns, errors, weight) for weight in weights], axis=1)
-        for weights in sets
-    ]
-    size = np.zeros(len(g.prior))
-    size[columns] = np.asarray(s.theta) * g.unit[columns]
-    beyond = beyond_box(free, g.total, g.prior, size)
-    made += [beyond[:, None]] if beyond.any() else []
-    for D in made:
-        moved = D.T @ g.total[:, base]
-        # Errors that have a deviation and no bound are noise.
-        noise = D.T @ g.total @ D + (moved[:, soft] / g.prior[base][soft]) @ moved[:, soft].T
-        length = np.sqrt(np.maximum(np.diag(noise), LEAST))
-        values, vectors = np.linalg.eigh(noise / np.outer(length, length))
-        kept = values > SAME * values.max()
-        root = (vectors[:, kept] / np.sqrt(values[kept])).T / length
-        far = distance(free, root @ moved, root @ (D.T @ score))
-        left.append(as_rare(s.count, int(kept.sum()), far**2, len(made)))
-    return max(left)
+
+    def __init__(self, free: AnyCurve) -> None:
+        self.free = free
+        names, base = free.g.names, free.projection.base
+        # Errors at the knots have no bound here: the cells alone make any curve.
+        self._errors = (free.box > 0) | np.array([names[k].startswith(("~thrust.", "~hysteresis.")) for k in base])
+        self._soft = ~self._errors & (free.g.prior[base] > 0)
+        self._beyond = BeyondBox(free)
+        self._factors: dict[float, tuple[Array, bool]] = {}
+
+    def left(self, s: Scored) -> float:
+        """Fall of chi-squared of a family by its own numbers alone that is as rare as what no declared error inside its bound makes of its scores.
+
+        It may exceed the whole fall: a soft prior takes of a cause what the bound of the same error does not.
+
+        Args:
+            s: the family.
+        """
+        free, soft = self.free, self._soft
+        g, columns = free.beside(s)
+        physics = s.candidate.effect.acts
+        curve = physics.at_thruster and not (physics.late or physics.in_time)
+        sets = ALONE if curve else TOGETHER
+        base = free.projection.base
+        # Errors of the log without the part that the hypothesis holds: the bounds are those of the whole errors.
+        score = g.score.sum(axis=0) + g.total @ g.centre
+        left = []
+        made = [
+            np.concatenate([self.direction(g.total, columns, weight) for weight in weights], axis=1) for weights in sets
+        ]
+        size = np.zeros(len(g.prior))
+        size[columns] = np.asarray(s.theta) * g.unit[columns]
+        beyond = self._beyond.of(g.total, size)
+        made += [beyond[:, None]] if beyond.any() else []
+        for D in made:
+            moved = D.T @ g.total[:, base]
+            # Errors that have a deviation and no bound are noise.
+            noise = D.T @ g.total @ D + (moved[:, soft] / g.prior[base][soft]) @ moved[:, soft].T
+            length = np.sqrt(np.maximum(np.diag(noise), LEAST))
+            values, vectors = np.linalg.eigh(noise / np.outer(length, length))
+            kept = values > SAME * values.max()
+            root = (vectors[:, kept] / np.sqrt(values[kept])).T / length
+            far = distance(free, root @ moved, root @ (D.T @ score))
+            left.append(as_rare(s.count, int(kept.sum()), far**2, len(made)))
+        return max(left)
+
+    def direction(self, total: Array, columns: Sequence[int], weight: float) -> Array:
+        """What least squares leaves of columns, as coefficients of all columns, shape (all, columns).
+
+        Args:
+            total: cross-products of all columns, those of the base first.
+            columns: of the cause.
+            weight: of the priors of thrust errors, and of what has a bound.
+        """
+        base = self.free.projection.base
+        if weight not in self._factors:
+            held = self.free.g.prior[base] * np.where(self._errors, weight, 1.0) + RIDGE
+            self._factors[weight] = cho_factor(self.free.g.total[np.ix_(base, base)] + np.diag(held))
+        D = np.zeros((len(total), len(columns)))
+        D[list(columns)] = np.eye(len(columns))
+        D[base] = -cho_solve(self._factors[weight], total[np.ix_(base, list(columns))])
+        return D
 
 
 def as_rare(count: int, freedom: int, square: float, times: int = 1) -> float:
@@ -108,27 +137,6 @@ def as_rare(count: int, freedom: int, square: float, times: int = 1) -> float:
         # Both grow alike from there on: their ratio nears one.
         return float(square * min(chdtri(count, LEAST) / chdtri(freedom, LEAST / times), 1.0))
     return float(chdtri(count, min(chance, 1.0)))
-
-
-def _direction(
-    free: AnyCurve, total: Array, prior: Array, columns: Sequence[int], errors: NDArray[np.bool_], weight: float
-) -> Array:
-    """What least squares leaves of columns, as coefficients of all columns, shape (all, columns).
-
-    Args:
-        free: the base beside any thrust curve.
-        total: cross-products of all columns.
-        prior: their precisions.
-        columns: of the cause.
-        errors: which of the base are declared errors of thrusts, or have a bound.
-        weight: of the priors of these errors.
-    """
-    base = free.projection.base
-    held = prior[base] * np.where(errors, weight, 1.0) + RIDGE
-    D = np.zeros((len(prior), len(columns)))
-    D[list(columns)] = np.eye(len(columns))
-    D[base] = -np.linalg.solve(total[np.ix_(base, base)] + np.diag(held), total[np.ix_(base, list(columns))])
-    return D
 
 
 def distance(free: AnyCurve, moved: Array, z: Array) -> float:

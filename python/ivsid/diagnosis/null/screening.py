@@ -21,7 +21,7 @@ from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.roughness import ERRORS
 from ivsid.diagnosis.null.any_curve import AnyCurve, is_declared, lost
 from ivsid.diagnosis.null.boxed import Boxed
-from ivsid.diagnosis.null.directions import left_beside
+from ivsid.diagnosis.null.directions import Directions
 from ivsid.diagnosis.null.frequencies import Frequencies
 from ivsid.diagnosis.null.gradual import BETTER, CURVED, gradual, most_beyond
 from ivsid.diagnosis.null.inside_cells import FINER, inside_cells
@@ -87,9 +87,14 @@ class Round:
         return AnyCurve(self.fit) if self.fit.noise.predictor.vehicle.thrusters else None
 
     @cached_property
-    def finer(self) -> AnyCurve | None:
+    def directions(self) -> Directions | None:
+        """Directions of causes beside any thrust curve; None for a vehicle without thrusters."""
+        return None if self.curve is None else Directions(self.curve)
+
+    @cached_property
+    def finer_directions(self) -> Directions | None:
         """The same with more cells."""
-        return AnyCurve(self.fit, finer=FINER) if self.curve is not None else None
+        return None if self.curve is None else Directions(AnyCurve(self.fit, finer=FINER))
 
     @cached_property
     def frequencies(self) -> Frequencies:
@@ -120,8 +125,8 @@ class Round:
         """Fall of chi-squared of a family that no declared error inside its bound can make."""
         asked = (s.id, *s.columns), s.theta
         if asked not in self._left:
-            curve = self.finer if inside_cells(self.fit, s) else self.curve
-            self._left[asked] = s.fall if curve is None else left_beside(curve, s)
+            curve = self.finer_directions if inside_cells(self.fit, s) else self.directions
+            self._left[asked] = s.fall if curve is None else curve.left(s)
         return self._left[asked]
 
     def lost(self, s: Scored) -> float:

@@ -120,8 +120,8 @@ class Trial:
         return self.beside
 
     def look(self) -> None:
-        """Tells of the gain if it is known by now."""
-        if self._gain.done:
+        """Tells of the gain if it is known by now; where no cause is found it was asked for before all else that is waited for."""
+        if self._gain.done or self._shares is None:
             self._told()
 
     def _told(self) -> Gain:

@@ -1,4 +1,7 @@
-"""Ambient forces of several spectra, all of them with the rms of the vehicle file: random ones, long gusts, bands and lines of a swell, and single gusts."""
+"""Ambient forces of several spectra, all of them with the rms of the vehicle file.
+
+Random ones, long gusts, bands and lines of a swell, single gusts, one wave of minutes, and gusts that never turn.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,8 @@ LONGER = 4.0
 COMPONENTS, BAND = 200, (0.03, 0.5)
 # Lines of a regular swell, at least and below, and their periods in correlation times.
 LINES, PERIODS = (2, 13), (1.5, 8.0)
+# Period of one wave: in correlation times at least, in lengths of the log at most.
+SLOW_PERIODS = (8.0, 2.0)
 # Width of a single gust, and the mean time between two of them, in correlation times.
 GUST, BETWEEN = 1.0, 6.0
 
@@ -51,18 +56,40 @@ def _gusts(n: int, h: float, deviation: float, time: float, rng: np.random.Gener
     return deviation * found / math.sqrt(math.sqrt(math.pi / 2) * GUST / BETWEEN)
 
 
+def _minutes(n: int, h: float, deviation: float, time: float, rng: np.random.Generator) -> np.ndarray:
+    """One sine of a period between some correlation times and twice the log, shape (n,)."""
+    shortest, longest = SLOW_PERIODS[0] * time, SLOW_PERIODS[1] * n * h
+    period = math.exp(rng.uniform(math.log(shortest), math.log(longest)))
+    return _to(np.sin(2 * math.pi * h * np.arange(n) / period + rng.uniform(0.0, 2 * math.pi)), deviation)
+
+
+def _one_sided(n: int, h: float, deviation: float, time: float, rng: np.random.Generator) -> np.ndarray:
+    """Gusts that never turn, shape (n,)."""
+    return float(rng.choice([-1.0, 1.0])) * _to(np.abs(gauss_markov(n, h, 1.0, time, rng)), deviation)
+
+
+def _to(x: np.ndarray, deviation: float) -> np.ndarray:
+    """A force of another rms."""
+    return deviation * x / math.sqrt(float(np.mean(x**2)))
+
+
 SEAS: Mapping[str, Callable[[int, float, float, float, np.random.Generator], np.ndarray]] = {
     "markov": gauss_markov,
     "slow": _slow,
     "band": _band,
     "gusts": _gusts,
     "lines": _lines,
+    "minutes": _minutes,
+    "one-sided": _one_sided,
 }
 # Seed from which on a sea of lines is drawn: cases of earlier seeds, which pages name, stay what they were.
 LINES_SINCE = 181000
+# The same of waves of minutes and of gusts that never turn.
+SLOW_SINCE = 235000
 
 
 def drawn_sea(seed: int) -> str:
     """The sea of a seed, each as often as the others."""
-    known = [name for name in SEAS if name != "lines" or seed >= LINES_SINCE]
+    since = {"lines": LINES_SINCE, "minutes": SLOW_SINCE, "one-sided": SLOW_SINCE}
+    known = [name for name in SEAS if seed >= since.get(name, 0)]
     return str(np.random.default_rng([seed, 6]).choice(known))

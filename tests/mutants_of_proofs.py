@@ -139,6 +139,13 @@ PROOFS = (
         "test_gradual.py",
     ),
     python(
+        "slow forces larger than the declared one",
+        "diagnosis/null/slow_force.py",
+        "if length - ERRORS * error > 1.0:",
+        "if length - ERRORS * error > 1e6:",
+        "test_slow_force.py",
+    ),
+    python(
         "past errors that nobody asks",
         "diagnosis/null/own_past.py",
         "LAGS: Final = 24",

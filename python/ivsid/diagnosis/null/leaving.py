@@ -1,13 +1,14 @@
 """Whether declared errors leave their bounds beside all that may have moved them.
 
 A soft noise model and few knots make errors look larger than they are. An error leaves its bound where it does so beside any thrust curve inside
-its accuracy, and beside the log's own past errors.
+its accuracy, beside the log's own past errors, and beside slow forces inside the declared ambient force.
 
 Source: docs/theory.md, "Errors that leave their bound".
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
 from typing import Final
 
@@ -17,8 +18,9 @@ from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.null.any_curve import DOUBT, AnyCurve
 from ivsid.diagnosis.null.boxed import Boxed, Leaving, outside, readings
-from ivsid.diagnosis.null.own_past import FORETOLD, OwnPast
+from ivsid.diagnosis.null.own_past import FORETOLD, Beside, OwnPast
 from ivsid.diagnosis.null.reached import Reached
+from ivsid.diagnosis.null.slow_force import SlowForce, slow_force
 
 # Size of a fitted thrust error, in bounds, from which on all curves inside their accuracy are asked, though the values at the knots may lie inside theirs
 # with their overshoot.
@@ -31,7 +33,7 @@ CLOSER: Final = 2
 
 
 class Others:
-    """What may have made a declared error leave its bound: any thrust curve inside its accuracy, and past errors."""
+    """What may have made a declared error leave its bound: any thrust curve inside its accuracy, past errors, and slow forces."""
 
     def __init__(self, fit: Fit) -> None:
         self.fit = fit
@@ -51,6 +53,17 @@ class Others:
         """The base beside the log's own past errors."""
         return OwnPast(self.fit)
 
+    @cached_property
+    def slow(self) -> SlowForce | None:
+        """The base beside slow forces; None where they would be larger than the ambient force that the vehicle file declares."""
+        return slow_force(self.fit)
+
+    def beside(self) -> Iterator[Beside]:
+        """What else may have, each made where those before it do not explain enough."""
+        yield self.past
+        if self.slow is not None:
+            yield self.slow
+
 
 def thrusts(others: Others) -> tuple[float, int]:
     """Fall of chi-squared where thrust errors may leave their bounds, the least of what is asked, and number of knots that may."""
@@ -66,9 +79,11 @@ def thrusts(others: Others) -> tuple[float, int]:
         left = min(left, reached) if doubt else reached
     if chdtrc(knots, left) <= DOUBT and left < FORETOLD:
         left = min(left, Reached(others.closer).leaving)
-    if chdtrc(knots, left) <= DOUBT and left < FORETOLD:
-        beside = Reached(others.closer, others.past).leaving
-        left = min(left, beside, Boxed(fit, others.past.base).leaving) if doubt else min(left, beside)
+    for other in others.beside():
+        if chdtrc(knots, left) > DOUBT or left >= FORETOLD:
+            break
+        beside = Reached(others.closer, other).leaving
+        left = min(left, beside, Boxed(fit, other.base).leaving) if doubt else min(left, beside)
     return left, knots
 
 
@@ -89,7 +104,9 @@ def misread_of(others: Others) -> tuple[str, Leaving, float] | None:
     if worst()[2] <= DOUBT and vehicle.thrusters:
         # A thrust curve may have moved the readings.
         asked(others.curve.g)
-    if worst()[2] <= DOUBT and worst()[1].fall < FORETOLD:
+    for other in others.beside():
         # Readings that an autopilot answers foretell errors of a colour that the whitening lacks.
-        asked(others.past.base)
+        if worst()[2] > DOUBT or worst()[1].fall >= FORETOLD:
+            break
+        asked(other.base)
     return worst()

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
-from typing import Final, TypeAlias
+from typing import Final, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +38,23 @@ FORETOLD: Final = 1000.0
 RIDGE: Final = 1e-12
 # Past errors beside a row: its index, they, and the factor of their products.
 Past: TypeAlias = "tuple[int, Array, tuple[Array, bool]]"
+
+
+class Beside(Protocol):
+    """What a cause, structure or a declared error may have to stand beside."""
+
+    def beside(self, g: Gram) -> Gram:
+        """Cross-products over the whole log, of what it leaves of columns and of the log.
+
+        Args:
+            g: cross-products whose first columns are those of the base.
+        """
+        ...
+
+    @property
+    def base(self) -> Gram:
+        """The same of the base alone."""
+        ...
 
 
 class OwnPast:

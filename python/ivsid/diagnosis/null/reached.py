@@ -19,7 +19,7 @@ from scipy.special import chdtrc, chdtri
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.null.any_curve import DETERMINED, LEAST, AnyCurve
-from ivsid.diagnosis.null.own_past import OwnPast
+from ivsid.diagnosis.null.own_past import Beside
 
 Array = NDArray[np.float64]
 
@@ -29,14 +29,14 @@ class Reached:
 
     Args:
         free: the fit's base with free errors beside it.
-        past: the past errors beside which the distance stands, or None.
+        other: beside which the distance stands, too, or None.
 
     Attributes:
         leaving: squared distance from them, in standard deviations.
         knots: its degrees of freedom at most; 0 if no accuracy is declared.
     """
 
-    def __init__(self, free: AnyCurve, past: OwnPast | None = None) -> None:
+    def __init__(self, free: AnyCurve, other: Beside | None = None) -> None:
         names = free.g.names
         self.free = free
         self.at = [k for k, n in enumerate(names) if n.startswith(("~thrust.", "~hysteresis."))]
@@ -46,7 +46,7 @@ class Reached:
         self.others = [k for k in range(len(names)) if k not in {*self.at, *self.cells, *inflows}]
         self.leaving, self.knots = (0.0, 0)
         if self.at and self.cells:
-            g = free.g if past is None else past.beside(free.g)
+            g = free.g if other is None else other.beside(free.g)
             self.leaving, self.knots = self._distance(g, self.at, self.others)
 
     def _distance(self, g: Gram, data: Sequence[int], others: Sequence[int]) -> tuple[float, int]:

@@ -29,6 +29,7 @@ from ivsid.diagnosis.null.own_past import FORETOLD, OwnPast
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.null.rule import Rule
 from ivsid.diagnosis.null.second_opinion import second_opinion
+from ivsid.diagnosis.null.slow_force import SlowForce, slow_force
 from ivsid.diagnosis.null.thresholds import HIGH_SIDE
 from ivsid.diagnosis.null.visibility import EXCITED, VISIBLE, Visibility
 from ivsid.effects import Given
@@ -107,6 +108,12 @@ class Round:
         return OwnPast(self.fit)
 
     @cached_property
+    def slow(self) -> SlowForce | None:
+        """The base beside slow forces inside the declared ambient force; None where a strong cause, or none that is declared, would be one."""
+        strong = any(s.physical and s.shown >= FORETOLD for s in self.scored)
+        return None if strong else slow_force(self.fit)
+
+    @cached_property
     def boxed(self) -> Boxed:
         """The errors at the knots inside their bounds."""
         return Boxed(self.fit)
@@ -183,6 +190,12 @@ class Case:
         """Fall of chi-squared beside the log's own past errors, where it is less: a cause at a thruster keeps the share that its score does."""
         s = self.s
         return s.shown * min(self.round.past.fall(s) / s.fall, 1.0) if s.fall > 0 else 0.0
+
+    @property
+    def beside_slow(self) -> float:
+        """Fall of chi-squared beside slow forces, in the same way."""
+        s, slow = self.s, self.round.slow
+        return s.shown * min(slow.fall(s) / s.fall, 1.0) if slow is not None and s.fall > 0 else s.shown
 
     @property
     def over_declared(self) -> float:
@@ -363,6 +376,19 @@ OWN_PAST: Final = Rule[Case](
     lambda c: c.s.shown < FORETOLD,
     least=False,
 )
+MINUTES: Final = Rule[Case](
+    "minutes",
+    f"chance of the fall of chi² beside slow forces inside the declared ambient force, where all falls are below {FORETOLD:g}",
+    "at most the calibrated threshold of this log",
+    "An ambient force may have any spectrum, that of minutes as well: over a log it looks like a wind, a drag that grows or a battery that runs down.",
+    "make exam",
+    lambda c: chance(replace(c.s, fall=c.beside_slow, boxed=0.0)),
+    lambda c: c.round.chance,
+    "an ambient force inside the declared one that changes over minutes, or hardly, explains it as well: beside that its fall of chi² has probability "
+    "{value:.1g}, and {limit:.1g} is the limit",
+    lambda c: c.round.slow is not None,
+    least=False,
+)
 DECLARED_SEA: Final = Rule[Case](
     "declared sea",
     "rms of a swell, or of what a current that moves to and fro does to the hull, at the least, over the declared ambient force",
@@ -400,6 +426,7 @@ SCREENING: Final = (
     OPINION,
     FREQUENCIES,
     OWN_PAST,
+    MINUTES,
     DECLARED_SEA,
     ANY_CURVE,
 )

@@ -226,10 +226,13 @@ def adequacy(fit: Fit) -> Adequacy:
         own, at = Projection(wide, free.projection.base), range(first, len(wide.names))
         scatter = excess(fit, own, at, spectrum(fit, wide) if noise is None else noise)
         found = found.also(_structure(own, at, names, worst, scatter))
-    if not found.white and found.strongest[0][2] < FORETOLD:
-        # A regressor that stands for coefficients that the whitening lacks has no more to say than past errors do.
-        past = Projection(others.past.beside(wide), own.base)
-        found = max(found, found.also(_structure(past, at, names, worst)), key=lambda q: q.of_regressors)
+    for other in others.beside():
+        # A regressor that stands for coefficients that the whitening lacks has no more to say than past errors do, and one of minutes no more than
+        # a slow force.
+        if found.white or found.strongest[0][2] >= FORETOLD:
+            break
+        less = Projection(other.beside(wide), own.base)
+        found = max(found, found.also(_structure(less, at, names, worst)), key=lambda q: q.of_regressors)
     return found
 
 

@@ -251,6 +251,34 @@ ONE_FORCE: Final = Rule[Together](
     "of their own would together explain {limit:.0f} more than it",
     lambda c: c.alone > c.one + max(MARGIN, BENT * c.one),
 )
+
+
+@dataclass(frozen=True)
+class Slow:
+    """A cause that one force explains as well or better, beside slow forces.
+
+    Attributes:
+        chance: of its fall of chi-squared there.
+        level: threshold of the log.
+    """
+
+    chance: float
+    level: float
+
+
+SLOW_FORCE: Final = Rule[Slow](
+    "slow force",
+    "chance of the fall of chi² of a cause that one force explains as well, beside slow forces inside the declared ambient force",
+    "at most the calibrated threshold of this log",
+    "An ambient force may have any spectrum, that of minutes as well, and single forces of the time or the heading are such a one first: the log holds no force "
+    "that the catalogue lacks, and no cause.",
+    "theorem: docs/theory.md, Slow forces",
+    lambda c: c.chance,
+    lambda c: c.level,
+    "an ambient force inside the declared one that changes over minutes explains it as well: beside that its fall of chi² has probability {value:.1g}, and "
+    "{limit:.1g} is the limit",
+    least=False,
+)
 BETTER_FORCE: Final = Rule[Together](
     "better force",
     "merit of the best single force of no cause over that of a linear cause in whose place it stands",
@@ -305,7 +333,19 @@ OUTLINE: Final = Rule[Remainder](
     "it explains {value:.2%} of what {case.rough} explains over the same velocity, whose shape is known to {limit:.0%}",
 )
 LATE: Final = (MOST_RULE, WORTH_RULE)
-FULL_FITS: Final = (FINALIST, NUMBERS, RIVAL, FULL, OWN, SETTLED, ONE_FORCE, BETTER_FORCE, BETTER_CURVE, OUTLINE)
+FULL_FITS: Final = (
+    FINALIST,
+    NUMBERS,
+    RIVAL,
+    FULL,
+    OWN,
+    SETTLED,
+    ONE_FORCE,
+    SLOW_FORCE,
+    BETTER_FORCE,
+    BETTER_CURVE,
+    OUTLINE,
+)
 
 
 def full_refused(test: Threshold, s: Scored, fall: float, beside: Sequence[str] = ()) -> Refusal | None:

@@ -20,12 +20,25 @@ from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.null.family_wise import Screened, Threshold
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
+from ivsid.diagnosis.null.screening import chance
+from ivsid.diagnosis.null.slow_force import slow_force
 from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy
 from ivsid.diagnosis.selection.admission import admit
 from ivsid.diagnosis.selection.one_force import imitating
 from ivsid.diagnosis.selection.review import Reviewed, reviewed
 from ivsid.diagnosis.selection.rivals import FULL_STEPS, Found
-from ivsid.diagnosis.selection.rules import LATE, MOST, OWN, SETTLED, USUAL, Late, full_refused, refused_by
+from ivsid.diagnosis.selection.rules import (
+    LATE,
+    MOST,
+    OWN,
+    SETTLED,
+    SLOW_FORCE,
+    USUAL,
+    Late,
+    Slow,
+    full_refused,
+    refused_by,
+)
 
 # Reviews after a cause is added, and causes that may fail their full fit.
 # Source: resource: a review takes a survey for each cause
@@ -122,7 +135,7 @@ def select(
             break
         tops.add(now)
     chosen = Selection(plain, fit, tuple(found), every, tuple(scored), {**waiting, **refused})
-    alone = _without_one_force(chosen)
+    alone = _without_one_force(chosen, passes.level)
     if not alone.found:
         return alone
     # The last screening has made the curves of its fit.
@@ -130,8 +143,13 @@ def select(
     return replace(alone, curves=(curve or AnyCurve(alone.last)).reach())
 
 
-def _without_one_force(s: Selection) -> Selection:
-    """The selection without causes that one force explains as well as they do together."""
+def _without_one_force(s: Selection, level: float) -> Selection:
+    """The selection without causes that one force explains as well as they do together.
+
+    Args:
+        s: with them.
+        level: threshold of the log.
+    """
     said = imitating(s.last, s.found)
     if not said:
         return s
@@ -141,10 +159,27 @@ def _without_one_force(s: Selection) -> Selection:
     noise, fixed = s.last.noise, s.plain.fixed
     states = improve(s.last.problem, s.last.states.under(h), FULL_STEPS)
     fit, scored = score(survey(noise, states, fixed))
-    refused = {r.id: said[f.id] for f in s.found if f.id in said for r in f.rivals}
+    slow = _of_slow_force(fit, {q.id: q for q in scored if q.id in said}, level)
+    refused = {r.id: slow.get(f.id, said[f.id]) for f in s.found if f.id in said for r in f.rivals}
     found = tuple(f for f in s.found if f.id not in said)
-    gone = tuple(f for f in s.found if f.id in said)
+    gone = tuple(f for f in s.found if f.id in said and f.id not in slow)
     return replace(s, last=fit, found=found, leftover=tuple(scored), refused={**refused, **s.refused}, imitating=gone)
+
+
+def _of_slow_force(fit: Fit, gone: Mapping[str, Scored], level: float) -> dict[str, Refusal]:
+    """Refusals, by id, of causes that a slow force inside the declared ambient force explains as well.
+
+    Args:
+        fit: of the model without them.
+        gone: their scores, by id.
+        level: threshold of the log.
+    """
+    slow = slow_force(fit)
+    if slow is None:
+        return {}
+    beside = {i: Slow(chance(replace(q, fall=slow.fall(q), boxed=0.0)), level) for i, q in gone.items()}
+    said = {i: SLOW_FORCE.refuses(case) for i, case in beside.items()}
+    return {i: r for i, r in said.items() if r is not None}
 
 
 def _reviews(noise: Noise, last: Reviewed, passes: Threshold, plain: Fit, before: set[frozenset[str]]) -> Reviewed:

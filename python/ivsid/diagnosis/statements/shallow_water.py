@@ -16,12 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.channels import Channels
+from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.learning import undetermined
 from ivsid.diagnosis.estimation.noise import Noise, usable_rows
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.any_curve import AnyCurve
+from ivsid.diagnosis.null.slow_force import slow_force
 from ivsid.diagnosis.plant.driving import Driving
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.adequacy import adequacy
@@ -146,8 +148,8 @@ def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
             over = [np.r_[p, q] for p, q in zip(train.propulsion.demands, predictor.propulsion.demands, strict=True)]
             one, other = AnyCurve(last, over), AnyCurve(there, over)
             found = changes(
-                one_log(one.g, one.projection.base, before, one.box),
-                one_log(other.g, other.projection.base, after, other.box),
+                one_log(_beside_slow(one), one.projection.base, before, one.box),
+                one_log(_beside_slow(other), other.projection.base, after, other.box),
                 logs,
             )
             # The other log may have further structure, which may move the parameters.
@@ -159,6 +161,12 @@ def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
     sigma = np.sqrt(np.diag(found.covariance))
     ratio = {i: (float(np.exp(m)), float(s)) for i, m, s in zip(wanted, found.mean, sigma, strict=True)}
     return Change(ratio, factor, thrusts)
+
+
+def _beside_slow(curve: AnyCurve) -> Gram:
+    """Cross-products of a base beside slow forces inside the declared ambient force, of which each log has its own."""
+    slow = slow_force(curve.fit)
+    return curve.g if slow is None else slow.beside(curve.g)
 
 
 def factor_of(found: Changes) -> tuple[Factor, NDArray[np.float64]]:

@@ -1,0 +1,126 @@
+"""What a slow ambient force inside the declared one takes of columns and of a log.
+
+An ambient force may have any spectrum, and the whitening knows a few seconds of it. A force that changes over minutes looks like a place, a heading, a
+time or an offset. The declared rms bounds it: cosines over the log along the hull and over ground, each with that deviation, hold what is slower than
+a few periods a log. Where those that the log asks for are larger together than the declared rms, it is no declared force.
+
+Source: docs/theory.md, "Slow forces"; the cosines are those of the discrete cosine transform, Rao and Yip, 1990.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+
+from ivsid.diagnosis.estimation.cross_products import Gram
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
+from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.null.any_curve import with_family
+
+Array = NDArray[np.float64]
+# Half waves of a slow force over the log, at most.
+# Source: geometry: eight are four periods a log
+HALF_WAVES: Final = 8
+# Standard errors above its bound from which on a slow force is larger.
+# Source: definition: of normal estimates one in a thousand lies above
+ERRORS: Final = 3.0
+
+
+class SlowForce:
+    """The base of a fit beside slow forces inside the declared ambient force.
+
+    Args:
+        fit: of the model, whose vehicle file declares an ambient force.
+    """
+
+    def __init__(self, fit: Fit) -> None:
+        self.fit = fit
+        self._base = fit.gram.only(fit.base).whole()
+
+    @cached_property
+    def _shapes(self) -> tuple[Array, Array, tuple[Array, bool]]:
+        """Signatures of forces of the declared rms, shape (forces, numbers), their direction by index, and the factor of their products."""
+        g = self.fit.gram
+        made = list(_forces(self.fit))
+        x, unit = g.white.blocks([answer for _, answer in made], g.good, g.length)
+        s = x.reshape(len(x), -1) * unit[:, None]
+        return s, np.array([k for k, _ in made]), cho_factor(s @ s.T + np.eye(len(s)))
+
+    @cached_property
+    def base(self) -> Gram:
+        """Cross-products of the base over the whole log, of what slow forces leave of it and of the log."""
+        return self.beside(self._base)
+
+    def beside(self, g: Gram) -> Gram:
+        """Cross-products over the whole log, of what slow forces leave of columns and of the log.
+
+        Args:
+            g: cross-products.
+        """
+        s, _, factor = self._shapes
+        own = np.concatenate([x.reshape(len(x), -1) @ s.T for x in g.parts])
+        taken = cho_solve(factor, own.T)
+        total = g.total - own @ taken
+        score = g.score.sum(axis=0) - (s @ g.y.ravel()) @ taken
+        return replace(g.whole(), blocks=total[None], score=score[None])
+
+    def fall(self, s: Scored) -> float:
+        """Fall of chi-squared of a cause beside the base and slow forces.
+
+        Args:
+            s: the cause with its score.
+        """
+        g, at = with_family(self._base, self.fit, s)
+        return Projection(self.beside(g), range(len(self.fit.base))).solve(at)[1]
+
+    @cached_property
+    def inside(self) -> bool:
+        """Whether the slow force that the log asks for beside the base is one of the declared rms or less, along each direction."""
+        s, direction, _ = self._shapes
+        g = self._base
+        base = range(len(g.names))
+        cross = g.parts[0].reshape(len(base), -1) @ s.T
+        held = np.linalg.solve(g.normal(base), cross)
+        information = s @ s.T + np.eye(len(s)) - cross.T @ held
+        score = s @ g.y.ravel() - held.T @ (g.score.sum(axis=0) - g.prior * g.centre)
+        covariance = np.linalg.inv(information)
+        size = covariance @ score
+        for k in np.unique(direction):
+            at = direction == k
+            length = float(np.linalg.norm(size[at]))
+            error = float(np.sqrt(size[at] @ covariance[np.ix_(at, at)] @ size[at])) / max(length, 1e-300)
+            if length - ERRORS * error > 1.0:
+                return False
+        return True
+
+
+def slow_force(fit: Fit) -> SlowForce | None:
+    """The base of a fit beside slow forces; None where the log asks for larger ones than the vehicle file declares, or that declares none."""
+    sea = fit.noise.predictor.vehicle.ambient
+    slow = SlowForce(fit) if sea is not None and sea.force else None
+    return slow if slow is not None and slow.inside else None
+
+
+def _forces(fit: Fit) -> Iterator[tuple[int, Array]]:
+    """Direction and signature of slow forces of the declared rms: ahead, sideways, in yaw, north and east."""
+    s, sea = fit.signatures, fit.noise.predictor.vehicle.ambient
+    assert sea is not None
+    p = s.states.points
+    c, sine = np.cos(p.psi), np.sin(p.psi)
+    begin, end = float(p.t.min()), float(p.t.max())
+    none = np.zeros_like(p.t)
+    for k in range(HALF_WAVES + 1):
+        wave = (np.sqrt(2.0) if k else 1.0) * np.cos(np.pi * k * (p.t - begin) / max(end - begin, 1e-300))
+        f, m = sea.force * wave, sea.moment * wave
+        along = ((f, none, none), (none, f, none), (none, none, m), (f * c, -f * sine, none), (f * sine, f * c, none))
+        for j, force in enumerate(along):
+            answer = s.force(np.stack(force))
+            if np.any(answer):
+                yield j, answer

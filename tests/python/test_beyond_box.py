@@ -13,7 +13,8 @@ from ivsid.diagnosis import diagnose
 from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.null.beyond_box import BeyondBox
 from ivsid.diagnosis.null.directions import Directions
-from ivsid.diagnosis.null.screening import Round, chance
+from ivsid.diagnosis.null.round import Round
+from ivsid.diagnosis.null.screening import chance
 from ivsid.diagnosis.null.visibility import visibility
 from ivsid.vehicle import parse_vehicle
 from test_thrust_errors import calm, log_of

@@ -22,7 +22,8 @@ from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import AnyCurve, beyond, is_declared
 from ivsid.diagnosis.null.directions import Directions, as_rare, distance
 from ivsid.diagnosis.null.inside_cells import FINER, inside_cells
-from ivsid.diagnosis.null.screening import FAINT, Round
+from ivsid.diagnosis.null.round import Round
+from ivsid.diagnosis.null.screening import FAINT
 from ivsid.diagnosis.null.visibility import EXCITED, excitation
 from ivsid.log import read_log
 from ivsid.vehicle import read_vehicle

@@ -11,7 +11,8 @@ from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.null import leaving, screening
+from ivsid.diagnosis.null import leaving
+from ivsid.diagnosis.null import round as screening_round
 from ivsid.diagnosis.null.slow_force import HALF_WAVES, SlowForce
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.statements import shallow_water
@@ -22,7 +23,7 @@ SHORT = {"what": "none", "duration": 300.0, "rate": 10.0, "sensors": "white"}
 CASES = [(60, "minutes"), (8, "one-sided")]
 # Sound logs in ten times the usual sea that had a cause by name.
 NAMED = [
-    (176, "minutes", "rich", screening, "fouling.drift"),
+    (176, "minutes", "rich", screening_round, "fouling.drift"),
     (106, "minutes", "circle", shallow_water, "environment.shallow_water"),
 ]
 

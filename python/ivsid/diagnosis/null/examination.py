@@ -10,7 +10,7 @@ import numpy as np
 from ivsid.diagnosis.candidates.families import score
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.null.family_wise import Threshold
-from ivsid.diagnosis.null.screening import Round
+from ivsid.diagnosis.null.round import Round
 
 
 class Examination(Protocol):

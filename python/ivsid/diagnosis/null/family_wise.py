@@ -10,8 +10,9 @@ from dataclasses import dataclass, field, replace
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
+from ivsid.diagnosis.null.round import Round
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
-from ivsid.diagnosis.null.screening import SCREENING, WORST, Case, Round, chance, chance_beside
+from ivsid.diagnosis.null.screening import SCREENING, WORST, Case, chance, chance_beside
 from ivsid.diagnosis.null.thresholds import Calibration
 from ivsid.diagnosis.null.visibility import Visibility
 

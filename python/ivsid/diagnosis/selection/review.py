@@ -18,8 +18,9 @@ from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.gradual import abrupt
+from ivsid.diagnosis.null.round import Round
 from ivsid.diagnosis.null.rule import Refusal
-from ivsid.diagnosis.null.screening import ABRUPT, Case, Round
+from ivsid.diagnosis.null.screening import ABRUPT, Case
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.selection.parallel import side_by_side

@@ -1,0 +1,134 @@
+"""What all causes of one screening share: the fit without them, and what each of them may have to stand beside, made where it is first asked for.
+
+Source: docs/theory.md, "Diagnosis".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Final
+
+from scipy.special import chdtrc
+
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
+from ivsid.diagnosis.null.any_curve import AnyCurve, is_declared, lost
+from ivsid.diagnosis.null.boxed import Boxed
+from ivsid.diagnosis.null.directions import Directions
+from ivsid.diagnosis.null.frequencies import Frequencies
+from ivsid.diagnosis.null.inside_cells import FINER, inside_cells
+from ivsid.diagnosis.null.own_past import FORETOLD, OwnPast
+from ivsid.diagnosis.null.reached import Reached
+from ivsid.diagnosis.null.slow_force import SlowForce, slow_force
+from ivsid.diagnosis.null.visibility import Visibility
+
+# Fall of chi-squared from which on a cause at a thruster is asked for beside errors that keep their bounds, too.
+# Source: resource: three standard deviations, and the cells take as long as a survey
+ASKED: Final = 9.0
+
+
+@dataclass(frozen=True)
+class Round:
+    """What all causes of one screening share.
+
+    Attributes:
+        fit: of the model without them.
+        scored: the scores of all causes.
+        chance: threshold of the calibration.
+        seen: visibility by id.
+    """
+
+    fit: Fit
+    scored: Sequence[Scored]
+    chance: float
+    seen: Mapping[str, Visibility]
+    _left: dict[tuple[tuple[object, ...], tuple[float, ...]], float] = field(
+        default_factory=dict, repr=False, compare=False
+    )
+
+    @cached_property
+    def curve(self) -> AnyCurve | None:
+        """The base beside any thrust curve; None for a vehicle without thrusters."""
+        return AnyCurve(self.fit) if self.fit.noise.predictor.vehicle.thrusters else None
+
+    @cached_property
+    def directions(self) -> Directions | None:
+        """Directions of causes beside any thrust curve; None for a vehicle without thrusters."""
+        return None if self.curve is None else Directions(self.curve)
+
+    @cached_property
+    def finer_directions(self) -> Directions | None:
+        """The same with more cells."""
+        return None if self.curve is None else Directions(AnyCurve(self.fit, finer=FINER))
+
+    @cached_property
+    def frequencies(self) -> Frequencies:
+        """The base at the frequencies of the log."""
+        return Frequencies(self.fit)
+
+    @cached_property
+    def past(self) -> OwnPast:
+        """The base beside the log's own past errors."""
+        return OwnPast(self.fit)
+
+    @cached_property
+    def slow(self) -> SlowForce | None:
+        """The base beside slow forces inside the declared ambient force; None where a strong cause, or none that is declared, would be one."""
+        strong = any(s.physical and s.shown >= FORETOLD for s in self.scored)
+        return None if strong else slow_force(self.fit)
+
+    @cached_property
+    def boxed(self) -> Boxed:
+        """The errors at the knots inside their bounds."""
+        return Boxed(self.fit)
+
+    @cached_property
+    def reached(self) -> Reached:
+        """What curves inside their accuracy reach of the errors at the knots."""
+        return Reached(self.curve or AnyCurve(self.fit))
+
+    @cached_property
+    def _kept(self) -> float:
+        """Probability of the log if the errors at the knots keep their bounds."""
+        return float(chdtrc(max(self.boxed.knots, 1), self.boxed.leaving))
+
+    def left(self, s: Scored) -> float:
+        """Fall of chi-squared of a family that no declared error inside its bound can make."""
+        asked = (s.id, *s.columns), s.theta
+        if asked not in self._left:
+            curve = self.finer_directions if inside_cells(self.fit, s) else self.directions
+            self._left[asked] = s.fall if curve is None else curve.left(s)
+        return self._left[asked]
+
+    def lost(self, s: Scored) -> float:
+        """Standard deviations of a score that declared errors inside their bounds may make.
+
+        A fall stands beside all of them if the worst of them leaves it, or if it takes what no curve inside its accuracy reaches.
+        """
+        if self.curve is None:
+            return 0.0
+        left = max(min(self.left(s), s.fall), s.boxed)
+        if self._kept <= self.chance:
+            left = max(left, min(self.reached.of(s), s.fall))
+        return lost(s.shown, left)
+
+    def in_box(self, s: Scored) -> Scored:
+        """A cause with its fall of chi-squared beside errors that keep their bounds.
+
+        Asked are causes that are a declared error beyond its bound, and those at a thruster where the log leaves these errors no curve.
+        """
+        if not s.physical or s.fall < ASKED or not self.fit.noise.predictor.vehicle.thrusters:
+            return s
+        if is_declared(self.fit, s):
+            return replace(s, boxed=self.left(s))
+        # Values at the knots have room for overshoots, so that they may keep their bounds where no curve does.
+        if not s.candidate.effect.acts.at_thruster:
+            return s
+        r = self.reached
+        return s if chdtrc(max(r.knots, 1), r.leaving) > self.chance else replace(s, boxed=r.of(s))
+
+    def blind(self, id_: str) -> bool:
+        """Whether a cause's signature is mostly made of the errors of the filtered states."""
+        return id_ in self.seen and self.seen[id_].blind

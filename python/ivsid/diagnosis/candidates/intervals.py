@@ -9,8 +9,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.candidates.profile import bent, ends, first_step, profile, region, rise, slack
+from ivsid.diagnosis.candidates.profile import bent, ends, first_step, moved, profile, region, rise, slack
 from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.effects import EFFECTS, Given, Parameter
@@ -47,7 +48,7 @@ class Bound:
         statistical: the statistical interval beside a proved one.
         proved: the proved interval beside a statistical one.
         within: the interval as it would be if nothing unknown were left.
-        stands_for: the name of the thruster whose index the number is; empty for another number.
+        stands_for: the name of the thruster whose index the number is, or of those that do as well; empty for another number.
     """
 
     lower: float
@@ -120,9 +121,9 @@ def intervals(
     variance, robust = np.diag(p.covariance), scatter(p)
     out: dict[str, Bound] = {}
     worse = 1.0
-    moved = _moved(fit, left)
-    hidden = _hidden(fit, left) if unknown else moved
-    hidden = np.stack([np.minimum(moved[0], hidden[0]), np.maximum(moved[1], hidden[1])])
+    shifted = _moved(fit, left)
+    hidden = _hidden(fit, left) if unknown else shifted
+    hidden = np.stack([np.minimum(shifted[0], hidden[0]), np.maximum(shifted[1], hidden[1])])
     for i, k in enumerate(p.base):
         name = g.names[k]
         if name != id_ and not name.startswith(f"{id_}."):
@@ -136,7 +137,7 @@ def intervals(
         wide = max(reach, SIGMAS * beside.noise + beside.worst + rest)
         worse = max(worse, robust[i] / variance[i])
         unit = float(g.unit[k])
-        low, high = (moved[:, i] / unit).tolist()
+        low, high = (shifted[:, i] / unit).tolist()
         least = -np.inf if parameter.lowest is None else parameter.lowest
         down, up = swapped.get(name, (0.0, 0.0))
         within = (max(value - reach + low, least), value + reach + high)
@@ -147,10 +148,12 @@ def intervals(
     for given in fit.h.given:
         if given.effect.id != id_:
             continue
-        for name, parameter, value in zip(given.effect.parts, given.effect.parameters, given.values, strict=True):
+        for j, (name, parameter) in enumerate(zip(given.effect.parts, given.effect.parameters, strict=True)):
             if parameter.draw == "thruster":
-                thruster = fit.noise.predictor.vehicle.thrusters[int(value)].name
-                out[name] = Bound(value, value, parameter.unit, parameter.symbol, stands_for=thruster)
+                known = fit.noise.predictor.vehicle.thrusters
+                like = _thrusters(fit, given, j, worse)
+                named = " or ".join(known[k].name for k in like)
+                out[name] = Bound(like[0], like[-1], parameter.unit, parameter.symbol, stands_for=named)
         if given.effect.form.place:
             _places(fit, given, worse, out, swapped)
         for j in bent(given):
@@ -172,6 +175,26 @@ def intervals(
                 lower, upper = max(lower - error, 0.0), upper + error
             out[given.effect.parts[j]] = Bound(lower, upper, parameter.unit, parameter.symbol)
     return out
+
+
+def _thrusters(fit: Fit, given: Given, j: int, worse: float) -> list[int]:
+    """Indices of the thrusters at which an effect explains as much as at its own, this among them, in increasing order.
+
+    Args:
+        fit: of the last model.
+        given: the effect.
+        j: index of the number that stands for the thruster.
+        worse: variance by the scatter of half-minutes over the variance by the noise model.
+    """
+    problem, own = fit.problem, int(given.values[j])
+    most = problem.chi2(fit.states) + rise(given, j, SIGMAS, worse)
+    found = [own]
+    for k in range(len(fit.noise.predictor.vehicle.thrusters)):
+        if k != own:
+            values = [float(k) if i == j else x for i, x in enumerate(given.values)]
+            there = improve(problem, fit.states.under(moved(fit.h, fit.fixed, given, values)))
+            found += [k] if problem.chi2(there) <= most else []
+    return sorted(found)
 
 
 def _places(

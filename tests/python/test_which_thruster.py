@@ -1,0 +1,33 @@
+"""A failure is said of every thruster at which it explains as much."""
+
+import pytest
+from tests.exam.cases import case
+
+from diagnosis_logs import logs_of_case
+from ivsid import diagnose
+from ivsid.vehicle import parse_vehicle
+
+
+def failed(seed, **asked):
+    """The truth, the thrusters' names, and the interval of the thruster that failed."""
+    c = case(seed, **asked)
+    vehicle = parse_vehicle(c.text, "v.toml")
+    found = diagnose(vehicle, *logs_of_case(c), null_logs=0)
+    said = next(f for f in found.findings if f.effect == "thruster.failure")
+    names = [t.name for t in vehicle.thrusters]
+    return names[int(c.truth["thruster.failure.thruster"])], names, said.parameters["thruster.failure.thruster"]
+
+
+def test_two_thrusters_of_a_straight_course_that_push_alike_are_both_said():
+    """On a straight course of four vectored thrusters the named one was the wrong one of two: a pair aft and forward pushes alike."""
+    true, names, bound = failed(236041)
+    assert true in bound.stands_for.split(" or ") and 1 < len(bound.stands_for.split(" or ")) < len(names)
+    assert bound.lower <= names.index(true) <= bound.upper
+
+
+@pytest.mark.parametrize("kind", ["vectored", "catamaran"])
+def test_a_log_that_turns_says_one(kind):
+    true, _, bound = failed(
+        7, what="one", effect="thruster.failure", kind=kind, style="rich", z=40.0, duration=300.0, rate=10.0
+    )
+    assert bound.stands_for == true and bound.lower == bound.upper

@@ -1,10 +1,11 @@
 """Every effect of the catalogue, hidden by the examiner: found at 1.5 times its detection limit, and nothing named at a third of it.
 
 The limit is the size at which the effect stands out by z = 8 of the examiner's own reckoning (tests/exam/shown.py): beside any masses
-and drags and any thrust curve inside its accuracy; that of a swell is no less than the declared ambient force. One vessel, one sea and one programme serve all effects. A late thrust has no such limit: however
+and drags and any thrust curve inside its accuracy; that of a swell, of a wind and of a tether is no less than the declared ambient force. One vessel, one sea and one programme serve all effects. A late thrust has no such limit: however
 short its delay, it misses the reading of the moment at which its demand jumps. Its limit is a sample of the log.
 """
 
+import math
 from functools import cache
 
 import pytest
@@ -22,6 +23,13 @@ FOUND, NOT_NAMED = 1.5, 1 / 3
 # Effects whose limit is a sample of the log [s].
 LATE = ("thruster.lag", "thruster.shaft_lag", "thruster.delay")
 
+# Rms of the force over ground of an effect.
+RMS = {
+    "wave.force": lambda x: x["wave.force.amplitude"] / math.sqrt(2.0),
+    "wind.steady": lambda x: math.hypot(x["wind.steady.north"], x["wind.steady.east"]),
+    "tether.tension": lambda x: x["tether.tension.force"],
+}
+
 
 @cache
 def hidden(id_):
@@ -30,10 +38,10 @@ def hidden(id_):
     if id_ in LATE:
         return here, 1 / VESSEL["rate"] / here.draw(id_, 1.0)[id_]
     limit = sized(here, id_, VISIBLE)
-    if id_ == "wave.force":
-        # A swell inside the declared ambient force, ahead and sideways, is declared.
-        least = 2.0 * parse_vehicle(here.text, "vehicle.toml").ambient.force
-        limit = max(limit, least / here.draw(id_, 1.0)["wave.force.amplitude"])
+    if id_ in RMS:
+        # A force over ground inside the declared ambient force, ahead and sideways, is declared.
+        least = math.sqrt(2.0) * parse_vehicle(here.text, "vehicle.toml").ambient.force
+        limit = max(limit, least / RMS[id_](here.draw(id_, 1.0)))
     return here, limit
 
 

@@ -162,8 +162,8 @@ PROOFS = (
     python(
         "readings that leave their bounds beside nothing",
         "diagnosis/null/leaving.py",
-        "worst()[1].fall < FORETOLD",
-        "worst()[1].fall < 0.0",
+        "worst()[1].fall >= FORETOLD",
+        "worst()[1].fall >= 0.0",
         "test_leaving.py",
     ),
     python(

@@ -31,6 +31,9 @@ HALF_WAVES: Final = 8
 # Standard errors above its bound from which on a slow force is larger.
 # Source: definition: of normal estimates one in a thousand lies above
 ERRORS: Final = 3.0
+# Least size that is divided by.
+# Source: geometry: the smallest doubles
+LEAST: Final = 1e-300
 
 
 class SlowForce:
@@ -46,12 +49,16 @@ class SlowForce:
 
     @cached_property
     def _shapes(self) -> tuple[Array, Array, tuple[Array, bool]]:
-        """Signatures of forces of the declared rms, shape (forces, numbers), their direction by index, and the factor of their products."""
+        """Signatures of forces of the declared rms, shape (forces, numbers), their products by axis over the log, and the factor of theirs.
+
+        Along a straight course a force ahead and one over ground are the same one, so that the bound is on their sum along each axis of the hull.
+        """
         g = self.fit.gram
         made = list(_forces(self.fit))
         x, unit = g.white.blocks([answer for _, answer in made], g.good, g.length)
         s = x.reshape(len(x), -1) * unit[:, None]
-        return s, np.array([k for k, _ in made]), cho_factor(s @ s.T + np.eye(len(s)))
+        force = np.stack([f for f, _ in made], axis=1)
+        return s, force @ force.transpose(0, 2, 1) / force.shape[2], cho_factor(s @ s.T + np.eye(len(s)))
 
     @cached_property
     def base(self) -> Gram:
@@ -82,8 +89,8 @@ class SlowForce:
 
     @cached_property
     def inside(self) -> bool:
-        """Whether the slow force that the log asks for beside the base is one of the declared rms or less, along each direction."""
-        s, direction, _ = self._shapes
+        """Whether the slow force that the log asks for beside the base is one of the declared rms or less, along each axis of the hull."""
+        s, products, _ = self._shapes
         g = self._base
         base = range(len(g.names))
         cross = g.parts[0].reshape(len(base), -1) @ s.T
@@ -92,10 +99,12 @@ class SlowForce:
         score = s @ g.y.ravel() - held.T @ (g.score.sum(axis=0) - g.prior * g.centre)
         covariance = np.linalg.inv(information)
         size = covariance @ score
-        for k in np.unique(direction):
-            at = direction == k
-            length = float(np.linalg.norm(size[at]))
-            error = float(np.sqrt(size[at] @ covariance[np.ix_(at, at)] @ size[at])) / max(length, 1e-300)
+        # What the prior holds of a size scatters less than it is uncertain.
+        scatter = covariance - covariance @ covariance
+        for product in products:
+            slope = product @ size
+            length = float(np.sqrt(max(size @ slope, 0.0)))
+            error = float(np.sqrt(max(slope @ scatter @ slope, 0.0))) / max(length, LEAST)
             if length - ERRORS * error > 1.0:
                 return False
         return True
@@ -108,8 +117,8 @@ def slow_force(fit: Fit) -> SlowForce | None:
     return slow if slow is not None and slow.inside else None
 
 
-def _forces(fit: Fit) -> Iterator[tuple[int, Array]]:
-    """Direction and signature of slow forces of the declared rms: ahead, sideways, in yaw, north and east."""
+def _forces(fit: Fit) -> Iterator[tuple[Array, Array]]:
+    """Slow forces by axis, over the declared rms, and their signatures: ahead, sideways, in yaw, north and east."""
     s, sea = fit.signatures, fit.noise.predictor.vehicle.ambient
     assert sea is not None
     p = s.states.points
@@ -118,9 +127,9 @@ def _forces(fit: Fit) -> Iterator[tuple[int, Array]]:
     none = np.zeros_like(p.t)
     for k in range(HALF_WAVES + 1):
         wave = (np.sqrt(2.0) if k else 1.0) * np.cos(np.pi * k * (p.t - begin) / max(end - begin, 1e-300))
-        f, m = sea.force * wave, sea.moment * wave
-        along = ((f, none, none), (none, f, none), (none, none, m), (f * c, -f * sine, none), (f * sine, f * c, none))
-        for j, force in enumerate(along):
-            answer = s.force(np.stack(force))
+        north, east = (wave * c, -wave * sine, none), (wave * sine, wave * c, none)
+        for along in ((wave, none, none), (none, wave, none), (none, none, wave), north, east):
+            force = np.stack(along)
+            answer = s.force(force * np.array([[sea.force], [sea.force], [sea.moment]]))
             if np.any(answer):
-                yield j, answer
+                yield force, answer

@@ -17,8 +17,9 @@ from scipy.special import chdtrc
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.null.any_curve import DOUBT, AnyCurve
+from ivsid.diagnosis.null.beside import Beside
 from ivsid.diagnosis.null.boxed import Boxed, Leaving, outside, readings
-from ivsid.diagnosis.null.own_past import FORETOLD, Beside, OwnPast
+from ivsid.diagnosis.null.own_past import FORETOLD, OwnPast
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.null.slow_force import SlowForce, slow_force
 
@@ -105,7 +106,7 @@ def misread_of(others: Others) -> tuple[str, Leaving, float] | None:
         # A thrust curve may have moved the readings.
         asked(others.curve.g)
     for other in others.beside():
-        # Readings that an autopilot answers foretell errors of a colour that the whitening lacks.
+        # Readings that an autopilot answers foretell errors of a colour that the whitening lacks, and a slow force moves them for minutes.
         if worst()[2] > DOUBT or worst()[1].fall >= FORETOLD:
             break
         asked(other.base)

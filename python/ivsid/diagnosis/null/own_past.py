@@ -13,17 +13,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
-from typing import Final, Protocol, TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
 from ivsid.diagnosis.estimation.cross_products import Gram
-from ivsid.diagnosis.estimation.fit import Fit
-from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.null.any_curve import with_family
+from ivsid.diagnosis.null.beside import Beside
 
 Array = NDArray[np.float64]
 # Past errors beside which a cause has to stand, in samples: twice as many as the longest whitening has.
@@ -40,47 +38,8 @@ RIDGE: Final = 1e-12
 Past: TypeAlias = "tuple[int, Array, tuple[Array, bool]]"
 
 
-class Beside(Protocol):
-    """What a cause, structure or a declared error may have to stand beside."""
-
-    def beside(self, g: Gram) -> Gram:
-        """Cross-products over the whole log, of what it leaves of columns and of the log.
-
-        Args:
-            g: cross-products whose first columns are those of the base.
-        """
-        ...
-
-    @property
-    def base(self) -> Gram:
-        """The same of the base alone."""
-        ...
-
-
-class OwnPast:
-    """The base of a fit beside the log's own past errors, which all causes share.
-
-    Args:
-        fit: of the model without causes.
-    """
-
-    def __init__(self, fit: Fit) -> None:
-        self.fit = fit
-        self._base = fit.gram.only(fit.base).whole()
-
-    def fall(self, s: Scored) -> float:
-        """Fall of chi-squared of a cause beside the base and the past errors.
-
-        Args:
-            s: the cause with its score.
-        """
-        g, at = with_family(self._base, self.fit, s)
-        return Projection(self.beside(g), range(len(self.fit.base))).solve(at)[1]
-
-    @cached_property
-    def base(self) -> Gram:
-        """Cross-products of the base over the whole log, of what the past errors leave of it and of the log."""
-        return self.beside(self._base)
+class OwnPast(Beside):
+    """The base of a fit beside the log's own past errors."""
 
     def beside(self, g: Gram) -> Gram:
         """Cross-products over the whole log, of what the past errors leave of columns and of the log.

@@ -19,7 +19,7 @@ from scipy.special import chdtrc, chdtri
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.null.any_curve import DETERMINED, LEAST, AnyCurve
-from ivsid.diagnosis.null.own_past import Beside
+from ivsid.diagnosis.null.beside import Beside
 
 Array = NDArray[np.float64]
 

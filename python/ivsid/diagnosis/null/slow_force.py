@@ -20,9 +20,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
-from ivsid.diagnosis.estimation.kinds.candidate import Scored
-from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.null.any_curve import with_family
+from ivsid.diagnosis.null.beside import Beside
 
 Array = NDArray[np.float64]
 # Half waves of a slow force over the log, at most.
@@ -36,16 +34,8 @@ ERRORS: Final = 3.0
 LEAST: Final = 1e-300
 
 
-class SlowForce:
-    """The base of a fit beside slow forces inside the declared ambient force.
-
-    Args:
-        fit: of the model, whose vehicle file declares an ambient force.
-    """
-
-    def __init__(self, fit: Fit) -> None:
-        self.fit = fit
-        self._base = fit.gram.only(fit.base).whole()
+class SlowForce(Beside):
+    """The base of a fit beside slow forces inside the declared ambient force, which the vehicle file of the fit has to declare."""
 
     @cached_property
     def _shapes(self) -> tuple[Array, Array, tuple[Array, bool]]:
@@ -60,11 +50,6 @@ class SlowForce:
         force = np.stack([f for f, _ in made], axis=1)
         return s, force @ force.transpose(0, 2, 1) / force.shape[2], cho_factor(s @ s.T + np.eye(len(s)))
 
-    @cached_property
-    def base(self) -> Gram:
-        """Cross-products of the base over the whole log, of what slow forces leave of it and of the log."""
-        return self.beside(self._base)
-
     def beside(self, g: Gram) -> Gram:
         """Cross-products over the whole log, of what slow forces leave of columns and of the log.
 
@@ -77,15 +62,6 @@ class SlowForce:
         total = g.total - own @ taken
         score = g.score.sum(axis=0) - (s @ g.y.ravel()) @ taken
         return replace(g.whole(), blocks=total[None], score=score[None])
-
-    def fall(self, s: Scored) -> float:
-        """Fall of chi-squared of a cause beside the base and slow forces.
-
-        Args:
-            s: the cause with its score.
-        """
-        g, at = with_family(self._base, self.fit, s)
-        return Projection(self.beside(g), range(len(self.fit.base))).solve(at)[1]
 
     @cached_property
     def inside(self) -> bool:
@@ -126,7 +102,7 @@ def _forces(fit: Fit) -> Iterator[tuple[Array, Array]]:
     begin, end = float(p.t.min()), float(p.t.max())
     none = np.zeros_like(p.t)
     for k in range(HALF_WAVES + 1):
-        wave = (np.sqrt(2.0) if k else 1.0) * np.cos(np.pi * k * (p.t - begin) / max(end - begin, 1e-300))
+        wave = (np.sqrt(2.0) if k else 1.0) * np.cos(np.pi * k * (p.t - begin) / max(end - begin, LEAST))
         north, east = (wave * c, -wave * sine, none), (wave * sine, wave * c, none)
         for along in ((wave, none, none), (none, wave, none), (none, none, wave), north, east):
             force = np.stack(along)

@@ -1,0 +1,46 @@
+"""What a cause, structure or a declared error may have to stand beside, taken out of the cross-products of a fit."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from functools import cached_property
+
+from ivsid.diagnosis.estimation.cross_products import Gram
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
+from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.null.any_curve import with_family
+
+
+class Beside(ABC):
+    """The base of a fit beside something that all causes share.
+
+    Args:
+        fit: of the model without causes.
+    """
+
+    def __init__(self, fit: Fit) -> None:
+        self.fit = fit
+        self._base = fit.gram.only(fit.base).whole()
+
+    @abstractmethod
+    def beside(self, g: Gram) -> Gram:
+        """Cross-products over the whole log, of what it leaves of columns and of the log.
+
+        Args:
+            g: cross-products whose first columns are those of the base.
+        """
+
+    @cached_property
+    def base(self) -> Gram:
+        """The same of the base alone."""
+        return self.beside(self._base)
+
+    def fall(self, s: Scored) -> float:
+        """Fall of chi-squared of a cause beside the base and this.
+
+        Args:
+            s: the cause with its score.
+        """
+        g, at = with_family(self._base, self.fit, s)
+        return Projection(self.beside(g), range(len(self.fit.base))).solve(at)[1]

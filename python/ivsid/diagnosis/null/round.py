@@ -14,6 +14,7 @@ from scipy.special import chdtrc
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
+from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import AnyCurve, is_declared, lost
 from ivsid.diagnosis.null.boxed import Boxed
 from ivsid.diagnosis.null.directions import Directions
@@ -101,6 +102,13 @@ class Round:
             curve = self.finer_directions if inside_cells(self.fit, s) else self.directions
             self._left[asked] = s.fall if curve is None else curve.left(s)
         return self._left[asked]
+
+    def free(self, s: Scored) -> float:
+        """Merit of a family beside any thrust curve inside its accuracy: of an error in each cell of demand, with the bound as its prior."""
+        if self.curve is None:
+            return s.merit
+        g, at = self.curve.beside(s)
+        return replace(s, fall=Projection(g, self.curve.projection.base).solve(at)[1]).merit
 
     def lost(self, s: Scored) -> float:
         """Standard deviations of a score that declared errors inside their bounds may make.

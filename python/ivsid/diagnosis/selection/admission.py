@@ -121,7 +121,7 @@ def admit(
         return Admission(refused, waiting)
     again.sort(key=lambda r: -r.place)
     best = again[0]
-    close, worse = compared(best, again, beside)
+    close, worse = compared(best, again, beside, screened.round)
     behind |= {r.id: r.fall for r in again if r not in close}
     first = screened.measured(next(s for s in scored if s.id == best.id))
     found = Found(best.id, close, behind, best.fall, first.chance, first)

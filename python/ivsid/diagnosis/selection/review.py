@@ -93,7 +93,7 @@ def reviewed(problem: Problem, last: Reviewed, asked: int, passes: Threshold, pl
             [mine, *(replace(r, fall=base - r.chi2) for r in tried if r is not None)], key=lambda r: -r.place
         )
         best = rivals[0]
-        close, worse = compared(best, rivals, others)
+        close, worse = compared(best, rivals, others, Round(bare, scored, passes.level, passes.seen))
         refused |= worse
         behind = {r.id: r.fall for r in rivals if r not in close}
         if best is mine or best.place < mine.place + SWAP:

@@ -14,6 +14,7 @@ from scipy.special import chdtri
 from ivsid.diagnosis.estimation.kinds.candidate import PRICE, Scored
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.gradual import CURVED
+from ivsid.diagnosis.null.round import Round
 from ivsid.diagnosis.null.rule import Refusal, Rule
 from ivsid.diagnosis.selection.rivals import FINALISTS, MARGIN, Rival
 from ivsid.effects import EFFECTS
@@ -64,10 +65,12 @@ class Tried:
     Attributes:
         rival: the cause.
         best: the one that fits best.
+        free: lead of the best beside any thrust curve, by the merits of the scores; infinite where the scores do not say.
     """
 
     rival: Rival
     best: Rival
+    free: float = float("inf")
 
     @property
     def explained(self) -> float:
@@ -182,11 +185,12 @@ NUMBERS: Final = Rule[bool](
 )
 RIVAL: Final = Rule[Tried](
     "rival",
-    "merit behind the best cause, both fitted in full",
+    "merit behind the best cause, both fitted in full, or by their scores beside any thrust curve where that is less",
     f"at most {MARGIN:g}, or {INEXACT:.1%} of the best cause's fall of chi² where that is more and no outline bends to it",
-    "Beyond three standard deviations the log tells the two apart, unless they differ by no more than the errors of the equations, whose steps are finite.",
+    "Beyond three standard deviations the log tells the two apart, unless they differ by no more than the errors of the equations, whose steps are "
+    "finite, or a thrust curve inside its accuracy makes the difference.",
     "definition: 0.3 % of normal errors lie beyond",
-    lambda c: c.best.merit - c.rival.merit,
+    lambda c: min(c.best.merit - c.rival.merit, c.free),
     lambda c: MARGIN if EFFECTS[c.rival.id].form.rough else max(MARGIN, INEXACT * c.best.fall),
     "fitted in full in the place of {case.best.id} it explains {case.explained:.0f} in chi² against {case.best.fall:.0f}; "
     "within {limit:.0f} it would be a rival",
@@ -368,7 +372,7 @@ def refused_by(rule: Rule[bool], beside: Sequence[str]) -> Refusal:
 
 
 def compared(
-    best: Rival, tried: Sequence[Rival], beside: Sequence[str]
+    best: Rival, tried: Sequence[Rival], beside: Sequence[str], asked: Round | None = None
 ) -> tuple[tuple[Rival, ...], dict[str, Refusal]]:
     """Causes that the log does not tell from the best, in the given order, and the refusals of the others by id.
 
@@ -376,6 +380,15 @@ def compared(
         best: the cause that fits best.
         tried: causes that were fitted in full in its place, itself among them.
         beside: other causes that the model holds.
+        asked: the model without the cause and its scores, where they are held against any thrust curve as well.
     """
-    said = {r.id: RIVAL.refuses(Tried(r, best), beside) for r in tried}
+    said = {r.id: RIVAL.refuses(Tried(r, best, _free(best, r, asked)), beside) for r in tried}
     return tuple(r for r in tried if said[r.id] is None), {i: q for i, q in said.items() if q is not None}
+
+
+def _free(best: Rival, rival: Rival, asked: Round | None) -> float:
+    """Lead of a cause over another beside any thrust curve; infinite where neither was scored, or both bend the errors, which no score does."""
+    if asked is None or rival is best or all(EFFECTS[r.id].form.bends for r in (best, rival)):
+        return float("inf")
+    scores = {s.id: s for s in asked.scored if s.id in (best.id, rival.id)}
+    return asked.free(scores[best.id]) - asked.free(scores[rival.id]) if len(scores) == 2 else float("inf")

@@ -141,7 +141,7 @@ def test_a_cause_whose_lead_a_thrust_curve_may_make_is_named_with_its_rival():
 def test_errors_of_the_thrust_do_not_give_a_drag_another_shape(seed, cause):
     """A hump in the place of a cubic drag and a linear drag in that of its square had led by 80 and 16 in chi-squared, of 480 and 315."""
     c = case(seed, "one")
-    report = diagnose(c.vehicle, *logs_of_case(c), null_logs=0)
+    report = diagnose(parse_vehicle(c.text, "v.toml"), *logs_of_case(c), null_logs=0)
     assert any(cause in (f.effect, *f.alternatives) for f in report.findings)
 
 

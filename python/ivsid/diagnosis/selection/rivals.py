@@ -104,6 +104,11 @@ class Found:
     chance: float
     first: Scored
 
+    @property
+    def others(self) -> frozenset[str]:
+        """Ids of the causes that were fitted in full in its place, whether or not the log tells them from it."""
+        return frozenset((*self.tried, *(r.id for r in self.rivals))) - {self.id}
+
 
 def swapped(found: Sequence[Found], id_: str = "") -> dict[str, tuple[float, float]]:
     """Largest shifts down and up of each number if a cause that the log does not tell from one that was found acts in its place, by name.

@@ -229,14 +229,15 @@ def in_place(first: Selection, other: Selection, barred: frozenset[str]) -> Sele
         barred: their ids.
     """
     left = [f for f in first.found if f.id in barred]
-    if not any(one.id in f.tried for one in other.found for f in left) or not other.after.quiet:
+    if not any(one.id in f.others for one in other.found for f in left) or not other.after.quiet:
         return first
     found = []
     for one in other.found:
-        beside = [f for f in left if one.id in f.tried]
+        beside = [f for f in left if one.id in f.others]
         rivals = [
             replace(r, chi2=max(r.chi2, one.rivals[0].chi2), fall=min(r.fall, one.rivals[0].fall))
             for r in (f.rivals[0] for f in beside)
         ]
-        found.append(replace(one, rivals=(*one.rivals, *rivals)))
+        known = {r.id for r in one.rivals}
+        found.append(replace(one, rivals=(*one.rivals, *(r for r in rivals if r.id not in known))))
     return replace(other, found=tuple(found))

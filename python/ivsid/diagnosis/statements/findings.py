@@ -139,7 +139,7 @@ def _held(selection: Selection, found: Found, one: Finding, rest: Adequacy, left
 
 def nameless(selection: Selection) -> dict[str, Refusal]:
     """Causes of several numbers that may all be none, though they explain more than others in their place, with the refusal of each, by id."""
-    asked = [f for f in selection.found if f.tried and len(EFFECTS[f.id].parameters) > 1]
+    asked = [f for f in selection.found if f.others and len(EFFECTS[f.id].parameters) > 1]
     if not asked:
         return {}
     rest, out = selection.after, {}

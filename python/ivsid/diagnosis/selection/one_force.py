@@ -4,7 +4,8 @@ Two linear causes can add up to a force that neither of them is: a share of the 
 acceleration, is one that follows the drag. Each then stands in a fit with many standard deviations, and nothing is left unexplained. But one
 regressor of the adequacy's dictionary, in the place of all of them and with one number, explains as much. A single cause is none where
 such a regressor explains more in its place than the cause does. A regressor stands in the place of causes if hardly anything is left to
-them beside it: one that explains another part of the errors replaces nothing. The same is asked of any function of one velocity
+any of them beside it: one that explains another part of the errors replaces nothing, and one that replaces a large cause does not replace a small one. Nor
+does one beside which a mass is none of a hull: the thrust turned around, with no mass left, is the sum of whatever drags a log lacks. The same is asked of any function of one velocity
 (``speed_curves``), which has many numbers. What the rough outline of a hump leaves is a function of the same velocity, and no cause.
 
 Source: docs/theory.md, "Diagnosis"; Akaike, "A new look at the statistical model identification", IEEE Transactions on Automatic Control 19,
@@ -27,13 +28,15 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import NOTHING_LEFT, Projection
 from ivsid.diagnosis.null.gradual import gradual_forces
 from ivsid.diagnosis.null.rule import Refusal
+from ivsid.diagnosis.plant.usual_hull import hull_limits
 from ivsid.diagnosis.selection.dictionary import regressors
+from ivsid.diagnosis.selection.hulls import BEYOND
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.rules import BETTER_CURVE, BETTER_FORCE, ONE_FORCE, OUTLINE, Curve, Remainder, Together
 from ivsid.diagnosis.selection.speed_curves import speed_curves, words
 
 Array = NDArray[np.float64]
-# Largest share of what causes explain that they explain beside a force which stands in their place.
+# Largest share of what the least of some causes explains beside the others that they explain beside a force which stands in their place.
 # Source: definition: three quarters are the force's; of other parts of the errors it has nothing
 REPLACED: Final = 0.25
 
@@ -74,6 +77,7 @@ class _Asked:
         gradual: number of the forces that come gradually, the last ones.
         curves: names of the columns of all curves.
         groups: columns of each curve, among those of all.
+        hull: value, least and most of numbers that hulls limit, in their units, by column of the model.
     """
 
     own: Mapping[str, list[int]]
@@ -83,6 +87,7 @@ class _Asked:
     gradual: int
     curves: Sequence[str]
     groups: Sequence[range]
+    hull: Mapping[int, tuple[float, float, float]]
 
     @classmethod
     def of(cls, fit: Fit, causes: Sequence[Found]) -> Self | None:
@@ -104,7 +109,9 @@ class _Asked:
         curves, lines, lengths, groups = speed_curves(fit)
         if groups:
             wide = wide.joined(curves, lines, lengths)
-        return cls(own, held, wide, forces, len(slow), curves, groups)
+        limits = hull_limits(fit.noise.predictor.vehicle, fit.h.terms)
+        hull = {names.index(i): (fit.h.values[i], *ends) for i, ends in limits.items() if i in names}
+        return cls(own, held, wide, forces, len(slow), curves, groups, hull)
 
     def _without(self, ids: Iterable[str]) -> tuple[Projection, list[int], Array]:
         """Least squares on the model without some causes, with their columns and what the errors no longer hold of them."""
@@ -125,8 +132,9 @@ class _Asked:
         p, at, held = self._without(ids)
         first = self.held.size
         fall, alone, kept = in_their_place(p, at, held, range(first, first + len(self.forces)))
-        # A force beside which the causes explain what they did is another part of the errors.
-        alone = np.where(kept <= REPLACED * fall, alone, 0.0)
+        # A force beside which one of the causes explains what it did is another part of the errors.
+        most = REPLACED * least_part(p, at, held, [self.own[i] for i in ids])
+        alone = np.where((kept <= most) & self._of_hulls(p, at, held), alone, 0.0)
         best = int(np.argmax(alone))
         one = in_their_place(p, at, held, at)[1]
         case = Together(
@@ -143,13 +151,38 @@ class _Asked:
             if refusal is not None:
                 break
             shape, left, directions = curve_in_their_place(p, at, held, self._curve(group))
-            if left <= REPLACED * fall:
+            if left <= most:
                 whole, _, _ = in_their_place(*self._without({*ids, *self.spanned(group)}), self._curve(group)[:1])
                 curve = Curve(
                     tuple(ids), fall, len(at), words(self.curves, group), shape, directions=directions, whole=whole
                 )
                 refusal = BETTER_CURVE.refuses(curve, others)
         return refusal
+
+    def _of_hulls(self, p: Projection, at: Sequence[int], held: Array) -> NDArray[np.bool_]:
+        """Whether the numbers of the model are ones that a hull may have, with each force in the place of causes, shape (forces,).
+
+        Args:
+            p: least squares on the model without the causes.
+            at: columns of the causes.
+            held: their coefficients that the errors no longer hold, in unit lengths.
+        """
+        g, first = self.wide, self.held.size
+        k = np.arange(first, first + len(self.forces))
+        own = np.array([p.left([i], [i])[0, 0] for i in k]) + g.prior[k]
+        own = np.where(own > NOTHING_LEFT * np.maximum(np.diag(p.total)[k], 1e-300), own, np.inf)
+        size = (p.left_score[k] + p.left(k, at) @ held) / own / g.unit[k]
+        usual = np.ones(k.size, dtype=bool)
+        for column, (value, least, most) in self.hull.items():
+            if column not in p.base:
+                continue
+            j = p.base.index(column)
+            by = p.taken([column], k)[0]
+            before = value + float(p.coefficients[j] / g.unit[column] + p.taken([column], at)[0] @ (held / g.unit[at]))
+            estimate = before - by * size
+            deviation = np.sqrt(p.covariance[j, j] / g.unit[column] ** 2 + by**2 / own / g.unit[k] ** 2)
+            usual &= np.maximum(least - estimate, estimate - most) <= BEYOND * deviation
+        return usual
 
     def spanned(self, group: range) -> dict[str, float]:
         """Causes that a function of one velocity replaces, with their falls of chi-squared."""
@@ -230,6 +263,24 @@ def in_their_place(
     scores = score[None] - (inverse * alone)[:, None] * between
     kept = np.array([_fall(x, y, largest) for x, y in zip(beside, scores, strict=True)])
     return fall, inverse * alone**2, kept
+
+
+def least_part(p: Projection, columns: Sequence[int], held: Array, parts: Sequence[Sequence[int]]) -> float:
+    """Least fall of chi-squared that one of several causes brings beside the others of them.
+
+    Args:
+        p: least squares on all that is none of them.
+        columns: of the causes.
+        held: their coefficients that the errors no longer hold, in unit lengths, shape (columns,).
+        parts: columns of each cause.
+    """
+    columns = list(columns)
+    H = p.information(columns)
+    score = p.left_score[columns] + p.left(columns, columns) @ held
+    largest = float(np.linalg.eigvalsh(H).max())
+    others = [[i for i, k in enumerate(columns) if k not in part] for part in parts]
+    most = max((_fall(H[np.ix_(at, at)], score[at], largest) for at in others if at), default=0.0)
+    return _fall(H, score, largest) - most
 
 
 def _fall(H: Array, score: Array, largest: float) -> float:

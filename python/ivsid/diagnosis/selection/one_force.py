@@ -168,11 +168,11 @@ class _Asked:
             held: their coefficients that the errors no longer hold, in unit lengths.
         """
         g, first = self.wide, self.held.size
-        k = np.arange(first, first + len(self.forces))
+        k = list(range(first, first + len(self.forces)))
         own = np.array([p.left([i], [i])[0, 0] for i in k]) + g.prior[k]
         own = np.where(own > NOTHING_LEFT * np.maximum(np.diag(p.total)[k], 1e-300), own, np.inf)
         size = (p.left_score[k] + p.left(k, at) @ held) / own / g.unit[k]
-        usual = np.ones(k.size, dtype=bool)
+        usual = np.ones(len(k), dtype=bool)
         for column, (value, least, most) in self.hull.items():
             if column not in p.base:
                 continue

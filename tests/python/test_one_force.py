@@ -12,7 +12,7 @@ from tests.exam.seal import seal
 from ivsid import diagnose
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.selection.one_force import REPLACED, in_their_place
+from ivsid.diagnosis.selection.one_force import REPLACED, _Asked, in_their_place, least_part
 from ivsid.diagnosis.selection.rules import BETTER_FORCE, ONE_FORCE, Together
 from ivsid.log import read_log
 from ivsid.vehicle import read_vehicle
@@ -68,6 +68,34 @@ def test_falls_in_the_place_of_causes_are_those_of_the_whole_problem(seed):
         assert one == pytest.approx(bare - least(x, y, [*MODEL, k]), rel=1e-5, abs=1e-6)
         both = least(x, y, [*MODEL, k]) - least(x, y, [*MODEL, k, *CAUSES])
         assert more == pytest.approx(both, rel=1e-5, abs=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_least_of_some_causes_is_what_the_whole_problem_loses_without_it(seed):
+    rng = np.random.default_rng(seed)
+    x = rng.normal(size=(60, 7)) * rng.uniform(0.1, 10.0, 7)
+    y = x @ np.r_[rng.normal(size=4), np.zeros(3)] + rng.normal(size=60)
+    base, whole = list(MODEL), least(x, y, [*MODEL, *CAUSES])
+    lost = min(least(x, y, [*MODEL, k]) - whole for k in CAUSES)
+    p = Projection(gram_of(x, y), base)
+    assert least_part(p, CAUSES, np.zeros(2), [[k] for k in CAUSES]) == pytest.approx(lost, rel=1e-6, abs=1e-6)
+
+
+@pytest.mark.parametrize(("unit", "stands"), [(1.0, False), (0.1, True)])
+def test_a_thrust_turned_around_replaces_no_drags(unit, stands):
+    """Two drags are what a force leaves of the mass's own one; where it leaves the mass that a hull has, it stands in their place."""
+    rng = np.random.default_rng(5)
+    rate, one, other = rng.normal(size=(3, 400))
+    drags = 3.0 * one + 2.0 * other
+    force = drags + unit * 50.0 * rate
+    x = np.stack([rate, rng.normal(size=400), one, other, force, *rng.normal(size=(2, 400))], axis=1)
+    hull = {0: (50.0, 40.0, 100.0)}
+    asked = _Asked(
+        {"a": [2], "b": [3]}, np.zeros(4), gram_of(x, drags + 0.01 * rng.normal(size=400)), "fgh", 0, (), (), hull
+    )
+    assert (asked.refusal(("a", "b"), ()) is not None) is stands
+    # Without limits of hulls it would have stood in both.
+    assert replace(asked, hull={}).refusal(("a", "b"), ()) is not None
 
 
 @pytest.mark.parametrize("seed", range(20))

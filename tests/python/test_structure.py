@@ -189,22 +189,19 @@ def diagnosed(c, every=1, **more):
 
 @pytest.mark.nightly
 def test_a_sound_log_whose_equations_are_coarse_is_adequate():
-    """At a clock of 0.8 s the equations of turned thrusters are no longer exact: null logs show that structure as well."""
+    """At a clock of 0.8 s the equations of turned thrusters left structure that null logs had to clear; inside the steps they leave none."""
     c = case(7048, what="none", kind="azimuth", style="zigzag", ambient=0.3, duration=150.0, rate=5.0)
-    found = diagnosed(c, 4)
-    assert found.verdict == "adequate" and -np.log(RISK) < found.adequacy[1].strength < -CLOSE * np.log(RISK)
-    said = found.calibration["structure"]
-    assert said["logs"] >= 20 and said["threshold"] < np.exp(-found.adequacy[1].strength) < said["theory"]
-    # Theory alone takes the structure for a cause that the log lacks, or names one.
-    assert diagnosed(c, 4, null_logs=0).verdict != "adequate"
+    found = diagnosed(c, 4, null_logs=0)
+    assert found.verdict == "adequate" and found.adequacy[1].strength < 0.1 * -np.log(RISK)
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize(("size", "close"), [(0.09, True), (0.12, False)])
+@pytest.mark.parametrize(("size", "close"), [(0.22, True), (0.3, False)])
 def test_a_small_force_outside_the_catalogue_stays_unknown(size, close):
     """Its structure is close to the threshold, so null logs are asked, and none of them shows as much; a larger one is beyond doubt.
 
-    Beside the declared errors of readings 0.07 of the typical size is no more than chance.
+    Sizes of 0.09 and 0.12 were asked before slow forces inside [ambient] were declared ones: up to 0.2 the force is less than the declared
+    one and nearly constant, and a log cannot tell it from that.
     """
     c = case(
         8002,

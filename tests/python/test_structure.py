@@ -200,8 +200,8 @@ def test_a_sound_log_whose_equations_are_coarse_is_adequate():
 def test_a_small_force_outside_the_catalogue_stays_unknown(size, close):
     """Its structure is close to the threshold, so null logs are asked, and none of them shows as much; a larger one is beyond doubt.
 
-    Sizes of 0.09 and 0.12 were asked before slow forces inside [ambient] were declared ones: up to 0.2 the force is less than the declared
-    one and nearly constant, and a log cannot tell it from that.
+    Sizes of 0.09 and 0.12 were asked before structure had to stand out of the noise at its own frequencies: of a force that follows the speed a
+    log of 150 s holds few, and they tell little of that noise. At 0.2 it has a z of 10.8 and is not told: a loss of power that is not mended.
     """
     c = case(
         8002,

@@ -73,12 +73,13 @@ def reviewed(problem: Problem, last: Reviewed, asked: int, passes: Threshold, pl
         others = tuple(f.id for f in found if f is not one)
         refusal = full_refused(passes, one.first, mine.fall, others)
         again = next((s for s in scored if s.id == one.id), None)
+        alone = Round(bare, scored, passes.level, passes.seen)
         if refusal is not None and again is not None:
             # What declared errors may take of a cause is less where other causes leave it fewer directions.
             refusal = full_refused(passes, passes(bare, [again], others).measured(again), mine.fall, others)
         if refusal is None and again is not None:
             # Beside the later causes it may come gradually.
-            refusal = ABRUPT.refuses(Case(Round(bare, scored, passes.level, passes.seen), again), others)
+            refusal = ABRUPT.refuses(Case(alone, again), others)
         if refusal is None and not possible(states.h, one.id, problem.noise.predictor):
             # Beside the later causes it has numbers that make another cause of it, which the next round finds.
             refusal = refused_by(NUMBERS, others)
@@ -93,7 +94,7 @@ def reviewed(problem: Problem, last: Reviewed, asked: int, passes: Threshold, pl
             [mine, *(replace(r, fall=base - r.chi2) for r in tried if r is not None)], key=lambda r: -r.place
         )
         best = rivals[0]
-        close, worse = compared(best, rivals, others, Round(bare, scored, passes.level, passes.seen))
+        close, worse = compared(best, rivals, others, alone)
         refused |= worse
         behind = {r.id: r.fall for r in rivals if r not in close}
         if best is mine or best.place < mine.place + SWAP:

@@ -29,7 +29,7 @@ from ivsid.diagnosis import diagnose
 from ivsid.diagnosis.null import family_wise, rule
 from ivsid.diagnosis.null.rule import Rule
 from ivsid.diagnosis.null.screening import SCREENING
-from ivsid.diagnosis.selection import select, verdict
+from ivsid.diagnosis.selection import review, select, verdict
 from ivsid.diagnosis.selection.rules import FULL_FITS, LATE
 from ivsid.diagnosis.selection.verdict import VERDICT
 from ivsid.diagnosis.statements import carried, findings
@@ -99,7 +99,7 @@ def refuses(self, one, beside=()):
 def main() -> None:
     """Prints the table."""
     count, seed = map(int, (*sys.argv[1:], *DEFAULTS[len(sys.argv) - 1 :]))
-    for module in (carried, family_wise, findings, select, verdict):
+    for module in (carried, family_wise, findings, review, select, verdict):
         module.first_refusal = first_refusal
     rule.Rule.refuses = refuses
     done = 0

@@ -141,8 +141,8 @@ PROOFS = (
     python(
         "slow forces larger than the declared one",
         "diagnosis/null/slow_force.py",
-        "if length - ERRORS * error > 1.0:",
-        "if length - ERRORS * error > 1e6:",
+        "times = times * np.clip(np.sqrt(square), 1 / MOST, MOST)",
+        "times = np.zeros_like(times)",
         "test_slow_force.py",
     ),
     python(

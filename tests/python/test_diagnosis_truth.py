@@ -115,8 +115,9 @@ def test_the_calm_log_tells_its_six_causes(real):
     for name, (before, after) in result.gain.simulation_rms.items():
         assert after < (0.4 if name == "u" else 0.15) * before
     assert result.gain.position_rms[1] < 0.4 * result.gain.position_rms[0]
-    # Noise-free, the pitching hull's push along its axis is what no cause of the catalogue explains.
-    assert result.adequacy[1].strongest[0][:2] == ("1", "surge")
+    # Noise-free, the pitching hull's push along its axis is what no cause of the catalogue explains. Its mean is a slow force inside the declared one, so
+    # that what changes with the thrust is left.
+    assert result.adequacy[1].strongest[0][:2] == ("thrust", "surge")
 
 
 @pytest.mark.slow

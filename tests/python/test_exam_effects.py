@@ -1,17 +1,20 @@
 """Every effect of the catalogue, hidden by the examiner: found at 1.5 times its detection limit, and nothing named at a third of it.
 
 The limit is the size at which the effect stands out by z = 8 of the examiner's own reckoning (tests/exam/shown.py): beside any masses
-and drags and any thrust curve inside its accuracy; that of a swell, of a wind and of a tether is no less than the declared ambient force. One vessel, one sea and one programme serve all effects. A late thrust has no such limit: however
-short its delay, it misses the reading of the moment at which its demand jumps. Its limit is a sample of the log.
+and drags and any thrust curve inside its accuracy. That of a swell, a wind, a tether and a current that turns is no less than the declared
+ambient force. One vessel, one sea and one programme serve all effects. A late thrust has no such limit: however short its delay, it
+misses the reading of the moment at which its demand jumps. Its limit is a sample of the log.
 """
 
 import math
 from functools import cache
 
+import numpy as np
 import pytest
 from tests.exam.cases import setting, sized
 from tests.exam.catalogue import CLAIMED, EFFECTS
 from tests.exam.criteria import LARGEST_SET, VISIBLE
+from tests.exam.shown import discrepancy
 
 from ivsid import diagnose
 from ivsid.log import Log
@@ -23,12 +26,19 @@ FOUND, NOT_NAMED = 1.5, 1 / 3
 # Effects whose limit is a sample of the log [s].
 LATE = ("thruster.lag", "thruster.shaft_lag", "thruster.delay")
 
-# Rms of the force over ground of an effect.
-RMS = {
-    "wave.force": lambda x: x["wave.force.amplitude"] / math.sqrt(2.0),
-    "wind.steady": lambda x: math.hypot(x["wind.steady.north"], x["wind.steady.east"]),
-    "tether.tension": lambda x: x["tether.tension.force"],
-}
+# Effects that are a force like the ambient one: they move in seconds as a swell does, in minutes, or not at all.
+LIKE_THE_SEA = ("wave.force", "wind.steady", "tether.tension", "current.oscillating")
+
+
+def push(here, truth):
+    """Rms over TRAIN of the force of effects, ahead and sideways together [N]: what the hull without them lacks of its accelerations."""
+    q = here.sailed(truth, 0, calm=True)[0]
+    lacking = discrepancy(q, q.vessel.body)[:2]
+    return float(
+        np.hypot(
+            *(m * np.sqrt(np.mean(d**2)) for m, d in zip((q.vessel.body.m_u, q.vessel.body.m_v), lacking, strict=True))
+        )
+    )
 
 
 @cache
@@ -38,10 +48,10 @@ def hidden(id_):
     if id_ in LATE:
         return here, 1 / VESSEL["rate"] / here.draw(id_, 1.0)[id_]
     limit = sized(here, id_, VISIBLE)
-    if id_ in RMS:
-        # A force over ground inside the declared ambient force, ahead and sideways, is declared.
+    if id_ in LIKE_THE_SEA:
+        # A force inside the declared ambient force, ahead and sideways, is declared.
         least = math.sqrt(2.0) * parse_vehicle(here.text, "vehicle.toml").ambient.force
-        limit = max(limit, least / RMS[id_](here.draw(id_, 1.0)))
+        limit *= max(1.0, least / push(here, here.draw(id_, limit)))
     return here, limit
 
 

@@ -23,7 +23,7 @@ def _made(monkeypatch):
     """A finding of any cause has an interval that excludes no effect."""
     bound = Bound(1.9, 2.1, "1", "")
     monkeypatch.setattr(
-        findings, "finding", lambda f, *_: SimpleNamespace(effect=f.id, parameters={f.id: bound}, evidence={})
+        findings, "finding", lambda f, *_, **__: SimpleNamespace(effect=f.id, parameters={f.id: bound}, evidence={})
     )
     monkeypatch.setattr(findings, "own_columns", lambda *_: [])
     monkeypatch.setattr(Adequacy, "beside", lambda rest, *_: rest.unexplained / 10)

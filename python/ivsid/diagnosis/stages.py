@@ -158,7 +158,7 @@ def diagnose(
         selection.last,
         selection.leftover,
         findings,
-        unknown=rest.after if not rest.after.quiet or complete != rest.sufficient else None,
+        unknown=rest.after if not rest.after.certain or complete != rest.sufficient else None,
     )
     if water is not None and water.factor is not None:
         findings = (*findings, shallow(water))

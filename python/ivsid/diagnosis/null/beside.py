@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import with_family
+
+Array = NDArray[np.float64]
 
 
 class Beside(ABC):
@@ -31,6 +37,17 @@ class Beside(ABC):
             g: cross-products whose first columns are those of the base.
         """
 
+    def under(self, g: Gram, base: Sequence[int], known: Array) -> Beside:
+        """The same where some columns have known coefficients; what takes the same of any log is itself.
+
+        Args:
+            g: cross-products whose first columns are those of the base.
+            base: indices of the columns that are free.
+            known: coefficients by column, 0 for those that are free, shape (columns,).
+        """
+        del g, base, known
+        return self
+
     @cached_property
     def base(self) -> Gram:
         """The same of the base alone."""
@@ -44,3 +61,13 @@ class Beside(ABC):
         """
         g, at = with_family(self._base, self.fit, s)
         return Projection(self.beside(g), range(len(self.fit.base))).solve(at)[1]
+
+    def moved(self, s: Scored) -> Array:
+        """What it moves coefficients of a cause by, beside the base, shape (columns,).
+
+        Args:
+            s: the cause with its score.
+        """
+        g, at = with_family(self._base, self.fit, s)
+        whole = range(len(g.names))
+        return np.asarray((Projection(self.beside(g), whole).coefficients - Projection(g, whole).coefficients)[at])

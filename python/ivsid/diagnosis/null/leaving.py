@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
-from typing import Final
+from typing import Final, TypeAlias
 
 from scipy.special import chdtrc
 
@@ -31,6 +31,8 @@ FAR: Final = 2.0
 # Source: measured: errors that jump between their bounds every fortieth of the range left the zonotope of the usual cells by 352 and 609, for 80 knots, and
 # that of twice as many by 0 and 1; a force that repeats with the heading on a straight course left them by 137 and 90, for 39 knots
 CLOSER: Final = 2
+# An error of readings by name, what it gains outside of its bound, and the probability of that over all such errors.
+Misread: TypeAlias = "tuple[str, Leaving, float]"
 
 
 class Others:
@@ -66,13 +68,13 @@ class Others:
             yield self.slow
 
 
-def thrusts(others: Others) -> tuple[float, int]:
-    """Fall of chi-squared where thrust errors may leave their bounds, the least of what is asked, and number of knots that may."""
+def thrusts(others: Others) -> tuple[float, int, float]:
+    """Fall of chi-squared where thrust errors may leave their bounds, the least of what is asked, number of knots that may, and fall beside curves alone."""
     fit = others.fit
     boxed = Boxed(fit)
     left, knots = boxed.leaving, boxed.knots
     if not knots:
-        return left, knots
+        return left, knots, left
     # Values at the knots with their overshoot reach more than a curve inside its accuracy does, and less than one that jumps between them.
     doubt, far = chdtrc(knots, left) <= DOUBT, max((most for _, most in outside(fit)), default=0.0) > FAR
     if doubt or far:
@@ -80,22 +82,25 @@ def thrusts(others: Others) -> tuple[float, int]:
         left = min(left, reached) if doubt else reached
     if chdtrc(knots, left) <= DOUBT and left < FORETOLD:
         left = min(left, Reached(others.closer).leaving)
+    bare = left
     for other in others.beside():
         if chdtrc(knots, left) > DOUBT or left >= FORETOLD:
             break
-        beside = Reached(others.closer, other).leaving
-        left = min(left, beside, Boxed(fit, other.base).leaving) if doubt else min(left, beside)
-    return left, knots
+        beside = Reached(others.closer, other)
+        left = min(left, beside.leaving)
+        if doubt and beside.other is not None:
+            left = min(left, Boxed(fit, beside.other.base).leaving)
+    return left, knots, bare
 
 
-def misread_of(others: Others) -> tuple[str, Leaving, float] | None:
-    """The error of readings that leaves its bound most, each beside what leaves it the most probable."""
+def misread_of(others: Others) -> tuple[Misread, Misread] | None:
+    """The error of readings that leaves its bound most, each beside what leaves it the most probable, and the same beside curves alone."""
     fit, vehicle = others.fit, others.fit.noise.predictor.vehicle
     found = dict(readings(vehicle, fit.gram, fit.base))
     if not found:
         return None
 
-    def worst() -> tuple[str, Leaving, float]:
+    def worst() -> Misread:
         name, most = min(found.items(), key=lambda q: q[1].chance)
         return name, most, min(1.0, most.chance * len(found))
 
@@ -105,9 +110,10 @@ def misread_of(others: Others) -> tuple[str, Leaving, float] | None:
     if worst()[2] <= DOUBT and vehicle.thrusters:
         # A thrust curve may have moved the readings.
         asked(others.curve.g)
+    bare = worst()
     for other in others.beside():
         # Readings that an autopilot answers foretell errors of a colour that the whitening lacks, and a slow force moves them for minutes.
         if worst()[2] > DOUBT or worst()[1].fall >= FORETOLD:
             break
         asked(other.base)
-    return worst()
+    return worst(), bare

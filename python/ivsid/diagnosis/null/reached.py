@@ -34,6 +34,7 @@ class Reached:
     Attributes:
         leaving: squared distance from them, in standard deviations.
         knots: its degrees of freedom at most; 0 if no accuracy is declared.
+        other: beside which it stands, with those errors.
     """
 
     def __init__(self, free: AnyCurve, other: Beside | None = None) -> None:
@@ -44,13 +45,20 @@ class Reached:
         # Free errors by inflow would take what errors by demand may not.
         inflows = [k for k, n in enumerate(names) if n.startswith("~inflow.")]
         self.others = [k for k in range(len(names)) if k not in {*self.at, *self.cells, *inflows}]
-        self.leaving, self.knots = (0.0, 0)
+        self.leaving, self.knots, self.other = 0.0, 0, other
         if self.at and self.cells:
             g = free.g if other is None else other.beside(free.g)
-            self.leaving, self.knots = self._distance(g, self.at, self.others)
+            self.leaving, self.knots, errors = self._distance(g, self.at, self.others)
+            if other is not None:
+                # What these errors leave of the log is more than free ones do.
+                known = np.zeros(len(names))
+                known[self.at], known[self.cells] = -g.centre[self.at], g.unit[self.cells] * errors
+                self.other = other.under(free.g, self.others, known)
+                if self.other is not other:
+                    self.leaving, self.knots, _ = self._distance(self.other.beside(free.g), self.at, self.others)
 
-    def _distance(self, g: Gram, data: Sequence[int], others: Sequence[int]) -> tuple[float, int]:
-        """Least squared distance, over the curves, of the scores of some columns beside others, and its degrees of freedom."""
+    def _distance(self, g: Gram, data: Sequence[int], others: Sequence[int]) -> tuple[float, int, Array]:
+        """Least squared distance, over the curves, of the scores of some columns beside others, its degrees of freedom, and the errors of cells at it."""
         total, score = g.total, g.score.sum(axis=0)
         known = np.isin(np.arange(len(g.names)), self.at)
         # Errors of the log without the part that the hypothesis holds: the bounds are those of the whole errors.
@@ -63,7 +71,7 @@ class Reached:
         kept = values > DETERMINED * max(float(values.max()), 1e-300)
         root = vectors[:, kept] / np.sqrt(values[kept])
         solved = lsq_linear(root.T @ C, root.T @ r, bounds=(-1.0, 1.0))
-        return 2.0 * float(solved.cost), int(kept.sum())
+        return 2.0 * float(solved.cost), int(kept.sum()), np.asarray(solved.x)
 
     def of(self, s: Scored) -> float:
         """Fall of chi-squared of a family by its own numbers alone that is as rare as what it takes off the distance.
@@ -76,6 +84,6 @@ class Reached:
         g = self.free.joined([own[k] for k in s.columns])
         first = len(self.free.g.names)
         columns = list(range(first, len(g.names)))
-        without, freedom = self._distance(g, [*self.at, *columns], self.others)
-        held, _ = self._distance(g, self.at, [*self.others, *columns])
+        without, freedom, _ = self._distance(g, [*self.at, *columns], self.others)
+        held, _, _ = self._distance(g, self.at, [*self.others, *columns])
         return float(chdtri(s.count, max(chdtrc(freedom, max(without - held, 0.0)), LEAST)))

@@ -314,3 +314,5 @@ SCREENING: Final = (
     DECLARED_SEA,
     ANY_CURVE,
 )
+# Rules on what the log holds without a cause: beside that a full fit explains no more than a score does.
+IMITATED: Final = (FREQUENCIES, OWN_PAST, MINUTES)

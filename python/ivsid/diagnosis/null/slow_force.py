@@ -1,15 +1,16 @@
 """What a slow ambient force inside the declared one takes of columns and of a log.
 
 An ambient force may have any spectrum, and the whitening knows a few seconds of it. A force that changes over minutes looks like a place, a heading, a
-time or an offset. The declared rms bounds it: cosines over the log along the hull and over ground, each with that deviation, hold what is slower than
-a few periods a log. Where those that the log asks for are larger together than the declared rms, it is no declared force.
+time or an offset. Cosines over the log along the hull and over ground hold what is slower than a few periods a log. Each has the declared rms as its prior,
+and their sum along an axis of the hull is no larger than that: what a log asks for beyond it stays with the causes.
 
-Source: docs/theory.md, "Slow forces"; the cosines are those of the discrete cosine transform, Rao and Yip, 1990.
+Source: docs/theory.md, "Slow forces"; the cosines are those of the discrete cosine transform, Rao and Yip, 1990, and the bound
+is kept by multipliers, Boyd and Vandenberghe, Convex Optimization, 2004, section 5.5.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Final
@@ -26,10 +27,17 @@ Array = NDArray[np.float64]
 # Half waves of a slow force over the log, at most.
 # Source: geometry: eight are four periods a log
 HALF_WAVES: Final = 8
-# Standard errors above its bound from which on a slow force is larger.
-# Source: definition: of normal estimates one in a thousand lies above
-ERRORS: Final = 3.0
-# Least size that is divided by.
+# Chi-squared, and share of a bound, by which its multiplier may miss.
+# Source: definition: a tenth of a standard deviation, squared
+GAP: Final = 0.01
+# Steps of multipliers, at most; few are asked for.
+# Source: resource: a few milliseconds of forty-five unknowns
+STEPS: Final = 200
+# Multiplier at the first step; it grows as its bound is passed, at most tenfold a step.
+# Source: geometry: far less than the prior of a force
+FIRST: Final = 1e-3
+MOST: Final = 10.0
+# Least duration that is divided by [s].
 # Source: geometry: the smallest doubles
 LEAST: Final = 1e-300
 
@@ -38,17 +46,64 @@ class SlowForce(Beside):
     """The base of a fit beside slow forces inside the declared ambient force, which the vehicle file of the fit has to declare."""
 
     @cached_property
-    def _shapes(self) -> tuple[Array, Array, tuple[Array, bool]]:
-        """Signatures of forces of the declared rms, shape (forces, numbers), their products by axis over the log, and the factor of theirs.
+    def _shapes(self) -> tuple[Array, Array]:
+        """Signatures of forces of the declared rms, shape (forces, numbers), and their products by axis over the log.
 
         Along a straight course a force ahead and one over ground are the same one, so that the bound is on their sum along each axis of the hull.
         """
         g = self.fit.gram
         made = list(_forces(self.fit))
         x, unit = g.white.blocks([answer for _, answer in made], g.good, g.length)
-        s = x.reshape(len(x), -1) * unit[:, None]
         force = np.stack([f for f, _ in made], axis=1)
-        return s, force @ force.transpose(0, 2, 1) / force.shape[2], cho_factor(s @ s.T + np.eye(len(s)))
+        return x.reshape(len(x), -1) * unit[:, None], force @ force.transpose(0, 2, 1) / force.shape[2]
+
+    @cached_property
+    def prior(self) -> Array:
+        """Information on the sizes of the forces before the log, shape (forces, forces), with multipliers that keep the bound of each axis.
+
+        Beside the base the multipliers make the fall of chi-squared the least of all forces inside the declared one.
+        """
+        g = self._base
+        return self._multiplied(g, range(len(g.names)), np.zeros(len(g.names)))
+
+    def under(self, g: Gram, base: Sequence[int], known: Array) -> SlowForce:
+        """The same where some columns have known coefficients, which leave the forces more or less to explain.
+
+        Args:
+            g: cross-products whose first columns are those of the base.
+            base: indices of the columns that are free.
+            known: coefficients by column, 0 for those that are free, shape (columns,).
+        """
+        other = SlowForce(self.fit)
+        # Signatures and bounds are those of the same fit.
+        other.__dict__.update(_shapes=self._shapes, prior=self._multiplied(g, base, known))
+        return other
+
+    def _multiplied(self, g: Gram, base: Sequence[int], known: Array) -> Array:
+        s, products = self._shapes
+        cross = np.concatenate([x.reshape(len(x), -1) @ s.T for x in g.parts])
+        at = list(base)
+        held = np.linalg.solve(g.normal(at), cross[at])
+        information = s @ s.T - cross[at].T @ held
+        left = (g.score.sum(axis=0) - g.prior * g.centre - g.total @ known)[at]
+        score = s @ g.y.ravel() - cross.T @ known - held.T @ left
+        own, times = np.eye(len(s)), np.full(len(products), FIRST)
+        for _ in range(STEPS):
+            own = np.eye(len(s)) + np.tensordot(times, products, 1)
+            size = np.linalg.solve(information + own, score)
+            square = size @ products @ size
+            # Where a bound is passed its share counts, however small the multiplier.
+            counted = np.where(square > 1.0, np.maximum(times, 1.0), times)
+            if np.all(counted * np.abs(square - 1.0) < GAP):
+                break
+            times = times * np.clip(np.sqrt(square), 1 / MOST, MOST)
+        return own
+
+    @cached_property
+    def _factor(self) -> tuple[Array, bool]:
+        s, _ = self._shapes
+        factor: tuple[Array, bool] = cho_factor(s @ s.T + self.prior)
+        return factor
 
     def beside(self, g: Gram) -> Gram:
         """Cross-products over the whole log, of what slow forces leave of columns and of the log.
@@ -56,41 +111,18 @@ class SlowForce(Beside):
         Args:
             g: cross-products.
         """
-        s, _, factor = self._shapes
+        s, _ = self._shapes
         own = np.concatenate([x.reshape(len(x), -1) @ s.T for x in g.parts])
-        taken = cho_solve(factor, own.T)
+        taken = cho_solve(self._factor, own.T)
         total = g.total - own @ taken
         score = g.score.sum(axis=0) - (s @ g.y.ravel()) @ taken
         return replace(g.whole(), blocks=total[None], score=score[None])
 
-    @cached_property
-    def inside(self) -> bool:
-        """Whether the slow force that the log asks for beside the base is one of the declared rms or less, along each axis of the hull."""
-        s, products, _ = self._shapes
-        g = self._base
-        base = range(len(g.names))
-        cross = g.parts[0].reshape(len(base), -1) @ s.T
-        held = np.linalg.solve(g.normal(base), cross)
-        information = s @ s.T + np.eye(len(s)) - cross.T @ held
-        score = s @ g.y.ravel() - held.T @ (g.score.sum(axis=0) - g.prior * g.centre)
-        covariance = np.linalg.inv(information)
-        size = covariance @ score
-        # What the prior holds of a size scatters less than it is uncertain.
-        scatter = covariance - covariance @ covariance
-        for product in products:
-            slope = product @ size
-            length = float(np.sqrt(max(size @ slope, 0.0)))
-            error = float(np.sqrt(max(slope @ scatter @ slope, 0.0))) / max(length, LEAST)
-            if length - ERRORS * error > 1.0:
-                return False
-        return True
-
 
 def slow_force(fit: Fit) -> SlowForce | None:
-    """The base of a fit beside slow forces; None where the log asks for larger ones than the vehicle file declares, or that declares none."""
+    """The base of a fit beside slow forces; None where the vehicle file declares no ambient force."""
     sea = fit.noise.predictor.vehicle.ambient
-    slow = SlowForce(fit) if sea is not None and sea.force else None
-    return slow if slow is not None and slow.inside else None
+    return SlowForce(fit) if sea is not None and sea.force else None
 
 
 def _forces(fit: Fit) -> Iterator[tuple[Array, Array]]:

@@ -64,6 +64,8 @@ class Adequacy:
         beyond_curves: the same beyond any thrust curve inside its accuracy, over the declared one alone; 0 where the log asks for none.
         risk: probability below which structure is more than chance.
         alone: whether the best single fall is so rare that no second statistic is asked.
+        leans: whether past errors or slow forces inside the declared ones had to take structure for no more than chance to be left, so that they may
+            have moved the numbers as well.
     """
 
     fall: float
@@ -82,6 +84,7 @@ class Adequacy:
     beyond_curves: tuple[float, ...] = (0.0, 0.0, 0.0)
     risk: float = RISK
     alone: bool = False
+    leans: bool = False
 
     @property
     def statistic(self) -> float:
@@ -135,14 +138,24 @@ class Adequacy:
         return self.read >= self.risk
 
     @property
+    def in_bounds(self) -> bool:
+        """Whether the log allows every declared error inside its bound."""
+        return self.bounded and self.sensed
+
+    @property
     def roughest(self) -> float:
         """How much rougher the worst axis is than declared."""
         return max(*self.rougher, *self.beyond_curves)
 
     @property
+    def certain(self) -> bool:
+        """Whether it is quiet without past errors and slow forces, so that intervals need no room for them."""
+        return self.quiet and not self.leans
+
+    @property
     def quiet(self) -> bool:
         """Whether the innovations hold no more structure than chance, with every declared error and the ambient force inside its bound and every number one of hulls."""
-        return self.white and self.bounded and self.sensed and not self.hulls and self.roughest <= ROUGHER
+        return self.white and self.in_bounds and not self.hulls and self.roughest <= ROUGHER
 
     def also(self, beside: Adequacy) -> Adequacy:
         """The same with the structure that stands beside more.
@@ -199,8 +212,8 @@ def adequacy(fit: Fit) -> Adequacy:
         found = _structure(own, at, names, _none, excess(fit, own, at, noise))
     found = replace(found, alone=found.chance_of_one <= ALONE)
     others = Others(fit)
-    left, knots = thrusts(others)
-    misread = misread_of(others)
+    left, knots, bare = thrusts(others)
+    misread, bare_misread = misread_of(others) or (None, None)
     far = outside(fit)
     hulls = asked_of_hulls(fit)
     rougher, beyond_curves = fit.noise.rougher, (0.0, 0.0, 0.0)
@@ -226,6 +239,7 @@ def adequacy(fit: Fit) -> Adequacy:
         own, at = Projection(wide, free.projection.base), range(first, len(wide.names))
         scatter = excess(fit, own, at, spectrum(fit, wide) if noise is None else noise)
         found = found.also(_structure(own, at, names, worst, scatter))
+    leans = not found.white or not replace(found, leaving=bare, misread=bare_misread).in_bounds
     for other in others.beside():
         # A regressor that stands for coefficients that the whitening lacks has no more to say than past errors do, and one of minutes no more than
         # a slow force.
@@ -233,7 +247,7 @@ def adequacy(fit: Fit) -> Adequacy:
             break
         less = Projection(other.beside(wide), own.base)
         found = max(found, found.also(_structure(less, at, names, worst)), key=lambda q: q.of_regressors)
-    return found
+    return replace(found, leans=leans)
 
 
 def _pushed(fit: Fit, far: Sequence[tuple[str, float]]) -> str:

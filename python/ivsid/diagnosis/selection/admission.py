@@ -18,6 +18,7 @@ from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.family_wise import Screened, Threshold
 from ivsid.diagnosis.null.gradual import abrupt
 from ivsid.diagnosis.null.rule import Refusal
+from ivsid.diagnosis.null.screening import IMITATED
 from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.selection.parallel import side_by_side
 from ivsid.diagnosis.selection.rivals import (
@@ -120,12 +121,45 @@ def admit(
     if not again:
         return Admission(refused, waiting)
     again.sort(key=lambda r: -r.place)
-    best = again[0]
-    close, worse = compared(best, again, beside, screened.round)
+    close: tuple[Rival, ...] = ()
+    worse: dict[str, Refusal] = {}
+    while again:
+        best = again[0]
+        close, worse = compared(best, again, beside, screened.round)
+        unfounded = _unfounded(best, close, (*again, *far), screened, test)
+        if unfounded is None:
+            break
+        refused[best.id] = unfounded
+        again = again[1:]
+    else:
+        return Admission(refused, waiting)
     behind |= {r.id: r.fall for r in again if r not in close}
     first = screened.measured(next(s for s in scored if s.id == best.id))
     found = Found(best.id, close, behind, best.fall, first.chance, first)
     return Admission(worse | refused, waiting, found, best, problem.noise)
+
+
+def _unfounded(
+    best: Rival, close: Sequence[Rival], tried: Sequence[Rival], screened: Screened, test: Threshold
+) -> Refusal | None:
+    """The refusal by its score of the cause that fits best, where no cause that passed bears it out; None otherwise.
+
+    A cause that passed does so if it holds in its full fit, and fits about as well where what the log holds without a cause explains the best one.
+
+    Args:
+        best: the cause.
+        close: causes that the log does not tell from it.
+        tried: all causes that were fitted in full.
+        screened: all causes with their scores.
+        test: of the log.
+    """
+    refusal = screened.refused.get(best.id)
+    if refusal is None:
+        return None
+    passed = {s.id: s for s in screened.passed}
+    asked = close if refusal.rule in {r.name for r in IMITATED} else tried
+    holds = any(r.id in passed and full_refused(test, passed[r.id], r.fall) is None for r in asked)
+    return None if holds else refusal
 
 
 def _exact(problem: Problem, states: FilteredStates, id_: str) -> tuple[FilteredStates, float]:

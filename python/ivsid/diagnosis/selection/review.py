@@ -19,8 +19,8 @@ from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.gradual import abrupt
 from ivsid.diagnosis.null.round import Round
-from ivsid.diagnosis.null.rule import Refusal
-from ivsid.diagnosis.null.screening import ABRUPT, Case
+from ivsid.diagnosis.null.rule import Refusal, first_refusal
+from ivsid.diagnosis.null.screening import ABRUPT, IMITATED, Case
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.selection.parallel import side_by_side
@@ -97,7 +97,11 @@ def reviewed(problem: Problem, last: Reviewed, asked: int, passes: Threshold, pl
         close, worse = compared(best, rivals, others, alone)
         refused |= worse
         behind = {r.id: r.fall for r in rivals if r not in close}
-        if best is mine or best.place < mine.place + SWAP:
+        swapped = best is not mine and best.place >= mine.place + SWAP
+        if swapped:
+            case = Case(alone, next(s for s in near if s.id == best.id))
+            swapped = first_refusal(IMITATED, case, others) is None
+        if not swapped:
             found[i] = replace(one, rivals=(mine, *(r for r in close if r is not mine)), tried=behind, fall=mine.fall)
             continue
         first = passes(bare, scored, others).measured(next(s for s in near if s.id == best.id))

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any, Final
 
 from ivsid.diagnosis.candidates.intervals import Bound, intervals
+from ivsid.diagnosis.null.leaving import Others
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.null.visibility import Visibility
 from ivsid.diagnosis.plant.physics import Hypothesis
@@ -139,7 +140,9 @@ class Diagnosis(Result):
         # Claims have intervals of their own.
         named = {*(i for f in self.findings for i in (f.effect, *f.alternatives)), *self.vehicle.model.values}
         unnamed = [f.id for f in self.selection.found if f.id not in named]
-        return allowed(self.selection.last, [s for s in self.selection.leftover if s.id not in named], unnamed)
+        left = [s for s in self.selection.leftover if s.id not in named]
+        others = tuple(Others(self.selection.last).beside()) if self.adequacy[1].leans else ()
+        return allowed(self.selection.last, left, unnamed, others)
 
     def record(self) -> dict[str, Any]:
         """The content of result.json."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -112,19 +113,21 @@ def findings_of(
     nothing = 0.0
     # The weakest first: what a cause takes that is none stays unexplained beside the stronger ones.
     for found in sorted(selection.found, key=lambda f: f.fall):
-        one = finding(
-            found, last, selection.leftover, evidence, rest, selection.curves, swapped(selection.found, found.id)
-        )
+        swaps = swapped(selection.found, found.id)
+        said = partial(finding, found, last, selection.leftover, evidence, selection.curves, swaps)
+        one = said(unknown=not rest.quiet)
         left = nothing + (rest.beside(last, own_columns(last, found.id)) if complete else rest.unexplained)
         case = _held(selection, found, one, rest, left, complete=complete)
         refusal = first_refusal(HELD, case, [f.id for f in selection.found if f is not found])
         if refusal is None:
+            # A cause is named by what it is beside what explains the rest, which may have moved its numbers.
+            one = said(unknown=True) if rest.quiet and rest.leans else one
             made[found.id] = one_sided(one, last.h) if case.quiet and case.there else one
         else:
             nothing += found.fall
         for rank, rival in enumerate(found.rivals):
-            if (said := refusal or UNNAMED.refuses(rank, [found.id])) is not None:
-                withdrawn[rival.id] = said
+            if (out := refusal or UNNAMED.refuses(rank, [found.id])) is not None:
+                withdrawn[rival.id] = out
     return tuple(made[f.id] for f in selection.found if f.id in made), withdrawn
 
 
@@ -145,7 +148,7 @@ def nameless(selection: Selection) -> dict[str, Refusal]:
     rest, out = selection.after, {}
     for found in asked:
         swaps = swapped(selection.found, found.id)
-        one = finding(found, selection.last, selection.leftover, {}, rest, selection.curves, swaps)
+        one = finding(found, selection.last, selection.leftover, {}, selection.curves, swaps, unknown=not rest.quiet)
         case = _held(selection, found, one, rest, 0.0, complete=rest.quiet)
         if (refusal := first_refusal((EXCLUDES,), case, [f.id for f in selection.found if f is not found])) is not None:
             out[found.id] = refusal
@@ -173,9 +176,10 @@ def finding(
     last: Fit,
     left: Sequence[Scored],
     evidence: Mapping[str, FindingEvidence],
-    rest: Adequacy,
     curves: Mapping[str, Reach],
     swaps: Mapping[str, tuple[float, float]],
+    *,
+    unknown: bool,
 ) -> Finding:
     """Finding that is made of one cause.
 
@@ -184,9 +188,9 @@ def finding(
         last: fit of the extended model.
         left: scores of the other causes beside it.
         evidence: residuals before and after, by channel.
-        rest: adequacy of the extended model.
         curves: what any thrust curve inside its accuracy makes of each number, by column.
         swaps: shifts of each number where causes that could be taken for the others act in their place, by name.
+        unknown: whether its intervals have room for something unknown.
     """
     channel = _channel(last, found.id)
     weights = np.array([np.exp(-0.5 * (found.rivals[0].merit - r.merit)) for r in found.rivals])
@@ -203,7 +207,7 @@ def finding(
         confidence,
         alternatives,
         effect.separate if alternatives else "",
-        intervals(last, found.id, left, unknown=not rest.quiet, curves=curves, swapped=swaps),
+        intervals(last, found.id, left, unknown=unknown, curves=curves, swapped=swaps),
         {
             "channel": channel,
             **evidence.get(channel, {}),

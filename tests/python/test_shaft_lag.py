@@ -6,13 +6,25 @@ import pytest
 from diagnosis_logs import TABLE, TWIN, logs_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis import isolability
+from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.candidates.profile import SHARES, bracketed
 from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.declared_errors import through_water, thrust_answers
+from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.null.any_curve import cells
 from ivsid.diagnosis.plant.propulsion import Propulsion
+from ivsid.diagnosis.plant.thrust_errors import bound_of
 from ivsid.effects import EFFECTS, Given
 
 SQUARE = "quadratic = { forward = 0.004, reverse = 0.003 }\ndemand_range = [-100, 100]"
 LAG = 0.5
+STEPS = """
+[[segments]]
+manoeuvre = "steps"
+demand = [30.0, 80.0]
+period = 6.0
+duration = 24.0
+"""
 
 
 def squared():
@@ -121,3 +133,23 @@ def test_a_value_ten_times_the_first_is_reached_from_the_shares():
     inside = {0.1: 2.0, 0.2: 1.0, 0.4: 3.0}
     asked.clear()
     assert bracketed(lambda x: chi2(x, 1.0), inside) == 0.2 and not asked
+
+
+@pytest.mark.parametrize("late", ["demand", "thrust"])
+def test_cells_hold_all_demands_that_a_late_shaft_runs_through(late):
+    """A step jumps over demands that the shaft runs through, where the error of its thrust may jump: 11 of 400 sound logs looked like a limit."""
+    text = TWIN.replace(TABLE, f'{SQUARE}\ntime_constant = {LAG}\nlag = "{late}"')
+    vehicle = vehicle_of(text)
+    fit = plain_fit(vehicle, channels(logs_of(vehicle, segments=STEPS, duration=70.0)[0], vehicle), everything)
+    s, made = fit.signatures, dict(cells(fit))
+    predictor = s.predictor
+    port = [v for n, v in made.items() if n.startswith("~cell.port.")]
+
+    def bound(d):
+        return bound_of(vehicle.thrusters[0], predictor.propulsion.curves[0], d)[None]
+
+    relative = through_water(s)
+    (whole,) = thrust_answers(s, 0, predictor.driving.slopes(s.h, 0, bound), relative)
+    np.testing.assert_allclose(np.sum(port, axis=0), whole, atol=1e-9 * np.abs(whole).max())
+    # Two levels are sent; a thrust that lags has the errors of these alone.
+    assert len(port) > 20 if late == "demand" else len(port) <= 4

@@ -213,9 +213,12 @@ def cells(fit: Fit, over: Sequence[Array] | None = None, finer: int = 1) -> Iter
     for k in thrusters:
         count = finer * min(MOST_CELLS, max(CELLS // (2 * len(thrusters)), 1))
         place = _places((over or propulsion.demands)[k], count)
-        visited = np.unique(place(propulsion.demands[k]))
+        # A shaft that lags runs through demands that nobody sends.
+        thruster = s.predictor.vehicle.thrusters[k]
+        late = thruster.lag == "demand" and bool(thruster.time_constant)
+        visited = np.arange(2 * count) if late else np.unique(place(propulsion.demands[k]))
         errors = s.predictor.driving.slopes(s.h, k, _in_cells(fit, k, place, visited))
-        name = s.predictor.vehicle.thrusters[k].name
+        name = thruster.name
         for cell, answer in zip(visited, thrust_answers(s, k, errors, relative), strict=True):
             if np.any(answer):
                 yield f"~cell.{name}.{cell}", answer

@@ -50,7 +50,7 @@ test-rust:
 	MAKEFLAGS= $(FIXED) cargo test $(GATE) $(CRATES)
 
 test-python: build
-	$(ONE_THREAD) $(BIN)/pytest -n auto --dist loadfile -m "not nightly"
+	$(ONE_THREAD) $(BIN)/pytest -n auto --dist worksteal -m "not nightly"
 
 check: rustfmt clippy lint rules types stubs imports site workflows
 

@@ -15,6 +15,7 @@ from ivsid.diagnosis.null import leaving
 from ivsid.diagnosis.null.boxed import readings
 from ivsid.diagnosis.selection import adequacy as selection
 from ivsid.diagnosis.selection.adequacy import RISK, adequacy
+from ivsid.diagnosis.selection.hulls import BEYOND
 from ivsid.vehicle import parse_vehicle
 
 # A sound ROV of 300 s on a straight course, with a force of a few frequencies inside its bound, whose autopilot answers the heading.
@@ -95,3 +96,13 @@ def test_a_cause_is_named_where_only_a_colour_is_left_beside_it(without_the_past
     assert "thruster.asymmetry" in {i for f in found.findings for i in (f.effect, *f.alternatives)}
     without_the_past()
     assert found.verdict == "wrong" and diagnose(*one).verdict == "unknown"
+
+
+def test_a_number_that_no_hull_has_is_one_beside_past_errors_and_slow_forces_too(monkeypatch):
+    """A narrow swell of ten times the usual force asked for a sway drag that drives, by 5.06 standard deviations, and 4.65 beside past errors."""
+    vehicle, train, _ = logs(244034, what="none", sea="any", sensors="any")
+    fit = fitted(vehicle, train)
+    assert adequacy(fit).hulls == ()
+    monkeypatch.setattr(leaving.Others, "beside", lambda _: iter(()))
+    (one,) = adequacy(fit).hulls
+    assert one.id == "drag.sway.quadratic" and one.deviations > BEYOND

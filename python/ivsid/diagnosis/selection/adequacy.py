@@ -215,7 +215,7 @@ def adequacy(fit: Fit) -> Adequacy:
     left, knots, bare = thrusts(others)
     misread, bare_misread = misread_of(others) or (None, None)
     far = outside(fit)
-    hulls = asked_of_hulls(fit)
+    hulls = asked_of_hulls(others)
     rougher, beyond_curves = fit.noise.rougher, (0.0, 0.0, 0.0)
     if max(rougher) <= ROUGHER < max(fit.noise.alone):
         # What thrust errors allow may hide a force of the time, which no thrust curve makes.

@@ -63,9 +63,9 @@ def test_falls_with_errors_inside_their_bounds_are_those_of_the_whole_problem(wr
         return 2 * solved.cost - float(np.sum(np.linalg.solve(root, turn.T @ s) ** 2))
 
     branches = [least(OVERSHOOT, side) - least(np.inf, side) for side in (1.0, -1.0)]
-    # Values at knots that the log hardly tells are not free: with them 11 directions of the hump's log gain 0.9 more.
-    untold = 0.1 * (len(own) - boxed.knots)
-    assert boxed.leaving == pytest.approx(max(branches), rel=1e-3, abs=max(untold, 0.05))
+    # Directions that the log hardly tells are not free in the product: 11 of the hump's hold 0.94 of 569, and 3 of the other log's nothing.
+    hardly_told = 1e-3 if len(own) - boxed.knots > 3 else 0.0
+    assert (1 - 1e-3 - hardly_told) * max(branches) - 0.05 <= boxed.leaving <= (1 + 1e-3) * max(branches) + 0.05
     assert boxed.leaving > boxed.knots
 
 

@@ -124,6 +124,16 @@ def test_the_first_diagnosis_names_the_hidden_cause_and_reads_no_truth(tmp_path,
     assert hashlib.sha256(logs[0].read_bytes()).hexdigest() in digests
 
 
+@pytest.mark.nightly
+def test_a_cause_that_the_example_hardly_shows_has_no_wrong_name(tmp_path):
+    assert run("example", tmp_path / "example", "--seed", 8).returncode == 0
+    place = tmp_path / "example"
+    result = ivsid.diagnose(place / "boat.toml", place / "run1.csv", place / "run2.csv")
+    assert all("thruster.gain" in {f.effect, *f.alternatives} for f in result.findings)
+    # It says that this log does not test the cause.
+    assert "does not test it" in result.selection.refused["thruster.gain"].sentence
+
+
 # Nightly: a whole diagnosis; the gate has the example that the documents follow.
 @pytest.mark.nightly
 def test_a_gain_beside_a_stated_centre_of_gravity_is_no_other_centre():

@@ -58,7 +58,7 @@ class Others:
 
     @cached_property
     def slow(self) -> SlowForce | None:
-        """The base beside slow forces; None where they would be larger than the ambient force that the vehicle file declares."""
+        """The base beside slow forces; None where the vehicle file declares no ambient force."""
         return slow_force(self.fit)
 
     def beside(self) -> Iterator[Beside]:

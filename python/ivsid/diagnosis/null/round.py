@@ -76,7 +76,7 @@ class Round:
 
     @cached_property
     def slow(self) -> SlowForce | None:
-        """The base beside slow forces; None beside a strong cause, which they would follow, and where larger ones than are declared are asked for."""
+        """The base beside slow forces; None beside a strong cause, which they would follow, and where no ambient force is declared."""
         strong = any(s.physical and s.shown >= FORETOLD for s in self.scored)
         return None if strong else slow_force(self.fit)
 

@@ -61,7 +61,7 @@ class SlowForce(Beside):
     def prior(self) -> Array:
         """Information on the sizes of the forces before the log, shape (forces, forces), with multipliers that keep the bound of each axis.
 
-        Beside the base the multipliers make the fall of chi-squared the least of all forces inside the declared one.
+        They are those of the base, so that the fall of a cause is an upper limit of the one with multipliers of its own.
         """
         g = self._base
         return self._multiplied(g, range(len(g.names)), np.zeros(len(g.names)))

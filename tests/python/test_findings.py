@@ -9,10 +9,11 @@ import pytest
 from diagnosis_logs import logs_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis.candidates.intervals import Bound
+from ivsid.diagnosis.null.rule import first_refusal
 from ivsid.diagnosis.selection.adequacy import Adequacy
 from ivsid.diagnosis.statements import findings
 from ivsid.diagnosis.statements.findings import Finding, findings_of
-from ivsid.diagnosis.statements.rules import EXCLUDES, Held
+from ivsid.diagnosis.statements.rules import BOUNDS_KEPT, EXCLUDES, HELD, Held
 from ivsid.effects import EFFECTS, PAPER_TERMS, PLAIN_TERMS
 
 IDS = ("coupling.cg_y", "thruster.asymmetry", "drag.lift.yaw", "sensor.yaw_rate.scale")
@@ -111,6 +112,17 @@ def test_a_number_that_may_be_none_names_nothing(lower, upper, within, quiet, na
 def test_numbers_that_may_all_be_none_name_nothing(id_, bounds, named):
     held = Held(EFFECTS[id_], 40.0, 0.0, {f"{id_}.{k}": Bound(*b, "1", "") for k, b in bounds.items()}, True, True)
     assert (EXCLUDES.refuses(held) is None) == named
+
+
+@pytest.mark.parametrize(
+    ("outside", "boxed", "named"),
+    [(0.0, True, True), (1.1, True, True), (1.4, True, False), (2.4, True, False), (2.4, False, True)],
+)
+def test_a_cause_whose_evidence_is_that_errors_leave_their_bounds_brings_them_back(outside, boxed, named):
+    bounds = {"thruster.asymmetry": Bound(0.01, 0.05, "1", "")}
+    held = Held(EFFECTS["thruster.asymmetry"], 30.0, 0.0, bounds, True, True, boxed=boxed, outside=outside)
+    assert (BOUNDS_KEPT.refuses(held) is None) == named
+    assert (first_refusal(HELD, held, []) is None) == named
 
 
 @pytest.mark.parametrize(

@@ -137,7 +137,10 @@ def _held(selection: Selection, found: Found, one: Finding, rest: Adequacy, left
     parts = any(t.id == effect.shares and t in PAPER_TERMS for t in selection.plain.h.terms)
     boxed = found.first.boxed > found.fall
     beside = float(np.sqrt(max(min(found.first.shown, found.fall), 0.0))) - found.first.lost
-    return Held(effect, found.fall, left, one.parameters, complete, rest.quiet, len(rest.hulls), parts, boxed, beside)
+    far = max((most for _, most in rest.outside), default=0.0)
+    return Held(
+        effect, found.fall, left, one.parameters, complete, rest.quiet, len(rest.hulls), parts, boxed, beside, far
+    )
 
 
 def nameless(selection: Selection) -> dict[str, Refusal]:

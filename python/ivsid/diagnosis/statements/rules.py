@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from ivsid.diagnosis.candidates.intervals import Bound
+from ivsid.diagnosis.null.boxed import OVERSHOOT
 from ivsid.diagnosis.null.rule import Rule
 from ivsid.effects import Effect
 
@@ -39,6 +40,7 @@ class Held:
         parts: whether it parts a number that the model has for two axes.
         boxed: whether its evidence is that declared errors would have to leave their bounds, of which its interval knows nothing.
         beside: standard deviations by which its score stands out of the worst declared errors inside their bounds.
+        outside: largest error of a thrust beside it, in its bounds.
     """
 
     effect: Effect
@@ -51,6 +53,7 @@ class Held:
     parts: bool = False
     boxed: bool = False
     beside: float = 0.0
+    outside: float = 0.0
 
     @property
     def there(self) -> bool:
@@ -139,4 +142,17 @@ PARTED: Final = Rule[Held](
     lambda c: not c.complete,
     least=False,
 )
-HELD: Final = (HULLS, PARTED, DOMINANT_RULE, EXCLUDES)
+BOUNDS_KEPT: Final = Rule[Held](
+    "errors inside their bounds beside it",
+    "largest error of a thrust in the extended model, as a multiple of its bound",
+    f"at most {OVERSHOOT:g}",
+    "A cause whose evidence is that thrust errors would have to leave their bounds explains it only where they keep them beside it: what still lies outside is "
+    "a curve that the cause is not.",
+    "geometry: what straight pieces overshoot a jump",
+    lambda c: c.outside,
+    lambda _: OVERSHOOT,
+    "an error of a thrust stays {value:.2g} times its bound beside it, and {limit:g} is the most that counts as inside",
+    lambda c: c.boxed,
+    least=False,
+)
+HELD: Final = (HULLS, PARTED, DOMINANT_RULE, EXCLUDES, BOUNDS_KEPT)

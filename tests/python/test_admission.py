@@ -25,7 +25,7 @@ def admitting(monkeypatch):
     problem = SimpleNamespace(noise=SimpleNamespace(predictor=None))
     fit = SimpleNamespace(problem=problem, states="", fixed={})
     fakes = {
-        "side_by_side": lambda tasks: [task() for task in tasks],
+        "side_by_side": lambda tasks, _: [task() for task in tasks],
         "fitted": lambda problem, fit, s: Rival(s.id, SimpleNamespace(h=s.id), BASE - s.fall, 1, s.fall),
         "in_place_of": lambda problem, fit, s, own, best: own,
         "_learnt": lambda fit, states: problem.noise,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Final
 
 from ivsid.effects import drag, environment, inertia, sensing, thrusters
@@ -80,4 +81,11 @@ def on_hull(term: Term, vehicle: Vehicle) -> Term:
         return term
     if vehicle.hull.length is None:
         raise IvsidError(f"{term.id} acts along the hull; give the vehicle file hull.length [m]")
-    return Term(term.id, term.symbol, term.unit, term.of_hull(vehicle.hull.length))
+    return _along(term, vehicle.hull.length)
+
+
+@lru_cache(maxsize=256)
+def _along(term: Term, length: float) -> Term:
+    """One instance for each length, so that hypotheses of two processes have the same terms."""
+    assert term.of_hull is not None
+    return Term(term.id, term.symbol, term.unit, term.of_hull(length))

@@ -97,7 +97,7 @@ def in_turn(*tasks: Apart[object]) -> None:
 
     A process is a copy: what either side changes later is copied page by page, which costs as much as a short task.
     """
-    if not _forks():
+    if not forks():
         return
     context = multiprocessing.get_context("fork")
     pipes = [context.Pipe(duplex=False) for _ in tasks]
@@ -124,7 +124,7 @@ class Prepared(Generic[_X, _T]):
         self._given: tuple[()] | tuple[_X] = ()
         self._pipe: Connection | None = None
         self._giving: Thread | None = None
-        if not _forks():
+        if not forks():
             return
         context = multiprocessing.get_context("fork")
         self._pipe, other = context.Pipe()
@@ -181,7 +181,7 @@ def _answered(task: Callable[[_X], _T], ready: Callable[[], object], pipe: Conne
         pipe.close()
 
 
-def _forks() -> bool:
+def forks() -> bool:
     """Whether a process can be forked here and has a processor of its own."""
     return (
         processors() > 1

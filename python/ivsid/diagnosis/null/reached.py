@@ -46,6 +46,8 @@ class Reached:
         inflows = [k for k, n in enumerate(names) if n.startswith("~inflow.")]
         self.others = [k for k in range(len(names)) if k not in {*self.at, *self.cells, *inflows}]
         self.leaving, self.knots, self.other = 0.0, 0, other
+        # A screening asks for a cause beside the accuracy, and again for what declared errors make of its score.
+        self._known: dict[tuple[tuple[int, ...], int], float] = {}
         if self.at and self.cells:
             g = free.g if other is None else other.beside(free.g)
             self.leaving, self.knots, errors = self._distance(g, self.at, self.others)
@@ -80,6 +82,12 @@ class Reached:
         """
         if s.candidate.starts or not self.knots:
             return 0.0
+        asked = tuple(s.columns), s.count
+        if asked not in self._known:
+            self._known[asked] = self._of(s)
+        return self._known[asked]
+
+    def _of(self, s: Scored) -> float:
         own = self.free.fit.gram.names
         g = self.free.joined([own[k] for k in s.columns])
         first = len(self.free.g.names)

@@ -32,6 +32,7 @@ from ivsid.diagnosis.selection.rivals import (
     fitted,
     in_place_of,
     possible,
+    starts,
 )
 from ivsid.diagnosis.selection.rules import FINALIST, NUMBERS, Place, compared, full_refused, refused_by
 
@@ -89,11 +90,12 @@ def admit(
     ranked = {s.id: FINALIST.refuses(Place(every[0].id, k + 1), beside) for k, s in enumerate(every)}
     waiting = {i: r for i, r in ranked.items() if r is not None}
     refused: dict[str, Refusal] = {}
-    tried = side_by_side([partial(fitted, fit.problem, fit, s) for s in finalists])
+    models = partial(starts, fit, finalists)
+    tried = side_by_side([partial(fitted, fit.problem, fit, s) for s in finalists], models)
     if any(r is not None for r in tried):
         leader = max((r for r in tried if r is not None), key=lambda r: r.place)
         pairs = zip(finalists, tried, strict=True)
-        tried = side_by_side([partial(in_place_of, fit.problem, fit, s, r, leader) for s, r in pairs])
+        tried = side_by_side([partial(in_place_of, fit.problem, fit, s, r, leader) for s, r in pairs], models)
     rivals = [r for r in tried if r is not None and r.fall > 0]
     for s, r in zip(finalists, tried, strict=True):
         refusal = refused_by(NUMBERS, beside) if r is None else full_refused(test, s, min(r.fall, 0.0), beside)
@@ -106,8 +108,10 @@ def admit(
     problem = Problem.at(_learnt(fit, best.states), fit.fixed, best.states)
     asked = sorted(rivals, key=lambda r: -r.merit)
     asked = [r for r in asked if best.merit - r.merit <= max(FAR, FAR_SHARE * best.merit)]
-    starts = [(fit.states, ""), *((r.states, r.id) for r in asked)]
-    (_, base), *done = side_by_side([partial(_exact, problem, *start) for start in starts])
+    tasks = [(fit.states, ""), *((r.states, r.id) for r in asked)]
+    (_, base), *done = side_by_side(
+        [partial(_exact, problem, *task) for task in tasks], lambda: (s.h for s, _ in tasks)
+    )
     again = []
     for r, (states, chi2) in zip(asked, done, strict=True):
         if possible(states.h, r.id, problem.noise.predictor):

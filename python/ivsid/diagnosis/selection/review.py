@@ -24,7 +24,7 @@ from ivsid.diagnosis.null.screening import ABRUPT, IMITATED, Case
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.selection.parallel import side_by_side
-from ivsid.diagnosis.selection.rivals import FINALISTS, Found, Rival, contenders, fitted, possible
+from ivsid.diagnosis.selection.rivals import FINALISTS, Found, Rival, contenders, fitted, possible, starts
 from ivsid.diagnosis.selection.rules import NUMBERS, compared, full_refused, refused_by
 
 # Merit by which another cause has to be better to take the place of one that was found.
@@ -89,7 +89,7 @@ def reviewed(problem: Problem, last: Reviewed, asked: int, passes: Threshold, pl
         near = [s for s in near if s.id not in others and s.id != one.id and s.physical and passes.eligible(s)]
         near = [s for s in near if abrupt(bare, s)]
         near = near[: FINALISTS - 1]
-        tried = side_by_side([partial(fitted, problem, bare, s) for s in near])
+        tried = side_by_side([partial(fitted, problem, bare, s) for s in near], partial(starts, bare, near))
         rivals = sorted(
             [mine, *(replace(r, fall=base - r.chi2) for r in tried if r is not None)], key=lambda r: -r.place
         )

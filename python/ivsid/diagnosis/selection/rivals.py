@@ -143,6 +143,11 @@ def contenders(scored: Sequence[Scored], best: float) -> list[Scored]:
     return [s for s in scored if best - s.merit <= max(FAR, FAR_SHARE * best) and s.fall > WEAK]
 
 
+def starts(fit: Fit, causes: Sequence[Scored]) -> list[Hypothesis]:
+    """Hypotheses from which causes are fitted in full."""
+    return [adopted(fit.h, s, fit) for s in causes]
+
+
 def fitted(problem: Problem, fit: Fit, s: Scored, start: FilteredStates | None = None) -> Rival | None:
     """A cause fitted in full by Gauss-Newton steps from the values of its score; None if the fit fails or its numbers are not possible.
 

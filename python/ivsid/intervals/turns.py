@@ -1,0 +1,89 @@
+"""Tasks that this process and a copy of it take in turn, where threads would wait for the interpreter."""
+
+from __future__ import annotations
+
+import io
+import os
+import pickle
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Final, TypeVar
+
+from ivsid.intervals.apart import Apart
+
+_T = TypeVar("_T")
+# Tasks at most: a ticket is one byte.
+# Source: definition: the values of a byte
+MOST: Final = 256
+
+
+def in_turns(tasks: Sequence[Callable[[], _T]], common: Sequence[object] = ()) -> list[_T]:
+    """Results of the tasks, in their order: each side takes the next task when it has done one.
+
+    A task that fails, or whose result cannot be sent, is done again here, and raises what it raises; the first in order does.
+
+    Args:
+        tasks: at most ``MOST``.
+        common: objects of which results refer to one instance, as to effects with functions that cannot be sent.
+    """
+    reader, writer = os.pipe()
+    try:
+        # A read of one byte takes a ticket from both processes at once.
+        os.write(writer, bytes(range(len(tasks))))
+        os.close(writer)
+        other = Apart(partial(_sent, tasks, reader, common))
+        found: dict[int, _T] = _taken(tasks, reader)
+        theirs: Mapping[int, _T] = _Received(io.BytesIO(other.result()), common).load()
+    finally:
+        os.close(reader)
+    found |= theirs
+    return [found[k] if k in found else task() for k, task in enumerate(tasks)]
+
+
+def _taken(tasks: Sequence[Callable[[], _T]], reader: int) -> dict[int, _T]:
+    """Results of the tasks that were left, by index; failures are none."""
+    found = {}
+    while ticket := os.read(reader, 1):
+        try:
+            found[ticket[0]] = tasks[ticket[0]]()
+        except Exception:
+            # It is done again where it can raise in its turn.
+            continue
+    return found
+
+
+def _sent(tasks: Sequence[Callable[[], object]], reader: int, common: Sequence[object]) -> bytes:
+    """Results of the tasks that were left, as bytes; the address of a common object is the same on both sides."""
+    places = {id(one): k for k, one in enumerate(common)}
+    found = {}
+    for k, result in _taken(tasks, reader).items():
+        try:
+            _Sending(io.BytesIO(), places).dump(result)
+        except (pickle.PicklingError, AttributeError, TypeError):
+            continue
+        found[k] = result
+    into = io.BytesIO()
+    _Sending(into, places).dump(found)
+    return into.getvalue()
+
+
+class _Sending(pickle.Pickler):
+    """Writes results with common objects as their numbers."""
+
+    def __init__(self, into: io.BytesIO, places: Mapping[int, int]) -> None:
+        super().__init__(into, protocol=pickle.HIGHEST_PROTOCOL)
+        self._places = places
+
+    def persistent_id(self, obj: object) -> int | None:
+        return self._places.get(id(obj))
+
+
+class _Received(pickle.Unpickler):
+    """Reads results with the common objects of this process."""
+
+    def __init__(self, given: io.BytesIO, common: Sequence[object]) -> None:
+        super().__init__(given)
+        self._common = common
+
+    def persistent_load(self, place: int) -> object:
+        return self._common[place]

@@ -54,6 +54,8 @@ def test_a_fit_moves_a_hump_no_farther_than_its_flank_is_sailed():
         assert (inside == [speed, width]) is shown
 
 
+# Nightly: a whole diagnosis with a second search; the gate takes the search and the rules of humps.
+@pytest.mark.nightly
 def test_a_flank_alone_is_a_cubic_drag_or_a_hump():
     """A hump beyond the largest speed of the log: its height may be none, a cubic drag stands in its place, and the two are not told apart."""
     c = case(211125)

@@ -18,6 +18,8 @@ def failed(seed, **asked):
     return names[int(c.truth["thruster.failure.thruster"])], names, said.parameters["thruster.failure.thruster"]
 
 
+# Nightly: four thrusters and two causes take half a minute; the gate takes the log that turns of two thrusters.
+@pytest.mark.nightly
 def test_two_thrusters_of_a_straight_course_that_push_alike_are_both_said():
     """On a straight course of four vectored thrusters the named one was the wrong one of two: a pair aft and forward pushes alike."""
     true, names, bound = failed(236041)
@@ -25,7 +27,7 @@ def test_two_thrusters_of_a_straight_course_that_push_alike_are_both_said():
     assert bound.lower <= names.index(true) <= bound.upper
 
 
-@pytest.mark.parametrize("kind", ["vectored", "catamaran"])
+@pytest.mark.parametrize("kind", [pytest.param("vectored", marks=pytest.mark.nightly), "catamaran"])
 def test_a_log_that_turns_says_one(kind):
     true, _, bound = failed(
         7, what="one", effect="thruster.failure", kind=kind, style="rich", z=40.0, duration=300.0, rate=10.0

@@ -136,7 +136,8 @@ def test_the_claims_of_the_vehicle_at_sea_are_held_against_its_log(real, tmp_pat
         assert drag["lower"] < 74.82 < drag["upper"] and 200 < drag["upper"] < 2504
     may = record["allowed"]
     # The water may have moved by a few centimetres a second beside what the extended model says, and no more.
-    assert result.visible["current.steady"].tested
+    # A current of typical size stood out by more than 8 until thrusts at rest had their whole absolute accuracy, as the contract says.
+    assert 7.0 < result.visible["current.steady"].z < 10.0
     assert all(
         -0.2 < may[f"current.steady.{q}"]["lower"] < may[f"current.steady.{q}"]["upper"] < 0.2
         for q in ("north", "east")
@@ -217,9 +218,10 @@ def test_a_slow_run_of_the_model_tug_does_not_show_its_drag(real, tmp_path):
     alone, slower, both = (predicted(vehicle, log) for log in (run, other, joined(run, other)))
     for z in (alone, slower, both):
         assert max(z.values()) < 8, z
-    # The other run is slower still, and adds little; both together have other knots of their thrust errors.
+    # Information of two runs adds at most; both together have other knots of their thrust errors. The slower run showed less of both drags than the
+    # first while samples counted before the thrusters had run up; now it shows 4.2 of the linear one, which both runs show by 3.7 and the first by 3.3.
     drags = ("drag.surge.linear", "drag.surge.quadratic")
-    assert all(slower[i] < 0.6 * alone[i] and 0.9 * alone[i] < both[i] < 1.2 * alone[i] for i in drags)
+    assert all(0.5 * alone[i] ** 2 < both[i] ** 2 < 1.2 * (alone[i] ** 2 + slower[i] ** 2) for i in drags)
 
 
 def test_a_perfect_bollard_pull_would_not_show_the_tugs_drag_either(real, tmp_path):

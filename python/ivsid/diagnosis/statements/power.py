@@ -54,13 +54,15 @@ def largest_drag(fit: Fit, term: Term, off: float) -> float:
         return np.inf
     driven = nu * (thruster_force(vehicle, h.given, p, (u, v, r)) + p.force)
     work = float(driven.sum())
-    for t, curve, demand in zip(
-        vehicle.thrusters, predictor.propulsion.curves, predictor.propulsion.demands, strict=True
-    ):
+    along, across = p.swing or (np.cos(p.angles), np.sin(p.angles))
+    for k, t in enumerate(vehicle.thrusters):
         x, y = t.position
+        at = u - y * r, v + x * r
+        # An error of a thrust pushes along its axis; a rudder turns it anywhere.
+        speed = np.abs(at[0] * along[k] + at[1] * across[k]) if t.rudder is None else np.hypot(*at)
         # Samples come before steps.
-        bound = np.tile(bound_of(t, curve, demand), 2)
-        work += off * float(bound @ np.hypot(u - y * r, v + x * r))
+        bound = np.tile(bound_of(t, predictor.propulsion.curves[k], predictor.propulsion.demands[k]), 2)
+        work += off * float(bound @ speed)
     # A wind, a pull or a lift that was fitted may drive as well; what they take elsewhere is given to the drag.
     work += sum(max(-h.values[t.id] * float(power(t.columns(here)).sum()), 0.0) for t in h.terms if t.id != term.id)
     work += sum(max(float(power(f.function(here, numbers)).sum()), 0.0) for f, numbers in acting(h.given, Force))

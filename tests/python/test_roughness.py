@@ -5,12 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.exam.cases import case
 
-from diagnosis_logs import logs_of, vehicle_of
+from diagnosis_logs import logs_of, logs_of_case, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.estimation.noise import largest_declared
 from ivsid.diagnosis.selection.adequacy import ROUGHER, adequacy
 from ivsid.diagnosis.statements.unknown import unknown
 from ivsid.vehicle import parse_vehicle
@@ -36,6 +38,23 @@ def test_the_least_ambient_force_lies_below_the_true_one_and_not_far(factor, at_
     # A log of minutes knows the variance of such a force to a third, the least counts three errors less, and thrust errors count as declared. Those of
     # thrusters at rest hide a part of the force ahead, where they push.
     assert factor == 1.0 or (shown[1] > 0.25 * factor and shown[0] > (0.08 if at_rest else 0.1) * factor)
+
+
+def test_a_moment_turns_a_hull_of_little_inertia_more():
+    """An azimuth boat with half the inertia of a usual hull was `unknown` in a sea inside the declared one: its moment counted on the usual inertia."""
+    c = case(245234, what="none", sea="minutes", sensors="slow")
+    vehicle = parse_vehicle(c.text, "v.toml")
+    fit = plain_fit(vehicle, channels(logs_of_case(c)[0], vehicle), everything)
+    m, length = vehicle.hull.mass, vehicle.hull.length
+    assert fit.h.values["inertia.yaw"] < 0.6 * m * length**2 / 8
+    assert max(fit.noise.rougher) < 1.3
+    # By hand: the declared moment over the fitted inertia.
+    assert largest_declared(vehicle, fit.h.values)[2] == pytest.approx(
+        vehicle.ambient.moment / fit.h.values["inertia.yaw"]
+    )
+    assert largest_declared(vehicle, {"inertia.yaw": m * length**2, "mass.surge": 2 * m})[[0, 2]] == pytest.approx(
+        [vehicle.ambient.force / m, vehicle.ambient.moment / (m * length**2 / 8)]
+    )
 
 
 def test_nothing_is_rougher_than_what_nobody_declared():

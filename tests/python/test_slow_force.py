@@ -131,6 +131,22 @@ def test_a_force_of_minutes_beyond_the_declared_one_is_told(seed, sea):
     assert not adequacy(fit).quiet
 
 
+@pytest.mark.parametrize(("seed", "sea"), CASES)
+@pytest.mark.parametrize(("declared", "beyond"), [(1.0, False), (0.2, True)])
+def test_a_log_says_whether_its_slow_forces_are_clearly_more_than_declared(seed, sea, declared, beyond):
+    vehicle, train, _ = drawn(seed, sea, declared=declared)
+    assert SlowForce(fitted(vehicle, train)).beyond is beyond
+
+
+def test_noise_faster_than_slow_forces_scatters_what_is_left_beside_them(monkeypatch):
+    """One wave a log and others of twenty seconds, each with the declared rms: what is left beside slow forces is as strong as the noise at its frequencies."""
+    c = case(244099, what="none", sea="minutes", sensors="white")
+    fit = fitted(parse_vehicle(c.text, "v.toml"), logs_of_case(c)[0])
+    assert adequacy(fit).quiet
+    monkeypatch.setattr(SlowForce, "spectrum", lambda self, g: None)
+    assert not adequacy(fit).quiet
+
+
 @pytest.mark.parametrize(("seed", "sea", "style", "module", "name"), NAMED)
 def test_a_force_of_minutes_inside_the_declared_one_has_no_name(seed, sea, style, module, name, monkeypatch):
     vehicle, *both = drawn(seed, sea, style=style, ambient=10.0)

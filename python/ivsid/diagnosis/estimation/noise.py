@@ -124,7 +124,7 @@ def declared_ambient(vehicle: Vehicle, masses: Mapping[str, float] | None = None
     Args:
         vehicle: whose file declares a force and a moment.
         masses: masses [kg] and inertia in yaw [kg m^2] of a fitted model by id, on which the declared force acts with the water that moves
-            along; those of the hull alone by default, so that the acceleration is the largest possible.
+            along; by default those of the hull alone, with the inertia of a usual one.
     """
     m = vehicle.hull.mass
     length = hull_length(vehicle)
@@ -138,6 +138,18 @@ def declared_ambient(vehicle: Vehicle, masses: Mapping[str, float] | None = None
     arm = ASSUMED_ARM * length
     surge = ASSUMED_SHARE * force / m
     return Ambient((surge, surge, ASSUMED_SHARE * force * arm / inertia), (ASSUMED_TIME, ASSUMED_TIME, ASSUMED_TIME))
+
+
+def largest_declared(vehicle: Vehicle, masses: Mapping[str, float]) -> Array:
+    """Standard deviations of the declared ambient acceleration by axis, on the hull alone or with the fitted masses, whichever is larger, shape (3,).
+
+    No mass is below the hull's, which holds no water. An inertia may be half of a usual one's where the mass lies amidships.
+
+    Args:
+        vehicle: whose file declares a force and a moment.
+        masses: of the fitted model by id.
+    """
+    return np.maximum(declared_ambient(vehicle).deviation, declared_ambient(vehicle, masses).deviation)
 
 
 def ambient_of(predictor: Predictor, residual: Array, rows: NDArray[np.bool_], masses: Mapping[str, float]) -> Ambient:

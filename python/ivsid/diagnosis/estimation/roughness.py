@@ -10,14 +10,16 @@ Annals of Statistics 17, 1989.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.estimation.noise import INERTIA_DIVISOR, LAGS, declared_ambient, slopes_of
+from ivsid.diagnosis.estimation.noise import INERTIA_DIVISOR, LAGS, declared_ambient, largest_declared, slopes_of
 from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.diagnosis.prediction.innovations import Predictor
+from ivsid.effects.inertia import INERTIA_YAW, MASS_SURGE, MASS_SWAY
 
 Array = NDArray[np.float64]
 # Length of the blocks whose scatter tells how well a correlation is known [s].
@@ -32,7 +34,11 @@ ERRORS: Final = 3.0
 
 
 def roughness(
-    predictor: Predictor, residual: Array, rows: NDArray[np.bool_], left_out: frozenset[int]
+    predictor: Predictor,
+    residual: Array,
+    rows: NDArray[np.bool_],
+    left_out: frozenset[int],
+    masses: Mapping[str, float],
 ) -> tuple[Array, Array]:
     """Ambient acceleration at the least over what is declared, by axis, and over the declared ambient force alone, shape (3,) each.
 
@@ -41,14 +47,17 @@ def roughness(
         residual: prediction errors without all that any column explains, shape (rows, n).
         rows: samples that count, shape (n,).
         left_out: indices of the axes that are left out of a fit.
+        masses: of the fitted model by id.
     """
     if predictor.vehicle.ambient is None:
         return np.zeros(3), np.zeros(3)
-    said = declared_ambient(predictor.vehicle)
-    found, declared = least_ambient(predictor, residual, rows, left_out), np.array(said.deviation)
+    found, declared = (
+        least_ambient(predictor, residual, rows, left_out),
+        largest_declared(predictor.vehicle, masses),
+    )
     # An ambient force that forgets at the declared rate keeps this share of its deviation.
-    kept = np.exp(-0.5 * LAGS[0] / np.array(said.time))
-    return found / kept / np.hypot(declared, _of_thrusts(predictor)), found / declared
+    kept = np.exp(-0.5 * LAGS[0] / np.array(declared_ambient(predictor.vehicle).time))
+    return found / kept / np.hypot(declared, _of_thrusts(predictor, masses)), found / declared
 
 
 def least_ambient(predictor: Predictor, residual: Array, rows: NDArray[np.bool_], left_out: frozenset[int]) -> Array:
@@ -82,7 +91,7 @@ def least_ambient(predictor: Predictor, residual: Array, rows: NDArray[np.bool_]
     return out
 
 
-def _of_thrusts(predictor: Predictor) -> Array:
+def _of_thrusts(predictor: Predictor, masses: Mapping[str, float]) -> Array:
     """Accelerations that errors of all thrusts together make at their bounds [m/s^2, rad/s^2], rms, by axis, shape (3,)."""
     vehicle, propulsion = predictor.vehicle, predictor.propulsion
     out = np.zeros(3)
@@ -91,9 +100,7 @@ def _of_thrusts(predictor: Predictor) -> Array:
         angle, (x, y) = predictor.driving.turned[k, : size.size], thruster.position
         c, s = np.cos(angle), np.sin(angle)
         out += np.sqrt(np.mean((np.stack([c, s, x * s - y * c]) * size) ** 2, axis=1))
-    return np.asarray(
-        out
-        / np.array(
-            [vehicle.hull.mass, vehicle.hull.mass, vehicle.hull.mass * hull_length(vehicle) ** 2 / INERTIA_DIVISOR]
-        )
-    )
+    m = vehicle.hull.mass
+    own = m, m, m * hull_length(vehicle) ** 2 / INERTIA_DIVISOR
+    ids = MASS_SURGE.id, MASS_SWAY.id, INERTIA_YAW.id
+    return np.asarray(out / np.minimum(own, [masses.get(i, x) for i, x in zip(ids, own, strict=True)]))

@@ -14,6 +14,7 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import with_family
+from ivsid.diagnosis.null.frequencies import Spectrum
 
 Array = NDArray[np.float64]
 
@@ -47,6 +48,15 @@ class Beside(ABC):
         """
         del g, base, known
         return self
+
+    def spectrum(self, g: Gram) -> Spectrum | None:
+        """Spectrum of the noise beside it; None where what it takes is the colour of the noise itself.
+
+        Args:
+            g: cross-products of the base and of further columns.
+        """
+        del g
+        return None
 
     @cached_property
     def base(self) -> Gram:

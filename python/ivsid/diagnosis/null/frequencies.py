@@ -11,7 +11,7 @@ Stationary Time Series*, 1957, chapter 7 (regression beside noise of any spectru
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
 
@@ -172,6 +172,25 @@ def spectrum(fit: Fit, g: Gram) -> Spectrum:
     every = range(len(g.names))
     p = Projection(g, every)
     return _spectrum(fit, g.y - g.explained(every, p.coefficients), _projected(p.normal, _lowest(fit, g.parts)))
+
+
+def faster_spectrum(fit: Fit, g: Gram, slow: Array, lowest: int) -> Spectrum:
+    """Spectrum of the noise that is faster than slow forces, which stand beside it and are held to their own bound.
+
+    Args:
+        fit: of the model.
+        g: cross-products of its base and of the regressors.
+        slow: signatures of the slow forces, shape (forces, numbers).
+        lowest: frequencies of the log that are those of slow forces, and count as white.
+    """
+    every = range(len(g.names))
+    p = Projection(g, every)
+    left = (g.y - g.explained(every, p.coefficients)).ravel()
+    own = slow @ slow.T
+    ridge = RIDGE * max(float(np.trace(own)), NOTHING) * np.eye(len(own))
+    left = left - slow.T @ np.linalg.solve(own + ridge, slow @ left)
+    found = _spectrum(fit, left.reshape(g.y.shape), _projected(p.normal, _lowest(fit, g.parts)))
+    return replace(found, found=np.where(np.arange(found.found.shape[1]) < lowest, 1.0, found.found))
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ from scipy.linalg import cho_factor, cho_solve
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.null.beside import Beside
+from ivsid.diagnosis.null.frequencies import Spectrum, faster_spectrum
 
 Array = NDArray[np.float64]
 # Half waves of a slow force over the log, at most.
@@ -37,6 +38,9 @@ STEPS: Final = 200
 # Source: geometry: far less than the prior of a force
 FIRST: Final = 1e-3
 MOST: Final = 10.0
+# Mean square of a force over the log, in that of the declared one, up to which it is no more than that.
+# Source: geometry: the mean square of a wave beside its crest is twice that of all of it
+CREST: Final = 2.0
 # Least duration that is divided by [s].
 # Source: geometry: the smallest doubles
 LEAST: Final = 1e-300
@@ -57,12 +61,21 @@ class SlowForce(Beside):
         force = np.stack([f for f, _ in made], axis=1)
         return x.reshape(len(x), -1) * unit[:, None], force @ force.transpose(0, 2, 1) / force.shape[2]
 
-    @cached_property
+    @property
     def prior(self) -> Array:
         """Information on the sizes of the forces before the log, shape (forces, forces), with multipliers that keep the bound of each axis.
 
         They are those of the base, so that the fall of a cause is an upper limit of the one with multipliers of its own.
         """
+        return self._held[0]
+
+    @property
+    def beyond(self) -> bool:
+        """Whether the log asks for clearly more than the declared rms along an axis."""
+        return self._held[1]
+
+    @cached_property
+    def _held(self) -> tuple[Array, bool]:
         g = self._base
         return self._multiplied(g, range(len(g.names)), np.zeros(len(g.names)))
 
@@ -76,10 +89,11 @@ class SlowForce(Beside):
         """
         other = SlowForce(self.fit)
         # Signatures and bounds are those of the same fit.
-        other.__dict__.update(_shapes=self._shapes, prior=self._multiplied(g, base, known))
+        other.__dict__.update(_shapes=self._shapes, _held=self._multiplied(g, base, known))
         return other
 
-    def _multiplied(self, g: Gram, base: Sequence[int], known: Array) -> Array:
+    def _multiplied(self, g: Gram, base: Sequence[int], known: Array) -> tuple[Array, bool]:
+        """Information before the log with multipliers, and whether a bound is far passed without them."""
         s, products = self._shapes
         cross = np.concatenate([x.reshape(len(x), -1) @ s.T for x in g.parts])
         at = list(base)
@@ -87,17 +101,18 @@ class SlowForce(Beside):
         information = s @ s.T - cross[at].T @ held
         left = (g.score.sum(axis=0) - g.prior * g.centre - g.total @ known)[at]
         score = s @ g.y.ravel() - cross.T @ known - held.T @ left
-        own, times = np.eye(len(s)), np.full(len(products), FIRST)
+        own, times, beyond = np.eye(len(s)), np.full(len(products), FIRST), None
         for _ in range(STEPS):
             own = np.eye(len(s)) + np.tensordot(times, products, 1)
             size = np.linalg.solve(information + own, score)
             square = size @ products @ size
+            beyond = bool(np.any(square > CREST)) if beyond is None else beyond
             # Where a bound is passed its share counts, however small the multiplier.
             counted = np.where(square > 1.0, np.maximum(times, 1.0), times)
             if np.all(counted * np.abs(square - 1.0) < GAP):
                 break
             times = times * np.clip(np.sqrt(square), 1 / MOST, MOST)
-        return own
+        return own, bool(beyond)
 
     @cached_property
     def _factor(self) -> tuple[Array, bool]:
@@ -117,6 +132,14 @@ class SlowForce(Beside):
         total = g.total - own @ taken
         score = g.score.sum(axis=0) - (s @ g.y.ravel()) @ taken
         return replace(g.whole(), blocks=total[None], score=score[None])
+
+    def spectrum(self, g: Gram) -> Spectrum | None:
+        """Spectrum of the noise above the frequencies of slow forces; None where the log asks for more of these than is declared, and what is left need not be noise.
+
+        Args:
+            g: cross-products of the base and of further columns.
+        """
+        return None if self.beyond else faster_spectrum(self.fit, g, self._shapes[0], HALF_WAVES // 2 + 1)
 
 
 def slow_force(fit: Fit) -> SlowForce | None:

@@ -245,8 +245,9 @@ def adequacy(fit: Fit) -> Adequacy:
         # a slow force.
         if found.white or found.strongest[0][2] >= FORETOLD:
             break
-        less = Projection(other.beside(wide), own.base)
-        found = max(found, found.also(_structure(less, at, names, worst)), key=lambda q: q.of_regressors)
+        less, colour = Projection(other.beside(wide), own.base), other.spectrum(wide)
+        more = None if colour is None else excess(fit, own, at, colour)
+        found = max(found, found.also(_structure(less, at, names, worst, more)), key=lambda q: q.of_regressors)
     return replace(found, leans=leans)
 
 

@@ -146,6 +146,27 @@ PROOFS = (
         "test_slow_force.py",
     ),
     python(
+        "noise of whatever exceeds the declared slow force",
+        "diagnosis/null/slow_force.py",
+        "return None if self.beyond else",
+        "return",
+        "test_slow_force.py",
+    ),
+    python(
+        "a declared moment on a usual inertia alone",
+        "diagnosis/estimation/noise.py",
+        "declared_ambient(vehicle, masses).deviation)",
+        "0.0)",
+        "test_roughness.py",
+    ),
+    python(
+        "thrust errors that stay outside beside a name",
+        "diagnosis/statements/rules.py",
+        "HELD: Final = (HULLS, PARTED, DOMINANT_RULE, EXCLUDES, BOUNDS_KEPT)",
+        "HELD: Final = (HULLS, PARTED, DOMINANT_RULE, EXCLUDES)",
+        "test_findings.py",
+    ),
+    python(
         "past errors that nobody asks",
         "diagnosis/null/own_past.py",
         "LAGS: Final = 24",

@@ -8,7 +8,7 @@
 - ``endpoints``: bounds that may be reversed, the result of the published method.
 - ``shown``: intervals and arrays in words, rounded outward.
 - ``pieces``: work over many rows in pieces that stay in the cache, on all processors.
-- ``apart``: a task in a process of its own.
+- ``apart``: a task in a process of its own; ``turns``: tasks that two processes take in turn.
 
 The chapter may use ``errors`` and the compiled core. Every other chapter may use it, except the checker.
 """
